@@ -33,10 +33,8 @@ def validate(
             metavar="NAME,NAME",
             show_default=False,
             help="figure-4.4, figure-4.8, figure-4.9, figure-4.10, figure-4.11, figure-4.12, "
-            "figure-4.13, figure-4.14, "
-            "figure-4.15, table-4.1, table-4.2, exports, reach, quiet, measures, smoothness, "
-            "policies, praise, "
-            "corrections, progress, difficulty, effects, modularity; default: all.",
+            "figure-4.13, figure-4.14, figure-4.15, table-4.1, table-4.2, exports, reach, "
+            "policies, progress, difficulty, effects, modularity; default: all.",
         ),
     ] = None,
     to: Annotated[

@@ -7,20 +7,15 @@ from sar_tui.validation import (
     adaptation,
     angular_velocity,
     changed_parts,
-    corrections,
     difficulty,
     effects,
     exported_tables,
     feedback,
-    measures,
     modularity,
     policies,
-    praise,
     progress,
-    quiet,
     reach,
     requirements,
-    smoothness,
     table_4_1,
 )
 from sar_tui.validation.report import Conditions, Report
@@ -85,20 +80,7 @@ VALIDATIONS: dict[str, Validation] = {
         reach.run,
         1.5,
     ),
-    "quiet": Validation("False reaches in simulated daily life, by each detector", quiet.run, 0.5),
-    "measures": Validation(
-        "Measures of reaches about many axes, against their trajectories", measures.run, 2
-    ),
-    "smoothness": Validation(
-        "Smoothness of the same movement, by sensors of different rate and noise", smoothness.run
-    ),
     "policies": Validation("Feedback under each schedule, and the reasons", policies.run),
-    "praise": Validation(
-        "Praise by chance, and of a true change, under each kind of noise", praise.run, 2.5
-    ),
-    "corrections": Validation(
-        "Corrections by chance, and of a true decline, under each kind of noise", corrections.run, 4
-    ),
     "progress": Validation(
         "Progress over sessions: bands and verdicts on simulated histories", progress.run, 3
     ),

@@ -7,10 +7,10 @@ import itertools
 import numpy as np
 import pytest
 
-from sar_tui.motion.daily_life import BACK_DEG, KINDS, TRIP_S, DailyLife, simulate
 from sar_tui.motion.quaternions import angle, conjugate, integrate, multiply, rotate
 from sar_tui.motion.synthesis import GRAVITY_M_S2
-from sar_tui.motion.wrist_motion import WristMotion
+from tests.motion.daily_life import BACK_DEG, KINDS, TRIP_S, DailyLife, simulate
+from tests.motion.wrist_motion import WristMotion
 
 
 @pytest.fixture(scope="module")

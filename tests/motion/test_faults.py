@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from sar_tui.motion.analysis import AnalysisParameters, Window, analyse
-from sar_tui.motion.daily_life import KINDS as DAILY_LIFE
-from sar_tui.motion.daily_life import simulate as simulate_daily_life
 from sar_tui.motion.detection import detect
 from sar_tui.motion.faults import is_clipped, turns_too_far
 from sar_tui.motion.reach_kinds import KINDS
 from sar_tui.motion.samples import SAMPLE, Floats, Recording, Samples
 from sar_tui.motion.trajectories import simulate_reaches
 from tests.examples import fewer, first
+from tests.motion.daily_life import KINDS as DAILY_LIFE
+from tests.motion.daily_life import simulate as simulate_daily_life
 
 
 def rate_of(kind: str, seed: int = 1, rate_hz: float = 100.0) -> Floats:

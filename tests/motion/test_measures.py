@@ -22,7 +22,7 @@ from sar_tui.motion.samples import Floats, Recording
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, Profile, TableRow, simulate
 from sar_tui.motion.trajectories import SimulatedReaches, simulate_reaches
-from sar_tui.validation.measures import true_measures
+from tests.claims.measures import true_measures
 from tests.examples import examples, first
 
 ONE_AXIS = ReachShape(out_s=1.0, back_s=1.0, dwell_s=0.3, peak_out=1.5, peak_back=-1.5)

@@ -8,7 +8,6 @@ import msgspec
 import numpy as np
 import pytest
 
-from sar_tui.motion import daily_life
 from sar_tui.motion.detection import find
 from sar_tui.motion.grid import even
 from sar_tui.motion.plausibility import plausible
@@ -18,8 +17,9 @@ from sar_tui.motion.rest import find_rest
 from sar_tui.motion.samples import Recording
 from sar_tui.motion.scenarios import scenarios
 from sar_tui.motion.trajectories import simulate_reaches
-from sar_tui.motion.wrist_motion import Angles, WristMotion
 from tests.examples import first
+from tests.motion import daily_life
+from tests.motion.wrist_motion import Angles, WristMotion
 
 
 def _found(

@@ -3,8 +3,8 @@
 import pytest
 
 from sar_tui.plugins import Catalogue
-from sar_tui.validation import measures, smoothness
 from sar_tui.validation.report import Conditions, Report
+from tests.claims import measures, smoothness
 
 
 @pytest.fixture

@@ -7,9 +7,9 @@ import pytest
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.real_change import LEAST_ATTEMPTS, LEAST_TRIALS
 from sar_tui.simulation.participant_model import PEOPLE
-from sar_tui.validation import praise, praised_sessions
-from sar_tui.validation.noise_worlds import WORLDS, sem
 from sar_tui.validation.report import Claim, Conditions, Report
+from tests.claims import praise, praised_sessions
+from tests.claims.noise_worlds import WORLDS, sem
 
 
 @pytest.mark.slow

@@ -5,19 +5,19 @@ apart.
 import msgspec
 import pytest
 
-from sar_tui.motion import daily_life
-from sar_tui.motion.daily_life import KINDS
 from sar_tui.motion.detection import detect
 from sar_tui.motion.detector_names import STORED_NAMES
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.synthesis import simulate
 from sar_tui.motion.trajectories import simulate_reaches
-from sar_tui.motion.wrist_motion import Trip
 from sar_tui.plugins import Catalogue
-from sar_tui.validation import quiet
 from sar_tui.validation.report import Conditions, Report
+from tests.claims import quiet
 from tests.examples import first
+from tests.motion import daily_life
+from tests.motion.daily_life import KINDS
+from tests.motion.wrist_motion import Trip
 
 
 @pytest.fixture(scope="module")

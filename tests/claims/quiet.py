@@ -1,17 +1,16 @@
 """Reaches that each detector finds in simulated daily life, where nobody reaches."""
 
-from collections.abc import Iterator, Sequence
-from functools import partial
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
 from sar_tui.motion.analysis import AnalysisParameters
-from sar_tui.motion.daily_life import KINDS, MINUTES, simulate
 from sar_tui.motion.detection import detect
 from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
 from sar_tui.motion.reach import Reach
-from sar_tui.motion.wrist_motion import Trip
-from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
+from sar_tui.validation.report import Claim, Conditions, Report, Row
+from tests.motion.daily_life import KINDS, MINUTES, simulate
+from tests.motion.wrist_motion import Trip
 
 PEOPLE = range(1, 4)
 QUICK_PEOPLE, QUICK_MINUTES = range(1, 2), 2.0
@@ -50,7 +49,7 @@ def run(conditions: Conditions) -> Report:
             ", ".join(f"{row['kind']}: {row[overlaps]}" for row in doubled),
         ),
     ]
-    return Report(rows, list(_tables()), claims)
+    return Report(rows, (), claims)
 
 
 def count(reaches: Sequence[Reach], trips: Sequence[Trip]) -> Count:
@@ -86,24 +85,3 @@ def _row(kind: str, is_quick: bool) -> Row:
         row[f"{name}_trips"] = sum(each.trips for each in counts)
         row[f"{name}_overlapping"] = sum(map(overlapping, found))
     return row
-
-
-def _tables() -> Iterator[list[Column]]:
-    """Yield a table of false finds and one of trips, with a column for each detector."""
-    for title, of, show in (
-        ("false reaches\na minute", Column("minutes", lambda row: f"{row['minutes']:g}"), _rate),
-        ("trips found", Column("of", lambda row: str(row["trips"])), _trips),
-    ):
-        yield [
-            Column(title, lambda row: str(row["kind"]), is_number=False),
-            of,
-            *(Column(detector, partial(show, name)) for detector, name in STORED_NAMES.items()),
-        ]
-
-
-def _rate(name: str, row: Row) -> str:
-    return f"{row[f'{name}_false_per_minute']:.1f}"
-
-
-def _trips(name: str, row: Row) -> str:
-    return str(row[f"{name}_trips"])

@@ -15,7 +15,7 @@ from sar_tui.motion.reach_bounds import Bounds, Detected, Hand
 from sar_tui.motion.reach_kinds import KINDS
 from sar_tui.motion.repetitions import count_repetitions
 from sar_tui.motion.trajectories import PLACEMENTS, SimulatedReaches, simulate_reaches
-from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
+from sar_tui.validation.report import Claim, Conditions, Report, Row
 
 MOST_REACHES = 50
 """Largest number of reaches of each kind."""
@@ -59,15 +59,6 @@ def run(conditions: Conditions) -> Report:
     for number, kind in enumerate(KINDS):
         conditions.progress(f"measures: {kind}", number, len(KINDS))
         rows.append(row_of(kind, reaches))
-    tables = [
-        [
-            Column(
-                "median error\n(95 % are within)", lambda row: str(row["scenario"]), is_number=False
-            ),
-            *(Column(measure.head, partial(_shown, measure)) for measure in some),
-        ]
-        for some in (ANGLES, SHAPES)
-    ]
     claims = [
         _claim(measure, measure.within, rows) for measure in MEASURES if measure.within is not None
     ]
@@ -80,7 +71,7 @@ def run(conditions: Conditions) -> Report:
             "; ".join(miscounted),
         )
     )
-    return Report(rows, tables, claims)
+    return Report(rows, (), claims)
 
 
 def _counted_swings(repetitions: int, period_s: float = 2.0, rate_hz: float = 100.0) -> int:
@@ -172,8 +163,3 @@ def _claim(measure: Measure, within: float, rows: list[Row]) -> Claim:
     return Claim(
         sentence, ", ".join(f"{row['scenario']}: {row[error]:{measure.form}}" for row in off)
     )
-
-
-def _shown(measure: Measure, row: Row) -> str | None:
-    median, most = row[f"{measure.name}_error_median"], row[f"{measure.name}_error_95"]
-    return None if median is None else f"{median:{measure.form}} ({most:{measure.form}})"

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from functools import partial
 
 import numpy as np
 
@@ -10,7 +9,7 @@ from sar_tui.motion.measures import measure
 from sar_tui.motion.reach_bounds import Bounds, Detected
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.synthesis import Profile, simulate
-from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
+from sar_tui.validation.report import Claim, Conditions, Report, Row
 
 RATES_HZ = (50, 100, 250, 1000)
 NOISES_DEG_S = (0.0, 0.3, 1.0, 2.0)
@@ -56,14 +55,7 @@ def run(conditions: Conditions) -> Report:
         ),
         *(_is_known(name, rows) for name in MINIMUM_JERK),
     ]
-    columns = [
-        Column("movement", lambda row: str(row["movement"]), is_number=False),
-        Column("noise,\n°/s", lambda row: f"{row['noise_deg_s']:g}"),
-        Column("samples\na second", lambda row: str(row["rate_hz"])),
-        Column("SPARC\n(SD)", partial(_shown, "sparc", ".3f")),
-        Column("LDLJ\n(SD)", partial(_shown, "ldlj", ".2f")),
-    ]
-    return Report(rows, [columns], claims)
+    return Report(rows, (), claims)
 
 
 def _is_known(name: str, rows: Sequence[Row]) -> Claim:
@@ -116,7 +108,3 @@ def row_of(name: str, shape: ReachShape, noise_deg_s: float, rate_hz: int) -> Ro
         "ldlj": ldlj,
         "ldlj_sd": ldlj_sd,
     }
-
-
-def _shown(name: str, form: str, row: Row) -> str:
-    return f"{row[name]:{form}} ({row[f'{name}_sd']:{form}})"

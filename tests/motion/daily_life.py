@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sar_tui.motion.samples import Recording
-from sar_tui.motion.wrist_motion import Angles, Trip, WristMotion
+from tests.motion.wrist_motion import Angles, Trip, WristMotion
 
 MINUTES = 10.0
 RATE_HZ = 100.0

@@ -4,9 +4,9 @@ import pytest
 
 from sar_tui.plugins import Catalogue
 from sar_tui.rules import decline
-from sar_tui.validation import corrections
-from sar_tui.validation.noise_worlds import WORLDS
 from sar_tui.validation.report import Conditions, Report
+from tests.claims import corrections
+from tests.claims.noise_worlds import WORLDS
 
 
 @pytest.mark.slow
@@ -36,7 +36,6 @@ def test_each_world_has_its_rows(catalogue: Catalogue) -> None:
         )
         if row["declines"]:
             assert row["found_within_1"] <= row["found_within_2"] <= row["found_within_3"]
-    assert {len(each) for each in run(catalogue).tables} == {7}
 
 
 @pytest.mark.usefixtures("few")

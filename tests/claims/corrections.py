@@ -12,9 +12,9 @@ import msgspec
 from sar_tui.loop.task import Task
 from sar_tui.rules.decline import LEAST_BASELINE, RECENT, decline
 from sar_tui.simulation.participant_model import PEOPLE, Person
-from sar_tui.validation.noise_worlds import WORLDS, sem
-from sar_tui.validation.praised_sessions import told_in_session
-from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
+from sar_tui.validation.report import Claim, Conditions, Report, Row
+from tests.claims.noise_worlds import WORLDS, sem
+from tests.claims.praised_sessions import told_in_session
 
 ATTEMPTS = 20
 """Attempts of a session without change."""
@@ -61,7 +61,7 @@ def run(conditions: Conditions) -> Report:
     if seeds := QUICK_SEEDS if conditions.is_quick else SEEDS:
         conditions.progress(f"corrections: {TASK}", len(WORLDS), steps)
         rows.append(_sessions(conditions, seeds))
-    return Report(rows, [_COLUMNS], _claims(rows), seen=_side_by_side(rows))
+    return Report(rows, (), _claims(rows))
 
 
 def _without_change(world: str, measures: int, trials: int, is_quick: bool) -> Row:
@@ -203,37 +203,3 @@ def _too_early() -> str:
 
 def _name(row: Row) -> str:
     return f"{row['world']}, {row['measures']} measures, {row['trials']} trials"
-
-
-def _side_by_side(rows: Sequence[Row]) -> list[Row]:
-    """Return the rows to print: chance and declines of the same measures beside each other."""
-    seen: dict[tuple[object, ...], Row] = {}
-    for row in rows:
-        shared = {name: row[name] for name in ("world", "measures", "trials")}
-        beside = seen.setdefault(tuple(shared.values()), shared)
-        if row["attempts"]:
-            beside["chance"] = f"{row['corrected_by_chance']:.1%}"
-            known = row["corrected_with_baseline"]
-            beside["known"] = None if known is None else f"{known:.1%}"
-        else:
-            found = (row[f"found_within_{number}"] for number in range(RECENT, WITHIN + 1))
-            beside[f"{row['earlier']}"] = " ".join(f"{each:.0%}" for each in found)
-    return list(seen.values())
-
-
-def _beside(name: str, row: Row) -> str | None:
-    text: str | None = row.get(name)
-    return text
-
-
-_COLUMNS = [
-    Column("noise, or session", lambda row: str(row["world"]), is_number=False),
-    Column("measures", lambda row: str(row["measures"])),
-    Column("trials", lambda row: str(row["trials"])),
-    Column("by chance", partial(_beside, "chance")),
-    Column("with a baseline", partial(_beside, "known")),
-    *(
-        Column(f"found in 2, 3\nafter {earlier}", partial(_beside, str(earlier)))
-        for earlier in EARLIER
-    ),
-]

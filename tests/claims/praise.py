@@ -2,14 +2,13 @@
 
 import random
 from collections.abc import Sequence
-from functools import partial
 from statistics import fmean
 
 from sar_tui.progress.change import mdc95
 from sar_tui.rules.real_change import LEAST_ATTEMPTS, LEAST_TRIALS, Sample, judge, spread_of
-from sar_tui.validation.noise_worlds import WORLDS, Attempts, sem
-from sar_tui.validation.praised_sessions import TASKS, session_row
-from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
+from sar_tui.validation.report import Claim, Conditions, Report, Row
+from tests.claims.noise_worlds import WORLDS, Attempts, sem
+from tests.claims.praised_sessions import TASKS, session_row
 
 EARLIER: tuple[int, ...] = (2, 3, 5, 10)
 QUICK_EARLIER = EARLIER[:3]
@@ -44,7 +43,7 @@ def run(conditions: Conditions) -> Report:
     for number, task in enumerate(tasks, len(WORLDS)):
         conditions.progress(f"praise: {task}", number, steps)
         rows.append(session_row(conditions, task))
-    return Report(rows, [_COLUMNS], _claims(rows), seen=_side_by_side(rows))
+    return Report(rows, (), _claims(rows))
 
 
 def _row(world: str, trials: int, earlier: int, measures: int, pairs: int) -> Row:
@@ -123,38 +122,3 @@ def _name(row: Row) -> str:
     if row["earlier"] is None:
         return f"sessions of {row['world']}"
     return f"{row['world']}, {row['earlier']} attempts of {row['trials']}"
-
-
-def _side_by_side(rows: Sequence[Row]) -> list[Row]:
-    """Return the rows to print: those that differ only in the number of earlier attempts beside
-    each other.
-    """
-    seen: dict[tuple[object, ...], Row] = {}
-    for row in rows:
-        key = row["world"], row["measures"], row["trials"]
-        shared = {name: row[name] for name in ("world", "measures", "trials")}
-        seen.setdefault(key, shared)[f"{row['earlier'] or 'session'}"] = _shares(row)
-    return list(seen.values())
-
-
-def _shares(row: Row) -> str | None:
-    """Return the shares praised by chance, and after a change: "2.1% 91%"; None if praise is not
-    possible.
-    """
-    if row["better_if_changed"] is None:
-        return None
-    return f"{row['better_by_chance']:.1%} {row['better_if_changed']:4.0%}"
-
-
-def _beside(name: str, row: Row) -> str | None:
-    shares: str | None = row.get(name)
-    return shares
-
-
-_COLUMNS = [
-    Column("noise, or session", lambda row: str(row["world"]), is_number=False),
-    Column("measures", lambda row: str(row["measures"])),
-    Column("trials", lambda row: str(row["trials"])),
-    *(Column(f"{earlier} earlier", partial(_beside, str(earlier))) for earlier in EARLIER[1:]),
-    Column("session", partial(_beside, "session")),
-]

@@ -1,0 +1,1 @@
+"""Statistical claims of this project, and the simulations that they are tested by."""
