@@ -10,7 +10,7 @@ from sar_tui.inputs.imu import Vector
 from sar_tui.model.language import Language
 from sar_tui.model.units import SECOND
 from sar_tui.motion.analysis import Finding
-from sar_tui.motion.reach_bounds import Hand
+from sar_tui.motion.reach import Hand
 
 Mark = Literal["right", "wait", "wrong"]
 MARKS: dict[Mark, str] = {"right": "✓", "wait": "…", "wrong": "!"}

@@ -11,7 +11,7 @@ from sar_tui.inputs.imu import Status, Vector
 from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.model.units import MS, SECOND
 from sar_tui.motion.analysis import AnalysisParameters, Finding, Window, analyse
-from sar_tui.motion.reach_bounds import Hand
+from sar_tui.motion.reach import Hand
 from sar_tui.motion.samples import Samples, join
 from sar_tui.motion.segmenter import Segmenter
 from sar_tui.motion.synthesis import TABLE_4_1

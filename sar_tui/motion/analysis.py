@@ -14,8 +14,7 @@ from sar_tui.motion.fixed_threshold import FixedThresholdParameters
 from sar_tui.motion.grid import even
 from sar_tui.motion.measures import Version, measure
 from sar_tui.motion.orientation import OrientationParameters
-from sar_tui.motion.reach import Reach
-from sar_tui.motion.reach_bounds import Bounds, Detected, Hand
+from sar_tui.motion.reach import Bounds, Detected, Hand, Reach
 from sar_tui.motion.samples import Recording, Samples, recording
 from sar_tui.motion.single_axis import SingleAxisParameters
 from sar_tui.motion.vectors import lengths

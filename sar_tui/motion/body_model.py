@@ -13,7 +13,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from sar_tui.motion.quaternions import multiply, rotate
-from sar_tui.motion.reach_bounds import Hand
+from sar_tui.motion.reach import Hand
 from sar_tui.motion.samples import Floats
 
 Joint = Literal[

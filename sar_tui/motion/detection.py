@@ -1,7 +1,7 @@
 """Detection and measurement of the reaches in a recording."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
 import msgspec
@@ -10,10 +10,8 @@ from sar_tui.motion import fixed_threshold, one_way, orientation, single_axis
 from sar_tui.motion.detector_names import current_name
 from sar_tui.motion.grid import Grid
 from sar_tui.motion.measures import measure
-from sar_tui.motion.overlaps import apart
 from sar_tui.motion.plausibility import plausible
-from sar_tui.motion.reach import Reach
-from sar_tui.motion.reach_bounds import Detected, Hand
+from sar_tui.motion.reach import Bounds, Detected, Hand, Reach
 from sar_tui.motion.samples import Recording
 
 
@@ -102,3 +100,29 @@ def find(
             f"{type(parameters).__name__}."
         )
     return chosen.find(recording, parameters, hand, grid)
+
+
+MEET_S = 0.1
+"""Two reaches without a rest between them overlap by less than this, as either's boundary is an
+estimate.
+"""
+
+
+def apart(reaches: Iterable[Bounds], since_s: float = -math.inf) -> tuple[Bounds, ...]:
+    """Return reaches in order of time, such that each begins at the end of the one before, or
+    later.
+
+    One that begins a little too early begins at that end instead. One that begins much earlier is
+    the same movement found again, and is left out.
+
+    Args:
+        reaches: in any order.
+        since_s: end of the last reach before them, in s.
+    """
+    kept: list[Bounds] = []
+    for bounds in sorted(reaches, key=lambda bounds: bounds.onset_s):
+        if bounds.onset_s < since_s - MEET_S or bounds.arrival_s <= since_s:
+            continue
+        kept.append(msgspec.structs.replace(bounds, onset_s=max(bounds.onset_s, since_s)))
+        since_s = max(since_s, bounds.end_s)
+    return tuple(kept)

@@ -8,8 +8,7 @@ import msgspec
 import numpy as np
 
 from sar_tui.motion.detection import detect, detect_one_way
-from sar_tui.motion.reach import Reach
-from sar_tui.motion.reach_bounds import Hand
+from sar_tui.motion.reach import Hand, Reach
 from sar_tui.motion.samples import Samples, join, recording
 
 WINDOW = 1 << 18

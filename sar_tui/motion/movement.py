@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from sar_tui.motion.filters import LOW_RATE
 from sar_tui.motion.grid import Grid
-from sar_tui.motion.reach_bounds import Bounds
+from sar_tui.motion.reach import Bounds
 from sar_tui.motion.rest import Rest
 from sar_tui.motion.samples import Floats
 

@@ -17,7 +17,7 @@ from sar_tui.motion.orientation import (
     SUBMOVEMENT,
     OrientationParameters,
 )
-from sar_tui.motion.reach_bounds import Bounds, Detected
+from sar_tui.motion.reach import Bounds, Detected
 from sar_tui.motion.rest import SLOW_HZ
 from sar_tui.motion.samples import Recording
 from sar_tui.motion.vectors import lengths

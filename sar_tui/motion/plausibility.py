@@ -19,7 +19,7 @@ import numpy as np
 
 from sar_tui.motion.filters import Spectrum, usable_cutoff
 from sar_tui.motion.quaternions import angle, conjugate, integrate, multiply
-from sar_tui.motion.reach_bounds import Bounds, Detected
+from sar_tui.motion.reach import Bounds, Detected
 from sar_tui.motion.samples import Floats
 from sar_tui.motion.vectors import lengths
 

@@ -11,8 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sar_tui.motion.body_model import Joint, Site
-from sar_tui.motion.reach_kinds import plan
-from sar_tui.motion.reach_plans import end_of, repeated
+from sar_tui.motion.reach_kinds import end_of, plan, repeated
 from sar_tui.motion.samples import Floats
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.strokes import STILL, Stroke

@@ -14,7 +14,7 @@ from sar_tui.motion.filters import smooth, usable_cutoff
 from sar_tui.motion.grid import Grid, even
 from sar_tui.motion.movement import checked, percentile, stretches
 from sar_tui.motion.phases import pairs, phases, principal_axis
-from sar_tui.motion.reach_bounds import OUTWARDS, Bounds, Detected, Hand
+from sar_tui.motion.reach import OUTWARDS, Bounds, Detected, Hand
 from sar_tui.motion.rest import SLOW_HZ, Rest
 from sar_tui.motion.samples import Floats, Recording
 from sar_tui.motion.vectors import lengths

@@ -23,9 +23,8 @@ from sar_tui.motion.quaternions import (
     rotate,
     to_rotation,
 )
-from sar_tui.motion.reach_bounds import Hand
-from sar_tui.motion.reach_kinds import KINDS, plan
-from sar_tui.motion.reach_plans import ReachPlan, repeated
+from sar_tui.motion.reach import Hand
+from sar_tui.motion.reach_kinds import KINDS, ReachPlan, plan, repeated
 from sar_tui.motion.samples import Floats, Recording
 from sar_tui.motion.strokes import Stroke
 

@@ -28,7 +28,7 @@ from sar_tui.model import messages as m
 from sar_tui.model.random_streams import RandomStreams
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS, SECOND
-from sar_tui.simulation.ex_gaussian import ex_gaussian
+from sar_tui.simulation.participant_model import ex_gaussian
 
 NAME = "operator.simulated"
 PAINTING = 30 * MS

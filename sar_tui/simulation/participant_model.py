@@ -3,12 +3,12 @@ streams.
 """
 
 import math
+from random import Random
 
 import msgspec
 
 from sar_tui.model.random_streams import RandomStreams
 from sar_tui.model.trial_types import Performance
-from sar_tui.simulation.ex_gaussian import ex_gaussian
 
 
 class Person(msgspec.Struct, frozen=True):
@@ -145,3 +145,12 @@ PEOPLE = {
     )
 }
 """The poor, average and competent users of the thesis."""
+
+
+def ex_gaussian(generator: Random, mean: float, sigma: float, tau: float) -> float:
+    """Draw the sum of a normal part with standard deviation ``sigma`` and an exponential tail with
+    mean ``tau``.
+
+    ``mean`` is that of the sum.
+    """
+    return generator.gauss(mean - tau, sigma) + generator.expovariate(1 / tau)

@@ -11,7 +11,7 @@ import numpy as np
 from sar_tui.motion.analysis import AnalysisParameters
 from sar_tui.motion.detection import detect
 from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
-from sar_tui.motion.reach_bounds import Hand
+from sar_tui.motion.reach import Hand
 from sar_tui.motion.reach_kinds import KINDS
 from sar_tui.motion.samples import Recording
 from sar_tui.motion.scenarios import Scenario, scenarios

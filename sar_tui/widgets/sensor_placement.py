@@ -6,7 +6,7 @@ import math
 
 from textual.content import Content
 
-from sar_tui.motion.reach_bounds import Hand
+from sar_tui.motion.reach import Hand
 
 FULL_RAD_S = 4.0
 """Angular rate of a full bar."""

@@ -10,8 +10,7 @@ from sar_tui.motion.detection import detect
 from sar_tui.motion.imperfections import PERFECT
 from sar_tui.motion.measures import measure
 from sar_tui.motion.quaternions import angle, conjugate, multiply, rotate
-from sar_tui.motion.reach import Reach
-from sar_tui.motion.reach_bounds import Bounds, Detected, Hand
+from sar_tui.motion.reach import Bounds, Detected, Hand, Reach
 from sar_tui.motion.reach_kinds import KINDS
 from sar_tui.motion.repetitions import count_repetitions
 from sar_tui.motion.trajectories import PLACEMENTS, SimulatedReaches, simulate_reaches

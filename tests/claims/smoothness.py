@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from sar_tui.motion.measures import measure
-from sar_tui.motion.reach_bounds import Bounds, Detected
+from sar_tui.motion.reach import Bounds, Detected
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.synthesis import Profile, simulate
 from sar_tui.validation.report import Claim, Conditions, Report, Row

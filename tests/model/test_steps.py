@@ -12,7 +12,7 @@ from sar_tui.model.step_entry import DECLINE_KEY, Entry, Given, press
 from sar_tui.rules.questions import QUESTIONS, chosen
 from sar_tui.rules.step_file import StepFileError, read_steps
 from sar_tui.rules.version import RULES
-from sar_tui.simulation.answers import answer_keys
+from sar_tui.simulation.participant import answer_keys
 from tests.examples import examples
 
 NUMBER = Step(name="pain", text="How strong?", kind="number", labels=("none", "worst"))

@@ -9,8 +9,7 @@ from sar_tui.motion import analysis
 from sar_tui.motion.analysis import AnalysisParameters, Window, analyse
 from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
 from sar_tui.motion.measures import Version
-from sar_tui.motion.reach import Reach
-from sar_tui.motion.reach_bounds import Detected
+from sar_tui.motion.reach import Detected, Reach
 from sar_tui.motion.samples import Recording
 from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, SimulatedHand
 

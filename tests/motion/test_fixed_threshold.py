@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sar_tui.motion.fixed_threshold import FixedThresholdParameters, find
-from sar_tui.motion.reach_bounds import Bounds
+from sar_tui.motion.reach import Bounds
 from sar_tui.motion.samples import Recording
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, Profile, simulate, table_4_1_recording

@@ -14,8 +14,7 @@ from sar_tui.motion.detection import detect
 from sar_tui.motion.grid import even
 from sar_tui.motion.imperfections import PERFECT, StrappedSensor
 from sar_tui.motion.measures import Version, measure
-from sar_tui.motion.reach import Reach
-from sar_tui.motion.reach_bounds import Bounds, Detected
+from sar_tui.motion.reach import Bounds, Detected, Reach
 from sar_tui.motion.reach_kinds import KINDS
 from sar_tui.motion.rest import find_rest
 from sar_tui.motion.samples import Floats, Recording

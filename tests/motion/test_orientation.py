@@ -7,7 +7,7 @@ import pytest
 
 from sar_tui.motion.orientation import OrientationParameters, find
 from sar_tui.motion.quaternions import from_rotation, multiply, rotate
-from sar_tui.motion.reach_bounds import Bounds
+from sar_tui.motion.reach import Bounds
 from sar_tui.motion.reach_kinds import KINDS
 from sar_tui.motion.samples import Floats, Recording
 from sar_tui.motion.scenarios import scenarios

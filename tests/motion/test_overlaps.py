@@ -1,7 +1,7 @@
 """No part of a recording belongs to two reaches."""
 
-from sar_tui.motion.overlaps import apart
-from sar_tui.motion.reach_bounds import Bounds
+from sar_tui.motion.detection import apart
+from sar_tui.motion.reach import Bounds
 
 
 def reach(onset_s: float, end_s: float) -> Bounds:

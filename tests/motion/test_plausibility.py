@@ -11,7 +11,7 @@ import pytest
 from sar_tui.motion.detection import find
 from sar_tui.motion.grid import even
 from sar_tui.motion.plausibility import plausible
-from sar_tui.motion.reach_bounds import Bounds, Detected
+from sar_tui.motion.reach import Bounds, Detected
 from sar_tui.motion.reach_kinds import KINDS
 from sar_tui.motion.rest import find_rest
 from sar_tui.motion.samples import Recording

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.motion.filters import Lowpass, smooth
-from sar_tui.motion.reach_bounds import Bounds
+from sar_tui.motion.reach import Bounds
 from sar_tui.motion.samples import Floats, Recording
 from sar_tui.motion.scenarios import Scenario, random_reach, scenarios
 from sar_tui.motion.segmenter import Segmenter

@@ -8,7 +8,7 @@ import pytest
 
 from sar_tui.motion import fixed_threshold
 from sar_tui.motion.fixed_threshold import FixedThresholdParameters
-from sar_tui.motion.reach_bounds import Detected
+from sar_tui.motion.reach import Detected
 from sar_tui.motion.samples import Recording
 from sar_tui.validation import threshold_definition
 from sar_tui.validation.threshold_definition import claims, crossings

@@ -19,7 +19,7 @@ from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.loop.clock import Clock, Handle, LiveClock
 from sar_tui.model.language import Language
 from sar_tui.model.units import MS, SECOND
-from sar_tui.motion.reach_bounds import Hand
+from sar_tui.motion.reach import Hand
 from sar_tui.runs.plan import Plan
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.tui.language import planned_language, translated

@@ -15,7 +15,7 @@ from sar_tui.loop.topics import IMU, REACH, TRIAL
 from sar_tui.model.messages import ImuBlock, ReachPerceived, TrialEnded
 from sar_tui.model.units import MS, SECOND
 from sar_tui.motion.analysis import AnalysisParameters, Finding, Window, analyse
-from sar_tui.motion.reach_plans import end_of
+from sar_tui.motion.reach_kinds import end_of
 from sar_tui.motion.samples import Samples, unpack
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.simulated_arm import SimulatedArm

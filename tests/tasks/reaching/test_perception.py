@@ -11,7 +11,7 @@ from sar_tui.inputs import sensor
 from sar_tui.loop.topics import ATTEMPT_ENDED, PROMPT, REACH, SENSOR, TRIAL, VOIDED
 from sar_tui.model.messages import SensorChanged
 from sar_tui.model.units import MS
-from sar_tui.motion.reach_plans import end_of
+from sar_tui.motion.reach_kinds import end_of
 from sar_tui.motion.samples import Samples
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.simulated_arm import SimulatedArm
