@@ -4,21 +4,66 @@
 magnetic field in gauss, both optional.
 """
 
+import csv
 import math
+import zipfile
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
-from typing import Literal
+from typing import IO, TYPE_CHECKING, Literal, NamedTuple, NoReturn
 
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
 from sar_tui.inputs.imu import SourceError
-from sar_tui.inputs.recording_csv import csv_tables
-from sar_tui.inputs.recording_npz import npz_tables, unpacked_bytes
-from sar_tui.inputs.recording_table import VECTORS, Table
 from sar_tui.motion.faults import turns_too_far
-from sar_tui.motion.samples import SAMPLE, Samples, join
+from sar_tui.motion.samples import SAMPLE, Floats, Samples, join
+
+if TYPE_CHECKING:
+    from _csv import Reader
+
+
+ROWS = 1 << 16
+"""Number of rows in a block."""
+VECTORS = {
+    "rate": ("wx", "wy", "wz"),
+    "acceleration": ("ax", "ay", "az"),
+    "field": ("mx", "my", "mz"),
+}
+NAMES = ("t", *(name for vector in VECTORS.values() for name in vector))
+
+
+class Table(NamedTuple):
+    """Columns of one or more rows, shape (n,) each, and the numbers of the rows for error
+    messages.
+    """
+
+    path: Path
+    columns: dict[str, Floats]
+    row_word: str
+    row_numbers: npt.NDArray[np.int64]
+
+    def refuse(self, row: int, what: str) -> NoReturn:
+        """Raise SourceError for a row."""
+        raise SourceError(f"{self.path}, {self.row_word} {self.row_numbers[row]}: {what}")
+
+
+def check_names(path: Path, names: list[str]) -> None:
+    """Raise SourceError if the names of a file's columns are not those of a recording."""
+    if twice := sorted({name for name in names if name in NAMES and names.count(name) > 1}):
+        raise SourceError(f"{path}: there are two columns {', '.join(twice)}; keep one of each.")
+    needed = ["t", *VECTORS["rate"]]
+    for vector in VECTORS.values():
+        needed += [
+            name for name in vector if name not in needed and not set(vector).isdisjoint(names)
+        ]
+    if missing := [name for name in needed if name not in names]:
+        commas = (
+            " Separate columns by commas, not by semicolons or tabs." if len(names) == 1 else ""
+        )
+        raise SourceError(f"{path}: the columns {', '.join(missing)} are missing.{commas}")
+
 
 FEWEST = 20
 """Fewer samples cannot hold a reach."""
@@ -176,3 +221,156 @@ def _samples(table: Table, units: Units, last: int | None) -> Samples:
 
 def _first(wrong: npt.NDArray[np.bool_]) -> int | None:
     return int(np.argmax(wrong)) if wrong.any() else None
+
+
+def csv_tables(path: Path) -> Iterator[Table]:
+    """Yield the rows of a file in blocks; none if it has a header only.
+
+    Raises SourceError for any fault of the text, and OSError.
+    """
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            reader = csv.reader(file)
+            try:
+                yield from _tables(path, reader)
+            except csv.Error as error:
+                raise SourceError(
+                    f"{path}, line {reader.line_num}: this is not CSV: {error}."
+                ) from error
+    except UnicodeDecodeError as error:
+        line = _undecodable_line(path)
+        raise SourceError(
+            f"{path}, line {line}: this is not UTF-8 text; save the file as CSV UTF-8."
+        ) from error
+
+
+def _tables(path: Path, reader: "Reader") -> Iterator[Table]:
+    header: list[str] = []
+    wanted: dict[str, int] = {}
+    rows: list[list[float]] = []
+    lines: list[int] = []
+    for row in reader:
+        if not any(cell.strip() for cell in row):
+            continue
+        if not header:
+            header = [cell.strip() for cell in row]
+            check_names(path, header)
+            wanted = {name: header.index(name) for name in NAMES if name in header}
+            continue
+        if len(row) != len(header):
+            raise SourceError(
+                f"{path}, line {reader.line_num}: {len(row)} values for {len(header)} columns; a "
+                "line needs a "
+                "value for each column, commas between them, and points in decimals."
+            )
+        try:
+            rows.append([float(row[index]) for index in wanted.values()])
+        except ValueError:
+            _refuse_row(
+                f"{path}, line {reader.line_num}",
+                {name: row[index] for name, index in wanted.items()},
+            )
+        lines.append(reader.line_num)
+        if len(rows) == ROWS:
+            yield _table(path, list(wanted), rows, lines)
+            rows, lines = [], []
+    if not header:
+        raise SourceError(f"{path} is empty.")
+    if rows:
+        yield _table(path, list(wanted), rows, lines)
+
+
+def _table(path: Path, names: list[str], rows: list[list[float]], lines: list[int]) -> Table:
+    values = np.array(rows, dtype=float)
+    columns = {name: values[:, column] for column, name in enumerate(names)}
+    return Table(path, columns, "line", np.array(lines, dtype=np.int64))
+
+
+def _refuse_row(where: str, cells: dict[str, str]) -> NoReturn:
+    for name, cell in cells.items():
+        try:
+            float(cell)
+        except ValueError as error:
+            raise SourceError(
+                f'{where}: "{cell.strip()}" in the column {name} is not a number.'
+            ) from error
+    raise AssertionError(where)
+
+
+def _undecodable_line(path: Path) -> int:
+    """Return the number of the first line that is not UTF-8."""
+    with path.open("rb") as file:
+        return next((number for number, line in enumerate(file, 1) if not _is_utf_8(line)), 1)
+
+
+def _is_utf_8(line: bytes) -> bool:
+    try:
+        line.decode()
+    except UnicodeDecodeError:
+        return False
+    return True
+
+
+def npz_tables(path: Path) -> Iterator[Table]:
+    """Yield the rows of a file in blocks. Raises SourceError for any fault."""
+    try:
+        with zipfile.ZipFile(path) as archive, ExitStack() as opened:
+            names = [name.removesuffix(".npy") for name in archive.namelist()]
+            check_names(path, names)
+            columns = {
+                name: _Column(path, name, opened.enter_context(archive.open(f"{name}.npy")))
+                for name in NAMES
+                if name in names
+            }
+            length = columns["t"].length
+            if uneven := [name for name, column in columns.items() if column.length != length]:
+                raise SourceError(f"{path}: the arrays {', '.join(uneven)} are not as long as t.")
+            for first in range(0, length, ROWS):
+                last = min(first + ROWS, length)
+                block = {name: column.read(last - first) for name, column in columns.items()}
+                yield Table(path, block, "sample", np.arange(first + 1, last + 1))
+    except (SourceError, OSError):
+        raise
+    except Exception as error:
+        raise SourceError(f"{path} is not an NPZ file, or it is damaged: {error}.") from error
+
+
+def unpacked_bytes(path: Path) -> int:
+    """Return the size of all arrays in a file as it claims; 0 if it is damaged."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return sum(member.file_size for member in archive.infolist())
+    except zipfile.BadZipFile:
+        return 0
+
+
+class _Column:
+    """An array in an archive, read from its beginning to its end, without unpickling."""
+
+    def __init__(self, path: Path, name: str, member: IO[bytes]) -> None:
+        self._member = member
+        try:
+            version = np.lib.format.read_magic(member)
+            read = (
+                np.lib.format.read_array_header_1_0
+                if version == (1, 0)
+                else np.lib.format.read_array_header_2_0
+            )
+            shape, _, self._dtype = read(member)
+        except ValueError as error:
+            raise SourceError(f"{path}: the array {name} cannot be read: {error}.") from error
+        if self._dtype.hasobject:
+            raise SourceError(
+                f"{path}: the array {name} cannot be read: Object arrays are not numbers."
+            )
+        if len(shape) != 1 or self._dtype.kind not in "fiu":
+            raise SourceError(f"{path}: the array {name} must be one row of numbers.")
+        (self.length,) = shape
+
+    def read(self, count: int) -> Floats:
+        """Return the next numbers. Raises ValueError if there are fewer."""
+        data = self._member.read(count * self._dtype.itemsize)
+        values = np.frombuffer(data, self._dtype)
+        if len(values) < count:
+            raise ValueError("an array ends early")
+        return values.astype(float)

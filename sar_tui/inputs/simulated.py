@@ -6,8 +6,7 @@ from collections import deque
 from collections.abc import Callable
 
 from sar_tui.inputs.imu import Info, Sample, Status
-from sar_tui.inputs.recorded import as_sent
-from sar_tui.inputs.sample_timer import Pace
+from sar_tui.inputs.recorded import Pace, as_sent
 from sar_tui.loop.clock import Clock
 from sar_tui.model.units import MS, SECOND
 from sar_tui.motion.shapes import ReachShape

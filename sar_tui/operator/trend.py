@@ -8,8 +8,7 @@ from textual.content import Content
 
 from sar_tui.model.messages import AttemptEnded
 from sar_tui.model.trial_types import Metric
-from sar_tui.reports.attempt_results import MARKERS, result_name
-from sar_tui.reports.attempts_plot import BARS, attempts_figure
+from sar_tui.reports.attempts_plot import BARS, MARKERS, attempts_figure, result_name
 
 
 def trend(

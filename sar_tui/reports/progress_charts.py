@@ -1,12 +1,13 @@
 """Charts of progress as plain Vega-Lite specifications (version 5), without a remote reference."""
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from datetime import date, timedelta
+from statistics import fmean
+from typing import Any, Literal
 
 from sar_tui.model.language import Language
 from sar_tui.model.results_for_people import axis
 from sar_tui.reports import progress_words
-from sar_tui.reports.chart_groups import grouped, summed
 from sar_tui.reports.dose import Day
 from sar_tui.reports.progress import LineProgress, SessionProgress
 from sar_tui.reports.session_chart import EVENT
@@ -264,3 +265,65 @@ def dose_chart(days: Sequence[Day], tr: Language) -> Spec | None:
     y = {"field": "repetitions", "type": "quantitative", "title": tr("repetitions")}
     bar = {"type": "bar", "color": _INK, "width": max(1, min(12, _WIDTH // (2 * len(values))))}
     return _chart(values, [{"mark": bar, "encoding": {"x": _x(values), "y": y}}], _LOW)
+
+
+MOST = 120
+"""Marks of a chart."""
+
+Span = Literal["day", "week", "month"]
+Row = dict[str, Any]
+
+
+def sessions_of_a_mark(sessions: int) -> int:
+    """Return how many sessions, one after the other, share a mark."""
+    return -(-sessions // MOST)
+
+
+def grouped(rows: Sequence[Row], combine: Callable[[Sequence[float]], float] = fmean) -> list[Row]:
+    """Return rows of which neighbours are combined, number by number, at the time of the middle
+    one.
+    """
+    step = sessions_of_a_mark(len(rows))
+    if step <= 1:
+        return list(rows)
+    found = []
+    for first in range(0, len(rows), step):
+        own = rows[first : first + step]
+        middle = own[len(own) // 2]
+        found.append(
+            {name: value if isinstance(value, str) else combine([row[name] for row in own])
+             for name, value in middle.items()}
+        )  # fmt: skip
+    return found
+
+
+def span_of(days: Sequence[Day]) -> Span:
+    """Return the time that shares a mark in charts of the dose: the shortest that has no more marks
+    than fit.
+    """
+    if len(days) <= MOST:
+        return "day"
+    return "week" if len({_begin(day, "week") for day in days}) <= MOST else "month"
+
+
+def summed(days: Sequence[Day]) -> list[Row]:
+    """Return what was done and planned in each time with sessions, at its first day."""
+    span = span_of(days)
+    found: dict[str, Row] = {}
+    for day in days:
+        at = _begin(day, span)
+        row = found.setdefault(
+            at, {"at": f"{at}T00:00:00", "date": at, "done": 0, "planned": 0, "repetitions": 0}
+        )
+        row["done"] += day.done
+        row["planned"] += day.planned
+        row["repetitions"] += day.repetitions
+    return list(found.values())
+
+
+def _begin(day: Day, span: Span) -> str:
+    """Return the first day of the week, from Monday, or of the month."""
+    at = date.fromisoformat(day.date)
+    if span == "week":
+        at -= timedelta(days=at.weekday())
+    return at.replace(day=1).isoformat() if span == "month" else at.isoformat()

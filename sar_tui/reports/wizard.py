@@ -12,12 +12,38 @@ from sar_tui.model import messages as m
 from sar_tui.reports.agreement import Agreement, agreement
 from sar_tui.reports.deviations import Deviation, deviations
 from sar_tui.reports.distribution import Distribution, distribution
-from sar_tui.reports.logged_messages import LoggedMessage, peers
-from sar_tui.reports.notes import Note, notes
+from sar_tui.reports.logged_messages import LoggedMessage, peers, spans
 from sar_tui.reports.pauses import Pause, pauses
-from sar_tui.reports.presence import KINDS, MODES, Absence, mode_times, presence
+from sar_tui.reports.presence import KINDS, MODES, Absence, mode_times, presence, seconds
 from sar_tui.reports.proposals import Fate, ProposalRecord, proposal_records
 from sar_tui.rules.parameters import TaskParameters, current_values
+
+
+class Note(msgspec.Struct, frozen=True):
+    """Note, or event mark with its ``label``. ``at_s``: of the key, from the start of its run."""
+
+    run: int
+    at_s: float
+    actor: str
+    text: str
+    label: str
+
+
+def notes(messages: Sequence[LoggedMessage]) -> list[Note]:
+    """Return all notes and event marks of a session, in order."""
+    known = spans(messages)
+    return [
+        Note(
+            run,
+            seconds((message.at or at) - known[run].began),
+            message.actor,
+            message.text,
+            message.label,
+        )
+        for run, at, message in messages
+        if isinstance(message, m.NoteAdded) and run in known
+    ]
+
 
 _PLANNED = (
     *(f"operator_{kind}" for kind in KINDS),

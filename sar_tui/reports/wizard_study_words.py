@@ -4,8 +4,7 @@ from collections.abc import Iterator
 from string import ascii_uppercase
 
 from sar_tui.reports.sections import Section, Table
-from sar_tui.reports.trend import FEWEST, Trend
-from sar_tui.reports.wizard_study import Drift, WizardStudy
+from sar_tui.reports.wizard_study import FEWEST, Drift, Trend, WizardStudy
 from sar_tui.reports.wizard_words import (
     LATENCY_COLUMNS,
     NOT_RECORDED,

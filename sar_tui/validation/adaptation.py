@@ -7,7 +7,7 @@ from itertools import pairwise
 from statistics import fmean
 
 from sar_tui.validation import charts
-from sar_tui.validation.level_drawing import draw_levels
+from sar_tui.validation.charts import draw_levels
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 from sar_tui.validation.simulated_sessions import Simulated, session_runner
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from sar_tui.motion.samples import Floats
 from sar_tui.motion.synthesis import TABLE_4_1, table_4_1_recording
 from sar_tui.validation import charts
-from sar_tui.validation.level_drawing import draw_curve
+from sar_tui.validation.charts import draw_curve
 from sar_tui.validation.report import Claim, Conditions, Report, Row
 from sar_tui.validation.table_4_1 import RATE_HZ
 

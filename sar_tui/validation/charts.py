@@ -1,6 +1,8 @@
-"""The thesis' figures as Vega-Lite charts, without a remote reference."""
+"""The thesis' figures as Vega-Lite charts without a remote reference, and in characters."""
 
 from collections.abc import Sequence
+from itertools import groupby
+from typing import Any
 
 from sar_tui.validation.report import Row
 
@@ -197,3 +199,112 @@ def sentences(rows: Sequence[Row], kind: str) -> Row:
     return _whole(
         data={"values": values}, layer=layers, width=640, height={"step": 20}, view={"stroke": None}
     )
+
+
+_COLUMNS, _ROWS, _LEVEL_ROWS = 78, 14, 9
+
+
+def draw_levels(rows: Sequence[Row], title: str, label: str = RESULT) -> str:
+    """Draw results over attempts with the goal, and the level of each attempt below them.
+
+    Args:
+        rows: one per attempt, in order: ``reaction_time_ms`` (None without one), ``goal_ms``,
+            ``level``, ``outcome``.
+        title: text above the drawing.
+        label: name and unit of the result.
+    """
+    marked = [{**row, "feedback": "none"} for row in rows]
+    levels = [row["level"] for row in rows]
+    attempts = list(range(1, len(rows) + 1))
+
+    def body(plt: Any) -> None:
+        plt.plotsize(_COLUMNS, _LEVEL_ROWS)
+        plt.xlim(0.5, len(rows) + 0.5)
+        plt.ylim(0, max(levels) + 1)
+        plt.plot(attempts, levels, marker="braille")
+        plt.scatter(attempts, levels, marker="●")
+        ticks = range(1, max(levels) + 1, max(1, max(levels) // 4))
+        plt.yticks(ticks, [f"{tick:>4}" for tick in ticks])
+        plt.xticks(attempts, [str(attempt) for attempt in attempts])
+
+    return f"{draw_feedback(marked, title, label)}\nlevel\n{_plotted(body)}"
+
+
+def draw_curve(x: Sequence[float], y: Sequence[float], title: str, axes: str) -> str:
+    """Draw a curve. ``axes``: says what is drawn over what."""
+
+    def body(plt: Any) -> None:
+        plt.plotsize(_COLUMNS, _ROWS)
+        plt.xlim(min(x), max(x))
+        plt.plot(list(x), list(y), marker="braille")
+
+    return f"{title}\n{axes}\n{_plotted(body)}"
+
+
+def _plotted(draw_body: Any) -> str:
+    import plotext
+
+    plotext.clear_figure()
+    try:
+        plotext.limit_size(False, False)
+        plotext.theme("clear")
+        draw_body(plotext)
+        body = plotext.uncolorize(str(plotext.build()))
+    finally:
+        plotext.clear_figure()
+    return "\n".join(line.rstrip() for line in body.rstrip("\n").split("\n"))
+
+
+MARKS = {"positive": "▲", "neutral": "■", "negative": "▼", "none": "·"}
+"""Marks for the feedback on an attempt."""
+GOAL = "╌"
+_STEP_MS = 200
+_FEEDBACK_ROWS = 16
+
+
+def draw_feedback(rows: Sequence[Row], title: str, label: str = RESULT) -> str:
+    """Draw reaction times over attempts, with a mark for the feedback on each, and the goal as a
+    line.
+
+    Args:
+        rows: one per attempt, in order: ``reaction_time_ms`` (None without one), ``goal_ms``,
+            ``feedback``.
+        title: text above the drawing.
+        label: name and unit of the result.
+    """
+    import plotext
+
+    plotext.clear_figure()
+    try:
+        body = plotext.uncolorize(_body(plotext, rows))
+    finally:
+        plotext.clear_figure()
+    lines = [line.rstrip() for line in body.rstrip("\n").split("\n")]
+    seen = {row["feedback"] for row in rows}
+    legend = "  ".join(f"{mark} {name}" for name, mark in MARKS.items() if name in seen)
+    return "\n".join([title, f"{label}  {legend}  {GOAL} goal", *lines])
+
+
+def _body(plt: Any, rows: Sequence[Row]) -> str:
+    attempts = range(1, len(rows) + 1)
+    times: list[float | None] = [row["reaction_time_ms"] for row in rows]
+    goals = [row["goal_ms"] for row in rows]
+    known = [*goals, *(time for time in times if time is not None)]
+    low, high = min(known) // _STEP_MS * _STEP_MS, (max(known) // _STEP_MS + 1) * _STEP_MS
+    plt.limit_size(False, False)
+    plt.theme("clear")
+    plt.plotsize(_COLUMNS, _FEEDBACK_ROWS)
+    plt.xlim(0.5, len(rows) + 0.5)
+    plt.ylim(low, high)
+    for has_result, run in groupby(attempts, key=lambda attempt: times[attempt - 1] is not None):
+        if has_result and len(joined := list(run)) > 1:
+            plt.plot(joined, [times[attempt - 1] for attempt in joined], marker="braille")
+    plt.plot([0.5, len(rows) + 0.5], [goals[0], goals[-1]], marker=GOAL)
+    for feedback, mark in MARKS.items():
+        marked = [attempt for attempt in attempts if rows[attempt - 1]["feedback"] == feedback]
+        if marked:
+            plt.scatter(marked, [times[attempt - 1] or low for attempt in marked], marker=mark)
+    ticks = range(int(low), int(high) + 1, _STEP_MS)
+    plt.yticks(ticks, [str(tick) for tick in ticks])
+    plt.xticks(attempts, [str(attempt) for attempt in attempts])
+    return str(plt.build())

@@ -8,7 +8,7 @@ from functools import partial
 
 from sar_tui.loop.phrase_keys import holds_number
 from sar_tui.validation import charts
-from sar_tui.validation.feedback_drawing import draw
+from sar_tui.validation.charts import draw_feedback
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 from sar_tui.validation.simulated_sessions import SessionRunner, Simulated, session_runner
 
@@ -125,7 +125,9 @@ def frequency(conditions: Conditions) -> Report:
     ]
     first = conditions.seeds[0]
     drawings = [
-        draw(_only(rows, seed=first, every=every), f"Competent user, seed {first}: feedback {how}")
+        draw_feedback(
+            _only(rows, seed=first, every=every), f"Competent user, seed {first}: feedback {how}"
+        )
         for every, how in ((1, "after every attempt"), (EVERY, "after every three attempts"))
     ]
     groups = [
@@ -159,7 +161,7 @@ def _of_users(conditions: Conditions, name: str, users: Sequence[str]) -> Report
         _only(rows, user=users[0], seed=conditions.seeds[0]),
         f"{users[0].capitalize()} user",
     )
-    drawn = draw(first, f"{title}, seed {conditions.seeds[0]}")
+    drawn = draw_feedback(first, f"{title}, seed {conditions.seeds[0]}")
     seen = [_counted(rows, user, seed) for seed in conditions.seeds for user in users]
     return Report(rows, [_COUNTS], [claim], [drawn], seen, charts.feedback([(title, first)]))
 

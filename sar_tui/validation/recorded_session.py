@@ -7,8 +7,7 @@ from typing import Any
 from sar_tui.model.trial_types import Metric
 from sar_tui.store import imu, provenance, sessions
 from sar_tui.validation import charts
-from sar_tui.validation.feedback_drawing import draw
-from sar_tui.validation.level_drawing import draw_levels
+from sar_tui.validation.charts import draw_feedback, draw_levels
 from sar_tui.validation.report import Column, Report, Row
 
 TITLES = {
@@ -109,7 +108,7 @@ def _feedback(database: sqlite3.Connection, row: Mapping[str, Any]) -> Report | 
         return None
     label, title = _metric(row).label, _title(row)
     chart = charts.feedback([(title, rows)], label)
-    return Report(_named(rows, row), [], [], [draw(rows, title, label)], chart=chart)
+    return Report(_named(rows, row), [], [], [draw_feedback(rows, title, label)], chart=chart)
 
 
 def _metric(row: Mapping[str, Any]) -> Metric:

@@ -19,7 +19,7 @@ from sar_tui.loop.topics import SENSOR
 from sar_tui.model.language import language, read_words, slot_problem
 from sar_tui.model.messages import SensorChanged, SensorState
 from sar_tui.plugins import Catalogue, task_folder
-from sar_tui.reports.attempt_results import MARKERS
+from sar_tui.reports.attempts_plot import MARKERS
 from sar_tui.rules.parameters import fields
 from sar_tui.rules.translated_settings import COMMON, texts
 from sar_tui.runs.plan import Plan, make_plan

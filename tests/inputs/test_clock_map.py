@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.inputs.clock_map import ClockMap
+from sar_tui.inputs.imu_feed import ClockMap
 from sar_tui.model.units import MS
 
 DELAYS = st.lists(st.integers(0, 50 * MS), min_size=1, max_size=60)

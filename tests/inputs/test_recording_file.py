@@ -18,8 +18,7 @@ from hypothesis.extra import numpy as arrays
 
 from sar_tui.inputs import recording_file
 from sar_tui.inputs.imu import SourceError
-from sar_tui.inputs.recording_file import Units, read_blocks, read_recording
-from sar_tui.inputs.recording_table import VECTORS
+from sar_tui.inputs.recording_file import VECTORS, Units, read_blocks, read_recording
 from sar_tui.motion.samples import SAMPLE, Samples, recording
 
 HEADER = "t,ax,ay,az,wx,wy,wz"

@@ -15,8 +15,8 @@ from sar_tui.model.gesture import Gesture, Keyframe
 from sar_tui.model.messages import ActionPart
 from sar_tui.model.theme import FACES, Colors, Note, Theme
 from sar_tui.model.units import MS
+from sar_tui.outputs.node import valid_report
 from sar_tui.outputs.output import Output, Report
-from sar_tui.outputs.report_validation import valid_report
 
 WAIT_S = 60.0
 """Time to wait for another thread or process before a check fails."""

@@ -21,9 +21,8 @@ from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.task import Task
 from sar_tui.model.units import MS, SECOND
 from sar_tui.outputs import outputs
-from sar_tui.outputs.node import PER_CHARACTER, STOP_TIMEOUT, TIMEOUT
+from sar_tui.outputs.node import LONGEST_DETAIL, PER_CHARACTER, STOP_TIMEOUT, TIMEOUT
 from sar_tui.outputs.output import OutputError
-from sar_tui.outputs.report_validation import LONGEST_DETAIL
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate

@@ -17,8 +17,7 @@ from sar_tui.loop.clock import LiveClock
 from sar_tui.model.units import MS, SECOND
 from sar_tui.outputs.node import STOP_TIMEOUT
 from sar_tui.outputs.output import OutputError, Report
-from sar_tui.outputs.ros import ANSWER, CONFIRM, LONGEST, PATIENCE, SETTLE, Ros
-from sar_tui.outputs.ros_topics import Topics, read_report
+from sar_tui.outputs.ros import ANSWER, CONFIRM, LONGEST, PATIENCE, SETTLE, Ros, Topics, read_report
 from tests.fake_rosbridge import Manner, RosBridge, hide_roslibpy, ros_bridge, wait_until
 from tests.outputs.contract import THEME, WAIT_S, Rig
 from tests.outputs.ros_fixtures import BenchClock, RosRig, is_ready, robot_bench

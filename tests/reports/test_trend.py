@@ -4,7 +4,7 @@ import random
 
 import pytest
 
-from sar_tui.reports.trend import FEWEST, trend
+from sar_tui.reports.wizard_study import FEWEST, trend
 
 
 @pytest.mark.parametrize("seed", range(4))

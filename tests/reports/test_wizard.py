@@ -11,9 +11,8 @@ from sar_tui.model.units import MS
 from sar_tui.plugins import Catalogue
 from sar_tui.reports.distribution import Distribution
 from sar_tui.reports.logged_messages import LoggedMessage, read
-from sar_tui.reports.notes import Note
 from sar_tui.reports.proposals import proposal_records
-from sar_tui.reports.wizard import WizardReport, report
+from sar_tui.reports.wizard import Note, WizardReport, report
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.operator import PROFILES

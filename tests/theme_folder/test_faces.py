@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rich.cells import cell_len
 
-from sar_tui.theme_folder.faces import drawing_problems, fitted
+from sar_tui.theme_folder.appearance import drawing_problems, fitted
 
 CAT = " /\\_/\\ \n( o o )\n( = = )\n \\___/ "
 

@@ -10,7 +10,7 @@ import pytest
 from sar_tui.plugins import Catalogue
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.validation import difficulty
-from sar_tui.validation.choice_reactions import User, attempt_success, chances, prompt_success
+from sar_tui.validation.difficulty import User, attempt_success, chances, prompt_success
 from sar_tui.validation.report import Conditions, Row
 
 FEW = range(1, 5)

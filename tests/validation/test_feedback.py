@@ -8,7 +8,7 @@ import pytest
 from sar_tui.plugins import Catalogue
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.validation import feedback
-from sar_tui.validation.feedback_drawing import draw
+from sar_tui.validation.charts import draw_feedback
 from sar_tui.validation.report import Claim, Conditions, Report
 from sar_tui.validation.simulated_sessions import SessionRunner, Simulated
 
@@ -229,7 +229,7 @@ def test_each_feedback_has_a_marker_and_the_goal_a_line() -> None:
         row(800, "none"),
         row(600, "positive"),
     ]
-    title, legend, *lines = draw(rows, "Someone").split("\n")
+    title, legend, *lines = draw_feedback(rows, "Someone").split("\n")
     body = "\n".join(lines)
     assert (title, legend) == (
         "Someone", "reaction time (ms)  ▲ positive  ■ neutral  ▼ negative  · none  ╌ goal",
@@ -245,7 +245,7 @@ def test_each_feedback_has_a_marker_and_the_goal_a_line() -> None:
 
 
 def test_an_attempt_without_a_result_is_plotted_at_the_bottom() -> None:
-    drawn = draw(
+    drawn = draw_feedback(
         [row(900, "positive"), row(None, "negative"), row(800, "positive")], "Someone"
     ).split("\n")
     bottom = next(number for number, line in enumerate(drawn) if line.lstrip().startswith("└"))

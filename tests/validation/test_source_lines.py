@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.validation.source_lines import count, source_lines
+from sar_tui.validation.modularity import count, source_lines
 
 
 @pytest.mark.parametrize(

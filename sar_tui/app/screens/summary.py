@@ -17,7 +17,7 @@ from sar_tui.model.trial_types import Metric
 from sar_tui.widgets.language import language_of
 
 if TYPE_CHECKING:  # loaded when a session ends
-    from sar_tui.reports.attempt_results import ResultName
+    from sar_tui.reports.attempts_plot import ResultName
 
 _GAP = 3
 """Columns between the plots of two participants."""
@@ -139,8 +139,7 @@ class Summary(Vertical):
         return f"{facts}{more}"
 
     def _draw(self) -> None:
-        from sar_tui.reports.attempt_results import MARKERS
-        from sar_tui.reports.attempts_plot import BARS
+        from sar_tui.reports.attempts_plot import BARS, MARKERS
 
         plots = list(self.query("#plot").results(Static))
         # none any more if it was removed before the refresh that was waited for
@@ -176,7 +175,7 @@ class Summary(Vertical):
         return "  ".join(legend(goals, results, language_of(self.app)))
 
     def _result(self, attempt: AttemptEnded) -> "ResultName":
-        from sar_tui.reports.attempt_results import result_name
+        from sar_tui.reports.attempts_plot import result_name
 
         found = result_name(attempt.outcome, attempt.metric, attempt.goal, self._metric)
         return "missed" if found == "no result" and self._for_participant else found

@@ -9,16 +9,70 @@ from typing import Any
 
 from sar_tui.drivers.installation import pip_install
 from sar_tui.drivers.phidget import UDEV_RULE, describe, new_channel, usb_denied
-from sar_tui.loop.clock import Clock, VirtualClock
-from sar_tui.model.gesture import REST
+from sar_tui.loop.clock import Clock, Handle, VirtualClock
+from sar_tui.model.gesture import JOINTS, REST, Gesture, Pose
 from sar_tui.model.messages import ActionPart, PartState
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS, SECOND
 from sar_tui.outputs.output import Output, Report
 from sar_tui.outputs.servo.address import parse
 from sar_tui.outputs.servo.channel import FEED_MS, ServoChannel
-from sar_tui.outputs.servo.motion import STEP_MS, Motion
-from sar_tui.outputs.servo.step_timer import StepTimer
+
+STEP_MS = 20
+"""Interval between two targets that are sent to a servo."""
+_LONGEST_STEP_MS = 2 * STEP_MS
+
+
+class Motion:
+    """The path through a gesture, step by step, with a speed limit.
+
+    Where a gesture is faster than the limit, its joints move at the limit, and it ends later by the
+    time they need to reach their last position.
+
+    Args:
+        gesture: the keyframes.
+        start: where the joints are.
+        speed: the share of its range (0 to 1) that a joint may move in a second.
+    """
+
+    def __init__(self, gesture: Gesture, start: Pose, speed: float) -> None:
+        self.pose = start
+        self._gesture = gesture
+        self._start = start
+        self._speed = speed
+        self._ms = 0.0
+
+    @property
+    def joints(self) -> frozenset[str]:
+        """The joints that the gesture moves or must bring back to rest."""
+        poses = (self._start, *self._gesture.keyframes)
+        return frozenset(joint for joint in JOINTS if any(getattr(pose, joint) for pose in poses))
+
+    @property
+    def over(self) -> bool:
+        """True if the last keyframe is reached."""
+        return (
+            self._ms >= self._gesture.duration_ms and self.pose == self._gesture.keyframes[-1].pose
+        )
+
+    def step(self, ms: float) -> Pose:
+        """Return the target of the joints ``ms`` after the start.
+
+        If the computer paused, they move no further than in two ordinary steps, instead of jumping.
+        """
+        most = self._speed * min(ms - self._ms, _LONGEST_STEP_MS) / 1000
+        self._ms = ms
+        goal = self._gesture.pose_at(ms, self._start)
+        self.pose = Pose(
+            *(_nearer(getattr(self.pose, joint), getattr(goal, joint), most) for joint in JOINTS)
+        )
+        return self.pose
+
+
+def _nearer(now: float, goal: float, most: float) -> float:
+    """Return ``goal``, or the nearest value that ``most`` allows."""
+    return goal if abs(goal - now) <= most else now + most if goal > now else now - most
+
 
 ATTACH_NS = SECOND
 """Time after opening in which a gesture waits for a controller that may still attach."""
@@ -294,3 +348,70 @@ class Servo(Output):
         for channel in self._channels:
             with suppress(Exception):
                 channel.close()
+
+
+class StepTimer:
+    """Calls steps at their times, and the next one at once when woken.
+
+    Args:
+        clock: a virtual clock calls the steps itself; otherwise a thread does, since a device may
+            block.
+        step: does what is due, and returns the ns until its next call; None: not until woken.
+        last: called after the last step, in the same way.
+    """
+
+    def __init__(
+        self, clock: Clock, step: Callable[[], int | None], last: Callable[[], None]
+    ) -> None:
+        self._clock = clock
+        self._step = step
+        self._last = last
+        self._woken = threading.Event()
+        self._finished = False
+        self._due: Handle | None = None
+        self._thread: threading.Thread | None = None
+
+    def start(self) -> None:
+        """Take the first step."""
+        if not isinstance(self._clock, VirtualClock):
+            self._thread = threading.Thread(target=self._run, name="servo", daemon=True)
+            self._thread.start()
+        else:
+            self.wake()
+
+    def wake(self) -> None:
+        """Take a step as soon as possible. May be called from any thread."""
+        if self._thread:
+            self._woken.set()
+        else:
+            self._tick_in(0)
+
+    def finish(self, seconds: float) -> None:
+        """Take only the last step. Waits for it, at most ``seconds`` if a device hangs."""
+        if self._finished:
+            return
+        self._finished = True
+        if self._thread:
+            self._woken.set()
+            self._thread.join(seconds)
+        else:
+            self._tick_in(None)
+            self._last()
+
+    def _run(self) -> None:
+        while not self._finished:
+            self._woken.clear()
+            pause = self._step()
+            self._woken.wait(None if pause is None else pause / SECOND)
+        self._last()
+
+    def _tick_in(self, pause: int | None) -> None:
+        if self._due:
+            self._due.cancel()
+        self._due = (
+            None if pause is None else self._clock.call_at(self._clock.now() + pause, self._tick)
+        )
+
+    def _tick(self) -> None:
+        if not self._finished:
+            self._tick_in(self._step())

@@ -9,19 +9,19 @@ whatever espeak is doing.
 
 import contextlib
 import os
+import re
 import sys
 import threading
 import time
+import unicodedata
 from array import array
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from tempfile import TemporaryDirectory
 from typing import Any
 
 from sar_tui.drivers.installation import pip_install
 from sar_tui.outputs.sound.protocol import FoundVoice, SoundError, Unreadable, Voicing
-from sar_tui.outputs.sound.readability import why_unreadable
 from sar_tui.outputs.sound.samples import at_volume, is_whole, peak, read, seconds
-from sar_tui.outputs.sound.voices import choose, found_voice
 
 _SILENT = 0.005
 """Speech with no sample above this (of 1) is inaudible."""
@@ -171,3 +171,109 @@ def _private_file() -> Iterator[str]:
     else:
         with TemporaryDirectory(prefix="sar-tui-") as folder:
             yield os.path.join(folder, "utterance.wav")
+
+
+_LATIN = (
+    "ca cs da de en es et eu fi fr ga gl hr hu id is it lt lv ms nb nl nn no pl pt ro sk sl "
+    "sv sw tr vi"
+)
+_SCRIPTS = {
+    **dict.fromkeys(_LATIN.split(), ("LATIN",)),
+    **dict.fromkeys("be bg mk ru uk".split(), ("CYRILLIC",)),
+    **dict.fromkeys("ar fa ur".split(), ("ARABIC",)),
+    **dict.fromkeys("hi mr ne".split(), ("DEVANAGARI",)),
+    "el": ("GREEK",),
+    "he": ("HEBREW",),
+    "ja": ("HIRAGANA", "KATAKANA", "CJK"),
+    "ko": ("HANGUL", "CJK"),
+    "zh": ("CJK",),
+}
+"""Scripts of a language, by the first word of its letters' Unicode names. Other languages are not
+checked.
+"""
+
+
+def why_unreadable(text: str, language: str) -> str:
+    """Return why a voice of a language cannot read a text, as a sentence; empty if it can.
+
+    It cannot if the text has neither letters nor digits, or if most letters are of a script of
+    other languages.
+    """
+    if not any(character.isalnum() for character in text):
+        return "The voice cannot read this text: it has neither letters nor digits."
+    scripts = _SCRIPTS.get(language.partition("-")[0])
+    letters = [character for character in text if character.isalpha()]
+    if scripts and letters:
+        foreign = sum(not unicodedata.name(letter, "").startswith(scripts) for letter in letters)
+        if 2 * foreign > len(letters):
+            return (
+                "The voice cannot read this text: it is in a script that the language "
+                f'"{language}" does not use.'
+            )
+    return ""
+
+
+_TAG = re.compile(r"[a-z]{2,3}(-[a-z0-9]{1,8})*")
+_REGIONS = {"en": ("us", "gb")}
+"""Preferred regions of languages that have voices of many."""
+
+
+def found_voice(identifier: object, name: object, languages: object) -> FoundVoice:
+    """Clean up pyttsx3's description: languages may be missing, None, bytes with a leading count,
+    or ``en_US``.
+    """
+    given = languages if isinstance(languages, list | tuple) else (languages,)
+    tags = [tag for each in given if (tag := _tag(each))]
+    if not tags and (tag := _tag(_text(identifier).rpartition("/")[2])):
+        tags = [tag]
+    return FoundVoice(_text(identifier), _text(name).strip(), tuple(tags))
+
+
+def choose(
+    voices: Sequence[FoundVoice], language: str, name: str, default: str
+) -> FoundVoice | None:
+    """Choose a voice; None if no voice speaks the language.
+
+    A voice named by its id or a part of its name comes first. Otherwise, of those that speak the
+    language: the engine's ``default``, by id; then one without a region; then one of the most
+    expected region.
+    """
+    if name:
+        wanted = name.casefold()
+        exact = [voice for voice in voices if voice.id.casefold() == wanted]
+        partly = [voice for voice in voices if wanted in voice.name.casefold()]
+        if named := exact or partly:
+            return named[0]
+    fit = [voice for voice in voices if voice.speaks(language)]
+    if not fit and "-" in language:
+        return choose(voices, language.rpartition("-")[0], "", default)
+    return min(
+        fit, key=lambda voice: (voice.id != default, _rank(voice.languages, language)), default=None
+    )
+
+
+def _rank(languages: Iterable[str], language: str) -> int:
+    regions = _REGIONS.get(language, (language,))
+    order = [language, *(f"{language}-{region}" for region in regions)]
+    return min((order.index(each) for each in languages if each in order), default=len(order))
+
+
+def _text(value: object) -> str:
+    return (
+        value.decode(errors="ignore")
+        if isinstance(value, bytes)
+        else ""
+        if value is None
+        else str(value)
+    )
+
+
+def _tag(value: object) -> str:
+    """Return a language in lower case with hyphens; empty if it is none."""
+    tag = (
+        "".join(each for each in _text(value) if each.isprintable())
+        .strip()
+        .lower()
+        .replace("_", "-")
+    )
+    return tag if _TAG.fullmatch(tag) else ""

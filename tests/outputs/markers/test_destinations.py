@@ -4,10 +4,9 @@ import importlib.util
 
 import pytest
 
-from sar_tui.outputs.markers.destinations import make_destinations, split_addresses
+from sar_tui.outputs.markers.destinations import Udp, make_destinations, split_addresses
 from sar_tui.outputs.markers.marker import CODES, Marker, MarkerError
 from sar_tui.outputs.markers.serial_line import SerialLine
-from sar_tui.outputs.markers.udp import Udp
 from tests.outputs.markers.receivers import serial_line
 
 

@@ -9,9 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.outputs.markers.destinations import make_destinations, split_addresses
+from sar_tui.outputs.markers.destinations import Udp, make_destinations, split_addresses
 from sar_tui.outputs.markers.marker import CODES, Marker
-from sar_tui.outputs.markers.udp import Udp
 from tests.cli.test_sessions import record
 from tests.outputs.markers.receivers import udp_receiver
 from tests.outputs.markers.xdf_writer import write_xdf

@@ -8,7 +8,7 @@ import pytest
 
 from sar_tui.loop.topics import SHOWN
 from sar_tui.outputs.markers.marker import Marker
-from sar_tui.outputs.markers.translation import Translation
+from sar_tui.outputs.markers.node import Translation
 from sar_tui.plugins import Catalogue
 from sar_tui.store import sessions
 from sar_tui.store.database import connect_to_read

@@ -13,8 +13,7 @@ from sar_tui.model.theme import Theme
 from sar_tui.model.units import SECOND
 from sar_tui.outputs.markers.destinations import make_destinations
 from sar_tui.outputs.markers.marker import Marker
-from sar_tui.outputs.markers.node import MarkerNode
-from sar_tui.outputs.markers.translation import Translation
+from sar_tui.outputs.markers.node import MarkerNode, Translation
 from tests.loop_driver import LoopDriver
 from tests.outputs.markers.receivers import udp_receiver
 

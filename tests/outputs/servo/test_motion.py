@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.model.gesture import JOINTS, REST, Gesture, Keyframe, Pose
-from sar_tui.outputs.servo.motion import STEP_MS, Motion
+from sar_tui.outputs.servo.servo import STEP_MS, Motion
 from tests.model.test_gesture import gestures, poses
 
 

@@ -2,7 +2,7 @@
 
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.model.units import MS
-from sar_tui.outputs.servo.step_timer import StepTimer
+from sar_tui.outputs.servo.servo import StepTimer
 
 
 def test_steps_come_at_their_time_and_at_once_when_woken() -> None:

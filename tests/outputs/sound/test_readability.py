@@ -2,7 +2,7 @@
 
 import pytest
 
-from sar_tui.outputs.sound.readability import why_unreadable
+from sar_tui.outputs.sound.engine import why_unreadable
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,8 @@
 
 import pytest
 
+from sar_tui.outputs.sound.engine import choose, found_voice
 from sar_tui.outputs.sound.protocol import FoundVoice
-from sar_tui.outputs.sound.voices import choose, found_voice
 
 ESPEAK = [
     found_voice(identifier, name, [language])
