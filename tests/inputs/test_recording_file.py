@@ -145,8 +145,7 @@ def test_tables_from_spreadsheets_are_read(
 @pytest.fixture
 def in_small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
     """Read files in blocks of 20 rows."""
-    for name in ("csv", "npz"):
-        monkeypatch.setattr(f"sar_tui.inputs.recording_{name}.ROWS", 20)
+    monkeypatch.setattr("sar_tui.inputs.recording_file.ROWS", 20)
 
 
 @pytest.mark.usefixtures("in_small_blocks")
