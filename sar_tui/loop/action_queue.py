@@ -37,6 +37,11 @@ class ActionQueue:
         """The actions that wait, by priority, then by age."""
         return tuple(sorted(self._waiting, key=lambda action: -action.priority))
 
+    @property
+    def open_parts(self) -> frozenset[tuple[str, ActionPart]]:
+        """The parts of the current action that are not over, by output."""
+        return frozenset(self._open)
+
     def add(self, action: Action) -> None:
         """Add an action."""
         self._waiting.append(action)

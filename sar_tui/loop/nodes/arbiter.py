@@ -7,11 +7,13 @@ from msgspec.structs import replace
 from sar_tui.loop.action_queue import LASTING
 from sar_tui.loop.actions import edited, initiated
 from sar_tui.loop.agent_state import AWAITED
+from sar_tui.loop.answers import OpenActs, Part, answer_to
 from sar_tui.loop.node import on, serves
 from sar_tui.loop.nodes.approvals import Approvals, is_level
 from sar_tui.loop.topics import (
     ACTING,
     ACTION,
+    ANSWERED,
     ARBITER_STATE,
     ATTEMPT_ENDED,
     ATTEMPT_STARTED,
@@ -24,6 +26,7 @@ from sar_tui.loop.topics import (
     LATE_DECISION,
     LEVEL_DECIDED,
     MODE,
+    NOTE_ADDED,
     OUTPUT,
     PENDING_APPROVAL,
     PRESENCE,
@@ -53,6 +56,12 @@ PER_CHARACTER = 150 * MS
 FILLER_AFTER = SECOND
 """A wait for feedback that is longer than this is covered by a filler."""
 _OVER = ("done", "aborted", "failed")
+_DROPPED_BECAUSE = {
+    "late": "The session had moved on.",
+    "stopped": "The agent was stopped.",
+    "vetoed": "It was cancelled.",
+}
+"""Why a remark was not said, by the reason for which it was dropped."""
 _AFTER_FEEDBACK: tuple[Kind, ...] = ("encouragement", "rest")
 """Kinds of action that wait until pending feedback has been given."""
 
@@ -75,6 +84,7 @@ class Arbiter(Approvals):
         FILLER_DUE,
         LATE_DECISION,
         ARBITER_STATE,
+        ANSWERED,
     )
 
     def __init__(self, parameters: OperatorSettings, theme: Theme) -> None:
@@ -86,6 +96,7 @@ class Arbiter(Approvals):
         self._state: m.ArbiterState | None = None
         self._has_operators = False
         self._remarks = 0
+        self._open_acts = OpenActs(lambda answer: self.emit(ANSWERED, answer))
         self._awaited: tuple[str, ...] = ()
         self._given = (0, "")
         """Attempt and seat of the feedback that was given last."""
@@ -111,6 +122,7 @@ class Arbiter(Approvals):
         self._outputs, self._announced = self._announced, []
         self.cancel_timers()
         self._queue.abandon()
+        self._open_acts.forget()
         self._do_without_operator(is_level)
         self._drop("late")
         self._rules = replace(self._rules, operated=False, version=started.rules)
@@ -228,12 +240,19 @@ class Arbiter(Approvals):
         self._has_operators = True
         self._apply_mode(chosen)
         self._begin_next()
+        self._answer(chosen)
+
+    @on(NOTE_ADDED)
+    def note_added(self, note: m.NoteAdded) -> None:
+        """Answer a note: it is in the record."""
+        self._answer(note)
 
     @on(DECISION)
     def decided(self, decision: m.Decision) -> None:
         """Apply an operator's decision to a pending, queued or current action."""
         if pending := self._pending.take(decision.action):
             self._apply_decision(pending, decision)
+            self._answer(decision)
         elif decision.verdict == "accept" and self._rules.version >= 2:
             self._decided_late(decision)
         elif queued := self._queue.take(decision.action):
@@ -244,6 +263,7 @@ class Arbiter(Approvals):
             and decision.verdict == "veto"
         ):
             self.emit(HALT, Halt(action=current.id, reason="vetoed", asked=decision.at or self.now))
+            self._open_acts.add_halt(current.id, decision, self.now, self._queue.open_parts)
         else:
             self._decided_late(decision)
         self._begin_next()
@@ -252,6 +272,11 @@ class Arbiter(Approvals):
         why = "It was decided, or its time was over."
         what = f"{decision.verdict} {decision.action}"
         self.emit(LATE_DECISION, m.LateDecision(actor=decision.actor, what=what, why=why))
+        self._answer(decision, "late", why)
+
+    def _answer(self, act: m.OperatorAct, outcome: m.ActOutcome = "done", why: str = "") -> None:
+        if act.id:
+            self.emit(ANSWERED, answer_to(act, self.now, outcome, why))
 
     @on(REMARK)
     def remarked(self, remark: m.Remark) -> None:
@@ -259,6 +284,7 @@ class Arbiter(Approvals):
         self._remarks += 1
         action = initiated(remark, f"o{self._remarks}", self._theme, self.now)
         self._queue.add(action)
+        self._open_acts.add_request(action.id, remark, self.now)
         self.emit(DECIDED, action)
         self._begin_next()
 
@@ -270,14 +296,16 @@ class Arbiter(Approvals):
         if act.command == "stop":
             self._drop("stopped", actor=act.actor)
             self.emit(HALT, Halt(reason="stopped", asked=act.at or self.now))
+            self._answer(act)
         elif act.command == "level":
             for pending in self._pending.remove(is_level):
                 self._decide_level(pending, "rejected", 0, act.actor, "operator")
         self._publish_state()
 
     def _decide_queued(self, queued: Action, decision: m.Decision) -> None:
+        self._answer(decision)
         if decision.verdict == "veto":
-            self.emit(DROPPED, Dropped(id=queued.id, reason="vetoed", actor=decision.actor))
+            self._emit_dropped(queued, "vetoed", decision.actor)
             return
         if decision.verdict == "edit":
             queued = edited(queued, decision, self._theme, self.now)
@@ -289,6 +317,7 @@ class Arbiter(Approvals):
 
     @on(REPORT)
     def reported(self, report: m.OutputReport) -> None:
+        self._open_acts.report(report)
         if report.state in _OVER and self._queue.finish_part(
             report.action, report.output, report.part
         ):
@@ -298,6 +327,7 @@ class Arbiter(Approvals):
         if name == "patience" and (current := self._queue.current):
             self.emit(HALT, Halt(action=current.id, reason="interrupted", asked=self.now))
             self._queue.abandon()
+            self._open_acts.give_up(current.id, "refused", "No output has reported its end.")
         elif name == "filler" and (awaited := next(filter(self._is_awaited, self._awaited), None)):
             self.emit(FILLER_DUE, m.FillerDue(id=awaited))
         elif name == "deadline":
@@ -320,8 +350,10 @@ class Arbiter(Approvals):
         while not self._is_held_back and (action := self._queue.next(self.now, held)):
             if current := self._queue.current:
                 self.emit(HALT, Halt(action=current.id, reason="interrupted", asked=self.now))
-            self._queue.begin(action, self._parts(action))
+            parts = self._parts(action)
+            self._queue.begin(action, [each for each in parts if each[1] in LASTING])
             self.emit(ACTION, self._in_turn(action))
+            self._open_acts.begin(action.id, parts)
             self.set_timer(
                 "patience", self.now + ACTION_TIMEOUT + PER_CHARACTER * len(action.spoken)
             )
@@ -352,9 +384,9 @@ class Arbiter(Approvals):
         """True if nothing waits or is under way."""
         return self._queue.is_idle and self._pending.is_empty
 
-    def _parts(self, utterance: Utterance) -> list[tuple[str, ActionPart]]:
-        """Return the parts of an action that take time, by output."""
-        wanted = {part for part in LASTING if getattr(utterance, _FIELDS[part])}
+    def _parts(self, utterance: Utterance) -> list[Part]:
+        """Return the parts of an action, by output."""
+        wanted = {part for part, field in _FIELDS.items() if getattr(utterance, field)}
         return [
             (opened.output, part)
             for opened in self._outputs
@@ -388,10 +420,14 @@ class Arbiter(Approvals):
         self, reason: str, what: Callable[[Utterance], bool] = lambda _: True, actor: str = "agent"
     ) -> None:
         for action in self._queue.remove(what):
-            dropped = Dropped(id=action.id, reason=reason, actor=_who(reason, actor))  # type: ignore[arg-type]
-            self.emit(DROPPED, dropped)
+            self._emit_dropped(action, reason, _who(reason, actor))
         for pending in self._pending.remove(lambda one: what(one.proposal)):
             self._give_up(pending, reason, "mode", _who(reason, actor))
+
+    def _emit_dropped(self, action: Action, reason: str, actor: str) -> None:
+        self.emit(DROPPED, Dropped(id=action.id, reason=reason, actor=actor))  # type: ignore[arg-type]
+        outcome: m.ActOutcome = "late" if reason == "late" else "refused"
+        self._open_acts.give_up(action.id, outcome, _DROPPED_BECAUSE.get(reason, ""))
 
 
 def _is_feedback_with_deadline(pending: m.PendingApproval) -> bool:
@@ -400,6 +436,7 @@ def _is_feedback_with_deadline(pending: m.PendingApproval) -> bool:
 
 _FIELDS: dict[ActionPart, str] = {
     "say": "spoken",
+    "show": "text",
     "gesture": "gesture",
     "gaze": "gaze",
     "tone": "tone",

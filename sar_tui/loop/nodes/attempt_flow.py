@@ -1,11 +1,11 @@
 """Runs attempts: trials, score, feedback, the next level, and a therapist's marks."""
 
-import contextlib
 from collections.abc import Collection
 
 from msgspec.structs import replace
 
 from sar_tui.loop import change_text, marks
+from sar_tui.loop.answers import answer_to
 from sar_tui.loop.attempt_state import AttemptScore, AttemptState
 from sar_tui.loop.attempts import Attempts, NextAttempt
 from sar_tui.loop.marks import MarkedResults, TrialMark
@@ -14,6 +14,7 @@ from sar_tui.loop.nodes.trial_flow import TrialFlow
 from sar_tui.loop.session_phase import IN_TRIAL, MARKABLE, OVER, Phase
 from sar_tui.loop.task import Task
 from sar_tui.loop.topics import (
+    ANSWERED,
     ATTEMPT_ENDED,
     ATTEMPT_STARTED,
     FEEDBACK,
@@ -324,11 +325,21 @@ class AttemptFlow(TrialFlow):
         it was.
         """
         if self._phase in OVER:
+            self._answer(change, "late", "The session is over.")
             return
-        with contextlib.suppress(ParameterError):
+        try:
             self._attempts.change_setting(change.name, change.value, under_way=self._is_under_way)
+        except ParameterError as error:
+            self._answer(change, "refused", str(error))
+        else:
+            self._answer(change)
         if self._phase is Phase.READY:
             self._wait(Phase.READY)
+
+    def _answer(self, act: m.OperatorAct, outcome: m.ActOutcome = "done", why: str = "") -> None:
+        """Answer an operator's act, if it carries an id."""
+        if act.id:
+            self.emit(ANSWERED, answer_to(act, self.now, outcome, why))
 
     # --- marks
     # ----------------------------------------------------------------------------------------------

@@ -24,6 +24,7 @@ from sar_tui.loop.session_phase import (
 )
 from sar_tui.loop.task import Task
 from sar_tui.loop.topics import (
+    ANSWERED,
     ATTEMPT_ENDED,
     ATTEMPT_STARTED,
     COMMAND,
@@ -57,6 +58,11 @@ from sar_tui.model.units import SECOND
 from sar_tui.rules.key_guard import GuardedPress
 from sar_tui.rules.limits import Dose
 
+_Result = tuple[m.ActOutcome, str]
+"""Outcome of a command, and why."""
+_DONE: _Result = ("done", "")
+_NO_PROMPT: _Result = ("late", "No prompt is shown.")
+
 
 class EventHandler(StepFlow):
     """Runs the session: phases, pauses, faults and the end. The base classes run its steps,
@@ -84,6 +90,7 @@ class EventHandler(StepFlow):
         FEEDBACK,
         STEP_ENDED,
         SESSION_ENDED,
+        ANSWERED,
     )
 
     asks = (LEVEL_REQUEST, UNSAID_FEEDBACK)
@@ -154,15 +161,25 @@ class EventHandler(StepFlow):
 
     @on(COMMAND)
     def command_received(self, act: m.SessionCommand) -> None:
+        """Carry out a command, and answer it. The arbiter stops the agent."""
+        if act.command != "stop":
+            self._answer(act, *self._carry_out(act))
+
+    def _carry_out(self, act: m.SessionCommand) -> _Result:  # noqa: PLR0911
+        """Carry out a command. Return what became of it, and why."""
         if self._phase in OVER:
-            return
+            return "late", "The session is over."
+        if self._blockers.has_disk_failed and act.command in ("pause", "resume"):
+            return "refused", "The session cannot write to the disk."
         match act.command:
             case "pause":
-                if not self._blockers.has_disk_failed:
-                    self._pause(act.reason)
+                self._pause(act.reason)
             case "resume":
-                if self._phase is Phase.PAUSED and not self._blockers.has_disk_failed:
-                    self._resume()
+                if self._phase is not Phase.PAUSED:
+                    return "late", "The session is not paused."
+                self._resume()
+                if self._phase is Phase.PAUSED:
+                    return "refused", "The sensor sends no data."
             case "end":
                 self._end_result()
                 self._void("ended")
@@ -171,32 +188,55 @@ class EventHandler(StepFlow):
                 self._set_level(act.value if act.value is not None else self._attempts.level)
             case "hold" | "release":
                 self._attempts.hold_level(held=act.command == "hold")
-            case "repeat" if self._phase in IN_TRIAL:
-                self._void("repeat")
-                self._go_on()
+            case "repeat":
+                return self._repeat()
             case "skip":
-                self._skip(act.reason, act.value)
+                return self._skip(act.reason, act.value)
             case "mark":
-                if mark := marks.find(self.task.marks, act.reason):
-                    self._mark(mark)
+                return self._set_mark(act.reason)
+        return _DONE
 
-    def _skip(self, what: str, number: int | None) -> None:
+    def _repeat(self) -> _Result:
+        """Show the prompt again."""
+        if self._phase not in IN_TRIAL:
+            return _NO_PROMPT
+        self._void("repeat")
+        self._go_on()
+        return _DONE
+
+    def _skip(self, what: str, number: int | None) -> _Result:  # noqa: PLR0911
         """End the prompt as missed, a step between attempts or a rest; or leave out an ``attempt``.
 
         An operator's key may come when the participant has just answered: a ``step`` is ended by
         its ``number`` only.
         """
         if what == "attempt":
-            self._skip_attempt()
-        elif what == "step" and (self._asked is None or self._asked.number != number):
-            return
-        elif self.is_resting:
+            return self._skip_attempt()
+        if what == "step" and (self._asked is None or self._asked.number != number):
+            return "late", "The participant has just answered."
+        if self.is_resting:
             self._end_rest()
-        elif self._phase is Phase.STEP:
-            if self._asked and not self._asked.step.required:  # nobody else can agree
-                self._end_step("skipped", None, self.now)
-        elif self._phase in IN_TRIAL:
+            return _DONE
+        if self._phase is Phase.STEP:
+            if self._asked is None or self._asked.step.required:
+                return "refused", "Nobody else can answer that."
+            self._end_step("skipped", None, self.now)
+            return _DONE
+        if self._phase in IN_TRIAL:
             self._finish(Result(correct=False, flags=("skipped",)))
+            return _DONE
+        return _NO_PROMPT
+
+    def _set_mark(self, name: str) -> _Result:
+        """Put a mark on the current trial, else the last one, or take it off."""
+        mark = marks.find(self.task.marks, name)
+        if mark is None:
+            return "refused", "There is no such mark in this task."
+        before = self.trial_mark
+        self._mark(mark)
+        if self.trial_mark == before:
+            return "refused", "There is no trial to mark."
+        return "done", "removed" if before.present == name else ""
 
     @property
     def can_skip_attempt(self) -> bool:
@@ -204,15 +244,19 @@ class EventHandler(StepFlow):
         from_phase = self._paused_from if self._phase is Phase.PAUSED else self._phase
         return self._is_under_way or from_phase is Phase.READY
 
-    def _skip_attempt(self) -> None:
+    def _skip_attempt(self) -> _Result:
         """Leave out the attempt that is under way or comes next. What was done of it stays; nothing
         is scored.
         """
-        if self.can_skip_attempt and not self._blockers.has_disk_failed:
-            self._void("skipped")
-            goes_on = self._attempts.skip()
-            self._phase, self._paused_from = Phase.PAUSED, Phase.READY if goes_on else Phase.REVIEW
-            self._resume()
+        if not self.can_skip_attempt:
+            return "late", "The attempt is over."
+        if self._blockers.has_disk_failed:
+            return "refused", "The session cannot write to the disk."
+        self._void("skipped")
+        goes_on = self._attempts.skip()
+        self._phase, self._paused_from = Phase.PAUSED, Phase.READY if goes_on else Phase.REVIEW
+        self._resume()
+        return _DONE
 
     @on(STORAGE)
     def storage_changed(self, storage: m.StorageChanged) -> None:

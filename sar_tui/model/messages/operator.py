@@ -5,10 +5,13 @@ from typing import Literal
 from sar_tui.model.messages.base import ControlledKind, Json, Message, Mode, Role, Valence
 
 __all__ = [
+    "ActAnswered",
+    "ActOutcome",
     "Decision",
     "LateDecision",
     "ModeChanged",
     "NoteAdded",
+    "OperatorAct",
     "OperatorChanged",
     "PeerRequestRefused",
     "ProposalSeen",
@@ -20,7 +23,19 @@ __all__ = [
 ]
 
 
-class SessionCommand(Message, frozen=True, kw_only=True):
+class OperatorAct(Message, frozen=True, kw_only=True):
+    """Base of the acts of operators.
+
+    ``actor``: who acts. ``at``: time stamp of the key, on the session's clock. ``id``: random text
+    that the answer names, see `ActAnswered`; empty if nobody waits for an answer.
+    """
+
+    actor: str = "operator"
+    at: int = 0
+    id: str = ""
+
+
+class SessionCommand(OperatorAct, frozen=True, kw_only=True):
     """A command that controls the session.
 
     ``command``: ``pause``, ``resume``, ``end``, ``skip`` (this prompt, or what ``reason`` says),
@@ -39,10 +54,9 @@ class SessionCommand(Message, frozen=True, kw_only=True):
     actor: str = "participant"
     reason: str = ""
     value: int | None = None
-    at: int = 0
 
 
-class SettingChanged(Message, frozen=True, kw_only=True):
+class SettingChanged(OperatorAct, frozen=True, kw_only=True):
     """A therapist changes a setting, by its name, from the next attempt on (see
     `loop.live_settings`).
     """
@@ -50,16 +64,14 @@ class SettingChanged(Message, frozen=True, kw_only=True):
     name: str
     value: int | float
     actor: str = "therapist"
-    at: int = 0
 
 
-class Decision(Message, frozen=True, kw_only=True):
+class Decision(OperatorAct, frozen=True, kw_only=True):
     """An operator decides on a proposal, by its id (``action``), while it is pending or queued.
 
     ``edit`` replaces parts of the proposal: ``text``, ``valence`` (with its face, gesture and
     tone), ``gesture``; None keeps a part, an empty text removes it. ``level``: the level to set, if
-    the proposal changes the level. ``at``: time stamp of the operator's key, on the session's
-    clock.
+    the proposal changes the level.
     """
 
     action: str
@@ -68,11 +80,9 @@ class Decision(Message, frozen=True, kw_only=True):
     valence: Valence | None = None
     gesture: str | None = None
     level: int | None = None
-    actor: str = "operator"
-    at: int = 0
 
 
-class Remark(Message, frozen=True, kw_only=True):
+class Remark(OperatorAct, frozen=True, kw_only=True):
     """An operator makes the agent say or do something.
 
     ``valence``: gives face, gesture and tone, except a ``gesture`` or ``face`` given here.
@@ -85,17 +95,13 @@ class Remark(Message, frozen=True, kw_only=True):
     face: str = ""
     gaze: str = ""
     source: Literal["phrase", "free text", "gesture"] = "phrase"
-    actor: str = "operator"
-    at: int = 0
 
 
-class ModeChanged(Message, frozen=True, kw_only=True):
+class ModeChanged(OperatorAct, frozen=True, kw_only=True):
     """The mode of a kind of action changes, also for proposals that are pending."""
 
     kind: ControlledKind
     mode: Mode
-    actor: str = "operator"
-    at: int = 0
 
 
 class ProposalSeen(Message, frozen=True, kw_only=True):
@@ -106,13 +112,29 @@ class ProposalSeen(Message, frozen=True, kw_only=True):
     at: int = 0
 
 
-class NoteAdded(Message, frozen=True, kw_only=True):
+class NoteAdded(OperatorAct, frozen=True, kw_only=True):
     """An operator's note, for the record only. ``label``: one word, if it marks an event."""
 
     text: str = ""
     label: str = ""
-    actor: str = "operator"
-    at: int = 0
+
+
+ActOutcome = Literal["done", "refused", "late"]
+
+
+class ActAnswered(Message, frozen=True, kw_only=True):
+    """Answer to an operator's act that carries an ``id`` (derived). There is one for each act.
+
+    ``outcome``: ``done``; ``refused`` (it was not carried out, or failed); ``late`` (what it was
+    meant for was over). ``why``: a sentence, or ``removed`` if a mark was taken off. ``at``: when
+    the act arrived.
+    """
+
+    id: str
+    actor: str
+    outcome: ActOutcome
+    why: str = ""
+    at: int
 
 
 class OperatorChanged(Message, frozen=True, kw_only=True):
