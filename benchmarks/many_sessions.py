@@ -127,8 +127,7 @@ def _copy(database: sqlite3.Connection, session: str, copy: str) -> None:
     database.execute("INSERT INTO session_numbers (id) VALUES (?)", (copy,))
     database.execute(
         "INSERT INTO messages SELECT last_insert_rowid(), seq, run, at_ns, topic, message FROM "
-        "messages"
-        " WHERE session_number=(SELECT number FROM session_numbers WHERE id=?)",
+        "messages WHERE session_number=(SELECT number FROM session_numbers WHERE id=?)",
         (session,),
     )
 

@@ -133,14 +133,12 @@ def refuse_degrees(path: Path, samples: Samples) -> None:
     if fastest <= FASTEST_RAD_S and turns_too_far(samples["at"] / 1e9, rate):
         raise SourceError(
             f"{path} turns by more than two whole turns within a few seconds, farther than any "
-            "hand: it must be in "
-            "deg/s. Set the unit (--rate deg/s, or recorded:FILE?rate=deg/s)."
+            "hand: it must be in deg/s. Set the unit (--rate deg/s, or recorded:FILE?rate=deg/s)."
         )
     if fastest > FASTEST_RAD_S:
         raise SourceError(
             f"{path} turns at up to {fastest:.0f} rad/s, faster than any hand: it must be in "
-            "deg/s. Set the unit "
-            "(--rate deg/s, or recorded:FILE?rate=deg/s)."
+            "deg/s. Set the unit (--rate deg/s, or recorded:FILE?rate=deg/s)."
         )
 
 
@@ -260,8 +258,7 @@ def _tables(path: Path, reader: "Reader") -> Iterator[Table]:
         if len(row) != len(header):
             raise SourceError(
                 f"{path}, line {reader.line_num}: {len(row)} values for {len(header)} columns; a "
-                "line needs a "
-                "value for each column, commas between them, and points in decimals."
+                "line needs a value for each column, commas between them, and points in decimals."
             )
         try:
             rows.append([float(row[index]) for index in wanted.values()])

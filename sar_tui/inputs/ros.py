@@ -26,8 +26,7 @@ _EXAMPLE = (
 )
 _NO_RATE = (
     "The sensor on {} reports that it does not measure angular rate (its covariance begins with "
-    "-1), so it cannot show "
-    "how a hand turns. Use one with a gyroscope."
+    "-1), so it cannot show how a hand turns. Use one with a gyroscope."
 )
 _NO_SAMPLE = "The messages on {} are not sensor_msgs/Imu ({}); such messages are left out."
 _NOT_RISING = (

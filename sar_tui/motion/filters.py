@@ -33,8 +33,7 @@ def usable_cutoff(cutoff_hz: float, rate_hz: float) -> float:
     if not rate_hz >= LEAST_RATE_HZ:
         raise TooSlow(
             f"The sensor gives {rate_hz:.3g} samples a second; finding reaches takes at least "
-            f"{LEAST_RATE_HZ:g}: "
-            "set it to a shorter data interval."
+            f"{LEAST_RATE_HZ:g}: set it to a shorter data interval."
         )
     return min(cutoff_hz, rate_hz / LOW_RATE)
 

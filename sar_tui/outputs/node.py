@@ -33,9 +33,8 @@ STOP_TIMEOUT = 2 * SECOND
 _NO_OUTCOME = "It did not report the outcome."
 _NO_OUTCOME_SIMULATED = (
     f"{_NO_OUTCOME} In this simulation time jumped over its work, because it requested a timer of "
-    "self.clock. If it "
-    "waits for a device, let it request none when self.simulated is True, or report without the "
-    "device."
+    "self.clock. If it waits for a device, let it request none when self.simulated is True, or "
+    "report without the device."
 )
 CLOSE = "close"
 """Place of a `Fault` of an output that could not be closed."""

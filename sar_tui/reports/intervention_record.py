@@ -141,8 +141,7 @@ def _feedback(
     found = Counter[str]()
     query = (
         "SELECT feedback, count(*) FROM attempts JOIN seats USING (session, seat) WHERE session=? "
-        "AND NOT practice"
-        f" AND participant IN ({','.join('?' * len(codes))}) GROUP BY feedback"
+        f"AND NOT practice AND participant IN ({','.join('?' * len(codes))}) GROUP BY feedback"
     )
     for session in ids:
         found.update(dict(database.execute(query, (session, *codes)).fetchall()))

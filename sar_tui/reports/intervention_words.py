@@ -46,10 +46,8 @@ _UNUSED = {"0", "0.0"}
 """Values of a limit, a rest or a delay that is not used."""
 NOT_RECORDED = (
     "The record does not know, and a report must add: why the intervention should help (2); who "
-    "gave it, with which "
-    "training (5); whether they were there, and how (6); where (7); how adherence was to be kept "
-    "up (11); the "
-    "participants' needs and wishes that it was fitted to."
+    "gave it, with which training (5); whether they were there, and how (6); where (7); how "
+    "adherence was to be kept up (11); the participants' needs and wishes that it was fitted to."
 )
 
 
@@ -78,8 +76,7 @@ def _name(found: InterventionReport) -> str:
     return (
         f"Training with the task{'' if len(found.tasks) == 1 else 's'} {names}: "
         f"{count(len(found.participants), 'participant')}, "
-        f"{count(len(found.sessions), 'session')}{modes}, from "
-        f"{found.first} to {found.last}."
+        f"{count(len(found.sessions), 'session')}{modes}, from {found.first} to {found.last}."
     )
 
 
@@ -130,8 +127,7 @@ def _dose(found: InterventionReport) -> Iterator[str | Table]:
     yield _table(("code", *numbers), [_dose_row(each) for each in found.dose], numbers)
     yield (
         "a week: sessions. done, planned: attempts without practice. trials: repetitions, that is "
-        "prompts or reaches. "
-        "on task: minutes in attempts. in all: minutes in sessions."
+        "prompts or reaches. on task: minutes in attempts. in all: minutes in sessions."
     )
 
 
@@ -160,9 +156,8 @@ def _challenge(found: InterventionReport) -> Iterator[str | Table]:
     )
     yield (
         "levels: the first and the last. reached: attempts that reached the goal. right: right "
-        "responses. up, down: "
-        "changes of level by the rule. hand: changes by a therapist or operator. goals: changes "
-        "of the goal alone."
+        "responses. up, down: changes of level by the rule. hand: changes by a therapist or "
+        "operator. goals: changes of the goal alone."
     )
 
 
@@ -265,9 +260,8 @@ def _harms(found: InterventionReport) -> str:
         return f"{events} Nothing is known of pain: it was not asked."
     return (
         f"{events} Pain is known of {count(harms.asked, 'session')}: some in "
-        f"{harms.sessions_with_pain}, severe (7 or "
-        f"more of 10) in {harms.severe}; the worst was {harms.worst_pain}. The greatest tiredness "
-        "was "
+        f"{harms.sessions_with_pain}, severe (7 or more of 10) in {harms.severe}; the worst was "
+        f"{harms.worst_pain}. The greatest tiredness was "
         f"{'not asked' if harms.worst_tiredness is None else harms.worst_tiredness}."
     )
 

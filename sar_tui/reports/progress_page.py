@@ -54,9 +54,8 @@ def _line(line: LineProgress, events: Sequence[AdverseEvent], tr: Language) -> I
     yield f"<p>{escape(' '.join(progress_words.sentences(line, tr)))}</p>"
     if (most := sessions_of_a_mark(len(line.sessions))) > 1:
         rule = tr(
-            "In the charts a mark stands for up to {most} sessions, one after the other: for "
-            "their mean; of pain and "
-            "tiredness, for the worst.",
+            "In the charts a mark stands for up to {most} sessions, one after the other: for their "
+            "mean; of pain and tiredness, for the worst.",
             most=str(most),
         )
         yield f"<p>{escape(rule)}</p>"

@@ -252,8 +252,7 @@ def _practice(line: LineProgress, tr: Language) -> str:
         return ""
     return tr(
         "Practice: from {first} in the first session to {mean} in the next {number}. A gain like "
-        "this comes with "
-        "repeating any test; it is not recovery.",
+        "this comes with repeating any test; it is not recovery.",
         first=first,
         mean=later,
         number=str(BASELINE),
@@ -265,8 +264,7 @@ def _noise(line: LineProgress, tr: Language) -> str:
     if found is None:
         return tr(
             "Smallest change that is more than noise (MDC95): not yet known. It needs {number} "
-            "sessions with a known "
-            "value.",
+            "sessions with a known value.",
             number=str(FAMILIARISATION + BASELINE),
         )
     ends = sorted(

@@ -60,9 +60,8 @@ def _sessions(found: WizardStudy) -> Iterator[str | Table]:
     yield (
         f"{count(len(found.sessions), 'session')} of {count(persons, 'participant')}{modes}, with "
         f"{count(len(found.operators), 'operator')}: {', '.join(map(_person, found.operators))}. "
-        "There was an operator "
-        f"for {found.operated_s / 60:.1f} min{share}. {count(len(found.excluded), 'session')} "
-        "excluded."
+        f"There was an operator for {found.operated_s / 60:.1f} min{share}. "
+        f"{count(len(found.excluded), 'session')} excluded."
     )
     letters = _letters(found)
     if len(letters) > 1:
@@ -170,26 +169,22 @@ def _drifts(found: WizardStudy) -> Iterator[str]:
 def _drift(each: Drift) -> Iterator[str]:
     if each.decision_ms is None or each.accepted_share is None:
         yield (
-            f"{_person(each.operator)} decided in {count(each.sessions, 'session')}: too few for "
-            "a trend from session "
-            f"to session, which needs {FEWEST}."
+            f"{_person(each.operator)} decided in {count(each.sessions, 'session')}: too few for a "
+            f"trend from session to session, which needs {FEWEST}."
         )
     else:
         time, share = each.decision_ms, each.accepted_share
         yield (
             f"{_person(each.operator)}, {count(each.sessions, 'session')}: the median time to "
-            "decide changed by "
-            f"{time.slope:+.0f} ms a session (95 % interval {time.low:+.0f} to {time.high:+.0f}: "
-            f"{_said(time)}); the "
-            f"share accepted by {share.slope * 100:+.1f} points (95 % interval "
-            f"{share.low * 100:+.1f} to "
-            f"{share.high * 100:+.1f}: {_said(share)})."
+            f"decide changed by {time.slope:+.0f} ms a session (95 % interval {time.low:+.0f} to "
+            f"{time.high:+.0f}: {_said(time)}); the share accepted by {share.slope * 100:+.1f} "
+            f"points (95 % interval {share.low * 100:+.1f} to {share.high * 100:+.1f}: "
+            f"{_said(share)})."
         )
     if each.first_half_ms is not None and each.second_half_ms is not None:
         yield (
             f"Within a session: median {each.first_half_ms:.0f} ms in the first half of the "
-            "decisions, "
-            f"{each.second_half_ms:.0f} ms in the second."
+            f"decisions, {each.second_half_ms:.0f} ms in the second."
         )
 
 
@@ -202,6 +197,5 @@ def _deviations(found: WizardStudy) -> str:
         return "There was no deviation from the sessions' plans."
     return (
         f"Deviations from the sessions' plans: {deviation_counts(found.counts)}. `sar-tui report "
-        "wizard SESSION` lists "
-        "those of a session."
+        "wizard SESSION` lists those of a session."
     )

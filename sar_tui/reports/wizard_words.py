@@ -10,10 +10,8 @@ from sar_tui.reports.wizard import Latencies, WizardReport
 
 NOT_RECORDED = (
     "A paper must also report what is not recorded (Riek 2012): who the operators were, what they "
-    "knew of the "
-    "hypotheses, how they were trained and instructed, how their errors were judged, and what the "
-    "participant was "
-    "told."
+    "knew of the hypotheses, how they were trained and instructed, how their errors were judged, "
+    "and what the participant was told."
 )
 LATENCY_COLUMNS = ("n", "median", "IQR", "5 %", "95 %", "worst")
 _LISTED = 30
@@ -186,8 +184,7 @@ def _deviations(found: WizardReport) -> Section:
         back = "until one was back" if absence.came_back else "until the run ended"
         lines.append(
             f"No operator from {absence.at_s:.1f} s of run {absence.run} on, for "
-            f"{absence.duration_s:.1f} s, {back} "
-            f"({absence.actor} {absence.state})."
+            f"{absence.duration_s:.1f} s, {back} ({absence.actor} {absence.state})."
         )
     if not found.deviations:
         return Section(
@@ -216,8 +213,7 @@ def _pauses(found: WizardReport) -> list[Section]:
         ended = f"{pause.ended_by} resumed" if pause.ended_by else "until the run ended"
         lines.append(
             f"The participant paused at {pause.at_s:.1f} s of run {pause.run}{reason}, for "
-            f"{pause.duration_s:.1f} s; "
-            f"{ended}."
+            f"{pause.duration_s:.1f} s; {ended}."
         )
     return [Section("Pauses", ["\n".join(lines)])] if lines else []
 

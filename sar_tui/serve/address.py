@@ -29,8 +29,7 @@ class Address(msgspec.Struct, frozen=True):
         if self.public_url and _origin(self.public_url) is None:
             raise AddressError(
                 f"{self.public_url} is not a valid public URL. It consists of http or https, a "
-                "host and "
-                "optionally a port: https://lab.example:8443."
+                "host and optionally a port: https://lab.example:8443."
             )
 
     @property

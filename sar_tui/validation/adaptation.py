@@ -72,8 +72,7 @@ def follows_results(rows: Sequence[Row]) -> Claim:
     """
     wrong = [
         f"{before['user']}, seed {before['seed']}: level {before['level']} → {after['level']} "
-        "after a "
-        f"{before['outcome']} in attempt {before['attempt']}"
+        f"after a {before['outcome']} in attempt {before['attempt']}"
         for before, after in pairwise(rows)
         if (before["user"], before["seed"]) == (after["user"], after["seed"])
         and after["level"] != _expected(before)

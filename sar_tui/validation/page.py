@@ -12,8 +12,7 @@ _LISTED = 60
 """Rows of a table; the files have all."""
 _FOOT = (
     "Simulated people obey the model that they are made of: what they show holds for the program, "
-    "and for people only "
-    "as far as they are like the model."
+    "and for people only as far as they are like the model."
 )
 
 

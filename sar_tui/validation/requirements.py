@@ -73,9 +73,8 @@ def _training(evidence: Evidence) -> Sequence[Claim]:
     wrong = [f"{attempt}: {by:+.0f} ms" for attempt, by in off.items() if abs(by) > CLOSE_MS]
     return (
         Claim(
-            f"In {len(off)} attempts, the result is the mean time from the prompt on the screen "
-            "to the key, within "
-            f"{CLOSE_MS:g} ms.",
+            f"In {len(off)} attempts, the result is the mean time from the prompt on the screen to "
+            f"the key, within {CLOSE_MS:g} ms.",
             _listed(wrong),
         ),
         Claim(

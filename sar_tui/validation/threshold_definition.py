@@ -31,8 +31,7 @@ def claims() -> list[Claim]:
     return [
         Claim(
             "The fixed-threshold detector's reaches begin and end with the first sample after the "
-            "rate crosses "
-            f"{DEFINED.threshold_rad_s:g} rad/s.",
+            f"rate crosses {DEFINED.threshold_rad_s:g} rad/s.",
             _against_crossings(),
         ),
         Claim(

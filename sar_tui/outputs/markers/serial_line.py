@@ -82,9 +82,8 @@ class SerialLine:
         except (OSError, ValueError) as error:  # serial.SerialException is an OSError
             raise MarkerError(
                 f"The serial port {self._port} cannot be opened ({_reason(error)}). Plug the "
-                "trigger box in, see "
-                "that you may use it (on Linux: the group dialout), and close other programs that "
-                "use it."
+                "trigger box in, see that you may use it (on Linux: the group dialout), and close "
+                "other programs that use it."
             ) from error
         return ""
 

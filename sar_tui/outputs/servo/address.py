@@ -12,12 +12,10 @@ from sar_tui.outputs.output import OutputError
 
 _CHANNEL = re.compile("-?[0-9]{1,2}")
 _HOW = (
-    "Use servo, or servo:SERIAL?right_arm=0&left_arm=-1: joints are "
-    f"{', '.join(JOINTS[:-1])} and {JOINTS[-1]}, each with its channel on the controller (- "
-    "before the number reverses "
-    "the joint); range=45 is how many degrees it moves to either side (5 to 90), speed=180 how "
-    "many per second "
-    "(30 to 360)."
+    f"Use servo, or servo:SERIAL?right_arm=0&left_arm=-1: joints are {', '.join(JOINTS[:-1])} and "
+    f"{JOINTS[-1]}, each with its channel on the controller (- before the number reverses the "
+    "joint); range=45 is how many degrees it moves to either side (5 to 90), speed=180 how many "
+    "per second (30 to 360)."
 )
 
 
