@@ -104,7 +104,6 @@ def _checks(speaking: ErrorStatistics, silent: ErrorStatistics) -> dict[str, boo
 
 
 # --- the onset, with and without the agent
-# ---------------------------------------------------------------------
 
 
 def _program(name: str, outputs: str) -> Program:
@@ -155,7 +154,6 @@ SPEAKING = _program("face, speech and tones", "screen,speech,tones")
 
 
 # --- the stop key
-# ---------------------------------------------------------------------------------------------------
 
 
 def _stops(count: int, folder: Path, on_stop: Callable[[], None]) -> list[Stop]:

@@ -126,8 +126,8 @@ def _store_samples(data: Path, count: int) -> None:
     with closing(connect(data)) as database:
         participants.add(database, "BENCH")
         sessions.create(
-            database, "5a3b1e", task="reaching", theme="calm", participant="BENCH", seed=1, parameters={},
-            software={}, machine={}, mode="live",
+            database, "5a3b1e", task="reaching", theme="calm", participant="BENCH", seed=1,
+            parameters={}, software={}, machine={}, mode="live",
         )  # fmt: skip
         sessions.begin_run(database, "5a3b1e", software={}, machine={}, clock_ns=0)
         stream = (

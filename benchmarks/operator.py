@@ -104,7 +104,6 @@ def _summary(values: list[float]) -> dict[str, float]:
 
 
 # --- the onset, with and without an operator
-# -------------------------------------------------------------------
 
 
 @contextlib.contextmanager
@@ -149,7 +148,6 @@ OPERATED = msgspec.structs.replace(
 
 
 # --- the operator's keys
-# -------------------------------------------------------------------------------------------
 
 
 def _acts(count: int, folder: Path, on_act: Callable[[], None]) -> dict[str, list[float]]:

@@ -154,7 +154,6 @@ class LoopDriver:
             self.session.begin(1 if history is None else 2)
 
     # --- the participant
-    # ---------------------------------------------------------------------------
 
     def press(self, key: str, at: int | None = None, lag: int = 0, stalled: bool = False) -> None:
         """Press a key now, or as soon as somebody would who has read what is asked for between two
@@ -202,7 +201,6 @@ class LoopDriver:
         )
 
     # --- time
-    # ---------------------------------------------------------------------------------------------------
 
     def wait(self, ms: float) -> None:
         self.clock.advance(round(ms * MS))
@@ -222,7 +220,6 @@ class LoopDriver:
         return self.screen.prompt
 
     # --- whole steps
-    # --------------------------------------------------------------------------------------------
 
     def start(self) -> m.Prompt:
         """Continue from the instructions to the first prompt."""
@@ -253,7 +250,6 @@ class LoopDriver:
         self.wait(1000)
 
     # --- messages
-    # ------------------------------------------------------------------------------------------
 
     def all(self, topic: Topic[M]) -> list[M]:
         return [record.message for record in self.records if record.topic is topic]

@@ -388,7 +388,6 @@ def test_a_theme_in_a_named_folder_is_found(tmp_path: Path, catalogue: Catalogue
 
 
 # --- a plug-in at work
-# --------------------------------------------------------------------------------------
 
 
 def run(

@@ -106,7 +106,6 @@ class SarTui(LeavingApp):
         await super().on_event(event)
 
     # --- the stop key
-    # -----------------------------------------------------------------------------------------
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """The stop key works during a session; before and after, F2 is the screen's own."""
@@ -123,7 +122,6 @@ class SarTui(LeavingApp):
             self._open.operate(SessionCommand(command="stop", at=asked))
 
     # --- the terminal
-    # --------------------------------------------------------------------------------------
 
     def on_app_blur(self, event: events.AppBlur) -> None:
         self._focus_changed(False, event.time)
@@ -150,7 +148,6 @@ class SarTui(LeavingApp):
             cover_if_too_small(self, event.size)
 
     # --- help
-    # ------------------------------------------------------------------------------------------------
 
     def get_key_display(self, binding: Binding) -> str:
         """Return a key's name on the keyboard: "Ctrl-Q", "F1", "Esc"."""

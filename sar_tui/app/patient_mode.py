@@ -57,7 +57,6 @@ class PatientModeApp(OpeningApp):
             self._hold(patient)
 
     # --- beginning and end
-    # ------------------------------------------------------------------------------------
 
     def exercises_of(self, participant: str) -> list[str]:
         """Return the participant's exercises. Raises StoreError if there is none, or no passphrase
@@ -127,7 +126,6 @@ class PatientModeApp(OpeningApp):
             await home.fill()
 
     # --- in the mode
-    # ------------------------------------------------------------------------------------------
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         return (
@@ -181,7 +179,6 @@ class PatientModeApp(OpeningApp):
         self._release_signals()
 
     # --- signals
-    # ----------------------------------------------------------------------------------------------
 
     def catch_signals(self) -> None:
         super().catch_signals()

@@ -104,7 +104,7 @@ class SensorWatch:
         if self.test and self.test.is_running:
             self._continue_test(self.test)
 
-    # --- state ------------------------------------------------------------------------------------
+    # --- state
 
     @property
     def attached(self) -> bool:
@@ -173,7 +173,6 @@ class SensorWatch:
             self._blocks.popleft()
 
     # --- the sensor
-    # ---------------------------------------------------------------------------------------
 
     def _on_status(self, status: Status) -> None:
         match status.state:
@@ -220,7 +219,6 @@ class SensorWatch:
             self.test.flags.append(flag)
 
     # --- the test reach
-    # -----------------------------------------------------------------------------------
 
     def zero(self) -> None:
         """Ask the sensor to take its present rate as zero."""

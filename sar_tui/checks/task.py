@@ -109,7 +109,6 @@ def _reason(error: BaseException) -> str:
 
 
 # --- what it declares
-# ----------------------------------------------------------------------------------------
 
 
 def _declaration(kind: type[Task]) -> str:
@@ -144,7 +143,6 @@ def _lacks(field: Field) -> str:
 
 
 # --- what it shows
-# -------------------------------------------------------------------------------------------
 
 
 def _words(task: Task) -> str:
@@ -239,7 +237,6 @@ def _timing_problem(prompt: Stimulus, parameters: TaskParameters, where: str) ->
 
 
 # --- what it does
-# ---------------------------------------------------------------------------------------------
 
 
 def _sessions(kind: type[Task], parameters: TaskParameters) -> Iterator[Check]:

@@ -144,7 +144,6 @@ class _Client:
         self._transport.close(awaits_answer=says_goodbye and self._connection.state == "connected")
 
     # --- on the loop
-    # --------------------------------------------------------------------------------------------
 
     def _start(self) -> None:
         if self._is_closed:

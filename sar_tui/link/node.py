@@ -114,7 +114,6 @@ class LinkNode(Node):
             self._is_detached = True
 
     # --- from the broker process
-    # -------------------------------------------------------------------------------
 
     def receive(self, event: BrokerEvent | BrokerEnded) -> None:
         """Handle an event of the broker process, on the bus' own thread."""
@@ -230,7 +229,6 @@ class LinkNode(Node):
         self.emit(PRESENCE, changed)
 
     # --- to the peers
-    # ------------------------------------------------------------------------------------------
 
     def _tapped(self, cascade: list[Record]) -> None:
         self._feed.add(cascade)

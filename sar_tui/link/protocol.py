@@ -44,7 +44,6 @@ class _LinkMessage(msgspec.Struct, frozen=True, tag_field="is", tag=str.lower):
 
 
 # --- from the session to its peers
-# ---------------------------------------------------------------------------
 
 EncodedFrame = tuple[int, int, str, msgspec.Raw]
 """Sequence number, time (ns), name of the topic, message."""
@@ -97,7 +96,6 @@ SessionMessage = Batch | Snapshot | MotionTraces | Pong | LinkClosed
 
 
 # --- from a peer to the session
-# ------------------------------------------------------------------------------
 
 
 Silence = Annotated[int, msgspec.Meta(ge=0)] | None
@@ -132,7 +130,6 @@ class ActRequest(_LinkMessage, frozen=True):
 
 
 # --- from the program to its broker
-# --------------------------------------------------------------------------
 
 
 class Setup(_LinkMessage, frozen=True):
@@ -174,7 +171,6 @@ BrokerCommand = Setup | Publish | SendTo | SensorSamples
 
 
 # --- from the broker to its program
-# --------------------------------------------------------------------------
 
 
 class BrokerStarted(_LinkMessage, frozen=True):

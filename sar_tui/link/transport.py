@@ -116,7 +116,6 @@ class Transport:
             self._outbox.put_nowait(message)
 
     # --- on the transport's thread
-    # --------------------------------------------------------------------------------
 
     def _run(self) -> None:
         # not at once: the session may be starting

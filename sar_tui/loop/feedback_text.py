@@ -147,7 +147,6 @@ class FeedbackText:
         }[form]
 
     # --- knowledge of results
-    # ------------------------------------------------------------------------------
 
     def _results(self, feedback: Feedback, recalled: RecalledAttempts) -> "_Pair":
         is_reason = feedback.reason in ("accuracy", "empty", *RACED)
@@ -272,7 +271,6 @@ class FeedbackText:
         return {"value": shown, "goal": goal_text(metric, goal, tr)}
 
     # --- knowledge of performance
-    # --------------------------------------------------------------------------
 
     def _performance(
         self, feedback: Feedback, recalled: RecalledAttempts

@@ -90,7 +90,6 @@ VOCABULARY = ("last_attempt", "last_at_level", "best_attempt", "session_mean", "
 
 
 # --- numbers in a text
-# ----------------------------------------------------------------------------------------
 
 _SPELLED = {
     "en": """zero one two three four five six seven eight nine ten eleven twelve thirteen fourteen fifteen sixteen
@@ -130,7 +129,6 @@ def holds_number(text: str, language: str = "en") -> bool:
 
 
 # --- one wording
-# ----------------------------------------------------------------------------------------------
 
 
 def wording_problems(situation: str, wording: str, language: str) -> list[str]:

@@ -32,8 +32,8 @@ SATURATED_NS = 300_000_000
 """Longest hole that is attributed to saturation, if the sensor reported saturation."""
 _TIMES = {"reach_time_ms", "out_ms", "back_ms", "dwell_ms", "turn_after_ms"}
 _OF_VERSION_2 = (
-    "excursion_deg", "straightness", "return_error_deg", "inclination_rest_deg", "inclination_target_deg",
-    "tremor_rest_hz", "tremor_rest_rad_s", "tremor_action_rad_s",
+    "excursion_deg", "straightness", "return_error_deg", "inclination_rest_deg",
+    "inclination_target_deg", "tremor_rest_hz", "tremor_rest_rad_s", "tremor_action_rad_s",
 )  # fmt: skip
 DISAGREEMENT = 0.2
 """Difference of two detectors' times, as a share of the longer one, from which a reach's time is

@@ -233,12 +233,11 @@ class _Search:
         spreads[:first] = math.inf
         fast_spread, slow_spread = spreads.T
         return _Rests(
-            mean[:, 3:6].tolist(), (SPREADS * fast_spread).tolist(), (SPREADS * slow_spread).tolist(),
-            slow_spread.tolist(),
+            mean[:, 3:6].tolist(), (SPREADS * fast_spread).tolist(),
+            (SPREADS * slow_spread).tolist(), slow_spread.tolist(),
         )  # fmt: skip
 
     # --- the bias
-    # ------------------------------------------------------------------------------------------------
 
     def _look_ahead(self, index: int) -> _Ahead:
         """Return biases and noise after a sample, up to the first rest, or to where the other
@@ -303,7 +302,6 @@ class _Search:
         )
 
     # --- movement
-    # ------------------------------------------------------------------------------------------------
 
     def _crossing(self, ahead: _Ahead, index: int) -> int:
         """Return the first sample from ``index`` on at which the hand begins or stops;
@@ -384,7 +382,6 @@ class _Search:
         return one < other
 
     # --- the result
-    # ----------------------------------------------------------------------------------------------
 
     def _note(self, index: int) -> None:
         """Note the state from a sample on."""

@@ -118,7 +118,6 @@ class Commands:
         return text if text and self.peer and self.peer.now() - at < SLOW else ""
 
     # --- proposals
-    # -------------------------------------------------------------------------------------------
 
     def report_seen(self, approval: PendingApproval, at: int) -> None:
         """Note that a proposal is on the screen, and report it once if this operator may decide on
@@ -208,7 +207,6 @@ class Commands:
         return is_sent
 
     # --- the session
-    # -------------------------------------------------------------------------------------------
 
     def command(self, text: str, command: Any, at: int, **more: Any) -> bool:
         """Send a command to the session (see `SessionCommand`). ``text``: for the log."""
@@ -303,7 +301,6 @@ class Commands:
         return self.send(f"Level: {before}", MODE, ModeChanged(kind="difficulty", mode=before), at)
 
     # --- speech and notes
-    # ----------------------------------------------------------------------------------------
 
     def pick(self, item: Item, at: int) -> bool:
         """Send the act of a palette item."""
@@ -365,7 +362,6 @@ class Commands:
         return self.send(f"Event: {label}", NOTE_ADDED, NoteAdded(label=label), at)
 
     # --- sending
-    # ---------------------------------------------------------------------------------------------------
 
     def send(self, text: str, topic: Topic[Any], message: Any, at: int, typed: str = "") -> bool:
         """Send an act, or log why not. ``text``: for the log; ``typed``: what the operator typed

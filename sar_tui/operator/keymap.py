@@ -201,7 +201,6 @@ _CHARACTERS = {
 _KNOWN = {key.value for key in Keys if "<" not in key.value}
 
 # --- the operator's file
-# -----------------------------------------------------------------------------------------
 
 FILE = "wizard-keys.toml"
 """Name of the file in the data folder."""

@@ -102,7 +102,6 @@ class PanelLayout(OrderedScreen[str]):
         self._drawn_at = 0
 
     # --- beginning and ending
-    # ----------------------------------------------------------------------------------
 
     def compose(self) -> ComposeResult:
         with Horizontal(id="header"):
@@ -246,7 +245,6 @@ class PanelLayout(OrderedScreen[str]):
         return next(selected, undecided[0] if undecided else None)
 
     # --- drawing
-    # -------------------------------------------------------------------------------------------------
 
     def _tick(self) -> None:
         """Draw if something has changed, a countdown is shown, or an outcome is awaited, which may

@@ -35,7 +35,6 @@ class PanelScreen(PanelLayout):
         self._typing: Callable[[str, int], bool] | None = None
 
     # --- proposals
-    # -----------------------------------------------------------------------------------------------
 
     @property
     def _at(self) -> int:
@@ -104,7 +103,6 @@ class PanelScreen(PanelLayout):
         return not has_words
 
     # --- the session
-    # ---------------------------------------------------------------------------------------------
 
     def action_stop(self) -> None:
         self._show_result(self.commands.command("Stopped", "stop", self._at))
@@ -150,7 +148,6 @@ class PanelScreen(PanelLayout):
         return was_asked
 
     # --- palette, speech, notes
-    # -----------------------------------------------------------------------------------
 
     def action_pick(self, index: int) -> None:
         items = self.find_page()[0].items
@@ -224,7 +221,6 @@ class PanelScreen(PanelLayout):
         self.draw()
 
     # --- typing
-    # ------------------------------------------------------------------------------------------------
 
     def takes(self, event: events.Key | events.Paste) -> bool:
         if not self._typing or self.is_covered:

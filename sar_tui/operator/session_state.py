@@ -209,7 +209,6 @@ class SessionState(msgspec.Struct, frozen=True):
 
 
 # --- the task
-# ------------------------------------------------------------------------------------------------------
 
 
 def _on_waiting(state: SessionState, waiting: Waiting) -> SessionState:
@@ -272,7 +271,6 @@ def _on_sensor(state: SessionState, changed: SensorChanged) -> SessionState:
 
 
 # --- the agent
-# -----------------------------------------------------------------------------------------------------
 
 
 def _on_report(state: SessionState, report: OutputReport) -> SessionState:
@@ -315,7 +313,6 @@ def _on_theme(state: SessionState, applied: ThemeApplied) -> SessionState:
 
 
 # --- operators and observers
-# ----------------------------------------------------------------------------------------
 
 
 def _on_presence(state: SessionState, changed: OperatorChanged) -> SessionState:

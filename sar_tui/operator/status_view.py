@@ -152,7 +152,6 @@ def link_loss(state: SessionState) -> str:
 
 
 # --- the participant
-# ----------------------------------------------------------------------------------
 
 
 def activity(state: SessionState, width: int, now: int = 0) -> Content:
@@ -312,7 +311,6 @@ def _agent(state: SessionState, width: int, now: int) -> list[Piece]:
 
 
 # --- the log
-# -----------------------------------------------------------------------------------------------------
 
 
 def log_lines(

@@ -228,7 +228,6 @@ class OutputNode(Node):
                 clock.begin_work((self.name, action, part))
 
     # --- reports of the output
-    # -------------------------------------------------------------------------------
 
     def _receive(self, report: Report) -> None:
         """Called from any thread."""

@@ -258,7 +258,6 @@ class Ros(Output):
             bridge.close()
 
     # --- on the connection's thread: stamp and pass on
-    # ------------------------------------------------------
 
     def _on_change(self, bridge: Bridge) -> None:
         self.clock.call_soon(partial(self._connection_changed, bridge, bridge.is_connected))
@@ -272,7 +271,6 @@ class Ros(Output):
             self.clock.call_soon(partial(self._reported, bridge, report, at))
 
     # --- on the clock's thread
-    # ------------------------------------------------------------------------------
 
     def _connection_changed(self, bridge: Bridge, connected: bool) -> None:
         if bridge is not self._bridge:
@@ -405,7 +403,6 @@ class Ros(Output):
         self._send_report(Report(request.action, request.part, state, at, detail))
 
     # --- stopping and helpers
-    # --------------------------------------------------------------------------------
 
     def _send_stop(self, action: str) -> bool:
         message = self._topics.message(action and self._id(action), {}, "stop")

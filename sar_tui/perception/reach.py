@@ -130,7 +130,6 @@ class ReachPerception(TimedNode):
             self._analysis = msgspec.structs.replace(self._analysis, orientation=orientation)
 
     # --- the sensor
-    # ----------------------------------------------------------------------------------------
 
     @on(SENSOR)
     def sensor_changed(self, sensor: SensorChanged) -> None:
@@ -240,7 +239,6 @@ class ReachPerception(TimedNode):
         )
 
     # --- the trial
-    # -----------------------------------------------------------------------------------------
 
     @on(PROMPT)
     def prompted(self, prompt: Prompt) -> None:

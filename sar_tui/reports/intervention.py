@@ -40,9 +40,9 @@ _FEEDBACK = (
     "language",
 )
 _DOSE = (
-    "attempts", "prompts_per_attempt", "reaches_per_attempt", "practice_attempts", "planned_attempts_a_day",
-    "attempts_a_day", "minutes_a_day", "session_minutes", "days_between_visits", "rest_every", "rest_after_attempts",
-    "rest_seconds",
+    "attempts", "prompts_per_attempt", "reaches_per_attempt", "practice_attempts",
+    "planned_attempts_a_day", "attempts_a_day", "minutes_a_day", "session_minutes",
+    "days_between_visits", "rest_every", "rest_after_attempts", "rest_seconds",
 )  # fmt: skip
 
 

@@ -18,8 +18,9 @@ from sar_tui.store.results import sessions_of
 from sar_tui.store.selection import Selection
 
 _TOPICS = (
-    topics.SESSION, topics.WAITING, topics.COMMAND, topics.SETTING, topics.MODE, topics.PRESENCE, topics.REFUSED,
-    topics.LATE_DECISION, topics.LEVEL, topics.GOAL, topics.OUTPUT, topics.ATTEMPT_STARTED, topics.ATTEMPT_ENDED,
+    topics.SESSION, topics.WAITING, topics.COMMAND, topics.SETTING, topics.MODE, topics.PRESENCE,
+    topics.REFUSED, topics.LATE_DECISION, topics.LEVEL, topics.GOAL, topics.OUTPUT,
+    topics.ATTEMPT_STARTED, topics.ATTEMPT_ENDED,
 )  # fmt: skip
 _THERAPIST = "therapist"
 """The actor of what is done on the participant's terminal with the therapist's keys."""

@@ -186,7 +186,8 @@ def _feedback(found: InterventionReport) -> str:
 
 def _tailoring(found: InterventionReport) -> str:
     differing = [
-        f"{_PROCEDURE[name]} ({task.task})" for task in found.tasks for name, values in task.settings.items()
+        f"{_PROCEDURE[name]} ({task.task})" for task in found.tasks for name,
+        values in task.settings.items()
         if len(values) > 1
     ]  # fmt: skip
     starts = {(each.task, each.first_level) for each in found.challenge}

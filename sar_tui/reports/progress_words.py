@@ -427,7 +427,6 @@ def warnings(found: Progress, tr: Language) -> list[str]:
 
 
 # --- other instruments
-# --------------------------------------------------------------------------------------
 
 
 def published(value: Published, instrument: Instrument, tr: Language = _ENGLISH) -> str:

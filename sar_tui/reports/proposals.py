@@ -209,7 +209,6 @@ class ProposalLog:
             record.key_at, record.by = decision.at or at, decision.actor
 
     # --- changes of level
-    # ------------------------------------------------------------------------------------------
 
     def _decide_level(self, run: int, at: int, decided: m.LevelDecided) -> None:
         if decided.decision != "rejected":

@@ -131,7 +131,6 @@ class Server:
         return app
 
     # --- access
-    # -----------------------------------------------------------------------------------------------
 
     @web.middleware
     async def _check_access(self, request: web.Request, handler: Handler) -> web.StreamResponse:
@@ -185,7 +184,6 @@ class Server:
         response.headers.popall("Server", None)
 
     # --- pages
-    # --------------------------------------------------------------------------------------------------
 
     async def _index(self, request: web.Request) -> web.Response:
         page = string.Template((_PAGE / "index.html").read_text("utf-8"))
@@ -261,7 +259,6 @@ class Server:
                     await view.blur()
 
     # --- speech
-    # -----------------------------------------------------------------------------------------------
 
     async def _voice(self, request: web.Request) -> web.StreamResponse:
         """Let a browser speak for the agent that it shows; nothing is read from it."""
@@ -285,7 +282,6 @@ class Server:
                 await voice.send_json(spoken)
 
     # --- shutdown
-    # ---------------------------------------------------------------------------------------------
 
     async def _shut_down(self, _: web.Application) -> None:
         """Stop the programs first, so that they can leave the session, then disconnect the

@@ -220,7 +220,6 @@ class SimulatedOperator(Node):
                 self._at(self._time + round((1 + 2 * streams.uniform(name, "when")) * SECOND), act)
 
     # --- proposals
-    # --------------------------------------------------------------------------------------------
 
     def _schedule_decision(self, approval: m.PendingApproval) -> None:
         """Schedule the decision after those on earlier proposals: an operator reads one at a
@@ -277,7 +276,6 @@ class SimulatedOperator(Node):
             del self._pending[id]
 
     # --- own initiative
-    # -------------------------------------------------------------------------------------------
 
     def _remark(self, streams: RandomStreams, seat: str, at: int) -> None:
         text = streams.choice(self._theme.phrases["encouragement"], "remark", "words")
@@ -296,7 +294,6 @@ class SimulatedOperator(Node):
         )
 
     # --- presence
-    # -----------------------------------------------------------------------------------------
 
     def _join(self) -> None:
         self._is_here = True

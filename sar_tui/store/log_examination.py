@@ -110,7 +110,6 @@ def _with_rows(found: Examined, session: str, derivation: "Derivation") -> Exami
 
 
 # --- the log
-# --------------------------------------------------------------------------------------------------------
 
 
 class _Group(NamedTuple):
@@ -237,7 +236,6 @@ def _added(
 
 
 # --- what follows from the log
-# --------------------------------------------------------------------------------------
 
 
 def _changed_end(

@@ -48,7 +48,6 @@ class Last(NamedTuple):
 
 
 # --- storing
-# --------------------------------------------------------------------------------------------------------
 
 
 def last(database: sqlite3.Connection, session: str) -> Last | None:
@@ -107,7 +106,6 @@ def _store(
 
 
 # --- hashes
-# ---------------------------------------------------------------------------------------------------------
 
 
 def group_hash(before: str, digests: Iterable[bytes]) -> str:

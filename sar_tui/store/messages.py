@@ -61,7 +61,6 @@ class Numbers(NamedTuple):
 
 
 # --- the form of messages
-# --------------------------------------------------------------------------------------------
 
 
 @cache
@@ -145,7 +144,6 @@ def _array_like(kind: type[Message]) -> type[msgspec.Struct]:
 
 
 # --- in the database
-# -------------------------------------------------------------------------------------------------
 
 
 def numbers(database: sqlite3.Connection, session: str) -> Numbers:

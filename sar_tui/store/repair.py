@@ -179,7 +179,6 @@ def _exclusive(path: Path, open_file: Open = _open) -> Iterator[sqlite3.Connecti
 
 
 # --- damaged pages
-# --------------------------------------------------------------------------------------------------
 
 
 def _renew(path: Path, stamp: str) -> tuple[Path | None, list[Unread]]:
@@ -263,7 +262,6 @@ def _sync_folder(folder: Path) -> None:
 
 
 # --- damaged rows
-# ---------------------------------------------------------------------------------------------------
 
 
 def _count(database: sqlite3.Connection, damage: Damage) -> int:

@@ -200,7 +200,6 @@ def _boot_id() -> str | None:
 
 
 # --- reading
-# -------------------------------------------------------------------------------------------------
 
 
 def local_time(stamp: str | None, utc_offset_s: int | None = None) -> str:

@@ -107,7 +107,6 @@ class _Reader:
         }
 
     # --- one value, one table
-    # ------------------------------------------------------------------------------
 
     def _converted(self, part: str, name: str, value: object, kind: Any) -> Any:
         """Return a value as its type; None if it cannot be converted."""
@@ -153,7 +152,6 @@ class _Reader:
         return getattr(self._base, name) if self._base and name == "dark" else default[name]
 
     # --- colours
-    # -------------------------------------------------------------------------------------------
 
     def _colors(self, minimum: float) -> Colors:
         """Return the colours; invalid ones are the base's, and text with too little contrast
@@ -188,7 +186,6 @@ class _Reader:
         return msgspec.structs.replace(colors, **{name: _legible(colors) for name, _ in faint})
 
     # --- faces
-    # ---------------------------------------------------------------------------------------------
 
     def _mouth_line(self) -> int:
         line = self._converted(
@@ -243,7 +240,6 @@ class _Reader:
         return good
 
     # --- gestures and manner
-    # -------------------------------------------------------------------------------
 
     def _gestures(self) -> dict[str, Gesture]:
         """Return the gestures; a missing or unusable one is the base's."""

@@ -153,7 +153,6 @@ class BaseApp(App[int]):
             super().update_styles(node, animate)
 
     # --- what may come from anywhere
-    # ----------------------------------------------------------------------
 
     @property
     def size(self) -> Size:

@@ -129,7 +129,6 @@ class TolerantParser:
         yield from self._report()
 
     # --- what is typed
-    # ------------------------------------------------------------------------------------
 
     def _take_typed(self, data: str) -> Generator[Message, None, str]:
         """Parse keys and sequences; returns what follows the start of a paste, or comes in too fast
@@ -169,7 +168,6 @@ class TolerantParser:
         return max(0, TYPED_AT_MOST - (self._typed - count))
 
     # --- what is pasted
-    # -----------------------------------------------------------------------------------
 
     def _take_paste(self, data: str) -> Generator[Message, None, str]:
         """Take a paste that is marked up to its end; returns what follows it."""
@@ -199,7 +197,6 @@ class TolerantParser:
             yield events.Paste(text)
 
     # --- what cannot be read
-    # ------------------------------------------------------------------------------
 
     def _read(self, messages: Iterable[Message]) -> Iterator[Message]:
         try:

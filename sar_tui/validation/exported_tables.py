@@ -121,7 +121,6 @@ def _checked(check: Check, tables: Tables) -> Row:
 
 
 # --- sessions, and their files
-# -------------------------------------------------------------------------------
 
 
 def _exported(conditions: Conditions, folder: Path) -> Tables:
@@ -200,7 +199,6 @@ def _pressed(messages: Sequence[Any]) -> Iterator[tuple[tuple[str, str], int]]:
 
 
 # --- what a reader computes
-# ----------------------------------------------------------------------------------
 
 
 def _responses(tables: Tables) -> Iterator[str]:

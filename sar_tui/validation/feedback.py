@@ -138,7 +138,6 @@ def frequency(conditions: Conditions) -> Report:
 
 
 # --- sessions as rows
-# ----------------------------------------------------------------------------------------
 
 
 def _of_users(conditions: Conditions, name: str, users: Sequence[str]) -> Report:
@@ -228,7 +227,6 @@ def _feedback_claim(rows: Sequence[Row], every: int, sentence: str) -> Claim:
 
 
 # --- what was said
-# --------------------------------------------------------------------------------------------
 
 
 def said_rows(form: str, seed: int, done: Simulated) -> list[Row]:
@@ -286,7 +284,6 @@ def _one_of_each(rows: Iterable[Row]) -> list[Row]:
 
 
 # --- columns
-# ---------------------------------------------------------------------------------------------------
 
 
 def _count(valence: str, row: Row) -> str:

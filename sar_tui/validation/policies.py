@@ -81,7 +81,6 @@ def run(conditions: Conditions) -> Report:
 
 
 # --- the promises of the schedules, computed from the participant's results
-# -------------------------------------
 
 
 def _each(every: int) -> Callable[[Sequence[Row]], list[int]]:
@@ -143,7 +142,6 @@ SCHEDULES: dict[str, Schedule] = {
 
 
 # --- sessions as rows
-# -----------------------------------------------------------------------------------------------
 
 
 def _rows(schedule: str, done: Simulated) -> list[Row]:

@@ -169,9 +169,8 @@ def claims(rows: Sequence[Row]) -> list[Claim]:
             f"Under each difficulty and of each kind the {JUDGED} detector finds exactly one reach in "
             f"{LEAST_PERCENT:g} % or more.",
             "exactly_one_percent", lambda share: share >= LEAST_PERCENT, ".1f",
-        ),
-        claim("Not one of its reaches is endless.", "endless_percent", lambda share: share == 0.0, ".1f"),
-        claim(
+        ), claim("Not one of its reaches is endless.", "endless_percent",
+        lambda share: share == 0.0, ".1f"), claim(
             f"The median error of its onsets is within {ONSET_MS:g} ms.",
             "onset_error_median_ms", within(ONSET_MS), "+.0f",
         ),

@@ -96,7 +96,6 @@ class Agent(Horizontal):
         self.hold()
 
     # --- words and expression
-    # ------------------------------------------------------------------------------
 
     def say(
         self, text: str, face: str = "", valence: str | None = None, *, joins: bool = False
@@ -150,7 +149,6 @@ class Agent(Horizontal):
             self.look(self.face)
 
     # --- motion
-    # --------------------------------------------------------------------------------------------
 
     def gesture(self, gesture: Gesture) -> None:
         """Move through a gesture, from where the body is now."""

@@ -109,7 +109,6 @@ class PairsTask(Task):
         return Target(round(self.parameters.threshold * share, 3), self.parameters.neutral_band)
 
     # --- words
-    # ----------------------------------------------------------------------------------------------
 
     def instructions(self) -> str:
         rest = self.tr("You may rest between attempts. To pause at any time, press Escape.")
@@ -190,7 +189,6 @@ class PairsTask(Task):
         return self.tr("Press your letter as soon as it appears.")
 
     # --- prompts
-    # --------------------------------------------------------------------------------------------
 
     def stimulus(self, situation: Situation) -> Stimulus:
         pairs = self._levels[situation.level - 1]
@@ -251,7 +249,6 @@ class PairsTask(Task):
         )
 
     # --- responses
-    # ------------------------------------------------------------------------------------------
 
     def perceived(self, trial: Trial, percept: Any) -> Result | Results | Again | None:
         if isinstance(percept, ReachPerceived) and percept.invalid:
@@ -314,7 +311,6 @@ class PairsTask(Task):
         return {seat: response.result(details) for seat, response in responses.items()}
 
     # --- attempts
-    # -------------------------------------------------------------------------------------------
 
     def score(self, results: Sequence[Result]) -> Score:
         score = super().score(results)
@@ -340,7 +336,6 @@ class PairsTask(Task):
         return {}
 
     # --- simulated participants
-    # -----------------------------------------------------------------------------
 
     def rehearse(
         self, stimulus: Stimulus, performance: Performance, streams: RandomStreams

@@ -181,7 +181,6 @@ class ReachingTask(Task):
         return f"{self.marker_cm(level):g} cm"
 
     # --- words
-    # ----------------------------------------------------------------------------------------------
 
     def instructions(self) -> str:
         tr = self.tr
@@ -228,7 +227,6 @@ class ReachingTask(Task):
         return self.tr("the marker ({far})", far=far)
 
     # --- trials
-    # ---------------------------------------------------------------------------------------------
 
     def stimulus(self, situation: Situation) -> Stimulus:
         marker = f"{self.marker_cm(situation.level):g} cm"

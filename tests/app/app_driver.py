@@ -74,7 +74,6 @@ class AppDriver:
         self._frames: list[FrameDue] = []
 
     # --- what is done
-    # --------------------------------------------------------------------------------------
 
     async def press(self, *keys: str) -> None:
         """Press keys one after the other, as somebody who reads each screen before. A key is a
@@ -148,7 +147,6 @@ class AppDriver:
         await self.settle()
 
     # --- a session
-    # ------------------------------------------------------------------------------------------
 
     @property
     def session(self) -> Session:
@@ -240,7 +238,6 @@ class AppDriver:
         await self.settle()
 
     # --- what is seen
-    # ------------------------------------------------------------------------------------------
 
     @property
     def screen_name(self) -> str:
@@ -275,7 +272,6 @@ class AppDriver:
         return words in " ".join(self.text.translate(_FRAMES).split())
 
     # --- the database
-    # ------------------------------------------------------------------------------------------
 
     def stored(self, query: str, *values: object) -> list[tuple[Any, ...]]:
         """Query the database."""

@@ -45,7 +45,6 @@ def mouth(theme: Theme, face: str) -> str:
 
 
 # --- while it speaks
-# ---------------------------------------------------------------------------------------
 
 
 async def test_the_mouth_moves_only_while_a_voice_sounds(
@@ -132,7 +131,6 @@ async def test_the_goodbye_is_spoken_on_the_summary_and_the_voice_released_after
 
 
 # --- when it cannot be heard
-# --------------------------------------------------------------------------------
 
 
 async def test_a_failed_voice_is_reported_until_it_speaks_again(
@@ -216,7 +214,6 @@ async def test_a_voice_that_fails_in_a_trial_is_reported_after_it(
 
 
 # --- an answer that comes later, or is asked for
-# --------------------------------------------------------------
 
 
 async def test_delayed_feedback_is_awaited_with_a_thinking_face(
@@ -273,7 +270,6 @@ async def test_tab_requests_feedback(
 
 
 # --- one stop
-# ---------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -358,7 +354,6 @@ async def test_outside_a_session_f2_belongs_to_the_screen(data: Path, catalogue:
 
 
 # --- words
-# --------------------------------------------------------------------------------------------------------
 
 
 async def test_encouragement_replaces_feedback_once_that_could_be_read(

@@ -70,7 +70,6 @@ class Tour:
 
 
 # --- the app's own words
-# -----------------------------------------------------------------------------------------
 
 
 def test_every_text_of_the_app_is_translated_and_no_translation_is_obsolete() -> None:
@@ -111,7 +110,6 @@ def test_an_untranslated_language_is_english() -> None:
 
 
 # --- sessions
-# ----------------------------------------------------------------------------------------------------
 
 
 async def test_a_session_of_keys_is_in_spanish_from_the_welcome_to_the_summary(

@@ -32,8 +32,8 @@ OTHER = "P77"
 SEEDS = range(2, 6)
 STRINGS = int(os.environ.get("SAR_TUI_TEST_STRINGS", "2000")) // len(SEEDS)
 ALLOWED = {
-    "PatientScreen", "SessionScreen", "PassphraseScreen", "HelpScreen", "TooSmallScreen", "SensorCheckScreen",
-    "SavingScreen", "WellbeingScreen",
+    "PatientScreen", "SessionScreen", "PassphraseScreen", "HelpScreen", "TooSmallScreen",
+    "SensorCheckScreen", "SavingScreen", "WellbeingScreen",
 }  # fmt: skip
 """Screens of a participant who trains alone; and the blank one below all."""
 

@@ -127,7 +127,6 @@ def axis(driver: AppDriver, name: str) -> tuple[str, ...]:
 
 
 # --- the way through
-# ---------------------------------------------------------------------------------------
 
 
 async def test_a_session_with_a_sensor_begins_with_the_sensor_check(
@@ -284,7 +283,6 @@ async def test_on_a_live_clock_the_check_has_a_worker_that_ends_with_it(
 
 
 # --- what is seen of the sensor
-# ----------------------------------------------------------------------------
 
 
 async def test_a_missing_sensor_is_reported_after_three_seconds_and_found_later(
@@ -427,7 +425,6 @@ async def test_zeroing_is_requested_and_confirmed_briefly(open_check: Callable[.
 
 
 # --- how it lies on the hand
-# --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -515,7 +512,6 @@ def test_a_number_has_a_sign_and_zero_is_never_negative() -> None:
 
 
 # --- the test reach
-# ----------------------------------------------------------------------------------------
 
 
 async def test_the_test_reach_of_a_simulated_hand_is_drawn_with_its_phases(
@@ -673,7 +669,6 @@ def test_the_reason_for_no_reach_is_shown(invalid: str) -> None:
 
 
 # --- how it looks
-# -------------------------------------------------------------------------------------------
 
 
 async def test_help_describes_the_check(open_check: Callable[..., Any]) -> None:
@@ -712,7 +707,6 @@ def test_a_sensor_in_degrees_is_named_where_no_reach_can_be_seen() -> None:
 
 
 # --- a sensor on the trunk
-# --------------------------------------------------------------------------------------------
 
 
 async def test_a_sensor_on_the_trunk_is_checked_after_that_on_the_hand(

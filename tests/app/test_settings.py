@@ -399,7 +399,6 @@ async def test_titles_fit_beside_the_values(data: Path, catalogue: Catalogue) ->
 
 
 # --- groups
-# ---------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -490,7 +489,6 @@ async def test_the_help_of_a_level_says_what_it_is(data: Path, catalogue: Catalo
 
 
 # --- finding
-# --------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -520,7 +518,6 @@ async def test_a_setting_is_found_by_a_word_of_its_title_or_help(
 
 
 # --- saving
-# ---------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.usefixtures("a_participant")
@@ -627,7 +624,6 @@ async def test_settings_that_do_not_exist_any_more_are_told(
 
 
 # --- choices
-# --------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow

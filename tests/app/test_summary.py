@@ -23,8 +23,9 @@ def attempts(*played: tuple[int, float | None, bool]) -> list[AttemptEnded]:
     """Return attempts of a level, with a result, that reached the goal or did not."""
     return [
         AttemptEnded(
-            attempt=number, practice=False, level=level, metric=metric, metric_unit="ms", accuracy=1.0, correct=5,
-            trials=5, goal=1000.0, outcome="success" if reached else "failure", feedback="none", started=0, ended=0,
+            attempt=number, practice=False, level=level, metric=metric, metric_unit="ms",
+            accuracy=1.0, correct=5, trials=5, goal=1000.0,
+            outcome="success" if reached else "failure", feedback="none", started=0, ended=0,
         )
         for number, (level, metric, reached) in enumerate(played, 1)
     ]  # fmt: skip

@@ -60,7 +60,6 @@ class Editor:
 
 
 # --- the watch
-# -----------------------------------------------------------------------------------------------
 
 
 def test_an_edited_theme_is_applied_once_when_its_files_stop_changing(
@@ -141,7 +140,6 @@ def test_a_theme_whose_folder_was_removed_is_reported_and_stays_applied(
 
 
 # --- the app
-# -------------------------------------------------------------------------------------------------
 
 
 async def test_home_changes_its_colours_with_the_file(
@@ -288,7 +286,6 @@ async def test_a_theme_without_english_is_applied_in_its_own_language(
 
 
 # --- the beginning
-# -------------------------------------------------------------------------------------------
 
 
 async def test_only_the_applied_theme_is_read_before_the_first_screen(

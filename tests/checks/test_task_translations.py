@@ -126,7 +126,6 @@ def test_a_broken_translation_is_shown_in_english(call: Call, folder: Path, tmp_
 
 
 # --- numbers
-# ---------------------------------------------------------------------------------------------------------
 
 NUMBERS = "gives feedback in words without numbers"
 
@@ -204,7 +203,6 @@ def test_remarks_are_found_however_they_are_built(source: str, texts: set[str]) 
 
 
 # --- where the texts are found
-# -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

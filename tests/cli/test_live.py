@@ -316,7 +316,6 @@ def test_timing_is_measured_with_what_was_asked(
 
 
 # --- operators
-# -------------------------------------------------------------------------------------------------
 
 
 def test_a_session_that_is_not_asked_to_opens_no_link(
@@ -372,7 +371,6 @@ def test_without_the_packages_of_the_link_it_is_reported_what_to_install(
 
 
 # --- a participant who is not known
-# ---------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("answer", "code", "plans"), [(False, 1, []), (True, 7, ["P0L"])])
@@ -401,7 +399,8 @@ def test_where_nobody_can_be_asked_a_new_participant_needs_to_be_said(
     monkeypatch.setattr("sar_tui.cli.common.is_interactive", lambda: False)
     refused = call("run", "keyboard", "-p", "P0l")
     assert refused == (
-        2, "", "There is no participant P0L: give P01 if that is meant, or add --new for a new participant.\n"
+        2, "",
+        "There is no participant P0L: give P01 if that is meant, or add --new for a new participant.\n"
     )  # fmt: skip
     assert call("run", "keyboard", "-p", "P01", "--new").code == 2
     assert opened == []

@@ -48,7 +48,6 @@ def newest(data: Path) -> Programme:
 
 
 # --- shown
-# -------------------------------------------------------------------------------------------------
 
 
 def test_a_programme_shows_what_differs_who_saved_it_and_why(call: Call, data: Path) -> None:
@@ -134,7 +133,6 @@ def test_values_that_cannot_be_used_any_more_are_told(call: Call, data: Path) ->
 
 
 # --- files
-# -------------------------------------------------------------------------------------------------
 
 
 def test_an_exported_programme_names_every_setting_and_is_imported_for_another(
@@ -274,7 +272,6 @@ def test_every_programme_that_is_written_is_read_the_same(
 
 
 # --- presets
-# -----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("task", ["keyboard", "pairs", "reaching"])
@@ -425,7 +422,6 @@ def test_a_preset_that_cannot_be_read_is_listed_with_the_reason(call: Call, data
 
 
 # --- the record
-# ---------------------------------------------------------------------------------------------
 
 
 def test_a_session_is_stored_with_all_its_settings_and_none_of_the_session_before(

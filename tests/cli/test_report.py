@@ -169,7 +169,6 @@ def test_an_unreadable_record_is_one_sentence(call: Call, simulated: str, tmp_pa
 
 
 # --- simulate --operator
-# ------------------------------------------------------------------------------------------
 
 
 def test_the_option_offers_every_profile() -> None:

@@ -179,7 +179,6 @@ def test_a_metric_is_labelled_with_its_unit_if_it_has_one(unit: str, label: str)
 
 
 # --- outputs
-# ---------------------------------------------------------------------------------------------------------
 
 
 def record(folder: Path, session: str, topic: str, **message: object) -> None:
@@ -216,8 +215,8 @@ def test_show_ends_with_a_line_for_each_output_that_failed(
             at=1,
         )
         record(
-            tmp_path, simulated, "output/report", output="speech", action=action, deed="say", state=state, at=2,
-            detail=detail,
+            tmp_path, simulated, "output/report", output="speech", action=action, deed="say",
+            state=state, at=2, detail=detail,
         )  # fmt: skip
     for action, state in (("a4", "done"), ("a5", "aborted"), ("a6", "queued")):
         record(
@@ -246,7 +245,8 @@ def test_show_ends_with_a_line_for_each_output_that_failed(
     )
     outputs = {each["output"]: each for each in call("show", simulated, "--json").json["outputs"]}
     assert outputs["speech"] == {
-        "output": "speech", "address": "speech", "done": 1, "aborted": 1, "failed": 3, "why": card, "not_closed": "",
+        "output": "speech", "address": "speech", "done": 1, "aborted": 1, "failed": 3, "why": card,
+        "not_closed": "",
     }  # fmt: skip
     assert (outputs["tones"]["done"], outputs["tones"]["failed"], outputs["tones"]["why"]) == (
         1,

@@ -13,8 +13,9 @@ from tests.program import Call
 
 AVERAGE = ("simulate", "keyboard", "--user", "average")
 COLUMNS = {
-    "session", "attempt", "seat", "run", "practice", "level", "metric", "metric_unit", "accuracy", "correct", "trials",
-    "outcome", "feedback", "started_ns", "ended_ns", "goal", "qualities", "choice", "condition",
+    "session", "attempt", "seat", "run", "practice", "level", "metric", "metric_unit", "accuracy",
+    "correct", "trials", "outcome", "feedback", "started_ns", "ended_ns", "goal", "qualities",
+    "choice", "condition",
 }  # fmt: skip
 
 
@@ -221,7 +222,6 @@ def test_an_output_that_failed_is_reported_at_the_end(
 
 
 # --- two participants
-# ------------------------------------------------------------------------------------------------
 
 
 def test_two_users_sit_left_and_right(call: Call) -> None:

@@ -57,7 +57,8 @@ def rows(data: Path, sql: str) -> list[tuple[Any, ...]]:
 def test_answers_are_stored_apart_from_trials_and_scores(asked: Path) -> None:
     found = rows(asked, "SELECT attempt, step, kind, status FROM answers ORDER BY number")
     assert [row[:3] for row in found] == [
-        (0, "read", "screen"), (1, "mood", "line"), (2, "effort", "borg"), (2, "mood", "line"), (2, "words", "text"),
+        (0, "read", "screen"), (1, "mood", "line"), (2, "effort", "borg"), (2, "mood", "line"),
+        (2, "words", "text"),
     ]  # fmt: skip
     assert {row[3] for row in found} <= {"done", "answered", "declined"}
     assert rows(asked, "SELECT count(*) FROM answers WHERE answered_ns <= shown_ns") == [(0,)]

@@ -39,7 +39,6 @@ def change(tapping: Path) -> Change:
 
 
 # --- listed and shown
-# ----------------------------------------------------------------------------------------
 
 
 def test_tasks_are_listed_with_title_summary_and_metric(call: Call) -> None:
@@ -124,7 +123,6 @@ def test_showing_an_unknown_task_is_bad_input(call: Call) -> None:
 
 
 # --- created
-# -------------------------------------------------------------------------------------------------
 
 
 def test_a_new_task_passes_its_check_and_runs(call: Call, tapping: Path) -> None:
@@ -218,7 +216,6 @@ def test_an_existing_folder_is_never_overwritten(call: Call, tapping: Path) -> N
 
 
 # --- checked
-# -------------------------------------------------------------------------------------------------
 
 
 def test_the_bundled_task_passes_its_check(call: Call) -> None:

@@ -45,7 +45,6 @@ def own_themes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
 
 
 # --- listed
-# ----------------------------------------------------------------------------------------------------------
 
 
 def test_themes_are_listed_with_title_languages_and_summary(call: Call) -> None:
@@ -93,7 +92,6 @@ def test_a_theme_that_cannot_be_read_is_listed_with_its_reason(
 
 
 # --- created
-# ---------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("model", ["calm", "high-contrast", "playful"])
@@ -205,7 +203,6 @@ def test_an_unwritable_place_is_reported(call: Call, tmp_path: Path) -> None:
 
 
 # --- checked
-# ---------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["calm", "high-contrast", "playful"])

@@ -57,7 +57,6 @@ def fine(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 # --- the verdict
-# -------------------------------------------------------------------------------------------
 
 
 def test_small_errors_at_a_local_terminal_are_fit() -> None:
@@ -113,7 +112,6 @@ def test_the_baseline_shows_whether_the_machine_or_the_program_is_the_cause() ->
 
 
 # --- the command
-# --------------------------------------------------------------------------------------------
 
 
 @pytest.mark.usefixtures("fine")

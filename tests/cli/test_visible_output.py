@@ -166,7 +166,6 @@ def test_a_traceback_is_printed_visibly(tmp_path: Path) -> None:
 
 
 # --- the parts
-# -------------------------------------------------------------------------------------------------------
 
 
 def test_a_stream_keeps_lines_and_columns() -> None:

@@ -98,7 +98,6 @@ def test_the_therapist_is_told_of_pain_that_is_new_over_four_sessions(
 
 
 # --- adverse events
-# ---------------------------------------------------------------------------------------------------
 
 
 def test_an_adverse_event_is_recorded_and_amended(call: Call, data: Path, simulated: str) -> None:

@@ -113,7 +113,6 @@ class SessionTerminals:
         return [ScreenReader(terminal, *size).text() for terminal, size in self._terminals.items()]
 
     # --- the database
-    # --------------------------------------------------------------------------------------------
 
     def reported(self, topic: str) -> list[Row]:
         """Return the stored messages of a topic, in order."""

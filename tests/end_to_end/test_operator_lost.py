@@ -182,7 +182,6 @@ def test_killed_broker_is_restarted_and_the_operator_reconnects(data: Path) -> N
 
 
 # --- a flood
-# ---------------------------------------------------------------------------------------------------------
 
 RATE, SECONDS = 10_000, 2
 _FLOOD = f"""

@@ -48,8 +48,8 @@ def store_study(data: Path, catalogue: Catalogue) -> None:
         database.execute("UPDATE sessions SET mode='live' WHERE task='keyboard'")
         for id in (INTERRUPTED, EMPTY):
             sessions.create(
-                database, id, task="keyboard", theme="calm", participant="P01", seed=1, parameters={},
-                software={"sar_tui": "0"}, machine={}, mode="live",
+                database, id, task="keyboard", theme="calm", participant="P01", seed=1,
+                parameters={}, software={"sar_tui": "0"}, machine={}, mode="live",
             )  # fmt: skip
             sessions.begin_run(database, id, software={}, machine={}, clock_ns=5_000_000_000)
         for trial, stimulus in enumerate(('"', "\\", "never", "NA", "n", "true", "ñ"), 1):

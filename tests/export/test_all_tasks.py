@@ -99,7 +99,8 @@ def _psych_ds(folder: Path) -> Iterator[str]:
 
 
 VALIDATORS: dict[str, Callable[[Path], Iterator[str]]] = {
-    "csv": _csv, "mat": _mat, "elan": _elan, "parquet": _parquet, "bids": _bids, "psych-ds": _psych_ds,
+    "csv": _csv, "mat": _mat, "elan": _elan, "parquet": _parquet, "bids": _bids,
+    "psych-ds": _psych_ds,
 }  # fmt: skip
 
 

@@ -136,8 +136,8 @@ def test_typed_texts_leave_if_asked_for_and_names_never(data: Path, tmp_path: Pa
     found = files(tmp_path / "out")
     assert [name for name, text in found.items() if NEVER in text] == []
     assert {name for name, text in found.items() if TYPED in text} == {
-        "actions.csv", "adverse_events.csv", "instrument_scores.csv", "notes.csv", "parameters.csv", "programmes.csv",
-        "programme_parameters.csv", "trials.csv",
+        "actions.csv", "adverse_events.csv", "instrument_scores.csv", "notes.csv", "parameters.csv",
+        "programmes.csv", "programme_parameters.csv", "trials.csv",
     }  # fmt: skip
 
 

@@ -131,8 +131,8 @@ def test_all_dates_of_a_person_are_shifted_by_the_same_days(data: Path, tmp_path
     assert all(-365 <= days <= -1 for _, days in codes.values())
     assert codes["ANNA"][1] == codes["BEA"][1], "they had a session together"
     stamps = {
-        "participants": "created_at", "sessions": "started_at", "programmes": "created_at", "adverse_events": "onset",
-        "instrument_scores": "date",
+        "participants": "created_at", "sessions": "started_at", "programmes": "created_at",
+        "adverse_events": "onset", "instrument_scores": "date",
     }  # fmt: skip
     for table, column in stamps.items():
         plain = [

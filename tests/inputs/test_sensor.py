@@ -175,7 +175,6 @@ def test_a_session_that_ends_before_it_has_begun_starts_no_sensor() -> None:
 
 
 # --- a sensor that has been looked at before
-# -----------------------------------------------------------------------
 
 
 def test_a_running_sensor_is_taken_over_without_a_restart() -> None:

@@ -71,7 +71,6 @@ def received_before_last(
 
 
 # --- admission
-# -----------------------------------------------------------------------------------------------------
 
 
 def test_operator_with_valid_certificate_sends_and_receives(
@@ -179,7 +178,6 @@ def test_guest_rejects_host_with_another_name(at: LinkGuests) -> None:
 
 
 # --- permissions
-# ------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("mode", ["client", "peer"])
@@ -298,7 +296,6 @@ def test_socket_allows_only_keys_of_the_link(tmp_path: Path) -> None:
 
 
 # --- probe
-# --------------------------------------------------------------------------------------------------------
 
 
 @pytest.fixture

@@ -128,7 +128,6 @@ def test_invalid_number_of_days_is_refused(authority: Authority, days: int) -> N
 
 
 # --- the host's own certificate
-# --------------------------------------------------------------------------------------
 
 
 def test_host_certificate_names_all_endpoints(authority: Authority) -> None:
@@ -159,7 +158,6 @@ def test_lost_host_key_is_replaced(authority: Authority, spoil: Callable[[Path],
 
 
 # --- faults
-# ----------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["authority.pem", "authority.key", "invitations.json"])

@@ -73,7 +73,6 @@ def test_repr_shows_no_key(anna: Invitation) -> None:
 
 
 # --- reading
-# --------------------------------------------------------------------------------------------------
 
 
 def test_missing_file_is_reported(tmp_path: Path) -> None:

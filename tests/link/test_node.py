@@ -153,7 +153,6 @@ def bench() -> Iterator[Bench]:
 
 
 # --- control
-# --------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", [BEN, OLAF])
@@ -329,7 +328,6 @@ def test_refusal_of_the_broker_is_logged_with_count(bench: Bench) -> None:
 
 
 # --- to the peers
-# ---------------------------------------------------------------------------------------------
 
 
 def test_without_peers_nothing_is_sent(bench: Bench) -> None:

@@ -189,7 +189,6 @@ def test_memory_is_bounded(log: RefusalLog) -> None:
 
 
 # --- guest
-# --------------------------------------------------------------------------------------------------
 
 HEAD = (
     "2026-11-21T19:22:08.687339Z  WARN ThreadId(01) zenoh::net::runtime::orchestrator: Unable "
@@ -239,7 +238,6 @@ def test_private_key_in_the_log_is_not_repeated() -> None:
 
 
 # --- installed Zenoh
-# --------------------------------------------------------------------------------
 
 HOST = """
 import sys, zenoh

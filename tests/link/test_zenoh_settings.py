@@ -46,7 +46,6 @@ def sockets() -> set[str]:
 
 
 # --- endpoints
-# -------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -88,7 +87,6 @@ def test_invalid_endpoint_is_refused(text: str) -> None:
 
 
 # --- hosts
-# -----------------------------------------------------------------------------------------------------------
 
 
 def test_host_without_endpoints_opens_no_socket() -> None:
@@ -159,7 +157,6 @@ def test_default_is_deny_and_guests_may_act_in_their_own_name_only() -> None:
 
 
 # --- guests
-# ----------------------------------------------------------------------------------------------------------
 
 
 def test_guest_does_not_listen_and_verifies_the_host() -> None:

@@ -25,7 +25,6 @@ def lift(value: float, correct: bool = True, **details: Any) -> Results:
 
 
 # --- goals of levels
-# ------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -58,7 +57,6 @@ def test_goals_of_successive_attempts_follow_their_levels() -> None:
 
 
 # --- knowledge of performance
-# ---------------------------------------------------------------------------------
 
 
 def test_a_quality_is_the_mean_over_correct_trials_that_have_it() -> None:
@@ -84,7 +82,6 @@ def test_a_quality_that_no_correct_trial_has_is_left_out() -> None:
 
 
 # --- amending
-# -------------------------------------------------------------------------------------------------
 
 
 def test_nothing_is_amendable_before_the_first_trial_and_after_the_next_attempt_has_begun() -> None:
@@ -193,7 +190,6 @@ def test_a_level_set_by_hand_in_an_attempt_survives_its_amendment() -> None:
 
 
 # --- feedback
-# -------------------------------------------------------------------------------------------------
 
 SCHEDULES = ("every", "faded", "bandwidth", "summary", "request", "none")
 STEPS = st.lists(

@@ -141,7 +141,6 @@ def test_wordings_with_any_braces_are_refused_or_can_be_formatted(parts: list[st
 
 
 # --- numbers in a text
-# ----------------------------------------------------------------------------------------
 
 SMALL = {
     "en": """zero one two three four five six seven eight nine ten eleven twelve thirteen fourteen fifteen sixteen

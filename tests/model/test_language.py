@@ -25,7 +25,6 @@ def words(folder: Path, code: str, text: str) -> Path:
 
 
 # --- the framework's translations
-# --------------------------------------------------------------------------------
 
 
 def test_every_text_of_the_framework_is_translated_and_no_translation_is_obsolete() -> None:
@@ -48,7 +47,6 @@ def test_every_text_of_the_framework_is_translated_and_no_translation_is_obsolet
 
 
 # --- missing translations
-# --------------------------------------------------------------------------------------------
 
 
 def test_a_language_without_a_file_shows_english(tmp_path: Path) -> None:
@@ -127,7 +125,6 @@ def test_a_byte_order_mark_is_ignored(tmp_path: Path) -> None:
 
 
 # --- precedence of translations
-# ------------------------------------------------------------------------------------
 
 
 def test_texts_of_a_theme_precede_those_of_the_task_and_the_framework(tmp_path: Path) -> None:
@@ -148,7 +145,6 @@ def test_regional_texts_precede_those_of_the_language(tmp_path: Path) -> None:
 
 
 # --- numbers
-# --------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

@@ -100,7 +100,6 @@ def words_of(theme: Theme) -> str:
 
 
 # --- complete
-# --------------------------------------------------------------------------------------------------------
 
 
 def test_names_of_the_shipped_themes(catalogue: Catalogue) -> None:
@@ -119,7 +118,6 @@ def test_every_shipped_theme_is_complete_in_every_language(theme: Theme) -> None
 
 
 # --- words
-# -----------------------------------------------------------------------------------------------------------
 
 
 def test_every_situation_has_more_than_one_wording(theme: Theme) -> None:
@@ -375,7 +373,6 @@ def test_a_theme_without_units_speaks_its_written_text(calm: Theme) -> None:
 
 
 # --- looks
-# -----------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -433,7 +430,6 @@ def test_every_joint_is_used_by_a_gesture(theme: Theme) -> None:
 
 
 # --- manner, tones
-# ---------------------------------------------------------------------------------------------------
 
 
 def test_a_theme_inherits_defaults_that_it_does_not_set(catalogue: Catalogue) -> None:

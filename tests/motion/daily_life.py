@@ -90,8 +90,8 @@ def _type(motion: WristMotion) -> None:
     for from_s, to_s in _bouts(motion, pause_s=3.0, lasts_s=6.0):
         swing = _about(random, (1.0, 0.8, 0.7), 0.3)
         motion.rhythm(
-            from_s, to_s, random.uniform(3, 6), swing, harmonics=(1.0, 0.3), lags=_lags(random), frequency_cv=0.2,
-            amplitude_cv=0.6,
+            from_s, to_s, random.uniform(3, 6), swing, harmonics=(1.0, 0.3), lags=_lags(random),
+            frequency_cv=0.2, amplitude_cv=0.6,
         )  # fmt: skip
         # to a key far away, and on from there
         for at_s in _times(motion, every_s=4.0, from_s=from_s, to_s=to_s):
@@ -138,8 +138,9 @@ def _walk(motion: WristMotion) -> None:
         stride_hz = random.normal(0.9, 0.05)
         swing = random.uniform(10, 22)
         motion.rhythm(
-            from_s, to_s, stride_hz, (0.25 * swing, swing, 0.35 * swing), harmonics=(1.0, 0.2, 0.08),
-            lags=_lags(random), bounce_m=(0.0, 0.015, 0.02), bounce_hz=2 * stride_hz,
+            from_s, to_s, stride_hz, (0.25 * swing, swing, 0.35 * swing),
+            harmonics=(1.0, 0.2, 0.08), lags=_lags(random), bounce_m=(0.0, 0.015, 0.02),
+            bounce_hz=2 * stride_hz,
         )  # fmt: skip
         for at_s in _times(motion, every_s=8.0, from_s=from_s, to_s=to_s):
             motion.shift(
@@ -162,8 +163,8 @@ def _tremble(motion: WristMotion) -> None:
     for from_s, to_s in _bouts(motion, pause_s=8.0, lasts_s=20.0):
         swing = min(10.0, random.lognormal(math.log(3.0), 0.7))
         motion.rhythm(
-            from_s, to_s, random.uniform(4, 6), (0.25 * swing, 0.35 * swing, swing), harmonics=(1.0, 0.15),
-            lags=_lags(random), frequency_cv=0.04, amplitude_cv=0.5,
+            from_s, to_s, random.uniform(4, 6), (0.25 * swing, 0.35 * swing, swing),
+            harmonics=(1.0, 0.15), lags=_lags(random), frequency_cv=0.04, amplitude_cv=0.5,
         )  # fmt: skip
 
 
@@ -184,8 +185,8 @@ def _scratch(motion: WristMotion) -> None:
         to_place = (random.normal(0, 30), random.uniform(25, 80), random.normal(-20, 35))
         hz, swing = random.uniform(3, 5), _about(random, (3.0, 5.0, 3.0), 0.4)
         motion.rhythm(
-            at_s + 0.9 * go_s, at_s + go_s + rubs_s, hz, swing, harmonics=(1.0, 0.25), lags=_lags(random),
-            frequency_cv=0.08, amplitude_cv=0.3,
+            at_s + 0.9 * go_s, at_s + go_s + rubs_s, hz, swing, harmonics=(1.0, 0.25),
+            lags=_lags(random), frequency_cv=0.08, amplitude_cv=0.3,
         )  # fmt: skip
         astray_deg = 3.0 if random.random() < 0.5 else 20.0
         over_s = _go_and_return(motion, at_s, to_place, go_s, rubs_s, astray_deg=astray_deg)
@@ -213,8 +214,9 @@ def _wheel(motion: WristMotion) -> None:
         else:
             over_s = at_s + pushes / hz
             motion.rhythm(
-                at_s, over_s, hz, (0.3 * swing, swing, 0.5 * swing), harmonics=(1.0, 0.3), lags=_lags(random),
-                frequency_cv=0.06, amplitude_cv=0.2, bounce_m=(0.01, 0.05, 0.01), bounce_hz=hz,
+                at_s, over_s, hz, (0.3 * swing, swing, 0.5 * swing), harmonics=(1.0, 0.3),
+                lags=_lags(random), frequency_cv=0.06, amplitude_cv=0.2,
+                bounce_m=(0.01, 0.05, 0.01), bounce_hz=hz,
             )  # fmt: skip
         at_s = over_s + 0.5 + random.exponential(4.0)
 
@@ -235,8 +237,8 @@ def _lie(motion: WristMotion) -> None:
     random = motion.generator
     motion.rest((random.normal(30, 15), random.normal(-10, 8), random.normal(20, 20)))
     motion.rhythm(
-        0.0, motion.lasts_s, random.uniform(0.2, 0.33), (0.1, random.uniform(0.3, 1.2), 0.2), harmonics=(1.0, 0.3),
-        frequency_cv=0.12, amplitude_cv=0.3,
+        0.0, motion.lasts_s, random.uniform(0.2, 0.33), (0.1, random.uniform(0.3, 1.2), 0.2),
+        harmonics=(1.0, 0.3), frequency_cv=0.12, amplitude_cv=0.3,
     )  # fmt: skip
     motion.sway((0.5, 0.4, 0.6), 0.05, 0.5)
     motion.sway((0.02, 0.02, 0.02), 8.0, 12.0)

@@ -27,8 +27,8 @@ from tests.examples import examples, first
 ONE_AXIS = ReachShape(out_s=1.0, back_s=1.0, dwell_s=0.3, peak_out=1.5, peak_back=-1.5)
 Z = (0.0, 0.0, 1.0)
 EXTENDED = {
-    "excursion_deg", "straightness", "return_error_deg", "inclination_rest_deg", "inclination_target_deg",
-    "tremor_rest_hz", "tremor_rest_rad_s", "tremor_action_rad_s",
+    "excursion_deg", "straightness", "return_error_deg", "inclination_rest_deg",
+    "inclination_target_deg", "tremor_rest_hz", "tremor_rest_rad_s", "tremor_action_rad_s",
 }  # fmt: skip
 LARGEST_ERRORS = {
     "excursion_deg": 0.5,
@@ -141,7 +141,6 @@ def test_inclination_needs_an_accelerometer_and_a_rest_before_the_reach() -> Non
 
 
 # --- phases
-# --------------------------------------------------------------------------------------------------------
 
 
 @given(times=st.lists(st.floats(-0.5, 6.5), min_size=4, max_size=4), by_norm=st.booleans())
@@ -198,7 +197,6 @@ def test_a_way_too_short_for_its_spectrum_has_no_smoothness() -> None:
 
 
 # --- tremor
-# --------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("hz", "rad_s"), [(4.5, 0.2), (5.0, 1.0), (9.0, 0.2)])
@@ -230,7 +228,6 @@ def test_tremor_in_movement_alone_is_measured_and_not_removed() -> None:
 
 
 # --- smoothness and the sensor
-# -------------------------------------------------------------------------------------
 
 
 def smoothness(rate_hz: float, noise_deg_s: float) -> tuple[float, float]:
@@ -263,7 +260,6 @@ def test_sparc_depends_on_neither_rate_nor_noise_and_ldlj_on_both() -> None:
 
 
 # --- versions
-# ------------------------------------------------------------------------------------------------------
 
 
 def test_version_1_has_only_its_own_measures() -> None:

@@ -47,7 +47,6 @@ def the_reach(made: Simulation) -> Bounds:
 
 
 # --- realistic recordings
-# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("scenario", scenarios(), ids=lambda scenario: scenario.name)
@@ -94,7 +93,6 @@ def test_too_few_samples_a_second_are_refused_with_a_reason() -> None:
 
 
 # --- other movements
-# -------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["clean", "noisy", "biased", "drifting", "tremor", "patient"])
@@ -127,7 +125,6 @@ def test_empty_and_very_short_recordings_have_no_reach() -> None:
 
 
 # --- phases and sides
-# ------------------------------------------------------------------------------------------
 
 
 def test_the_hand_arrives_rests_and_departs() -> None:
@@ -157,7 +154,6 @@ def test_the_outward_phase_is_positive_about_the_axis_for_either_side(
 
 
 # --- imperfect recordings
-# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("rest_s", [0.0, 0.3, 0.7])
@@ -225,7 +221,6 @@ def test_reaches_in_any_signal_are_ordered_and_within_the_recording(
 
 
 # --- filters
-# ---------------------------------------------------------------------------------------------------
 
 
 def test_a_low_pass_keeps_a_bias_and_halves_the_power_at_its_cutoff() -> None:
@@ -248,7 +243,6 @@ def test_filters_add_no_delay_and_a_notch_removes_a_tremor() -> None:
 
 
 # --- live
-# ------------------------------------------------------------------------------------------------------
 
 
 def states(recording: Recording, cuts: list[int]) -> list[tuple[bool, float, float | None, bool]]:

@@ -72,7 +72,6 @@ class Panel:
             self.history.append(self.lines)
 
     # --- the link
-    # ------------------------------------------------------------------------------------------
 
     def send(self, topic: Topic[Any], message: Message) -> None:
         def arrive() -> None:
@@ -94,7 +93,6 @@ class Panel:
     def close(self) -> None: ...
 
     # --- the operator
-    # --------------------------------------------------------------------------------------
 
     def decide(self, verdict: Any) -> None:
         """Decide on the most urgent proposal."""
@@ -147,7 +145,6 @@ def session(theme: Theme, *outputs: Output, **settings: Any) -> LoopDriver:
 
 
 # --- decisions
-# -----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -217,7 +214,6 @@ def test_an_action_under_way_is_cancelled_when_its_output_is_still(calm: Theme) 
 
 
 # --- remarks
-# -------------------------------------------------------------------------------------------------------
 
 
 def test_a_remark_is_said_only_when_its_output_has_said_it(calm: Theme) -> None:
@@ -271,7 +267,6 @@ def test_a_remark_that_is_stopped_was_not_said(calm: Theme, waits: bool, outcome
 
 
 # --- commands
-# ------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -318,7 +313,6 @@ def test_after_a_lost_connection_a_missed_outcome_is_not_invented(calm: Theme) -
 
 
 # --- stopping the agent
-# --------------------------------------------------------------------------------------------
 
 
 def test_a_stop_is_confirmed_by_the_outputs(calm: Theme) -> None:
@@ -415,7 +409,6 @@ def test_a_question_that_the_participant_alone_can_answer_is_not_skipped() -> No
 
 
 # --- those who watch
-# -----------------------------------------------------------------------------------------------
 
 
 def watched(calm: Theme, **settings: Any) -> tuple[Panel, Panel]:

@@ -39,7 +39,6 @@ def folder(tmp_path: Path) -> Path:
 
 
 # --- proposals
-# -----------------------------------------------------------------------------------------------------
 
 
 async def test_one_key_decides_with_its_time_stamp_and_each_proposal_is_reported_as_seen_once(
@@ -244,7 +243,6 @@ async def test_the_time_left_is_counted_down_for_each_proposal_with_what_happens
 
 
 # --- the session
-# ---------------------------------------------------------------------------------------------------
 
 
 async def test_single_keys_control_the_session_and_levels_stop_at_the_highest(
@@ -506,7 +504,6 @@ async def test_after_the_session_the_panel_says_so_and_one_key_leaves_it(
 
 
 # --- palette, speech, notes
-# --------------------------------------------------------------------------------------
 
 
 async def test_a_mark_replaces_another_only_if_its_key_is_pressed_twice(
@@ -642,7 +639,6 @@ async def test_an_invalid_file_is_logged_and_the_default_keys_work(
 
 
 # --- operators and the link
-# ------------------------------------------------------------------------------------
 
 
 async def test_the_log_shows_each_act_with_its_outcome(catalogue: Catalogue, folder: Path) -> None:

@@ -382,7 +382,6 @@ def test_a_long_act_leaves_room_for_its_outcome_in_the_log() -> None:
 
 
 # --- the header and the log
-# ---------------------------------------------------------------------------------------
 
 
 LEVEL_5 = m.LevelChanged(previous=4, level=5, reason="success")
@@ -412,7 +411,6 @@ def test_each_line_of_the_log_has_its_time_of_day() -> None:
 
 
 # --- the order of proposals
-# ----------------------------------------------------------------------------------------
 
 
 def test_proposals_are_sorted_by_deadline_and_then_by_reading_time() -> None:

@@ -138,7 +138,6 @@ EVERY_PART = {
 
 
 # --- what is asked of it
-# --------------------------------------------------------------------------------------
 
 
 def test_it_announces_its_abilities_and_its_address() -> None:
@@ -185,7 +184,6 @@ def test_an_edited_theme_is_applied() -> None:
 
 
 # --- what it reports
-# ------------------------------------------------------------------------------------------
 
 
 def test_reports_are_passed_on_with_their_times() -> None:
@@ -371,7 +369,6 @@ def test_an_unattached_output_can_be_released() -> None:
 
 
 # --- one that is broken
-# ---------------------------------------------------------------------------------------
 
 
 def test_an_output_that_cannot_be_opened_fails_every_part_with_the_reason() -> None:
@@ -448,7 +445,6 @@ def test_an_output_that_neither_reports_nor_stops_has_failed() -> None:
 
 
 # --- being still
-# ----------------------------------------------------------------------------------------------
 
 
 def test_a_stop_is_reported_when_the_last_active_part_has_ended() -> None:
@@ -637,7 +633,6 @@ def test_an_output_can_be_used_after_a_stop() -> None:
 
 
 # --- cues
-# -----------------------------------------------------------------------------------------------------
 
 
 def prompt(trial: int = 1, presentation: int = 1) -> m.Prompt:
@@ -745,7 +740,6 @@ def test_praise_is_announced_as_a_tone_only_by_outputs_that_play_it() -> None:
 
 
 # --- one after the other
-# --------------------------------------------------------------------------------------
 
 
 def test_successive_utterances_are_reported_in_order() -> None:

@@ -62,7 +62,6 @@ def problem(*addresses: str, speech: str = "sound") -> str:
 
 
 # --- by name
-# --------------------------------------------------------------------------------------------------
 
 
 def test_names_of_the_shipped_outputs() -> None:
@@ -102,7 +101,6 @@ def test_tones_precede_speech_in_any_order_of_names() -> None:
 
 
 # --- what cannot be
-# -------------------------------------------------------------------------------------------
 
 
 def test_an_unknown_name_is_reported_with_the_closest_match() -> None:
@@ -151,7 +149,6 @@ def test_the_destination_of_speech_must_exist(tmp_path: Path) -> None:
 
 
 # --- plug-ins
-# -------------------------------------------------------------------------------------------------
 
 
 def test_an_output_of_a_plug_in_is_made_with_its_options(plug_in: PlugIn) -> None:
@@ -182,7 +179,8 @@ def _refuses(_: str) -> Output:
         (_refuses, "There is no lamp of that colour."),
         (lambda text: text, "The output lamp (somewhere:lamp) is not an Output."),
         (lambda text: Output(), "The output lamp (somewhere:lamp) has no name."),
-        (lambda text: FakeOutput(7), "The output lamp (somewhere:lamp) has no name."),  # type: ignore[arg-type]
+        (lambda text: FakeOutput(7), "The output lamp (somewhere:lamp) has no name."),
+        # type: ignore[arg-type]
         (lambda text: FakeOutput("lamp", None), NO_SET),  # type: ignore[arg-type]
         (lambda text: FakeOutput("lamp", frozenset({"fly"})), NO_SET),  # type: ignore[arg-type]
     ],
@@ -245,7 +243,6 @@ def test_a_plug_in_cannot_replace_a_shipped_output(plug_in: PlugIn) -> None:
 
 
 # --- in a session
-# ---------------------------------------------------------------------------------------------
 
 
 def plan(keyboard: type[Task], **parameters: Any) -> Plan:
@@ -307,7 +304,6 @@ def test_tone_names_are_those_of_the_message() -> None:
 
 
 # --- outputs of earlier versions
-# ------------------------------------------------------------------------------
 
 
 def test_an_output_with_the_method_wear_is_refused_in_a_sentence(

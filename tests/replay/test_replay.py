@@ -141,7 +141,6 @@ def test_a_replay_writes_nothing(call: Call, data: Path, simulated: str) -> None
 
 
 # --- differences
-# ---------------------------------------------------------------------------------------------------
 
 
 def plant(data: Path, topic: str, field: str, value: object) -> int:
@@ -216,7 +215,6 @@ def test_a_task_that_was_changed_is_named(call: Call, data: Path, tmp_path: Path
 
 
 # --- sessions that are not whole
-# -----------------------------------------------------------------------------------
 
 
 def test_a_running_session_is_refused(call: Call, data: Path, simulated: str) -> None:

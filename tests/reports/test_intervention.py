@@ -145,8 +145,8 @@ def new_goal() -> m.GoalChanged:
 
 def played(attempt: int, level: int, *, practice: bool = False) -> list[m.Message]:
     ended = m.AttemptEnded(
-        attempt=attempt, practice=practice, level=level, metric=None, metric_unit="", accuracy=None, correct=0,
-        trials=1, outcome="none", feedback="none", started=0, ended=0,
+        attempt=attempt, practice=practice, level=level, metric=None, metric_unit="", accuracy=None,
+        correct=0, trials=1, outcome="none", feedback="none", started=0, ended=0,
     )  # fmt: skip
     return [m.AttemptStarted(attempt=attempt, practice=practice, level=level, trials=1), ended]
 
@@ -184,8 +184,9 @@ def test_a_change_of_level_counts_once_an_attempt_was_played_at_it(
 
 def record(**changes: Any) -> Record:
     row = {
-        "id": "s1", "task": "keyboard", "mode": "live", "status": "completed", "participant": "P01", "partner": None,
-        "parameters": {}, "software": {}, "started_at": "2026-03-01T09:00:00+00:00", "ended_at": None,
+        "id": "s1", "task": "keyboard", "mode": "live", "status": "completed", "participant": "P01",
+        "partner": None, "parameters": {}, "software": {},
+        "started_at": "2026-03-01T09:00:00+00:00", "ended_at": None,
     }  # fmt: skip
     given = {"rows": [row], "results": {"P01": []}, "acts": Acts(), "feedback": {}, "operated": 0}
     return Record(**{**given, "programmes": {}, "events": [], **changes})

@@ -126,7 +126,6 @@ def test_a_session_that_was_all_too_easy_asks_for_harder_levels(keyboard: type[T
 
 
 # --- two sessions
-# ------------------------------------------------------------------------------------------------
 
 
 def fast(number: int, level: int, mean: float) -> SessionResults:
@@ -211,7 +210,6 @@ def test_an_unknown_session_is_not_compared(keyboard: type[Task]) -> None:
 
 
 # --- dose
-# --------------------------------------------------------------------------------------------------------
 
 
 def test_the_dose_of_a_day_is_the_sum_of_its_live_sessions() -> None:
@@ -275,7 +273,6 @@ def test_the_dose_of_a_single_day_is_told_in_the_singular() -> None:
 
 
 # --- pain, tiredness and adverse events
-# ---------------------------------------------------------------------------
 
 
 def test_new_pain_and_adverse_events_are_told_first_in_either_language(
@@ -297,8 +294,8 @@ def test_new_pain_and_adverse_events_are_told_first_in_either_language(
 
 def fell(onset: str, session: str | None = None, outcome: str = "") -> AdverseEvent:
     return AdverseEvent(
-        event=onset, version=1, participant="P01", onset=onset, session=session, what="Fell", severity="mild",
-        outcome=outcome,
+        event=onset, version=1, participant="P01", onset=onset, session=session, what="Fell",
+        severity="mild", outcome=outcome,
     )  # fmt: skip
 
 
@@ -383,7 +380,6 @@ def test_at_a_tall_screen_both_charts_are_shown_and_the_text_fits(keyboard: type
 
 
 # --- words
-# -------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -437,7 +433,6 @@ def test_every_translation_is_of_a_text_of_the_reports() -> None:
 
 
 # --- charts in text
-# ------------------------------------------------------------------------------------------------
 
 
 def test_the_chart_of_levels_has_pain_and_tiredness_on_its_axis(keyboard: type[Task]) -> None:

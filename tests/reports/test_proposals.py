@@ -251,7 +251,6 @@ def test_an_operators_remark_is_no_proposal() -> None:
 
 
 # --- levels
-# -------------------------------------------------------------------------------------------------------
 
 L1 = proposal("l1", "difficulty", "Level 1 → 2")
 UP = m.LevelChanged(previous=1, level=2, reason="success")
@@ -297,8 +296,8 @@ def test_a_level_left_to_the_operator_stays() -> None:
 
 STARTED = m.AttemptStarted(attempt=2, practice=False, level=1, trials=3)
 ENDED = m.AttemptEnded(
-    attempt=1, practice=False, level=1, metric=None, metric_unit="ms", accuracy=1, correct=3, trials=3,
-    outcome="success", feedback="none", started=0, ended=1
+    attempt=1, practice=False, level=1, metric=None, metric_unit="ms", accuracy=1, correct=3,
+    trials=3, outcome="success", feedback="none", started=0, ended=1
 )  # fmt: skip
 
 

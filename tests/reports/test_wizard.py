@@ -147,7 +147,6 @@ def test_what_a_therapist_changed_at_the_participants_terminal_is_no_act_of_an_o
 
 
 # --- simulated sessions
-# ---------------------------------------------------------------------------------------------
 
 
 class Simulated:

@@ -47,16 +47,16 @@ def session(
             script.log(shown + took, m.Dropped(action=id, reason="vetoed", actor=who))
     script.log(100_000, m.Waiting(what="", stage="review"))
     row = {
-        "id": name, "task": "keyboard", "mode": "live", "status": status, "participant": f"P{name}", "partner": None,
-        "parameters": {"operator_feedback": "approve", **parameters},
+        "id": name, "task": "keyboard", "mode": "live", "status": status, "participant": f"P{name}",
+        "partner": None, "parameters": {"operator_feedback": "approve", **parameters},
     }  # fmt: skip
     return read_session(row, script)
 
 
 def unattended(name: str) -> OperatedSession:
     row = {
-        "id": name, "task": "keyboard", "mode": "live", "status": "completed", "participant": "P9", "partner": None,
-        "parameters": {},
+        "id": name, "task": "keyboard", "mode": "live", "status": "completed", "participant": "P9",
+        "partner": None, "parameters": {},
     }  # fmt: skip
     return read_session(row, Script().log(5_000, m.Waiting(what="", stage="review")))
 

@@ -109,7 +109,6 @@ def test_failure_is_never_praised_and_success_is_never_blamed(
 
 
 # --- distance from the goal
-# -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

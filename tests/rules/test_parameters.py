@@ -249,7 +249,6 @@ def test_a_redeclared_common_parameter_keeps_its_former_spellings() -> None:
 
 
 # --- headings
-# --------------------------------------------------------------------------------------------------------
 
 
 class GroupedParameters(TaskParameters, frozen=True, kw_only=True):

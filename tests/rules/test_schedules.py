@@ -58,7 +58,6 @@ def due(choices: list[FeedbackChoice]) -> list[int]:
 
 
 # --- every, summary
-# -------------------------------------------------------------------------------------------
 
 
 @given(st.integers(1, 100), RESULTS, st.sampled_from(["every", "summary"]))
@@ -136,7 +135,6 @@ def test_a_summary_takes_its_valence_from_the_majority_of_attempts(
 
 
 # --- faded
-# ----------------------------------------------------------------------------------------------------
 
 
 @given(OUTCOMES, st.integers(1, 50))
@@ -187,7 +185,6 @@ def test_faded_feedback_is_due_after_its_interval(results: list[float | None], f
 
 
 # --- bandwidth
-# ------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -228,7 +225,6 @@ def test_an_inaccurate_attempt_is_always_outside_the_tolerance(
 
 
 # --- on request, never
-# ----------------------------------------------------------------------------------------
 
 
 @given(RESULTS, st.sampled_from(["request", "none"]), st.booleans())
@@ -242,7 +238,6 @@ def test_on_request_and_none_never_give_feedback_without_a_request(
 
 
 # --- practice
-# -------------------------------------------------------------------------------------------------
 
 
 @given(RESULTS, st.sampled_from(["every", "faded", "bandwidth", "summary"]), st.integers(1, 10))
@@ -259,7 +254,6 @@ def test_practice_always_gets_feedback_and_does_not_affect_the_schedule(
 
 
 # --- the stored decision
-# ----------------------------------------------------------------------------------------
 
 
 @given(RESULTS, st.sampled_from(SCHEDULES), st.integers(1, 10), st.floats(0, 1), st.booleans())

@@ -22,7 +22,8 @@ def test_each_attempt_has_the_level_of_its_place_and_the_last_one_stays() -> Non
         state = level_choice.step(state, ScoredAttempt(number, "failure"), parameters, 10)
         found.append((state.level, state.why))
     assert found == [
-        (2, ""), (2, ""), (5, "Number 3 of 4 in the list."), (1, "Number 4 of 4 in the list."), (1, ""), (1, ""),
+        (2, ""), (2, ""), (5, "Number 3 of 4 in the list."), (1, "Number 4 of 4 in the list."),
+        (1, ""), (1, ""),
     ]  # fmt: skip
 
 

@@ -69,7 +69,6 @@ def whole(data: Path, **parameters: object) -> str:
 
 
 # --- participants
-# --------------------------------------------------------------------------------------------------
 
 
 def test_both_seats_are_stored_and_the_session_is_found_from_either(data: Path) -> None:
@@ -172,7 +171,6 @@ def test_a_session_of_one_has_no_partner(data: Path) -> None:
 
 
 # --- interrupted and resumed
-# ----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("policy", POLICIES)

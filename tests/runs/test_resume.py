@@ -120,7 +120,6 @@ def test_the_progress_of_a_resume_is_told(data: Path) -> None:
 
 
 # --- state that an earlier version stored
-# ----------------------------------------------------------------------------
 
 _A_FOLDER = b"cposix\nmkdir\n(Vharm\ntR."
 _A_CLASS = b"csar_tui.loop.session\nSession\n(N}Vharm\nI01\nstb."

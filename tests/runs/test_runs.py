@@ -140,7 +140,6 @@ def test_a_session_stored_with_former_spellings_resumes(data: Path) -> None:
 
 
 # --- earlier best results
-# --------------------------------------------------------------------------------------
 
 
 def best_known(data: Path, run: Run) -> dict[str, float]:

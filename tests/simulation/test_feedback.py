@@ -51,7 +51,6 @@ class StoredSession:
 
 
 # --- the thesis' Figures 4.11 to 4.14
-# -------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("every", [1, 3])
@@ -97,7 +96,6 @@ def test_each_practice_attempt_gets_feedback_and_the_schedule_starts_after_it(da
 
 
 # --- each schedule: when, what and why
-# ------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module", params=SCHEDULES)

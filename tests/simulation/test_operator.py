@@ -240,7 +240,7 @@ def test_the_participant_is_as_fast_with_an_operator_as_without(play: Play) -> N
     assert times[0] == times[1]
 
 
-# --- profiles -----------------------------------------------------------------------------------
+# --- profiles
 
 MANY = [RandomStreams(1, "operator", f"a{n}") for n in range(2000)]
 

@@ -228,7 +228,6 @@ def test_an_alteration_is_found_and_names_the_session(
 
 
 # --- what else knows the hashes
-# -------------------------------------------------------------------------------------
 
 
 OF_ROWS = (
@@ -487,7 +486,6 @@ def test_the_same_messages_have_the_same_hash_whatever_the_numbers_of_topics(
 
 
 # --- sessions that were recorded before there were hashes
-# ------------------------------------------------------------
 
 EARLIER = sorted(Path(tests.replay.__file__).with_name("golden").glob("rules-*.db.gz"))
 OF_EARLIER = (
@@ -526,7 +524,6 @@ def test_altered_results_are_found_also_without_hashes(
 
 
 # --- views and triggers
-# ----------------------------------------------------------------------------------------------
 
 _ENDLESS = "WITH RECURSIVE more (x) AS (SELECT 1 UNION ALL SELECT x+1 FROM more)"
 OF_SCHEMA = {

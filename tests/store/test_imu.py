@@ -50,7 +50,6 @@ NAMES = (
 
 
 # --- rows of messages
-# -----------------------------------------------------------------------------------------
 
 
 def block(before: int, *stamps: int, at: int = 0) -> Record:
@@ -159,7 +158,6 @@ def test_the_layout_says_how_to_read_the_bytes_without_this_program() -> None:
 
 
 # --- a session in the database
-# --------------------------------------------------------------------------------
 
 
 class StoredSession:
@@ -319,7 +317,6 @@ def test_a_damaged_block_is_reported_by_its_number_and_never_taken_for_samples(
 
 
 # --- resumed
-# --------------------------------------------------------------------------------------------------
 
 
 def replayed(history: list[Record], driver: ReachingDriver) -> list[Record]:
@@ -420,7 +417,6 @@ def test_a_second_run_has_its_own_stream_with_the_next_number(data: Path) -> Non
 
 
 # --- a full disk
-# ----------------------------------------------------------------------------------------------
 
 
 def test_samples_wait_in_order_while_the_disk_is_full_and_none_is_lost_or_doubled(

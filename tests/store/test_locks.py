@@ -119,7 +119,6 @@ def test_a_folder_that_cannot_be_written_to_is_reported(tmp_path: Path) -> None:
 
 
 # --- through whole sessions
-# -----------------------------------------------------------------------------------
 
 
 def begin(plan: Plan, data: Path, catalogue: Catalogue) -> str:

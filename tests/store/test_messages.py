@@ -66,8 +66,8 @@ def test_a_message_is_read_as_it_was(
 
 def sessions_row(database: sqlite3.Connection) -> None:
     sessions.create(
-        database, SESSION, task="keyboard", theme="calm", participant="P01", seed=1, parameters={}, software={},
-        machine={}, mode="live",
+        database, SESSION, task="keyboard", theme="calm", participant="P01", seed=1, parameters={},
+        software={}, machine={}, mode="live",
     )  # fmt: skip
 
 

@@ -253,7 +253,6 @@ def test_a_write_to_a_database_that_was_removed_is_refused(data: Path) -> None:
 
 
 # --- a database that is locked at the end
-# -----------------------------------------------------------------------
 
 
 @pytest.fixture
@@ -324,7 +323,6 @@ def test_a_rescue_file_that_cannot_be_written_to_either_is_removed_and_the_one_b
 
 
 # --- bringing it back
-# ------------------------------------------------------------------------------------------------
 
 
 def rescued(data: Path, happens: Callable[[Path], None] = delete) -> Safe:

@@ -189,7 +189,6 @@ def test_a_message_that_cannot_be_read_is_reported(
 
 
 # --- earlier best results
-# ------------------------------------------------------------------------------------
 
 TIME, TAPS = Metric("time", "ms", "lower"), Metric("taps", "taps/s", "higher")
 ROWS = st.lists(

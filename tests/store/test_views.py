@@ -86,8 +86,8 @@ def test_each_reach_is_a_row_with_its_measures(
     database: sqlite3.Connection, data: Path, catalogue: Catalogue
 ) -> None:
     plan = make_plan(
-        catalogue, "reaching", ["P01"], {"attempts": 1, "practice_attempts": 0, "reaches_per_attempt": 3}, seed=3,
-        mode="simulated",
+        catalogue, "reaching", ["P01"],
+        {"attempts": 1, "practice_attempts": 0, "reaches_per_attempt": 3}, seed=3, mode="simulated",
     )  # fmt: skip
     simulate(plan, PEOPLE["average"], data, catalogue)
     seen = rows(database, "SELECT * FROM v_reaches ORDER BY trial")

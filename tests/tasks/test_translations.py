@@ -67,7 +67,6 @@ def test_every_text_of_a_task_is_translated_and_no_translation_is_obsolete(name:
 
 
 # --- no number in words
-# ----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", Catalogue().task_names())
@@ -111,7 +110,6 @@ def test_feedback_in_words_contains_no_number_in_a_session(
 
 
 # --- a session
-# --------------------------------------------------------------------------------------------------------
 
 
 def reported(data: Path, name: str, person: str, code: str = "es") -> Iterator[str]:
@@ -152,7 +150,6 @@ def test_the_same_session_in_english_contains_the_english_texts(name: str, data:
 
 
 # --- what stands on the screen
-# ----------------------------------------------------------------------------------------
 
 
 def stimulus(task: Task, level: int = 1, trial: int = 1) -> Stimulus:

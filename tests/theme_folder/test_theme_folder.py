@@ -85,7 +85,6 @@ def test_a_complete_theme_needs_no_repair(mine: Path) -> None:
 
 
 # --- phrases
-# ---------------------------------------------------------------------------------------------------------
 
 
 def test_a_missing_phrase_is_taken_from_the_default_theme(mine: Path, calm: Theme) -> None:
@@ -205,7 +204,6 @@ def test_a_vocabulary_that_is_not_a_table_is_reported(mine: Path, change: Change
 
 
 # --- languages
-# -------------------------------------------------------------------------------------------------------
 
 
 def test_a_theme_without_a_language_speaks_english(mine: Path) -> None:
@@ -256,7 +254,6 @@ def test_screen_texts_with_other_slots_are_left_out(mine: Path) -> None:
 
 
 # --- theme.toml
-# ------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("value", ['"red"', '"#12345"', "3", '""', "[]"])
@@ -553,7 +550,6 @@ def test_an_empty_theme_equals_the_default_under_its_own_name(tmp_path: Path, ca
 
 
 # --- files that cannot be read
-# ---------------------------------------------------------------------------------------
 
 
 def test_an_empty_folder_is_not_a_theme(tmp_path: Path) -> None:

@@ -41,7 +41,6 @@ def rows(folder: Path) -> list[dict[str, object]]:
 
 
 # --- the terminal
-# ------------------------------------------------------------------------------------------
 
 
 def test_a_program_sees_a_terminal_of_the_size_asked_for_and_no_other(
@@ -160,7 +159,6 @@ def test_only_text_is_visible(output: bytes, seen: str) -> None:
 
 
 # --- the participant
-# -----------------------------------------------------------------------------------------
 
 
 def test_every_press_is_a_row_right_or_wrong_as_pressed(baseline: Terminal, tmp_path: Path) -> None:

@@ -169,7 +169,6 @@ def test_the_drivers_of_terminals_and_browsers_read_so(monkeypatch: pytest.Monke
 
 
 # --- pastes, marked and not
-# -------------------------------------------------------------------------------------------
 
 PART = 4096
 """Bytes that a driver reads at once."""
@@ -268,7 +267,6 @@ def test_a_mouse_that_moves_and_a_key_that_is_held_are_no_paste() -> None:
 
 
 # --- the apps
-# --------------------------------------------------------------------------------------------------------
 
 
 async def send(app: BaseApp, data: bytes) -> None:

@@ -176,7 +176,6 @@ async def test_a_widget_of_ones_own_is_drawn_visibly(data: Path, catalogue: Cata
 
 
 # --- the filter
-# ------------------------------------------------------------------------------------------------------
 
 
 def test_a_line_with_signs_keeps_its_width_and_its_colours() -> None:

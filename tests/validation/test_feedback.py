@@ -42,7 +42,6 @@ def failed(report: Report) -> list[Claim]:
 
 
 # --- Figures 4.11 and 4.12
-# ------------------------------------------------------------------------------------
 
 
 def test_a_poor_user_gets_feedback_on_each_of_twenty_attempts(conditions: Conditions) -> None:
@@ -119,7 +118,6 @@ def test_feedback_that_contradicts_its_result_fails_the_claim(
 
 
 # --- Figure 4.13
-# -----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -167,7 +165,6 @@ def test_feedback_in_the_wrong_form_or_with_a_wrong_number_fails_a_claim(
 
 
 # --- Figure 4.14
-# ---------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -214,7 +211,6 @@ def test_a_setting_that_has_no_effect_fails_the_claim(
 
 
 # --- the figures
-# -----------------------------------------------------------------------------------------------------
 
 
 def row(time: float | None, answer: str) -> dict[str, Any]:

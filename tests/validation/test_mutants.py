@@ -221,7 +221,6 @@ def test_exported_tables_hold_without_a_fault(catalogue: Catalogue) -> None:
 
 
 # --- ways to plant
-# -------------------------------------------------------------------------------------------
 
 
 def _change_emitted(patch: Patch, node: Any, kind: type, change: Callable[[Any], Any]) -> None:

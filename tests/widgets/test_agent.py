@@ -270,7 +270,6 @@ async def test_no_timer_is_left_when_the_agent_is_removed(calm: Theme) -> None:
 
 
 # --- a cue before a prompt
-# ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

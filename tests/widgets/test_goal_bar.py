@@ -12,8 +12,8 @@ from sar_tui.widgets.goal_bar import GoalBar, bar_of, draw_bars, line
 TIME = Metric("reaction_time", unit="ms", better="lower")
 TAPS = Metric("taps", unit="taps", better="higher")
 CHOICE: dict[str, Any] = {
-    "schedule": "every", "due": True, "why": "", "content": "results", "form": "both", "compared_with": "goal",
-    "degree": "clear",
+    "schedule": "every", "due": True, "why": "", "content": "results", "form": "both",
+    "compared_with": "goal", "degree": "clear",
 }  # fmt: skip
 
 
@@ -21,8 +21,8 @@ def feedback(
     reason: Any = "goal", metric: float | None = 400.0, goal: float = 1000.0, **choice: Any
 ) -> Feedback:
     return Feedback(
-        attempt=1, level=1, valence="positive", reason=reason, metric=metric, goal=goal, accuracy=1.0, correct=2,
-        trials=2, reached=1, choice=FeedbackChoice(**CHOICE | choice),
+        attempt=1, level=1, valence="positive", reason=reason, metric=metric, goal=goal,
+        accuracy=1.0, correct=2, trials=2, reached=1, choice=FeedbackChoice(**CHOICE | choice),
     )  # fmt: skip
 
 
@@ -52,8 +52,9 @@ def test_the_words_say_on_which_side_of_the_goal_it_is_good() -> None:
 @pytest.mark.parametrize(
     ("bar", "is_reached"),
     [
-        (GoalBar(TIME, 400, 1000), True), (GoalBar(TIME, 1000, 1000), False), (GoalBar(TIME, 1900, 1000), False),
-        (GoalBar(TAPS, 12, 10), True), (GoalBar(TAPS, 10, 10), False), (GoalBar(TAPS, 4, 10), False),
+        (GoalBar(TIME, 400, 1000), True), (GoalBar(TIME, 1000, 1000), False),
+        (GoalBar(TIME, 1900, 1000), False), (GoalBar(TAPS, 12, 10), True),
+        (GoalBar(TAPS, 10, 10), False), (GoalBar(TAPS, 4, 10), False),
     ],
 )  # fmt: skip
 def test_a_mark_says_that_the_goal_is_reached(bar: GoalBar, is_reached: bool) -> None:
@@ -78,8 +79,9 @@ def test_feedback_in_figures_has_a_bar() -> None:
 @pytest.mark.parametrize(
     "other",
     [
-        feedback("accuracy"), feedback("empty", None), feedback("won"), feedback(metric=None), feedback(goal=0.0),
-        feedback(metric=-1.0), feedback(form="qualitative"), feedback(content="performance"), feedback(attempts=3),
+        feedback("accuracy"), feedback("empty", None), feedback("won"), feedback(metric=None),
+        feedback(goal=0.0), feedback(metric=-1.0), feedback(form="qualitative"),
+        feedback(content="performance"), feedback(attempts=3),
     ],
 )  # fmt: skip
 def test_nothing_else_has_one(other: Feedback) -> None:

@@ -73,7 +73,6 @@ def has_dots(line: str) -> bool:
 
 
 # --- the curve of a reach
-# ---------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -135,7 +134,6 @@ def test_a_reach_without_samples_has_no_curve() -> None:
 
 
 # --- the drawing
-# -------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("size", [(40, 6), (76, 6), (76, 9), (120, 30)])

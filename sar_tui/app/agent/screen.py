@@ -46,7 +46,6 @@ class AgentViewScreen(Screen[None]):
         self._show_status()
 
     # --- the stage
-    # ----------------------------------------------------------------------------------------------
 
     def say(self, action: Action) -> None:
         self._agent.say(action.text, action.face, action.valence, joins=action.joins)

@@ -77,7 +77,6 @@ class AgentScreen(DismissedOnce[None]):
         yield self.agent
 
     # --- the stage: what the agent is asked to do
-    # ------------------------------------------------------------
 
     def say(self, action: Action) -> None:
         if action.text:
@@ -120,7 +119,6 @@ class AgentScreen(DismissedOnce[None]):
         self.agent.apply_theme(theme)
 
     # --- between and in trials
-    # -------------------------------------------------------------------------------
 
     def clear_agent(self, face: str) -> None:
         """Remove the words, as before a trial."""

@@ -123,7 +123,6 @@ class SessionList(Vertical):
         self._draw(self._recent.chosen)
 
     # --- dismissing
-    # ----------------------------------------------------------------------------------------
 
     def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
         """Show the key that dismisses the chosen session, if it is interrupted."""

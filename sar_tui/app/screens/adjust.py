@@ -145,7 +145,6 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
                 self._ask(asked or "")
 
     # --- the goal, whose times are in seconds here
-    # ------------------------------------------------------------
 
     @property
     def _goal(self) -> Field:
@@ -203,7 +202,6 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
         self._live.operate(act)
 
     # --- a value or a note
-    # ---------------------------------------------------------------------------------
 
     def _ask(self, what: str) -> None:
         """Open the field for a setting or a note."""

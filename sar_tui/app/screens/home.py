@@ -75,7 +75,6 @@ class HomeScreen(JoiningScreen, StartingScreen):
         yield KeyFooter(show_command_palette=False)
 
     # --- filling
-    # ---------------------------------------------------------------------------------------------
 
     async def fill(self) -> None:
         """Fill the screen; called once its empty frame is shown, because its contents take a
@@ -172,7 +171,6 @@ class HomeScreen(JoiningScreen, StartingScreen):
                 self._themes.choose(saved)
 
     # --- choosing
-    # --------------------------------------------------------------------------------------------
 
     @property
     def _participants(self) -> ParticipantList:
@@ -242,7 +240,6 @@ class HomeScreen(JoiningScreen, StartingScreen):
         return super().check_action(action, parameters)
 
     # --- actions
-    # ---------------------------------------------------------------------------------------------
 
     def action_next(self) -> None:
         """Focus the next list."""

@@ -179,7 +179,6 @@ class ProgressScreen(Records, Reports, DismissedOnce[None]):
         return enabled[action] if action in enabled else super().check_action(action, parameters)
 
     # --- what is shown
-    # ------------------------------------------------------------------------------------------
 
     def on_resize(self) -> None:
         self.refresh_bindings()
@@ -267,7 +266,6 @@ class ProgressScreen(Records, Reports, DismissedOnce[None]):
         )
 
     # --- keys
-    # ----------------------------------------------------------------------------------------------------
 
     def action_part(self, step: int) -> None:
         """Show another part."""

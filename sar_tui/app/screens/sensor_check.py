@@ -167,7 +167,6 @@ class SensorCheckScreen(DismissedOnce[bool]):
         self._stop_looking()
 
     # --- actions
-    # -------------------------------------------------------------------------------------
 
     def action_test(self) -> None:
         """Begin a test reach, or begin it again."""
@@ -237,7 +236,6 @@ class SensorCheckScreen(DismissedOnce[bool]):
         self.dismiss(False)
 
     # --- contents
-    # ------------------------------------------------------------------------------------
 
     def _stop_looking(self) -> None:
         """Leave all further data to the session."""

@@ -55,7 +55,6 @@ class SessionScreen(KeysScreen):
         return self._waiting is None or self._waiting.reason != "storage"
 
     # --- the stage
-    # -------------------------------------------------------------------------------------------
 
     def show_prompt(self, prompt: Prompt) -> None:
         """Show the prompt, and report when it reached the terminal."""

@@ -159,7 +159,6 @@ class SettingsScreen(DismissedOnce[None]):
         )
 
     # --- values
-    # ----------------------------------------------------------------------------------------------
 
     def _values(self) -> dict[str, object]:
         return {widget.field.name: widget.value for widget in self._fields}
@@ -219,7 +218,6 @@ class SettingsScreen(DismissedOnce[None]):
             return ()
 
     # --- groups and help
-    # --------------------------------------------------------------------------------------
 
     @property
     def _group(self) -> int:
@@ -302,7 +300,6 @@ class SettingsScreen(DismissedOnce[None]):
         )
 
     # --- saving
-    # ---------------------------------------------------------------------------------------------
 
     @on(Button.Pressed, "#save")
     def action_save(self) -> None:
@@ -373,7 +370,6 @@ class SettingsScreen(DismissedOnce[None]):
         return self.tr("The next session starts at level {level}{why}.", level=start.level, why=why)
 
     # --- presets, defaults, leaving
-    # -------------------------------------------------------------------------
 
     @on(Button.Pressed, "#preset")
     def _choose_preset(self) -> None:

@@ -177,7 +177,6 @@ class WellbeingScreen(DismissedOnce[bool]):
             self._show()
 
     # --- answers
-    # ------------------------------------------------------------------------------------------
 
     def completes_answer(self, key: str) -> bool:
         """Return True if a key makes 10 of the 1 before it: so the worst pain is often typed, and
@@ -280,7 +279,6 @@ class WellbeingScreen(DismissedOnce[bool]):
             self._finish()
 
     # --- the screen
-    # ------------------------------------------------------------------------------------------
 
     def _show(self, *, hint: bool = False) -> None:
         person, question = self._asked[-1]

@@ -55,7 +55,6 @@ class Approvals(TimedNode, ABC):
         """Publish what changed."""
 
     # --- proposals
-    # ------------------------------------------------------------------------------------------
 
     def _decide_proposal(self, proposal: Proposal) -> Proposal:
         """Queue a proposal, drop it, or ask an operator. Returns the proposal as it was decided on.
@@ -88,7 +87,6 @@ class Approvals(TimedNode, ABC):
         self.emit(PENDING_APPROVAL, pending)
 
     # --- the level
-    # ------------------------------------------------------------------------------------------
 
     @serves(LEVEL_REQUEST)
     def level_requested(self, request: m.LevelRequest) -> m.LevelReply:
@@ -151,7 +149,6 @@ class Approvals(TimedNode, ABC):
         self.emit(LEVEL_DECIDED, decided)
 
     # --- pending proposals
-    # ----------------------------------------------------------------------------------
 
     def _apply_decision(self, pending: PendingApproval, decision: Decision) -> None:
         if decision.verdict == "veto":

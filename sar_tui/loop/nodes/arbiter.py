@@ -102,7 +102,6 @@ class Arbiter(Approvals):
         """Attempt and seat of the feedback that was given last."""
 
     # --- the session
-    # -----------------------------------------------------------------------------------------
 
     @on(OUTPUT)
     def output_opened(self, opened: m.OutputOpened) -> None:
@@ -189,7 +188,6 @@ class Arbiter(Approvals):
         self._publish_state()
 
     # --- proposals
-    # ---------------------------------------------------------------------------------------------
 
     @on(PROPOSED)
     def proposed(self, proposal: Proposal) -> None:
@@ -223,7 +221,6 @@ class Arbiter(Approvals):
             self.set_timer("filler", self.now + FILLER_AFTER)
 
     # --- operators
-    # -----------------------------------------------------------------------------------------------
 
     @on(PRESENCE)
     def operator_changed(self, changed: m.OperatorChanged) -> None:
@@ -313,7 +310,6 @@ class Arbiter(Approvals):
         self._queue.add(queued)
 
     # --- turns
-    # -------------------------------------------------------------------------------------------------
 
     @on(REPORT)
     def reported(self, report: m.OutputReport) -> None:

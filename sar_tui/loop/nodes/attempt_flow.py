@@ -72,10 +72,8 @@ class AttemptFlow(TrialFlow):
         return phase in IN_TRIAL or phase is Phase.RESULT
 
     # --- trials, score, feedback
-    # ----------------------------------------------------------------------------
 
     # --- limits
-    # ---------------------------------------------------------------------------------------------
 
     def _count_from_here(self, done_today: Dose) -> None:
         """Begin to count the time and the dose of a run."""
@@ -105,7 +103,6 @@ class AttemptFlow(TrialFlow):
         return ""
 
     # --- rests that must be taken
-    # ---------------------------------------------------------------------------
 
     def _wait_or_rest(self) -> None:
         """Wait for what follows the feedback: a rest first, if one must be taken before the next
@@ -210,7 +207,6 @@ class AttemptFlow(TrialFlow):
             self._wait(self._phase)
 
     # --- waiting for feedback
-    # -------------------------------------------------------------------------------
 
     def _await_feedback(self) -> None:
         """Wait for delayed feedback: the next attempt does not begin before it."""
@@ -244,7 +240,6 @@ class AttemptFlow(TrialFlow):
             super().timer(name, late)
 
     # --- level and goal
-    # -------------------------------------------------------------------------------------
 
     def _publish_score(self, scored: AttemptScore, before: AttemptState) -> None:
         """Publish the attempt, and the level that follows unless an operator has a say in it; then
@@ -312,7 +307,6 @@ class AttemptFlow(TrialFlow):
             self._wait(Phase.READY)
 
     # --- changes by a therapist
-    # ------------------------------------------------------------------------------
 
     @property
     def next_attempt(self) -> NextAttempt:
@@ -342,7 +336,6 @@ class AttemptFlow(TrialFlow):
             self.emit(ANSWERED, answer_to(act, self.now, outcome, why))
 
     # --- marks
-    # ----------------------------------------------------------------------------------------------
 
     @property
     def trial_mark(self) -> TrialMark:

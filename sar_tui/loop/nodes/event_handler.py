@@ -110,7 +110,6 @@ class EventHandler(StepFlow):
         return self._blockers.is_recording_over
 
     # --- the session
-    # -------------------------------------------------------------------------------------
 
     @on(SESSION)
     def session_started(self, session: m.SessionStarted) -> None:
@@ -410,7 +409,6 @@ class EventHandler(StepFlow):
             self._begin_attempt()
 
     # --- waiting
-    # ------------------------------------------------------------------------------------------------
 
     @property
     def _reason(self) -> str:

@@ -54,7 +54,6 @@ class StepFlow(AttemptFlow):
         """End the session, as a required answer was not given."""
 
     # --- what is due
-    # ----------------------------------------------------------------------------------------
 
     def _count_attempt(self, scored: AttemptScore) -> None:
         super()._count_attempt(scored)
@@ -84,7 +83,6 @@ class StepFlow(AttemptFlow):
         return bool(self._due)
 
     # --- asking
-    # -----------------------------------------------------------------------------------------------
 
     def _ask(self) -> None:
         """Show the first step that is due."""

@@ -108,7 +108,6 @@ class TrialFlow(TimedNode, ABC):
         )
 
     # --- before the prompt
-    # -----------------------------------------------------------------------------------
 
     def _begin_trial(self, notice: str = "") -> None:
         """Wait for the participant to start the trial, if the task has a start key; else prepare
@@ -227,7 +226,6 @@ class TrialFlow(TimedNode, ABC):
         self._await_quiet()
 
     # --- prompt and response
-    # --------------------------------------------------------------------------------
 
     def _show(self) -> None:
         if not self._focused:
@@ -378,7 +376,6 @@ class TrialFlow(TimedNode, ABC):
         self._begin_trial()
 
     # --- the end of a trial
-    # -----------------------------------------------------------------------------------
 
     def _try_again(self, again: Again) -> None:
         self._repeats += 1

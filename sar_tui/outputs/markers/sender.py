@@ -106,7 +106,6 @@ class Sender:
             return None
 
     # --- on the thread
-    # ---------------------------------------------------------------------------------------
 
     def _run(self) -> None:
         self._open()

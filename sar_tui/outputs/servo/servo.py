@@ -198,7 +198,6 @@ class Servo(Output):
             self.report(request.action, "gesture", state, detail)
 
     # --- from here on, everything is called by the step timer
-    # ----------------------------------------------
 
     def _step(self) -> int | None:
         """Do what is due. Returns the time until the next call, in ns."""

@@ -115,7 +115,6 @@ class Supervisor:
         self._thread.join(_CLOSED_S)
 
     # --- on the supervisor's thread
-    # --------------------------------------------------------------------------
 
     def _run(self) -> None:
         while not self._is_closed:

@@ -143,7 +143,6 @@ def _keep_later_status(db: sqlite3.Connection, sessions: Sequence[str]) -> Itera
 
 
 # --- records that contradict each other
-# -----------------------------------------------------------------------------
 
 
 def _decide(db: sqlite3.Connection, people: People, session: str) -> bool:

@@ -45,7 +45,6 @@ GOOD, BAD = 400.0, 1900.0
 
 
 # --- greeting, instructions, goodbye
-# --------------------------------------------------------------------------
 
 
 def test_the_agent_greets_gives_instructions_and_says_goodbye(
@@ -104,7 +103,6 @@ def test_an_aborted_session_ends_with_a_goodbye_too(new_session: NewSession) -> 
 
 
 # --- between attempts
-# -----------------------------------------------------------------------------------------
 
 
 def test_encouragement_precedes_a_new_level_and_follows_two_failures(
@@ -214,7 +212,6 @@ def test_encouragement_is_given_once_per_attempt(new_session: NewSession) -> Non
 
 
 # --- manner of feedback
-# ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -296,7 +293,6 @@ def test_priorities_and_policies_of_the_kinds(calm: Theme) -> None:
 
 
 # --- choice of phrases
-# ----------------------------------------------------------------------------------------
 
 
 @given(st.lists(st.sampled_from([500.0, 800.0, 950.0, 1005.0, 1050.0, 1200.0, 2000.0, None]), max_size=20),
@@ -338,7 +334,6 @@ def test_the_same_seed_says_the_same(keyboard: type[Task], calm: Theme) -> None:
 
 
 # --- another theme
-# --------------------------------------------------------------------------------------------
 
 
 def test_an_edited_theme_is_used_from_then_on(calm: Theme) -> None:

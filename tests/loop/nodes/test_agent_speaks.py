@@ -104,7 +104,6 @@ def shown_at(driver: LoopDriver) -> int:
 
 
 # --- with a foreperiod
-# ----------------------------------------------------------------------------------------
 
 
 def test_the_first_foreperiod_waits_for_the_end_of_the_greeting(new_session: NewSession) -> None:
@@ -272,7 +271,6 @@ def test_a_session_cut_off_while_the_agent_speaks_can_be_resumed(
 
 
 # --- with a key that starts each trial
-# ------------------------------------------------------------------------
 
 
 def test_no_trial_can_be_started_while_the_agent_speaks(new_lift_session: NewSession) -> None:
@@ -310,7 +308,6 @@ def test_an_utterance_begun_before_the_start_key_ends_before_the_trial_continues
 
 
 # --- arbitrary input
-# ------------------------------------------------------------------------------------------
 
 CATALOGUE = Catalogue()
 CALM = CATALOGUE.theme("calm")

@@ -133,7 +133,6 @@ def driver() -> ArbiterDriver:
 
 
 # --- proposals outside and inside trials
-# ----------------------------------------------------------------------
 
 
 def test_outside_a_trial_proposals_are_passed_on_unchanged() -> None:
@@ -181,7 +180,6 @@ def test_waiting_for_storage_at_the_end_is_not_a_trial() -> None:
 
 
 # --- one at a time
-# --------------------------------------------------------------------------------------------
 
 
 def test_a_queued_action_waits_for_the_current_one(driver: ArbiterDriver) -> None:
@@ -229,7 +227,6 @@ def test_text_on_the_screen_is_not_waited_for() -> None:
 
 
 # --- interrupting
-# ---------------------------------------------------------------------------------------------
 
 
 def test_an_interrupting_action_halts_one_of_equal_or_lower_priority(driver: ArbiterDriver) -> None:
@@ -279,7 +276,6 @@ def test_instructions_are_halted_when_the_participant_continues(
 
 
 # --- too late, too early
-# --------------------------------------------------------------------------------------
 
 
 def test_an_action_of_policy_drop_is_dropped_by_a_trial(driver: ArbiterDriver) -> None:
@@ -337,7 +333,6 @@ def test_a_due_action_interrupts_while_others_wait(driver: ArbiterDriver) -> Non
 
 
 # --- the stop key
-# ---------------------------------------------------------------------------------------------
 
 
 def test_the_stop_key_stops_all_actions_and_drops_waiting_ones(driver: ArbiterDriver) -> None:
@@ -374,7 +369,6 @@ def test_other_commands_stop_nothing(driver: ArbiterDriver) -> None:
 
 
 # --- silent outputs, and a new run
-# ----------------------------------------------------------------------------
 
 
 def test_no_session_hangs_on_an_output_that_never_answers(driver: ArbiterDriver) -> None:
@@ -453,7 +447,6 @@ def test_a_new_run_is_not_in_a_trial() -> None:
 
 
 # --- arbitrary input
-# ------------------------------------------------------------------------------------------
 
 EVENTS = st.one_of(
     st.tuples(

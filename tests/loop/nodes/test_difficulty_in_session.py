@@ -33,7 +33,6 @@ def goals(driver: LoopDriver) -> list[float | None]:
 
 
 # --- a goal that moves
-# ----------------------------------------------------------------------------------------------
 
 
 def test_the_goal_follows_the_results_and_decides_on_success_and_feedback(calm: Theme) -> None:
@@ -145,7 +144,6 @@ def test_a_mark_that_takes_a_lift_away_takes_its_goal_away(calm: Theme) -> None:
 
 
 # --- replay and resume
-# ----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -176,7 +174,6 @@ def test_a_session_is_resumed_with_the_goal_and_the_level_that_it_had(
 
 
 # --- a level that moves
-# ---------------------------------------------------------------------------------------------
 
 
 def test_a_target_moves_the_level_by_the_share_of_prompts_and_says_why(calm: Theme) -> None:

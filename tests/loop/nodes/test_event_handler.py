@@ -53,7 +53,6 @@ def numbers(driver: LoopDriver) -> list[tuple[int, int]]:
 
 
 # --- a normal session
-# -------------------------------------------------------------------------------------
 
 
 def test_a_session_runs_from_the_instructions_to_its_end(new_session: NewSession) -> None:
@@ -251,7 +250,6 @@ def test_failures_in_practice_do_not_count_as_consecutive(new_session: NewSessio
 
 
 # --- keys outside the response window
-# ---------------------------------------------------------------------
 
 
 def test_a_key_in_the_foreperiod_restarts_it_and_is_no_response(new_session: NewSession) -> None:
@@ -618,7 +616,6 @@ def test_case_is_ignored_unless_the_level_asks_for_shift(
 
 
 # --- pauses and commands
-# ----------------------------------------------------------------------------------
 
 
 def in_quiet(driver: LoopDriver) -> None:
@@ -890,7 +887,6 @@ def test_a_level_set_stays_within_its_bounds(
 
 
 # --- the disk
-# -----------------------------------------------------------------------------------------------
 
 
 def test_the_next_prompt_waits_until_the_trial_is_stored(new_session: NewSession) -> None:
@@ -1153,7 +1149,6 @@ def test_a_working_disk_changes_nothing(new_session: NewSession) -> None:
 
 
 # --- tasks of more than one key
-# -----------------------------------------------------------------------------
 
 
 class Taps(Task):
@@ -1295,7 +1290,6 @@ def test_a_task_with_few_levels_stays_within_them(calm: Theme) -> None:
 
 
 # --- arbitrary input
-# ------------------------------------------------------------------------------------------
 
 ACTS = st.lists(
     st.one_of(

@@ -61,7 +61,6 @@ def feedback_times(driver: LiftDriver) -> list[int]:
 
 
 # --- after a delay
-# --------------------------------------------------------------------------------------------
 
 
 def test_delayed_feedback_comes_exactly_on_time(new_session: NewSession) -> None:
@@ -213,7 +212,6 @@ def test_with_any_pauses_feedback_comes_once_and_on_time(waits: list[int], delay
 
 
 # --- on request
-# -----------------------------------------------------------------------------------------------
 
 
 def requests(driver: LiftDriver) -> list[str]:

@@ -42,7 +42,6 @@ def how(
 
 
 # --- the result
-# ---------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("compared_with", COMPARED)
@@ -117,7 +116,6 @@ def test_a_result_that_is_no_mean_of_trials_counts_as_one() -> None:
 
 
 # --- how it was done
-# --------------------------------------------------------------------------------------------------
 
 
 def test_a_quality_is_not_praised_within_its_noise() -> None:
@@ -222,7 +220,6 @@ def test_with_nothing_trained_better_is_seldom_said(rules: int, most: float) -> 
 
 
 # --- the evidence, for the therapist
-# ----------------------------------------------------------------------------------
 
 
 def test_a_reported_change_stands_beside_its_mdc95() -> None:
@@ -262,7 +259,6 @@ def test_too_many_wrong_responses_report_no_change() -> None:
 
 
 # --- doubtful trials
-# --------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("doubtful", [4, 5], ids=["the last attempt", "this attempt"])

@@ -62,7 +62,6 @@ def lift(**fields: object) -> dict[str, Any]:
 
 
 # --- the form
-# -------------------------------------------------------------------------------------------------
 
 
 @given(
@@ -129,7 +128,6 @@ def test_the_form_both_gives_words_then_figures(
 
 
 # --- the right number, in the right direction
-# -----------------------------------------------------------------
 
 
 def figures(
@@ -251,7 +249,6 @@ def test_figures_are_written_as_the_language_writes_them() -> None:
 
 
 # --- where there is nothing to compare
-# ------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -320,7 +317,6 @@ def test_a_remark_on_an_attempt_that_has_a_result_is_left_out() -> None:
 
 
 # --- a summary
-# ------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -350,7 +346,6 @@ def test_a_summary_without_times_gives_counts_only() -> None:
 
 
 # --- knowledge of performance: how it was done
-# ----------------------------------------------------------------
 
 
 def how(agent: Agent, **attempt: Any) -> Spelled:
@@ -506,7 +501,6 @@ def test_the_parameters_decide_the_form(keyboard: type[Task]) -> None:
 
 
 # --- texts of tasks
-# -------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("language", ["en", "es"])

@@ -54,7 +54,6 @@ def test_the_last_trials_mark_is_known_in_the_next_trial_and_after_a_resume(
 
 
 # --- the open trial
-# -----------------------------------------------------------------------------------------
 
 
 def test_a_mark_in_a_trial_is_stored_and_the_trial_does_not_count(new_session: NewSession) -> None:
@@ -134,7 +133,6 @@ def test_a_mark_on_a_voided_trial_is_not_on_its_repetition(
 
 
 # --- the last trial
-# ------------------------------------------------------------------------------------------
 
 
 def test_between_trials_the_last_one_is_marked(new_session: NewSession) -> None:

@@ -170,7 +170,6 @@ def test_an_operator_of_an_earlier_run_decides_nothing_in_the_next(calm: Theme) 
 
 
 # --- the level
-# ------------------------------------------------------------------------------------------------------
 
 
 def test_the_level_rises_when_the_operator_accepts(calm: Theme) -> None:
@@ -574,7 +573,6 @@ def test_feedback_that_becomes_pending_in_a_pause_is_waited_for_after_it(calm: T
 
 
 # --- with and without an operator
-# -------------------------------------------------------------------------------------
 
 
 def hurried(calm: Theme, kind: str, mode: str, **settings: Any) -> list[tuple[str, str, str]]:

@@ -80,7 +80,6 @@ class OperatedDriver(ArbiterDriver):
 
 
 # --- the four modes
-# -----------------------------------------------------------------------------------------------
 
 
 def test_autonomous_feedback_is_given_at_once() -> None:
@@ -195,7 +194,6 @@ def test_each_kind_has_its_own_mode(kind: str) -> None:
 
 
 # --- time
-# ---------------------------------------------------------------------------------------------------------
 
 
 def test_with_delayed_feedback_the_deadline_is_the_delay() -> None:
@@ -276,7 +274,6 @@ def test_accepting_what_was_decided_already_is_too_late() -> None:
 
 
 # --- the time to decide
-# -------------------------------------------------------------------------------------------
 
 MEDIAN = (
     "Well done: you took 498 ms on average, which is 22 ms faster than in the last attempt. Keep!"
@@ -320,7 +317,6 @@ def test_every_proposal_can_have_the_same_time() -> None:
 
 
 # --- what waits for a decision
-# ------------------------------------------------------------------------------------
 
 
 def test_unsaid_feedback_can_be_requested() -> None:
@@ -487,7 +483,6 @@ def test_the_last_feedback_precedes_the_goodbye_unless_the_session_was_aborted(
 
 
 # --- without an operator
-# ------------------------------------------------------------------------------------------
 
 
 def test_without_an_operator_the_agent_acts_by_itself() -> None:
@@ -520,7 +515,6 @@ def test_when_the_operator_is_lost_pending_proposals_are_decided_at_once(
 
 
 # --- changing modes, and the published state
-# ------------------------------------------------------------------------
 
 
 def test_a_new_mode_applies_to_pending_proposals() -> None:
@@ -577,7 +571,6 @@ def test_without_an_operator_no_state_is_published() -> None:
 
 
 # --- remarks of operators
-# ---------------------------------------------------------------------------------------------
 
 
 def test_remarks_go_first_but_not_in_a_trial() -> None:
@@ -672,7 +665,6 @@ def test_a_filler_keeps_its_gesture_in_any_mode() -> None:
 
 
 # --- the level
-# -------------------------------------------------------------------------------------------------------
 
 
 def test_in_autonomous_mode_a_change_of_level_happens_at_once() -> None:

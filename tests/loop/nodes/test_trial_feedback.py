@@ -198,7 +198,6 @@ def test_it_is_replayed_as_it_was(calm: Theme) -> None:
 
 
 # --- a sign for every task
-# ------------------------------------------------------------------------------------
 
 
 def test_a_tick_or_a_cross_can_be_shown_for_tasks_that_show_nothing(
@@ -238,7 +237,6 @@ def test_no_sign_is_shown_for_what_was_not_judged(flag: str) -> None:
 
 
 # --- two participants
-# -----------------------------------------------------------------------------------------
 
 
 def test_two_seats_see_their_own_answer_each_in_their_half() -> None:

@@ -33,7 +33,6 @@ def numbers(driver: LiftDriver) -> list[tuple[int, int]]:
 
 
 # --- the key that starts a trial
-# -----------------------------------------------------------------------------
 
 
 def test_a_trial_waits_for_its_start_without_limit(new_session: NewSession) -> None:
@@ -244,7 +243,6 @@ def test_after_a_resume_a_trial_must_be_started_again(
 
 
 # --- with a signal, or without
-# --------------------------------------------------------------------------------
 
 
 def test_with_a_signal_the_start_is_followed_by_quiet_and_a_foreperiod(
@@ -291,7 +289,6 @@ def test_without_start_key_and_foreperiod_prompts_come_at_once(new_session: NewS
 
 
 # --- a response that lasts
-# ------------------------------------------------------------------------------------
 
 
 def test_the_row_of_a_movement_has_its_onset_and_end(new_session: NewSession) -> None:
@@ -371,7 +368,6 @@ def test_a_movement_before_the_signal_is_an_anticipation_without_reaction_time(
 
 
 # --- unmeasurable trials
-# --------------------------------------------------------------------------------------
 
 
 def test_an_unmeasurable_trial_is_repeated_with_a_notice(new_session: NewSession) -> None:
@@ -461,7 +457,6 @@ def test_an_unmeasurable_trial_is_repeated_a_limited_number_of_times(
 
 
 # --- notices
-# --------------------------------------------------------------------------------------------------
 
 
 def test_a_level_is_announced_at_the_start_and_when_it_changes(new_session: NewSession) -> None:

@@ -51,7 +51,6 @@ def begin(bench: ServoBench, action: str = "a") -> None:
 
 
 # --- a motor that is there
-# ------------------------------------------------------------------------------------
 
 
 def test_a_motor_is_prepared_when_it_is_attached_and_stays_limp(bench: ServoBench) -> None:
@@ -155,7 +154,6 @@ def test_a_gesture_that_none_of_the_joints_takes_part_in_is_done_at_once_and_say
 
 
 # --- stop
-# -------------------------------------------------------------------------------------------------------
 
 
 def test_stop_makes_every_motor_limp_before_any_time_has_passed() -> None:
@@ -295,7 +293,6 @@ def test_stop_and_close_return_while_a_call_to_the_device_hangs(
 
 
 # --- a motor that is lost
-# -----------------------------------------------------------------------------------------
 
 
 def test_a_motor_that_is_pulled_out_in_mid_gesture_fails_it_and_works_again_when_it_is_plugged_in(
@@ -383,7 +380,6 @@ def test_an_error_of_the_controller_is_reported_with_each_gesture_until_it_is_ov
 
 
 # --- no motor
-# ------------------------------------------------------------------------------------------------------
 
 
 def test_without_a_controller_a_gesture_fails_with_what_to_do_after_a_second_and_then_at_once() -> (
@@ -460,7 +456,6 @@ def test_phidget22_is_loaded_only_when_a_servo_is_opened(monkeypatch: pytest.Mon
 
 
 # --- the failsafe
-# ---------------------------------------------------------------------------------------------------
 
 
 def test_the_failsafe_is_fed_three_times_as_often_as_it_needs_also_while_nothing_is_under_way(

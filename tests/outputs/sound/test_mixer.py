@@ -51,7 +51,6 @@ WRITES_RUBBISH = (
 
 
 # --- what is killed, stands still, hangs or crashes
-# ----------------------------------------------------------
 
 
 def test_a_voice_killed_in_mid_utterance_fails_it_and_the_next_is_spoken(
@@ -165,7 +164,6 @@ def test_a_program_that_is_no_voice_fails_each_part(calm: Theme, program: list[s
 
 
 # --- what is missing
-# -----------------------------------------------------------------------------------------
 
 
 def test_without_an_engine_it_says_what_to_install_and_tones_sound(calm: Theme) -> None:
@@ -219,7 +217,6 @@ def test_texts_that_cannot_be_read_do_not_put_speech_off(calm: Theme) -> None:
 
 
 # --- stop and close
-# ------------------------------------------------------------------------------------------
 
 
 def test_stop_aborts_a_queue_of_three(calm: Theme) -> None:
@@ -290,7 +287,6 @@ def test_speech_may_leave_while_tones_stay(calm: Theme) -> None:
 
 
 # --- where sound goes
-# ----------------------------------------------------------------------------------------
 
 
 def test_sound_may_go_to_the_card_or_to_a_folder_that_may_not_exist_yet(tmp_path: Path) -> None:
@@ -329,7 +325,6 @@ def test_a_folder_that_may_not_be_written_to_is_reported_in_words(
 
 
 # --- what there is
-# -------------------------------------------------------------------------------------------
 
 
 def test_it_finds_the_voices_and_the_card() -> None:

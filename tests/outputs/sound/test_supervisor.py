@@ -55,7 +55,8 @@ def test_a_sound_is_played_although_the_end_of_the_last_process_is_not_yet_known
     ended: queue.SimpleQueue[PartEvent] = queue.SimpleQueue()
     file = tmp_path / "pids"
     supervisor = Supervisor(
-        Setup(backends=NOBODY), lambda event: ended.put(event) if event.state in ("done", "failed") else None,
+        Setup(backends=NOBODY),
+        lambda event: ended.put(event) if event.state in ("done", "failed") else None,
         program=real_program(file),
     )  # fmt: skip
     supervisor.add(SoundJob("tone", "a1", Tone(1, "a1", BEEP)))

@@ -52,7 +52,6 @@ def feedback_of(driver: PairsDriver, attempt: int = 1) -> dict[str, Any]:
 
 
 # --- alternate
-# ---------------------------------------------------------------------------------------------------
 
 
 def test_in_turn_seats_alternate_and_so_does_the_first_seat(new_session: NewSession) -> None:
@@ -158,7 +157,6 @@ def test_the_level_rises_if_both_reach_the_goal(new_session: NewSession) -> None
 
 
 # --- race
-# ----------------------------------------------------------------------------------------------------------
 
 
 def test_in_a_race_the_fastest_correct_response_wins_and_both_are_stored(
@@ -289,7 +287,6 @@ def test_a_skipped_prompt_of_a_race_has_no_winner(new_session: NewSession) -> No
 
 
 # --- cooperative
-# ---------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -348,7 +345,6 @@ def test_together_one_response_alone_is_not_correct(new_session: NewSession) -> 
 
 
 # --- joint attention
-# -------------------------------------------------------------------------------------------------
 
 
 def test_the_agent_looks_to_a_side_before_the_prompt_and_the_lead_is_measured(
@@ -453,7 +449,6 @@ def test_a_lead_longer_than_the_shortest_foreperiod_is_refused(pairs: type[Task]
 
 
 # --- perception
-# ------------------------------------------------------------------------------------------------------
 
 
 def test_presses_repeats_and_gaps_are_counted_per_seat(new_session: NewSession) -> None:

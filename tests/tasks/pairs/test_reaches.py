@@ -28,7 +28,6 @@ def near(ms: float) -> Any:
 
 
 # --- the four policies
-# -------------------------------------------------------------------------------------------
 
 
 def test_in_turn_the_onset_of_the_reach_is_the_response() -> None:
@@ -108,7 +107,6 @@ def test_in_joint_attention_the_prompted_seat_reaches_and_the_cue_is_stored() ->
 
 
 # --- what is no response
-# ---------------------------------------------------------------------------------------
 
 
 def test_an_anticipating_reach_is_stored_and_never_wins() -> None:
@@ -166,7 +164,6 @@ def test_a_reach_that_a_sensor_missed_is_repeated_by_both() -> None:
 
 
 # --- the sensors
-# -----------------------------------------------------------------------------------------------
 
 
 def test_a_detached_sensor_pauses_the_session_and_its_seat_is_named() -> None:
@@ -201,7 +198,6 @@ def test_a_session_of_keys_has_no_sensor() -> None:
 
 
 # --- prompts, levels, words
-# ------------------------------------------------------------------------------------
 
 
 def test_go_is_shown_in_the_half_of_the_prompted_seat() -> None:

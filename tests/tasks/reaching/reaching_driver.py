@@ -70,7 +70,6 @@ class ReachingDriver(LoopDriver):
         yield from extra
 
     # --- actions
-    # --------------------------------------------------------------------------------------------
 
     def start_session(self, rest_ms: float = 3000) -> None:
         """Continue from the instructions until the first reach can be started, with the hand at
@@ -124,7 +123,6 @@ class ReachingDriver(LoopDriver):
             )
 
     # --- results
-    # ----------------------------------------------------------------------------------------------
 
     @property
     def percept(self) -> ReachPerceived:

@@ -102,7 +102,6 @@ def test_each_marker_is_a_level() -> None:
 
 
 # --- a goal for each marker
-# ------------------------------------------------------------------------------------------
 
 
 def test_the_set_goal_is_that_of_the_nearest_marker_and_others_are_longer() -> None:

@@ -65,7 +65,6 @@ def muted(driver: ReachingDriver, milliseconds: float) -> None:
 
 
 # --- a hand that goes again
-# ----------------------------------------------------------------------------------------
 
 HOLDS_S = (0.3, 0.8, 1.5, 2.5, 4.0)
 
@@ -124,7 +123,6 @@ def test_a_movement_of_ones_own_before_the_start_key_is_no_part_of_the_reach(hol
 
 
 # --- a reach between two presses
-# -----------------------------------------------------------------------------------
 
 
 def test_a_reach_is_one_row_timed_by_the_hand_not_by_the_keys() -> None:
@@ -269,7 +267,6 @@ def test_the_same_samples_and_window_give_the_same_details() -> None:
 
 
 # --- presses that are missing, doubled or early
-# --------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("still_ms", first(1, [1500, 2500, 6000]))
@@ -364,7 +361,6 @@ def test_another_key_does_not_end_a_reach(key: str) -> None:
 
 
 # --- movements that are none, or begin elsewhere
-# ---------------------------------------------------------------------
 
 
 def test_a_flick_of_the_wrist_is_no_reach() -> None:
@@ -439,7 +435,6 @@ def test_a_reach_that_ended_before_the_press_is_ignored() -> None:
 
 
 # --- a signal to go
-# --------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("reaction_ms", first(1, [180, 320]))
@@ -471,7 +466,6 @@ def test_movement_before_the_signal_is_an_anticipation() -> None:
 
 
 # --- hands and sensors
-# -----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -605,7 +599,6 @@ def test_a_sensor_detached_during_a_reach_voids_it_and_old_samples_are_dropped()
 
 
 # --- whatever the blocks that samples come in
-# -------------------------------------------------------------------------
 
 
 def one_reach(monkeypatch: pytest.MonkeyPatch, drain_ms: float, press: bool) -> tuple[Any, Samples]:

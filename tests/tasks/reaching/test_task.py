@@ -56,7 +56,6 @@ def judged(task: Task, what: Any, level: int = 1) -> Result | Again | None:
 
 
 # --- words
-# ---------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("settings", SETTINGS, ids=str)
@@ -122,7 +121,6 @@ def test_the_goal_is_shown_in_seconds_and_stored_in_milliseconds() -> None:
 
 
 # --- judging
-# -------------------------------------------------------------------------------------------------
 
 
 def test_a_reach_is_timed_from_onset_to_end() -> None:
@@ -190,7 +188,6 @@ def test_a_therapist_can_report_faults_that_the_sensor_cannot_detect() -> None:
 
 
 # --- rehearsing
-# ------------------------------------------------------------------------------------------------
 
 PERFORMANCES = st.builds(
     Performance,
