@@ -5,19 +5,12 @@ resumed and replayed. The framework runs it: it waits, shows, stamps, scores, ad
 feedback.
 """
 
-import inspect
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from copy import copy
-from pathlib import Path
-from typing import Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
-from sar_tui.loop.node import Node
-from sar_tui.model.language import language
 from sar_tui.model.measure import Measure
 from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.results_for_people import goal_text
-from sar_tui.model.step import Step
 from sar_tui.model.trial_types import (
     NO_METRIC,
     Act,
@@ -38,12 +31,21 @@ from sar_tui.model.trial_types import (
     Trial,
 )
 from sar_tui.plugin_calls import mark_methods
-from sar_tui.rules.parameters import TaskParameters
-from sar_tui.rules.typed_text import typing
 from sar_tui.rules.version import RULES
 
-_FRAMEWORK = Path(__file__).parent
-"""Folder with the translations of the framework's own texts."""
+if TYPE_CHECKING:  # a task's module is imported in little more time than msgspec
+    from sar_tui.loop.node import Node
+    from sar_tui.model.step import Step
+    from sar_tui.rules.parameters import TaskParameters
+
+
+class _CommonSettings:
+    """Default of `Task.Parameters`, imported when it is first asked for."""
+
+    def __get__(self, task: object, kind: type) -> "type[TaskParameters]":
+        from sar_tui.rules.parameters import TaskParameters
+
+        return TaskParameters
 
 
 class Task(ABC):
@@ -82,7 +84,7 @@ class Task(ABC):
     trials: ClassVar[str] = "Prompts"
     version: ClassVar[str] = "1"
     metric: ClassVar[Metric]
-    Parameters: ClassVar[type[TaskParameters]] = TaskParameters
+    Parameters: "ClassVar[type[TaskParameters]]" = _CommonSettings()  # type: ignore[assignment]
     Details: ClassVar[type[Details]] = Details
     sensors: ClassVar[tuple[Literal["imu"], ...]] = ()
     qualities: ClassVar[tuple[Quality, ...]] = ()
@@ -97,19 +99,24 @@ class Task(ABC):
             cls.metric = NO_METRIC
 
     @classmethod
-    def sensor_seats(cls, parameters: TaskParameters) -> tuple[str, ...]:
+    def sensor_seats(cls, parameters: "TaskParameters") -> tuple[str, ...]:
         """Return the seats with a sensor under these parameters; by default all, in a task that has
         ``sensors``.
         """
         return cls.seats if cls.sensors else ()
 
-    def __init__(self, parameters: TaskParameters) -> None:
+    def __init__(self, parameters: "TaskParameters") -> None:
+        import inspect
+        from pathlib import Path
+
+        from sar_tui.model.language import language
+
+        texts_of_the_loop = Path(__file__).parent
         self.parameters = parameters
         self.names: dict[str, str] = {}
         self.rules = RULES
-        self.tr = language(
-            parameters.language, _FRAMEWORK, Path(inspect.getfile(type(self))).parent
-        )
+        own_texts = Path(inspect.getfile(type(self))).parent
+        self.tr = language(parameters.language, texts_of_the_loop, own_texts)
 
     @property
     def levels(self) -> int:
@@ -153,7 +160,7 @@ class Task(ABC):
         return False
 
     @property
-    def steps(self) -> tuple[Step, ...]:
+    def steps(self) -> "tuple[Step, ...]":
         """Questions, screens to read, rests and calibrations between attempts; by default none."""
         return ()
 
@@ -197,7 +204,7 @@ class Task(ABC):
         """
         return self.names.get(seat) or self.seat_name(seat)
 
-    def nodes(self) -> tuple[Node, ...]:
+    def nodes(self) -> "tuple[Node, ...]":
         """Return new nodes that make percepts from the task's sensors."""
         return ()
 
@@ -225,6 +232,8 @@ class Task(ABC):
         """
         if goal is None:
             return self
+        from copy import copy
+
         aimed = copy(self)
         vars(aimed)["target"] = lambda level: self.target_at(level, goal)
         return aimed
@@ -242,6 +251,8 @@ class Task(ABC):
         value = self.goal_value(level)
         if value is None:
             return ""
+        from sar_tui.model.results_for_people import goal_text
+
         goal = goal_text(self.metric, value, self.tr)
         needed = f"{self.parameters.min_accuracy:.0%}" if self.parameters.min_accuracy else ""
         if self.parameters.min_accuracy == 1:
@@ -351,6 +362,8 @@ class Task(ABC):
             streams: for anything else that is random.
         """
         if stimulus.expects != "key":
+            from sar_tui.rules.typed_text import typing
+
             return typing(stimulus.expected, performance)
         key = "wrong" if performance.slips else stimulus.expected
         return [(performance.reaction_ms, key)] if key else []

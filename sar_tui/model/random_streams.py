@@ -5,10 +5,11 @@ whatever was drawn in between. The numbers come from BLAKE2b, so they do not dep
 of Python.
 """
 
-import random
 from collections.abc import Sequence
-from hashlib import blake2b
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
+
+if TYPE_CHECKING:
+    import random
 
 T = TypeVar("T")
 
@@ -24,6 +25,8 @@ class RandomStreams:
         self._prefix = "/".join(map(str, (*key, "")))
 
     def _bits(self, stream: tuple[int | str, ...]) -> int:
+        from hashlib import blake2b
+
         name = self._prefix + "/".join(map(str, stream)) if stream else self._prefix[:-1]
         return int.from_bytes(blake2b(name.encode(), digest_size=8).digest(), "big")
 
@@ -35,6 +38,8 @@ class RandomStreams:
         """Return the option of ``stream``; all are equally likely."""
         return options[int(self.uniform(*stream) * len(options))]
 
-    def generator(self, *stream: int | str) -> random.Random:
+    def generator(self, *stream: int | str) -> "random.Random":
         """Return a new generator for ``stream``; each call returns one with the same numbers."""
+        import random
+
         return random.Random(self._bits(stream))

@@ -10,10 +10,12 @@ from typing import Any, Literal
 import msgspec
 
 from sar_tui.model.frames import Frame as Frame  # noqa: PLC0414  tasks import it from here
-from sar_tui.model.messages import Json
 from sar_tui.model.random_streams import RandomStreams
 from sar_tui.model.tone import Tone as Tone  # noqa: PLC0414
 from sar_tui.model.units import MS
+
+Json = dict[str, str | int | float | bool | None]
+"""Values that a task may add to a trial's row."""
 
 DOUBTFUL = "disagree"
 """Flag of a trial whose measures are doubtful: it counts, but no change is reported from it."""

@@ -8,21 +8,21 @@ and less accurate: the conflict effect.
 from collections.abc import Sequence
 from typing import Annotated, Any
 
-from sar_tui.loop.task import Task
-from sar_tui.model.measure import Measure
-from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.trial_types import (
+from sar_tui.api.task import (
     Act,
     Details,
+    Measure,
     Metric,
     Performance,
+    RandomStreams,
     Result,
     Situation,
     Stimulus,
+    Task,
+    TaskParameters,
     Trial,
+    meta,
 )
-from sar_tui.rules.declaration import meta
-from sar_tui.rules.parameters import TaskParameters
 
 ARROWS = {"left": "←", "right": "→"}
 OTHER = {"left": "right", "right": "left"}

@@ -5,23 +5,22 @@ from typing import Annotated, Any, Literal
 
 import msgspec
 
-from sar_tui.loop.task import Task
-from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.results_for_people import goal_text
-from sar_tui.model.trial_types import (
+from sar_tui.api.task import (
     Act,
     Axis,
     Details,
     Metric,
     Performance,
+    RandomStreams,
     Result,
     Situation,
     Stimulus,
+    Task,
+    TaskParameters,
     Trial,
+    goal_text,
+    meta,
 )
-from sar_tui.rules.declaration import meta
-from sar_tui.rules.parameters import TaskParameters
-from sar_tui.rules.version import RULES
 
 from .earlier_levels import LAST_RULES, earlier_levels
 from .layouts import ARROWS, Level, levels, needs_shift
@@ -107,15 +106,18 @@ class KeyboardParameters(TaskParameters, frozen=True, kw_only=True):
             )
         return problems
 
-    def chosen_levels(self, rules: int = RULES) -> tuple[Level, ...]:
-        """Return the levels: custom ones, else those of the choice set and layout under a version
-        of the rules.
+    def chosen_levels(self, rules: int | None = None) -> tuple[Level, ...]:
+        """Return the levels: custom ones, else those of the choice set and layout.
+
+        Args:
+            rules: of a session; None: the newest.
         """
         if self.levels:
             return tuple(
                 Level(tuple(word), any(key.isupper() for key in word)) for word in self.levels
             )
-        return (earlier_levels if rules <= LAST_RULES else levels)(self.choice_set, self.layout)
+        is_earlier = rules is not None and rules <= LAST_RULES
+        return (earlier_levels if is_earlier else levels)(self.choice_set, self.layout)
 
 
 class KeyboardDetails(Details, frozen=True):

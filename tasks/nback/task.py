@@ -13,22 +13,22 @@ from typing import Annotated, Any
 
 from msgspec.structs import replace
 
-from sar_tui.loop.task import Task
-from sar_tui.model.measure import Measure
-from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.trial_types import (
+from sar_tui.api.task import (
     Act,
     Frame,
+    Measure,
     Metric,
     Performance,
+    RandomStreams,
     Result,
     Score,
     Situation,
     Stimulus,
+    Task,
+    TaskParameters,
     Trial,
+    meta,
 )
-from sar_tui.rules.declaration import meta
-from sar_tui.rules.parameters import TaskParameters
 
 KEY = "space"
 LETTERS = "BCDFGHJKLMNPQRSTVWXZ"

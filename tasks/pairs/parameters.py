@@ -2,8 +2,7 @@
 
 from typing import Annotated, Literal
 
-from sar_tui.rules.declaration import meta
-from sar_tui.rules.parameters import TaskParameters
+from sar_tui.api.task import TaskParameters, meta
 
 _WITHOUT_CUE = {
     "gaze": {"speech", "tones", "servo"},

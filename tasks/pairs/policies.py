@@ -5,8 +5,7 @@ from typing import NamedTuple
 
 import msgspec
 
-from sar_tui.model.messages import Json
-from sar_tui.model.trial_types import Result, Results
+from sar_tui.api.task import Json, Result, Results
 
 
 class Response(NamedTuple):

@@ -2,10 +2,7 @@
 response.
 """
 
-from sar_tui.loop.node import Node
-from sar_tui.model.messages import Json, ReachPerceived
-from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.trial_types import Act, Performance
+from sar_tui.api.task import Act, Json, Node, Performance, RandomStreams, ReachPerceived
 
 from .parameters import PairsParameters
 
@@ -23,8 +20,8 @@ _STORED = ("reach_time_ms", "out_ms", "back_ms", "dwell_ms", "peak_extension_rad
 
 def perception_nodes(parameters: PairsParameters) -> tuple[Node, ...]:
     """Return a node for each hand that finds its reaches."""
-    from sar_tui.motion.analysis import AnalysisParameters  # loads numpy
-    from sar_tui.perception.reach import ReachPerception
+    # loads numpy, which other tasks do not need
+    from sar_tui.api.task import AnalysisParameters, ReachPerception
 
     return (
         ReachPerception(AnalysisParameters(hand=parameters.hand), _REST_MS, "A"),
@@ -44,7 +41,7 @@ def rehearsed(at_ms: float, performance: Performance, streams: RandomStreams) ->
     """Return a simulated reach from ``at_ms``: 20 cm and back, 1.1 s in a healthy adult. A slip is
     only a twitch.
     """
-    from sar_tui.motion.shapes import ReachShape
+    from sar_tui.api.task import ReachShape
 
     if performance.slips:
         return [(at_ms, ReachShape(out_s=0.15, back_s=0.15, peak_out=3.0, peak_back=-3.0))]

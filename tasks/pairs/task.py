@@ -8,27 +8,29 @@ from typing import Any, Literal
 
 import msgspec
 
-from sar_tui.loop.node import Node
-from sar_tui.loop.task import Task
-from sar_tui.model.messages import Json, KeyPerceived, ReachPerceived
-from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.results_for_people import goal_text
-from sar_tui.model.trial_types import (
+from sar_tui.api.task import (
+    MS,
     Act,
     Again,
     Cue,
+    Json,
+    KeyPerceived,
     Metric,
+    Node,
     Performance,
+    RandomStreams,
+    ReachPerceived,
     Result,
     Results,
     Score,
     Situation,
     Stimulus,
     Target,
+    Task,
+    TaskParameters,
     Trial,
+    goal_text,
 )
-from sar_tui.model.units import MS
-from sar_tui.rules.parameters import TaskParameters
 
 from . import reaches
 from .details import PairsDetails

@@ -6,15 +6,25 @@ from collections import Counter
 from collections.abc import Sequence
 from statistics import fmean
 
-from sar_tui.loop.node import on
-from sar_tui.loop.task import Task
-from sar_tui.loop.topics import ATTEMPT_STARTED, PROMPT, TRIAL, WAITING
-from sar_tui.model.language import Language
-from sar_tui.model.messages import AttemptEnded, AttemptStarted, Prompt, TrialEnded, Waiting
-from sar_tui.model.results_for_people import result_text
-from sar_tui.model.trial_types import Metric
-from sar_tui.widgets.prompt_lines import Line, halves
-from sar_tui.widgets.task_view import TaskView
+from sar_tui.api.view import (
+    ATTEMPT_STARTED,
+    PROMPT,
+    TRIAL,
+    WAITING,
+    AttemptEnded,
+    AttemptStarted,
+    Language,
+    Line,
+    Metric,
+    Prompt,
+    Task,
+    TaskView,
+    TrialEnded,
+    Waiting,
+    halves,
+    on,
+    result_text,
+)
 
 _TURN_KNOWN = ("foreperiod", "storage", "response")
 """Waits during which the announced turn stays: nothing may change on the screen."""

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import msgspec
 
-from sar_tui.model.trial_types import Details
+from sar_tui.api.task import Details
 
 
 class ReachDetails(Details, frozen=True):

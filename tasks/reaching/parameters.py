@@ -3,9 +3,7 @@
 from itertools import pairwise
 from typing import Annotated, Literal
 
-from sar_tui.motion.detector_names import RENAMED, DetectorName
-from sar_tui.rules.declaration import meta
-from sar_tui.rules.parameters import TaskParameters
+from sar_tui.api.task import DetectorName, TaskParameters, meta
 
 _FEW_CM, _MOST_CM = 1.0, 200.0
 
@@ -87,7 +85,7 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
         meta(
             "Detector",
             help="Finds the reach that counts. Results of all detectors are stored.",
-            renamed=RENAMED,
+            renamed={"robust": "single-axis", "thesis": "fixed-threshold"},
         ),
     ] = "orientation"
     go_signal: Annotated[

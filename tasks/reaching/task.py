@@ -3,22 +3,22 @@
 import math
 from typing import TYPE_CHECKING, Any, Literal
 
-from sar_tui.loop.node import Node
-from sar_tui.loop.task import Task
-from sar_tui.model.messages import ReachPerceived
-from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.trial_types import (
+from sar_tui.api.task import (
     Act,
     Again,
     Axis,
     Mark,
     Metric,
+    Node,
     Performance,
     Quality,
+    RandomStreams,
+    ReachPerceived,
     Result,
     Situation,
     Stimulus,
     Target,
+    Task,
     Trial,
 )
 
@@ -26,7 +26,7 @@ from .details import ReachDetails
 from .parameters import ReachingParameters
 
 if TYPE_CHECKING:
-    from sar_tui.motion.analysis import AnalysisParameters
+    from sar_tui.api.task import AnalysisParameters
 
 _AGAIN = {
     "samples": "The sensor sent nothing during that reach, so it does not count.",
@@ -128,10 +128,12 @@ class ReachingTask(Task):
 
     def analysis(self) -> "AnalysisParameters":
         """Return the parameters of the analysis of reaches."""
-        from sar_tui.motion.analysis import AnalysisParameters  # loads numpy
-        from sar_tui.motion.fixed_threshold import FixedThresholdParameters
-        from sar_tui.motion.orientation import OrientationParameters
-        from sar_tui.motion.single_axis import SingleAxisParameters
+        from sar_tui.api.task import (  # loads numpy
+            AnalysisParameters,
+            FixedThresholdParameters,
+            OrientationParameters,
+            SingleAxisParameters,
+        )
 
         least_rad = math.radians(self.parameters.least_turn_deg)
         longest_s = self.parameters.response_timeout_ms / 1000
@@ -151,7 +153,7 @@ class ReachingTask(Task):
         )
 
     def nodes(self) -> tuple[Node, ...]:
-        from sar_tui.perception.reach import ReachPerception  # loads numpy
+        from sar_tui.api.task import ReachPerception  # loads numpy
 
         return (ReachPerception(self.analysis(), self.parameters.still_ms),)
 
@@ -289,7 +291,7 @@ class ReachingTask(Task):
         A healthy adult's reach out and back takes 0.85 s to 15 cm, and grows with the distance to
         the power of 0.8: faster than the goal, which grows with the square root.
         """
-        from sar_tui.motion.shapes import ReachShape
+        from sar_tui.api.task import ReachShape
 
         distance = float(stimulus.name.split()[0])
         pace = 0.85 * (distance / 15.0) ** 0.8 * performance.pace

@@ -5,16 +5,10 @@ reaches.
 from collections import deque
 from typing import TYPE_CHECKING
 
-from rich.text import Text
-
-from sar_tui.loop.node import on
-from sar_tui.loop.task import Task
-from sar_tui.loop.topics import REACH
-from sar_tui.model.messages import ReachPerceived
-from sar_tui.widgets.task_view import Colors, Drawing, TaskView
+from sar_tui.api.view import REACH, Colors, Drawing, ReachPerceived, Task, TaskView, Text, on
 
 if TYPE_CHECKING:
-    from sar_tui.motion.trace import Trace
+    from sar_tui.api.view import Trace
 
 _DRAWN = 3
 """Number of reaches that are drawn: the newest and those before it."""
@@ -32,7 +26,7 @@ class ReachingView(TaskView):
     def reached(self, reach: ReachPerceived) -> None:
         self._count += 1
         if reach.trace_marks:
-            from sar_tui.motion.trace import Trace  # loads numpy
+            from sar_tui.api.view import Trace  # loads numpy
 
             onset, arrival, departure, end = reach.trace_marks
             self._traces.append(
@@ -51,7 +45,7 @@ class ReachingView(TaskView):
         return self._draw if self._traces else None
 
     def _draw(self, width: int, height: int, colors: Colors) -> Text:
-        from sar_tui.widgets.speed_trace import draw_traces
+        from sar_tui.api.view import draw_traces
 
         muted = colors["text-muted"]
         styles = dict.fromkeys(("rest", "earlier", "axis"), muted)

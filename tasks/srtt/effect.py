@@ -2,10 +2,15 @@
 
 from collections.abc import Sequence
 
-from sar_tui.model.messages import TrialEnded
-from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.trial_types import Act, Performance, Stimulus
-from sar_tui.simulation.effect import Effect, mean_time
+from sar_tui.api.task import (
+    Act,
+    Effect,
+    Performance,
+    RandomStreams,
+    Stimulus,
+    TrialEnded,
+    mean_time,
+)
 
 from .task import RANDOM, SerialTask
 

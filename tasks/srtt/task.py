@@ -12,21 +12,21 @@ import math
 from collections.abc import Sequence
 from typing import Annotated, Any, Literal
 
-from sar_tui.loop.task import Task
-from sar_tui.model.measure import Measure
-from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.trial_types import (
+from sar_tui.api.task import (
     Act,
+    Measure,
     Metric,
     PastAttempt,
     Performance,
+    RandomStreams,
     Result,
     Situation,
     Stimulus,
+    Task,
+    TaskParameters,
     Trial,
+    meta,
 )
-from sar_tui.rules.declaration import meta
-from sar_tui.rules.parameters import TaskParameters
 
 SEQUENCE = (0, 1, 0, 2, 3, 1, 2, 0, 3, 2, 1, 3)
 """Each pair of places comes once, and so does each place after another, whatever the place is

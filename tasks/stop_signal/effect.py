@@ -2,10 +2,7 @@
 
 from collections.abc import Sequence
 
-from sar_tui.model.messages import TrialEnded
-from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.trial_types import Act, Performance, Stimulus
-from sar_tui.simulation.effect import Effect
+from sar_tui.api.task import Act, Effect, Performance, RandomStreams, Stimulus, TrialEnded
 
 from .stopping import stop_signal_rt
 from .task import StopSignalTask

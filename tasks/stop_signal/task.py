@@ -10,23 +10,23 @@ from collections.abc import Sequence
 from statistics import fmean
 from typing import Annotated, Any
 
-from sar_tui.loop.task import Task
-from sar_tui.model.measure import Measure
-from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.trial_types import (
+from sar_tui.api.task import (
+    MS,
     Act,
     Details,
     Frame,
+    Measure,
     Metric,
     Performance,
+    RandomStreams,
     Result,
     Situation,
     Stimulus,
+    Task,
+    TaskParameters,
     Trial,
+    meta,
 )
-from sar_tui.model.units import MS
-from sar_tui.rules.declaration import meta
-from sar_tui.rules.parameters import TaskParameters
 
 from .stopping import FIRST_MS, next_delay_ms, stop_signal_rt
 

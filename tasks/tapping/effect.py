@@ -3,10 +3,7 @@
 from collections.abc import Sequence
 from statistics import fmean
 
-from sar_tui.model.messages import TrialEnded
-from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.trial_types import Act, Performance, Stimulus
-from sar_tui.simulation.effect import Effect
+from sar_tui.api.task import Act, Effect, Performance, RandomStreams, Stimulus, TrialEnded
 
 from .task import KEY, TappingTask
 

@@ -5,8 +5,7 @@ from collections.abc import Sequence
 from statistics import fmean, stdev
 from typing import NamedTuple
 
-from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.trial_types import Act
+from sar_tui.api.task import Act, RandomStreams
 
 LISTENED = 3
 """Beats at the beginning that are heard only. The next is where the hand sets off, and is not
@@ -62,7 +61,7 @@ def swings(
     """Return the swings of a simulated person, each pair as a movement out and back, from the first
     counted beat on.
     """
-    from sar_tui.motion.shapes import ReachShape
+    from sar_tui.api.task import ReachShape
 
     spread = math.hypot(NOISE_MS, NOISE_SHARE * beat_ms) * (1 + unsteadiness)
     noise = streams.generator("beats")

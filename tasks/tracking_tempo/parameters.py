@@ -2,9 +2,7 @@
 
 from typing import Annotated
 
-from sar_tui.model.trial_types import Details
-from sar_tui.rules.declaration import meta
-from sar_tui.rules.parameters import TaskParameters
+from sar_tui.api.task import Details, TaskParameters, meta
 
 
 class TrackingTempoParameters(TaskParameters, frozen=True, kw_only=True):

@@ -8,21 +8,21 @@ from collections.abc import Sequence
 from statistics import fmean
 from typing import Any
 
-from sar_tui.loop.node import Node
-from sar_tui.loop.task import Task
-from sar_tui.model.measure import Measure
-from sar_tui.model.messages import ReachPerceived
-from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.trial_types import (
+from sar_tui.api.task import (
     Act,
     Again,
     Axis,
     Frame,
+    Measure,
     Metric,
+    Node,
     Performance,
+    RandomStreams,
+    ReachPerceived,
     Result,
     Situation,
     Stimulus,
+    Task,
     Tone,
     Trial,
 )

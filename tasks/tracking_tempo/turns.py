@@ -4,19 +4,27 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from sar_tui.loop.node import TimedNode, on
-from sar_tui.loop.topics import IMU, PROMPT, REACH, SENSOR, TIMER, TRIAL, VOIDED
-from sar_tui.model.messages import (
+from sar_tui.api.node import (
+    IMU,
+    PROMPT,
+    REACH,
+    SENSOR,
+    TIMER,
+    TRIAL,
+    VOIDED,
+    Floats,
     ImuBlock,
+    KeptSamples,
     Prompt,
     PromptVoided,
     ReachPerceived,
+    Samples,
     SensorChanged,
+    TimedNode,
     TrialEnded,
+    on,
+    turning_points,
 )
-from sar_tui.motion.samples import Floats, Samples
-from sar_tui.motion.turning_points import turning_points
-from sar_tui.perception.kept_samples import KeptSamples
 
 LEAST_RAD = 0.15
 """A smaller movement is no swing."""

@@ -12,11 +12,10 @@ from sar_tui.loop.bus import FAULT, Topic
 PAGE = Path(__file__).parents[2] / "docs" / "write-a-node.md"
 _HEADING = "## All topics\n"
 _ABOUT = """
-Made from the program's list. Import the name from `sar_tui.loop.topics`, the message from
-`sar_tui.model.messages`. Every message has a `seat` besides, whom it concerns. *Input*: recorded, and published
-again in a replay; *derived*: computed anew from inputs; *later*: added to the record after the session, and received by
-no node. A message that is *kept* is delivered to a node that subscribes later; a *stream* is not among the events of
-the database.
+Made from the program's list. Import name and message from `sar_tui.api.node`. Every message has a `seat` besides, whom
+it concerns. *Input*: recorded, and published again in a replay; *derived*: computed anew from inputs; *later*: added to
+the record after the session, and received by no node. A message that is *kept* is delivered to a node that subscribes
+later; a *stream* is not among the events of the database.
 
 """
 

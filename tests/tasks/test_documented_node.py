@@ -129,9 +129,7 @@ async def test_a_live_session_with_a_simulated_hand_replays(folder: Path, data: 
 
 def test_a_movement_can_stand_for_a_key(folder: Path, tmp_path: Path) -> None:
     node = folder / "twist" / "twists.py"
-    source = node.read_text().replace(
-        "messages import ReachPerceived", "messages import KeyPerceived"
-    )
+    source = node.read_text().replace("    ReachPerceived,\n", "    KeyPerceived,\n")
     source = source.replace("REACH", "PERCEIVED")
     head, _, _ = source.partition("    def timer")
     emits = (

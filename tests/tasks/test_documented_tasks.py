@@ -231,11 +231,15 @@ def test_two_people_answer_each_their_own_sign(tmp_path: Path) -> None:
 MISTAKES = [
     ('name = "arrows"', 'name = "arows"', "has the name arows; the two must be the same."),
     ("def instructions", "def instruction", "The task arrows does not define instructions."),
-    ("import Task", "import Tasks", "cannot import name 'Tasks' from 'sar_tui.loop.task'."),
+    (
+        "Stimulus, Task\n",
+        "Stimulus, Tasks\n",
+        "cannot import name 'Tasks' from 'sar_tui.api.task'.",
+    ),
     (
         "percept.key,",
         "percept.ky,",
-        "'KeyPerceived' object has no attribute 'ky', line 23 of task.py",
+        "'KeyPerceived' object has no attribute 'ky', line 24 of task.py",
     ),
     (
         "situation.streams.choice(",

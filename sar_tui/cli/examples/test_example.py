@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from sar_tui.checks.task import check
+from sar_tui.api.testing import check
 
 
 def test_it_keeps_the_contract_of_tasks_and_simulated_people_can_do_it() -> None:

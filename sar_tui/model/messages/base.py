@@ -4,6 +4,8 @@ from typing import Literal
 
 import msgspec
 
+from sar_tui.model.trial_types import Json
+
 __all__ = [
     "ActionPart",
     "ControlledKind",
@@ -60,8 +62,6 @@ ActionPart = Literal["say", "show", "gesture", "gaze", "tone"]
 PartState = Literal["queued", "started", "done", "aborted", "failed"]
 Outcome = Literal["success", "failure", "none"]
 """``none``: of an attempt without goal."""
-Json = dict[str, str | int | float | bool | None]
-"""Values that a task may add to a trial's row."""
 SensorState = Literal[
     "attached", "detached", "error", "gap", "saturated", "stalled", "flowing", "ended"
 ]

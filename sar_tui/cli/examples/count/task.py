@@ -5,21 +5,21 @@ from typing import Annotated, Any
 
 import msgspec
 
-from sar_tui.loop.task import Task
-from sar_tui.model.messages import KeyPerceived
-from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.trial_types import (
+from sar_tui.api.task import (
     Act,
     Details,
+    KeyPerceived,
     Metric,
     Performance,
+    RandomStreams,
     Result,
     Situation,
     Stimulus,
+    Task,
+    TaskParameters,
     Trial,
+    meta,
 )
-from sar_tui.rules.declaration import meta
-from sar_tui.rules.parameters import TaskParameters
 
 # The keys of each level, easiest first; they are tapped in turn, again and again.
 SEQUENCES = ("f", "fj", "dfj", "dfjk", "sdfjkl")

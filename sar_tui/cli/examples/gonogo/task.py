@@ -5,21 +5,21 @@ from typing import Annotated, Any
 
 import msgspec
 
-from sar_tui.loop.task import Task
-from sar_tui.model.measure import Measure
-from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.trial_types import (
+from sar_tui.api.task import (
     Act,
     Details,
+    Measure,
     Metric,
     Performance,
+    RandomStreams,
     Result,
     Situation,
     Stimulus,
+    Task,
+    TaskParameters,
     Trial,
+    meta,
 )
-from sar_tui.rules.declaration import meta
-from sar_tui.rules.parameters import TaskParameters
 
 # The time for a response at each level (ms), easiest first.
 TIMES = (1000, 900, 800, 700, 600)

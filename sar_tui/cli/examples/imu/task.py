@@ -4,24 +4,24 @@ from typing import Annotated, Any
 
 import msgspec
 
-from sar_tui.loop.node import Node
-from sar_tui.loop.task import Task
-from sar_tui.model.messages import ReachPerceived
-from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.trial_types import (
+from sar_tui.api.task import (
     Act,
     Again,
     Details,
     Metric,
+    Node,
     Performance,
+    RandomStreams,
+    ReachPerceived,
     Result,
     Situation,
     Stimulus,
     Target,
+    Task,
+    TaskParameters,
     Trial,
+    meta,
 )
-from sar_tui.rules.declaration import meta
-from sar_tui.rules.parameters import TaskParameters
 
 # The goal of each level, as a share of the first level's.
 GOALS = (1.0, 0.97, 0.94, 0.91, 0.88)
@@ -88,8 +88,8 @@ class ExampleTask(Task):
         """Return the node that finds reaches in the samples: the only place where a task may keep
         state.
         """
-        from sar_tui.motion.analysis import AnalysisParameters  # loads numpy
-        from sar_tui.perception.reach import ReachPerception
+        # loads numpy, which other tasks do not need
+        from sar_tui.api.task import AnalysisParameters, ReachPerception
 
         return (ReachPerception(AnalysisParameters(), 850),)  # ms of rest that end a reach
 
@@ -133,7 +133,7 @@ class ExampleTask(Task):
         self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
     ) -> list[Act]:
         """Return a simulated reach, 1.1 s in a healthy adult. A slip is only a twitch."""
-        from sar_tui.motion.shapes import ReachShape
+        from sar_tui.api.task import ReachShape
 
         if performance.slips:
             return [

@@ -6,11 +6,18 @@ from typing import Annotated, Any
 
 import msgspec
 
-from sar_tui.loop.task import Task
-from sar_tui.model.step import Step
-from sar_tui.model.trial_types import Details, Metric, Result, Situation, Stimulus, Trial
-from sar_tui.rules.declaration import meta
-from sar_tui.rules.parameters import TaskParameters
+from sar_tui.api.task import (
+    Details,
+    Metric,
+    Result,
+    Situation,
+    Step,
+    Stimulus,
+    Task,
+    TaskParameters,
+    Trial,
+    meta,
+)
 
 # The keys of each level, easiest first.
 KEYS = ("fj", "dfj", "dfjk", "sdfjk", "sdfjkl")
