@@ -6,7 +6,7 @@ that mean nothing.
 """
 
 import math
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:  # a table of the command line needs neither
 
 
 ResultName = Literal["reached", "missed", "inaccurate", "no result", "no goal"]
-MARKERS: dict[ResultName, str] = {
+MARKERS: dict[str, str] = {
     "reached": "●",
     "missed": "○",
     "inaccurate": "◇",
@@ -53,7 +53,7 @@ def result_name(
 GOAL = "╌"
 BARS = "▁▂▃▄▅▆▇█"
 """Characters of the bars of levels, by height."""
-_COLORS: dict[ResultName, str] = {
+_COLORS: dict[str, str] = {
     "reached": "green",
     "missed": "red",
     "inaccurate": "red",
@@ -81,7 +81,8 @@ def attempts_figure(
     width: int,
     height: int,
     color: bool = True,
-    results: Sequence[ResultName] = (),
+    results: Sequence[str] = (),
+    markers: Mapping[str, str] = MARKERS,
     beside: Sequence[float | None] = (),
     has_legend: bool = True,
     has_bars: bool = True,
@@ -98,7 +99,9 @@ def attempts_figure(
         goals: of each attempt; they may differ by level; None for an attempt without one.
         width, height: in characters, including heading and axes.
         color: use ANSI colours.
-        results: of each attempt; if empty, all that have a metric have the same marker.
+        results: of each attempt; if empty, all that have a metric have the same marker. One
+            without a metric has ``no result``.
+        markers: of these results; those of the goal, unless they are others.
         beside: metrics and goals of a figure shown beside this one, so that both have the same
             axes.
         has_legend: False if the legend is shown elsewhere (`legend`).
@@ -116,14 +119,16 @@ def attempts_figure(
     names = results or ["no result" if value is None else "reached" for value in metrics]
     has_empty = None in (*metrics, *beside)
     bar_lines = (height >= _FOR_BARS) + (height >= _FOR_TALL_BARS) if has_bars else 0
-    explained = legend(goals, results or [name for name in names if name == "no result"], tr)
+    explained = legend(
+        goals, results or [name for name in names if name == "no result"], tr, markers
+    )
     heading = _heading(
         metric, explained if has_legend else [], width, may_have_two=height >= _FOR_LEGEND
     )
     plotext.clear_figure()
     try:
         size = width, height - len(heading) - has_empty - 1 - bar_lines
-        body = _body(plotext, metrics, goals, size, names, beside, tr)
+        body = _body(plotext, metrics, goals, size, names, markers, beside, tr)
     finally:
         plotext.clear_figure()
     lines = [line.rstrip() for line in body.rstrip("\n").split("\n")]
@@ -144,7 +149,8 @@ def _body(
     metrics: Sequence[float | None],
     goals: Sequence[float | None],
     size: tuple[int, int],
-    results: Sequence[ResultName],
+    results: Sequence[str],
+    markers: Mapping[str, str],
     beside: Sequence[float | None],
     tr: Language,
 ) -> str:
@@ -166,7 +172,7 @@ def _body(
         plt.plot([same[0] - 0.5, same[-1] + 0.5], [goal] * 2, marker=GOAL)
     for run in _runs(metrics):
         plt.plot([attempt for attempt, _ in run], [value for _, value in run], marker="braille")
-    for name, marker in MARKERS.items():
+    for name, marker in markers.items():
         found = [
             attempt
             for attempt, its in zip(attempts, results, strict=True)
@@ -177,7 +183,7 @@ def _body(
                 found,
                 [metrics[attempt - 1] for attempt in found],
                 marker=marker,
-                color=_COLORS[name],
+                color=_COLORS.get(name, "blue"),
                 style="bold",
             )
 
@@ -254,7 +260,10 @@ def _part_of_bar(height: int) -> str:
 
 
 def legend(
-    goals: Sequence[float | None], results: Collection[ResultName], tr: Language = _ENGLISH
+    goals: Sequence[float | None],
+    results: Collection[str],
+    tr: Language = _ENGLISH,
+    markers: Mapping[str, str] = MARKERS,
 ) -> list[str]:
     """Return the parts of the legend: the markers of these results, and the goal, with its value if
     it is one.
@@ -262,7 +271,11 @@ def legend(
     known = {goal for goal in goals if goal is not None}
     value = tr.figures(f" {goals[0]:g}") if len(known) == 1 and len(set(goals)) == 1 else ""
     return [
-        *(f"{marker} {tr(name)}" for name, marker in MARKERS.items() if name in results),
+        *(
+            f"{marker} {tr(name)}"
+            for name, marker in {**MARKERS, **markers}.items()
+            if name in results
+        ),
         *([f"{GOAL} {tr('goal')}{value}"] if known else []),
     ]
 

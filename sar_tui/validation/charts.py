@@ -1,9 +1,8 @@
 """The thesis' figures as Vega-Lite charts without a remote reference, and in characters."""
 
-from collections.abc import Sequence
-from itertools import groupby
-from typing import Any
+from collections.abc import Mapping, Sequence
 
+from sar_tui.reports.attempts_plot import MARKERS, attempts_figure
 from sar_tui.validation.report import Row
 
 RESULT = "reaction time (ms)"
@@ -201,7 +200,9 @@ def sentences(rows: Sequence[Row], kind: str) -> Row:
     )
 
 
-_COLUMNS, _ROWS, _LEVEL_ROWS = 78, 14, 9
+_COLUMNS, _ROWS, _CURVE_ROWS = 78, 20, 14
+MARKS = {"positive": "▲", "neutral": "■", "negative": "▼", "none": "·"}
+"""Marks for the feedback on an attempt."""
 
 
 def draw_levels(rows: Sequence[Row], title: str, label: str = RESULT) -> str:
@@ -213,98 +214,54 @@ def draw_levels(rows: Sequence[Row], title: str, label: str = RESULT) -> str:
         title: text above the drawing.
         label: name and unit of the result.
     """
-    marked = [{**row, "feedback": "none"} for row in rows]
-    levels = [row["level"] for row in rows]
-    attempts = list(range(1, len(rows) + 1))
+    names = ["reached" if row["outcome"] == "success" else "missed" for row in rows]
+    return _attempts(rows, title, label, names, MARKERS)
 
-    def body(plt: Any) -> None:
-        plt.plotsize(_COLUMNS, _LEVEL_ROWS)
-        plt.xlim(0.5, len(rows) + 0.5)
-        plt.ylim(0, max(levels) + 1)
-        plt.plot(attempts, levels, marker="braille")
-        plt.scatter(attempts, levels, marker="●")
-        ticks = range(1, max(levels) + 1, max(1, max(levels) // 4))
-        plt.yticks(ticks, [f"{tick:>4}" for tick in ticks])
-        plt.xticks(attempts, [str(attempt) for attempt in attempts])
 
-    return f"{draw_feedback(marked, title, label)}\nlevel\n{_plotted(body)}"
+def draw_feedback(rows: Sequence[Row], title: str, label: str = RESULT) -> str:
+    """Draw results as `draw_levels` does, with a mark for the feedback on each attempt.
+
+    Args:
+        rows: one per attempt, in order: ``reaction_time_ms`` (None without one), ``goal_ms``,
+            ``level``, ``feedback``.
+        title, label: as there.
+    """
+    return _attempts(rows, title, label, [row["feedback"] for row in rows], MARKS)
+
+
+def _attempts(
+    rows: Sequence[Row], title: str, label: str, names: Sequence[str], markers: Mapping[str, str]
+) -> str:
+    times = [row["reaction_time_ms"] for row in rows]
+    drawn = attempts_figure(
+        [row["level"] for row in rows],
+        times,
+        metric=label,
+        goals=[row["goal_ms"] for row in rows],
+        width=_COLUMNS,
+        height=_ROWS,
+        color=False,
+        results=[
+            "no result" if time is None else name for time, name in zip(times, names, strict=True)
+        ],
+        markers=markers,
+    )
+    return f"{title}\n{drawn}"
 
 
 def draw_curve(x: Sequence[float], y: Sequence[float], title: str, axes: str) -> str:
     """Draw a curve. ``axes``: says what is drawn over what."""
-
-    def body(plt: Any) -> None:
-        plt.plotsize(_COLUMNS, _ROWS)
-        plt.xlim(min(x), max(x))
-        plt.plot(list(x), list(y), marker="braille")
-
-    return f"{title}\n{axes}\n{_plotted(body)}"
-
-
-def _plotted(draw_body: Any) -> str:
     import plotext
 
     plotext.clear_figure()
     try:
         plotext.limit_size(False, False)
         plotext.theme("clear")
-        draw_body(plotext)
+        plotext.plotsize(_COLUMNS, _CURVE_ROWS)
+        plotext.xlim(min(x), max(x))
+        plotext.plot(list(x), list(y), marker="braille")
         body = plotext.uncolorize(str(plotext.build()))
     finally:
         plotext.clear_figure()
-    return "\n".join(line.rstrip() for line in body.rstrip("\n").split("\n"))
-
-
-MARKS = {"positive": "▲", "neutral": "■", "negative": "▼", "none": "·"}
-"""Marks for the feedback on an attempt."""
-GOAL = "╌"
-_STEP_MS = 200
-_FEEDBACK_ROWS = 16
-
-
-def draw_feedback(rows: Sequence[Row], title: str, label: str = RESULT) -> str:
-    """Draw reaction times over attempts, with a mark for the feedback on each, and the goal as a
-    line.
-
-    Args:
-        rows: one per attempt, in order: ``reaction_time_ms`` (None without one), ``goal_ms``,
-            ``feedback``.
-        title: text above the drawing.
-        label: name and unit of the result.
-    """
-    import plotext
-
-    plotext.clear_figure()
-    try:
-        body = plotext.uncolorize(_body(plotext, rows))
-    finally:
-        plotext.clear_figure()
     lines = [line.rstrip() for line in body.rstrip("\n").split("\n")]
-    seen = {row["feedback"] for row in rows}
-    legend = "  ".join(f"{mark} {name}" for name, mark in MARKS.items() if name in seen)
-    return "\n".join([title, f"{label}  {legend}  {GOAL} goal", *lines])
-
-
-def _body(plt: Any, rows: Sequence[Row]) -> str:
-    attempts = range(1, len(rows) + 1)
-    times: list[float | None] = [row["reaction_time_ms"] for row in rows]
-    goals = [row["goal_ms"] for row in rows]
-    known = [*goals, *(time for time in times if time is not None)]
-    low, high = min(known) // _STEP_MS * _STEP_MS, (max(known) // _STEP_MS + 1) * _STEP_MS
-    plt.limit_size(False, False)
-    plt.theme("clear")
-    plt.plotsize(_COLUMNS, _FEEDBACK_ROWS)
-    plt.xlim(0.5, len(rows) + 0.5)
-    plt.ylim(low, high)
-    for has_result, run in groupby(attempts, key=lambda attempt: times[attempt - 1] is not None):
-        if has_result and len(joined := list(run)) > 1:
-            plt.plot(joined, [times[attempt - 1] for attempt in joined], marker="braille")
-    plt.plot([0.5, len(rows) + 0.5], [goals[0], goals[-1]], marker=GOAL)
-    for feedback, mark in MARKS.items():
-        marked = [attempt for attempt in attempts if rows[attempt - 1]["feedback"] == feedback]
-        if marked:
-            plt.scatter(marked, [times[attempt - 1] or low for attempt in marked], marker=mark)
-    ticks = range(int(low), int(high) + 1, _STEP_MS)
-    plt.yticks(ticks, [str(tick) for tick in ticks])
-    plt.xticks(attempts, [str(attempt) for attempt in attempts])
-    return str(plt.build())
+    return "\n".join([title, axes, *lines])
