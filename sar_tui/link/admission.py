@@ -14,6 +14,7 @@ from sar_tui.link.control_lock import needs_control
 from sar_tui.link.presence import Presence
 from sar_tui.link.protocol import (
     ActReceived,
+    AnswersRequested,
     BrokerEvent,
     PeerJoined,
     PeerLeft,
@@ -32,8 +33,9 @@ from sar_tui.link.rate_limit import (
     ReportThrottle,
     TokenBucket,
 )
-from sar_tui.model.messages import Role
+from sar_tui.model.messages import ActAnswered, Role
 
+_Limited = Literal["act", "answer", "ping", "snapshot"]
 _MAX_BUCKETS = 64
 _MAX_REFUSALS = 40
 """Different refusals reported per second."""
@@ -83,7 +85,7 @@ class Admission:
         self._lock = threading.RLock()
         self._presence = Presence(lost_after)
         self._lost_after = lost_after
-        self._buckets: dict[tuple[Literal["act", "ping", "snapshot"], str], TokenBucket] = {}
+        self._buckets: dict[tuple[_Limited, str], TokenBucket] = {}
         self._refused: ReportThrottle[tuple[str, str, str]] = ReportThrottle(max_keys=_MAX_REFUSALS)
         self.number = 0
 
@@ -113,18 +115,21 @@ class Admission:
             )
             if ping.wants_snapshot and not refusal and self._bucket("snapshot", name).take(now):
                 self._notify(SnapshotRequested(name))
+            if ping.unanswered and not refusal:
+                self._notify(AnswersRequested(name, ping.unanswered))
 
     def receive_act(self, name: str, payload: bytes, now: int) -> None:
-        """Handle an act received at ``now``."""
+        """Handle an act received at ``now``: pass it on, or answer why not."""
         with self._lock:
-            if not self._bucket("act", name).take(now):
-                self.refuse(name, "an act", _TOO_FAST, now)
-                return
-            what = "an act"
+            what, id = "an act", ""
+            is_too_fast = not self._bucket("act", name).take(now)
             try:
                 act = self._decode(name, payload, protocol.ActRequest)
+                id = act.id
                 if act.topic in protocol.OPERATOR_TOPICS:
                     what = act.topic
+                if is_too_fast:
+                    raise ProtocolError(_TOO_FAST)
                 takes_control = act.topic == protocol.TAKE_CONTROL
                 is_for_all = not takes_control and not needs_control(
                     protocol.decode_act(act.topic, act.message)
@@ -135,8 +140,14 @@ class Admission:
                     raise ProtocolError(refusal)
             except ProtocolError as error:
                 self.refuse(name, what, str(error), now)
+                # the panel asks for what a flood leaves unanswered
+                if id and self._bucket("answer", name).take(now):
+                    refused = ActAnswered(
+                        id=id, actor=name, outcome="refused", why=str(error), at=now
+                    )
+                    self._answer(name, protocol.Answers([refused]))
                 return
-            self._notify(ActReceived(name, act.topic, act.message))
+            self._notify(ActReceived(name, act.topic, act.message, id))
 
     def disconnect(self, name: str, now: int) -> None:
         """Handle a connection that broke at ``now`` without a goodbye: its peer is lost at once.
@@ -207,7 +218,7 @@ class Admission:
             raise ProtocolError(_TOO_LONG)
         return protocol.decode(payload, kind)
 
-    def _bucket(self, what: Literal["act", "ping", "snapshot"], name: str) -> TokenBucket:
+    def _bucket(self, what: _Limited, name: str) -> TokenBucket:
         """Return the bucket of a peer; beyond ``_MAX_BUCKETS``, peers share one."""
         key = (
             what,

@@ -10,6 +10,7 @@ from sar_tui.link import protocol
 from sar_tui.link.peer import Welcome
 from sar_tui.link.protocol import BrokerCommand, BrokerEvent
 from sar_tui.loop.bus import Record
+from sar_tui.model.messages import ActAnswered
 
 
 class OutgoingBatch(NamedTuple):
@@ -40,6 +41,17 @@ class OutgoingSnapshot(NamedTuple):
         return protocol.SendTo(self.name, protocol.encode(snapshot))
 
 
+class OutgoingAnswers(NamedTuple):
+    """Answers to acts of one peer."""
+
+    name: str
+    answers: list[ActAnswered]
+
+    def to_command(self) -> BrokerCommand:
+        """Encode it as a command to the broker."""
+        return protocol.SendTo(self.name, protocol.encode(protocol.Answers(self.answers)))
+
+
 class OutgoingSamples(NamedTuple):
     """Samples of the sensor at a seat."""
 
@@ -58,7 +70,7 @@ class BrokerEnded(NamedTuple):
     is_final: bool = False
 
 
-Outgoing = OutgoingBatch | OutgoingSnapshot | OutgoingSamples
+Outgoing = OutgoingBatch | OutgoingSnapshot | OutgoingSamples | OutgoingAnswers
 BrokerListener = Callable[[BrokerEvent | BrokerEnded], object]
 
 

@@ -16,14 +16,14 @@ import msgspec
 from sar_tui.link import protocol
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.invitation import Invitation
-from sar_tui.link.peer import Connection, Peer, PeerListener, TerminalState
-from sar_tui.link.protocol import Batch, LinkClosed, MotionTraces, Ping, Pong, Snapshot
+from sar_tui.link.peer import Connection, Frame, Peer, PeerListener, TerminalState
+from sar_tui.link.protocol import Answers, Batch, LinkClosed, MotionTraces, Ping, Pong, Snapshot
 from sar_tui.link.remote_clock import RemoteClock
 from sar_tui.link.transport import ConnectionTarget, Received, Transport, connection_target
 from sar_tui.loop.bus import Topic
 from sar_tui.loop.clock import host_now
-from sar_tui.loop.topics import ALL
-from sar_tui.model.messages import Message, Role
+from sar_tui.loop.topics import ALL, ANSWERED
+from sar_tui.model.messages import ActAnswered, Message, Role
 from sar_tui.model.units import SECOND
 
 M = TypeVar("M", bound=Message)
@@ -32,6 +32,8 @@ PING_INTERVAL_S = 0.15
 """Several pings fit into the shortest ``operator_lost_ms``. They are sent from the panel's own
 loop, so that a panel that hangs is noticed.
 """
+ASK_AFTER = SECOND
+"""Time after which the answer to an act is asked for, and asked for again."""
 SILENCE_TIMEOUT = 2 * SECOND
 """Silence (ns) after which a session, which answers every ping, is lost."""
 
@@ -105,6 +107,10 @@ class _Client:
         self._number: int | None = None
         """Number of the last batch; None if a snapshot is needed."""
         self._received_at = 0
+        self._unanswered: dict[str, int] = {}
+        """Ids of acts that the session has not answered, and when they were sent or asked for
+        last."""
+        self._run = ""
         self._is_closed = False
         self._goodbye_at: int | None = None
         self._terminal: Callable[[], TerminalState] = TerminalState
@@ -117,7 +123,7 @@ class _Client:
         """
         if topic.name not in protocol.OPERATOR_TOPICS:
             raise ValueError(f"An operator may not send {topic.name}.")
-        self._send_act(topic.name, protocol.encode(message))
+        self._send_act(topic.name, protocol.encode(message), getattr(message, "id", ""))
 
     def watch_terminal(self, state: Callable[[], TerminalState]) -> None:
         """See `Peer`."""
@@ -152,10 +158,12 @@ class _Client:
         self._transport.open()
         self._tick()
 
-    def _send_act(self, topic: str, message: bytes) -> None:
+    def _send_act(self, topic: str, message: bytes, id: str = "") -> None:
         if self._connection.state == "connected":
+            if id:
+                self._unanswered[id] = host_now()
             act = protocol.ActRequest(
-                self._id, topic, msgspec.Raw(message), self._terminal().silence
+                self._id, topic, msgspec.Raw(message), self._terminal().silence, id
             )
             self._transport.send_act(protocol.encode(act))
 
@@ -178,8 +186,19 @@ class _Client:
             wants_snapshot=self._number is None,
             silence=silence,
             is_relayed=is_relayed,
+            unanswered=self._to_ask_for(),
         )
         self._transport.send_ping(protocol.encode(ping))
+
+    def _to_ask_for(self) -> tuple[str, ...]:
+        """Return the ids of acts whose answers are due to be asked for."""
+        if self._connection.state != "connected":
+            return ()
+        now = host_now()
+        due = [id for id, at in self._unanswered.items() if now - at >= ASK_AFTER]
+        asked = tuple(due[: protocol.MAX_ASKED])
+        self._unanswered |= dict.fromkeys(asked, now)
+        return asked
 
     def _lost(self, why: str) -> None:
         self._is_admitted, self._number = False, None
@@ -234,8 +253,11 @@ class _Client:
             case Snapshot(number=number, welcome=welcome, frames=frames) if self._is_admitted:
                 self._number = number
                 self._set_connection(Connection("connected"))
+                if welcome.run != self._run:
+                    self._run = welcome.run
+                    self._unanswered.clear()
                 self._listener(welcome)
-                self._listener(protocol.decode_frames(frames, ALL))
+                self._deliver(protocol.decode_frames(frames, ALL))
             case Batch(number=number, frames=frames) if (
                 self._number is not None and number > self._number
             ):
@@ -244,8 +266,10 @@ class _Client:
                     self._ping()
                     return
                 self._number = number
-                if decoded := protocol.decode_frames(frames, ALL):
-                    self._listener(decoded)
+                self._deliver(protocol.decode_frames(frames, ALL))
+            case Answers(answers=answers):
+                awaited = [each for each in answers if each.id in self._unanswered]
+                self._deliver([Frame(0, each.at, ANSWERED, each) for each in awaited])
             case MotionTraces(traces=traces) if self._number is not None:
                 for trace in traces:
                     self._listener(trace)
@@ -254,3 +278,10 @@ class _Client:
                 self._set_connection(Connection("ended", _OVER))
                 if not self._rejoins:
                     self.close()
+
+    def _deliver(self, frames: list[Frame]) -> None:
+        for frame in frames:
+            if isinstance(frame.message, ActAnswered):
+                self._unanswered.pop(frame.message.id, None)
+        if frames:
+            self._listener(frames)

@@ -3,7 +3,9 @@ operator's acts.
 """
 
 import functools
-from collections.abc import Callable
+import secrets
+from collections import defaultdict
+from collections.abc import Callable, Iterable
 from typing import Any, ClassVar
 
 import msgspec
@@ -13,6 +15,7 @@ from sar_tui.link.admission import role_of
 from sar_tui.link.channel import (
     BrokerEnded,
     Channel,
+    OutgoingAnswers,
     OutgoingBatch,
     OutgoingSamples,
     OutgoingSnapshot,
@@ -21,6 +24,7 @@ from sar_tui.link.control_lock import ControlLock, needs_control
 from sar_tui.link.peer import Welcome
 from sar_tui.link.protocol import (
     ActReceived,
+    AnswersRequested,
     BrokerEvent,
     PeerJoined,
     PeerLeft,
@@ -33,8 +37,9 @@ from sar_tui.link.rate_limit import ReportThrottle
 from sar_tui.link.session_feed import SENT, SessionFeed
 from sar_tui.loop.bus import Bus, Record, Topic
 from sar_tui.loop.marks import TrialMark
-from sar_tui.loop.node import Node
+from sar_tui.loop.node import Node, on
 from sar_tui.loop.topics import (
+    ANSWERED,
     COMMAND,
     DECISION,
     MODE,
@@ -54,9 +59,8 @@ MAX_PROMPT_DELAY = 500 * MS
 MAX_ACT_AGE = 60 * SECOND
 """Older stamps of acts are moved up to this age, as they must be wrong."""
 _CHECK_INTERVAL = SECOND
-_NOT_IN_CONTROL = "Another operator is in control."
-_NO_SEAT = "There is no such seat in this session."
-_NO_MARK = "There is no such mark in this task."
+_MAX_ANSWERS = 5_000
+"""Number of acts of a peer whose answers are remembered: those of minutes, even in a flood."""
 
 
 class LinkNode(Node):
@@ -91,6 +95,10 @@ class LinkNode(Node):
         self._channel = channel
         self._feed = SessionFeed()
         self._control = ControlLock()
+        self._run = secrets.token_hex(8)
+        self._answers: defaultdict[str, dict[str, m.ActAnswered | None]] = defaultdict(dict)
+        """Answers to the acts of this run by peer and id; None while the session has not
+        answered."""
         self._number = 0
         self._refused: ReportThrottle[tuple[str, str, str]] = ReportThrottle()
         self._need_snapshot: dict[str, None] = {}
@@ -125,8 +133,7 @@ class LinkNode(Node):
             case PeerLeft(name=name, state=state, detail=detail):
                 self._peer_left(name, state, detail)
             case PeerUnproven(name=name, detail=detail):
-                if role := self._control.peers.get(name):
-                    self._report_presence(name, role, "unproven", detail)
+                self._peer_unproven(name, detail)
             case SnapshotRequested(name=name):
                 self._need_snapshot[name] = None
                 self._schedule(0)
@@ -134,6 +141,8 @@ class LinkNode(Node):
                 self._take_control(name)
             case ActReceived():
                 self._act_received(event)
+            case AnswersRequested(name=name, ids=ids):
+                self._answers_requested(name, ids)
             case RequestRefused(name=name, what=what, why=why, count=count):
                 self._report_refused(name, what, why, count)
             case BrokerEnded(detail=detail, is_final=is_final):
@@ -160,6 +169,10 @@ class LinkNode(Node):
         self._report_presence(name, role, "left" if state == "left" else "lost", detail)
         self._report_holder(holder)
 
+    def _peer_unproven(self, name: str, detail: str) -> None:
+        if role := self._control.peers.get(name):
+            self._report_presence(name, role, "unproven", detail)
+
     def _take_control(self, name: str) -> None:
         holder = self._control.holder
         if self._control.take(name):
@@ -170,37 +183,75 @@ class LinkNode(Node):
             )
 
     def _act_received(self, received: ActReceived) -> None:
-        """Publish an act of the operator in control, or anybody's stop, with their name and a
-        plausible stamp.
+        """Publish an act with its sender's name and a plausible stamp, or answer why not. An id is
+        accepted once.
         """
+        name, topic, id = received.name, received.topic, received.id
+        if topic == PROPOSAL_SEEN.name and name != self._control.holder:
+            return  # each operator's panel shows proposals
+        if id and id in self._answers[name]:
+            self._answers_requested(name, (id,))
+            return
         try:
-            act: Any = protocol.decode_act(received.topic, received.message)
+            act = self._checked(received)
         except ProtocolError as error:
-            self._refuse(received.name, received.topic, str(error))
-            return
-        if received.name != self._control.holder and needs_control(act):
-            if received.topic != PROPOSAL_SEEN.name:  # each operator's panel shows proposals
-                self._refuse(received.name, received.topic, _NOT_IN_CONTROL)
-            return
-        if self.welcome.participants and act.seat not in self.welcome.participants:
-            self._refuse(received.name, received.topic, _NO_SEAT)
-            return
-        if (
-            isinstance(act, m.SessionCommand)
-            and act.command == "mark"
-            and not self._has_mark(act.reason)
-        ):
-            self._refuse(received.name, received.topic, _NO_MARK)
+            self._refuse(name, topic, str(error))
+            if id:
+                self._remember(name, id, self._refusal(name, id, str(error)))
+                self._answers_requested(name, (id,))
             return
         now = self.bus.clock.now()
         at = now if not act.at else min(now, max(act.at, now - MAX_ACT_AGE))
-        self.emit(
-            protocol.OPERATOR_TOPICS[received.topic],
-            msgspec.structs.replace(act, actor=received.name, at=at),
-        )
+        act = msgspec.structs.replace(act, actor=name, at=at)
+        if id and isinstance(act, m.OperatorAct):
+            act = msgspec.structs.replace(act, id=id)
+            self._remember(name, id, None)
+        self.emit(protocol.OPERATOR_TOPICS[topic], act)
 
-    def _has_mark(self, name: str) -> bool:
-        return any(mark.name == name for mark in self.welcome.marks)
+    def _checked(self, received: ActReceived) -> Any:
+        """Return the act of the operator in control, or anybody's stop. Raises ProtocolError if it
+        may not be published.
+        """
+        act: Any = protocol.decode_act(received.topic, received.message)
+        if received.name != self._control.holder and needs_control(act):
+            raise ProtocolError("Another operator is in control.")
+        if self.welcome.participants and act.seat not in self.welcome.participants:
+            raise ProtocolError("There is no such seat in this session.")
+        is_mark = isinstance(act, m.SessionCommand) and act.command == "mark"
+        if is_mark and all(mark.name != act.reason for mark in self.welcome.marks):
+            raise ProtocolError("There is no such mark in this task.")
+        return act
+
+    # --- answers
+    # -----------------------------------------------------------------------------------------------
+
+    @on(ANSWERED)
+    def answered(self, answer: m.ActAnswered) -> None:
+        """Remember the session's answer to an act, as its message may be lost on the way."""
+        if answer.id in self._answers[answer.actor]:
+            self._remember(answer.actor, answer.id, answer)
+
+    def _answers_requested(self, name: str, ids: Iterable[str]) -> None:
+        """Send a peer the answers to its acts, except to those under way. An act that has not
+        arrived until now is refused from now on.
+        """
+        answers = self._answers[name]
+        for id in ids:
+            if id not in answers:
+                self._remember(name, id, self._refusal(name, id, "It did not arrive."))
+        known = [answer for id in ids if (answer := answers[id])]
+        if known:
+            self._channel.send(OutgoingAnswers(name, known))
+
+    def _refusal(self, name: str, id: str, why: str) -> m.ActAnswered:
+        now = self.bus.clock.now()
+        return m.ActAnswered(id=id, actor=name, outcome="refused", why=why, at=now)
+
+    def _remember(self, name: str, id: str, answer: m.ActAnswered | None) -> None:
+        answers = self._answers[name]
+        answers[id] = answer
+        if len(answers) > _MAX_ANSWERS:
+            del answers[next(iter(answers))]
 
     def _refuse(self, name: str, what: str, why: str) -> None:
         """Report that a request was refused, at most once a second if it is repeated."""
@@ -269,7 +320,11 @@ class LinkNode(Node):
         for name in list(self._need_snapshot):
             role = role_of(name) or "observer"
             welcome = msgspec.structs.replace(
-                self.welcome, name=name, role=role, trial_mark=self.trial_mark()
+                self.welcome,
+                name=name,
+                role=role,
+                run=self._run,
+                trial_mark=self.trial_mark(),
             )
             if self._channel.send(OutgoingSnapshot(name, self._number, welcome, snapshot)):
                 del self._need_snapshot[name]

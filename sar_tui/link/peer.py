@@ -38,7 +38,8 @@ class Welcome(msgspec.Struct, frozen=True):
     """Description of a session, sent to a peer that has just joined; the frames of its snapshot
     follow.
 
-    ``link``: the link's id. ``name``, ``role``: the peer's, as the session knows it. ``unit``,
+    ``link``: the link's id. ``run``: random text, of one run of the program; the session knows
+    nothing of acts in another. ``name``, ``role``: the peer's, as the session knows it. ``unit``,
     ``decimals``: of the metric; ``metric`` is not known of a session of an earlier version.
     ``spoken_names``: how the agent addresses each of several participants, by seat. ``parameters``:
     of the task, as plain values. ``trial_mark``: the mark that a key would remove or replace now,
@@ -62,6 +63,7 @@ class Welcome(msgspec.Struct, frozen=True):
     spoken_names: dict[str, str] = {}
     parameters: dict[str, Any] = {}
     trial_mark: TrialMark = TrialMark()
+    run: str = ""
 
 
 def session_welcome(task: "Task", session: str, link: str, participants: dict[str, str]) -> Welcome:
@@ -145,7 +147,9 @@ class Peer(Protocol):
         """Send an operator's act: a message of one of the ``operator/`` topics.
 
         The session checks it and fills in who sent it. The message's ``at`` is on the session's
-        clock, see ``now``.
+        clock, see ``now``. An act with an ``id`` of hexadecimal digits is answered by a frame of
+        ``ANSWERED``, and asked for again if that does not come; without a connection, or after the
+        program of the session was started again, none comes.
         """
 
     def watch_terminal(self, state: Callable[[], TerminalState]) -> None:

@@ -13,7 +13,7 @@ import msgspec
 from sar_tui.link.peer import Frame, MotionTrace, Welcome
 from sar_tui.loop.bus import Record, Topic
 from sar_tui.loop.topics import COMMAND, DECISION, MODE, NOTE_ADDED, PROPOSAL_SEEN, REMARK
-from sar_tui.model.messages import Message, NoteAdded, SessionCommand
+from sar_tui.model.messages import ActAnswered, Message, NoteAdded, SessionCommand
 from sar_tui.model.visible_text import obeyed
 
 T = TypeVar("T")
@@ -88,11 +88,19 @@ class Pong(_LinkMessage, frozen=True):
     refusal: str = ""
 
 
+class Answers(_LinkMessage, frozen=True):
+    """Answers to acts of one peer, sent to it alone: of those that were not let through, and of
+    those that it asked for.
+    """
+
+    answers: list[ActAnswered]
+
+
 class LinkClosed(_LinkMessage, frozen=True):
     """The session is over; sent to all peers."""
 
 
-SessionMessage = Batch | Snapshot | MotionTraces | Pong | LinkClosed
+SessionMessage = Batch | Snapshot | MotionTraces | Pong | Answers | LinkClosed
 
 
 # --- from a peer to the session
@@ -100,6 +108,10 @@ SessionMessage = Batch | Snapshot | MotionTraces | Pong | LinkClosed
 
 Silence = Annotated[int, msgspec.Meta(ge=0)] | None
 """Time since a peer's terminal last answered (ns); None if it never has."""
+ActId = Annotated[str, msgspec.Meta(pattern=r"\A[0-9a-f]{0,32}\Z")]
+"""Id of an act; empty for messages that are not answered."""
+MAX_ASKED = 20
+"""Number of acts whose answers a peer may ask for at once."""
 
 
 class Ping(_LinkMessage, frozen=True):
@@ -107,7 +119,8 @@ class Ping(_LinkMessage, frozen=True):
 
     ``client_id``: a random id of the program. ``sent_at``: on its clock (ns). ``wants_snapshot``:
     the peer does not know the state of the session. ``is_leaving``: the peer is about to close.
-    ``silence``, ``is_relayed``: of its terminal, see ``peer.TerminalState``.
+    ``silence``, ``is_relayed``: of its terminal, see ``peer.TerminalState``. ``unanswered``: ids of
+    acts for which the peer asks, because their answers may have been lost.
     """
 
     client_id: str
@@ -116,17 +129,19 @@ class Ping(_LinkMessage, frozen=True):
     is_leaving: bool = False
     silence: Silence = None
     is_relayed: bool = False
+    unanswered: Annotated[tuple[ActId, ...], msgspec.Meta(max_length=MAX_ASKED)] = ()
 
 
 class ActRequest(_LinkMessage, frozen=True):
     """An operator's message for one of ``OPERATOR_TOPICS``, or ``TAKE_CONTROL``; ``silence`` as in
-    ``Ping``.
+    ``Ping``. ``id``: of the act, so that it can be answered unread.
     """
 
     client_id: str
     topic: str
     message: msgspec.Raw = msgspec.Raw(b"\xc0")
     silence: Silence = None
+    id: ActId = ""
 
 
 # --- from the program to its broker
@@ -216,6 +231,14 @@ class ActReceived(_LinkMessage, frozen=True):
     name: str
     topic: str
     message: msgspec.Raw
+    id: str = ""
+
+
+class AnswersRequested(_LinkMessage, frozen=True):
+    """A peer asks what became of acts, by their ids."""
+
+    name: str
+    ids: tuple[str, ...]
 
 
 class RequestRefused(_LinkMessage, frozen=True):
@@ -235,6 +258,7 @@ BrokerEvent = (
     | PeerUnproven
     | SnapshotRequested
     | ActReceived
+    | AnswersRequested
     | RequestRefused
 )
 

@@ -20,6 +20,7 @@ SENT: tuple[Topic[Any], ...] = (
     t.OUTPUT, t.REPORT, t.STOPPED, t.MARKERS,
     # what operators did, so that each sees the outcome and what the others do
     t.COMMAND, t.SETTING, t.DECISION, t.REMARK, t.MODE, t.PROPOSAL_SEEN, t.NOTE_ADDED, t.PRESENCE, t.REFUSED,
+    t.ANSWERED,
 )  # fmt: skip
 """Faults are not sent: their tracebacks reveal details of the machine, and WAITING says that a
 session is broken.

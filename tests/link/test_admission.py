@@ -7,6 +7,7 @@ from sar_tui.link import protocol
 from sar_tui.link.admission import Admission
 from sar_tui.link.protocol import (
     ActReceived,
+    AnswersRequested,
     BrokerEvent,
     PeerJoined,
     PeerLeft,
@@ -61,9 +62,22 @@ class Bench:
         topic: str = NOTE_ADDED.name,
         client_id: str = "1",
         silence: int | None = None,
+        id: str = "",
     ) -> None:
-        act = protocol.ActRequest(client_id, topic, msgspec.Raw(protocol.encode(message)), silence)
+        encoded = msgspec.Raw(protocol.encode(message))
+        act = protocol.ActRequest(client_id, topic, encoded, silence, id)
         self.admission.receive_act(name, protocol.encode(act), now)
+
+    def refusals(self) -> dict[str, str]:
+        """Return why acts were refused, by their ids."""
+        found = [
+            answer
+            for _, message in self.answers
+            if isinstance(message, protocol.Answers)
+            for answer in message.answers
+        ]
+        assert all(answer.outcome == "refused" for answer in found)
+        return {answer.id: answer.why for answer in found}
 
     def take(self) -> list[BrokerEvent]:
         events, self.events[:] = list(self.events), []
@@ -265,3 +279,43 @@ def test_flood_of_acts_is_limited_and_counted(bench: Bench) -> None:
     assert len(forwarded) <= 90
     assert len(refused) <= 2
     assert len(forwarded) + sum(event.count for event in refused) == 10_000
+
+
+@pytest.mark.parametrize(
+    ("name", "message", "why"),
+    [
+        (OLAF, NOTE, "An observer can only stop the agent."),
+        (ANNA, m.NoteAdded(), "A note is empty."),
+        (ANNA, m.NoteAdded(text="\x1b"), "A text contains control characters."),
+    ],
+)
+def test_an_act_that_is_not_forwarded_is_answered(
+    bench: Bench, name: str, message: Message, why: str
+) -> None:
+    for id in ("a1", "a2", "a3"):
+        bench.act(name, 0, message, id=id)
+    assert bench.refusals() == dict.fromkeys(("a1", "a2", "a3"), why)
+    assert not [event for event in bench.take() if isinstance(event, ActReceived)]
+
+
+def test_acts_that_come_too_fast_are_answered_but_not_a_flood_of_them(bench: Bench) -> None:
+    for number in range(1000):
+        bench.act(ANNA, 0, id=f"{number:x}")
+    forwarded = [event.id for event in bench.take() if isinstance(event, ActReceived)]
+    refused = bench.refusals()
+    assert not set(forwarded) & set(refused)
+    assert set(refused.values()) == {"It sends more than 30 messages a second."}
+    assert 0 < len(refused) < 100
+
+
+def test_a_question_for_answers_is_forwarded(bench: Bench) -> None:
+    ping = Ping("1", 77, unanswered=("a1", "a2"))
+    bench.admission.receive_ping(ANNA, protocol.encode(ping), 0)
+    assert bench.take()[-1] == AnswersRequested(ANNA, ("a1", "a2"))
+
+
+@pytest.mark.parametrize("id", ["x", "a" * 33, "a\n"])
+def test_an_id_that_a_panel_would_not_make_is_refused(bench: Bench, id: str) -> None:
+    bench.act(ANNA, 0, id=id)
+    assert bench.take() == [RequestRefused(ANNA, "an act", "It cannot be read.", 1)]
+    assert bench.refusals() == {}

@@ -21,12 +21,22 @@ from sar_tui.link.peer import (
     TerminalState,
     Welcome,
 )
-from sar_tui.link.protocol import ActRequest, Batch, LinkClosed, MotionTraces, Ping, Pong, Snapshot
+from sar_tui.link.protocol import (
+    ActRequest,
+    Answers,
+    Batch,
+    LinkClosed,
+    MotionTraces,
+    Ping,
+    Pong,
+    Snapshot,
+)
 from sar_tui.link.transport import Received
 from sar_tui.link.zenoh_settings import Endpoint, Guest
 from sar_tui.loop.bus import Record
-from sar_tui.loop.topics import KEY, LEVEL, NOTE_ADDED
+from sar_tui.loop.topics import ANSWERED, KEY, LEVEL, NOTE_ADDED
 from sar_tui.model import messages as m
+from sar_tui.model.units import SECOND
 from sar_tui.rules.parameters import TaskParameters, fields
 from tests.link.test_node import ANNA
 from tests.link.test_node import WELCOME as BASE_WELCOME
@@ -68,6 +78,7 @@ class Panel:
 
     def __init__(self, where: JoinableSession | Invitation = HERE) -> None:
         self.events: list[PeerEvent] = []
+        self.hours = 0
         loop = asyncio.get_running_loop()
         self.peer: Peer = client.connect(where, "anna", "operator", self.events.append, loop)
         self.transport = FakeTransport.made[-1]
@@ -109,6 +120,8 @@ async def panel(monkeypatch: pytest.MonkeyPatch) -> Any:
     monkeypatch.setattr(client, "Transport", FakeTransport)
     monkeypatch.setattr(client, "connection_target", lambda where: where)
     panel = Panel()
+    host_now = client.host_now
+    monkeypatch.setattr(client, "host_now", lambda: host_now() + panel.hours * 3600 * SECOND)
     await panel.receive()
     yield panel
     panel.peer.close()
@@ -161,6 +174,60 @@ async def test_act_is_sent_only_while_connected(panel: Panel) -> None:
         for topic in (NOTE_ADDED.name, protocol.TAKE_CONTROL)
     ]
     assert protocol.decode_act(sent[0].topic, sent[0].message) == note
+
+
+# --- answers
+# --------------------------------------------------------------------------------------------------
+
+
+async def send_note(panel: Panel, id: str) -> None:
+    """Send a note that is not answered in time."""
+    panel.peer.send(NOTE_ADDED, m.NoteAdded(id=id, text="well"))
+    panel.hours += 1
+    await panel.receive(Connection("connected"))  # a ping follows
+
+
+def answer(id: str, outcome: m.ActOutcome = "done") -> m.ActAnswered:
+    return m.ActAnswered(id=id, actor=ANNA, outcome=outcome, at=5)
+
+
+async def test_an_act_that_is_not_answered_is_asked_for(panel: Panel) -> None:
+    await panel.connect()
+    panel.peer.send(NOTE_ADDED, m.NoteAdded(id="a1", text="well"))
+    assert panel.transport.acts[-1].id == "a1"
+    await panel.receive(Connection("connected"))
+    assert panel.transport.pings[-1].unanswered == (), "not at once"
+    await send_note(panel, "a2")
+    assert panel.transport.pings[-1].unanswered == ("a1", "a2")
+    await panel.receive(Connection("connected"))
+    assert panel.transport.pings[-1].unanswered == (), "not with each ping"
+    answered = Record(9, 9, ANSWERED, answer("a1"))
+    await panel.receive(
+        Batch(4, protocol.encode_frames([answered])),
+        Answers([answer("a2", "refused"), answer("ff")]),
+    )
+    frames = [frame for each in panel.events if isinstance(each, list) for frame in each]
+    assert [frame.message for frame in frames] == [answer("a1"), answer("a2", "refused")], (
+        "another program of this name sent ff"
+    )
+    await send_note(panel, "a3")
+    assert panel.transport.pings[-1].unanswered == ("a3",)
+
+
+@pytest.mark.parametrize(("run", "asked"), [("1", ("a1",)), ("2", ())])
+async def test_after_a_loss_answers_are_asked_for_unless_the_program_was_started_again(
+    panel: Panel, run: str, asked: tuple[str, ...]
+) -> None:
+    first = msgspec.structs.replace(WELCOME, run="1")
+    await panel.receive(panel.pong(), Snapshot(3, first, []))
+    await send_note(panel, "a1")
+    await panel.receive(Connection("lost", "The connection broke."))
+    panel.hours += 1
+    await panel.receive(Connection("connected"))
+    assert panel.transport.pings[-1].unanswered == ()
+    await panel.receive(panel.pong(), Snapshot(9, msgspec.structs.replace(first, run=run), []))
+    await panel.receive(Connection("connected"))
+    assert panel.transport.pings[-1].unanswered == asked
 
 
 async def test_heartbeats_and_acts_say_how_long_the_terminal_has_been_silent(panel: Panel) -> None:

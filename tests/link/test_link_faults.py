@@ -31,9 +31,12 @@ from sar_tui.link.peer import Connection, Frame, Peer, PeerEvent, Welcome
 from sar_tui.link.zenoh_settings import LinkKeys, config, host_settings, socket_settings
 from sar_tui.loop.bus import Bus, Record, Topic
 from sar_tui.loop.clock import LiveClock
-from sar_tui.loop.topics import NOTE_ADDED, PRESENCE, REFUSED, SESSION
+from sar_tui.loop.nodes.arbiter import Arbiter
+from sar_tui.loop.topics import ANSWERED, NOTE_ADDED, PRESENCE, REFUSED, REMARK, SESSION
 from sar_tui.model import messages as m
+from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS
+from sar_tui.rules.parameters import TaskParameters
 from tests.link.test_node import STARTED, WELCOME
 from tests.link.tls_fixtures import eventually
 
@@ -59,6 +62,12 @@ class Panel:
     @property
     def states(self) -> list[str]:
         return [each.state for each in self.events if isinstance(each, Connection)]
+
+    @property
+    def answers(self) -> dict[str, tuple[str, str]]:
+        """Outcome and reason of each answered act, by its id."""
+        answers = [each.message for each in self.frames if each.topic is ANSWERED]
+        return {each.id: (each.outcome, each.why) for each in answers}  # type: ignore[attr-defined]
 
     @property
     def frames(self) -> list[Frame]:
@@ -285,6 +294,58 @@ async def test_acts_of_an_observer_are_refused_and_logged(session: LinkSession) 
     assert {refused.actor for refused in session.of(REFUSED)} == {OLAF}
     assert session.of(NOTE_ADDED) == []
     assert session.of(PRESENCE)[-1].operated is False
+
+
+# --- answers
+# --------------------------------------------------------------------------------------------------
+
+
+async def test_each_of_several_acts_that_are_refused_at_once_is_answered(
+    session: LinkSession,
+) -> None:
+    await session.panel("anna")
+    ben = await session.panel("ben")
+    for id in ("1", "2", "3"):
+        ben.peer.send(REMARK, m.Remark(id=id, text="Well held."))
+    await until(lambda: len(ben.answers) == 3)
+    refused = ("refused", "Another operator is in control.")
+    assert ben.answers == dict.fromkeys(("1", "2", "3"), refused)
+
+
+async def test_of_too_many_acts_each_is_answered(session: LinkSession, calm: Theme) -> None:
+    Arbiter(TaskParameters(), calm).attach(session.bus)
+    panel = await session.panel("anna")
+    ids = [f"{number:x}" for number in range(100)]
+    for id in ids:
+        panel.peer.send(NOTE_ADDED, m.NoteAdded(id=id, text="hm"))
+    await until(lambda: len(panel.answers) == len(ids))
+    outcomes = {id: outcome for id, (outcome, _) in panel.answers.items()}
+    assert outcomes == {
+        id: "done" if id in {note.id for note in session.of(NOTE_ADDED)} else "refused"
+        for id in ids
+    }
+    assert set(outcomes.values()) == {"done", "refused"}
+
+
+async def test_acts_around_the_end_of_the_broker_are_carried_out_or_answered_as_lost(
+    session: LinkSession, calm: Theme
+) -> None:
+    Arbiter(TaskParameters(), calm).attach(session.bus)
+    panel = await session.panel("anna")
+    sent = 0
+    assert session.broker.pid
+    while panel.states[-1] == "connected" and sent < 30:
+        sent += 1
+        panel.peer.send(NOTE_ADDED, m.NoteAdded(id=f"{sent:x}", text="hm"))
+        if sent == 3:
+            os.kill(session.broker.pid, signal.SIGKILL)
+        await asyncio.sleep(0)
+    await until(lambda: panel.states[-2:] == ["lost", "connected"])
+    await until(lambda: len(panel.answers) == sent)
+    done = {id for id, (outcome, _) in panel.answers.items() if outcome == "done"}
+    assert done == {note.id for note in session.of(NOTE_ADDED)}
+    whys = {why for outcome, why in panel.answers.values() if outcome == "refused"}
+    assert whys == {"It did not arrive."}
 
 
 async def test_flood_is_held_back_and_an_operator_can_still_act(session: LinkSession) -> None:

@@ -11,6 +11,7 @@ from sar_tui.link.channel import (
     BrokerEnded,
     BrokerListener,
     Outgoing,
+    OutgoingAnswers,
     OutgoingBatch,
     OutgoingSamples,
     OutgoingSnapshot,
@@ -19,6 +20,7 @@ from sar_tui.link.node import LinkNode
 from sar_tui.link.peer import MarkKey, Welcome
 from sar_tui.link.protocol import (
     ActReceived,
+    AnswersRequested,
     BrokerEvent,
     PeerJoined,
     PeerLeft,
@@ -26,11 +28,13 @@ from sar_tui.link.protocol import (
     RequestRefused,
     SnapshotRequested,
 )
+from sar_tui.loop.answers import answer_to
 from sar_tui.loop.bus import Bus, Record, Topic
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.marks import TrialMark
 from sar_tui.loop.node import Node
 from sar_tui.loop.topics import (
+    ANSWERED,
     COMMAND,
     CUE,
     DECISION,
@@ -128,8 +132,21 @@ class Bench:
             self.channel.notify(each)
         self.clock.advance(MS)
 
-    def act(self, name: str, topic: Topic[Any], message: Message) -> None:
-        self.receive(ActReceived(name, topic.name, msgspec.Raw(protocol.encode(message))))
+    def act(self, name: str, topic: Topic[Any], message: Message, id: str = "") -> None:
+        self.receive(ActReceived(name, topic.name, msgspec.Raw(protocol.encode(message)), id))
+
+    def answer(self, act: m.NoteAdded) -> None:
+        """Answer an act, as a node of the session does."""
+        self.publisher.publish((ANSWERED, answer_to(act, 7)))
+
+    def answers(self) -> list[tuple[str, str, str, str]]:
+        """Return the answers sent to single peers: name, id, outcome, reason."""
+        sent = [each for each in self.channel.sent if isinstance(each, OutgoingAnswers)]
+        return [
+            (each.name, answer.id, answer.outcome, answer.why)
+            for each in sent
+            for answer in each.answers
+        ]
 
     def of(self, topic: Topic[Any]) -> list[Any]:
         """Return the messages published on a topic."""
@@ -279,6 +296,55 @@ def test_repeated_refusal_is_reported_once_a_second_with_count(bench: Bench) -> 
         bench.act(BEN, COMMAND, m.SessionCommand(command="end"))
     bench.clock.advance(3 * SECOND)
     assert [refused.count for refused in bench.of(REFUSED)] == [1, 19]
+
+
+# --- answers
+# --------------------------------------------------------------------------------------------------
+
+
+def test_each_act_that_is_not_let_through_is_answered(bench: Bench) -> None:
+    bench.receive(PeerJoined(ANNA), PeerJoined(BEN))
+    for id in ("1", "2", "3"):
+        bench.act(BEN, NOTE_ADDED, m.NoteAdded(text="hm"), id)
+    why = "Another operator is in control."
+    assert bench.answers() == [(BEN, id, "refused", why) for id in ("1", "2", "3")]
+    assert len(bench.of(REFUSED)) == 1
+    assert bench.of(NOTE_ADDED) == []
+
+
+def test_an_id_is_carried_out_once(bench: Bench) -> None:
+    bench.receive(PeerJoined(ANNA))
+    note = m.NoteAdded(text="hm")
+    bench.act(ANNA, NOTE_ADDED, note, "1")
+    bench.act(ANNA, NOTE_ADDED, note, "1")
+    (published,) = bench.of(NOTE_ADDED)
+    assert (published.id, published.actor) == ("1", ANNA)
+    assert bench.answers() == []
+    bench.answer(published)
+    bench.act(ANNA, NOTE_ADDED, note, "1")
+    assert bench.answers() == [(ANNA, "1", "done", "")]
+    assert len(bench.of(NOTE_ADDED)) == 1
+
+
+def test_a_peer_that_asks_gets_the_answers_that_are_known(bench: Bench) -> None:
+    bench.receive(PeerJoined(ANNA))
+    for id in ("1", "2"):
+        bench.act(ANNA, NOTE_ADDED, m.NoteAdded(text="hm"), id)
+    bench.answer(bench.of(NOTE_ADDED)[0])
+    bench.receive(AnswersRequested(ANNA, ("1", "2", "3")))
+    missing = (ANNA, "3", "refused", "It did not arrive.")
+    assert bench.answers() == [(ANNA, "1", "done", ""), missing]
+    bench.act(ANNA, NOTE_ADDED, m.NoteAdded(text="late"), "3")
+    assert bench.answers()[2:] == [missing], "the answer holds"
+    assert len(bench.of(NOTE_ADDED)) == 2
+
+
+def test_a_peer_is_not_told_of_the_acts_of_others(bench: Bench) -> None:
+    bench.receive(PeerJoined(ANNA), PeerJoined(OLAF))
+    bench.act(ANNA, NOTE_ADDED, m.NoteAdded(text="hm"), "1")
+    bench.answer(bench.of(NOTE_ADDED)[0])
+    bench.receive(AnswersRequested(OLAF, ("1",)))
+    assert bench.answers() == [(OLAF, "1", "refused", "It did not arrive.")]
 
 
 def test_session_is_operated_while_an_operator_is_present(bench: Bench) -> None:
