@@ -152,10 +152,10 @@ def test_the_session_that_acts_reach_takes_damage_between_the_processes_as_well(
     topics = [topic for topic, _ in ACTS]
     for number in range(FRAMES // 4):
         name = rng.choice((ANNA, OLAF))
-        content = mutated(rng.choice(contents), contents, rng)
-        session.receive(
-            ActReceived(name, rng.choice([*topics, "input/key", ""]), msgspec.Raw(content))
-        )
+        topic, act = rng.choice(ACTS)
+        content = mutated(protocol.encode(act), contents, rng)
+        topic = rng.choice([topic, topic, *topics, "input/key", ""])
+        session.receive(ActReceived(name, topic, msgspec.Raw(content)))
         session.clock.advance(SECOND if number % 50 == 0 else MS)
     acted = [record for record in session.records if record.topic.name in protocol.OPERATOR_TOPICS]
     assert {record.message.actor for record in acted} == {ANNA}
@@ -183,6 +183,7 @@ FROM_SESSION = [
     for each in (
         protocol.Batch(3, protocol.encode_frames([_level(1), _level(2)])),
         protocol.Pong(77, 5, "here", 3, "1"),
+        protocol.Answers([m.ActAnswered(id="1", actor=ANNA, outcome="done", at=5)]),
         protocol.LinkClosed(),
     )
 ]
