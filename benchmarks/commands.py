@@ -1,4 +1,6 @@
-"""Time from start to end of commands that only print, compared with that of Python itself."""
+"""Time from start to end of commands that only print, compared with that of Python itself; and of
+the import of a task's names, compared with that of msgspec.
+"""
 
 import subprocess
 import sys
@@ -16,8 +18,15 @@ from sar_tui.simulation.participant_model import PEOPLE
 
 PYTHON = "python -c pass"
 COMMANDS = ("--version", "tasks", "sessions", "doctor")
-PROGRAMS = (PYTHON, *COMMANDS)
+IMPORTS = {
+    "msgspec": "import msgspec",
+    "a task's names": "from sar_tui.api.task import Metric, Result, Stimulus, Task",
+    "and its settings'": "from sar_tui.api.task import Metric, Result, Stimulus, Task, TaskParameters",
+}
+PROGRAMS = (PYTHON, *COMMANDS, *IMPORTS)
+MOST_TIMES_MSGSPEC = 1.3
 _SESSIONS = 10
+_TIMED = "import time; began = time.perf_counter(); {}; print(time.perf_counter() - began)"
 
 
 def measure(starts: int, folder: Path, on_start: Callable[[], None]) -> dict[str, Any]:
@@ -30,7 +39,17 @@ def measure(starts: int, folder: Path, on_start: Callable[[], None]) -> dict[str
             lines[command] = [sys.executable, "-m", "sar_tui", command, *options]
         measured = measure_in_turns(lines, starts, _seconds, on_start)
     medians = measured["median_s"]
-    return measured | {"ratios": {name: medians[name] / medians[PYTHON] for name in COMMANDS}}
+    imports = {name: [sys.executable, "-c", _TIMED.format(it)] for name, it in IMPORTS.items()}
+    imported = measure_in_turns(imports, starts, _seconds_of_import, on_start)
+    base, names, _ = imported["median_s"].values()
+    return measured | {
+        "ratios": {name: medians[name] / medians[PYTHON] for name in COMMANDS},
+        "imports": imported,
+        "checks": {
+            f"A task's names are imported in {MOST_TIMES_MSGSPEC} times the time of msgspec": names
+            <= MOST_TIMES_MSGSPEC * base
+        },
+    }
 
 
 def _record_sessions(folder: Path) -> None:
@@ -56,3 +75,8 @@ def _seconds(line: list[str]) -> float:
     if done.stderr:
         raise RuntimeError(f"{' '.join(line)}: {done.stderr.decode(errors='replace')}")
     return taken
+
+
+def _seconds_of_import(line: list[str]) -> float:
+    done = subprocess.run(line, stdin=subprocess.DEVNULL, capture_output=True, check=True)
+    return float(done.stdout)

@@ -55,6 +55,7 @@ def checks(results: Results) -> dict[str, bool]:
     for name in (
         "response",
         "frames",
+        "commands",
         "flood",
         "sessions",
         "export",
@@ -105,7 +106,15 @@ def _commands(commands: Results) -> dict[str, Rows]:
         [name, f"{seconds:.3f}", ratios.get(name, "1")]
         for name, seconds in commands["median_s"].items()
     ]
-    return {"A command from start to end (s)": [["command", "median", "times Python"], *rows]}
+    imported = commands["imports"]["median_s"]
+    imports = [
+        [name, f"{seconds * 1000:.1f}", f"{seconds / imported['msgspec']:.2f}"]
+        for name, seconds in imported.items()
+    ]
+    return {
+        "A command from start to end (s)": [["command", "median", "times Python"], *rows],
+        "An import in a new Python (ms)": [["names", "median", "times msgspec"], *imports],
+    }
 
 
 def _flood(flood: Results) -> dict[str, Rows]:

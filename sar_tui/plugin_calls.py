@@ -7,12 +7,15 @@ the framework lost control.
 """
 
 import functools
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from inspect import getattr_static
 from types import FunctionType
 from typing import Any, Generic, Literal, TypeVar
+
+from sar_tui import API
 
 T = TypeVar("T")
 F = TypeVar("F", bound=Callable[..., Any])
@@ -31,6 +34,31 @@ class NotResponding(Exception):
 
     def __str__(self) -> str:
         return f"it took longer than {LIMIT_S:g} s"
+
+
+class WrongApi(Exception):
+    """A plug-in was written for an API that this program does not have; the message says so."""
+
+
+def check_api(kind: str, name: str, plugin: object) -> None:
+    """Raise WrongApi if a plug-in, or its module, has another number as its ``api`` than this
+    program has. Without one, it is taken to fit.
+    """
+    module = sys.modules.get(getattr(plugin, "__module__", None) or "")
+    for owner in (plugin, module):
+        number = getattr_static(owner, "api", None)
+        if isinstance(number, int):
+            check_api_number(kind, name, number)
+            return
+
+
+def check_api_number(kind: str, name: str, number: object) -> None:
+    """Raise WrongApi if this program does not have the API of this number."""
+    if number != API:
+        raise WrongApi(
+            f"The {kind} {name} was written for API {number!r}; this program has API {API}. "
+            f"Update {'sar-tui' if isinstance(number, int) and number > API else f'the {kind}'}."
+        )
 
 
 class PluginCall:
@@ -89,10 +117,12 @@ def calling(kind: Kind, subject: object) -> Iterator[None]:
 
 def mark_methods(cls: type, kind: Kind) -> None:
     """Mark all methods that a class of a plug-in defines. Classes of the framework stay as they
-    are.
+    are. Raises WrongApi.
     """
     if is_own(cls.__module__):
         return
+    name = getattr_static(cls, "name", None)
+    check_api(kind, name if isinstance(name, str) else cls.__name__, cls)
     for name, value in list(vars(cls).items()):
         if (
             not (name.startswith("__") and name != "__init__")

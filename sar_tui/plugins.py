@@ -4,6 +4,7 @@ A task folder is loaded by path under a synthetic package (`plugin_calls.TASKS`)
 checkout and user folders work alike.
 """
 
+import ast
 import importlib
 import inspect
 import sys
@@ -18,7 +19,7 @@ import sar_tui
 from sar_tui.loop.entry_points import entry_points
 from sar_tui.loop.task_pictures import SUFFIXES, pictures_in
 from sar_tui.model.theme import ENGLISH, Theme, ThemeError
-from sar_tui.plugin_calls import PLUGIN_ERRORS, TASKS, calling
+from sar_tui.plugin_calls import PLUGIN_ERRORS, TASKS, WrongApi, calling, check_api_number
 
 if TYPE_CHECKING:  # loaded with the first task: the app's first screen is shown before
     from importlib.metadata import EntryPoint
@@ -165,7 +166,10 @@ def load_task(folder: Path) -> "type[Task]":
     name = _package_of(folder)
     try:
         module = _import(folder, f"{name}.task")
+    except WrongApi as error:
+        raise PluginError(str(error)) from error
     except PLUGIN_ERRORS as error:
+        _check_api_of_source(folder)
         raise PluginError(f"The task {folder.name} cannot be loaded: {_why(error)}") from error
     own = [
         value
@@ -191,10 +195,29 @@ def module_beside(task: "type[Task]", name: Literal["view", "effect"]) -> types.
         package = _package_of(folder)
     try:
         return _import(folder, f"{package}.{name}")
+    except WrongApi as error:
+        raise PluginError(str(error)) from error
     except PLUGIN_ERRORS as error:
         raise PluginError(
             f"The {name} of the task {task.name} cannot be loaded: {_why(error)}"
         ) from error
+
+
+def _check_api_of_source(folder: Path) -> None:
+    """Raise PluginError if a task that cannot be imported was written for another API: it may use
+    names that this one does not have.
+    """
+    try:
+        source = ast.parse((folder / "task.py").read_bytes())
+    except (OSError, SyntaxError, ValueError):
+        return
+    for node in ast.walk(source):
+        match node:
+            case ast.Assign(targets=[ast.Name(id="api")], value=ast.Constant(value=int(number))):
+                try:
+                    check_api_number("task", folder.name, number)
+                except WrongApi as error:
+                    raise PluginError(str(error)) from error
 
 
 def _import(folder: Path, name: str) -> types.ModuleType:
@@ -226,6 +249,8 @@ def _from_entry_point(entry: "EntryPoint") -> "type[Task]":
     try:
         with calling("task", entry.name):
             found = entry.load()
+    except WrongApi as error:
+        raise PluginError(str(error)) from error
     except PLUGIN_ERRORS as error:
         raise PluginError(f"The task {entry.name} cannot be loaded: {_why(error)}") from error
     if not _is_task(found):
@@ -321,5 +346,7 @@ def load_theme(folder: Path, language: str = ENGLISH) -> Theme:
         raise PluginError(
             f"The theme {folder.name} cannot be read: the name of its folder is not UTF-8."
         ) from None
+    except WrongApi as error:
+        raise PluginError(str(error)) from error
     except ThemeError as error:
         raise PluginError(f"The theme {folder.name} cannot be read: {error}") from error

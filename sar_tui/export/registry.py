@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Protocol
 
 from sar_tui.export.errors import ExportError
+from sar_tui.plugin_calls import WrongApi, check_api
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -75,7 +76,11 @@ def load(name: str) -> Format:
             f"There is no format {name}. Choose one of: {', '.join(names())}.", bad_input=True
         )
     try:
-        made = _installed()[name].load()()
+        kind = _installed()[name].load()
+        check_api("format", name, kind)
+        made = kind()
+    except WrongApi as error:
+        raise ExportError(str(error)) from error
     except Exception as error:
         raise ExportError(
             f"The format {name} cannot be loaded: {type(error).__name__}: {error}"

@@ -13,7 +13,7 @@ from sar_tui.inputs.guarded_source import GuardedSource
 from sar_tui.inputs.imu import ImuSource, SourceError
 from sar_tui.loop.clock import Clock
 from sar_tui.loop.entry_points import entry_points
-from sar_tui.plugin_calls import PLUGIN_ERRORS
+from sar_tui.plugin_calls import PLUGIN_ERRORS, WrongApi, check_api
 
 if TYPE_CHECKING:
     from sar_tui.motion.synthesis import SimulatedHand
@@ -53,12 +53,16 @@ def open_source(name: str, *, seed: int = 0, clock: Clock | None = None) -> ImuS
     for entry in entry_points(group=GROUP):
         if entry.name == kind:
             try:
-                source: ImuSource = entry.load()(text)
+                make = entry.load()
+                check_api("sensor", kind, make)
+                source: ImuSource = make(text)
                 missing = [
                     part for part in ("start", "stop", "zero", "info") if not hasattr(source, part)
                 ]
             except SourceError:
                 raise
+            except WrongApi as error:
+                raise SourceError(str(error)) from error
             except PLUGIN_ERRORS as error:
                 why = f"{type(error).__name__}: {error}"
                 raise SourceError(

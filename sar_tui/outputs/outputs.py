@@ -11,7 +11,7 @@ from sar_tui.model.messages import ActionPart
 from sar_tui.model.theme import TONES, Theme
 from sar_tui.outputs.node import OutputNode
 from sar_tui.outputs.output import Output, OutputError
-from sar_tui.plugin_calls import PLUGIN_ERRORS, calling
+from sar_tui.plugin_calls import PLUGIN_ERRORS, WrongApi, calling
 
 if TYPE_CHECKING:
     from sar_tui.outputs.sound.mixer import Sound
@@ -138,6 +138,8 @@ def _plugged_in(kind: str, text: str) -> Output:
                         output = make(text)
             except OutputError:
                 raise
+            except WrongApi as error:
+                raise OutputError(str(error)) from error
             except PLUGIN_ERRORS as error:
                 why = f"{type(error).__name__}: {error}"
                 raise OutputError(

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import msgspec
 from msgspec import Meta
 
+from sar_tui import API
 from sar_tui.model.contrast import contrast, cut, is_color
 from sar_tui.model.gesture import GESTURES, Gesture, Keyframe
 from sar_tui.model.theme import (
@@ -25,6 +26,7 @@ from sar_tui.model.theme import (
     Voice,
 )
 from sar_tui.model.visible_text import control_problem, visible
+from sar_tui.plugin_calls import check_api_number
 
 LEAST_CONTRAST = 4.5
 """Least contrast of legible text; a theme may ask for more (WCAG 2.2, AA)."""
@@ -68,8 +70,15 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def read_look(folder: Path, base: Theme | None) -> Look:
-    """Read a folder's ``theme.toml``; unusable parts are taken from ``base``. Raises ThemeError."""
-    reader = _Reader(folder, read_toml(folder / "theme.toml"), base)
+    """Read a folder's ``theme.toml``; unusable parts are taken from ``base``.
+
+    Raises:
+        ThemeError: it cannot be read.
+        WrongApi: it was written for another API.
+    """
+    table = read_toml(folder / "theme.toml")
+    check_api_number("theme", folder.name, table.pop("api", API))
+    reader = _Reader(folder, table, base)
     return Look(reader.parts(), reader.problems)
 
 
