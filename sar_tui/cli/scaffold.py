@@ -1,52 +1,92 @@
-"""Creates a new task as a copy of an example."""
+"""New tasks and themes: a template, or a copy of one that is installed."""
 
+import re
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
-from enum import Enum
 from pathlib import Path
 
 from sar_tui.cli.errors import Refused
+from sar_tui.plugins import Catalogue, task_folder
 
-_EXAMPLES = Path(__file__).parent / "examples"
-_NAME = "example"
-
-
-class Pattern(Enum):
-    """Examples that a new task can be like, the commonest first."""
-
-    CHOICE = "choice"
-    COUNT = "count"
-    GONOGO = "gonogo"
-    IMU = "imu"
-    QUESTIONNAIRE = "questionnaire"
+_TEMPLATE = Path(__file__).parent / "new_task"
+_OWN_TEXT = (".py", ".toml", ".md")
+"""Kinds of files that may name the task that is copied."""
+_CLASS = re.compile(r"^class (\w+)Task\(Task\)", re.MULTILINE)
+_THEME_NAME = "[a-z][a-z0-9]*(-[a-z0-9]+)*"
 
 
-def make(name: str, to: Path, like: Pattern = Pattern.CHOICE) -> Path:
-    """Create the folder of a new task and return its absolute path. Raises Refused."""
+def new_task(name: str, to: Path, model: str | None, catalogue: Catalogue) -> Path:
+    """Create the folder of a new task and return its absolute path.
+
+    Args:
+        name: of the task and its folder.
+        to: the folder that it is created in.
+        model: the task to copy; None for the template, a choice reaction.
+        catalogue: where the model is found.
+
+    Raises:
+        Refused: the name cannot be used.
+        PluginError: there is no such model.
+    """
     if not name.isidentifier() or not name.islower():
         raise Refused(
             f"{name!r} is not a valid name of a task. Use a Python name in small letters, such as "
             "tapping."
         )
+    source = _TEMPLATE if model is None else task_folder(catalogue.task(model))
+    folder = _new_folder(name, to)
+    with _whole_or_nothing(folder):
+        _copy(source, folder)
+        stem = _CLASS.findall((source / "task.py").read_text(encoding="utf-8"))[0]
+        for path in (path for path in folder.rglob("*") if path.suffix in _OWN_TEXT):
+            text = path.read_text(encoding="utf-8")
+            path.write_text(_renamed(text, model or "example", stem, name), encoding="utf-8")
+        if model is None:
+            _fill_in(folder)
+        else:
+            shutil.copyfile(_TEMPLATE / "test_task.py", folder / "test_task.py")
+    return folder
+
+
+def new_theme(name: str, to: Path, model: str, catalogue: Catalogue) -> Path:
+    """Create the folder of a new theme, a copy of ``model``, and return its absolute path.
+
+    Raises:
+        Refused: the name cannot be used.
+        PluginError: there is no such model.
+    """
+    if not re.fullmatch(_THEME_NAME, name):
+        raise Refused(
+            f"{name!r} is not a valid name of a theme. Use small letters, such as evening or "
+            "warm-light."
+        )
+    source = catalogue.theme_folder(model)
+    folder = _new_folder(name, to, taken=name in catalogue.theme_names())
+    with _whole_or_nothing(folder):
+        _copy(source, folder)
+        look = folder / "theme.toml"
+        title = f'title = "{name.replace("-", " ").capitalize()}"'
+        text = look.read_text(encoding="utf-8-sig")
+        titled = re.sub(r"^title\s*=.*$", title, text, count=1, flags=re.MULTILINE)
+        look.write_text(titled, encoding="utf-8")
+    return folder
+
+
+def _new_folder(name: str, to: Path, *, taken: bool = False) -> Path:
+    """Return the path of a folder that does not exist yet. ``taken``: the name is in use."""
     folder = to.resolve() / name
     if folder.exists():
         raise Refused(f"{folder} exists already. Choose another name, or another folder with --to.")
-    folder.mkdir(parents=True)
-    with whole_or_nothing(folder):
-        for source, file in (
-            (_EXAMPLES / like.value / "task.py", "task.py"),
-            (_EXAMPLES / like.value / "README.md", "README.md"),
-            (_EXAMPLES / "test_example.py", "test_task.py"),
-        ):
-            text = source.read_text(encoding="utf-8")
-            (folder / file).write_text(_renamed(text, name, folder), encoding="utf-8")
+    if taken:
+        raise Refused(f"There is a theme {name} already. Choose another name.")
     return folder
 
 
 @contextmanager
-def whole_or_nothing(folder: Path) -> Iterator[None]:
-    """Remove a new folder if it cannot be filled, so that the command can be run again."""
+def _whole_or_nothing(folder: Path) -> Iterator[None]:
+    """Make a folder; remove it if it cannot be filled, so that the command can be run again."""
+    folder.mkdir(parents=True)
     try:
         yield
     except BaseException:
@@ -54,18 +94,25 @@ def whole_or_nothing(folder: Path) -> Iterator[None]:
         raise
 
 
-def _renamed(text: str, name: str, folder: Path) -> str:
-    """Return the text of the example with the name of the new task."""
+def _copy(source: Path, folder: Path) -> None:
+    """Copy the contents of files, and not who may read or write them."""
+    for path in sorted(source.rglob("*")):
+        if path.is_file() and "__pycache__" not in path.parts:
+            copy = folder / path.relative_to(source)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            copy.write_bytes(path.read_bytes())
+
+
+def _renamed(text: str, model: str, stem: str, name: str) -> str:
+    """Return a text of the model with the name of the new task, and those of its classes."""
     title = "".join(word.capitalize() for word in name.split("_"))
-    for there, here in (
-        ("ExampleParameters", f"{title}Parameters"),
-        ("ExampleDetails", f"{title}Details"),
-        ("ExampleTask", f"{title}Task"),
-        (f'name = "{_NAME}"', f'name = "{name}"'),
-        (f"simulate {_NAME}", f"simulate {name}"),
-        (f"run {_NAME}", f"run {name}"),
-        ("PATH", str(folder)),
-        ("FOLDER", str(folder.parent)),
-    ):
-        text = text.replace(there, here)
-    return text
+    text = re.sub(rf"\b{stem}(Task|Parameters|Details)\b", rf"{title}\1", text)
+    text = re.sub(rf'^(\s+name = )"{model}"', rf'\1"{name}"', text, flags=re.MULTILINE)
+    return re.sub(rf"sar-tui (simulate|run) {model}\b", rf"sar-tui \1 {name}", text)
+
+
+def _fill_in(folder: Path) -> None:
+    """Fill in the paths in the commands of the template's README."""
+    readme = folder / "README.md"
+    text = readme.read_text(encoding="utf-8").replace("PATH", str(folder))
+    readme.write_text(text.replace("FOLDER", str(folder.parent)), encoding="utf-8")

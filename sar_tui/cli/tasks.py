@@ -17,7 +17,6 @@ from sar_tui.cli.common import (
 )
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.installed import installed, replaced_lines
-from sar_tui.cli.scaffold import Pattern
 from sar_tui.tui.exit_codes import FAILED
 
 app = typer.Typer(rich_markup_mode=None)
@@ -143,6 +142,7 @@ def show_task(
 
 @app.command("new")
 def new_task(
+    context: typer.Context,
     name: Annotated[
         str,
         typer.Argument(
@@ -152,18 +152,25 @@ def new_task(
     to: Annotated[
         Path, typer.Option("--to", metavar="DIR", help="Folder to create it in.")
     ] = Path(),
-    like: Annotated[
-        Pattern, typer.Option("--like", help="The example to start from.")
-    ] = Pattern.CHOICE,
+    model: Annotated[
+        str | None,
+        typer.Option(
+            "--from",
+            metavar="TASK",
+            help="The task to copy. Default: a choice reaction, in one short file.",
+            show_default=False,
+        ),
+    ] = None,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Create a task from a working example."""
-    from sar_tui.cli.scaffold import make
+    """Create a task that works, to be edited."""
+    from sar_tui.cli.scaffold import new_task as create
 
-    folder = make(name, to, like)
+    folder = create(name, to, model, Home.of(context, data, tasks).catalogue())
     console().print(
-        f"Created {folder}, a working example. Edit task.py, then try\n"
+        f"Created {folder}, {f'a copy of {model}' if model else 'a working example'}. "
+        "Edit task.py, then try\n"
         f"  sar-tui tasks check {folder}\n"
         f"  sar-tui simulate {name} --user average --tasks {folder.parent}",
         markup=False,

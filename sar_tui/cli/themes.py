@@ -87,12 +87,12 @@ def new_theme(
     """Create a theme as a copy of another."""
     from sar_tui.checks.task_translations import all_texts, translated
     from sar_tui.checks.theme import missing
-    from sar_tui.cli.theme_scaffold import make
+    from sar_tui.cli.scaffold import new_theme as create
     from sar_tui.plugins import user_folder
 
     own = user_folder() / "themes"
     catalogue = Home.of(context, data, tasks).catalogue()
-    folder = make(name, model, to or own, catalogue)
+    folder = create(name, to or own, model, catalogue)
     found = folder.parent == own.resolve()
     hint = "" if found else f"\nTo choose it in a session, move it to {own}."
     console().print(

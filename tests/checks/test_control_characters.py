@@ -1,14 +1,13 @@
 """`tasks check` and `themes check` report texts that a terminal would obey."""
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
 
 from sar_tui.checks.task import check
-from sar_tui.cli.scaffold import Pattern
-from sar_tui.cli.scaffold import make as make_task
-from sar_tui.cli.theme_scaffold import make as make_theme
+from sar_tui.cli.scaffold import new_task, new_theme
 from sar_tui.plugins import Catalogue
 from tests.edit import edit
 from tests.program import Call
@@ -19,14 +18,16 @@ BAD = r"\u001b[31m\u202e"
 
 @pytest.fixture
 def tapping(tmp_path: Path) -> Path:
-    """The folder of a new task."""
-    return make_task("tapping", tmp_path / "mine", Pattern.COUNT)
+    """The folder of a task in which people tap."""
+    folder = new_task("drumming", tmp_path / "mine", None, Catalogue())
+    shutil.copyfile(Path(__file__).parents[1] / "drumming_task.py", folder / "task.py")
+    return folder
 
 
 @pytest.fixture
 def evening(tmp_path: Path) -> Path:
     """The folder of a new theme."""
-    return make_theme("evening", "calm", tmp_path / "mine", Catalogue())
+    return new_theme("evening", tmp_path / "mine", "calm", Catalogue())
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from sar_tui.checks.task import check
-from sar_tui.cli.scaffold import make
+from sar_tui.cli.scaffold import new_task
+from sar_tui.plugins import Catalogue
 from tests.edit import edit
 
 NAME = "keeps no state from call to call"
@@ -18,7 +19,7 @@ BEFORE = "    def instructions"
 @pytest.fixture
 def task(tmp_path: Path) -> Path:
     """The folder of a new task with one prompt and one key."""
-    return make("mine", tmp_path)
+    return new_task("mine", tmp_path, None, Catalogue())
 
 
 def found(folder: Path) -> tuple[str, ...]:

@@ -18,13 +18,17 @@ from tests.examples import first
 from tests.program import Call
 
 Change = Callable[[str, str], Path]
+TESTS = Path(__file__).parents[1]
+BUNDLED = sorted(set(Catalogue().task_names()) - {"flanker"})
 
 
 @pytest.fixture
 def tapping(call: Call, tmp_path: Path) -> Path:
-    """The folder of a new task."""
-    assert call("tasks", "new", "drumming", "--like", "count", "--to", tmp_path / "mine").code == 0
-    return tmp_path / "mine" / "drumming"
+    """The folder of a new task, in which people tap."""
+    assert call("tasks", "new", "drumming", "--to", tmp_path / "mine").code == 0
+    folder = tmp_path / "mine" / "drumming"
+    shutil.copyfile(TESTS / "drumming_task.py", folder / "task.py")
+    return folder
 
 
 @pytest.fixture
@@ -144,9 +148,7 @@ def test_a_new_task_passes_its_check_and_runs(call: Call, tapping: Path) -> None
     assert len({row["level"] for row in rows["attempts"]}) > 1
 
 
-def test_without_a_pattern_a_new_task_has_one_prompt_and_one_key(
-    call: Call, tmp_path: Path
-) -> None:
+def test_without_a_model_a_new_task_has_one_prompt_and_one_key(call: Call, tmp_path: Path) -> None:
     assert call("tasks", "new", "pressing", "--to", tmp_path).code == 0
     assert "Choice reaction" in (tmp_path / "pressing" / "README.md").read_text()
     called = call(
@@ -155,21 +157,21 @@ def test_without_a_pattern_a_new_task_has_one_prompt_and_one_key(
     assert {row["metric_unit"] for row in called.json["attempts"]} == {"ms"}
 
 
-@pytest.mark.parametrize("like", first(2, ["choice", "gonogo", "count", "imu", "questionnaire"]))
-def test_each_pattern_is_a_working_task_with_a_test_beside_it(
-    call: Call, tmp_path: Path, like: str
+@pytest.mark.parametrize("model", first(2, [None, "flanker", *BUNDLED]))
+def test_a_new_task_works_and_has_a_test_beside_it(
+    call: Call, tmp_path: Path, model: str | None
 ) -> None:
-    assert call("tasks", "new", "mine", "--like", like, "--to", tmp_path).code == 0
-    sources = [path.read_text() for path in (tmp_path / "mine").iterdir()]
-    assert not any("xample" in source.replace("a working example", "") for source in sources)
+    chosen = ["--from", model] if model else []
+    assert call("tasks", "new", "mine", *chosen, "--to", tmp_path).code == 0
+    assert "xample" not in (tmp_path / "mine" / "task.py").read_text()
     test = runpy.run_path(str(tmp_path / "mine" / "test_task.py"))
     test["test_it_keeps_the_contract_of_tasks_and_simulated_people_can_do_it"]()
 
 
-def test_an_unknown_pattern_is_bad_input(call: Call, tmp_path: Path) -> None:
-    called = call("tasks", "new", "mine", "--like", "chess", "--to", tmp_path)
+def test_an_unknown_model_is_bad_input(call: Call, tmp_path: Path) -> None:
+    called = call("tasks", "new", "mine", "--from", "chess", "--to", tmp_path)
     assert called.code == 2
-    assert "questionnaire" in called.err
+    assert "chess" in called.err
     assert not (tmp_path / "mine").exists()
 
 
@@ -278,9 +280,10 @@ def test_empty_texts_are_named(change: Change) -> None:
 
 
 def test_a_task_whose_sensor_cannot_be_named_is_told_so(call: Call, tmp_path: Path) -> None:
-    call("tasks", "new", "lifting", "--like", "imu", "--to", tmp_path)
     task = tmp_path / "lifting" / "task.py"
-    task.write_text(task.read_text().replace("    imu: Annotated[", "    sensor: Annotated["))
+    task.parent.mkdir()
+    source = (TESTS / "lifting_by_imu_task.py").read_text()
+    task.write_text(source.replace("    imu: Annotated[", "    sensor: Annotated["))
     problems = [
         problem for done in itertools.islice(check(task.parent), 3) for problem in done.problems
     ]
@@ -332,7 +335,7 @@ def test_meanings_of_details_are_told_however_they_are_annotated(call: Call, tap
 def test_a_declared_measure_that_no_attempt_has_is_named(tapping: Path) -> None:
     task = tapping / "task.py"
     source = task.read_text().replace(
-        "import msgspec\n", "import msgspec\n\nfrom sar_tui.model.measure import Measure\n"
+        "import msgspec\n", "import msgspec\n\nfrom sar_tui.api.task import Measure\n"
     )
     source = source.replace(
         "    Details =", '    measured = (Measure("pace_ms", "pace", unit="ms"),)\n    Details ='

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.cli.theme_scaffold import make
+from sar_tui.cli.scaffold import new_theme
 from sar_tui.plugins import Catalogue, user_folder
 from tests.edit import edit
 from tests.program import Call
@@ -20,7 +20,7 @@ Change = Callable[[str, str, str], Path]
 @pytest.fixture
 def evening(tmp_path: Path) -> Path:
     """The folder of a new theme."""
-    return make("evening", "playful", tmp_path / "mine", Catalogue())
+    return new_theme("evening", tmp_path / "mine", "playful", Catalogue())
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ import pytest
 from rich.table import Table
 from rich.text import Text
 
-from sar_tui.cli.theme_scaffold import make
+from sar_tui.cli.scaffold import new_theme
 from sar_tui.cli.visible_console import VisibleConsole
 from sar_tui.cli.visible_output import VisibleStream
 from sar_tui.plugins import Catalogue
@@ -92,7 +92,7 @@ def test_texts_of_a_theme_are_printed_visibly(
 ) -> None:
     themes = tmp_path / "config" / "sar-tui" / "themes"
     monkeypatch.setattr("sar_tui.plugins.user_folder", lambda: themes.parent)
-    evening = make("evening", "calm", themes, Catalogue())
+    evening = new_theme("evening", themes, "calm", Catalogue())
     title = json.dumps(HOSTILE)
     edit(evening / "theme.toml", 'title = "Evening"', f"title = {title}")
     listed = call("themes")

@@ -12,7 +12,7 @@ from textual.color import Color
 from textual.widgets import Static
 
 from sar_tui.app.agent.app import AgentApp
-from sar_tui.cli.theme_scaffold import make
+from sar_tui.cli.scaffold import new_theme
 from sar_tui.link import discovery
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.loop import topics as t
@@ -78,7 +78,7 @@ class Hostile(Task):
 @pytest.fixture
 def hostile_themes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Catalogue:
     """Themes of which one has such texts."""
-    folder = make("evening", "calm", tmp_path / "themes", Catalogue())
+    folder = new_theme("evening", tmp_path / "themes", "calm", Catalogue())
     edit(folder / "theme.toml", 'title = "Evening"', f"title = {json.dumps(TEXT)}")
     return Catalogue(themes=(folder.parent,))
 

@@ -25,7 +25,7 @@ from sar_tui.api.task import (
 SEQUENCES = ("f", "fj", "dfj", "dfjk", "sdfjkl")
 
 
-class ExampleParameters(TaskParameters, frozen=True, kw_only=True):
+class DrummingParameters(TaskParameters, frozen=True, kw_only=True):
     """Parameters of the task. Each is a field on the settings form, and `--set NAME=VALUE` on the
     command line.
 
@@ -65,7 +65,7 @@ class ExampleParameters(TaskParameters, frozen=True, kw_only=True):
     ] = 0.2
 
 
-class ExampleDetails(Details, frozen=True):
+class DrummingDetails(Details, frozen=True):
     """Details stored with each trial in ``trials.details``, besides the common columns."""
 
     taps: Annotated[int, msgspec.Meta(description="Number of taps, right or wrong.")]
@@ -74,13 +74,13 @@ class ExampleDetails(Details, frozen=True):
     ]
 
 
-class ExampleTask(Task):
+class DrummingTask(Task):
     """One trial is one turn of tapping. The metric is the rate of right taps.
 
     A task keeps no state between calls, so that a trial can be repeated, resumed and replayed.
     """
 
-    name = "example"  # the folder has the same name
+    name = "drumming"  # the folder has the same name
     title = "Finger tapping"
     summary = "Tap the keys in turn, as often as you can."
     metric = Metric(
@@ -91,9 +91,9 @@ class ExampleTask(Task):
         worsened="slower",
         decimals=1,
     )
-    Parameters = ExampleParameters
-    Details = ExampleDetails
-    parameters: ExampleParameters
+    Parameters = DrummingParameters
+    Details = DrummingDetails
+    parameters: DrummingParameters
 
     @property
     def levels(self) -> int:

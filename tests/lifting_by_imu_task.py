@@ -27,7 +27,7 @@ from sar_tui.api.task import (
 GOALS = (1.0, 0.97, 0.94, 0.91, 0.88)
 
 
-class ExampleParameters(TaskParameters, frozen=True, kw_only=True):
+class LiftingParameters(TaskParameters, frozen=True, kw_only=True):
     """Parameters of the task; see those of `TaskParameters`, which are inherited."""
 
     imu: Annotated[
@@ -53,7 +53,7 @@ class ExampleParameters(TaskParameters, frozen=True, kw_only=True):
     ] = 1500.0
 
 
-class ExampleDetails(Details, frozen=True):
+class LiftingDetails(Details, frozen=True):
     """Details stored with each trial; other fields of `ReachPerceived.details` can be added."""
 
     reach_time_ms: Annotated[
@@ -62,19 +62,19 @@ class ExampleDetails(Details, frozen=True):
     sparc: Annotated[float | None, msgspec.Meta(description="Smoothness of the reach (SPARC).")]
 
 
-class ExampleTask(Task):
+class LiftingTask(Task):
     """One trial is one reach. The metric is the time from movement onset to the end of the movement
     back.
     """
 
-    name = "example"  # the folder has the same name
+    name = "lifting"  # the folder has the same name
     title = "Reaching out"
     summary = "Reach out and back when the dot appears, as fast as you can."
     metric = Metric("reach_time", unit="ms", better="lower", improved="faster", worsened="slower")
     sensors = ("imu",)  # each session has a motion sensor, and stores all its samples
-    Parameters = ExampleParameters
-    Details = ExampleDetails
-    parameters: ExampleParameters
+    Parameters = LiftingParameters
+    Details = LiftingDetails
+    parameters: LiftingParameters
 
     @property
     def levels(self) -> int:

@@ -1,1 +1,0 @@
-"""A choice reaction: one prompt, one key."""

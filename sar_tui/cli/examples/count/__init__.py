@@ -1,1 +1,0 @@
-"""Finger tapping: as many responses as possible within a time."""

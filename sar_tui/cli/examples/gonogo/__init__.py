@@ -1,1 +1,0 @@
-"""Go/No-Go: some prompts must not be answered."""

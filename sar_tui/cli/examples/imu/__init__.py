@@ -1,1 +1,0 @@
-"""A movement of the hand, measured by a motion sensor."""
