@@ -2,10 +2,13 @@
 
 import asyncio
 import contextlib
+import secrets
 from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
+
+from msgspec.structs import replace
 
 from sar_tui.app.guarded_view import GuardedView
 from sar_tui.app.screen_output import ScreenOutput, Stage
@@ -218,7 +221,11 @@ class LiveSession:
         self.run.recorder.run(lambda: self._stopping or worker.is_cancelled)
 
     def operate(self, act: SessionCommand) -> None:
-        """Send an operator's act to the session."""
+        """Send an operator's act to the session. Operators' panels show what became of a
+        therapist's.
+        """
+        if act.actor == "therapist":
+            act = replace(act, id=secrets.token_hex(8))
         self.run.session.bus.post(COMMAND, act)
 
     @property

@@ -40,7 +40,9 @@ class _OpenAct(msgspec.Struct):
     def answer(self) -> ActAnswered:
         """The answer, once all parts are over."""
         if self.failed:
-            return answer_to(self.act, self.at, "refused", f"It failed: {', '.join(self.failed)}.")
+            return answer_to(
+                self.act, self.at, "refused", f"An output failed: {', '.join(self.failed)}."
+            )
         if self.halts and not self.halted:
             return answer_to(self.act, self.at, "late", "It was over already.")
         if self.halted and not self.halts:

@@ -1,12 +1,13 @@
 """Acts that an operator's keys send to the session, or the reasons why none is sent. No screen."""
 
+import secrets
 from collections.abc import Set
 from typing import Any, Literal
 
 from msgspec.structs import replace
 
 from sar_tui.link.control_lock import needs_control
-from sar_tui.link.peer import Peer, PeerEvent, Welcome
+from sar_tui.link.peer import Connection, Peer, PeerEvent, Welcome
 from sar_tui.loop.bus import Topic
 from sar_tui.loop.marks import TrialMark
 from sar_tui.loop.topics import COMMAND, DECISION, MODE, NOTE_ADDED, PROPOSAL_SEEN, REMARK
@@ -16,7 +17,6 @@ from sar_tui.model.messages import (
     Mode,
     ModeChanged,
     NoteAdded,
-    PeerRequestRefused,
     PendingApproval,
     ProposalSeen,
     Remark,
@@ -25,7 +25,6 @@ from sar_tui.model.messages import (
 )
 from sar_tui.model.units import MS, SECOND
 from sar_tui.operator import proposal_view
-from sar_tui.operator.act import SLOW
 from sar_tui.operator.act_log import ActLog
 from sar_tui.operator.event_text import short_name
 from sar_tui.operator.palette import MODES, Item
@@ -62,7 +61,6 @@ class Commands:
         self._reported: set[str] = set()
         self.shown: tuple[str, int] = ("", 0)
         self.control_key = ""
-        self._sent_decisions: dict[str, tuple[str, int]] = {}
         self._mode_before_hold: Mode | None = None
         self._resume_asked_at = 0
         self._mark_asked = (TrialMark(), "")
@@ -71,16 +69,13 @@ class Commands:
         """Handle an event of the link."""
         self.state = self.state.receive(event)
         if isinstance(event, Welcome):
-            self._sent_decisions = {}
             self.log.rejoined()
+        if isinstance(event, Connection) and event.state != "connected":
+            is_over = event.state == "ended"
+            self.log.lose_answers("the session is over" if is_over else "the connection was lost")
         if isinstance(event, list) and self.state.welcome:
             for frame in event:
                 self.log.receive(frame, self.state.welcome)
-                if (
-                    isinstance(frame.message, PeerRequestRefused)
-                    and frame.message.actor == self.state.welcome.name
-                ):
-                    self._sent_decisions = {}
             self._report_painted({each.proposal.id for each in self.pending})
 
     @property
@@ -110,13 +105,6 @@ class Commands:
             else f"{short_name(state.holder)} has control; {self.control_key} takes it."
         )
 
-    def sent_decision(self, id: str) -> str:
-        """Return the decision sent for a proposal; empty if none was, or it seems not to have
-        arrived.
-        """
-        text, at = self._sent_decisions.get(id, ("", 0))
-        return text if text and self.peer and self.peer.now() - at < SLOW else ""
-
     # --- proposals
 
     def report_seen(self, approval: PendingApproval, at: int) -> None:
@@ -132,9 +120,6 @@ class Commands:
                 action=approval.proposal.id, seat=approval.proposal.seat, at=at
             )
             self._reported &= pending
-            self._sent_decisions = {
-                id: sent for id, sent in self._sent_decisions.items() if id in pending
-            }
         self._report_painted({approval.proposal.id})
 
     def _report_painted(self, ids: Set[str]) -> None:
@@ -192,19 +177,14 @@ class Commands:
     def _send_decision(
         self, text: str, approval: PendingApproval, decision: Decision, at: int, typed: str = ""
     ) -> bool:
-        if self.sent_decision(decision.action):
+        if self.log.deciding(decision.action):
             return False
         shown, since = self.shown
         if shown != decision.action or at - since < TOO_SOON:
             self.log.report(at, "Too soon: that proposal had only just appeared. Nothing was sent.")
             return False
         text = f"{text} {approval.proposal.kind}"
-        is_sent = self.send(
-            text, DECISION, replace(decision, seat=approval.proposal.seat), at, typed
-        )
-        if is_sent:
-            self._sent_decisions[decision.action] = (text, at)
-        return is_sent
+        return self.send(text, DECISION, replace(decision, seat=approval.proposal.seat), at, typed)
 
     # --- the session
 
@@ -257,7 +237,8 @@ class Commands:
     def level(self, step: int, at: int) -> bool:
         """Raise or lower the level of the next attempt."""
         state = self.state
-        level = self._sent_level() or state.next_level or state.level
+        sent = self.log.last_open(lambda act: getattr(act, "command", "") == "level")
+        level = sent.message.value if sent else state.next_level or state.level
         if level is None:
             self.log.report(at, "The level is not known yet. Nothing was sent.")
             return False
@@ -280,13 +261,6 @@ class Commands:
         limit = f"Level {least} is the lowest" if level < least else f"Level {most} is the highest"
         self.log.report(at, f"{limit} level. Nothing was sent.")
         return False
-
-    def _sent_level(self) -> int | None:
-        """Return the last level that was sent and is not confirmed yet."""
-        pending = [act for act in self.log.acts if act.topic == COMMAND.name and act.is_pending]
-        return next(
-            (act.message.value for act in reversed(pending) if act.message.command == "level"), None
-        )
 
     def hold(self, at: int) -> bool:
         """Let only the operator change the level, or restore the mode that was set before."""
@@ -372,7 +346,8 @@ class Commands:
             return False
         if self.peer is None or self.state.welcome is None:
             return False
-        act = replace(message, actor=self.state.welcome.name, at=at)
+        id = secrets.token_hex(8)
+        act = replace(message, actor=self.state.welcome.name, at=at, id=id)
         self.log.add(text, topic, act, self._when() if topic is REMARK else "", typed)
         self.peer.send(topic, act)
         return True

@@ -120,7 +120,9 @@ def event_line(frame: Frame, me: Welcome | None, before: ArbiterState | None) ->
 def _text(topic: str, message: Any, me: str, before: ArbiterState | None) -> _Text | None:
     text: _Text | None = None
     if topic == REFUSED.name:
-        text = _refused(message, me), "bad"
+        # this operator's acts are answered each by itself
+        is_answered = message.actor == me and message.what in _ACTS
+        text = None if is_answered else (_refused(message, me), "bad")
     elif topic == PRESENCE.name:
         text = _presence(message, me)
     elif topic == DROPPED.name:
@@ -247,17 +249,17 @@ def _ground(decided: LevelDecided, me: str) -> str:
 def _level_changed(changed: LevelChanged) -> _Text | None:
     if changed.previous == changed.level:
         return None
-    why = "" if changed.reason in ("operator", "mark") else _in_brackets(changed.why)
+    why = "" if changed.reason in ("operator", "mark") else in_brackets(changed.why)
     reason = why or _LEVEL_REASONS.get(changed.reason, changed.reason)
     return f"Level {changed.previous} → {changed.level} ({reason}).", "plain"
 
 
 def _goal_changed(changed: GoalChanged) -> _Text:
     values = f"{changed.previous:.4g} → {changed.goal:.4g} {changed.unit}".rstrip()
-    return f"Goal {values} ({_in_brackets(changed.why)}).", "plain"
+    return f"Goal {values} ({in_brackets(changed.why)}).", "plain"
 
 
-def _in_brackets(sentence: str) -> str:
+def in_brackets(sentence: str) -> str:
     """Return a sentence as it reads in brackets: without capital and full stop."""
     return sentence[:1].lower() + sentence[1:].rstrip(".")
 

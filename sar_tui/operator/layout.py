@@ -239,7 +239,7 @@ class PanelLayout(OrderedScreen[str]):
         """
         pending = self.commands.pending
         undecided = [
-            each for each in pending if not self.commands.sent_decision(each.proposal.id)
+            each for each in pending if not self.commands.log.deciding(each.proposal.id)
         ] or list(pending)
         selected = (each for each in undecided if each.proposal.id == self.selected)
         return next(selected, undecided[0] if undecided else None)
@@ -247,8 +247,8 @@ class PanelLayout(OrderedScreen[str]):
     # --- drawing
 
     def _tick(self) -> None:
-        """Draw if something has changed, a countdown is shown, or an outcome is awaited, which may
-        be too late.
+        """Draw if something has changed, a countdown is shown, or a stop may turn out not to have
+        happened.
         """
         if not self.is_mounted or host_now() - self._drawn_at < FRAME_SECONDS * SECOND / 2:
             return
@@ -257,20 +257,15 @@ class PanelLayout(OrderedScreen[str]):
         if (
             self.is_stale
             or counts_down
-            or self._awaits_outcome
+            or self._awaits_stop
             or proposal_view.scheduled_action(self.commands.state)
         ):
             self.draw()
 
     @property
-    def _awaits_outcome(self) -> bool:
-        """True while an act or a stop may turn out not to have happened."""
-        if (peer := self.commands.peer) is None:
-            return False
-        now = peer.now()
-        return self.commands.log.awaits_outcome(now) or any(
-            stop.is_awaited(now) for stop in self.commands.state.stops
-        )
+    def _awaits_stop(self) -> bool:
+        peer, stops = self.commands.peer, self.commands.state.stops
+        return peer is not None and any(stop.is_awaited(peer.now()) for stop in stops)
 
     def draw(self) -> None:
         """Bring the screen up to date."""
@@ -295,7 +290,7 @@ class PanelLayout(OrderedScreen[str]):
         log = self.query_one("#log")
         stops = [stop.line(now) for stop in state.stops]
         lines = sorted(
-            [*state.log, *stops, *self.commands.log.lines(now)],
+            [*state.log, *stops, *self.commands.log.lines],
             key=partial(self._place_in_log, now),
         )
         wall = self._wall_time()

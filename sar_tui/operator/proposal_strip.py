@@ -6,7 +6,7 @@ from textual.content import Content, Span
 
 from sar_tui.model.messages import PendingApproval
 from sar_tui.operator import key_help, proposal_view
-from sar_tui.operator.act import doing
+from sar_tui.operator.act_log import doing
 from sar_tui.operator.commands import Commands, takes_valence
 from sar_tui.operator.keymap import KeymapFile
 from sar_tui.operator.phrases import addressee
@@ -93,7 +93,7 @@ class ProposalStrip(Vertical):
         self._put("proposal", proposal_view.body(approval, now, self._time_given.get(id), width))
         keys = proposal_view.decision_keys(self._file, has_words=takes_valence(approval))
         keys = proposal_view.control_hint(state, self._file) if commands.refusal() else keys
-        sent = commands.sent_decision(id)
+        sent = commands.log.deciding(id)
         self._put("decision-keys", Content(f"{doing(sent)} …") if sent else keys)
         self._put("entry-label", Content(self._label))
         others = proposal_view.other_proposals(pending, approval, now, width)

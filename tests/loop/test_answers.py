@@ -203,7 +203,7 @@ def test_a_remark_that_an_output_cannot_say_is_refused(calm: Theme) -> None:
     session = Answers(calm, broken)
     session.act(REMARK, remark("1"))
     session.driver.wait(0)
-    assert session.answer("1") == ("refused", "It failed: speech.")
+    assert session.answer("1") == ("refused", "An output failed: speech.")
 
 
 def test_an_output_that_never_reports_is_given_up(calm: Theme) -> None:
@@ -244,7 +244,7 @@ def test_a_remark_that_waits_and_is_dropped_was_not_said(
     [
         ("aborted", DONE),
         ("done", ("late", "It was over already.")),
-        ("failed", ("refused", "It failed: robot.")),
+        ("failed", ("refused", "An output failed: robot.")),
     ],
 )
 def test_a_cancellation_is_answered_when_the_output_is_still(

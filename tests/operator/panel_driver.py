@@ -24,6 +24,7 @@ from sar_tui.link.peer import (
     Welcome,
 )
 from sar_tui.loop import topics as t
+from sar_tui.loop.answers import answer_to
 from sar_tui.loop.bus import Topic
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.model import messages as m
@@ -328,12 +329,19 @@ class PanelDriver:
         await settle(self.app)
 
     def sent(self, topic: Topic[Any]) -> list[Any]:
-        """Return what was sent on a topic, without time stamps."""
+        """Return what was sent on a topic, without time stamps and ids."""
+        anonymous = {"id": ""} if issubclass(topic.type, m.OperatorAct) else {}
         return [
-            msgspec.structs.replace(message, at=0)
+            msgspec.structs.replace(message, at=0, **anonymous)
             for name, message in self.peer.sent
             if name == topic.name
         ]
+
+    async def answer(self, outcome: m.ActOutcome = "done", why: str = "", ms: int = 0) -> None:
+        """Answer the last act, which took some time to arrive."""
+        act = self.peer.sent[-1][1]
+        answer = answer_to(act, act.at + ms * MS, outcome, why)
+        await self.publish(t.ANSWERED, answer)
 
     @property
     def rows(self) -> list[str]:

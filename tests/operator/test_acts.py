@@ -9,8 +9,10 @@ import pytest
 
 from sar_tui.link.peer import Connection, Frame
 from sar_tui.link.session_feed import SENT
+from sar_tui.loop.answers import answer_to
 from sar_tui.loop.bus import Record, Topic
 from sar_tui.loop.topics import (
+    ANSWERED,
     COMMAND,
     NOTE_ADDED,
     OUTPUT,
@@ -26,7 +28,6 @@ from sar_tui.model.step import Step
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import SECOND
 from sar_tui.operator import status_view
-from sar_tui.operator.act import SLOW, Act
 from sar_tui.operator.commands import Commands
 from sar_tui.operator.event_log import Line
 from sar_tui.operator.stop import UNCONFIRMED, Stop
@@ -38,6 +39,7 @@ from tests.operator import panel_driver as b
 from tests.outputs.fake_outputs import FakeOutput, Speaker
 
 ANNA = b.ANNA
+KEPT = "Saying “Well held.”: not done, {}; the text is kept"
 
 
 class Panel:
@@ -109,7 +111,7 @@ class Panel:
         return [
             *state.log,
             *(stop.line(now) for stop in state.stops),
-            *self.commands.log.lines(now),
+            *self.commands.log.lines,
         ]
 
     @property
@@ -119,7 +121,7 @@ class Panel:
     @property
     def last(self) -> tuple[str, str]:
         """Text without the time of the link, and tone, of the newest act."""
-        line = self.commands.log.lines(self.now())[-1]
+        line = self.commands.log.lines[-1]
         return line.text.partition(" · link")[0], line.tone
 
     def was_good(self, text: str) -> bool:
@@ -172,7 +174,10 @@ def test_a_decision_that_comes_too_late_is_never_marked_as_done(calm: Theme) -> 
     panel.decide("accept")
     panel.driver.wait(10_000)
     panel.deliver()
-    assert panel.last == ("Approving feedback: too late, it was decided already", "bad")
+    assert panel.last == (
+        "Approving feedback: too late, it was decided, or its time was over",
+        "bad",
+    )
     assert not panel.was_good("Approv")
 
 
@@ -222,10 +227,9 @@ def test_a_remark_is_said_only_when_its_output_has_said_it(calm: Theme) -> None:
     driver.wait(10_000)
     driver.begin_attempt()
     assert panel.commands.say("Well held.", "A", panel.now())
-    assert panel.last == ("Saying “Well held.”: queued, after the response", "plain")
+    assert panel.last == ("Saying “Well held.” after the response …", "plain")
     driver.answer()
     driver.wait(1000)
-    assert panel.last == ("Saying “Well held.” …", "plain")
     assert not panel.was_good("Well held")
     driver.wait(1500)
     assert panel.last == ("Said “Well held.”", "good")
@@ -246,12 +250,12 @@ def test_a_remark_that_an_output_could_not_say_is_not_confirmed(calm: Theme) -> 
     panel = Panel(session(calm, FakeOutput("speech", frozenset({"say"}), breaks=("say",))))
     panel.commands.say("Well held.", "A", panel.now())
     panel.driver.wait(0)
-    assert panel.last == ("Saying “Well held.”: not confirmed: speech", "bad")
+    assert panel.last == (KEPT.format("an output failed: speech"), "bad")
 
 
 @pytest.mark.parametrize(
     ("waits", "outcome"),
-    [(True, "not done (stopped)"), (False, "stopped before its end")],
+    [(True, "the agent was stopped"), (False, "it was stopped before its end")],
     ids=["queued", "spoken"],
 )
 def test_a_remark_that_is_stopped_was_not_said(calm: Theme, waits: bool, outcome: str) -> None:
@@ -262,7 +266,7 @@ def test_a_remark_that_is_stopped_was_not_said(calm: Theme, waits: bool, outcome
     panel.commands.say("Well held.", "A", panel.now())
     panel.driver.operate("stop")
     panel.driver.wait(100)
-    assert panel.last == (f"Saying “Well held.”: {outcome}", "bad")
+    assert panel.last == (KEPT.format(outcome), "bad")
     assert not panel.was_good("Well held")
 
 
@@ -296,20 +300,43 @@ def test_a_level_set_by_hand_is_marked_as_done(calm: Theme) -> None:
     assert panel.last[1] == "good"
 
 
-def test_a_command_without_effect_is_not_marked_as_done(calm: Theme) -> None:
+def test_a_command_that_comes_too_late_is_not_marked_as_done(calm: Theme) -> None:
     panel = Panel(session(calm))
     panel.press("skip", "Skipped the prompt")
-    panel.driver.clock.advance(SLOW + 1)
-    assert panel.last == ("Skipping the prompt: it had no effect", "bad")
+    assert panel.last == ("Skipping the prompt: too late, no prompt is shown", "bad")
     assert not panel.was_good("Skip")
 
 
-def test_after_a_lost_connection_a_missed_outcome_is_not_invented(calm: Theme) -> None:
+@pytest.mark.parametrize(
+    ("state", "why"), [("lost", "the connection was lost"), ("ended", "the session is over")]
+)
+def test_after_a_lost_connection_an_act_is_not_confirmed_until_its_answer_comes(
+    calm: Theme, state: Any, why: str
+) -> None:
     panel = Panel(session(calm, Speaker(1500)))
     panel.driver.wait(10_000)
     panel.commands.say("Well held.", "A", panel.now())
+    panel.commands.receive(Connection(state))
+    assert panel.last == (f"Saying “Well held.”: not confirmed: {why}", "bad")
+    panel.commands.receive(Connection("connected"))
     panel.commands.receive(b.welcome())
-    assert panel.last == ("Saying “Well held.”: the outcome is not known", "bad")
+    assert panel.last == (f"Saying “Well held.”: not confirmed: {why}", "bad")
+    panel.driver.wait(1500)
+    assert panel.last == ("Said “Well held.”", "good")
+
+
+def test_each_of_three_remarks_that_the_link_refuses_at_once_says_so(calm: Theme) -> None:
+    panel = Panel(session(calm))
+    panel.is_slow = True
+    for _ in range(3):
+        assert panel.commands.say("Well held.", "A", panel.now())
+    for act in panel.commands.log.acts:
+        why = "Another operator is in control."
+        answer = answer_to(act.message, panel.now(), "refused", why)
+        panel.commands.receive([b.frame(ANSWERED, answer)])
+    line = (KEPT.format("another operator is in control"), "bad")
+    assert [(each.text, each.tone) for each in panel.commands.log.lines] == [line] * 3
+    assert panel.commands.log.unused_text(REMARK) == "Well held."
 
 
 # --- stopping the agent
@@ -358,8 +385,8 @@ def test_a_stop_that_never_arrived_is_logged_as_such(calm: Theme) -> None:
     panel.is_slow = True
     panel.press("stop", "Stopped")
     assert panel.last == ("Stopping …", "plain")
-    panel.driver.clock.advance(SLOW + 1)
-    assert panel.last == ("Stopping: the session has not confirmed it", "bad")
+    panel.commands.receive(Connection("lost"))
+    assert panel.last == ("Stopping: not confirmed: the connection was lost", "bad")
 
 
 def test_only_outputs_that_are_open_are_waited_for() -> None:
@@ -405,7 +432,7 @@ def test_a_question_that_the_participant_alone_can_answer_is_not_skipped() -> No
     asked = m.AskedStep(number=1, step=consent)
     commands.receive([b.frame(WAITING, b.waiting("step", "step", step=asked))])
     assert not commands.prompt_command("Skipped the prompt", "skip", b.START)
-    assert "Nobody else can answer that" in commands.log.lines(b.START)[-1].text
+    assert "Nobody else can answer that" in commands.log.lines[-1].text
 
 
 # --- those who watch
@@ -433,7 +460,7 @@ def test_an_observer_sees_remarks_notes_marks_and_modes(calm: Theme) -> None:
     operator.commands.hold(now)
     operator.commands.level(1, now)
     operator.driver.wait(1000)
-    assert [(line.text, line.tone) for line in observer.commands.log.lines(now)] == [
+    assert [(line.text, line.tone) for line in observer.commands.log.lines] == [
         ("anna: Said “Well held.”", "good"),
         ("anna: Noted “coughs”", "good"),
         ("anna: Event: phone rang", "good"),
@@ -445,12 +472,9 @@ def test_an_observer_sees_remarks_notes_marks_and_modes(calm: Theme) -> None:
 def test_a_therapists_mark_is_in_the_log_of_everybody() -> None:
     commands = Commands()
     commands.receive(b.welcome("observer", marks=b.MARKS))
-    mark = m.SessionCommand(command="mark", actor="therapist", reason="missed", at=b.START)
-    marked = m.TrialMarked(attempt=3, trial=4, mark="missed", correct=False)
-    commands.receive([b.frame(COMMAND, mark), b.frame(b.t.MARKED, marked)])
-    assert commands.log.lines(b.START) == [
-        Line(b.START, "therapist: Marked: marker missed", "good")
-    ]
+    mark = m.SessionCommand(id="1", command="mark", actor="therapist", reason="missed", at=b.START)
+    commands.receive([b.frame(COMMAND, mark), b.frame(ANSWERED, answer_to(mark, b.START))])
+    assert commands.log.lines == [Line(b.START, "therapist: Marked: marker missed", "good")]
 
 
 @pytest.mark.parametrize(("actor", "by"), [("therapist", "therapist: "), (ANNA, "you: ")])
@@ -458,10 +482,10 @@ def test_a_mark_that_is_removed_is_logged_as_removed(actor: str, by: str) -> Non
     commands = Commands()
     commands.receive(b.welcome(marks=b.MARKS))
     # without a time stamp, as in the app
-    mark = m.SessionCommand(command="mark", actor=actor, reason="missed")
-    removed = m.TrialMarked(attempt=3, trial=4, mark="", correct=True)
-    commands.receive([b.frame(COMMAND, mark), b.frame(b.t.MARKED, removed)])
-    assert commands.log.lines(b.START) == [Line(b.START, f"{by}Unmarked: marker missed", "good")]
+    mark = m.SessionCommand(id="1", command="mark", actor=actor, reason="missed")
+    removed = answer_to(mark, b.START, why="removed")
+    commands.receive([b.frame(COMMAND, mark), b.frame(ANSWERED, removed)])
+    assert commands.log.lines == [Line(b.START, f"{by}Unmarked: marker missed", "good")]
 
 
 def test_earlier_notes_are_there_for_an_observer_who_joins_late_and_are_not_doubled() -> None:
@@ -470,23 +494,14 @@ def test_earlier_notes_are_there_for_an_observer_who_joins_late_and_are_not_doub
     for _ in range(2):  # the connection is lost in between
         commands.receive(b.welcome("observer"))
         commands.receive([note])
-    assert [line.text for line in commands.log.lines(b.START)] == ["anna: Noted “coughs”"]
+    assert [line.text for line in commands.log.lines] == ["anna: Noted “coughs”"]
 
 
 def test_ones_own_acts_are_not_doubled_when_the_session_sends_them_again(calm: Theme) -> None:
     panel = Panel(session(calm))
     panel.commands.note("coughs", panel.now())
     panel.commands.receive(b.welcome())
-    panel.commands.receive(
-        [b.frame(NOTE_ADDED, m.NoteAdded(text="coughs", actor=ANNA, at=panel.now()))]
-    )
-    assert [line.text.partition(" · ")[0] for line in panel.commands.log.lines(panel.now())] == [
+    panel.commands.receive([b.frame(NOTE_ADDED, panel.driver.last(NOTE_ADDED))])
+    assert [line.text.partition(" · ")[0] for line in panel.commands.log.lines] == [
         "Noted “coughs”"
     ]
-
-
-def test_a_refused_act_of_this_operator_is_not_done() -> None:
-    act = Act("Said “Hi”", REMARK.name, m.Remark(text="Hi", actor=ANNA, at=b.START)).failed(
-        "refused"
-    )
-    assert act.line(b.START) == Line(b.START, "Saying “Hi”: refused", "bad")

@@ -204,12 +204,9 @@ async def test_a_decided_proposal_makes_room_for_the_next_and_is_not_decided_twi
             ("p2", "veto"),
         ]
         assert driver.text.count("Vetoing feedback …") == 2, "instead of its keys, and in the log"
-        await driver.publish(
-            t.REFUSED,
-            m.PeerRequestRefused(actor=ANNA, what=t.DECISION.name, why="Too many at once."),
-        )
-        await driver.press("x")
-        await driver.advance(4000)  # and this one never arrived
+        await driver.answer("refused", "Too many at once.")
+        await driver.press("x", "enter")
+        await driver.answer("refused", "It did not arrive.")
         await driver.press("enter")
         assert [each.verdict for each in driver.sent(t.DECISION)] == [
             "accept",
@@ -249,10 +246,12 @@ async def test_single_keys_control_the_session_and_levels_stop_at_the_highest(
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
-        await driver.press("u", "u")
+        await driver.press("u")
+        await driver.answer()
+        await driver.publish(t.LEVEL, m.LevelChanged(previous=4, level=5, reason="operator"))
+        await driver.press("u")
         assert [act.value for act in driver.sent(t.COMMAND)] == [5, 6]
-        await driver.publish(t.COMMAND, replace(driver.peer.sent[0][1]))
-        await driver.publish(t.COMMAND, replace(driver.peer.sent[1][1]))
+        await driver.answer()
         await driver.publish(t.LEVEL, m.LevelChanged(previous=6, level=10, reason="success"))
         await driver.press("u")
         assert len(driver.sent(t.COMMAND)) == 2
@@ -432,11 +431,8 @@ async def test_a_text_that_the_session_refuses_is_offered_again(
 ) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.burst("t", *"Well held.", "enter")
-        refused = m.PeerRequestRefused(
-            actor=ANNA, what=t.REMARK.name, why="Another operator is in control."
-        )
-        await driver.publish(t.REFUSED, refused)
-        assert "refused, the text is kept" in driver.text
+        await driver.answer("refused", "It comes too fast.")
+        assert "not done, it comes too fast; the text is kept" in driver.text
         await driver.burst("t", "enter")
         assert [remark.text for remark in driver.sent(t.REMARK)] == ["Well held.", "Well held."]
         await driver.press("t")
@@ -451,8 +447,7 @@ async def test_the_skip_key_ends_a_rest_that_must_be_taken(
         assert "A rest that must be taken" in driver.text
         await driver.press("s")
         assert [(act.command, act.reason) for act in driver.sent(t.COMMAND)] == [("skip", "rest")]
-        await driver.publish(t.COMMAND, replace(driver.peer.sent[-1][1]))
-        await driver.publish(t.WAITING, b.waiting("enter", "attempt"))
+        await driver.answer()
         assert "✓ Ended the rest" in " ".join(driver.text.split())
 
 
@@ -646,22 +641,23 @@ async def test_the_log_shows_each_act_with_its_outcome(catalogue: Catalogue, fol
         await driver.publish(t.WAITING, b.waiting())
         await driver.press("s")
         assert "Skipping the prompt …" in driver.text
-        sent = driver.peer.sent[-1][1]
-        await driver.receive([b.frame(t.COMMAND, sent, sent.at + 14 * MS)])
+        await driver.publish(t.COMMAND, driver.peer.sent[-1][1])
         assert "Skipping the prompt …" in driver.text
-        await driver.publish(t.TRIAL, b.trial(5, "f", None))
+        await driver.answer(ms=14)
         assert "✓ Skipped the prompt · link 14 ms" in driver.text
         await driver.press("r")
-        refused = m.PeerRequestRefused(
-            actor=ANNA, what=t.COMMAND.name, why="Another operator has control."
-        )
+        why = "Another operator has control."
+        refused = m.PeerRequestRefused(actor=ANNA, what=t.COMMAND.name, why=why)
         await driver.publish(t.REFUSED, refused)
-        assert "Repeating the prompt: refused" in driver.text
-        assert "Refused: a command. Another operator has control." in driver.text
-        await driver.advance(100)
+        await driver.answer("refused", why)
+        assert "Repeating the prompt: not done, another operator has control" in driver.text
+        assert "Refused" not in driver.text
         await driver.press("space")
-        await driver.advance(5000)
-        assert "Pausing: the session has not confirmed it" in driver.text
+        await driver.receive(Connection("lost", "Nothing is heard from the session."))
+        assert "Pausing: not confirmed: the connection was lost" in driver.text
+        await driver.join()
+        await driver.answer("refused", "It did not arrive.")
+        assert "Pausing: not done, it did not arrive" in driver.text
 
 
 async def test_an_observer_sees_the_same_but_cannot_act(catalogue: Catalogue, folder: Path) -> None:

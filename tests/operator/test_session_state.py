@@ -11,12 +11,13 @@ from rich.cells import cell_len
 
 from sar_tui.link.peer import Connection, MotionTrace
 from sar_tui.loop import topics as t
+from sar_tui.loop.answers import answer_to
 from sar_tui.loop.bus import Topic
 from sar_tui.loop.marks import TrialMark
 from sar_tui.model import messages as m
 from sar_tui.model.units import SECOND
 from sar_tui.operator import proposal_view, status_view
-from sar_tui.operator.act import Act
+from sar_tui.operator.act_log import Act
 from sar_tui.operator.event_log import Line
 from sar_tui.operator.session_state import MAX_ATTEMPTS, MAX_TRIALS, SessionState
 from sar_tui.operator.text_charts import cut, motion, responses, sparkline, two_lines, wrap
@@ -376,9 +377,10 @@ def test_dropped_proposals_are_logged_by_kind_except_fillers() -> None:
 
 def test_a_long_act_leaves_room_for_its_outcome_in_the_log() -> None:
     said = "Said “" + "on and " * 30 + "on”"
-    act = Act(said, t.REMARK.name, m.Remark(at=b.START), state="done", latency=5_000_000)
-    assert act.line(b.START).text.endswith("… · link 5 ms")
-    assert cell_len(act.line(b.START).text) < 70
+    remark = m.Remark(id="1", at=b.START)
+    act = Act(said, t.REMARK.name, remark, answer=answer_to(remark, b.START + 5_000_000))
+    assert act.line().text.endswith("… · link 5 ms")
+    assert cell_len(act.line().text) < 70
 
 
 # --- the header and the log
