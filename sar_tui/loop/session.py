@@ -91,8 +91,9 @@ class Session:
         for node in self.core:
             node.attach(self.bus)
         self.nodes = (*self.core, *extra)
-        self._event_handler = next(node for node in self.core if isinstance(node, EventHandler))
-        self._vital = self._event_handler.vital
+        event_handler = next(node for node in self.core if isinstance(node, EventHandler))
+        self._event_handler = event_handler
+        self._script, self._status = event_handler.session, event_handler.status
         self._extra = extra
         self.bus.subscribe(SESSION_ENDED, lambda _: self._end())
         self.bus.subscribe(ACTING, self._agent_acted)
@@ -101,30 +102,30 @@ class Session:
     @property
     def next_attempt(self) -> NextAttempt:
         """Level and settings of the next attempt, which a therapist may change."""
-        return next(node.next_attempt for node in self.core if isinstance(node, EventHandler))
+        return self._script.attempts.next
 
     @property
     def is_resting(self) -> bool:
         """True in a rest that must be taken, also while the session is paused."""
-        return self._event_handler.is_resting
+        return self._status.is_resting
 
     @property
     def can_skip_attempt(self) -> bool:
         """True if there is an attempt that a participant may leave out, also while the session is
         paused.
         """
-        return self._event_handler.can_skip_attempt
+        return self._status.can_skip_attempt
 
     @property
     def awaits_agreement(self) -> bool:
         """True until all required answers are given; also if one was refused."""
-        return self._event_handler.awaits_agreement
+        return self._script.steps.awaits_agreement
 
     @property
     def broken(self) -> Fault | None:
         """The fault that stopped this session, if there was one."""
         return (
-            next((fault for fault in self.faults if fault.node in self._vital), None)
+            next((fault for fault in self.faults if fault.node in self._event_handler.vital), None)
             if self.faults
             else None
         )
@@ -137,14 +138,15 @@ class Session:
     @property
     def pictures_to_come(self) -> tuple[str, ...]:
         """Pictures of the prompt that comes next, so that they can be prepared."""
-        return self._event_handler.pictures_to_come
+        trial = self._event_handler.open_trial
+        return trial.pictures if trial else ()
 
     @property
     def is_recording_over(self) -> bool:
         """True if a recording that replaces a sensor is at its end, so that the session cannot go
         on in this run.
         """
-        return self._event_handler.is_recording_over
+        return self._status.blockers.is_recording_over
 
     def begin(self, run: int = 1) -> None:
         """Begin a run: attach the inputs and outputs, and start the loop."""

@@ -95,6 +95,12 @@ class OpenTrial:
     def _seat(self) -> str:
         return self.seats[0] if len(self.seats) == 1 else ""
 
+    @property
+    def pictures(self) -> tuple[str, ...]:
+        """Pictures of the prompt, and of its frames."""
+        found = (self.stimulus.picture, *(frame.picture for frame in self.stimulus.frames))
+        return tuple(filter(None, found))
+
     def draw_foreperiod(self, shortest_ms: int, longest_ms: int) -> int:
         """Draw the foreperiod, in ns: uniform between the bounds, the same for each repetition."""
         share = self.situation.streams.uniform("foreperiod")

@@ -1,72 +1,90 @@
-"""The Event Handler: runs the session, from the instructions to the last attempt (thesis 3.2.3)."""
+"""The Event Handler: feeds the session's script (thesis 3.2.3)."""
 
-from collections.abc import Collection
-
-from msgspec.structs import replace
+from collections.abc import Callable, Collection
+from typing import Any
 
 from sar_tui.loop import marks
-from sar_tui.loop.blockers import Blockers
+from sar_tui.loop.answers import answer_to
 from sar_tui.loop.bus import FAULT
-from sar_tui.loop.node import on
+from sar_tui.loop.marks import TrialMark
+from sar_tui.loop.node import TimedNode, on
 from sar_tui.loop.nodes import VITAL
-from sar_tui.loop.nodes.step_flow import StepFlow
-from sar_tui.loop.session_phase import (
-    ENTER_RESUMES,
-    IN_TRIAL,
-    LEFT,
-    OVER,
-    PAUSES,
-    REQUEST_KEY,
-    REQUESTABLE,
-    Phase,
-    text_of,
-    waiting_message,
+from sar_tui.loop.script import (
+    READING,
+    Decided,
+    End,
+    Pause,
+    Repeat,
+    Resume,
+    Script,
+    SessionScript,
+    Skip,
+    SkipAttempt,
+    TimeUp,
 )
+from sar_tui.loop.session_phase import IN_TRIAL, OVER, REQUEST_KEY, REQUESTABLE, Phase, text_of
 from sar_tui.loop.task import Task
 from sar_tui.loop.topics import (
+    ACTING,
     ANSWERED,
     ATTEMPT_ENDED,
     ATTEMPT_STARTED,
     COMMAND,
     CUE,
     FEEDBACK,
+    FOCUS,
     FRAME,
     GOAL,
     LEVEL,
+    LEVEL_DECIDED,
     LEVEL_REQUEST,
     MARKED,
+    PASTE,
+    PERCEIVED,
     PROMPT,
+    REACH,
     SENSOR,
     SESSION,
     SESSION_ENDED,
+    SETTING,
+    SHOWN,
     STEP_ENDED,
     STORAGE,
     STORED,
     TIMER,
+    TONE_BEGAN,
     TONE_DUE,
     TONES_AHEAD,
     TRIAL,
     TRIAL_FEEDBACK,
+    TRIAL_FEEDBACK_SHOWN,
     TYPED,
+    UNREADABLE,
     UNSAID_FEEDBACK,
     VOIDED,
     WAITING,
 )
+from sar_tui.loop.trial import OpenTrial
 from sar_tui.model import messages as m
-from sar_tui.model.trial_types import Result
 from sar_tui.model.units import SECOND
-from sar_tui.rules.key_guard import GuardedPress
+from sar_tui.rules.declaration import ParameterError
 from sar_tui.rules.limits import Dose
 
 _Result = tuple[m.ActOutcome, str]
 """Outcome of a command, and why."""
 _DONE: _Result = ("done", "")
+_OVER: _Result = ("late", "The session is over.")
 _NO_PROMPT: _Result = ("late", "No prompt is shown.")
+_NO_DISK: _Result = ("refused", "The session cannot write to the disk.")
+_KEPT = (Phase.INSTRUCTIONS, Phase.REVIEW, Phase.ENDED)
+"""Phases that another run shows again, without a pause."""
 
 
-class EventHandler(StepFlow):
-    """Runs the session: phases, pauses, faults and the end. The base classes run its steps,
-    attempts and trials.
+class EventHandler(TimedNode):
+    """Gives the session's script what it waits for, and interrupts it.
+
+    What does not change the order of a session is done here at once: marks, levels, settings, and
+    flags of the open trial.
     """
 
     name = "event_handler"
@@ -92,62 +110,77 @@ class EventHandler(StepFlow):
         SESSION_ENDED,
         ANSWERED,
     )
-
     asks = (LEVEL_REQUEST, UNSAID_FEEDBACK)
 
     def __init__(self, task: Task, seed: int, vital: Collection[str] = VITAL) -> None:
-        super().__init__(task, seed)
+        super().__init__()
+        self.task = task
         self.vital = vital
-        self._pause_reason = ""
-        self._blockers = Blockers(task.sensor_seats(task.parameters))
-        self._status: m.EndStatus = "completed"
-        self._on_screen: object = None
-        """The thing that a participant is asked for at present."""
+        self.session = SessionScript(self, task, seed)
+        self.status = self.session.status
+        self._script: Script[None] | None = self.session.session()
+        self._awaited: tuple[type, ...] = ()
 
     @property
-    def is_recording_over(self) -> bool:
-        """True if a recording that replaces a sensor is at its end."""
-        return self._blockers.is_recording_over
+    def open_trial(self) -> OpenTrial | None:
+        """The trial under way, if there is one."""
+        return self.session.presenter.trial if self.status.phase in IN_TRIAL else None
 
-    # --- the session
+    @property
+    def trial_mark(self) -> TrialMark:
+        """The trial that a mark is put on now, and the mark that is on it."""
+        return self.session.scores.trial_mark(self.open_trial)
+
+    # --- the script
+
+    def _hear(self, event: Any) -> None:
+        """Give the script an event, if it waits for such."""
+        if self._script and isinstance(event, self._awaited):
+            script = self._script
+            self._run(lambda: script.send(event))
+
+    def _interrupt(self, interruption: Exception) -> None:
+        """Interrupt the script where it waits."""
+        if script := self._script:
+            self._run(lambda: script.throw(interruption))
+
+    def _run(self, step: Callable[[], tuple[type, ...]]) -> None:
+        """Let the script run until it waits again."""
+        script, self._script = self._script, None  # it is over if it ends or fails
+        try:
+            self._awaited = step()
+        except StopIteration:
+            return
+        self._script = script
+
+    def _end_result(self) -> None:
+        """Go on at once if the answer to a trial is shown: that trial is over."""
+        if self.status.phase is Phase.RESULT:
+            self._hear(TimeUp("result", 0))
+
+    # --- runs of the program
 
     @on(SESSION)
     def session_started(self, session: m.SessionStarted) -> None:
-        """Show the instructions in the first run; continue where the last run stopped in a later
-        one.
-        """
+        """Begin the session, or a later run: continue it where the last run stopped."""
         # raises here, where it ends the session, not on the screen
         text_of(self.task.instructions(), "instructions")
-        self._rules = session.rules
-        self._given = session.steps or self._given
-        self._last_key = None
-        self._start_key.release()
-        self._key_guard.reset()
-        self._on_screen = None
-        self._focused = True
-        self._is_agent_acting = False
-        self._feedback_due_at = 0
-        self._is_decision_pending = False
+        script, status = self.session, self.status
         self.cancel_timers()
-        self._stored = self._last_trial
-        self._blockers.reset()
-        self._count_from_here(Dose.of(session.done_today))
-        was_paused_by_person = self._phase is Phase.PAUSED and self._pause_reason not in (
-            *PAUSES,
-            LEFT,
-        )
-        keeps_phase = was_paused_by_person or self._phase in (
-            Phase.INSTRUCTIONS,
-            Phase.REVIEW,
-            Phase.ENDED,
-        )
+        status.begin_run(session.rules)
+        script.steps.rules = session.rules
+        script.steps.given = session.steps or script.steps.given
+        script.dose.begin_run(Dose.of(session.done_today), self.now)
+        script.feedback_due_at = 0
         # the clock of the last run says nothing about the time between the runs
-        if self.is_resting:
-            self._rest_until = self.now + self.task.parameters.rest_seconds * SECOND
-        if self._phase is Phase.CLOSING:
-            self._end()
-        elif session.run == 1 or keeps_phase:
-            self._wait(self._phase)
+        if status.is_resting:
+            script.rest_until = self.now + self.task.parameters.rest_seconds * SECOND
+        if not self._awaited and self._script:
+            self._run(self._script.__next__)
+        elif status.phase is Phase.CLOSING:
+            self._hear(session)
+        elif status.is_paused_by_person or status.phase in _KEPT:
+            script.announce(status.phase)
         else:
             self._pause("interrupted")
 
@@ -155,8 +188,111 @@ class EventHandler(StepFlow):
     def fault(self, fault: m.Fault) -> None:
         """Stop the session if a vital node failed: nothing can be scored any more."""
         if fault.node in self.vital:
-            self._void("fault")
-            self._wait(Phase.BROKEN)
+            self.cancel_timers()
+            if self.status.phase in IN_TRIAL:
+                self.session.void("fault")
+            self._script = None
+            self.session.announce(Phase.BROKEN)
+
+    # --- what the script waits for
+
+    def timer(self, name: str, late: int) -> None:
+        self._hear(TimeUp(name, late))
+
+    @on(PERCEIVED)
+    def perceived(self, percept: m.KeyPerceived) -> None:
+        """Give the script a key, if that was pressed for what is on the screen."""
+        phase, keys = self.status.phase, self.status.keys
+        keys.press(percept)
+        if phase not in IN_TRIAL and not keys.is_meant(phase, self.status.rules):
+            return
+        if phase in REQUESTABLE and percept.key == REQUEST_KEY:
+            self._request_feedback()
+        else:
+            self._hear(percept)
+
+    @on(REACH)
+    def reach_perceived(self, percept: m.ReachPerceived) -> None:
+        self._hear(percept)
+
+    @on(SHOWN)
+    def shown(self, shown: m.Shown) -> None:
+        self._hear(shown)
+
+    @on(TRIAL_FEEDBACK_SHOWN)
+    def trial_feedback_shown(self, shown: m.TrialFeedbackShown) -> None:
+        self._hear(shown)
+
+    @on(STORED)
+    def stored(self, stored: m.Stored) -> None:
+        self.status.stored = (stored.attempt, stored.trial)
+        self._hear(stored)
+
+    @on(ACTING)
+    def agent_acted(self, agent: m.AgentActing) -> None:
+        was_awaited = self.status.awaits_operator
+        self.status.is_agent_acting = agent.acting
+        self.status.awaits_operator = agent.awaits_operator
+        self._hear(agent)
+        if was_awaited and not agent.awaits_operator:
+            self._hear(Decided())
+
+    @on(PASTE)
+    def pasted(self, paste: m.Pasted) -> None:
+        self.status.keys.last = paste.at
+        self._flag("paste")
+        self._hear(paste)
+
+    # --- the open trial
+
+    @on(TONE_BEGAN)
+    def tone_began(self, began: m.ToneBegan) -> None:
+        if self.status.phase in (Phase.ONSET, Phase.RESPONSE):
+            self.session.presenter.trial.tone_began(began)
+
+    @on(UNREADABLE)
+    def input_dropped(self, dropped: m.InputDropped) -> None:
+        self._flag("unreadable_input")
+
+    @on(FOCUS)
+    def focus_changed(self, focus: m.FocusChanged) -> None:
+        self.status.focused = focus.focused
+        if not focus.focused:
+            self._flag("focus_lost")
+
+    def _flag(self, flag: str) -> None:
+        if trial := self.open_trial:
+            trial.flag(flag)
+
+    # --- interruptions
+
+    def _pause(self, reason: str) -> None:
+        self._end_result()
+        self._interrupt(Pause(reason))
+
+    @on(STORAGE)
+    def storage_changed(self, storage: m.StorageChanged) -> None:
+        """Pause when writing to disk fails, or goes on elsewhere; show when it works again."""
+        phase, blockers = self.status.phase, self.status.blockers
+        blockers.update_storage(storage)
+        goes_on_elsewhere = storage.working and bool(storage.reason)
+        if phase is Phase.CLOSING or (phase is Phase.PAUSED and not goes_on_elsewhere):
+            self.session.announce(phase)
+        elif (blockers.has_disk_failed or goes_on_elsewhere) and phase not in OVER:
+            self._pause("restored")  # shown as "storage" until writing works again
+
+    @on(SENSOR)
+    def sensor_changed(self, sensor: m.SensorChanged) -> None:
+        """Pause when a sensor sends no data; the script resumes when it does again."""
+        status = self.status
+        if status.phase in OVER or not status.blockers.update_sensor(sensor):
+            return
+        if status.blockers.is_sensor_lost:
+            self._end_result()
+        if status.phase is Phase.PAUSED:
+            self._hear(sensor)
+        elif status.blockers.is_sensor_lost and self.session.needs_sensor:
+            self._interrupt(Pause("sensor"))
 
     @on(COMMAND)
     def command_received(self, act: m.SessionCommand) -> None:
@@ -166,329 +302,124 @@ class EventHandler(StepFlow):
 
     def _carry_out(self, act: m.SessionCommand) -> _Result:  # noqa: PLR0911
         """Carry out a command. Return what became of it, and why."""
-        if self._phase in OVER:
-            return "late", "The session is over."
-        if self._blockers.has_disk_failed and act.command in ("pause", "resume"):
-            return "refused", "The session cannot write to the disk."
+        if self.status.phase in OVER:
+            return _OVER
+        if self.status.blockers.has_disk_failed and act.command in ("pause", "resume"):
+            return _NO_DISK
         match act.command:
             case "pause":
                 self._pause(act.reason)
             case "resume":
-                if self._phase is not Phase.PAUSED:
-                    return "late", "The session is not paused."
-                self._resume()
-                if self._phase is Phase.PAUSED:
-                    return "refused", "The sensor sends no data."
+                return self._resume()
             case "end":
                 self._end_result()
-                self._void("ended")
-                self._close_early()
-            case "level":
-                self._set_level(act.value if act.value is not None else self._attempts.level)
-            case "hold" | "release":
-                self._attempts.hold_level(held=act.command == "hold")
+                self._interrupt(End("ended"))
             case "repeat":
                 return self._repeat()
             case "skip":
                 return self._skip(act.reason, act.value)
+            case "level":
+                self._set_level(act.value)
+            case "hold" | "release":
+                self.session.attempts.hold_level(held=act.command == "hold")
             case "mark":
-                return self._set_mark(act.reason)
+                return self._mark(act.reason)
+        return _DONE
+
+    def _resume(self) -> _Result:
+        if self.status.phase is not Phase.PAUSED:
+            return "late", "The session is not paused."
+        self._hear(Resume())
+        if self.status.phase is Phase.PAUSED:
+            return "refused", "The sensor sends no data."
         return _DONE
 
     def _repeat(self) -> _Result:
-        """Show the prompt again."""
-        if self._phase not in IN_TRIAL:
+        if self.status.phase not in IN_TRIAL:
             return _NO_PROMPT
-        self._void("repeat")
-        self._go_on()
+        self._interrupt(Repeat("repeat"))
         return _DONE
 
-    def _skip(self, what: str, number: int | None) -> _Result:  # noqa: PLR0911
+    def _skip(self, what: str, number: int | None) -> _Result:
         """End the prompt as missed, a step between attempts or a rest; or leave out an ``attempt``.
 
         An operator's key may come when the participant has just answered: a ``step`` is ended by
         its ``number`` only.
         """
+        phase, asked = self.status.phase, self.session.steps.asked
         if what == "attempt":
             return self._skip_attempt()
-        if what == "step" and (self._asked is None or self._asked.number != number):
+        if what == "step" and (asked is None or asked.number != number):
             return "late", "The participant has just answered."
-        if self.is_resting:
-            self._end_rest()
-            return _DONE
-        if self._phase is Phase.STEP:
-            if self._asked is None or self._asked.step.required:
-                return "refused", "Nobody else can answer that."
-            self._end_step("skipped", None, self.now)
-            return _DONE
-        if self._phase in IN_TRIAL:
-            self._finish(Result(correct=False, flags=("skipped",)))
-            return _DONE
-        return _NO_PROMPT
+        if phase is Phase.STEP and (asked is None or asked.step.required):
+            return "refused", "Nobody else can answer that."
+        if phase is Phase.PAUSED and self.status.is_resting:
+            self.session.rest_until = self.now
+        elif phase in (Phase.REST, Phase.STEP, *IN_TRIAL):
+            self._interrupt(Skip())
+        else:
+            return _NO_PROMPT
+        return _DONE
 
-    def _set_mark(self, name: str) -> _Result:
+    def _skip_attempt(self) -> _Result:
+        if not self.status.can_skip_attempt:
+            return "late", "The attempt is over."
+        if self.status.blockers.has_disk_failed:
+            return _NO_DISK
+        self._interrupt(SkipAttempt("skipped"))
+        return _DONE
+
+    # --- what does not change the order of a session
+
+    def _announce_again(self, *phases: Phase) -> None:
+        """Say again what the session waits for, if it is in one of these phases."""
+        if self.status.phase in phases:
+            self.session.announce(self.status.phase)
+
+    def _request_feedback(self) -> None:
+        if self.session.scores.request_feedback():
+            if self.has_timer("continue"):
+                self.session.continue_after(READING)
+            self.session.announce(self.status.phase)
+
+    def _mark(self, name: str) -> _Result:
         """Put a mark on the current trial, else the last one, or take it off."""
         mark = marks.find(self.task.marks, name)
         if mark is None:
             return "refused", "There is no such mark in this task."
-        before = self.trial_mark
-        self._mark(mark)
+        scores, before = self.session.scores, self.trial_mark
+        if scores.mark(mark, self.open_trial):
+            self.session.announce(self.status.phase)
         if self.trial_mark == before:
             return "refused", "There is no trial to mark."
         return "done", "removed" if before.present == name else ""
 
-    @property
-    def can_skip_attempt(self) -> bool:
-        """True if an attempt is under way, or waits to be begun."""
-        from_phase = self._paused_from if self._phase is Phase.PAUSED else self._phase
-        return self._is_under_way or from_phase is Phase.READY
+    def _set_level(self, level: int | None) -> None:
+        self.session.scores.set_level(self.session.attempts.level if level is None else level)
+        self._announce_again(Phase.READY)
 
-    def _skip_attempt(self) -> _Result:
-        """Leave out the attempt that is under way or comes next. What was done of it stays; nothing
-        is scored.
-        """
-        if not self.can_skip_attempt:
-            return "late", "The attempt is over."
-        if self._blockers.has_disk_failed:
-            return "refused", "The session cannot write to the disk."
-        self._void("skipped")
-        goes_on = self._attempts.skip()
-        self._phase, self._paused_from = Phase.PAUSED, Phase.READY if goes_on else Phase.REVIEW
-        self._resume()
-        return _DONE
+    @on(LEVEL_DECIDED)
+    def level_decided(self, decided: m.LevelDecided) -> None:
+        """Apply a change of level that waited for an operator; a rejected one changes nothing."""
+        if decided.decision != "rejected" and self.status.phase not in OVER:
+            self.session.scores.settle_level(decided.level)
+            self._announce_again(Phase.READY)
 
-    @on(STORAGE)
-    def storage_changed(self, storage: m.StorageChanged) -> None:
-        """Pause the session when writing to disk fails, or goes on elsewhere; let it be resumed
-        when it works.
-        """
-        self._blockers.update_storage(storage)
-        goes_on_elsewhere = storage.working and bool(storage.reason)
-        if self._phase is Phase.CLOSING or (self._phase is Phase.PAUSED and not goes_on_elsewhere):
-            self._wait(self._phase)
-        elif (self._blockers.has_disk_failed or goes_on_elsewhere) and self._phase not in OVER:
-            self._pause("restored")  # shown as "storage" until writing works again
-
-    @on(SENSOR)
-    def sensor_changed(self, sensor: m.SensorChanged) -> None:
-        """Pause the session when a sensor sends no data, and resume it when it does again."""
-        if self._phase in OVER or not self._blockers.update_sensor(sensor):
+    @on(SETTING)
+    def setting_changed(self, change: m.SettingChanged) -> None:
+        """Change a setting from the next attempt on."""
+        if self.status.phase in OVER:
+            self._answer(change, *_OVER)
             return
-        if lost := self._blockers.is_sensor_lost:
-            self._end_result()
-        waits_for_sensor = self._phase is Phase.PAUSED and self._pause_reason == "sensor"
-        if lost and self._phase is not Phase.PAUSED and self._needs_sensor(self._phase):
-            self._pause("sensor")
-        elif lost and waits_for_sensor:
-            self._wait(Phase.PAUSED)
-        elif waits_for_sensor and self._blockers.has_disk_failed:
-            self._pause("restored")
-        elif waits_for_sensor:
-            self._resume()
-
-    @on(STORED)
-    def stored(self, stored: m.Stored) -> None:
-        super().stored(stored)
-        if self._phase is Phase.CLOSING and self._stored == self._last_trial:
-            self._end()
-
-    def _pause(self, reason: str) -> None:
-        if self._phase is not Phase.PAUSED:
-            self._end_result()
-            self._paused_from = self._phase
-            self._void(reason or "pause")
-        self._pause_reason = reason
-        self._wait(Phase.PAUSED)
-
-    def _resume(self) -> None:
-        if self._blockers.is_sensor_lost and self._needs_sensor(self._paused_from):
-            self._pause("sensor")
-        elif self._is_under_way:
-            self._last_key = self.now
-            self._go_on()
-        elif self._paused_from is Phase.FEEDBACK:
-            self._await_feedback()
-        elif self._paused_from is Phase.REST:
-            self._rest(self._rest_until)
-        elif self._paused_from is Phase.STEP:
-            self._show_step()
+        try:
+            self.session.scores.change_setting(change.name, change.value)
+        except ParameterError as error:
+            self._answer(change, "refused", str(error))
         else:
-            self._wait(self._paused_from)
-            self._wait_for_decision()
+            self._answer(change)
+        self._announce_again(Phase.READY)
 
-    def _go_on(self) -> None:
-        """Go on with the attempt, or wait for Enter to begin it again if its trials build on each
-        other.
-        """
-        if self.task.restarts_attempts and self._attempts.trial > 1:
-            self._attempts.restart()
-            self._is_restarted = True
-            self._wait(Phase.READY)
-            self._wait_for_decision()
-        else:
-            super()._go_on()
-
-    def timer(self, name: str, late: int) -> None:
-        """Begin the next attempt of a continuous task."""
-        if name != "continue":
-            super().timer(name, late)
-        elif self._phase is Phase.READY:
-            self._begin_attempt_or_end()
-
-    def _needs_sensor(self, phase: Phase) -> bool:
-        """Return True if movements follow: not in the instructions, and not after the last
-        attempt.
-        """
-        return not (self._is_all_done_in(phase) or phase is Phase.INSTRUCTIONS)
-
-    def _is_all_done_in(self, phase: Phase) -> bool:
-        """Return True if the last attempt has ended."""
-        is_between = phase in (Phase.FEEDBACK, Phase.STEP)
-        return phase is Phase.REVIEW or (is_between and self._after_feedback is Phase.REVIEW)
-
-    def _close(self, status: m.EndStatus) -> None:
-        """End the session as soon as its last trial is on disk."""
-        self._status = status
-        if self._stored == self._last_trial:
-            self._end()
-        else:
-            self._wait(Phase.CLOSING)
-
-    def _close_early(self) -> None:
-        """End the session at an operator's or participant's command; without agreement nothing else
-        of it is kept.
-        """
-        from_phase = self._paused_from if self._phase is Phase.PAUSED else self._phase
-        if self.awaits_agreement:
-            self._refuse()
-        else:
-            self._close("completed" if self._is_all_done_in(from_phase) else "aborted")
-
-    def _refuse(self) -> None:
-        self._close("refused")
-
-    def _end(self) -> None:
-        self._wait(Phase.ENDED)
-        self.emit(SESSION_ENDED, m.SessionEnded(status=self._status))
-
-    def _key_between_trials(self, percept: m.KeyPerceived, press: GuardedPress) -> None:
-        """Handle a key, unless it was pressed for something that is not on the screen any more."""
-        is_new = press.after_quiet if self._phase is Phase.READY else press.is_new
-        if self._rules < 6 or (press.counts and (is_new or percept.key != "enter")):
-            self._take_key(percept)
-
-    def _take_key(self, percept: m.KeyPerceived) -> None:
-        match self._phase, percept.key:
-            case Phase.INSTRUCTIONS, "enter":
-                if self._is_step_due():
-                    self._ask()
-                else:
-                    self._await_first_attempt()
-            case Phase.STEP, _:
-                self._key_in_step(percept)
-            case Phase.READY, "enter" if not percept.repeat:
-                self._begin_attempt_or_end()
-            case Phase.REVIEW, "enter" if not percept.repeat:
-                self._close("completed")
-            case phase, key if phase in REQUESTABLE and key == REQUEST_KEY:
-                self._request_feedback()
-            case Phase.PAUSED, "enter" if self._reason in ENTER_RESUMES:
-                self._resume()
-
-    def _await_first_attempt(self) -> None:
-        super()._await_first_attempt()
-        if self._blockers.is_sensor_lost:
-            self._pause("sensor")
-
-    def _begin_attempt_or_end(self) -> None:
-        """Begin the attempt, unless a limit was reached while the participant rested."""
-        self._limit = self._limit_text
-        if self._limit:
-            self._wait(Phase.REVIEW)
-        else:
-            self._begin_attempt()
-
-    # --- waiting
-
-    @property
-    def _reason(self) -> str:
-        """Reason of the pause: a disk failure takes precedence over what a person gave."""
-        if self._blockers.has_disk_failed and self._phase in (Phase.PAUSED, Phase.CLOSING):
-            return "storage"
-        return self._pause_reason if self._phase is Phase.PAUSED else ""
-
-    def _wait(self, phase: Phase, reason: str = "") -> None:
-        self._phase = phase
-        why = reason or self._reason
-        self._note_appearance(why)
-        notice = self._notice_for(phase)
-        detail = self._blockers.detail(why)
-        seat = self._blockers.lost_seat if why == "sensor" else self._turn
-        message = waiting_message(
-            phase,
-            self._attempts,
-            self.task,
-            notice=notice,
-            reason=why,
-            detail=detail,
-            seat=seat,
-            until=self._ends_at(phase),
-        )
-        changed = self._why_changed if phase is Phase.READY else ""
-        if phase is Phase.STEP:
-            message = replace(message, step=self._asked)
-        self.emit(WAITING, replace(message, why=changed) if changed else message)
-
-    def _note_appearance(self, why: str) -> None:
-        """Note when something else is asked for than before. What is asked again in other words
-        stays the same.
-        """
-        asked = (
-            (self._asked.number, self._asked.shown)
-            if self._phase is Phase.STEP and self._asked
-            else None
-        )
-        on_screen = (self._phase, self._attempts.attempt, asked, why)
-        if on_screen != self._on_screen:
-            self._on_screen = on_screen
-            self._key_guard.appeared(self.now)
-
-    def _ends_at(self, phase: Phase) -> int:
-        """Return when a wait ends by itself (ns); 0 if that is not known."""
-        if phase is Phase.REST:
-            return self._rest_until
-        if phase is Phase.STEP:
-            return self._step_until
-        return self._continues_at if phase is Phase.READY and self.has_timer("continue") else 0
-
-    @property
-    def _turn(self) -> str:
-        """The seat whose turn it is, if it may be known; empty for all seats."""
-        if len(self.task.seats) == 1:
-            return self.task.seats[0]
-        return self._trial.turn if self._phase in IN_TRIAL else ""
-
-    def _notice_for(self, phase: Phase) -> str:
-        """Return what the participant must know first.
-
-        That practice is over, a new level, a trial to repeat, or a limit that is reached.
-        """
-        if phase is Phase.READY:
-            counts = self.task.tr("Practice is over. From here on it counts.")
-            again = self.task.tr("This attempt begins again.") if self._is_restarted else ""
-            parts = [
-                again,
-                counts if self._attempts.is_first_after_practice else "",
-                self._level_notice,
-            ]
-            return " ".join(filter(None, parts))
-        if phase is Phase.REVIEW:
-            return self._limit
-        return self._notice if phase is Phase.START else ""
-
-    @property
-    def _level_notice(self) -> str:
-        """Notice of a level that differs from the last attempt's; empty for none."""
-        if self._attempts.level == self._announced_level:
-            return ""
-        return text_of(self.task.notice(self._attempts.level, self._announced_level), "notice")
+    def _answer(self, act: m.OperatorAct, outcome: m.ActOutcome = "done", why: str = "") -> None:
+        """Answer an operator's act, if it carries an id."""
+        if act.id:
+            self.emit(ANSWERED, answer_to(act, self.now, outcome, why))

@@ -4,7 +4,7 @@ a moment.
 
 import pytest
 
-from sar_tui.loop.nodes.attempt_flow import CONTINUES_AFTER, READING
+from sar_tui.loop.script import CONTINUES_AFTER, READING
 from sar_tui.loop.session import Session
 from sar_tui.loop.topics import ATTEMPT_STARTED, FEEDBACK
 from sar_tui.model.theme import Theme

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from sar_tui.loop.nodes.trial_flow import MAX_PRESENTATIONS
+from sar_tui.loop.script import MAX_PRESENTATIONS
 from sar_tui.loop.topics import ATTEMPT_ENDED, PROMPT, TRIAL, VOIDED, WAITING
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS

@@ -1,0 +1,131 @@
+"""Facts that hold whatever the session waits for: its phase, the disk, sensors, agent, keys."""
+
+from sar_tui.loop.blockers import Blockers
+from sar_tui.loop.session_phase import IN_TRIAL, LEFT, PAUSES, Phase
+from sar_tui.loop.task import Task
+from sar_tui.model.messages import KeyPerceived
+from sar_tui.rules.held_key import HeldKey
+from sar_tui.rules.key_guard import GuardedPress, KeyGuard
+
+
+class Status:
+    """What is known at any moment. The node updates it before it resumes the script.
+
+    Attributes:
+        phase: what the session waits for.
+        paused_from: the phase that the last pause interrupted.
+        pause_reason: as it was given for that pause; see `reason`.
+        rules: version of the session's rules.
+        focused: True while the terminal has the focus.
+        is_agent_acting: True while the agent speaks or moves.
+        awaits_operator: True while a proposal with a deadline is pending.
+        last_trial: attempt and number of the last trial that was done.
+        stored: the same of the last trial that is on disk.
+    """
+
+    def __init__(self, task: Task) -> None:
+        self.phase = Phase.INSTRUCTIONS
+        self.paused_from = Phase.INSTRUCTIONS
+        self.pause_reason = ""
+        self.rules = 3
+        self.focused = True
+        self.is_agent_acting = False
+        self.awaits_operator = False
+        self.last_trial = (0, 0)
+        self.stored = (0, 0)
+        self.blockers = Blockers(task.sensor_seats(task.parameters))
+        self.keys = Keys(task.start_key)
+
+    def begin_run(self, rules: int) -> None:
+        """Forget what only the last run of the program knew; all that it recorded is on disk."""
+        self.rules = rules
+        self.focused = True
+        self.is_agent_acting = False
+        self.awaits_operator = False
+        self.stored = self.last_trial
+        self.blockers.reset()
+        self.keys.begin_run()
+
+    @property
+    def place(self) -> Phase:
+        """The phase; during a pause the one that was interrupted."""
+        return self.paused_from if self.phase is Phase.PAUSED else self.phase
+
+    @property
+    def is_attempt_under_way(self) -> bool:
+        """True if an attempt has begun and not ended, also while the session is paused."""
+        return self.place in IN_TRIAL or self.place is Phase.RESULT
+
+    @property
+    def can_skip_attempt(self) -> bool:
+        """True if an attempt is under way, or waits to be begun."""
+        return self.is_attempt_under_way or self.place is Phase.READY
+
+    @property
+    def is_resting(self) -> bool:
+        """True in a rest that must be taken, also while the session is paused."""
+        return self.place is Phase.REST
+
+    @property
+    def is_last_trial_stored(self) -> bool:
+        """True if every trial that was done is on disk."""
+        return self.stored == self.last_trial
+
+    @property
+    def is_paused_by_person(self) -> bool:
+        """True in a pause that only a command ends, unless it was made to leave the session."""
+        return self.phase is Phase.PAUSED and self.pause_reason not in (*PAUSES, LEFT)
+
+    @property
+    def reason(self) -> str:
+        """Reason of the pause: a disk failure takes precedence over what a person gave."""
+        if self.blockers.has_disk_failed and self.phase in (Phase.PAUSED, Phase.CLOSING):
+            return "storage"
+        return self.pause_reason if self.phase is Phase.PAUSED else ""
+
+
+class Keys:
+    """The keys so far, and whether the last one was pressed for what is on the screen.
+
+    Attributes:
+        last: stamp (ns) of the last key or pasted text; None before it.
+        is_start: True if the last key was a fresh press of the key that starts a trial.
+    """
+
+    def __init__(self, start_key: str) -> None:
+        self._start_key = start_key
+        self._held_start = HeldKey()
+        self._guard = KeyGuard()
+        self._press: GuardedPress
+        self._asked: object = None
+        self._key = ""
+        self.last: int | None = None
+        self.is_start = False
+
+    def begin_run(self) -> None:
+        """Forget all: stamps of another run cannot be compared."""
+        self.last = None
+        self._held_start.release()
+        self._guard.reset()
+        self._asked = None
+
+    def asked_for(self, what: object, now: int) -> None:
+        """Note what the participant is asked for. The same in other words is nothing new."""
+        if what != self._asked:
+            self._asked = what
+            self._guard.appeared(now)
+
+    def press(self, key: KeyPerceived) -> None:
+        """Note a key."""
+        self.last = key.at
+        self.is_start = key.key == self._start_key and self._held_start.press(key.at) != "held"
+        self._key = key.key
+        self._press = self._guard.press(key.key, key.at)
+
+    def is_meant(self, phase: Phase, rules: int) -> bool:
+        """Return True if the last key was pressed for what ``phase`` shows between trials."""
+        if rules < 6:
+            return True
+        press = self._press
+        is_new = press.after_quiet if phase is Phase.READY else press.is_new
+        return press.counts and (is_new or self._key != "enter")
