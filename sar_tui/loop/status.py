@@ -9,7 +9,7 @@ from sar_tui.rules.key_guard import GuardedPress, KeyGuard
 
 
 class Status:
-    """What is known at any moment. The node updates it before it resumes the script.
+    """Facts about the moment. The node updates them before it resumes the script.
 
     Attributes:
         phase: what the session waits for.

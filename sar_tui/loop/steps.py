@@ -19,7 +19,7 @@ before.
 
 
 class Ended(NamedTuple):
-    """How a step ended, with which answer, and when (ns)."""
+    """End of a step: how, with which answer, and when (ns)."""
 
     status: m.StepStatus
     answer: Answer
