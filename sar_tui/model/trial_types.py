@@ -170,6 +170,14 @@ class Situation(msgspec.Struct, frozen=True):
     condition: str = ""
 
     @property
+    def chance(self) -> RandomStreams:
+        """Former name of ``streams``."""
+        from warnings import warn
+
+        warn("chance of a situation is now its streams.", DeprecationWarning, stacklevel=2)
+        return self.streams
+
+    @property
     def results(self) -> "tuple[Result, ...]":
         """Results of this attempt's earlier trials, oldest first; with several seats, of seat A."""
         return self.results_of("A")

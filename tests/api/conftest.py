@@ -21,7 +21,9 @@ def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Install
         info = site / f"plugin_{name}-1.dist-info"
         info.mkdir(parents=True)
         for module, source in modules.items():
-            (site / f"{module}.py").write_text(source, encoding="utf-8")
+            path = site / f"{module.replace('.', '/')}.py"
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(source, encoding="utf-8")
             made.append(module)
         (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: plugin-{name}\nVersion: 1\n")
         (info / "entry_points.txt").write_text(f"[{group}]\n{name} = {value}\n")
@@ -30,5 +32,6 @@ def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Install
 
     yield put
     for module in made:
-        sys.modules.pop(module, None)
+        for name in (module, module.partition(".")[0]):
+            sys.modules.pop(name, None)
     registry._installed.cache_clear()
