@@ -21,7 +21,7 @@ COMMANDS = ("--version", "tasks", "sessions", "doctor")
 IMPORTS = {
     "msgspec": "import msgspec",
     "a task's names": "from sar_tui.api.task import Metric, Result, Stimulus, Task",
-    "and its settings'": "from sar_tui.api.task import Metric, Result, Stimulus, Task, TaskParameters",
+    "and its settings'": "from sar_tui.api.task import Metric, Result, Task, TaskParameters",
 }
 PROGRAMS = (PYTHON, *COMMANDS, *IMPORTS)
 MOST_TIMES_MSGSPEC = 1.3

@@ -48,7 +48,8 @@ try:
 except SystemExit as ended:
     assert not ended.code
 memory = None
-if sys.platform == "linux":  # what getrusage tells begins with the memory of the program that started this one
+# what getrusage tells begins with the memory of the program that started this one
+if sys.platform == "linux":
     memory = int(open("/proc/self/status").read().partition("VmHWM:")[2].split()[0]) / 1024
 elif sys.platform != "win32":
     import resource

@@ -37,7 +37,8 @@ memory = None
 if sys.platform != "win32":
     import resource
 
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / (1024 if sys.platform == "linux" else 2**20)
+    units_per_mb = 1024 if sys.platform == "linux" else 2**20
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / units_per_mb
 print(json.dumps([time.perf_counter() - began, time.process_time(), memory]))
 """
 
@@ -64,8 +65,17 @@ def measure(few: int, many: int, folder: Path, measured: Callable[[], None]) -> 
         first_s, cpu_s, again_s, memory = (
             statistics.median(values) for values in zip(*runs, strict=True)
         )
-        sizes.append({"sessions": count, "trials": 400 * count, "megabytes": (there / FILE).stat().st_size / 1e6,
-                      "merge_s": first_s, "cpu_s": cpu_s, "again_s": again_s, "memory_mb": memory})  # fmt: skip
+        sizes.append(
+            {
+                "sessions": count,
+                "trials": 400 * count,
+                "megabytes": (there / FILE).stat().st_size / 1e6,
+                "merge_s": first_s,
+                "cpu_s": cpu_s,
+                "again_s": again_s,
+                "memory_mb": memory,
+            }
+        )
     small, large = sizes
     factor = many / few
     return {

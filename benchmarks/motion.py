@@ -44,7 +44,8 @@ def blocks():
 
 began = time.process_time()
 found = detect_long(blocks(), sys.argv[3])
-memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / (1024 if sys.platform == "linux" else 2**20)
+units_per_mb = 1024 if sys.platform == "linux" else 2**20
+memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / units_per_mb
 print(json.dumps([time.process_time() - began, len(found.reaches), memory]))
 """
 

@@ -34,7 +34,8 @@ analysed.
 """
 _BARE = """
 CREATE TABLE events (
-    session TEXT, seq INTEGER, run INTEGER, at_ns INTEGER, topic TEXT, message TEXT, PRIMARY KEY (session, seq)
+    session TEXT, seq INTEGER, run INTEGER, at_ns INTEGER, topic TEXT, message TEXT,
+    PRIMARY KEY (session, seq)
 )
 """
 

@@ -19,7 +19,8 @@ def main() -> None:
         _run()
     except BrokenPipeError:
         raise SystemExit(FAILED) from None
-    except OSError as error:  # the help or the version cannot be printed; commands report their errors themselves
+    # the help or the version cannot be printed; commands report their errors themselves
+    except OSError as error:
         from sar_tui.cli.errors import report
 
         raise SystemExit(report(error)) from None

@@ -24,8 +24,8 @@ _MOST_MISSING = 10
 """A recording whose holes last longer than this many times the rest of it is refused."""
 
 _OF_THE_WAY_BACK = (
-    "turn_s", "back_s", "dwell_s", "peak_return_rad_s", "movement_units_back", "sparc_back", "ldlj_back",
-    "return_error_deg",
+    "turn_s", "back_s", "dwell_s", "peak_return_rad_s", "movement_units_back", "sparc_back",
+    "ldlj_back", "return_error_deg",
 )  # fmt: skip
 
 _HARDLY_MOVING_RAD_S = 0.15

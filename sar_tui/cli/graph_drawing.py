@@ -50,8 +50,8 @@ def _node(part: Part, below: str | None, whole: Graph, inner: int, width: int) -
         head = f"{margin}{'╰' if last else '├'}{arrow} {target.ljust(longest)}  "
         follow = f"{margin}{' ' if last else '│'}".ljust(len(head))
         yield from textwrap.wrap(
-            ", ".join(names), width, initial_indent=head, subsequent_indent=follow, break_long_words=False,
-            break_on_hyphens=False,
+            ", ".join(names), width, initial_indent=head, subsequent_indent=follow,
+            break_long_words=False, break_on_hyphens=False,
         )  # fmt: skip
     for name in down:
         yield f"{margin}│ {name}"

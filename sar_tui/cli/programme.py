@@ -344,8 +344,8 @@ def import_programme(
             make_plan(catalogue, kind, [code], saved=wanted, mode="simulated")
         try:
             saved = programmes.save(
-                database, code, task, wanted, after=after, author=login_name() if author is None else author,
-                reason=reason.strip(),
+                database, code, task, wanted, after=after,
+                author=login_name() if author is None else author, reason=reason.strip(),
             )  # fmt: skip
         except programmes.Superseded as error:
             raise Refused(

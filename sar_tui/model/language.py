@@ -95,9 +95,9 @@ def slots(text: str) -> frozenset[str]:
     found = set()
     for _, name, form, conversion in string.Formatter().parse(text):
         if name is not None:
-            found.add(
-                f"{{{name}{'!' if conversion else ''}{conversion or ''}{':' if form else ''}{form}}}"
-            )
+            converted = f"!{conversion}" if conversion else ""
+            formatted = f":{form}" if form else ""
+            found.add(f"{{{name}{converted}{formatted}}}")
     return frozenset(found)
 
 

@@ -30,8 +30,8 @@ BORG = (
 Scales).
 """
 BORG_WORDS = {
-    0.0: "nothing at all", 0.5: "extremely weak", 1.0: "very weak", 2.0: "weak", 3.0: "moderate", 5.0: "strong",
-    7.0: "very strong", 10.0: "extremely strong",
+    0.0: "nothing at all", 0.5: "extremely weak", 1.0: "very weak", 2.0: "weak", 3.0: "moderate",
+    5.0: "strong", 7.0: "very strong", 10.0: "extremely strong",
 }  # fmt: skip
 """Its words, by point; the others have none."""
 

@@ -9,10 +9,13 @@ from typing import Any
 from sar_tui.drivers.installation import pip_install_extra
 
 _STYLE = """
-body { font: 15px/1.5 sans-serif; color: #111; background: #fff; max-width: 46rem; margin: 2rem auto; padding: 0 1rem; }
+body { font: 15px/1.5 sans-serif; color: #111; background: #fff;
+  max-width: 46rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin-top: 2rem; }
-figure { margin: 1rem 0; } figure svg { max-width: 100%; height: auto; } figcaption { font-size: .85rem; color: #333; }
-table { border-collapse: collapse; font-size: .85rem; } th, td { padding: .2rem .6rem; text-align: right; }
+figure { margin: 1rem 0; } figure svg { max-width: 100%; height: auto; }
+figcaption { font-size: .85rem; color: #333; }
+table { border-collapse: collapse; font-size: .85rem; }
+th, td { padding: .2rem .6rem; text-align: right; }
 th { border-bottom: 1px solid #888; } td:first-child, th:first-child, .text { text-align: left; }
 ul.claims { list-style: none; padding-left: 0; }
 pre { font-size: 1rem; line-height: 1.6; }

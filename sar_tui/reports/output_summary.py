@@ -11,7 +11,8 @@ from sar_tui.store.stored_json import read_json
 
 _OVER = ("done", "aborted", "failed")
 _REPORTS = """SELECT topic, message FROM events
-           WHERE session=? AND topic IN ('output/opened', 'output/report', 'framework/fault') ORDER BY seq"""
+           WHERE session=? AND topic IN ('output/opened', 'output/report', 'framework/fault')
+           ORDER BY seq"""
 
 
 class OutputSummary(msgspec.Struct):

@@ -60,4 +60,5 @@ def _shown(parts: Sequence[str | Table | Drawing]) -> Iterator[str]:
                     yield f"<p>{escape(part.more)}</p>"
             case Drawing():
                 drawn = escape("\n".join(part.lines))
-                yield f"<figure><figcaption>{escape(part.caption)}</figcaption><pre>{drawn}</pre></figure>"
+                caption = f"<figcaption>{escape(part.caption)}</figcaption>"
+                yield f"<figure>{caption}<pre>{drawn}</pre></figure>"

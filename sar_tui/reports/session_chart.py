@@ -221,10 +221,11 @@ def session_chart(
     ):
         if low <= value <= high:
             labels[row(value)] = label  # of several, the one next to the middle of the row
-    lines = [
-        f"{labels.get(number, ''):>{margin - 1}}{'┤' if number in labels else '│'}{''.join(cells)}".rstrip()
-        for number, cells in enumerate(grid)
-    ]
+    lines = []
+    for number, cells in enumerate(grid):
+        axis_line = "┤" if number in labels else "│"
+        label = f"{labels.get(number, ''):>{margin - 1}}"
+        lines.append(f"{label}{axis_line}{''.join(cells)}".rstrip())
     edge = f"{'│':>{margin}}"
     lines = [*([edge + above] if above else []), *lines, *([edge + below] if below else [])]
     foot = ["─"] * columns.width

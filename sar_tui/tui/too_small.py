@@ -45,7 +45,6 @@ class TooSmallScreen(Screen[None]):
     def on_resize(self, event: events.Resize) -> None:
         tr, size = language_of(self.app), event.size
         has = tr("It has {columns} by {rows} characters;", columns=size.width, rows=size.height)
+        wish = f"{tr('This window is too small.')}\n\n{tr('Please make it larger.')}"
         needed = tr("{columns} by {rows} are needed.", columns=MINIMUM.width, rows=MINIMUM.height)
-        self.query_one("#too-small", Static).update(
-            f"{tr('This window is too small.')}\n\n{tr('Please make it larger.')}\n\n{has}\n{needed}"
-        )
+        self.query_one("#too-small", Static).update(f"{wish}\n\n{has}\n{needed}")

@@ -166,27 +166,46 @@ def claims(rows: Sequence[Row]) -> list[Claim]:
 
     return [
         claim(
-            f"Under each difficulty and of each kind the {JUDGED} detector finds exactly one reach in "
-            f"{LEAST_PERCENT:g} % or more.",
-            "exactly_one_percent", lambda share: share >= LEAST_PERCENT, ".1f",
-        ), claim("Not one of its reaches is endless.", "endless_percent",
-        lambda share: share == 0.0, ".1f"), claim(
+            f"Under each difficulty and of each kind the {JUDGED} detector finds exactly one reach "
+            f"in {LEAST_PERCENT:g} % or more.",
+            "exactly_one_percent",
+            lambda share: share >= LEAST_PERCENT,
+            ".1f",
+        ),
+        claim(
+            "Not one of its reaches is endless.",
+            "endless_percent",
+            lambda share: share == 0.0,
+            ".1f",
+        ),
+        claim(
             f"The median error of its onsets is within {ONSET_MS:g} ms.",
-            "onset_error_median_ms", within(ONSET_MS), "+.0f",
+            "onset_error_median_ms",
+            within(ONSET_MS),
+            "+.0f",
         ),
         claim(
             f"The median error of its durations is within {DURATION_MS:g} ms.",
-            "error_median_ms", within(DURATION_MS), "+.0f",
+            "error_median_ms",
+            within(DURATION_MS),
+            "+.0f",
         ),
         claim(
             f"Of each kind, the middle half of its onsets' errors spans at most {SPREAD_MS:g} ms.",
-            "onset_error_iqr_ms", within(SPREAD_MS), ".0f", kinds,
+            "onset_error_iqr_ms",
+            within(SPREAD_MS),
+            ".0f",
+            kinds,
         ),
         claim(
-            f"Of each kind, the middle half of its durations' errors spans at most {SPREAD_MS:g} ms.",
-            "error_iqr_ms", within(SPREAD_MS), ".0f", kinds,
+            f"Of each kind, the middle half of its durations' errors spans at most {SPREAD_MS:g} "
+            "ms.",
+            "error_iqr_ms",
+            within(SPREAD_MS),
+            ".0f",
+            kinds,
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _number(value: float | None, form: str) -> str:

@@ -150,12 +150,23 @@ def _embodiment(evidence: Evidence) -> Sequence[Claim]:
         for done in (bare, embodied)
     ]
     return (
-        Claim("What the agent does is spoken, shown and gestured, by different bodies.",
-              f"nothing performs: {', '.join(lost)}" if lost else "" if len(bodies) >= 2 else "there is one body"),
-        Claim("Another body changes neither the course of a session nor what is said.",
-              ", ".join(differing) or ("" if said[0] == said[1] else "the feedback differs")),
-        Claim("Screen, speech, tones, motors and robots are there to choose from.", ", ".join(_missing_outputs())),
-    )  # fmt: skip
+        Claim(
+            "What the agent does is spoken, shown and gestured, by different bodies.",
+            f"nothing performs: {', '.join(lost)}"
+            if lost
+            else ""
+            if len(bodies) >= 2
+            else "there is one body",
+        ),
+        Claim(
+            "Another body changes neither the course of a session nor what is said.",
+            ", ".join(differing) or ("" if said[0] == said[1] else "the feedback differs"),
+        ),
+        Claim(
+            "Screen, speech, tones, motors and robots are there to choose from.",
+            ", ".join(_missing_outputs()),
+        ),
+    )
 
 
 def _missing_outputs() -> list[str]:

@@ -36,9 +36,14 @@ class KeyboardParameters(TaskParameters, frozen=True, kw_only=True):
     ] = 20
     threshold: Annotated[
         float,
-        meta("Goal", "ms", "The mean reaction time of an attempt must be below this; equal is not enough.",
-             ge=100, le=60_000),
-    ] = 1000.0  # fmt: skip
+        meta(
+            "Goal",
+            "ms",
+            "The mean reaction time of an attempt must be below this; equal is not enough.",
+            ge=100,
+            le=60_000,
+        ),
+    ] = 1000.0
     neutral_band: Annotated[
         float,
         meta(

@@ -19,9 +19,13 @@ class PairsParameters(TaskParameters, frozen=True, kw_only=True):
 
     policy: Annotated[
         Policy,
-        meta("Together", help="alternate: in turn. race: the faster wins. cooperative: both within a window. joint "
-             "attention: the agent looks to a side first."),
-    ] = "alternate"  # fmt: skip
+        meta(
+            "Together",
+            help="alternate: in turn. race: the faster wins. cooperative: both within a window. "
+            "joint "
+            "attention: the agent looks to a side first.",
+        ),
+    ] = "alternate"
     respond_with: Annotated[
         Literal["keys", "reaches"],
         meta(
@@ -42,9 +46,15 @@ class PairsParameters(TaskParameters, frozen=True, kw_only=True):
     ] = 12
     threshold: Annotated[
         float,
-        meta("Goal", "ms", "The mean reaction time of an attempt must be below this; equal is not enough. With "
-             "reaches each level takes a tenth off it.", ge=100, le=60_000),
-    ] = 1000.0  # fmt: skip
+        meta(
+            "Goal",
+            "ms",
+            "The mean reaction time of an attempt must be below this; equal is not enough. With "
+            "reaches each level takes a tenth off it.",
+            ge=100,
+            le=60_000,
+        ),
+    ] = 1000.0
     neutral_band: Annotated[
         float,
         meta(
@@ -76,9 +86,14 @@ class PairsParameters(TaskParameters, frozen=True, kw_only=True):
     ] = 400
     congruent_share: Annotated[
         float,
-        meta("Congruent share", help="Share of prompts on the side that the agent looks to, 0 to 1.",
-             ge=0, le=1, group="Joint attention"),
-    ] = 0.5  # fmt: skip
+        meta(
+            "Congruent share",
+            help="Share of prompts on the side that the agent looks to, 0 to 1.",
+            ge=0,
+            le=1,
+            group="Joint attention",
+        ),
+    ] = 0.5
     cue_lead_ms: Annotated[
         int,
         meta(
@@ -104,9 +119,14 @@ class PairsParameters(TaskParameters, frozen=True, kw_only=True):
     ] = "seat"
     imu: Annotated[
         str,
-        meta("Sensor on the left", help="phidget:SERIAL, phidget://host:port, simulated, recorded:FILE, or session:ID.",
-             min_length=1, group="Reaches", personal=True),
-    ] = "phidget"  # fmt: skip
+        meta(
+            "Sensor on the left",
+            help="phidget:SERIAL, phidget://host:port, simulated, recorded:FILE, or session:ID.",
+            min_length=1,
+            group="Reaches",
+            personal=True,
+        ),
+    ] = "phidget"
     imu_b: Annotated[
         str,
         meta(

@@ -14,8 +14,19 @@ else.
 """
 _REST_MS = 850
 """Rest that ends a reach: the fixed-threshold detector needs 800 ms."""
-_STORED = ("reach_time_ms", "out_ms", "back_ms", "dwell_ms", "peak_extension_rad_s", "peak_return_rad_s", "hand",
-         "detector", "detector_version", "samples", "rate_hz")  # fmt: skip
+_STORED = (
+    "reach_time_ms",
+    "out_ms",
+    "back_ms",
+    "dwell_ms",
+    "peak_extension_rad_s",
+    "peak_return_rad_s",
+    "hand",
+    "detector",
+    "detector_version",
+    "samples",
+    "rate_hz",
+)
 
 
 def perception_nodes(parameters: PairsParameters) -> tuple[Node, ...]:

@@ -135,11 +135,11 @@ class PairsTask(Task):
                 "I look to one side. Then a letter appears on one side, the same or the other."
             ),
         }
-        return (
-            f"{tr('Two people take part. Each has one half of the screen, and that half of the keyboard.')}\n"
-            f"{does[self.parameters.policy]}\n"
-            f"{tr('Press the letter in your half as fast as you can. Leave the other half alone.')}"
+        halves = tr(
+            "Two people take part. Each has one half of the screen, and that half of the keyboard."
         )
+        press = tr("Press the letter in your half as fast as you can. Leave the other half alone.")
+        return f"{halves}\n{does[self.parameters.policy]}\n{press}"
 
     def _reaches_explained(self) -> str:
         tr = self.tr
@@ -153,12 +153,14 @@ class PairsTask(Task):
                 "I look to one side. Then GO appears on one side, the same or the other."
             ),
         }
-        return (
-            f"{tr('Two people take part. Each has one half of the screen, and a sensor on one hand.')}\n"
-            f"{tr('Rest that hand on the table, and keep it still until it is your turn.')}\n"
-            f"{does[self.parameters.policy]}\n"
-            f"{tr('At GO in your half reach out and come back, as fast as you can. Then keep still.')}"
+        halves = tr(
+            "Two people take part. Each has one half of the screen, and a sensor on one hand."
         )
+        rest = tr("Rest that hand on the table, and keep it still until it is your turn.")
+        reach = tr(
+            "At GO in your half reach out and come back, as fast as you can. Then keep still."
+        )
+        return f"{halves}\n{rest}\n{does[self.parameters.policy]}\n{reach}"
 
     def goal(self, level: int) -> str:
         tr = self.tr

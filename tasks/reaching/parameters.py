@@ -36,9 +36,14 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
     ] = ""
     trunk_limit_deg: Annotated[
         float,
-        meta("Trunk limit", "deg", "A reach in which the trunk turns farther is marked as compensated. 0: never.",
-             ge=0, le=90),
-    ] = 0.0  # fmt: skip
+        meta(
+            "Trunk limit",
+            "deg",
+            "A reach in which the trunk turns farther is marked as compensated. 0: never.",
+            ge=0,
+            le=90,
+        ),
+    ] = 0.0
     hand: Annotated[
         Literal["right", "left"],
         meta("Hand", help="The hand that reaches, with the sensor on it.", personal=True),
@@ -54,10 +59,15 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
     ] = (15.0, 20.0, 25.0, 30.0, 35.0, 40.0)
     threshold: Annotated[
         float,
-        meta("Goal", "ms",
-             "The mean reach time to the nearest marker must be below this; farther markers get more time.",
-             ge=100, le=60_000),
-    ] = 1200.0  # fmt: skip
+        meta(
+            "Goal",
+            "ms",
+            "The mean reach time to the nearest marker must be below this; farther markers get "
+            "more time.",
+            ge=100,
+            le=60_000,
+        ),
+    ] = 1200.0
     goal_times_ms: Annotated[
         tuple[float, ...],
         meta(
@@ -97,9 +107,14 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
     ] = False
     still_ms: Annotated[
         int,
-        meta("Rest that ends a reach", "ms", "A reach followed by a rest this long needs no second press.",
-             ge=1000, le=60_000),
-    ] = 2500  # fmt: skip
+        meta(
+            "Rest that ends a reach",
+            "ms",
+            "A reach followed by a rest this long needs no second press.",
+            ge=1000,
+            le=60_000,
+        ),
+    ] = 2500
     least_turn_deg: Annotated[
         float,
         meta(

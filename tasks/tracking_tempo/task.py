@@ -118,8 +118,8 @@ class TrackingTempoTask(Task):
             frames.append(Frame("", beat - SEEN_MS))
         data = {"beat_ms": beat}
         return Stimulus(
-            f"{beat:g} ms", "", self.tr("Beats"), frames=tuple(frames), data=data, timeout_ms=count * beat + SPARE_MS,
-            signals=False,
+            f"{beat:g} ms", "", self.tr("Beats"), frames=tuple(frames), data=data,
+            timeout_ms=count * beat + SPARE_MS, signals=False,
         )  # fmt: skip
 
     def perceived(self, trial: Trial, percept: Any) -> Result | Again | None:
