@@ -10,6 +10,8 @@ from typing import Literal, NamedTuple
 
 import msgspec
 
+from sar_tui.store.tables import MESSAGES, TABLES, Table, with_column
+
 Kind = Literal["file", "orphan", "gap", "samples", "text", "log", "rows"]
 """``file``: its pages are damaged, or its views are not the program's. ``orphan``: rows that belong
 to nothing. ``gap``: numbers that are missing in a row of events, attempts or trials. ``samples``: a
@@ -17,24 +19,11 @@ block of a sensor's samples. ``text``: characters, or JSON. ``log``: a session's
 hashes have it. ``rows``: rows are not as they follow from the log.
 """
 
-_SESSION_TABLES = (
-    "seats", "runs", "attempts", "trials", "actions", "answers", "notes", "imu_streams", "imu_chunks", "log_hashes",
-    "earlier_events", "wellbeing", "adverse_events",
-)  # fmt: skip
 _WITHOUT_SESSION = ("wellbeing", "adverse_events")
 """Tables whose rows may have no session."""
 _OF_SESSION = "(SELECT id FROM session_numbers WHERE number=session_number)"
-_JSON = {
-    "sessions": ("id", ("parameters", "software", "machine")),
-    "runs": ("session", ("clock_anchor", "software", "machine")),
-    "attempts": ("session", ("qualities", "choice")),
-    "trials": ("session", ("timing", "details", "data")),
-    "actions": ("session", ("proposed", "final")),
-    "answers": ("session", ("labels", "answer")),
-    "programmes": ("participant", ("parameters",)),
-    "earlier_events": ("session", ("message",)),
-    "messages": (_OF_SESSION, ("message",)),
-}
+_OWNERS = ("session", "id", "participant", "code")
+"""Columns that tell whose a row is, the first one that a table has."""
 _LAYOUT = (
     "(SELECT layout FROM imu_streams AS s WHERE s.session=imu_chunks.session AND "
     "s.stream=imu_chunks.stream)"
@@ -65,7 +54,7 @@ def damages(database: sqlite3.Connection) -> list[Damage]:
     database.create_function("damaged_text", -1, _is_no_text, deterministic=True)
     database.create_function("damaged_block", 4, _is_damaged, deterministic=True)
     database.create_function("sample_size", 1, _size, deterministic=True)
-    return [*_orphans(), *_samples(), *_json(), *_texts(database)]
+    return [*_orphans(), *_samples(), *_json(), *_texts()]
 
 
 def _orphans() -> Iterator[Damage]:
@@ -85,7 +74,7 @@ def _orphans() -> Iterator[Damage]:
         "messages", "events without a topic", "topic NOT IN (SELECT id FROM topics)", _OF_SESSION
     )
     yield _orphan("imu_chunks", "samples without their stream", f"{_LAYOUT} IS NULL", "session")
-    for table in _SESSION_TABLES:
+    for table in with_column("session"):
         lost = "session NOT IN (SELECT id FROM sessions)"
         lost = (
             f"session IS NOT NULL AND {lost}"
@@ -121,42 +110,37 @@ def _samples() -> Iterator[Damage]:
 
 
 def _json() -> Iterator[Damage]:
-    for table, (where, columns) in _JSON.items():
-        for name in columns:
+    for table in TABLES.values():
+        for name in table.of_type("json"):
+            source = f"{table.name}.{name}"
             wrong = (
                 f"CASE typeof({name}) WHEN 'null' THEN 0 WHEN 'text' THEN NOT "
                 f"json_valid({name}) ELSE 1 END"
             )
-            told = f"count(*) || ' of the texts {table}.{name} cannot be read.'"
-            yield Damage(
-                "text", table, f"a text {table}.{name} that cannot be read", wrong, where, told
-            )
+            told = f"count(*) || ' of the texts {source} cannot be read.'"
+            reason = f"a text {source} that cannot be read"
+            yield Damage("text", table.name, reason, wrong, _owner(table), told)
 
 
-def _texts(database: sqlite3.Connection) -> Iterator[Damage]:
-    for (table,) in database.execute(
-        "SELECT name FROM sqlite_master WHERE type='table' AND name NOT LIKE 'sqlite%' AND name "
-        "NOT LIKE '\\_%'"
-        " ESCAPE '\\' ORDER BY name"
-    ).fetchall():
-        columns = [
-            (name, kind.upper())
-            for _, name, kind, *_ in database.execute(f"PRAGMA table_info({table})")
-        ]
-        texts = [f"CAST({name} AS BLOB)" for name, kind in columns if kind == "TEXT"]
-        names = {name for name, _ in columns}
-        of = next(
-            (name for name in ("session", "id", "participant", "code") if name in names), "''"
-        )
+def _texts() -> Iterator[Damage]:
+    for name, table in sorted(TABLES.items()):
+        texts = [f"CAST({each} AS BLOB)" for each in table.of_type("string", "datetime", "json")]
         if texts:
             yield Damage(
                 "text",
-                table,
-                f"characters in {table} that cannot be read",
+                name,
+                f"characters in {name} that cannot be read",
                 f"damaged_text({', '.join(texts)})",
-                _OF_SESSION if table == "messages" else of,
-                f"count(*) || ' of the rows of {table} have characters that cannot be read.'",
+                _owner(table),
+                f"count(*) || ' of the rows of {name} have characters that cannot be read.'",
             )
+
+
+def _owner(table: Table) -> str:
+    """Return the SQL of the session or participant that a row is of."""
+    if table is MESSAGES:
+        return _OF_SESSION
+    return next((name for name in _OWNERS if name in table.names), "''")
 
 
 def _is_no_text(*texts: bytes | None) -> bool:

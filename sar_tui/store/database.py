@@ -16,6 +16,7 @@ import platformdirs
 
 from sar_tui.drivers.file_limit import largest_file
 from sar_tui.drivers.private_folder import make_private
+from sar_tui.store.tables import VERSION
 
 FILE = "sar-tui.db"
 LOCK = "sar-tui.lock"
@@ -26,8 +27,6 @@ RESCUE, RESCUED = "sar-tui-rescue-", "sar-tui-rescued-"
 """
 SAVED = "saved"
 """Folder of the notes of what was saved. See `store.last_saved`."""
-VERSION = 22
-"""The number of migrations in ``schema``, stored in ``PRAGMA user_version``."""
 _LOCK_TIMEOUT_S = 10
 _NOT_OURS = (
     "{path} is not a SQLite database. If it was one, `sar-tui check --repair` saves what can be "
@@ -358,18 +357,18 @@ def bring_up_to_date(database: sqlite3.Connection, path: Path) -> None:
 
 
 def apply_migrations(database: sqlite3.Connection, version: int | None = None) -> None:
-    """Apply the migrations that the database has not seen, up to a version; by default the present
-    one.
+    """Create the tables of an empty database, or apply the migrations that it has not seen.
 
-    sqlite-utils is imported only here, as it loads slowly.
+    ``version``: the last one; by default the present one. sqlite-utils is imported only here, as it
+    loads slowly.
     """
-    from sqlite_utils import Database
+    from sar_tui.store import schema
 
-    from sar_tui.store.schema import migrations
-
-    version = VERSION if version is None else version
-    migrations.apply(Database(database), stop_before=f"version_{version + 1}")
-    database.execute(f"PRAGMA user_version={version}")
+    is_empty = not database.execute("SELECT 1 FROM sqlite_master LIMIT 1").fetchone()
+    if is_empty and version in (None, VERSION):
+        schema.create(database)
+    else:
+        schema.bring_up_to_date(database, VERSION if version is None else version)
 
 
 def _announce(path: Path) -> None:

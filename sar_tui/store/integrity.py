@@ -11,9 +11,10 @@ from typing import NamedTuple
 
 from sar_tui.store.counted import LIVE
 from sar_tui.store.damaged_rows import Kind, damages
-from sar_tui.store.database import VERSION, apply_migrations, explain
+from sar_tui.store.database import apply_migrations, explain
 from sar_tui.store.locks import is_held
 from sar_tui.store.log_examination import examine
+from sar_tui.store.tables import VERSION
 
 _MOST_FAULTS = 20
 """Largest number of damaged pages that are named."""

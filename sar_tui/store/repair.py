@@ -17,7 +17,6 @@ from sar_tui.store.damaged_file import is_refused, open_wary, readable_copy
 from sar_tui.store.damaged_rows import Damage, damages
 from sar_tui.store.database import (
     FILE,
-    VERSION,
     StoreError,
     connect,
     create_file,
@@ -29,6 +28,7 @@ from sar_tui.store.integrity import Flaw, changed_schema, damaged_pages, flaws
 from sar_tui.store.log_examination import DERIVED, Derivation, altered
 from sar_tui.store.missing_rows import Missing, missing_rows
 from sar_tui.store.salvage import Unread, salvage
+from sar_tui.store.tables import VERSION
 
 _WAIT_S = 0.5
 """Longest wait for another program that has the database open."""

@@ -7,7 +7,8 @@ from contextlib import closing
 from pathlib import Path
 from typing import NamedTuple
 
-from sar_tui.store.database import VERSION, apply_migrations, damaged, explain, version_of
+from sar_tui.store.database import apply_migrations, damaged, explain, version_of
+from sar_tui.store.tables import VERSION
 
 _MOST_FAILURES = 20_000
 """Largest number of ranges of a table, or of a session's messages, that fail before the rest of it

@@ -1,11 +1,52 @@
-"""The tables and their migrations. The columns are a contract: see docs/data-dictionary.md."""
+"""Tables and views of a new database, and the migrations of earlier ones.
+
+A new database is made from `store.tables`. The columns are a contract: see docs/data-dictionary.md.
+"""
+
+import sqlite3
+from datetime import UTC, datetime
 
 import sqlite_utils
 
-from sar_tui.store import views
+from sar_tui.store import tables, views
+
+
+def create(database: sqlite3.Connection) -> None:
+    """Give an empty database all tables and views, as if it had seen all migrations."""
+    db = sqlite_utils.Database(database)
+    migrations.ensure_migrations_table(db)
+    with db.atomic():
+        for table in tables.TABLES.values():
+            for statement in (table.create, *table.indexes):
+                database.execute(statement)
+        for statement in (_TOPIC_OF_PRESENCE, *views.ALL):
+            database.execute(statement)
+        now = datetime.now(UTC).isoformat()
+        database.executemany(
+            f"INSERT INTO {migrations.migrations_table} (migration_set, name, applied_at)"
+            " VALUES (?,?,?)",
+            [(migrations.name, each.name, now) for each in migrations.pending(db)],
+        )
+        database.execute(f"PRAGMA user_version={tables.VERSION}")
+
+
+def bring_up_to_date(database: sqlite3.Connection, version: int) -> None:
+    """Apply the migrations that a database has not seen, up to a version.
+
+    Versions after the last hand-written migration add the columns that `store.tables` declares.
+    """
+    db = sqlite_utils.Database(database)
+    migrations.apply(db, stop_before=f"version_{version + 1}")
+    (seen,) = database.execute("PRAGMA user_version").fetchone()
+    with db.atomic():
+        for later in range(seen + 1, version + 1):
+            for statement in tables.added(later):
+                database.execute(statement)
+        database.execute(f"PRAGMA user_version={version}")
+
 
 migrations = sqlite_utils.Migrations("sar-tui")
-"""One function for each version, in order. A released function never changes."""
+"""One function for each version up to `tables.FIRST_VERSION`, in order."""
 
 
 @migrations()
@@ -377,29 +418,16 @@ def version_22(db: sqlite_utils.Database) -> None:
 _OF_SITES = (
     "participants", "sessions", "programmes", "wellbeing", "adverse_events", "instrument_scores", "exports",
 )  # fmt: skip
-_INSERT_SETTINGS = (
-    "DROP TRIGGER insert_settings",
-    """CREATE TRIGGER insert_settings INSTEAD OF INSERT ON settings BEGIN
-    INSERT INTO programmes (participant, task, version, created_at, author, reason, parameters, theme)
-    SELECT NEW.participant, NEW.task, coalesce(max(version), 0) + 1, NEW.updated_at, '',
-        'Saved by an earlier version of sar-tui.', NEW.parameters, NEW.theme
-    FROM programmes WHERE participant=NEW.participant AND task=NEW.task;
-END""",
-)
+_INSERT_SETTINGS = ("DROP TRIGGER insert_settings", views.INSERT_SETTINGS)
 """As before, with the names of the columns: there is another one."""
-_VALUE = "substr({pair}, 2, length({pair}) - 7)"
-"""A value in a JSON array as it is written there, from the array of it and null: SQLite's ``->`` is
-not everywhere.
-"""
-_STORED = _VALUE.format(pair="json_extract(messages.message, '$[' || field.key || ']', '$.none')")
-_DEFAULT = _VALUE.format(pair="json_extract(field.value, '$[1]', '$.none')")
-
+_TOPIC_OF_PRESENCE = "INSERT INTO topics (id, name, fields) VALUES (1, 'operator/presence', '')"
+"""Its number is a literal in indexes."""
 _COMPACT_MESSAGES = (
     "ALTER TABLE events RENAME TO earlier_events",
     "CREATE TABLE session_numbers (number INTEGER PRIMARY KEY, id TEXT NOT NULL UNIQUE)",
     "CREATE TABLE topics (id INTEGER PRIMARY KEY, name TEXT NOT NULL, fields TEXT NOT NULL, "
     "UNIQUE (name, fields))",
-    "INSERT INTO topics VALUES (1, 'operator/presence', '')",
+    _TOPIC_OF_PRESENCE,
     "CREATE TABLE messages (session_number INTEGER NOT NULL, seq INTEGER NOT NULL, run INTEGER "
     "NOT NULL,"
     " at_ns INTEGER NOT NULL, topic INTEGER NOT NULL, message TEXT NOT NULL,"
@@ -410,21 +438,8 @@ _COMPACT_MESSAGES = (
     "CREATE INDEX idx_messages_presence ON messages (session_number, seq) WHERE topic=1",
     "CREATE INDEX idx_earlier_events_presence ON earlier_events (session, seq) WHERE "
     "topic='operator/presence'",
-    f"""CREATE VIEW events AS
-SELECT session, seq, run, at_ns, topic, message FROM earlier_events
-UNION ALL
-SELECT session_numbers.id, messages.seq, messages.run, messages.at_ns, topics.name,
-    CASE topics.fields WHEN '' THEN messages.message ELSE (
-        SELECT json_group_object(json_extract(field.value, '$[0]'),
-            json(CASE WHEN field.key < json_array_length(messages.message) THEN {_STORED} ELSE {_DEFAULT} END))
-        FROM json_each(topics.fields) AS field
-    ) END
-FROM session_numbers
-JOIN messages ON messages.session_number=session_numbers.number
-JOIN topics ON topics.id=messages.topic""",
-    """CREATE TRIGGER insert_earlier_event INSTEAD OF INSERT ON events BEGIN
-    INSERT INTO earlier_events VALUES (NEW.session, NEW.seq, NEW.run, NEW.at_ns, NEW.topic, NEW.message);
-END""",
+    views.EVENTS,
+    views.INSERT_EARLIER_EVENT,
 )
 
 _PROGRAMMES = (
@@ -436,9 +451,7 @@ _PROGRAMMES = (
     "INSERT INTO programmes SELECT participant, task, 1, updated_at, '',"
     " 'Saved before programmes had versions.', parameters, theme FROM settings",
     "DROP TABLE settings",
-    "CREATE VIEW settings AS SELECT participant, task, parameters, theme, created_at AS updated_at"
-    " FROM programmes AS saved WHERE version="
-    "(SELECT max(version) FROM programmes WHERE participant=saved.participant AND task=saved.task)",
+    views.SETTINGS,
     """CREATE TRIGGER insert_settings INSTEAD OF INSERT ON settings BEGIN
     INSERT INTO programmes SELECT NEW.participant, NEW.task, coalesce(max(version), 0) + 1, NEW.updated_at, '',
         'Saved by an earlier version of sar-tui.', NEW.parameters, NEW.theme

@@ -4,7 +4,7 @@ import math
 import os
 import secrets
 import sqlite3
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from functools import lru_cache
 from heapq import merge
@@ -25,6 +25,7 @@ from sar_tui.store.counted import COUNTS
 from sar_tui.store.database import StoreError, transaction
 from sar_tui.store.locks import is_held
 from sar_tui.store.stored_json import read_json
+from sar_tui.store.tables import TABLES, Type
 from sar_tui.store.trained_at import UTC_OFFSET, trained_at, utc_offset_s
 
 Mode = Literal["live", "simulated", "replayed"]
@@ -32,19 +33,8 @@ Row = dict[str, Any]
 
 Table = Literal["attempts", "trials", "actions", "runs", "imu_streams", "seats", "answers"]
 
-_JSON = {
-    "sessions": ("parameters", "software", "machine"),
-    "runs": ("clock_anchor", "software", "machine"),
-    "attempts": ("qualities", "choice"),
-    "answers": ("labels", "answer"),
-    "trials": ("timing", "details", "data"),
-    "actions": ("proposed", "final"),
-}
-_RESULTS = {"attempts": ("metric",), "trials": ("reaction_time_ms",)}
-"""Columns in which earlier versions stored infinite numbers, too: they are read as no result."""
 FINITE_METRIC = "CASE WHEN abs(metric) < 9e999 THEN metric END"
-"""The same in SQL, for a query of attempts."""
-_BOOLEAN = {"attempts": ("practice",), "trials": ("correct",)}
+"""Result of an attempt, in SQL. Earlier versions stored infinite numbers, too: they are none."""
 
 
 def new_id() -> str:
@@ -219,18 +209,20 @@ def _query(
 
 
 def _typed(table: str, row: Row, also_damaged: bool = False) -> Row:
-    """Return a row with its JSON columns decoded, its boolean columns as bool, and results that are
+    """Return a row with its JSON columns decoded, its boolean columns as bool, and numbers that are
     finite or None.
     """
-    read = _object_or_empty if also_damaged else read_json
-    decoded = {name: read(row[name]) for name in _JSON.get(table, ()) if row[name] is not None}
-    booleans = {name: bool(row[name]) for name in _BOOLEAN.get(table, ()) if row[name] is not None}
-    endless = {
-        name: None
-        for name in _RESULTS.get(table, ())
-        if row[name] is not None and not math.isfinite(row[name])
+    read: dict[Type, Callable[[Any], Any]] = {
+        "json": _object_or_empty if also_damaged else read_json,
+        "boolean": bool,
+        "number": lambda value: value if math.isfinite(value) else None,
     }
-    return row | decoded | booleans | endless
+    typed = {
+        column.name: read[column.type](row[column.name])
+        for column in TABLES[table].columns
+        if column.type in read and row[column.name] is not None
+    }
+    return row | typed
 
 
 @lru_cache(maxsize=256)
@@ -401,13 +393,17 @@ def rows(db: sqlite3.Connection, table: Table, session: str) -> list[Row]:
     """Return the rows of a session in one table, in order."""
     return [
         _typed(table, row)
-        for row in _query(db, f"SELECT * FROM {table} WHERE session=? ORDER BY rowid", (session,))
+        for row in _query(db, f"{_select(table)} WHERE session=? ORDER BY rowid", (session,))
     ]
+
+
+def _select(table: str) -> str:
+    return f"SELECT {', '.join(TABLES[table].names)} FROM {table}"
 
 
 def stored(db: sqlite3.Connection, session: str) -> Row | None:
     """Return the row of a session as it is stored; None if there is none."""
-    found = next(_query(db, "SELECT * FROM sessions WHERE id=?", (session,)), None)
+    found = next(_query(db, f"{_select('sessions')} WHERE id=?", (session,)), None)
     return _typed("sessions", found) if found else None
 
 

@@ -1,8 +1,42 @@
-"""Views of attempts, trials and reaches, a row each, for any program that reads SQLite (3.34 or
-newer).
+"""Views: of messages, of the newest settings, and for any program that reads SQLite (3.34 or
+newer) of attempts, trials and reaches, a row each.
 
 They are part of a migration (``schema``): to change one, drop and create it in a new migration.
 """
+
+_VALUE = "substr({pair}, 2, length({pair}) - 7)"
+"""A value in a JSON array as it is written there, from the array of it and null: SQLite's ``->`` is
+not everywhere.
+"""
+_STORED = _VALUE.format(pair="json_extract(messages.message, '$[' || field.key || ']', '$.none')")
+_DEFAULT = _VALUE.format(pair="json_extract(field.value, '$[1]', '$.none')")
+
+EVENTS = f"""CREATE VIEW events AS
+SELECT session, seq, run, at_ns, topic, message FROM earlier_events
+UNION ALL
+SELECT session_numbers.id, messages.seq, messages.run, messages.at_ns, topics.name,
+    CASE topics.fields WHEN '' THEN messages.message ELSE (
+        SELECT json_group_object(json_extract(field.value, '$[0]'),
+            json(CASE WHEN field.key < json_array_length(messages.message) THEN {_STORED} ELSE {_DEFAULT} END))
+        FROM json_each(topics.fields) AS field
+    ) END
+FROM session_numbers
+JOIN messages ON messages.session_number=session_numbers.number
+JOIN topics ON topics.id=messages.topic"""
+INSERT_EARLIER_EVENT = """CREATE TRIGGER insert_earlier_event INSTEAD OF INSERT ON events BEGIN
+    INSERT INTO earlier_events VALUES (NEW.session, NEW.seq, NEW.run, NEW.at_ns, NEW.topic, NEW.message);
+END"""
+SETTINGS = (
+    "CREATE VIEW settings AS SELECT participant, task, parameters, theme, created_at AS updated_at"
+    " FROM programmes AS saved WHERE version="
+    "(SELECT max(version) FROM programmes WHERE participant=saved.participant AND task=saved.task)"
+)
+INSERT_SETTINGS = """CREATE TRIGGER insert_settings INSTEAD OF INSERT ON settings BEGIN
+    INSERT INTO programmes (participant, task, version, created_at, author, reason, parameters, theme)
+    SELECT NEW.participant, NEW.task, coalesce(max(version), 0) + 1, NEW.updated_at, '',
+        'Saved by an earlier version of sar-tui.', NEW.parameters, NEW.theme
+    FROM programmes WHERE participant=NEW.participant AND task=NEW.task;
+END"""
 
 _REACH = {
     "text": ("closed", "mark", "hand", "detector", "detector_version"),
@@ -68,3 +102,6 @@ SELECT {_WHO.format(row="trials")}, trials.trial, trials.seat, {_ATTEMPT}, trial
     {", ".join(f"json_extract(details, '$.{name}') AS {name}" for names in _REACH.values() for name in names)}, {_FLAGS}
 {_OF_TRIALS}
 WHERE json_extract(details, '$.reach_time_ms') IS NOT NULL"""
+
+ALL = (EVENTS, INSERT_EARLIER_EVENT, SETTINGS, INSERT_SETTINGS, ATTEMPTS, TRIALS, REACHES)
+"""All views, and the triggers of those that earlier programs write to."""

@@ -154,7 +154,9 @@ def test_a_record_that_only_this_site_could_have_written_is_named_and_left_out(
 ) -> None:
     with closing(connect(bern)) as database:
         database.execute(
-            "INSERT INTO programmes VALUES "
+            "INSERT INTO programmes (participant, task, version, created_at, author, reason, "
+            "parameters, theme, site)"
+            " VALUES "
             "('P01@ZURICH','keyboard',1,'2026-01-01','','','{\"attempts\":99}','calm',"
             "'ZURICH')"
         )

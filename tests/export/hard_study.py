@@ -62,7 +62,9 @@ def store_study(data: Path, catalogue: Catalogue) -> None:
                 values,
             )
         database.execute(
-            "INSERT INTO notes SELECT id, 1, 'operator.ana', ?, 'pausa' FROM sessions", (NOTE,)
+            "INSERT INTO notes (session, at_ns, author, text, label)"
+            " SELECT id, 1, 'operator.ana', ?, 'pausa' FROM sessions",
+            (NOTE,),
         )
         for code in ("P01", "P02"):
             participants.add(database, code)

@@ -81,7 +81,10 @@ def test_no_damaged_json_stops_an_export(catalogue: Catalogue, tmp_path: Path) -
     data = tmp_path / "data"
     store_study(data, catalogue)
     change(
-        data, "INSERT INTO programmes SELECT 'P01', 'pairs', 1, '2026', '', '', '{}', 'calm', ''"
+        data,
+        "INSERT INTO programmes (participant, task, version, created_at, author, reason, "
+        "parameters, theme, site)"
+        " SELECT 'P01', 'pairs', 1, '2026', '', '', '{}', 'calm', ''",
     )
     export_csv(data, tmp_path / "whole")
     for table, columns in JSON_COLUMNS.items():

@@ -19,10 +19,11 @@ from sqlite_utils import Database
 
 from sar_tui.model.random_streams import RandomStreams
 from sar_tui.store import sessions
-from sar_tui.store.database import FILE, VERSION, connect
+from sar_tui.store.database import FILE, connect
 from sar_tui.store.last_saved import losses
 from sar_tui.store.rescue import bring_back, rescue_files
 from sar_tui.store.schema import migrations
+from sar_tui.store.tables import VERSION
 from tests.examples import first
 from tests.store.test_rescue import rescued
 

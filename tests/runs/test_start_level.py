@@ -147,7 +147,9 @@ def test_a_start_level_saved_by_an_earlier_program_stays_fixed(data: Path) -> No
     rows = [("P01", '{"start_level":4}'), ("P02", '{"attempts":5}')]
     for participant, parameters in rows:
         database.execute(
-            "INSERT INTO programmes VALUES (?, 'keyboard', 1, '2026-01-01', '', '', ?, 'calm', '')",
+            "INSERT INTO programmes (participant, task, version, created_at, author, reason, "
+            "parameters, theme, site)"
+            " VALUES (?, 'keyboard', 1, '2026-01-01', '', '', ?, 'calm', '')",
             (participant, parameters),
         )
     database.close()

@@ -98,7 +98,9 @@ def test_a_new_database_is_whole(data: Path) -> None:
             ("gap", "the result of seat B, but no trial."),
         ),
         (
-            "INSERT INTO adverse_events VALUES ('e', 1, 'P99', NULL, '', '', '', '', '', '', '', "
+            "INSERT INTO adverse_events (event, version, participant, session, onset, what, "
+            "severity, action, outcome, recorded_at, recorded_by, site)"
+            " VALUES ('e', 1, 'P99', NULL, '', '', '', '', '', '', '', "
             "'')",
             ("orphan", "There are adverse_events without a participant."),
         ),

@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from typing import Literal
 
 from sar_tui.store.merge.columns import columns, keys, session_tables
+from sar_tui.store.tables import SESSIONS
 
 Relation = Literal["equal", "longer here", "longer there", "contradictory"]
 
@@ -19,19 +20,8 @@ LOG = {"seats": (), "runs": (), "log_hashes": (), "earlier_events": (), "imu_str
 """Tables of the log beside ``messages``, and the columns that may change or, being checked by
 another, are left out.
 """
-_NEVER_CHANGED = (
-    "task",
-    "theme",
-    "started_at",
-    "seed",
-    "parameters",
-    "software",
-    "machine",
-    "mode",
-    "programme",
-    "site",
-)
-"""Columns of ``sessions`` beside its status and its end."""
+CHANGED_LATER = ("status", "ended_at", "log_hash")
+"""Columns of ``sessions`` that change after it began."""
 
 
 def number_topics(db: sqlite3.Connection) -> None:
@@ -133,7 +123,11 @@ def _count_messages(
 
 
 def _facts_that_differ(db: sqlite3.Connection) -> set[str]:
-    same = " AND ".join(f"here.{name} IS there.{name}" for name in _NEVER_CHANGED)
+    same = " AND ".join(
+        f"here.{name} IS there.{name}"
+        for name in SESSIONS.names
+        if name not in ("id", *CHANGED_LATER)
+    )
     found = db.execute(
         "SELECT id FROM temp.compared JOIN main.sessions AS here USING (id) JOIN other.sessions "
         "AS there USING (id)"

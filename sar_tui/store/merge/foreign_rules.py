@@ -20,6 +20,7 @@ from sar_tui.store.merge.conflicts import Content
 from sar_tui.store.participants import check_code
 from sar_tui.store.programmes import LONGEST_TEXT
 from sar_tui.store.sites import check_site
+from sar_tui.store.tables import TABLES, Form
 from sar_tui.store.texts import check_text
 
 Rule = Callable[[Any], bool]
@@ -58,47 +59,24 @@ def _checked(check: Callable[[str], str]) -> Rule:
     return is_stored_form
 
 
-_CODE, _SITE = _checked(check_code), _checked(check_site)
-_ID = _form(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
-_EVENT = _form(r"[A-Za-z0-9]{1,32}(@[A-Z0-9][A-Z0-9-]{0,15})?")
-_TASK = _form(r"(?:[^\W\d]\w{0,63})?")
-_THEME = _form(r"(?:\w[\w .-]{0,63})?")
-_WORD = _form(r"[a-z]{0,32}")
-_SEAT = _form("[AB]")
-_DATE = _form(r"[0-9T:.+Z -]{0,40}")
-_LINE, _NOTE, _REMARK, _REASON = (
-    _text(longest) for longest in (1000, 4000, LONGEST_REMARK, LONGEST_TEXT)
-)
-
-_RULES: dict[str, dict[str, Rule]] = {
-    "site": {"code": _SITE},
-    "same_people": {"code": _CODE, "same_as": _CODE},
-    "participants": {"code": _CODE, "created_at": _DATE},
-    "sessions": {"id": _ID, "task": _TASK, "theme": _THEME, "status": _WORD, "started_at": _DATE, "ended_at": _DATE,
-                 "mode": _WORD},
-    "session_numbers": {"id": _ID},
-    "seats": {"seat": _SEAT, "participant": _CODE},
-    "runs": {"boot_id": _LINE},
-    "attempts": {"seat": _SEAT, "metric_unit": _LINE, "outcome": _WORD, "feedback": _WORD, "condition": _LINE},
-    "trials": {"seat": _SEAT, "stimulus": _NOTE, "response": _NOTE},
-    "actions": {"id": _LINE, "kind": _LINE, "decision": _WORD, "actor": _LINE, "mode": _WORD, "ground": _LINE,
-                "reason": _LINE},
-    "notes": {"author": _LINE, "text": _NOTE, "label": _LINE},
-    "answers": {"seat": _SEAT, "step": _LINE, "kind": _WORD, "text": _NOTE, "status": _WORD},
-    "imu_streams": {"source": _LINE, "model": _LINE, "serial": _LINE, "part": _WORD},
-    "programmes": {"participant": _CODE, "task": _TASK, "theme": _THEME, "created_at": _DATE, "author": _REASON,
-                   "reason": _REASON},
-    "wellbeing": {"session": _ID, "seat": _SEAT, "participant": _CODE, "moment": _WORD, "question": _WORD,
-                  "answer": _LINE, "at": _DATE},
-    "adverse_events": {"event": _EVENT, "participant": _CODE, "session": _ID, "onset": _DATE, "what": _REMARK,
-                       "severity": _WORD, "action": _REMARK, "outcome": _REMARK, "recorded_at": _DATE,
-                       "recorded_by": _LINE},
-    "instrument_scores": {"participant": _CODE, "instrument": _form("[A-Za-z0-9-]{1,32}"), "date": _DATE,
-                          "note": _REMARK, "recorded_at": _DATE, "recorded_by": _LINE},
-    "exports": {"exported_at": _DATE, "exported_by": _LINE, "recipient": _LINE, "format": _LINE, "manifest": _LINE},
-    "topics": {"name": _form(r"[\w./-]{1,100}")},
-}  # fmt: skip
-_OF_SITE: Rule = lambda value: not value or _SITE(value)  # noqa: E731
+_FORMS: dict[Form, Rule] = {
+    "code": _checked(check_code),
+    "date": _form(r"[0-9T:.+Z -]{0,40}"),
+    "event": _form(r"[A-Za-z0-9]{1,32}(@[A-Z0-9][A-Z0-9-]{0,15})?"),
+    "id": _form(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"),
+    "instrument": _form("[A-Za-z0-9-]{1,32}"),
+    "line": _text(1000),
+    "note": _text(4000),
+    "reason": _text(LONGEST_TEXT),
+    "remark": _text(LONGEST_REMARK),
+    "seat": _form("[AB]"),
+    "site": _checked(check_site),
+    "task": _form(r"(?:[^\W\d]\w{0,63})?"),
+    "theme": _form(r"(?:\w[\w .-]{0,63})?"),
+    "topic": _form(r"[\w./-]{1,100}"),
+    "word": _form(r"[a-z]{0,32}"),
+}
+_OPTIONAL_SITE: Rule = lambda value: not value or _FORMS["site"](value)  # noqa: E731
 
 
 def check_foreign(db: sqlite3.Connection, path: Path) -> None:
@@ -111,7 +89,7 @@ def check_foreign(db: sqlite3.Connection, path: Path) -> None:
         StoreError: a value breaks a rule.
     """
     for table in _tables(db):
-        rules = _rules(db, table)
+        rules = _rules(table)
         for name, types in _types(db, table).items():
             allowed = ", ".join(f"'{_TYPE_NAMES[kind]}'" for kind in types)
             wrong = (
@@ -134,9 +112,16 @@ def _tables(db: sqlite3.Connection) -> list[str]:
     return [name for (name,) in found if not name.startswith(("_", "sqlite_"))]
 
 
-def _rules(db: sqlite3.Connection, table: str) -> dict[str, Rule]:
-    has_site = table != "site" and "site" in columns(db, table)
-    return {**_RULES.get(table, {}), **({"site": _OF_SITE} if has_site else {})}
+def _rules(table: str) -> dict[str, Rule]:
+    """Return the rules of a table's texts; of its own tables alone does a merge know any."""
+    if table not in TABLES:
+        return {}
+    found = {
+        column.name: _FORMS[column.form]
+        for column in TABLES[table].columns
+        if column.type in ("string", "datetime") and column.form in _FORMS
+    }
+    return found | {"site": _OPTIONAL_SITE} if "site" in found else found
 
 
 def _types(db: sqlite3.Connection, table: str) -> dict[str, tuple[type, ...]]:
@@ -190,14 +175,12 @@ _MESSAGE = {"seq", "run", "at_ns", "name", "fields", "message"}
 def _passes(db: sqlite3.Connection, table: str, row: dict[str, Any]) -> bool:
     if table == "messages":
         is_named = (
-            row.keys() == _MESSAGE
-            and isinstance(row["name"], str)
-            and _RULES["topics"]["name"](row["name"])
+            row.keys() == _MESSAGE and isinstance(row["name"], str) and _FORMS["topic"](row["name"])
         )
         return is_named and all(isinstance(row[name], int) for name in ("seq", "run", "at_ns"))
     if table not in _tables(db):
         return False
-    types, rules = _types(db, table), _rules(db, table)
+    types, rules = _types(db, table), _rules(table)
     if row.keys() - columns(db, table) or set(keys(db, table)) - row.keys():
         return False
     return all(

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from sar_tui.store.merge import conflicts
 from sar_tui.store.merge.columns import columns, session_tables
-from sar_tui.store.merge.comparison import LOG, compare
+from sar_tui.store.merge.comparison import CHANGED_LATER, LOG, compare
 from sar_tui.store.merge.conflicts import Content
 from sar_tui.store.merge.people import People
 
@@ -219,9 +219,7 @@ def _extends(longer: Content, shorter: Content) -> bool:
 
 def _facts(content: Content) -> dict[str, Any]:
     (row,) = content["sessions"]
-    return {
-        name: value for name, value in row.items() if name not in ("status", "ended_at", "log_hash")
-    }
+    return {name: value for name, value in row.items() if name not in CHANGED_LATER}
 
 
 def _status(content: Content) -> tuple[int, str]:

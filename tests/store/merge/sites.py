@@ -93,10 +93,16 @@ def go_on(
                     ),
                 )
             db.execute(
-                "INSERT INTO trials VALUES (?,1,?,'A',?,'F',?,1,?,?,?,'{}','{}','{}')",
+                "INSERT INTO trials (session, attempt, trial, seat, run, stimulus, response, "
+                "correct, onset_ns, response_ns, reaction_time_ms, timing, details, data)"
+                " VALUES (?,1,?,'A',?,'F',?,1,?,?,?,'{}','{}','{}')",
                 (session, trial, run, response, 1000 * trial, 1500 * trial, 1 / trial),
             )
-            db.execute("INSERT INTO notes VALUES (?,?,'op','\"so\"','')", (session, trial % 2))
+            db.execute(
+                "INSERT INTO notes (session, at_ns, author, text, label)"
+                " VALUES (?,?,'op','\"so\"','')",
+                (session, trial % 2),
+            )
         db.execute(
             "INSERT OR REPLACE INTO attempts (session, attempt, seat, run, practice, level, "
             "metric, trials, qualities,"
@@ -121,7 +127,13 @@ def save_programme(
     folder: Path, participant: str, version: int, parameters: str, at: str = "2026-03-01"
 ) -> None:
     row = (participant, version, at, parameters)
-    change(folder, "INSERT INTO programmes VALUES (?,'keyboard',?,?,'','',?,'calm','')", *row)
+    change(
+        folder,
+        "INSERT INTO programmes (participant, task, version, created_at, author, reason, "
+        "parameters, theme, site)"
+        " VALUES (?,'keyboard',?,?,'','',?,'calm','')",
+        *row,
+    )
 
 
 def copy(folder: Path, to: Path) -> Path:

@@ -37,21 +37,28 @@ def bern(tmp_path: Path, zurich: Path) -> Path:
 
 _ROWS: dict[str, tuple[str, tuple[object, ...]]] = {
     "version 2 of the programme of P01 for keyboard": (
-        "INSERT INTO programmes VALUES "
+        "INSERT INTO programmes (participant, task, version, created_at, author, reason, "
+        "parameters, theme, site)"
+        " VALUES "
         "('P01@ZURICH','keyboard',2,'2026-01-01','','','{\"attempts\":99}','calm',?)",
         ("ZURICH",),
     ),
     "answer of P01 on pain of 2026-03-09": (
-        "INSERT INTO wellbeing VALUES (NULL,'A','P01@ZURICH','before','pain','0','2026-03-09',?)",
+        "INSERT INTO wellbeing (session, seat, participant, moment, question, answer, at, site)"
+        " VALUES (NULL,'A','P01@ZURICH','before','pain','0','2026-03-09',?)",
         ("ZURICH",),
     ),
     "version 1 of the adverse event abc": (
-        "INSERT INTO adverse_events VALUES "
+        "INSERT INTO adverse_events (event, version, participant, session, onset, what, severity, "
+        "action, outcome, recorded_at, recorded_by, site)"
+        " VALUES "
         "('abc@ZURICH',1,'P01@ZURICH',NULL,'2026-03-09','','mild','','','','',?)",
         ("ZURICH",),
     ),
     "score of P01 in ARAT of 2026-03-09": (
-        "INSERT INTO instrument_scores VALUES ('P01@ZURICH','ARAT','2026-03-09',57,'','','',0,?)",
+        "INSERT INTO instrument_scores (participant, instrument, date, score, note, recorded_at, "
+        "recorded_by, removed, site)"
+        " VALUES ('P01@ZURICH','ARAT','2026-03-09',57,'','','',0,?)",
         ("ZURICH",),
     ),
     "export of 2026-03-09": (
@@ -145,10 +152,13 @@ def test_ones_own_session_is_never_added_or_changed_by_another_site(
 
 _SAID_IN_ANOTHERS = {
     "answer of P01@BERN on pain of 2026-03-09": (
-        "INSERT INTO wellbeing VALUES ('a1','A','P01','before','pain','9','2026-03-09','')"
+        "INSERT INTO wellbeing (session, seat, participant, moment, question, answer, at, site)"
+        " VALUES ('a1','A','P01','before','pain','9','2026-03-09','')"
     ),
     "version 1 of the adverse event abc@BERN": (
-        "INSERT INTO adverse_events VALUES "
+        "INSERT INTO adverse_events (event, version, participant, session, onset, what, severity, "
+        "action, outcome, recorded_at, recorded_by, site)"
+        " VALUES "
         "('abc',1,'P01','a1','2026-03-09','fell','severe','','','2026-03-09','','')"
     ),
 }
@@ -323,7 +333,9 @@ _VALUES = {
     "UPDATE notes SET author=? WHERE session='b1'": ["op\u202eana"],
     "UPDATE attempts SET level=? WHERE session='b1'": ["high", b"1"],
     "UPDATE topics SET name=?||name WHERE id>1": ["\x1b", "="],
-    "INSERT INTO programmes VALUES ('P01','keyboard',3,'','',?,'{}','calm','')": [
+    "INSERT INTO programmes (participant, task, version, created_at, author, reason, parameters, "
+    "theme, site)"
+    " VALUES ('P01','keyboard',3,'','',?,'{}','calm','')": [
         "r" * 501,
         "\x9b2J",
     ],
