@@ -3,8 +3,12 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from sar_tui.loop.task import Task
 from sar_tui.model.messages import TrialEnded
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.trial_types import Act, Performance, Stimulus
+
+Rehearsal = Callable[[Any, Stimulus, Performance, RandomStreams], list[Act]]
+"""The acts of a simulated participant on a prompt: the task, then as `Task.rehearse`."""
 
 
 class Effect(NamedTuple):
@@ -17,7 +21,7 @@ class Effect(NamedTuple):
         low, high: the published range of means.
         source: of that range.
         measure: returns the value of a session from its trials; None if it has none.
-        without: the same task whose simulated people do not show the effect: the control.
+        without: what `Task.rehearse` returns for people who do not show the effect: the control.
         settings: of the sessions that are simulated.
     """
 
@@ -27,7 +31,7 @@ class Effect(NamedTuple):
     high: float
     source: str
     measure: Callable[[Sequence[TrialEnded]], float | None]
-    without: type[Task]
+    without: Rehearsal
     settings: Mapping[str, Any] = {}
 
 

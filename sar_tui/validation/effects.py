@@ -3,6 +3,7 @@ show them.
 """
 
 from collections.abc import Iterator
+from functools import partial
 from statistics import fmean, stdev
 from typing import NamedTuple
 
@@ -16,7 +17,7 @@ from sar_tui.plugins import Catalogue, PluginError, module_beside
 from sar_tui.rules.parameters import build
 from sar_tui.runs.sensors import simulated_nodes
 from sar_tui.runs.simulate import participant_fault
-from sar_tui.simulation.effect import Effect
+from sar_tui.simulation.effect import Effect, Rehearsal
 from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
@@ -73,7 +74,8 @@ def effects(catalogue: Catalogue) -> Iterator[tuple[type[Task], Effect]]:
 def _row(conditions: Conditions, kind: type[Task], effect: Effect) -> Row:
     count = QUICK_SESSIONS if conditions.is_quick else SESSIONS
     theme = conditions.catalogue.theme("calm")
-    found, control = (_shown(each, effect, theme, count) for each in (kind, effect.without))
+    found = _shown(kind, effect, theme, count)
+    control = _shown(kind, effect, theme, count, effect.without)
     return {
         "task": kind.name,
         "effect": effect.title,
@@ -89,15 +91,35 @@ def _row(conditions: Conditions, kind: type[Task], effect: Effect) -> Row:
     }
 
 
-def _shown(kind: type[Task], effect: Effect, theme: Theme, count: int) -> Shown:
-    played = (effect.measure(play(kind, effect, theme, seed)) for seed in range(1, count + 1))
-    values = [value for value in played if value is not None]
+def _shown(
+    kind: type[Task],
+    effect: Effect,
+    theme: Theme,
+    count: int,
+    rehearsal: Rehearsal | None = None,
+) -> Shown:
+    played = (play(kind, effect, theme, seed, rehearsal) for seed in range(1, count + 1))
+    values = [value for trials in played if (value := effect.measure(trials)) is not None]
     return Shown(fmean(values), stdev(values))
 
 
-def play(kind: type[Task], effect: Effect, theme: Theme, seed: int) -> list[TrialEnded]:
-    """Return the trials of a session of an average person, which is not stored."""
+def play(
+    kind: type[Task],
+    effect: Effect,
+    theme: Theme,
+    seed: int,
+    rehearsal: Rehearsal | None = None,
+) -> list[TrialEnded]:
+    """Return the trials of a session of an average person, which is not stored.
+
+    Args:
+        kind, effect: the task and its effect, which has the settings.
+        theme, seed: of the session.
+        rehearsal: takes the place of the task's own `Task.rehearse`.
+    """
     task = kind(build(kind.Parameters, effect.settings))
+    if rehearsal:
+        vars(task)["rehearse"] = partial(rehearsal, task)
     clock = VirtualClock()
     person = PEOPLE[PERSON]
     if task.sensor_seats(task.parameters):

@@ -15,14 +15,12 @@ from sar_tui.api.task import (
 from .task import OTHER, FlankerTask
 
 
-class WithoutConflict(FlankerTask):
-    """The same task for people whom the arrows beside the middle one do not slow down."""
-
-    def rehearse(
-        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
-    ) -> list[Act]:
-        key = OTHER[stimulus.expected] if performance.slips else stimulus.expected
-        return [(performance.reaction_ms, key)]
+def without_conflict(
+    task: FlankerTask, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+) -> list[Act]:
+    """Return the acts of a person whom the arrows beside the middle one do not slow down."""
+    key = OTHER[stimulus.expected] if performance.slips else stimulus.expected
+    return [(performance.reaction_ms, key)]
 
 
 def conflict_ms(trials: Sequence[TrialEnded]) -> float | None:
@@ -41,6 +39,6 @@ EFFECT = Effect(
     high=109,
     source="Fan et al. 2002: 84 (SD 25)",
     measure=conflict_ms,
-    without=WithoutConflict,
+    without=without_conflict,
     settings={"attempts": 4, "prompts_per_attempt": 24},
 )

@@ -7,13 +7,11 @@ from sar_tui.api.task import Act, Effect, Performance, RandomStreams, Stimulus, 
 from .task import GoNoGoTask
 
 
-class WithoutHaste(GoNoGoTask):
-    """The same task for people who never press at a square."""
-
-    def rehearse(
-        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
-    ) -> list[Act]:
-        return super().rehearse(stimulus, performance, streams) if stimulus.data["go"] else []
+def without_haste(
+    task: GoNoGoTask, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+) -> list[Act]:
+    """Return the acts of a person who never presses at a square."""
+    return GoNoGoTask.rehearse(task, stimulus, performance, streams) if stimulus.data["go"] else []
 
 
 def commissions(trials: Sequence[TrialEnded]) -> float | None:
@@ -29,6 +27,6 @@ EFFECT = Effect(
     high=30,
     source="the limits are ours",
     measure=commissions,
-    without=WithoutHaste,
+    without=without_haste,
     settings={"attempts": 6, "prompts_per_attempt": 40},
 )

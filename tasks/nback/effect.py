@@ -7,17 +7,13 @@ from sar_tui.api.task import Act, Effect, Performance, RandomStreams, Stimulus, 
 from .task import KEY, NbackTask
 
 
-class WithoutLoad(NbackTask):
-    """The same task for people who remember two letters as well as one."""
-
-    def rehearse(
-        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
-    ) -> list[Act]:
-        return (
-            [(performance.reaction_ms, KEY)]
-            if stimulus.data["target"] is not performance.slips
-            else []
-        )
+def without_load(
+    task: NbackTask, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+) -> list[Act]:
+    """Return the acts of a person who remembers two letters as well as one."""
+    return (
+        [(performance.reaction_ms, KEY)] if stimulus.data["target"] is not performance.slips else []
+    )
 
 
 def load_effect(trials: Sequence[TrialEnded]) -> float | None:
@@ -33,7 +29,7 @@ EFFECT = Effect(
     high=15,
     source="Bopp & Verhaeghen 2020: nearly all right at 1, fewer at 2; the limits are ours",
     measure=load_effect,
-    without=WithoutLoad,
+    without=without_load,
     settings={
         "attempts": 6,
         "letters": 30,

@@ -15,14 +15,12 @@ from sar_tui.api.task import (
 from .task import OTHER, PosnerTask
 
 
-class WithoutGaze(PosnerTask):
-    """The same task for people who do not heed where the agent looks."""
-
-    def rehearse(
-        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
-    ) -> list[Act]:
-        key = OTHER[stimulus.expected] if performance.slips else stimulus.expected
-        return [(performance.reaction_ms, key)]
+def without_gaze(
+    task: PosnerTask, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+) -> list[Act]:
+    """Return the acts of a person who does not heed where the agent looks."""
+    key = OTHER[stimulus.expected] if performance.slips else stimulus.expected
+    return [(performance.reaction_ms, key)]
 
 
 def cueing_ms(trials: Sequence[TrialEnded]) -> float | None:
@@ -43,6 +41,6 @@ EFFECT = Effect(
     high=30,
     source="Friesen & Kingstone 1998: sooner on the gaze's side; the limits are ours",
     measure=cueing_ms,
-    without=WithoutGaze,
+    without=without_gaze,
     settings={"attempts": 5, "prompts_per_attempt": 60},
 )

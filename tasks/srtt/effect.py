@@ -15,13 +15,11 @@ from sar_tui.api.task import (
 from .task import RANDOM, SerialTask
 
 
-class WithoutLearning(SerialTask):
-    """The same task for people who do not learn the sequence."""
-
-    def rehearse(
-        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
-    ) -> list[Act]:
-        return [(performance.reaction_ms, stimulus.expected)]
+def without_learning(
+    task: SerialTask, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+) -> list[Act]:
+    """Return the acts of a person who does not learn the sequence."""
+    return [(performance.reaction_ms, stimulus.expected)]
 
 
 def learnt_ms(trials: Sequence[TrialEnded]) -> float | None:
@@ -43,6 +41,6 @@ EFFECT = Effect(
     high=130,
     source="Nissen & Bullemer 1987: slower in random order; the limits are ours",
     measure=learnt_ms,
-    without=WithoutLearning,
+    without=without_learning,
     settings={"attempts": 4, "prompts_per_attempt": 60},
 )

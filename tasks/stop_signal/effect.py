@@ -8,15 +8,13 @@ from .stopping import stop_signal_rt
 from .task import StopSignalTask
 
 
-class AtOnce(StopSignalTask):
-    """The same task for people who stop in no time, whenever the cross comes before their key."""
-
-    def rehearse(
-        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
-    ) -> list[Act]:
-        if stimulus.data["stop"] and stimulus.data["delay_ms"] < performance.reaction_ms:
-            return []
-        return super().rehearse(stimulus, performance, streams)
+def at_once(
+    task: StopSignalTask, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+) -> list[Act]:
+    """Return the acts of a person who stops in no time, whenever the cross comes before the key."""
+    if stimulus.data["stop"] and stimulus.data["delay_ms"] < performance.reaction_ms:
+        return []
+    return StopSignalTask.rehearse(task, stimulus, performance, streams)
 
 
 def time_to_stop_ms(trials: Sequence[TrialEnded]) -> float | None:
@@ -31,6 +29,6 @@ EFFECT = Effect(
     high=260,
     source="Logan & Cowan 1984: about 200; the limits are ours",
     measure=time_to_stop_ms,
-    without=AtOnce,
+    without=at_once,
     settings={"attempts": 4, "prompts_per_attempt": 60},
 )

@@ -8,13 +8,11 @@ from sar_tui.api.task import Act, Effect, Performance, RandomStreams, Stimulus, 
 from .task import KEY, TappingTask
 
 
-class WithoutHurry(TappingTask):
-    """The same task for people who tap once a second."""
-
-    def rehearse(
-        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
-    ) -> list[Act]:
-        return [(at, KEY) for at in range(500, round(self.parameters.seconds * 1000), 1000)]
+def without_hurry(
+    task: TappingTask, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+) -> list[Act]:
+    """Return the acts of a person who taps once a second."""
+    return [(at, KEY) for at in range(500, round(task.parameters.seconds * 1000), 1000)]
 
 
 def taps(trials: Sequence[TrialEnded]) -> float | None:
@@ -30,6 +28,6 @@ EFFECT = Effect(
     high=60,
     source="FePsy, after Halstead-Reitan: 50 to 60",
     measure=taps,
-    without=WithoutHurry,
+    without=without_hurry,
     settings={"attempts": 5},
 )

@@ -9,14 +9,12 @@ from .beats import swings
 from .task import TrackingTempoTask
 
 
-class OnTheBeat(TrackingTempoTask):
-    """The same task for people who are not ahead of the beat."""
-
-    def rehearse(
-        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
-    ) -> list[Act]:
-        beat = float(stimulus.data["beat_ms"])
-        return swings(beat, self.parameters.beats, performance.unsteadiness, streams, ahead_ms=0.0)
+def on_the_beat(
+    task: TrackingTempoTask, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+) -> list[Act]:
+    """Return the acts of a person who is not ahead of the beat."""
+    beat = float(stimulus.data["beat_ms"])
+    return swings(beat, task.parameters.beats, performance.unsteadiness, streams, ahead_ms=0.0)
 
 
 def asynchrony_ms(trials: Sequence[TrialEnded]) -> float | None:
@@ -33,6 +31,6 @@ EFFECT = Effect(
     high=-20,
     source="Repp & Su 2013: ahead of the beat; the limits are ours",
     measure=asynchrony_ms,
-    without=OnTheBeat,
+    without=on_the_beat,
     settings={"attempts": 2},
 )

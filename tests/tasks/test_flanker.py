@@ -48,8 +48,10 @@ def test_people_show_the_conflict_and_those_without_it_do_not(
     flanker: type[Task], calm: Theme
 ) -> None:
     (effect,) = (effect for kind, effect in effects(Catalogue()) if kind is flanker)
-    for kind, is_shown in ((flanker, True), (effect.without, False)):
-        values = [effect.measure(play(kind, effect, calm, seed)) for seed in range(1, 9)]
+    for rehearsal, is_shown in ((None, True), (effect.without, False)):
+        values = [
+            effect.measure(play(flanker, effect, calm, seed, rehearsal)) for seed in range(1, 9)
+        ]
         mean = fmean(value for value in values if value is not None)
         assert not math.isnan(mean)
         assert (effect.low <= mean <= effect.high) is is_shown

@@ -93,8 +93,10 @@ def test_people_who_never_press_at_squares_are_told_from_those_who_do(
     gonogo: type[Task], calm: Theme
 ) -> None:
     (effect,) = (effect for kind, effect in effects(Catalogue()) if kind is gonogo)
-    for kind, is_shown in ((gonogo, True), (effect.without, False)):
-        values = [effect.measure(play(kind, effect, calm, seed)) for seed in range(1, 7)]
+    for rehearsal, is_shown in ((None, True), (effect.without, False)):
+        values = [
+            effect.measure(play(gonogo, effect, calm, seed, rehearsal)) for seed in range(1, 7)
+        ]
         assert (
             effect.low <= fmean(value for value in values if value is not None) <= effect.high
         ) is is_shown

@@ -94,8 +94,8 @@ def test_as_many_letters_as_declared_are_the_same_and_people_show_the_effect_of_
     nback: type[Task], calm: Theme
 ) -> None:
     (effect,) = (effect for kind, effect in effects(Catalogue()) if kind is nback)
-    for kind, is_shown in ((nback, True), (effect.without, False)):
-        sessions = [play(kind, effect, calm, seed) for seed in range(1, 5)]
+    for rehearsal, is_shown in ((None, True), (effect.without, False)):
+        sessions = [play(nback, effect, calm, seed, rehearsal) for seed in range(1, 5)]
         values = [effect.measure(trials) for trials in sessions]
         mean = fmean(value for value in values if value is not None)
         assert (effect.low <= mean <= effect.high) is is_shown

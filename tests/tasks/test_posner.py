@@ -49,8 +49,8 @@ def test_people_follow_the_gaze_and_those_who_do_not_heed_it_are_told_from_them(
     posner: type[Task], calm: Theme
 ) -> None:
     (effect,) = (effect for kind, effect in effects(Catalogue()) if kind is posner)
-    for kind, is_shown in ((posner, True), (effect.without, False)):
-        sessions = [play(kind, effect, calm, seed) for seed in range(1, 7)]
+    for rehearsal, is_shown in ((None, True), (effect.without, False)):
+        sessions = [play(posner, effect, calm, seed, rehearsal) for seed in range(1, 7)]
         values = [effect.measure(trials) for trials in sessions]
         mean = fmean(value for value in values if value is not None)
         assert (effect.low <= mean <= effect.high) is is_shown

@@ -72,7 +72,7 @@ def test_people_learn_the_sequence_and_those_without_learning_do_not(
     srtt: type[Task], calm: Theme
 ) -> None:
     (effect,) = (effect for kind, effect in effects(Catalogue()) if kind is srtt)
-    for kind, is_shown in ((srtt, True), (effect.without, False)):
-        values = [effect.measure(play(kind, effect, calm, seed)) for seed in range(1, 5)]
+    for rehearsal, is_shown in ((None, True), (effect.without, False)):
+        values = [effect.measure(play(srtt, effect, calm, seed, rehearsal)) for seed in range(1, 5)]
         mean = fmean(value for value in values if value is not None)
         assert (effect.low <= mean <= effect.high) is is_shown

@@ -111,8 +111,8 @@ def test_people_need_the_declared_time_to_stop_and_those_who_stop_at_once_are_to
     stop_signal: type[Task], calm: Theme
 ) -> None:
     (effect,) = (effect for kind, effect in effects(Catalogue()) if kind is stop_signal)
-    for kind, is_shown in ((stop_signal, True), (effect.without, False)):
-        sessions = [play(kind, effect, calm, seed) for seed in range(1, 7)]
+    for rehearsal, is_shown in ((None, True), (effect.without, False)):
+        sessions = [play(stop_signal, effect, calm, seed, rehearsal) for seed in range(1, 7)]
         values = [effect.measure(trials) for trials in sessions]
         assert (
             effect.low <= fmean(value for value in values if value is not None) <= effect.high

@@ -90,7 +90,9 @@ def test_people_tap_at_the_published_rate_and_those_without_hurry_do_not(
     tapping: type[Task], calm: Theme
 ) -> None:
     (effect,) = (effect for kind, effect in effects(Catalogue()) if kind is tapping)
-    for kind, is_shown in ((tapping, True), (effect.without, False)):
-        values = [effect.measure(play(kind, effect, calm, seed)) for seed in range(1, 6)]
+    for rehearsal, is_shown in ((None, True), (effect.without, False)):
+        values = [
+            effect.measure(play(tapping, effect, calm, seed, rehearsal)) for seed in range(1, 6)
+        ]
         mean = fmean(value for value in values if value is not None)
         assert (effect.low <= mean <= effect.high) is is_shown

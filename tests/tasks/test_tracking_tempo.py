@@ -90,8 +90,8 @@ def test_people_are_ahead_of_the_beat_and_those_who_are_not_are_told_from_them(
     tempo: type[Task], calm: Theme
 ) -> None:
     (effect,) = (effect for kind, effect in effects(Catalogue()) if kind is tempo)
-    for kind, is_shown in ((tempo, True), (effect.without, False)):
-        sessions = [play(kind, effect, calm, seed) for seed in range(1, 7)]
+    for rehearsal, is_shown in ((None, True), (effect.without, False)):
+        sessions = [play(tempo, effect, calm, seed, rehearsal) for seed in range(1, 7)]
         values = [effect.measure(trials) for trials in sessions]
         assert (
             effect.low <= fmean(value for value in values if value is not None) <= effect.high

@@ -20,7 +20,9 @@ def test_each_declared_effect_is_shown_and_its_control_is_not() -> None:
 
 def test_a_control_that_shows_the_effect_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     ((kind, effect), *_) = effects.effects(Catalogue())
-    monkeypatch.setattr(effects, "effects", lambda _: iter([(kind, effect._replace(without=kind))]))
+    monkeypatch.setattr(
+        effects, "effects", lambda _: iter([(kind, effect._replace(without=kind.rehearse))])
+    )
     _, outside = effects.run(Conditions(Catalogue(), is_quick=True)).claims
     assert outside.against == kind.name
 
