@@ -8,6 +8,7 @@ from typing import Any, get_args
 
 import msgspec
 
+from sar_tui.loop.topics import COMMAND, DECISION, MODE, NOTE_ADDED, REMARK
 from sar_tui.model import messages as m
 from sar_tui.reports.agreement import Agreement, agreement
 from sar_tui.reports.deviations import Deviation, deviations
@@ -56,6 +57,8 @@ _PLANNED = (
     "operator_lost_ms",
 )
 """Settings of modes and times of decision."""
+_ACTS = {topic.name for topic in (COMMAND, DECISION, REMARK, MODE, NOTE_ADDED)}
+"""Names of the topics of acts that are answered."""
 
 
 class ProposalSummary(msgspec.Struct, frozen=True):
@@ -85,6 +88,8 @@ class WizardReport(msgspec.Struct, frozen=True):
         plan: operator settings at the start of the session.
         operated: True if there was an operator at any time.
         initiated: counts of acts on the operators' own initiative, by kind.
+        answers: counts of the operators' acts by the session's answer: ``done``, ``refused`` (by
+            the link, too), ``late``. Earlier versions answered none.
         therapist: counts of what a therapist did at the participant's terminal: commands, settings
             by name, notes.
         decision_ms: from the appearance of a proposal on the operator's screen to the deciding key.
@@ -106,6 +111,7 @@ class WizardReport(msgspec.Struct, frozen=True):
     operated_s: float
     proposals: list[ProposalSummary]
     initiated: dict[str, int]
+    answers: dict[str, int]
     therapist: dict[str, int]
     decision_ms: Distribution | None
     undecided_seen: int
@@ -164,6 +170,7 @@ def report(
         operated_s=there.operated_s,
         proposals=_proposals(records, messages, settings, there.duration_s),
         initiated=dict(Counter(_initiated(messages, operators))),
+        answers=_answers(messages, operators),
         therapist=dict(Counter(_by_therapist(messages))),
         decision_ms=distribution(latencies.decision),
         undecided_seen=sum(bool(each.seen) and each.key_at is None for each in records),
@@ -249,6 +256,18 @@ def _initiated(messages: Iterable[LoggedMessage], operators: Collection[str]) ->
                 yield message.command
             case m.ModeChanged():
                 yield "mode"
+
+
+def _answers(messages: Iterable[LoggedMessage], operators: Collection[str]) -> dict[str, int]:
+    """Count the answers to operators' acts. What the link refused, it reports together."""
+    counts = Counter[str]()
+    for _, _, message in messages:
+        match message:
+            case m.ActAnswered() if message.actor in operators:
+                counts[message.outcome] += 1
+            case m.PeerRequestRefused() if message.actor in operators and message.what in _ACTS:
+                counts["refused"] += message.count
+    return dict(counts)
 
 
 def _by_therapist(messages: Iterable[LoggedMessage]) -> Iterator[str]:

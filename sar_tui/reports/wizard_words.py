@@ -61,7 +61,7 @@ def sections(found: WizardReport, latencies: Latencies, width: int) -> list[Sect
     initiated = f"On the operators' own initiative: {_initiated(found.initiated)}."
     return [
         Section("Operators", [who, f"Plan: {_plan(found.plan)}."]),
-        Section("Proposals", [_proposals(found), initiated, *_therapist(found)]),
+        Section("Proposals", [_proposals(found), initiated, *_answers(found), *_therapist(found)]),
         Section("Latencies", list(_latencies(found, latencies, width))),
         Section("Agreement", ["\n".join(agreement_sentences(found.agreement))]),
         _deviations(found),
@@ -120,6 +120,17 @@ def agreement_sentences(found: Agreement) -> Iterator[str]:
 def deviation_counts(counts: Mapping[str, int]) -> str:
     """Return the numbers of deviations by type."""
     return ", ".join(f"{DEVIATIONS.get(what, what)} {n}" for what, n in sorted(counts.items()))
+
+
+def _answers(found: WizardReport) -> list[str]:
+    if not (acts := sum(found.answers.values())):
+        return []
+    shares = ", ".join(
+        f"{name} {n} ({percent(n / acts)})"
+        for outcome, name in (("done", "done"), ("refused", "not done"), ("late", "too late"))
+        if (n := found.answers.get(outcome, 0))
+    )
+    return [f"The session answered {count(acts, 'act')} of operators: {shares}."]
 
 
 def _therapist(found: WizardReport) -> list[str]:

@@ -56,7 +56,7 @@ def test_json_has_every_field_and_the_data_dictionary_describes_each(call: Call)
     assert printed["session"] == session
     section = PAGE.partition("`report wizard`: ")[2].partition("\n## ")[0]
     documented = set(re.findall(r"`([^`\n]+)`", section))
-    data = {"initiated", "therapist", "counts", "valence_table", "agreement_by_kind"}
+    data = {"initiated", "answers", "therapist", "counts", "valence_table", "agreement_by_kind"}
     named_by_data = set().union(*(keys(printed[name]) for name in data & set(printed)))
     assert keys(printed) - documented - named_by_data == set()
     assert {"deviations", "absences", "agreement"} <= documented

@@ -33,6 +33,9 @@ def test_operator_decisions_reach_the_participant_and_are_stored(data: Path) -> 
         vetoed = panel.wait_for_proposal()
         panel.does("veto")
         terminals.until(lambda: not terminals.pending_proposal(), "it is vetoed")
+        terminals.until(
+            lambda: plain("Vetoed feedback · link") in panel.sees(), "the veto is answered"
+        )
 
         participant.answers = usual
         participant.answer(1)
@@ -51,6 +54,9 @@ def test_operator_decisions_reach_the_participant_and_are_stored(data: Path) -> 
         terminals.until(lambda: terminals.reported("event_handler/level"), "the level is lowered")
         panel.writes("note", "Note:", NOTE)
         terminals.until(lambda: rows(data, "SELECT 1 FROM notes"), "the note is kept")
+        terminals.until(
+            lambda: plain(f"Noted “{NOTE}” · link") in panel.sees(), "the note is answered"
+        )
 
         participant.answer(1)
         approved = panel.wait_for_proposal(edited["id"])
@@ -112,6 +118,8 @@ def test_operator_decisions_reach_the_participant_and_are_stored(data: Path) -> 
     assert feedback[1]["started_ns"] < at < feedback[2]["proposed_ns"], (
         "stamped with the session's own clock"
     )
+    answers = rows(data, "SELECT message FROM events WHERE topic='operator/answered'")
+    assert [json.loads(message)["outcome"] for (message,) in answers] == ["done"] * 6
     assert replays_identically(data)
 
 

@@ -13,6 +13,7 @@ from sar_tui.reports.distribution import Distribution
 from sar_tui.reports.logged_messages import LoggedMessage, read
 from sar_tui.reports.proposals import proposal_records
 from sar_tui.reports.wizard import Note, WizardReport, report
+from sar_tui.reports.wizard_words import sections
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.operator import PROFILES
@@ -105,6 +106,22 @@ def test_a_session_computed_by_hand() -> None:
         "act",
         [],
     )
+
+
+def test_answers_to_operators_are_counted_with_what_the_link_refused() -> None:
+    def answered(outcome: m.ActOutcome, actor: str = ANNA) -> m.ActAnswered:
+        return m.ActAnswered(id="1", actor=actor, outcome=outcome, at=0)
+
+    def refused(what: str, count: int) -> m.PeerRequestRefused:
+        return m.PeerRequestRefused(actor=ANNA, what=what, why="It comes too fast.", count=count)
+
+    script = Script().join(0).log(1000, *map(answered, ("done", "done", "late", "refused")))
+    script.log(2000, refused("operator/remark", 3), refused("a connection", 9))
+    made, latencies = report("s1", SETTINGS, script.log(3000, answered("done", "therapist")))
+    assert made.answers == {"done": 2, "late": 1, "refused": 4}
+    said = "The session answered 7 acts of operators: done 2 (29%), not done 4 (57%), too late 1"
+    texts = [text for section in sections(made, latencies, 80) for text in section.parts]
+    assert any(said in text for text in texts if isinstance(text, str))
 
 
 def test_the_shares_of_a_kind_that_changed_its_mode() -> None:
