@@ -15,11 +15,11 @@ def looping(call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path
     """The folder of a task that loops for ever when it is asked for a prompt."""
     quick = partial(plugin_watchdog.PluginWatchdog, limit_s=0.3, period_s=0.1)
     monkeypatch.setattr(plugin_watchdog, "PluginWatchdog", quick)
-    call("tasks", "new", "looping", "--like", "count", "--to", tmp_path)
+    call("tasks", "new", "looping", "--to", tmp_path)
     folder = tmp_path / "looping"
     edit(
         folder / "task.py",
-        "        keys = SEQUENCES[situation.level - 1]",
+        "        keys = KEYS[situation.level - 1]",
         "        while True:\n            pass",
     )
     return folder

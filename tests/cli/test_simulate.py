@@ -159,14 +159,12 @@ def test_an_unknown_task_is_bad_input(call: Call) -> None:
 def test_a_task_that_breaks_in_mid_session_is_a_failure_that_keeps_what_was_done(
     call: Call, tmp_path: Path
 ) -> None:
-    call("tasks", "new", "brittle", "--like", "count", "--to", tmp_path)
+    call("tasks", "new", "brittle", "--to", tmp_path)
     path = tmp_path / "brittle" / "task.py"
     text = path.read_text()
-    assert "keys = SEQUENCES[situation.level - 1]" in text
+    assert "keys = KEYS[situation.level - 1]" in text
     path.write_text(
-        text.replace(
-            "keys = SEQUENCES[situation.level - 1]", "keys = SEQUENCES[2 - situation.attempt * 9]"
-        )
+        text.replace("keys = KEYS[situation.level - 1]", "keys = KEYS[9 - situation.attempt * 9]")
     )
     called = call("simulate", "brittle", "--user", "poor", "--tasks", tmp_path)
     assert called.code == 1
