@@ -27,8 +27,7 @@ from sar_tui.operator.commands import Commands
 from sar_tui.operator.event_log import Line
 from sar_tui.operator.phrases import addressee
 from sar_tui.operator.proposal_strip import ProposalStrip
-from sar_tui.operator.text_charts import wrap
-from sar_tui.operator.trend import trend
+from sar_tui.operator.text_charts import trend, wrap
 from sar_tui.operator.widgets import CachedStatic, TooSmallNotice
 from sar_tui.tui.ordered_keys import OrderedScreen
 from sar_tui.tui.terminal_probe import INTERVAL_S as PROBE_INTERVAL_S

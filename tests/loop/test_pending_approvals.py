@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from sar_tui.loop.actions import accepted, edited
-from sar_tui.loop.pending_approvals import PendingApprovals
+from sar_tui.loop.approvals import PendingApprovals
 from sar_tui.model.messages import Action, Decision, PendingApproval, Proposal
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import SECOND

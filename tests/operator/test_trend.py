@@ -6,7 +6,7 @@ import pytest
 
 from sar_tui.loop import topics as t
 from sar_tui.model.trial_types import NO_METRIC, Metric
-from sar_tui.operator.trend import trend
+from sar_tui.operator.text_charts import trend
 from sar_tui.plugins import Catalogue
 from tests.operator import panel_driver as b
 

@@ -4,12 +4,12 @@ from collections.abc import Callable
 
 from msgspec.structs import replace
 
-from sar_tui.loop.action_queue import LASTING
+from sar_tui.loop.action_queue import LASTING, ActionQueue
 from sar_tui.loop.actions import edited, initiated
 from sar_tui.loop.agent_state import AWAITED
 from sar_tui.loop.answers import OpenActs, Part, answer_to
-from sar_tui.loop.node import on, serves
-from sar_tui.loop.nodes.approvals import Approvals, is_level
+from sar_tui.loop.approvals import Approvals
+from sar_tui.loop.node import TimedNode, on, serves
 from sar_tui.loop.topics import (
     ACTING,
     ACTION,
@@ -25,6 +25,7 @@ from sar_tui.loop.topics import (
     HALT,
     LATE_DECISION,
     LEVEL_DECIDED,
+    LEVEL_REQUEST,
     MODE,
     NOTE_ADDED,
     OUTPUT,
@@ -41,11 +42,10 @@ from sar_tui.loop.topics import (
     WAITING,
 )
 from sar_tui.model import messages as m
-from sar_tui.model.messages import Action, ActionPart, Dropped, Halt, Kind, Proposal, Utterance
+from sar_tui.model.messages import Action, ActionPart, Dropped, Halt, Proposal, Utterance
 from sar_tui.model.step_entry import Entry
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS, SECOND
-from sar_tui.rules import arbitration
 from sar_tui.rules.settings.operator import OperatorSettings
 
 ACTION_TIMEOUT = 40 * SECOND
@@ -62,13 +62,11 @@ _DROPPED_BECAUSE = {
     "vetoed": "It was cancelled.",
 }
 """Why a remark was not said, by the reason for which it was dropped."""
-_AFTER_FEEDBACK: tuple[Kind, ...] = ("encouragement", "rest")
-"""Kinds of action that wait until pending feedback has been given."""
 
 
-class Arbiter(Approvals):
+class Arbiter(TimedNode):
     """Passes actions to the outputs, one at a time. Actions wait until a trial or a pause is
-    over.
+    over; proposals, if an operator is to decide, in `Approvals`.
     """
 
     name = "arbiter"
@@ -88,7 +86,11 @@ class Arbiter(Approvals):
     )
 
     def __init__(self, parameters: OperatorSettings, theme: Theme) -> None:
-        super().__init__(parameters, theme)
+        super().__init__()
+        self._parameters = parameters
+        self._theme = theme
+        self._queue = ActionQueue()
+        self._approvals = Approvals(self, self._queue, parameters)
         self._announced: list[m.OutputOpened] = []
         self._outputs: list[m.OutputOpened] = []
         self._is_held_back = False
@@ -122,9 +124,8 @@ class Arbiter(Approvals):
         self.cancel_timers()
         self._queue.abandon()
         self._open_acts.forget()
-        self._do_without_operator(is_level)
+        self._approvals.begin_run(started.rules)
         self._drop("late")
-        self._rules = replace(self._rules, operated=False, version=started.rules)
         self._is_held_back = False
         self._publish_state()
 
@@ -143,7 +144,9 @@ class Arbiter(Approvals):
 
     def _make_way(self, waiting: m.Waiting) -> None:
         """Drop or halt what must not be heard or seen in this phase."""
-        if waiting.stage == "trial" and (waiting.what != "agent" or self._rules.version < 2):
+        if waiting.stage == "trial" and (
+            waiting.what != "agent" or self._approvals.rules.version < 2
+        ):
             self._drop("late", lambda one: one.policy == "drop")
         current = self._queue.current
         # its question may be heard to the end
@@ -158,8 +161,7 @@ class Arbiter(Approvals):
     @on(ATTEMPT_STARTED)
     def attempt_started(self, _: m.AttemptStarted) -> None:
         """Drop manual proposals when an attempt starts."""
-        for pending in self._pending.remove(lambda one: one.deadline is None):
-            self._give_up(pending, "manual", "mode")
+        self._approvals.begin_attempt()
         self._publish_state()
 
     @on(ATTEMPT_ENDED)
@@ -167,7 +169,7 @@ class Arbiter(Approvals):
         """Drop feedback that waits if its attempt is scored again, and a pending level if the
         outcome changed.
         """
-        self._note_outcome(ended)
+        self._approvals.note_outcome(ended)
         here = (ended.seat, ended.attempt)
         self._drop(
             "amended", lambda one: one.kind == "feedback" and (one.seat, one.attempt) == here
@@ -179,8 +181,8 @@ class Arbiter(Approvals):
         """Drop what waits, except the last feedback if the session was completed: it precedes the
         goodbye.
         """
-        if ended.status == "completed" and self._rules.version >= 2:
-            self._do_without_decision(self._pending.remove(_is_feedback_with_deadline))
+        if ended.status == "completed" and self._approvals.rules.version >= 2:
+            self._approvals.complete()
             for action in self._queue.remove(lambda one: one.kind == "feedback"):
                 self._queue.add(replace(action, due=0))
         feedback = [action.id for action in self._queue.waiting if action.kind == "feedback"]
@@ -192,14 +194,21 @@ class Arbiter(Approvals):
     @on(PROPOSED)
     def proposed(self, proposal: Proposal) -> None:
         """Decide on a proposal."""
-        words = self._decide_proposal(proposal)
+        words = self._approvals.propose(proposal)
         self._set_filler_timer(words)
         self._begin_next()
+
+    @serves(LEVEL_REQUEST)
+    def level_requested(self, request: m.LevelRequest) -> m.LevelReply:
+        """Allow a change of level, refuse it, or ask an operator."""
+        reply = self._approvals.request_level(request)
+        self._publish_state()
+        return reply
 
     @serves(UNSAID_FEEDBACK)
     def unsaid_requested(self, request: m.UnsaidFeedbackRequest) -> m.UnsaidFeedback:
         """Return the seats whose feedback on an attempt waits."""
-        waiting = (*self._queue.waiting, *(one.proposal for one in self._pending.waiting))
+        waiting = (*self._queue.waiting, *(one.proposal for one in self._approvals.waiting))
         feedback = [
             one for one in waiting if one.kind == "feedback" and one.attempt == request.attempt
         ]
@@ -210,7 +219,7 @@ class Arbiter(Approvals):
         an operator.
         """
         waits = any(
-            one.proposal is proposal and one.deadline is not None for one in self._pending.waiting
+            one.proposal is proposal and one.deadline is not None for one in self._approvals.waiting
         )
         delayed = proposal.due > self.now + FILLER_AFTER
         wanted = {"operator": waits, "always": waits or delayed, "never": False}[
@@ -228,14 +237,14 @@ class Arbiter(Approvals):
         configured.
         """
         self._has_operators = True
-        self._apply_presence(changed.operated)
+        self._approvals.set_presence(is_operated=changed.operated)
         self._begin_next()
 
     @on(MODE)
     def mode_chosen(self, chosen: m.ModeChanged) -> None:
         """Apply a new mode."""
         self._has_operators = True
-        self._apply_mode(chosen)
+        self._approvals.set_mode(chosen)
         self._begin_next()
         self._answer(chosen)
 
@@ -247,10 +256,9 @@ class Arbiter(Approvals):
     @on(DECISION)
     def decided(self, decision: m.Decision) -> None:
         """Apply an operator's decision to a pending, queued or current action."""
-        if pending := self._pending.take(decision.action):
-            self._apply_decision(pending, decision)
+        if self._approvals.apply_decision(decision, self._theme):
             self._answer(decision)
-        elif decision.verdict == "accept" and self._rules.version >= 2:
+        elif decision.verdict == "accept" and self._approvals.rules.version >= 2:
             self._decided_late(decision)
         elif queued := self._queue.take(decision.action):
             self._decide_queued(queued, decision)
@@ -295,8 +303,7 @@ class Arbiter(Approvals):
             self.emit(HALT, Halt(reason="stopped", asked=act.at or self.now))
             self._answer(act)
         elif act.command == "level":
-            for pending in self._pending.remove(is_level):
-                self._decide_level(pending, "rejected", 0, act.actor, "operator")
+            self._approvals.reject_level(act.actor)
         self._publish_state()
 
     def _decide_queued(self, queued: Action, decision: m.Decision) -> None:
@@ -327,11 +334,11 @@ class Arbiter(Approvals):
         elif name == "filler" and (awaited := next(filter(self._is_awaited, self._awaited), None)):
             self.emit(FILLER_DUE, m.FillerDue(id=awaited))
         elif name == "deadline":
-            self._apply_deadlines()
+            self._approvals.apply_deadlines()
         self._begin_next()
 
     def _is_awaited(self, id: str) -> bool:
-        return any(one.proposal.id == id for one in self._pending.waiting) or any(
+        return any(one.proposal.id == id for one in self._approvals.waiting) or any(
             action.id == id for action in self._queue.waiting
         )
 
@@ -342,7 +349,7 @@ class Arbiter(Approvals):
             self.cancel_timer("deadline")
             self._publish_state()
             return
-        held = _AFTER_FEEDBACK if any(map(arbitration.comes_first, self._pending.waiting)) else ()
+        held = self._approvals.kinds_held_back
         while not self._is_held_back and (action := self._queue.next(self.now, held)):
             if current := self._queue.current:
                 self.emit(HALT, Halt(action=current.id, reason="interrupted", asked=self.now))
@@ -357,7 +364,7 @@ class Arbiter(Approvals):
             self.cancel_timer("patience")
         if (due := self._queue.next_due(self.now)) is not None:
             self.set_timer("due", due)
-        if (deadline := self._pending.next_deadline) is not None:
+        if (deadline := self._approvals.next_deadline) is not None:
             self.set_timer("deadline", deadline)
         else:
             self.cancel_timer("deadline")
@@ -367,7 +374,7 @@ class Arbiter(Approvals):
         """Return feedback so that it joins that of the other participant, whichever an operator
         decided on first.
         """
-        if action.kind != "feedback" or self._rules.version < 3:
+        if action.kind != "feedback" or self._approvals.rules.version < 3:
             return action
         attempt, seat = self._given
         self._given = (action.attempt, action.seat)
@@ -378,7 +385,7 @@ class Arbiter(Approvals):
     @property
     def _is_idle(self) -> bool:
         """True if nothing waits or is under way."""
-        return self._queue.is_idle and self._pending.is_empty
+        return self._queue.is_idle and not self._approvals.waiting
 
     def _parts(self, utterance: Utterance) -> list[Part]:
         """Return the parts of an action, by output."""
@@ -392,9 +399,7 @@ class Arbiter(Approvals):
 
     def _publish_state(self) -> None:
         """Publish whether the agent acts, and the state for operators, if they changed."""
-        awaits_operator = any(
-            arbitration.is_awaited(self._rules, one) for one in self._pending.waiting
-        )
+        awaits_operator = self._approvals.is_operator_awaited
         acting = self._queue.is_acting
         if (acting, awaits_operator) != (self._acting.acting, self._acting.awaits_operator):
             self._acting = m.AgentActing(acting=acting, awaits_operator=awaits_operator)
@@ -402,9 +407,9 @@ class Arbiter(Approvals):
         if not self._has_operators:
             return
         state = m.ArbiterState(
-            modes=self._rules.modes,
-            operated=self._rules.operated,
-            pending=self._pending.waiting,
+            modes=self._approvals.rules.modes,
+            operated=self._approvals.rules.operated,
+            pending=self._approvals.waiting,
             queued=self._queue.waiting,
             current=self._queue.current,
         )
@@ -417,17 +422,12 @@ class Arbiter(Approvals):
     ) -> None:
         for action in self._queue.remove(what):
             self._emit_dropped(action, reason, _who(reason, actor))
-        for pending in self._pending.remove(lambda one: what(one.proposal)):
-            self._give_up(pending, reason, "mode", _who(reason, actor))
+        self._approvals.drop(what, reason, _who(reason, actor))
 
     def _emit_dropped(self, action: Action, reason: str, actor: str) -> None:
         self.emit(DROPPED, Dropped(id=action.id, reason=reason, actor=actor))  # type: ignore[arg-type]
         outcome: m.ActOutcome = "late" if reason == "late" else "refused"
         self._open_acts.give_up(action.id, outcome, _DROPPED_BECAUSE.get(reason, ""))
-
-
-def _is_feedback_with_deadline(pending: m.PendingApproval) -> bool:
-    return pending.proposal.kind == "feedback" and pending.deadline is not None
 
 
 _FIELDS: dict[ActionPart, str] = {
