@@ -307,8 +307,8 @@ async def _draw_progress(data: Path, catalogue: Catalogue) -> None:
                 )
     app = SarTui(data, catalogue, clock=VirtualClock(SECOND))
     async with app.run_test(size=(100, 30)) as pilot:
-        app.load_themes()
-        app.use_theme("calm")
+        app.themes.load()
+        app.themes.use_named("calm")
         await app.push_screen(ProgressScreen("P05", catalogue.task("keyboard")))
         for _ in range(10):
             await pilot.pause()

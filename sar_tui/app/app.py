@@ -1,9 +1,12 @@
-"""The app for participant and therapist: its keys, its terminal, and how it is opened."""
+"""The app for participant and therapist, from its first screen to the lines that it leaves in the
+terminal.
+"""
 
 import contextlib
 import functools
 import sys
 from collections.abc import Iterable, Sequence
+from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -14,34 +17,45 @@ from textual.driver import Driver
 from textual.screen import Screen
 from textual.widget import Widget
 
-from sar_tui.app.leaving import LeavingApp
+from sar_tui.app.leaving import UNSAVED, Leaving
+from sar_tui.app.patient_mode import PatientMode
 from sar_tui.app.screen_keys import ScreenKeys
+from sar_tui.app.screens.home import HomeScreen
+from sar_tui.app.themes import Themes
 from sar_tui.loop.clock import host_now
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plugin_watchdog import PluginWatchdog
+from sar_tui.store.database import StoreError, connect
 from sar_tui.theme_folder import may_have_images
+from sar_tui.tui.base_app import BaseApp
+from sar_tui.tui.gc_control import end_loading
 from sar_tui.tui.terminal_input import PasteDropped, UnreadableInput
 from sar_tui.tui.timestamps import OnsetWatch, watched
 from sar_tui.tui.too_small import cover_if_too_small
 
 if TYPE_CHECKING:  # loaded with a session, so that the first screen is there sooner
+    from sar_tui.app.live import LiveSession
+    from sar_tui.app.screens.session import SessionScreen
+    from sar_tui.app.session_start import SessionStart
     from sar_tui.link.broker_process import BrokerProcess
     from sar_tui.loop.clock import Clock
     from sar_tui.runs.plan import Plan
     from sar_tui.widgets.prompt_pictures import Way
 
+_LATEST_S = 1.0
+"""Seconds after which the home screen is filled, whether its frame is known to be shown or not."""
 _KEY_NAMES = {"escape": "Esc", "question_mark": "?", "slash": "/", "delete": "Del"}
 
 
-class SarTui(LeavingApp):
+class SarTui(BaseApp):
     """The app for participant and therapist: home, settings, sessions.
 
     Args:
         folder: the data folder.
         catalogue: the installed tasks and themes.
-        begin: a plan, or the id of an interrupted session, to begin at once; then the app ends
-            after it.
+        begin: a plan, or the id of an interrupted session, to begin in place of the home screen;
+            then the app ends after it.
         clock: for tests: a clock that is advanced by hand.
         link: lets operators join the session; None if they cannot.
         patient: begin in patient mode, with this participant.
@@ -49,17 +63,29 @@ class SarTui(LeavingApp):
         sync_flash: begin each session with a flash and a tone for cameras.
 
     Attributes:
+        themes: those to choose from, and the one in use.
+        patient_mode: lets a participant train alone.
+        start: the last start of a session.
+        live: the last session that was begun.
+        leaving: ends the app.
+        screen_keys: judges which keys reach a screen.
         picture_way: how this terminal shows the pictures of prompts; None if it was not asked, or
             it cannot.
+
+    Raises:
+        StoreError, PluginError: the database cannot be opened, or no theme can be read.
     """
 
     picture_way: "Way | None" = None
     CSS_PATH = "app.tcss"
     BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("f12", "end_patient_mode", show=False, priority=True, id="end-patient-mode"),
         Binding("f2", "stop", "Stop voice", priority=True, id="stop"),
         Binding("f1", "help", "Help", id="help"),
         Binding("question_mark", "help", "Help", show=False, id="help-2"),
     ]
+    today = staticmethod(date.today)
+    """The date of the people in front of the screen."""
 
     def __init__(
         self,
@@ -77,51 +103,201 @@ class SarTui(LeavingApp):
         self.screen_keys = ScreenKeys(
             lambda: host_now() / SECOND if clock is None else clock.now() / SECOND
         )
-        super().__init__(
-            folder, catalogue, begin, patient=patient, clock=clock, link=link, markers=markers
-        )
+        super().__init__()
+        self.folder = folder
+        self.catalogue = catalogue
+        self.themes = Themes(self, catalogue)
+        self.database = connect(folder)
+        self.patient_mode = PatientMode(self, patient)
+        self.leaving = Leaving(self)
+        self.start: SessionStart | None = None
+        self.live: LiveSession | None = None
         self.picture: type[Widget] | None = None
+        self._begin = begin
+        self._first_patient = patient
+        self._clock = clock
+        self._link = link
+        self._markers = markers
+        self._is_asking = False
         self._has_begun = False
+        # input that waits until the home screen is filled; None from then on
+        self._early_input: list[events.Event] | None = [] if self._opens_home else None
+
+    # --- state
+
+    @property
+    def is_for_one_session(self) -> bool:
+        """True if the app was opened for one session, and ends with it."""
+        return self._begin is not None
+
+    @property
+    def patient(self) -> str:
+        """The participant who trains alone; empty if patient mode is off."""
+        return self.patient_mode.participant
+
+    @property
+    def open_session(self) -> "LiveSession | None":
+        """The session that has not been closed."""
+        return self.live if self.live and not self.live.is_closed else None
+
+    @property
+    def has_participant(self) -> bool:
+        """True during a session, while sensors are checked or questions asked around it, and in
+        patient mode.
+        """
+        starts = self.start is not None and (self.start.is_asking or bool(self.start.feeds))
+        return self.open_session is not None or starts or self._is_asking or bool(self.patient)
+
+    # --- opening: the empty home screen is shown first, then filled
+
+    @property
+    def _opens_home(self) -> bool:
+        """True if the home screen is the first: no session and no patient mode begins at once."""
+        return not (self.is_for_one_session or self._first_patient)
+
+    def get_default_screen(self) -> Screen[Any]:
+        """Return the screen below all others: the home screen, or nothing if the app is opened for
+        something else.
+        """
+        return HomeScreen() if self._opens_home else super().get_default_screen()
 
     def get_driver_class(self) -> type[Driver]:
         return watched(super().get_driver_class(), self.onset_watch, self._terminal_gone)
 
     async def on_mount(self) -> None:
         self.screen_change_signal.subscribe(self, self.screen_keys.changed, immediate=True)
-        self.watch_themes()
+        self.themes.start_looking()
         if self._first_patient:
-            await self.begin_patient_mode(self._first_patient)
+            await self.patient_mode.begin(self._first_patient)
         elif self._begin is not None:
             self.begin_session(self._begin)
         self._has_begun = True
         cover_if_too_small(self, self.size)
 
+    def on_ready(self) -> None:
+        # called later, as one of the app's own messages: those that follow wait until it is done
+        self.call_after_refresh(self.call_later, self._fill_home)
+        # a screen that is removed takes along what waits for its refresh
+        self.set_timer(_LATEST_S, self._fill_home)
+
+    async def _fill_home(self) -> None:
+        """Fill the home screen, now that its frame is shown; then handle the input that waited for
+        it.
+        """
+        if self._early_input is None:
+            return
+        waiting, self._early_input = self._early_input, None
+        home = self.screen_stack[0]
+        assert isinstance(home, HomeScreen)
+        await home.fill()
+        end_loading()
+        for event in waiting:
+            await self.on_event(event)
+
     async def on_event(self, event: events.Event) -> None:
-        """Drop keys that were meant for another screen."""
+        """Drop keys that were meant for another screen; let input wait until the home screen is
+        filled, because an empty list would ignore it.
+        """
         if isinstance(event, events.Key) and not event.is_forwarded:
-            at = event.time if self._session_clock is None else self._session_clock.now() / SECOND
-            is_therapist = not self._has_participant
+            at = event.time if self._clock is None else self._clock.now() / SECOND
+            is_therapist = not self.has_participant
             if not self.screen_keys.pass_on(event, at, self.screen, is_therapist=is_therapist):
                 return
-        await super().on_event(event)
+        if self._early_input is not None and isinstance(event, (events.InputEvent, events.Paste)):
+            self._early_input.append(event)
+        else:
+            await super().on_event(event)
 
-    # --- the stop key
+    # --- at home
+
+    def check_database(self) -> None:
+        """Open the database anew if its files were removed or replaced, and say so."""
+        try:
+            self.database.check()
+        except StoreError as error:
+            self.database.close()
+            self.database = connect(self.folder)
+            self._tell(str(error), severity="error", timeout=60)
+
+    def tell_troubles(self) -> None:
+        """Say if rescue files wait, or data was lost."""
+        from sar_tui.store.troubles import troubles
+
+        for text in troubles(self.database, self.folder):
+            self.notify(text, severity="error", timeout=60)
+
+    def _tell(self, text: str, **how: Any) -> None:
+        """Notify the therapist, in patient mode once it ends."""
+        if self.patient:
+            self.patient_mode.note_trouble(text)
+        else:
+            self.notify(text, **how)
+
+    # --- the beginning of a session
+
+    def begin_session(self, what: "Plan | str") -> None:
+        """Begin a new session (a plan) after a check of its sensors, or an interrupted one (its
+        id).
+        """
+        if self.is_web:
+            self.cannot_begin(
+                "A session cannot run in a browser, where responses cannot be timed. Use a "
+                "terminal."
+            )
+            return
+        from sar_tui.app.session_start import SessionStart
+
+        self.start = SessionStart(self, self._clock, self._link, self._markers)
+        self.start.begin(what)
+
+    def not_begun(self) -> None:
+        """Return to the home screen, or exit, because somebody decided not to begin."""
+        if self.is_for_one_session:
+            self.exit(return_code=0)
+        else:
+            self.themes.show_pending_notice()
+
+    def cannot_begin(self, why: str, *, resumed: bool = False, is_enough: bool = False) -> None:
+        """Say why a session cannot begin; exit if the app was opened for it."""
+        if self.patient:
+            self.patient_mode.exercise_cannot_begin(why, resumed=resumed, is_enough=is_enough)
+        elif self.is_for_one_session:
+            self.failure = why
+            self.exit(return_code=1)
+        else:
+            self.notify(why, severity="warning", timeout=15)
+            self.themes.show_pending_notice()
+
+    def session_began(self, live: "LiveSession", screen: "SessionScreen") -> None:
+        """Show a session that was opened."""
+        self.live = live
+        notice = live.run.theme_notice
+        if self.patient and notice:
+            self.patient_mode.note_trouble(notice)
+        elif notice:  # waits for the therapist, until the participant has left
+            self.themes.pending_notice = notice
+        self.clear_notifications()
+        session = live.run.session
+        self.themes.use(session.theme, session.task.parameters.language)
+        self.push_screen(screen, self._session_left)
+
+    # --- during a session
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """The stop key works during a session; before and after, F2 is the screen's own."""
-        return (
-            self._open is not None if action == "stop" else super().check_action(action, parameters)
-        )
+        """F2 stops during a session, and F12 ends patient mode; else they are the screen's own."""
+        if action == "stop":
+            return self.open_session is not None
+        if action == "end_patient_mode":
+            return bool(self.patient)
+        return super().check_action(action, parameters)
 
     def action_stop(self) -> None:
         """F2, anywhere in a session: stop everything the agent says and does."""
-        if self._open:
+        if live := self.open_session:
             from sar_tui.model.messages import SessionCommand
 
-            asked = round(self._open.stamp(self.key_seconds) * SECOND)
-            self._open.operate(SessionCommand(command="stop", at=asked))
-
-    # --- the terminal
+            asked = round(live.stamp(self.key_seconds) * SECOND)
+            live.operate(SessionCommand(command="stop", at=asked))
 
     def on_app_blur(self, event: events.AppBlur) -> None:
         self._focus_changed(False, event.time)
@@ -130,22 +306,141 @@ class SarTui(LeavingApp):
         self._focus_changed(True, event.time)
 
     def _focus_changed(self, focused: bool, seconds: float) -> None:
-        if self._open:
-            self._open.keyboard.focused(focused, self._open.stamp(seconds))
+        if live := self.open_session:
+            live.keyboard.focused(focused, live.stamp(seconds))
 
     def on_unreadable_input(self, message: UnreadableInput) -> None:
         """Record it in the session. Textual calls the base class's handler as well."""
-        if self._open:
-            self._open.keyboard.dropped(message.what, self._open.stamp(message.time))
+        if live := self.open_session:
+            live.keyboard.dropped(message.what, live.stamp(message.time))
 
     def on_paste_dropped(self, message: PasteDropped) -> None:
         """Record its length in the session, as that of any paste."""
-        if self._open:
-            self._open.keyboard.pasted(message.length, self._open.stamp(message.time))
+        if live := self.open_session:
+            live.keyboard.pasted(message.length, live.stamp(message.time))
 
     def on_resize(self, event: events.Resize) -> None:
         if self._has_begun:  # before, there is nothing to cover
             cover_if_too_small(self, event.size)
+
+    # --- after a session
+
+    def _session_left(self, _: object) -> None:
+        """Close the session once its screen is gone: after its summary, or because the task
+        failed.
+        """
+        self.close_session()
+        self.themes.look_for_edits(True)
+        live = self.live
+        assert live
+        if self.failure or not live.asks_after:
+            self._return_from(live)
+            return
+        from sar_tui.app import wellbeing
+
+        def answered(_: bool | None) -> None:
+            self._is_asking = False
+            self._return_from(live)
+            for text in wellbeing.warnings(self, list(live.codes.values())):
+                self._tell(text, severity="warning", timeout=60)
+
+        self.check_database()
+        self._is_asking = True
+        self.push_screen(wellbeing.ask_after(self, live), answered)
+
+    def close_session(self) -> None:
+        """Close the live session and its workers, if there is one, and stop sensors that are being
+        checked.
+        """
+        if self.live:
+            self.live.close(self)
+        if self.start:
+            self.start.close()
+
+    def _return_from(self, live: "LiveSession") -> None:
+        """Return to the home screen or the next exercise, or exit if the app was opened for one
+        session.
+        """
+        if self.patient:
+            self._return_to_patient(live)
+            return
+        if self.is_for_one_session or self.failure:
+            self.exit(return_code=1 if self.failure else 0)
+            return
+        self.themes.show_pending_notice()
+        self.check_database()
+        if live.rescued:
+            text = f"{live.rescued} `sar-tui rescue` brings it back."
+            self.notify(text, severity="error", timeout=60)
+        if live.unsaved:
+            text = f"{UNSAVED} Free some space before the next session."
+            self.notify(text, severity="error", timeout=30)
+        if live.trouble:
+            self.notify(live.trouble, severity="error", timeout=30)
+            live.trouble = ""
+
+    def _return_to_patient(self, live: "LiveSession") -> None:
+        """Keep what went wrong for the therapist, and go on to the participant's next exercise."""
+        note = self.patient_mode.note_trouble
+        if self.failure:
+            note(self.failure)
+            self.failure = ""
+        if live.rescued:
+            note(f"{live.rescued} `sar-tui rescue` brings it back.")
+        if live.unsaved:
+            note(UNSAVED)
+        if live.trouble:
+            note(live.trouble)
+        self.check_database()
+        ended = live.run.session.ended
+        self.patient_mode.exercise_left(ended=ended, is_mistake=live.is_mistake)
+        from sar_tui.app import wellbeing
+
+        if ended and wellbeing.had_better_rest(self, live):
+            self.patient_mode.stopped_by_pain()
+
+    # --- patient mode
+
+    async def action_end_patient_mode(self) -> None:
+        """F12: ask for the passphrase."""
+        await self.patient_mode.ask_to_end()
+
+    def catch_signals(self) -> None:
+        super().catch_signals()
+        if self.patient:
+            self.patient_mode.hold_signals()
+
+    def signalled(self, number: int) -> None:
+        """End the app on a signal; in patient mode, only if it is not one that the terminal's keys
+        send.
+        """
+        if not self.patient_mode.holds_back(number):
+            super().signalled(number)
+
+    # --- the end
+
+    async def action_quit(self) -> None:
+        """Ctrl-Q: exit; during a session, ask first. In patient mode a session is paused, and
+        nothing else happens.
+        """
+        if self.patient:
+            self.patient_mode.pause_session()
+        elif not await self.leaving.ask():
+            await super().action_quit()
+
+    def action_interrupt(self) -> None:
+        """Ctrl-C: exit; in patient mode as Ctrl-Q."""
+        if self.patient:
+            self.patient_mode.pause_session()
+        else:
+            super().action_interrupt()
+
+    def exit(self, *args: Any, **how: Any) -> None:
+        """Exit, once the session is written."""
+        self.leaving.leave(functools.partial(super().exit, *args, **how))
+
+    def on_unmount(self) -> None:
+        self.patient_mode.release_signals()
 
     # --- help
 
@@ -159,9 +454,11 @@ class SarTui(LeavingApp):
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
         """Fill the command palette."""
         yield SystemCommand("Help", "What this screen is for, and its keys", self.action_help)
-        for name, theme in () if self._has_participant else self.themes.items():
+        for name, theme in () if self.has_participant else self.themes.known.items():
             yield SystemCommand(
-                f"Theme: {theme.title}", theme.summary, functools.partial(self.use_theme, name)
+                f"Theme: {theme.title}",
+                theme.summary,
+                functools.partial(self.themes.use_named, name),
             )
         yield SystemCommand("Quit", "Leave sar-tui; a session under way is kept", self.action_quit)
 
@@ -219,11 +516,11 @@ def run_app(
         from sar_tui.widgets.picture import find_pictures
 
         app.picture = find_pictures()
-    with PluginWatchdog(app.abandon):
+    with PluginWatchdog(app.leaving.abandon):
         code = app.run_here()
     app.close_session()
     code = code or int(bool(app.failure or (app.live and (app.live.unsaved or app.live.rescued))))
-    for line in app.exit_lines(code):
+    for line in app.leaving.lines(code):
         with contextlib.suppress(OSError):  # the terminal may be gone
             print(line, file=sys.stderr)
     return code

@@ -6,121 +6,228 @@ import asyncio
 import contextlib
 import functools
 import os
+import shlex
 import sys
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, ClassVar, Literal, cast
 
-from sar_tui.app.ending import EndingApp
-from sar_tui.app.exit_message import exit_message
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.screen import ModalScreen
+from textual.widgets import Static
+from textual.widgets.option_list import Option
+
+from sar_tui.store.database import default_folder
+from sar_tui.tui.dismissed_once import DismissedOnce
+from sar_tui.tui.exit_codes import INTERRUPTED
+from sar_tui.widgets.language import language_of
+from sar_tui.widgets.option_list import OptionList
 
 if TYPE_CHECKING:
+    from sar_tui.app.app import SarTui
     from sar_tui.app.live import LiveSession
-    from sar_tui.app.screens.leave import Leaving
 
+UNSAVED = (
+    "The session's last messages could not be written to the disk; all earlier trials are safe."
+)
 _UNNOTICED_SECONDS = 0.3
 """Longest wait for the disk at the end before the screen says so."""
 
+Answer = Literal["go on", "leave", "mistake"]
+"""To go on; to leave the session for now; to leave it, as it was started by mistake."""
 
-class LeavingApp(EndingApp):
-    """The part of the app that ends it, once the session is written."""
 
-    _is_leaving = False
+class Leaving:
+    """Ends the app, once its session is written.
 
-    async def action_quit(self) -> None:
-        """Ctrl-Q: exit; during a session, ask first, because a participant may have pressed it by
-        mistake.
+    Args:
+        app: is ended.
+    """
 
-        In patient mode a session is paused, and nothing else happens.
+    def __init__(self, app: "SarTui") -> None:
+        self._app = app
+        self._is_under_way = False
+
+    # --- the question
+
+    async def ask(self) -> bool:
+        """Ask before a session is left, because a participant may have pressed the key by mistake.
+
+        Returns False if there is nothing to ask: no session is under way.
         """
-        if self.patient:
-            self.pause_session()
-            return
-        from sar_tui.app.screens.leave import LeaveScreen
-
-        session = self._open.run.session if self._open else None
-        if session is None or session.ended or session.broken:
-            await super().action_quit()
-        elif not any(isinstance(screen, LeaveScreen) for screen in self.screen_stack):
-            in_trial = getattr(self.screen, "is_in_trial", False)
-            answered = functools.partial(self._left_or_went_on, was_in_trial=in_trial)
-            can_save = all(getattr(screen, "can_save", True) for screen in self.screen_stack)
-            may_be_mistake = self._open is not None and self._open.in_first_attempt
-            question = LeaveScreen(can_save=can_save, may_be_mistake=may_be_mistake)
+        app, live = self._app, self._app.open_session
+        session = live.run.session if live else None
+        if live is None or session is None or session.ended or session.broken:
+            return False
+        if not any(isinstance(screen, LeaveScreen) for screen in app.screen_stack):
+            in_trial = getattr(app.screen, "is_in_trial", False)
+            can_save = all(getattr(screen, "can_save", True) for screen in app.screen_stack)
+            question = LeaveScreen(can_save=can_save, may_be_mistake=live.in_first_attempt)
+            answered = functools.partial(self._answered, was_in_trial=in_trial)
             # mounted: the next key of a burst is its own
-            await self.push_screen(question, answered)
+            await app.push_screen(question, answered)
+        return True
 
-    def action_interrupt(self) -> None:
-        """Ctrl-C: exit; in patient mode as Ctrl-Q."""
-        if self.patient:
-            self.pause_session()
-        else:
-            super().action_interrupt()
-
-    def _left_or_went_on(self, how: "Leaving | None", *, was_in_trial: bool) -> None:
+    def _answered(self, answer: Answer | None, *, was_in_trial: bool) -> None:
         """Exit; or go on with the trial that the question has paused."""
         from sar_tui.loop.session_phase import LEFT
         from sar_tui.model.messages import SessionCommand
 
-        if how in ("leave", "mistake"):
-            if self._open:
-                self._open.is_mistake = how == "mistake"
-            if was_in_trial and self._open:
-                self._open.operate(SessionCommand(command="pause", reason=LEFT))
-            self.exit()
-        elif was_in_trial and self._open:
-            self._open.operate(SessionCommand(command="resume"))
+        live = self._app.open_session
+        if answer in ("leave", "mistake"):
+            if live:
+                live.is_mistake = answer == "mistake"
+            if was_in_trial and live:
+                live.operate(SessionCommand(command="pause", reason=LEFT))
+            self._app.exit()
+        elif was_in_trial and live:
+            live.operate(SessionCommand(command="resume"))
 
-    def exit(self, *args: Any, **how: Any) -> None:
+    # --- the last messages
+
+    def leave(self, exit_app: Callable[[], None]) -> None:
         """Exit, once the session is written. Until then the screen stays, so that nobody sees an
         empty terminal.
         """
-        if self._is_leaving:
+        if self._is_under_way:
             return
-        if self._open:
-            self._open.stop(self)
-            if not self._open.is_written(_UNNOTICED_SECONDS):
-                self._is_leaving = True
-                self.run_worker(
-                    self._exit_once_written(self._open, args, how), name="exit", group="exit"
+        live = self._app.open_session
+        if live:
+            live.stop(self._app)
+            if not live.is_written(_UNNOTICED_SECONDS):
+                self._is_under_way = True
+                self._app.run_worker(
+                    self._leave_once_written(live, exit_app), name="exit", group="exit"
                 )
                 return
-        super().exit(*args, **how)
+        exit_app()
 
-    async def _exit_once_written(
-        self, live: "LiveSession", args: Sequence[Any], how: dict[str, Any]
-    ) -> None:
+    async def _leave_once_written(self, live: "LiveSession", exit_app: Callable[[], None]) -> None:
         from sar_tui.app.live import LAST_WRITE_SECONDS
-        from sar_tui.app.screens.saving import SavingScreen
 
-        self.push_screen(SavingScreen())
+        self._app.push_screen(SavingScreen())
         await asyncio.to_thread(live.is_written, LAST_WRITE_SECONDS)
-        super().exit(*args, **how)
-
-    def exit_lines(self, code: int) -> list[str]:
-        """Return the lines to leave in the terminal."""
-        tasks = self.catalogue.extra_tasks
-        one = self.is_for_one_session
-        lines = exit_message(
-            code, self.failure, self.live, self.folder, tasks, names_ended_session=one
-        )
-        troubles = self._troubles if self.patient else ()  # nobody was there to be told
-        trouble = self.live.trouble if self.live and not self.patient else ""
-        return [*lines, *troubles, *filter(None, (self.pending_notice, trouble))]
+        exit_app()
 
     def abandon(self, plugin: str) -> None:
-        """End the program at once. For another thread, while this app's own hangs in the code of a
+        """End the program at once. For another thread, while the app's own hangs in the code of a
         plug-in.
         """
-        if self._open:
-            self._open.write_rest()
+        app = self._app
+        if app.open_session:
+            app.open_session.write_rest()
         with contextlib.suppress(Exception):  # the terminal may be gone
-            if self._driver:
-                self._driver.stop_application_mode()
-                self._driver.close()
-        self.failure = (
+            if app._driver:
+                app._driver.stop_application_mode()
+                app._driver.close()
+        app.failure = (
             f"The {plugin} does not return from its own code. All earlier trials are kept."
         )
-        for line in self.exit_lines(1):
+        for line in self.lines(1):
             with contextlib.suppress(OSError):
                 print(line, file=sys.__stderr__, flush=True)
         os._exit(1)
+
+    # --- the lines in the terminal
+
+    def lines(self, code: int) -> list[str]:
+        """Return the lines to leave in the terminal: what became of the session, and the command to
+        get back to it.
+        """
+        app = self._app
+        in_mode = bool(app.patient)
+        troubles = app.patient_mode.troubles if in_mode else ()  # nobody was there to be told
+        trouble = app.live.trouble if app.live and not in_mode else ""
+        notices = filter(None, (app.themes.pending_notice, trouble))
+        return [*self._exit_message(code), *troubles, *notices]
+
+    def _exit_message(self, code: int) -> Iterator[str]:
+        live = self._app.live
+        if self._app.failure:
+            yield self._app.failure
+        if code == INTERRUPTED:
+            yield "Stopped with Ctrl-C."
+        if live and live.rescued:
+            yield f"{live.rescued} Bring it back into the database: {self._command('rescue')}"
+        if live and live.trouble:
+            yield live.trouble
+        if live and live.is_mistake and not live.trouble:
+            yield (
+                "The session does not count, as it was started by mistake. It is kept: in sar-tui, "
+                "F6 and Del restore it."
+            )
+        elif live and not live.run.session.ended and not live.run.session.broken:
+            yield f"The session is kept. Resume it: {self._command('resume', live.run.id)}"
+        elif live and self._app.is_for_one_session:
+            yield f"The session is kept. Look at it: {self._command('show', live.run.id)}"
+            if live.can_be_joined:
+                yield f"What operators did: {self._command('report wizard', live.run.id)}"
+        if live and live.unsaved:
+            yield UNSAVED
+
+    def _command(self, name: str, *session: str) -> str:
+        """Return a command with the folders that this app was started with."""
+        folder = self._app.folder
+        parts = ["sar-tui", *name.split(), *session]
+        if folder.resolve() != default_folder().resolve():
+            parts += ["--data", str(folder)]
+        for each in self._app.catalogue.extra_tasks:
+            parts += ["--tasks", str(each)]
+        return shlex.join(parts)
+
+
+class LeaveScreen(DismissedOnce[Answer], ModalScreen[Answer]):
+    """Asks whether to leave the session; the result says how. To go on is chosen at first.
+
+    Args:
+        can_save: False if the disk cannot be written to.
+        may_be_mistake: True in the first attempt, when the session may have been started by
+            mistake.
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape", "dismiss('go on')", "Go on", id="go-on")
+    ]
+
+    def __init__(self, *, can_save: bool = True, may_be_mistake: bool = False) -> None:
+        super().__init__()
+        self._can_save = can_save
+        self._may_be_mistake = may_be_mistake
+
+    def compose(self) -> ComposeResult:
+        tr = language_of(self.app)
+        kept = tr("What you did is kept. You can go on with this session later.")
+        if not self._can_save:
+            kept = tr("Your last answer may not be saved yet. If you leave now, it may be lost.")
+        menu = OptionList(
+            Option(f"{kept}\n", disabled=True),
+            Option(tr("Go on"), id="go on"),
+            Option(tr("Yes, leave"), id="leave"),
+            *(
+                [Option(tr("It was started by mistake"), id="mistake")]
+                if self._may_be_mistake and self._can_save
+                else []
+            ),
+            id="leave",
+            markup=False,
+        )
+        menu.border_title = tr("Leave now?")
+        menu.border_subtitle = tr("arrows to choose, Enter to confirm")
+        menu.highlighted = 1
+        yield menu
+
+    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
+        event.stop()
+        self.dismiss(cast(Answer, event.option.id))
+
+
+class SavingScreen(ModalScreen[None]):
+    """Covers the session while its last messages are written. No key does anything."""
+
+    def compose(self) -> ComposeResult:
+        tr = language_of(self.app)
+        yield Static(
+            f"{tr('One moment…')}\n\n{tr('Your results are being saved.')}",
+            id="saving",
+            markup=False,
+        )

@@ -1,77 +1,55 @@
 """Patient mode: a participant trains alone, and only the passphrase leads to any other screen."""
 
 import contextlib
+import dataclasses
 import os
 import signal
 import sys
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
-from textual.binding import Binding, BindingType
+from textual.binding import ActiveBinding
 
-from sar_tui.app.opening import OpeningApp
-from sar_tui.plugins import PluginError
 from sar_tui.store.database import StoreError
 from sar_tui.store.passphrase import Passphrase
 
 if TYPE_CHECKING:
-    from sar_tui.app.live import LiveSession
+    from sar_tui.app.app import SarTui
     from sar_tui.app.screens.patient import PatientScreen
-    from sar_tui.runs.plan import Plan
 
 _HELD_BACK = ("SIGTSTP", "SIGQUIT")
 """Signals that would show the shell, beside SIGINT and a SIGHUP whose terminal is still there."""
 
 
-class PatientModeApp(OpeningApp):
-    """The part of the app that keeps a participant to their own exercises.
+class PatientMode:
+    """Keeps a participant to their own exercises.
 
-    While ``patient`` is set, no key, palette, signal or resize leads to the first screen, the
-    settings, another person or out of the app. A terminal that is gone, SIGTERM and SIGKILL still
-    end it: see docs/patient-mode.md.
+    While there is a ``participant``, no key, palette, signal or resize leads to the first screen,
+    the settings, another person or out of the app. A terminal that is gone, SIGTERM and SIGKILL
+    still end it: see docs/patient-mode.md.
+
+    Args:
+        app: shows the participant's screen.
+        participant: the mode is on from the start, with this participant.
 
     Attributes:
-        patient: code of the participant; empty if the mode is off.
+        participant: the code of who trains; empty if the mode is off.
         passphrase: ends the mode.
+        troubles: messages for the therapist, kept until the mode ends.
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("f12", "end_patient_mode", show=False, priority=True, id="end-patient-mode")
-    ]
-
-    if TYPE_CHECKING:  # defined by the whole app
-
-        @property
-        def _open(self) -> "LiveSession | None":
-            """The session that is open."""
-
-    patient = ""
-
-    def __init__(self, *args: Any, patient: str = "", **how: Any) -> None:
-        self._first_patient = patient
-        super().__init__(*args, **how)
-        self.passphrase = Passphrase(self.folder)
-        self._troubles: list[str] = []
+    def __init__(self, app: "SarTui", participant: str = "") -> None:
+        self._app = app
+        self.participant = ""
+        self.passphrase = Passphrase(app.folder)
+        self.troubles: list[str] = []
         self._handlers: dict[int, Any] = {}
-        self._patient_screen: PatientScreen | None = None
-        if patient:
-            self._hold(patient)
+        self._screen: PatientScreen | None = None
+        if participant:
+            self._hold(participant)
 
     # --- beginning and end
 
-    def exercises_of(self, participant: str) -> list[str]:
-        """Return the participant's exercises. Raises StoreError if there is none, or no passphrase
-        is set.
-        """
-        from sar_tui.runs.patient_plan import exercises
-
-        self.passphrase.keep()  # before the mode begins: without a passphrase it could not be ended
-        try:
-            return exercises(self.database, self.folder, self.catalogue, participant)
-        except StoreError:
-            self.passphrase.release()
-            raise
-
-    async def begin_patient_mode(self, participant: str) -> None:
+    async def begin(self, participant: str) -> None:
         """Show only this participant's exercises from here on. Raises StoreError as
         `exercises_of`.
         """
@@ -79,123 +57,116 @@ class PatientModeApp(OpeningApp):
 
         found = self.exercises_of(participant)
         self._hold(participant)
-        self._hold_signals()
-        self.clear_notifications()
-        self._patient_screen = PatientScreen(participant, found)
-        await self.push_screen(self._patient_screen)
+        self.hold_signals()
+        self._app.clear_notifications()
+        self._screen = PatientScreen(participant, found)
+        await self._app.push_screen(self._screen)
+
+    def exercises_of(self, participant: str) -> list[str]:
+        """Return the participant's exercises. Raises StoreError if there is none, or no passphrase
+        is set.
+        """
+        from sar_tui.runs.patient_plan import exercises
+
+        app = self._app
+        self.passphrase.keep()  # before the mode begins: without a passphrase it could not be ended
+        try:
+            return exercises(app.database, app.folder, app.catalogue, participant)
+        except StoreError:
+            self.passphrase.release()
+            raise
 
     def _hold(self, participant: str) -> None:
-        self.patient = participant
-        self.use_command_palette = False
-        self.ENABLE_COMMAND_PALETTE = False  # type: ignore[misc]  # of this app: the footer asks it
+        self.participant = participant
+        self._offer_palette(False)
 
-    async def action_end_patient_mode(self) -> None:
-        """F12: ask for the passphrase."""
+    def _offer_palette(self, offers: bool) -> None:
+        self._app.use_command_palette = offers
+        self._app.ENABLE_COMMAND_PALETTE = offers  # type: ignore[misc]  # the footer asks it
+
+    async def ask_to_end(self) -> None:
+        """Ask for the passphrase that ends the mode."""
         from sar_tui.app.screens.passphrase import PassphraseScreen
 
-        if not any(isinstance(screen, PassphraseScreen) for screen in self.screen_stack):
-            await self.push_screen(
-                PassphraseScreen(self.passphrase, "patient mode"), self._passphrase_entered
-            )
+        if not any(isinstance(screen, PassphraseScreen) for screen in self._app.screen_stack):
+            question = PassphraseScreen(self.passphrase, "patient mode")
+            await self._app.push_screen(question, self._passphrase_entered)
 
     def _passphrase_entered(self, is_right: bool | None) -> None:
-        if not is_right or not self.patient:
+        if not is_right or not self.participant:
             return
-        self.patient = ""
+        self.participant = ""
         self.passphrase.release()
-        self.use_command_palette = True
-        self.ENABLE_COMMAND_PALETTE = True  # type: ignore[misc]
-        self._release_signals()
-        for text in self._troubles:
-            self.notify(text, severity="warning", timeout=60)
-        self._troubles.clear()
-        self.refresh_bindings()
-        self.call_later(self.leave_patient_screen)
+        self._offer_palette(True)
+        self.release_signals()
+        for text in self.troubles:
+            self._app.notify(text, severity="warning", timeout=60)
+        self.troubles.clear()
+        self._app.refresh_bindings()
+        self._app.call_later(self.leave_screen)
 
-    async def leave_patient_screen(self) -> None:
+    async def leave_screen(self) -> None:
         """Show the first screen in place of the participant's, unless a session is on top of it."""
         from sar_tui.app.screens.home import HomeScreen
 
-        if self.screen is not self._patient_screen:
+        if self._app.screen is not self._screen:
             return
-        self._patient_screen = None
-        if any(isinstance(screen, HomeScreen) for screen in self.screen_stack):
-            await self.pop_screen()
+        self._screen = None
+        if any(isinstance(screen, HomeScreen) for screen in self._app.screen_stack):
+            await self._app.pop_screen()
         else:
-            await self.switch_screen(home := HomeScreen())
+            await self._app.switch_screen(home := HomeScreen())
             await home.fill()
 
     # --- in the mode
 
-    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        return (
-            bool(self.patient)
-            if action == "end_patient_mode"
-            else super().check_action(action, parameters)
-        )
-
     def note_trouble(self, text: str) -> None:
         """Keep a message for the therapist until the mode ends; show it at once if it is off."""
-        if not self.patient:
-            self.notify(text, severity="warning", timeout=15)
-        elif text not in self._troubles:
-            self._troubles.append(text)
-
-    def use_theme_of(self, plan: "Plan") -> None:
-        """Use the theme of a planned session."""
-        with contextlib.suppress(PluginError):
-            self._use(
-                self.catalogue.theme(plan.theme, plan.parameters.language), plan.parameters.language
-            )
+        if not self.participant:
+            self._app.notify(text, severity="warning", timeout=15)
+        elif text not in self.troubles:
+            self.troubles.append(text)
 
     def pause_session(self) -> None:
         """Pause the session, in place of leaving it."""
         from sar_tui.app.screens.session import SessionScreen
 
-        if isinstance(self.screen, SessionScreen) and self.screen.check_action("pause", ()):
-            self.screen.action_pause()
+        screen = self._app.screen
+        if isinstance(screen, SessionScreen) and screen.check_action("pause", ()):
+            screen.action_pause()
 
-    def _exercise_left(self, *, ended: bool, is_mistake: bool) -> None:
-        if self._patient_screen is not None and self.patient:
-            self._patient_screen.session_left(ended=ended, is_mistake=is_mistake)
+    def exercise_left(self, *, ended: bool, is_mistake: bool) -> None:
+        """Go on to the next exercise after a session."""
+        if self._screen is not None and self.participant:
+            self._screen.session_left(ended=ended, is_mistake=is_mistake)
 
-    def _exercise_cannot_begin(self, why: str, *, resumed: bool, is_enough: bool) -> None:
+    def exercise_cannot_begin(self, why: str, *, resumed: bool, is_enough: bool) -> None:
+        """Keep the reason for the therapist, and tell the participant what to do."""
         self.note_trouble(why)
-        if self._patient_screen is None:
+        if self._screen is None:
             return
         if is_enough:
-            self._patient_screen.enough_today()
+            self._screen.enough_today()
         else:
-            self._patient_screen.cannot_begin(resumed=resumed)
+            self._screen.cannot_begin(resumed=resumed)
 
-    def _stopped_by_pain(self) -> None:
+    def stopped_by_pain(self) -> None:
         """Let the participant rest, who is in too much pain to begin, or to go on with the next
         exercise.
         """
-        if self._patient_screen is not None and self.patient:
-            self._patient_screen.stopped_by_pain()
-
-    def on_unmount(self) -> None:
-        self._release_signals()
+        if self._screen is not None and self.participant:
+            self._screen.stopped_by_pain()
 
     # --- signals
 
-    def catch_signals(self) -> None:
-        super().catch_signals()
-        if self.patient:
-            self._hold_signals()
-
-    def signalled(self, number: int) -> None:
-        """End the app on a signal; in the mode, only if it is not one that the terminal's keys
-        send.
-        """
+    def holds_back(self, number: int) -> bool:
+        """Return True if a signal must not end the app: the terminal's keys send it."""
         is_hang_up = number == getattr(signal, "SIGHUP", None)
         is_key = number in (signal.SIGINT, getattr(signal, "SIGQUIT", None))
-        if self.patient and (is_key or (is_hang_up and _has_terminal())):
-            return
-        super().signalled(number)
+        return bool(self.participant) and (is_key or (is_hang_up and _has_terminal()))
 
-    def _hold_signals(self) -> None:
+    def hold_signals(self) -> None:
+        """Ignore signals that would show the shell."""
         for name in _HELD_BACK:
             if (number := getattr(signal, name, None)) is not None:
                 with contextlib.suppress(ValueError):  # not the main thread
@@ -203,7 +174,8 @@ class PatientModeApp(OpeningApp):
                     if before is not signal.SIG_IGN:
                         self._handlers[number] = before
 
-    def _release_signals(self) -> None:
+    def release_signals(self) -> None:
+        """Handle these signals as before."""
         for number, handler in self._handlers.items():
             with contextlib.suppress(ValueError):
                 signal.signal(number, handler)
@@ -215,6 +187,18 @@ def ignore_keys_that_signal() -> None:
     for name in ("SIGINT", *_HELD_BACK):
         if (number := getattr(signal, name, None)) is not None:
             signal.signal(number, signal.SIG_IGN)
+
+
+def keys_in_mode(app: Any, bindings: dict[str, ActiveBinding]) -> dict[str, ActiveBinding]:
+    """Return a screen's bindings; in patient mode the key that leaves the app, which does nothing
+    there, is hidden.
+    """
+    return {
+        key: active._replace(binding=dataclasses.replace(active.binding, show=False))
+        if app.patient and active.binding.id == "quit"
+        else active
+        for key, active in bindings.items()
+    }
 
 
 def _has_terminal() -> bool:

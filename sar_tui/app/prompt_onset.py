@@ -1,4 +1,4 @@
-"""Onset of a prompt, and of each of its frames: the flush that holds its text."""
+"""Onset of a prompt, of each of its frames, and of the answer to a trial: the flush of its text."""
 
 import asyncio
 from typing import Any, Literal
@@ -6,7 +6,7 @@ from typing import Any, Literal
 from textual.screen import Screen
 
 from sar_tui.app.live import LiveSession
-from sar_tui.model.messages import Prompt, Shown
+from sar_tui.model.messages import Prompt, Shown, TrialFeedback, TrialFeedbackShown
 from sar_tui.model.units import SECOND
 from sar_tui.model.visible_text import visible
 from sar_tui.widgets.prompt_pictures import Way
@@ -91,3 +91,24 @@ class Onset:
             frame=self._frame,
             picture=self.picture,
         )
+
+
+def report_trial_feedback(screen: Screen[Any], live: LiveSession, feedback: TrialFeedback) -> None:
+    """Report to the session when an answer that is about to be drawn has reached the terminal.
+
+    If flushes cannot be seen (tests, Windows), that is the refresh of the screen, and its source
+    says so.
+    """
+
+    def report(at: int, source: Literal["flush", "refresh"]) -> None:
+        shown = TrialFeedbackShown(
+            seat=feedback.seat, attempt=feedback.attempt, trial=feedback.trial, at=at, source=source
+        )
+        live.screen.trial_feedback_shown(shown)
+
+    app: Any = screen.app
+    if getattr(app._driver, "can_stamp_onset", False):
+        # in the writing thread
+        app.onset_watch.arm(visible(feedback.text), lambda at: report(at, "flush"))
+    else:
+        screen.call_after_refresh(lambda: report(live.clock.now(), "refresh"))

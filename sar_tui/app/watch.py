@@ -273,5 +273,5 @@ class WatchApp(SarTui):
 
     def _push(self, attempt: int = 0) -> None:
         session = self.watched.run.session
-        self._use(session.theme, session.task.parameters.language)
+        self.themes.use(session.theme, session.task.parameters.language)
         self.push_screen(WatchScreen(self.watched, attempt))

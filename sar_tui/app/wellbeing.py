@@ -16,13 +16,11 @@ from sar_tui.store.database import StoreError
 from sar_tui.tui.language import session_language
 
 if TYPE_CHECKING:
+    from sar_tui.app.app import SarTui
     from sar_tui.app.live import LiveSession
-    from sar_tui.app.opening import OpeningApp
 
 
-def ask_before(
-    app: "OpeningApp", task: Task, theme: Theme, codes: Sequence[str]
-) -> WellbeingScreen:
+def ask_before(app: "SarTui", task: Task, theme: Theme, codes: Sequence[str]) -> WellbeingScreen:
     """Return the screen that asks before a session."""
     people = _people(task, dict(zip(task.seats, codes, strict=False)))
     tr = session_language(task).including(theme.texts)
@@ -31,12 +29,12 @@ def ask_before(
     )
 
 
-def ask_after(app: "OpeningApp", live: "LiveSession", moment: Moment = "after") -> WellbeingScreen:
+def ask_after(app: "SarTui", live: "LiveSession", moment: Moment = "after") -> WellbeingScreen:
     """Return the screen that asks after a session, or in a pause of it."""
     return _screen(app, live, moment, _people_of(app, live))
 
 
-def advise(app: "OpeningApp", live: "LiveSession", ended: StepEnded) -> WellbeingScreen | None:
+def advise(app: "SarTui", live: "LiveSession", ended: StepEnded) -> WellbeingScreen | None:
     """Return the screen that advises to stop after a question between attempts; None if no pain
     speaks against it.
     """
@@ -52,7 +50,7 @@ def advise(app: "OpeningApp", live: "LiveSession", ended: StepEnded) -> Wellbein
     return _screen(app, live, "pause", [person], told=ended.answer)
 
 
-def had_better_rest(app: "OpeningApp", live: "LiveSession") -> bool:
+def had_better_rest(app: "SarTui", live: "LiveSession") -> bool:
     """Return True if a participant was advised to stop, in a session or after it, and did not
     choose to go on.
     """
@@ -64,7 +62,7 @@ def had_better_rest(app: "OpeningApp", live: "LiveSession") -> bool:
     return any(each.is_reason_to_stop and each.advice in ("shown", "stopped") for each in said)
 
 
-def _people_of(app: "OpeningApp", live: "LiveSession") -> list[Person]:
+def _people_of(app: "SarTui", live: "LiveSession") -> list[Person]:
     """Return the participants of a session, with their pain before it."""
     rows = wellbeing.of_session(app.database, live.run.id)
     people = _people(live.run.session.task, dict(live.codes))
@@ -75,7 +73,7 @@ def _people_of(app: "OpeningApp", live: "LiveSession") -> list[Person]:
 
 
 def _screen(
-    app: "OpeningApp",
+    app: "SarTui",
     live: "LiveSession",
     moment: Moment,
     people: Sequence[Person],
@@ -87,7 +85,7 @@ def _screen(
     return WellbeingScreen(moment, people, limits, _saving(app, moment, live.run.id), tr, told)
 
 
-def warnings(app: "OpeningApp", codes: Sequence[str]) -> list[str]:
+def warnings(app: "SarTui", codes: Sequence[str]) -> list[str]:
     """Return a sentence for each thing that the therapist should be told of some participants."""
     return [
         f"{code}: {text}"
@@ -105,7 +103,7 @@ def _people(task: Task, codes: dict[str, str]) -> list[Person]:
     ]
 
 
-def _saving(app: "OpeningApp", moment: Moment, session: str | None = None) -> Save:
+def _saving(app: "SarTui", moment: Moment, session: str | None = None) -> Save:
     def save(person: Person, question: wellbeing.Question, answer: str) -> None:
         try:
             wellbeing.save(

@@ -5,6 +5,7 @@ its own.
 import asyncio
 import contextlib
 import os
+import selectors
 import signal
 import sqlite3
 import sys
@@ -18,20 +19,18 @@ from textual.dom import DOMNode
 from textual.driver import Driver
 from textual.filter import LineFilter
 from textual.geometry import Size
+from textual.message import Message
 
 from sar_tui.model.theme import Theme
-from sar_tui.tui.console_glyphs import ConsoleGlyphs, on_linux_console
 from sar_tui.tui.exit_codes import INTERRUPTED, after_signal
 from sar_tui.tui.gc_control import SWITCH_INTERVAL
+from sar_tui.tui.line_filters import ConsoleGlyphs, VisibleLines, on_linux_console
 from sar_tui.tui.ordered_keys import in_order
-from sar_tui.tui.punctual_loop import punctual_loop
-from sar_tui.tui.steady_driver import steady
 from sar_tui.tui.terminal_input import PasteDropped, UnreadableInput, capped, tolerate_in_terminals
 from sar_tui.tui.terminal_output import unblocked
 from sar_tui.tui.terminal_probe import TerminalProbe, is_relayed
 from sar_tui.tui.textual_theme import textual_theme
 from sar_tui.tui.timestamps import stamp_keys_as_read
-from sar_tui.tui.visible_lines import VisibleLines
 
 DEBUG = "SAR_TUI_DEBUG"
 """Environment variable: show the traceback of a fault."""
@@ -77,7 +76,7 @@ class BaseApp(App[int]):
         stamp_keys_as_read()
         sys.setswitchinterval(SWITCH_INTERVAL)
         try:
-            with asyncio.Runner(loop_factory=punctual_loop) as runner:
+            with asyncio.Runner(loop_factory=_punctual_loop) as runner:
                 runner.run(self.run_async())
         finally:
             self._end_input()
@@ -95,7 +94,7 @@ class BaseApp(App[int]):
         driver = unblocked(
             super().get_driver_class(), self._terminal_recovered, self._terminal_gone
         )
-        return steady(driver, self.terminal_probe)
+        return _steady(driver, self.terminal_probe)
 
     def catch_signals(self) -> None:
         """Let signals end the app in order; called by the driver before it changes the terminal."""
@@ -237,6 +236,50 @@ class BaseApp(App[int]):
         self.failure = explain_failure(error)
         self._return_code = 1
         self._close_messages_no_wait()
+
+
+def _punctual_loop() -> asyncio.AbstractEventLoop:
+    """Return a new event loop, whose timers are precise to a fraction of a millisecond.
+
+    On Linux asyncio would wait with ``epoll``, whose time-outs are whole milliseconds: timers come
+    1 to 2 ms late. The time-outs of ``select`` are microseconds. It takes file descriptors below
+    1024 only; an app has some twenty.
+    """
+    if sys.platform == "linux":
+        return asyncio.SelectorEventLoop(selectors.SelectSelector())
+    return asyncio.new_event_loop()
+
+
+def _steady(driver: type[Driver], probe: TerminalProbe) -> type[Driver]:
+    """Return a driver class that ends its app on a signal, and passes the terminal's answers to a
+    probe.
+
+    Args:
+        driver: the class Textual chose.
+        probe: asks the terminal.
+    """
+
+    class Steady(driver):  # type: ignore[valid-type, misc]
+        def start_application_mode(self) -> None:
+            """Catch signals before the terminal is changed, so that it is restored however early
+            one comes.
+            """
+            self._app.catch_signals()
+            super().start_application_mode()
+
+        def stop_application_mode(self) -> None:
+            if not self.is_web:
+                probe.await_answers()
+            super().stop_application_mode()
+
+        def process_message(self, message: Message) -> None:
+            """Note an answer, on the input thread."""
+            if isinstance(message, events.CursorPosition):
+                probe.answered()
+            else:
+                super().process_message(message)
+
+    return Steady
 
 
 def explain_failure(error: Exception) -> str:

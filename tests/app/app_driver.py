@@ -92,16 +92,16 @@ class AppDriver:
 
     async def _read_the_screen(self, key: str) -> None:
         """Let the time pass after which a key counts, if no trial is under way."""
-        if self.app._open:
+        if self.app.open_session:
             self.session  # noqa: B018  watches it
         if getattr(self.app.screen, "is_in_trial", False):
             return
         shown_at = max(self.app.screen_keys._guard._appeared, self._waiting_since, self._pressed_at)
-        if self.app._has_participant or (
+        if self.app.has_participant or (
             key == self._pressed and self._pressed_on is not self.app.screen
         ):
             await self.wait(max(0, shown_at + QUIET - self.clock.now()) / MS)
-        elif not self.app._has_participant:
+        elif not self.app.has_participant:
             self.clock.advance(MS)  # no two keys come at the same time
 
     async def write(self, *keys: str) -> None:

@@ -192,7 +192,7 @@ async def test_a_session_that_was_started_by_mistake_is_discarded_and_can_be_res
         assert not driver.app.is_running
         assert (
             "The session does not count, as it was started by mistake."
-            in driver.app.exit_lines(0)[0]
+            in driver.app.leaving.lines(0)[0]
         )
     assert stored(data, "SELECT status FROM sessions") == [("discarded",)]
     assert stored(data, "SELECT count(*) FROM trials") == [(1,)], "nothing is deleted"

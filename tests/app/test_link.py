@@ -75,7 +75,7 @@ async def test_operator_who_ends_the_session_is_recorded_by_name(
         ]
         assert any(
             f"sar-tui report wizard {driver.session_id}" in words
-            for words in driver.app.exit_lines(0)
+            for words in driver.app.leaving.lines(0)
         )
     assert stored(data, "SELECT status FROM sessions") == [("aborted",)]
 

@@ -169,7 +169,7 @@ async def test_an_unplugged_serial_line_is_told_of_and_the_session_goes_on(
             )
             await driver.do_attempt(prompt)
             await driver.see_the_summary()
-        assert f"No markers go to {address}" in "\n".join(driver.app.exit_lines(0))
+        assert f"No markers go to {address}" in "\n".join(driver.app.leaving.lines(0))
     assert len(trials(tmp_path, "response_ns")) == 4
     closed = closing(driver)
     assert closed["lost"] > 0
@@ -195,7 +195,7 @@ async def test_in_patient_mode_lost_markers_are_kept_for_the_therapist(
             await driver.do_attempt(await driver.begin())
             await driver.see_the_summary()
             await driver.press("enter")
-            assert f"No markers go to {address}" in "\n".join(driver.app.exit_lines(0))
+            assert f"No markers go to {address}" in "\n".join(driver.app.leaving.lines(0))
 
 
 @pytest.mark.slow

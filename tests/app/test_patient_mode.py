@@ -84,7 +84,7 @@ async def test_after_the_limit_of_a_day_the_next_exercise_follows_and_then_a_res
         assert driver.sees("You can rest now.")
         await driver.press("enter")
         assert driver.sees("Keyboard reaction")
-        assert driver.app._troubles[0].startswith("That is enough for P77 today")
+        assert driver.app.patient_mode.troubles[0].startswith("That is enough for P77 today")
 
 
 async def test_one_enter_never_begins_an_exercise_in_severe_pain(
@@ -102,7 +102,10 @@ async def test_one_enter_never_begins_an_exercise_in_severe_pain(
         assert driver.sees("Exercise 1 of 2")
         await driver.press("enter")
         assert driver.sees("How much pain do you have now?"), "it is asked again"
-        assert "P01: The participant was advised not to train, and stopped." in driver.app._troubles
+        assert (
+            "P01: The participant was advised not to train, and stopped."
+            in driver.app.patient_mode.troubles
+        )
     assert stored(data, "SELECT count(*) FROM sessions") == [(0,)]
 
 
@@ -356,10 +359,10 @@ async def test_without_a_passphrase_or_an_exercise_it_does_not_begin(
 ) -> None:
     app = SarTui(data, catalogue)
     with pytest.raises(StoreError, match="no exercise to do alone"):
-        app.exercises_of("P99")
+        app.patient_mode.exercises_of("P99")
     Passphrase(data).remove()
     with pytest.raises(StoreError, match="There is no passphrase"):
-        app.exercises_of("P01")
+        app.patient_mode.exercises_of("P01")
     app.database.close()
     async with open_app(data, catalogue) as driver:
         await driver.press("f12")

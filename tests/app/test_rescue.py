@@ -83,7 +83,7 @@ async def test_a_database_that_is_removed_in_a_session_costs_nothing(
         assert rescue.execute("SELECT count(*) FROM events WHERE topic='input/key'").fetchone() == (
             1,
         )
-    first, second = app.exit_lines(1)
+    first, second = app.leaving.lines(1)
     assert first.startswith(
         f"{data / FILE} was removed while it was in use. The session goes on in {path}."
     )
@@ -105,7 +105,7 @@ async def test_a_mistake_that_could_not_be_noted_is_told(
         assert app.live
         app.live.is_mistake = True
     app.close_session()
-    said = "\n".join(app.exit_lines(1))
+    said = "\n".join(app.leaving.lines(1))
     assert "The session does not count" not in said
     assert (
         "The session was started by mistake, but it could not be marked as such, and counts."

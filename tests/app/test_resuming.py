@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from textual.widget import Widget
 
-from sar_tui.app.screens import resuming
+from sar_tui.app import session_start
 from sar_tui.plugins import Catalogue
 from tests.app.app_driver import open_app
 from tests.runs.test_resume import interrupted
@@ -18,15 +18,15 @@ async def test_the_progress_of_a_long_replay_is_painted(
     seconds: float, data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     painted: list[str] = []
-    paint = resuming.paint_now
+    paint = session_start.paint_now
 
     def watched(widget: Widget, *, in_place: bool) -> None:
         painted.append(str(widget.render()))
         paint(widget, in_place=in_place)
 
-    monkeypatch.setattr(resuming, "paint_now", watched)
-    monkeypatch.setattr(resuming, "_SHOWN_AFTER_S", seconds)
-    monkeypatch.setattr(resuming, "_PAINTED_EVERY_S", 0.0)
+    monkeypatch.setattr(session_start, "paint_now", watched)
+    monkeypatch.setattr(session_start, "_SHOWN_AFTER_S", seconds)
+    monkeypatch.setattr(session_start, "_PAINTED_EVERY_S", 0.0)
     async with open_app(data, catalogue, interrupted(data, "long", 400)) as driver:
         assert driver.screen_name == "SessionScreen"
     if seconds:

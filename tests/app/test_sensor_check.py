@@ -148,10 +148,10 @@ async def test_the_session_takes_over_the_running_sensor(open_check: Callable[..
     source = Plugged()
     async with open_check(source) as driver:
         await driver.wait(1000)
-        (feed,) = driver.app.feeds
+        (feed,) = driver.app.start.feeds
         await driver.press("enter")
         await driver.wait(1000)
-        assert driver.app.feeds == ()
+        assert driver.app.start.feeds == ()
         assert feed.is_running
         assert [message["state"] for message in driver.messages("input/sensor")] == ["attached"]
         assert feed.received > 450
@@ -195,7 +195,7 @@ async def test_escape_leads_home_and_the_check_can_be_opened_again(
             await driver.press(*keys)
             assert driver.screen_name == "SensorCheckScreen"
             assert driver.app.theme == "sar-high-contrast"
-            (feed,) = driver.app.feeds
+            (feed,) = driver.app.start.feeds
             await driver.press("escape")
             assert driver.screen_name == "HomeScreen"
             assert not feed.is_running
@@ -275,11 +275,12 @@ async def test_on_a_live_clock_the_check_has_a_worker_that_ends_with_it(
     async with app.run_test() as pilot:
         await pilot.pause()
         assert {worker.name for worker in app.workers if worker.is_running} == {"sensor check"}
-        assert app.feeds
+        assert app.start
+        assert app.start.feeds
         await pilot.press("escape")
     app.close_session()
     assert not [worker for worker in app.workers if worker.is_running]
-    assert app.feeds == ()
+    assert app.start.feeds == ()
 
 
 # --- what is seen of the sensor

@@ -9,7 +9,7 @@ import pytest
 from textual.widgets import OptionList
 
 from sar_tui.app.app import SarTui
-from sar_tui.app.theme_watch import ThemeWatch
+from sar_tui.app.themes import ThemeWatch
 from sar_tui.loop.task import Task
 from sar_tui.model.theme import Theme
 from sar_tui.plugins import Catalogue
@@ -44,8 +44,8 @@ def edit(folder: Path, old: str, new: str, file: str = "theme.toml") -> None:
 
 async def look(driver: AppDriver) -> None:
     """Check twice, as the app does by its timer."""
-    driver.app.theme_watch.look()
-    driver.app.theme_watch.look()
+    driver.app.themes.watch.look()
+    driver.app.themes.watch.look()
     await driver.settle()
 
 
@@ -216,7 +216,7 @@ async def test_a_faulty_edit_during_a_session_is_reported_later_on_home(
         driver.app.screen.dismiss()
         await driver.settle()
         assert driver.sees("The theme mine cannot be read")
-        assert driver.app.pending_notice == ""
+        assert driver.app.themes.pending_notice == ""
 
 
 async def test_a_faulty_edit_is_reported_on_the_terminal_unless_it_was_fixed(
@@ -225,11 +225,11 @@ async def test_a_faulty_edit_is_reported_on_the_terminal_unless_it_was_fixed(
     async with open_app(data, themes, plan(themes, keyboard, theme="mine")) as driver:
         edit(folder, '"#7cc4e8"', '"blueish"')
         await look(driver)
-        assert driver.app.pending_notice.startswith("Theme edited. One thing to fix: ")
+        assert driver.app.themes.pending_notice.startswith("Theme edited. One thing to fix: ")
         assert not driver.sees("Theme edited")
         edit(folder, '"blueish"', '"#7cc4e8"')
         await look(driver)
-        assert driver.app.pending_notice == ""
+        assert driver.app.themes.pending_notice == ""
 
 
 async def test_the_palette_lists_no_theme_while_a_session_is_open(
@@ -254,7 +254,7 @@ async def test_an_invalid_image_is_left_out_at_any_time(
         await look(driver)
         assert driver.session.theme.repairs[0].startswith("There is no image a")
     async with open_app(data, themes) as driver:
-        assert "mine" in driver.app.themes
+        assert "mine" in driver.app.themes.known
 
 
 @pytest.mark.parametrize("fault", [OSError("gone"), ValueError("embedded null byte")])
@@ -291,11 +291,11 @@ async def test_a_theme_without_english_is_applied_in_its_own_language(
 async def test_only_the_applied_theme_is_read_before_the_first_screen(
     data: Path, folder: Path, themes: Catalogue
 ) -> None:
-    assert list(SarTui(data, themes).themes) == ["calm"]
+    assert list(SarTui(data, themes).themes.known) == ["calm"]
     async with open_app(data, themes) as driver:
-        assert list(driver.app.themes) == ["calm", "high-contrast", "mine", "playful"]
+        assert list(driver.app.themes.known) == ["calm", "high-contrast", "mine", "playful"]
         options = driver.app.screen.query_one("#theme", OptionList).options
-        assert [option.id for option in options] == list(driver.app.themes)
+        assert [option.id for option in options] == list(driver.app.themes.known)
 
 
 async def test_an_unreadable_custom_calm_theme_is_reported_and_replaced(
@@ -312,7 +312,7 @@ async def test_no_theme_file_is_checked_during_a_trial(
     data: Path, themes: Catalogue, keyboard: type[Task], folder: Path
 ) -> None:
     async with open_app(data, themes, plan(themes, keyboard, theme=folder.name)) as driver:
-        timer = driver.app._edits
+        timer = driver.app.themes._looks
         assert _runs(timer)
         prompt = await driver.to_first_prompt()
         while driver.waiting.stage == "trial":

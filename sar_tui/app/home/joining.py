@@ -38,7 +38,7 @@ class JoiningScreen(Screen[None]):
 
         def chosen(live: JoinableSession | None) -> None:
             if live is not None:
-                theme = next(iter(self.app.themes.values()))
+                theme = next(iter(self.app.themes.known.values()))
                 self.app.push_screen(
                     panel(live, own_name(), "operator", theme, self.app.folder), left
                 )

@@ -83,9 +83,9 @@ class HomeScreen(JoiningScreen, StartingScreen):
         await self.query_one(ParticipantCard).open()
         self._is_filled = True
         self._tasks.fill(self.app.catalogue)
-        self.app.load_themes()
+        self.app.themes.load()
         self._themes.add_options(
-            [Option(theme.title, id=name) for name, theme in self.app.themes.items()]
+            [Option(theme.title, id=name) for name, theme in self.app.themes.known.items()]
         )
         self._themes.highlighted = 0
         self._tasks.choose(_FIRST_TASK)
@@ -195,7 +195,7 @@ class HomeScreen(JoiningScreen, StartingScreen):
     @on(OptionList.OptionHighlighted, "#theme")
     def _theme_chosen(self) -> None:
         if theme := self._themes.chosen:
-            self.app.use_theme(theme)
+            self.app.themes.use_named(theme)
 
     @on(OptionList.OptionSelected, "#participant")
     def _participant_entered(self, event: OptionList.OptionSelected) -> None:
@@ -273,7 +273,7 @@ class HomeScreen(JoiningScreen, StartingScreen):
             )
         elif who := self._participants.code:
             try:
-                await self.app.begin_patient_mode(who)
+                await self.app.patient_mode.begin(who)
             except StoreError as error:
                 self.notify(str(error), severity="warning", timeout=15)
         else:

@@ -81,7 +81,7 @@ class PatientScreen(Screen[None]):
         if self.app.patient:
             self.show_exercise()
         else:
-            self.app.call_later(self.app.leave_patient_screen)
+            self.app.call_later(self.app.patient_mode.leave_screen)
 
     @property
     def _is_done(self) -> bool:
@@ -100,10 +100,10 @@ class PatientScreen(Screen[None]):
                     self._exercises[self._at],
                 )
                 self.tr = planned_language(self._plan, self.app.catalogue)
-                self.app.use_theme_of(self._plan)
+                self.app.themes.use_planned(self._plan)
             except PLAN_ERRORS as error:
                 self._plan, trouble = None, True
-                self.app.note_trouble(str(error))
+                self.app.patient_mode.note_trouble(str(error))
         self._write(trouble=trouble)
 
     def _write(self, *, trouble: bool) -> None:
@@ -160,7 +160,7 @@ class PatientScreen(Screen[None]):
                 self.app.database, self.app.folder, self._participant, self._plan.task.name
             )
         except StoreError as error:
-            self.app.note_trouble(str(error))
+            self.app.patient_mode.note_trouble(str(error))
             session = None
         self.app.begin_session(session or self._plan)
 

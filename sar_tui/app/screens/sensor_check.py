@@ -12,7 +12,7 @@ from textual.binding import ActiveBinding, Binding, BindingType
 from textual.containers import Horizontal, Vertical
 from textual.widgets import Static
 
-from sar_tui.app.patient_keys import keys_in_mode
+from sar_tui.app.patient_mode import keys_in_mode
 from sar_tui.app.sensor_advice import MARKS, Fact, Mark, facts, reach_test_text, signed, worst
 from sar_tui.app.sensor_monitor import SensorWatch
 from sar_tui.inputs.imu_feed import ImuFeed

@@ -3,11 +3,10 @@
 import functools
 from collections.abc import Sequence
 
-from sar_tui.app.prompt_onset import Onset, report_onset
+from sar_tui.app.prompt_onset import Onset, report_onset, report_trial_feedback
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.session_keys import KeysScreen
 from sar_tui.app.screens.summary import Summary
-from sar_tui.app.trial_feedback_onset import report_trial_feedback
 from sar_tui.loop.agent_state import AWAITED
 from sar_tui.loop.topics import ACTING, MARKERS, RECALL, STEP_ENDED
 from sar_tui.model.messages import (
@@ -172,7 +171,7 @@ class SessionScreen(KeysScreen):
     def _update_motion(self, waiting: Waiting) -> None:
         """Let the agent move and look for edited themes, except during a trial."""
         is_awaited = waiting.stage == "trial" and waiting.what in AWAITED
-        self.app.look_for_edits(not is_awaited and waiting.what != "quiet")
+        self.app.themes.look_for_edits(not is_awaited and waiting.what != "quiet")
         self.let_agent_move(not is_awaited)
 
     def _begin_trials(self, waiting: Waiting) -> None:

@@ -65,7 +65,9 @@ class PausingScreen(MessageScreen):
             if is_right and self._waiting and self._waiting.stage == "paused":
                 self.app.push_screen(AdjustScreen(self._live))
 
-        if self.app.passphrase.is_set:
-            self.app.push_screen(PassphraseScreen(self.app.passphrase, "pause"), entered)
+        if self.app.patient_mode.passphrase.is_set:
+            self.app.push_screen(
+                PassphraseScreen(self.app.patient_mode.passphrase, "pause"), entered
+            )
         else:
             entered(True)

@@ -10,7 +10,7 @@ from textual.binding import ActiveBinding, Binding, BindingType
 from textual.containers import Vertical
 from textual.widgets import Static
 
-from sar_tui.app.patient_keys import keys_in_mode
+from sar_tui.app.patient_mode import keys_in_mode
 from sar_tui.model.language import Language
 from sar_tui.rules.wellbeing import HIGHEST, PAIN_ENDS, Advice, Moment, PainLimits, stop_now
 from sar_tui.store.wellbeing import NOT_SAID, Question
