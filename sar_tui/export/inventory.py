@@ -272,14 +272,6 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
         "recorded_by": "person",
         "site": "open",
     },
-    "earlier_events": {
-        "session": "id",
-        "seq": "open",
-        "run": "open",
-        "at_ns": "clock",
-        "topic": "open",
-        "message": "text",
-    },
     "messages": {
         "session_number": "inner",
         "seq": "open",

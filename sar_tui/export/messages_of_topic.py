@@ -9,8 +9,7 @@ from typing import Any
 from sar_tui.export.damage import Damage, is_not_json
 
 _MESSAGES = "SELECT run, at_ns, message FROM events WHERE session=?"
-_NUMBERS = """SELECT seq FROM earlier_events WHERE session=? AND topic=? UNION ALL
-SELECT seq FROM messages JOIN topics ON topics.id=topic
+_NUMBERS = """SELECT seq FROM messages JOIN topics ON topics.id=topic
 WHERE session_number=(SELECT number FROM session_numbers WHERE id=?) AND name=? ORDER BY seq"""
 
 
@@ -37,7 +36,7 @@ def _readable(
     """Yield messages one by one: SQLite gives up all rows of a query for a single one that is
     damaged.
     """
-    for (number,) in database.execute(_NUMBERS, (session, topic, session, topic)).fetchall():
+    for (number,) in database.execute(_NUMBERS, (session, topic)).fetchall():
         try:
             yield from database.execute(f"{_MESSAGES} AND seq=?", (session, number)).fetchall()
         except sqlite3.OperationalError as error:

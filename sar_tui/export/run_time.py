@@ -62,11 +62,8 @@ def run_starts(database: sqlite3.Connection, session: str) -> RunStarts:
     is damaged.
     """
     first = (
-        "SELECT run, min(at_ns) FROM (SELECT run, at_ns FROM earlier_events WHERE session=? UNION "
-        "ALL"
-        " SELECT run, at_ns FROM messages WHERE session_number=(SELECT number FROM "
-        "session_numbers WHERE id=?))"
-        " GROUP BY run"
+        "SELECT run, min(at_ns) FROM messages WHERE session_number=(SELECT number FROM"
+        " session_numbers WHERE id=?) GROUP BY run"
     )
     anchors = dict(
         database.execute(
@@ -78,9 +75,7 @@ def run_starts(database: sqlite3.Connection, session: str) -> RunStarts:
     }
     if not clocks or len(clocks) < len(anchors):
         clocks = {
-            run: at
-            for run, at in database.execute(first, (session, session))
-            if isinstance(at, int)
+            run: at for run, at in database.execute(first, (session,)) if isinstance(at, int)
         } | clocks
     streams = database.execute("SELECT stream, run FROM imu_streams WHERE session=?", (session,))
     return RunStarts(clocks, dict(streams.fetchall()))

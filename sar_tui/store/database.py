@@ -16,7 +16,7 @@ import platformdirs
 
 from sar_tui.drivers.file_limit import largest_file
 from sar_tui.drivers.private_folder import make_private
-from sar_tui.store.tables import VERSION
+from sar_tui.store.tables import FIRST_VERSION, VERSION
 
 FILE = "sar-tui.db"
 LOCK = "sar-tui.lock"
@@ -129,15 +129,15 @@ def sidecars(path: Path) -> tuple[Path, Path]:
 
 
 def connect(folder: Path) -> StoreConnection:
-    """Open the database of a data folder; create or migrate it if necessary.
+    """Open the database of a data folder; create or upgrade it if necessary.
 
     The folder is created with mode 0700 and the file with 0600. The connection commits
     automatically outside of explicit transactions, uses a write-ahead log, and syncs every commit
     to the disk.
 
     Raises:
-        StoreError: the file is not a sar-tui database, has a newer version or is not writable, or
-            the disk is full.
+        StoreError: the file is not a sar-tui database, a newer or an unreleased version wrote it,
+            it is not writable, or the disk is full.
     """
     return open_file(folder / FILE)
 
@@ -162,8 +162,7 @@ def open_file(path: Path) -> StoreConnection:
             database.execute("PRAGMA journal_mode=WAL")
         else:
             with _alone(path):
-                database.execute("PRAGMA journal_mode=WAL")
-                _migrate(database, path)
+                _bring_up_to_date(database, path)
         database.execute("PRAGMA synchronous=FULL")
         database.watch(path)
     except OSError as error:
@@ -190,8 +189,7 @@ def connect_to_read(folder: Path) -> sqlite3.Connection:
     except StoreError as refused:
         if refused.bad_input or not (database := _open_read_only(folder / FILE)):
             raise
-    (version,) = database.execute("PRAGMA user_version").fetchone()
-    if version != VERSION:
+    if (version := version_of(database, folder / FILE)) != VERSION:
         database.close()
         raise StoreError(
             f"{folder} cannot be written to, and its data is of another version of sar-tui (data "
@@ -324,8 +322,10 @@ def _alone(path: Path) -> Iterator[None]:
 
 
 def version_of(database: sqlite3.Connection, path: Path, schema: str = "main") -> int:
-    """Return the number of migrations that a database has seen. Raises StoreError if there were
-    more than VERSION.
+    """Return the version of a database's data; 0 if it is empty, or of another program.
+
+    Raises:
+        StoreError: a newer program, or an unreleased one, wrote it.
     """
     (version,) = database.execute(f"PRAGMA {schema}.user_version").fetchone()
     if version > VERSION:
@@ -335,40 +335,48 @@ def version_of(database: sqlite3.Connection, path: Path, schema: str = "main") -
             "Update sar-tui.",
             bad_input=True,
         )
+    if 0 < version < FIRST_VERSION:
+        raise unreleased(path)
     return int(version)
 
 
-def _migrate(database: sqlite3.Connection, path: Path) -> None:
-    """Migrate the database, unless another program has done so meanwhile."""
+def unreleased(path: Path) -> StoreError:
+    """Return the error of a database that a version of the program before the first release wrote."""
+    return StoreError(
+        f"{path} was written by a sar-tui before 0.2.0, the first release: export it with the "
+        "version that wrote it (`sar-tui export --to FOLDER`), and keep new data in another "
+        "folder (--data).",
+        bad_input=True,
+    )
+
+
+def _bring_up_to_date(database: sqlite3.Connection, path: Path) -> None:
+    """Create or upgrade the tables, unless another program has done so meanwhile."""
     version = version_of(database, path)
-    if version < VERSION:
-        if version:
-            _announce(path)
-            _back_up(database, path, version)
-        apply_migrations(database)
+    if not version and database.execute("SELECT 1 FROM sqlite_master LIMIT 1").fetchone():
+        raise StoreError(
+            f"{path} is a database of another program. Choose another --data folder.",
+            bad_input=True,
+        )
+    if 0 < version < VERSION:
+        _announce(path)
+        _back_up(database, path, version)
+    database.execute("PRAGMA journal_mode=WAL")
+    if not version:
+        create_tables(database)
+    elif version < VERSION:
+        from sar_tui.store import schema
+
+        schema.upgrade(database, version)
 
 
-def bring_up_to_date(database: sqlite3.Connection, path: Path) -> None:
-    """Migrate a copy of the database at ``path``, without a backup. Raises StoreError if that one
-    is newer.
-    """
-    if version_of(database, path) < VERSION:
-        apply_migrations(database)
-
-
-def apply_migrations(database: sqlite3.Connection, version: int | None = None) -> None:
-    """Create the tables of an empty database, or apply the migrations that it has not seen.
-
-    ``version``: the last one; by default the present one. sqlite-utils is imported only here, as it
-    loads slowly.
+def create_tables(database: sqlite3.Connection) -> None:
+    """Give an empty database all tables and views. sqlite-utils, which loads slowly, is imported
+    only here and for an upgrade.
     """
     from sar_tui.store import schema
 
-    is_empty = not database.execute("SELECT 1 FROM sqlite_master LIMIT 1").fetchone()
-    if is_empty and version in (None, VERSION):
-        schema.create(database)
-    else:
-        schema.bring_up_to_date(database, VERSION if version is None else version)
+    schema.create(database)
 
 
 def _announce(path: Path) -> None:
@@ -384,7 +392,7 @@ def _announce(path: Path) -> None:
 
 
 def _back_up(database: sqlite3.Connection, path: Path, version: int) -> Path:
-    """Copy the file before a migration, and return the copy."""
+    """Copy the file before an upgrade, and return the copy."""
     stamp = datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ")
     copy = path.with_name(f"{path.stem}-v{version}-{stamp}.db")
     os.close(os.open(copy, os.O_RDWR | os.O_CREAT, 0o600))

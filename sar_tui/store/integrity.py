@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from sar_tui.store.counted import LIVE
 from sar_tui.store.damaged_rows import Kind, damages
-from sar_tui.store.database import apply_migrations, explain
+from sar_tui.store.database import create_tables, explain
 from sar_tui.store.locks import is_held
 from sar_tui.store.log_examination import examine
 from sar_tui.store.tables import VERSION
@@ -27,10 +27,8 @@ _WITHOUT_PARTICIPANT = {
 """Tables whose rows need their participant, if a condition holds."""
 _GAPS = {
     "events": (
-        "SELECT session, '', min(seq), max(seq), count(*) FROM (SELECT session, seq FROM "
-        "earlier_events UNION ALL"
-        " SELECT id, seq FROM messages JOIN session_numbers ON number=session_number) GROUP BY "
-        "session"
+        "SELECT id, '', min(seq), max(seq), count(*) FROM messages"
+        " JOIN session_numbers ON number=session_number GROUP BY id"
     ),
     "attempts": (
         "SELECT session, '', min(attempt), max(attempt), count(DISTINCT attempt) FROM attempts "
@@ -117,7 +115,7 @@ def changed_schema(database: sqlite3.Connection) -> Iterator[Flaw]:
     do.
 
     Views that somebody added are none of them: only their author reads them. A database of an
-    earlier version has none either, as it is brought up to date first.
+    earlier release has none either, as it is brought up to date first.
     """
     (version,) = database.execute("PRAGMA user_version").fetchone()
     if version != VERSION:
@@ -142,7 +140,7 @@ def _schema(database: sqlite3.Connection) -> dict[str, tuple[str, str]]:
 @cache
 def _own_schema() -> dict[str, tuple[str, str]]:
     with closing(sqlite3.connect(":memory:", isolation_level=None)) as database:
-        apply_migrations(database)
+        create_tables(database)
         return _schema(database)
 
 

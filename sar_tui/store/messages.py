@@ -2,15 +2,12 @@
 once a topic.
 
 A row of ``topics`` holds the names and defaults of the fields that messages were written with. The
-view ``events`` makes objects of them again; this module does so for the program. Messages that an
-earlier version stored, as objects, stay in ``earlier_events``.
+view ``events`` makes objects of them again; this module does so for the program.
 """
 
 import sqlite3
 from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import cache
-from heapq import merge
-from itertools import chain
 from operator import attrgetter
 from typing import Any, NamedTuple
 
@@ -191,16 +188,15 @@ def _missing(database: sqlite3.Connection, session: str) -> list[tuple[str, tupl
 
 def extent(database: sqlite3.Connection, session: str) -> tuple[int, int]:
     """Return the numbers of the first and the last message of a session; 0 if there are none."""
-    number = "(SELECT number FROM session_numbers WHERE id=:session)"
-    found = database.execute(
-        f"SELECT (SELECT min(seq) FROM messages WHERE session_number={number}),"
-        f" (SELECT max(seq) FROM messages WHERE session_number={number}),"
-        " (SELECT min(seq) FROM earlier_events WHERE session=:session),"
-        " (SELECT max(seq) FROM earlier_events WHERE session=:session)",
-        {"session": session},
+    first, last = database.execute(
+        f"SELECT (SELECT min(seq) FROM messages WHERE {_OF_SESSION}),"
+        f" (SELECT max(seq) FROM messages WHERE {_OF_SESSION})",
+        (session, session),
     ).fetchone()
-    numbers = [seq for seq in found if seq is not None]
-    return min(numbers, default=0), max(numbers, default=0)
+    return first or 0, last or 0
+
+
+_OF_SESSION = "session_number=(SELECT number FROM session_numbers WHERE id=?)"
 
 
 def replace(
@@ -214,20 +210,12 @@ def replace(
         "UPDATE messages SET topic=?, message=? WHERE session_number=? AND seq=?",
         (numbers.topics[topic.name], encoder(topic)(message), numbers.session, seq),
     )
-    connection.execute(
-        "UPDATE earlier_events SET message=? WHERE session=? AND seq=?",
-        (_json.encode(message).decode(), session, seq),
-    )
 
 
 def count(database: sqlite3.Connection, session: str, until: int) -> int:
     """Return how many messages of a session there are with numbers up to ``until``."""
     (stored,) = database.execute(
-        "SELECT (SELECT count(*) FROM messages WHERE session_number=(SELECT number FROM "
-        "session_numbers WHERE"
-        " id=:session) AND seq<=:until) + (SELECT count(*) FROM earlier_events WHERE "
-        "session=:session AND seq<=:until)",
-        {"session": session, "until": until},
+        f"SELECT count(*) FROM messages WHERE {_OF_SESSION} AND seq<=?", (session, until)
     ).fetchone()
     return int(stored)
 
@@ -237,14 +225,8 @@ def last(database: sqlite3.Connection, session: str) -> tuple[int, int, int]:
     is none.
     """
     found = database.execute(
-        "SELECT seq, run, at_ns FROM (SELECT * FROM (SELECT seq, run, at_ns FROM messages WHERE "
-        "session_number="
-        " (SELECT number FROM session_numbers WHERE id=:session) ORDER BY seq DESC LIMIT 1) UNION "
-        "ALL SELECT * FROM"
-        " (SELECT seq, run, at_ns FROM earlier_events WHERE session=:session ORDER BY seq DESC "
-        "LIMIT 1))"
-        " ORDER BY seq DESC LIMIT 1",
-        {"session": session},
+        f"SELECT seq, run, at_ns FROM messages WHERE {_OF_SESSION} ORDER BY seq DESC LIMIT 1",
+        (session,),
     ).fetchone()
     return found or (0, 1, 0)
 
@@ -255,8 +237,7 @@ def copy(
     """Copy the messages of a session to another database, in its transaction; replace what it has
     unless ``adds``.
 
-    The two databases have numbers of their own for sessions and topics. What an earlier version
-    stored is not copied.
+    The two databases have numbers of their own for sessions and topics.
 
     Returns:
         The numbers of messages that are damaged, which are not copied: no report could read the
@@ -276,7 +257,7 @@ def copy(
     there = {id: known[name, stored] for id, name, stored in topics}
     rows = source.execute(
         "SELECT seq, run, at_ns, topic, CAST(message AS BLOB) FROM messages"
-        " WHERE session_number=(SELECT number FROM session_numbers WHERE id=?) ORDER BY seq",
+        f" WHERE {_OF_SESSION} ORDER BY seq",
         (session,),
     )
     damaged: list[int] = []
@@ -357,37 +338,19 @@ def stored_rows(
         after: only messages whose number is above it.
         topics: the names of their topics; None: all.
     """
-    wanted = None if topics is None else set(topics)
-    earlier = database.execute(
-        "SELECT seq, run, at_ns, topic, '', message FROM earlier_events WHERE session=? AND seq>? "
-        "ORDER BY seq",
-        (session, after),
-    )
     known = {
         id: (name, stored)
         for id, name, stored in database.execute("SELECT id, name, fields FROM topics")
     }
     of_topics = ""
-    if wanted is not None:
-        of_topics = (
-            " AND topic IN "
-            f"({', '.join(str(int(id)) for id, (name, _) in known.items() if name in wanted)})"
-        )
+    if topics is not None:
+        wanted = [str(int(id)) for id, (name, _) in known.items() if name in topics]
+        of_topics = f" AND topic IN ({', '.join(wanted)})"
     rows = database.execute(
         "SELECT seq, run, at_ns, topic, message FROM messages"
-        " WHERE session_number=(SELECT number FROM session_numbers WHERE id=?) AND "
-        f"seq>?{of_topics} ORDER BY seq",
+        f" WHERE {_OF_SESSION} AND seq>?{of_topics} ORDER BY seq",
         (session, after),
     )
     unknown = ("", "")  # a damaged number, whose message cannot be read
-    present = (
-        StoredRow(seq, run, at, *known.get(topic, unknown), text)
-        for seq, run, at, topic, text in rows
-    )
-    if (first := earlier.fetchone()) is None:
-        yield from present
-    else:
-        before = (
-            StoredRow(*row) for row in chain([first], earlier) if wanted is None or row[3] in wanted
-        )
-        yield from merge(before, present)
+    for seq, run, at, topic, text in rows:
+        yield StoredRow(seq, run, at, *known.get(topic, unknown), text)

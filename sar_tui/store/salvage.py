@@ -1,14 +1,12 @@
 """Rows of a database whose pages are damaged, read as far as they can be, into a new file."""
 
 import contextlib
-import re
 import sqlite3
 from contextlib import closing
 from pathlib import Path
 from typing import NamedTuple
 
-from sar_tui.store.database import apply_migrations, damaged, explain, version_of
-from sar_tui.store.tables import VERSION
+from sar_tui.store.database import create_tables, damaged, explain, unreleased, version_of
 
 _MOST_FAILURES = 20_000
 """Largest number of ranges of a table, or of a session's messages, that fail before the rest of it
@@ -46,14 +44,16 @@ def salvage(database: sqlite3.Connection, file: Path, new: Path) -> list[Unread]
         new: the file to fill.
 
     Raises:
-        StoreError: not even the table of sessions is known, or the new file cannot be written.
+        StoreError: not even the table of sessions is known, a newer or an unreleased program wrote
+            the file, or the new file cannot be written.
     """
     there = _tables(database)
     if "sessions" not in there:
         raise damaged(file)
+    _check_version(database, file, there)
     with closing(sqlite3.connect(new, isolation_level=None)) as opened:
         try:
-            apply_migrations(opened, _version(database, file))
+            create_tables(opened)
             ours = [name for (name,) in opened.execute(_OURS)]
         except sqlite3.Error as error:
             raise explain(error, new) from error
@@ -90,23 +90,14 @@ def _tables(database: sqlite3.Connection) -> set[str]:
     return found
 
 
-def _version(database: sqlite3.Connection, file: Path) -> int:
-    """Return the data version of a damaged database: that of its header, or of the migrations that
-    it has seen.
+def _check_version(database: sqlite3.Connection, file: Path, tables: set[str]) -> None:
+    """Raise StoreError if another version of the program wrote the database, also if its header,
+    with the number, is damaged.
     """
+    if "_sqlite_migrations" in tables:
+        raise unreleased(file)
     with contextlib.suppress(sqlite3.Error):
-        if version := version_of(database, file):
-            return version
-        names = [
-            str(name) for (name,) in database.execute("SELECT name FROM main._sqlite_migrations")
-        ]
-        seen = [
-            int(name.removeprefix("version_"))
-            for name in names
-            if re.fullmatch(r"version_[0-9]{1,4}", name)
-        ]
-        return min(max(seen, default=VERSION), VERSION)
-    return VERSION
+        version_of(database, file)
 
 
 def _copy(database: sqlite3.Connection, table: str) -> list[Unread]:

@@ -17,7 +17,6 @@ from sar_tui.loop.bus import Record
 from sar_tui.loop.clock import host_now
 from sar_tui.loop.nodes.memory import best_key
 from sar_tui.loop.task import Task
-from sar_tui.loop.topics import PRESENCE
 from sar_tui.model.messages import AttemptEnded
 from sar_tui.rules.parameters import TaskParameters, current_values, fields
 from sar_tui.store import imu, log_hashes, messages
@@ -302,31 +301,22 @@ def operators(db: sqlite3.Connection, session: str | None = None) -> dict[str, l
     ``session`` selects a single session.
     """
     found: dict[str, list[str]] = {}
-    for source, name in ((_EARLIER_PRESENCE, "session"), (_PRESENCE, "session_numbers.id")):
-        of_session = f" AND {name}=:session" if session else ""
-        for joined, actor in db.execute(
-            f"{source}{of_session} ORDER BY {name}, seq", {"session": session}
-        ):
-            names = found.setdefault(joined, [])
-            if actor not in names:
-                names.append(actor)
+    of_session = " AND session_numbers.id=:session" if session else ""
+    query = f"{_PRESENCE}{of_session} ORDER BY session_numbers.id, seq"
+    for joined, actor in db.execute(query, {"session": session}):
+        names = found.setdefault(joined, [])
+        if actor not in names:
+            names.append(actor)
     return found
 
 
-_IS_OPERATOR = "json_extract(message, '$.role')='operator'"
-_EARLIER_PRESENCE = (
-    "SELECT session, json_extract(message, '$.actor') FROM earlier_events"
-    f" WHERE topic='{PRESENCE.name}' AND {_IS_OPERATOR}"
-)
 _PRESENCE = (
-    "SELECT session_numbers.id, json_extract(message, '$.actor') FROM messages INDEXED BY "
-    "idx_messages_presence"
-    f" JOIN session_numbers ON number=session_number WHERE topic={messages.PRESENCE_ID} AND "
-    f"{_IS_OPERATOR}"
+    "SELECT session_numbers.id, json_extract(message, '$.actor')"
+    " FROM messages INDEXED BY idx_messages_presence"
+    " JOIN session_numbers ON number=session_number"
+    f" WHERE topic={messages.PRESENCE_ID} AND json_extract(message, '$.role')='operator'"
 )
-"""The conditions on the topic are literals, as in the indexes, so that no other message is looked
-at.
-"""
+"""The condition on the topic is a literal, as in the index, so that no other message is looked at."""
 
 
 def codes(row: Row) -> tuple[str, ...]:

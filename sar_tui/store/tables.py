@@ -3,16 +3,18 @@
 From it are made: the tables of a new database, the rows that follow from the log (`store.rows`),
 the check that values are whole (`store.damaged_rows`), the rules of a merge
 (`store.merge.foreign_rules`), the columns of exports and what may leave (`export.columns`), and the
-tables of docs/data-dictionary.md. A new column of an existing table says ``since`` which version of
-the data; nothing else has to be written for it here.
+tables of docs/data-dictionary.md. A new column of an existing table, and a new table, say ``since``
+which version of the data; databases of earlier releases get it when they are opened (`store.schema`).
 """
 
 from typing import Literal
 
 import msgspec
 
-FIRST_VERSION = 22
-"""Version of the data of the last hand-written migration (`store.schema`)."""
+FIRST_VERSION = 200
+"""Version of the data of the first release, 0.2.0. Unreleased versions of the program wrote others,
+from 1 to 22, which are refused (`store.database.version_of`).
+"""
 
 Type = Literal["string", "integer", "number", "boolean", "datetime", "json", "blob"]
 
@@ -69,7 +71,7 @@ class Column(msgspec.Struct, frozen=True):
         field: the field of the message that it is stored from, if it has another name.
         form: of a text that another database may bring.
         sql: constraints and default value, in SQL.
-        since: version of the data that added it; 0: the table always had it.
+        since: version of the data that added it, for a table that is older.
         parts: of JSON, those that are known.
         more: what the data dictionary adds to the meaning, in Markdown.
     """
@@ -85,7 +87,7 @@ class Column(msgspec.Struct, frozen=True):
     field: str = ""
     form: Form = "line"
     sql: str = ""
-    since: int = 0
+    since: int = FIRST_VERSION
     parts: tuple["Column", ...] = ()
     more: str = ""
 
@@ -122,6 +124,7 @@ class Table(msgspec.Struct, frozen=True):
         constraints: others than the key, in SQL.
         options: what follows the columns in SQL.
         indexes: SQL of its indexes.
+        since: version of the data that added it.
     """
 
     name: str
@@ -131,6 +134,7 @@ class Table(msgspec.Struct, frozen=True):
     constraints: tuple[str, ...] = ()
     options: str = ""
     indexes: tuple[str, ...] = ()
+    since: int = FIRST_VERSION
 
     def __getitem__(self, name: str) -> Column:
         """Return a column by its name. Raises KeyError."""
@@ -1051,24 +1055,6 @@ TOPICS = Table(
     ),
 )
 
-EARLIER_EVENTS = Table(
-    "earlier_events",
-    "A message that a version of sar-tui before data version 5 stored",
-    key=("session", "seq"),
-    columns=(
-        _SESSION,
-        _SEQ,
-        _RUN_OF_MESSAGE,
-        _AT,
-        Column("topic", "string", "As in `events`.", form="any"),
-        Column("message", "json", "As in `events`.", privacy="text"),
-    ),
-    indexes=(
-        "CREATE INDEX idx_earlier_events_presence ON earlier_events (session, seq)"
-        " WHERE topic='operator/presence'",
-    ),
-)
-
 LOG_HASHES = Table(
     "log_hashes",
     "A group of messages that was stored in one transaction, with its hash",
@@ -1627,7 +1613,6 @@ TABLES = {
         ATTEMPTS,
         TRIALS,
         ACTIONS,
-        EARLIER_EVENTS,
         NOTES,
         IMU_STREAMS,
         IMU_CHUNKS,
@@ -1649,20 +1634,9 @@ TABLES = {
 """All tables, in the order in which they are created."""
 
 VERSION = max(
-    FIRST_VERSION,
-    *(column.since for table in TABLES.values() for column in table.columns),
+    max(table.since, *(column.since for column in table.columns)) for table in TABLES.values()
 )
 """Version of the data, which is stored in ``PRAGMA user_version``."""
-
-
-def added(version: int) -> list[str]:
-    """Return the statements that give a database the columns which a version of the data added."""
-    return [
-        f"ALTER TABLE {table.name} ADD COLUMN {column.definition}"
-        for table in TABLES.values()
-        for column in table.columns
-        if column.since == version
-    ]
 
 
 def with_column(name: str) -> tuple[str, ...]:

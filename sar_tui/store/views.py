@@ -1,7 +1,7 @@
 """Views: of messages, of the newest settings, and for any program that reads SQLite (3.34 or
 newer) of attempts, trials and reaches, a row each.
 
-They are part of a migration (``schema``): to change one, drop and create it in a new migration.
+A database that is brought up to date gets all of them anew (`store.schema`).
 """
 
 _VALUE = "substr({pair}, 2, length({pair}) - 7)"
@@ -11,32 +11,22 @@ not everywhere.
 _STORED = _VALUE.format(pair="json_extract(messages.message, '$[' || field.key || ']', '$.none')")
 _DEFAULT = _VALUE.format(pair="json_extract(field.value, '$[1]', '$.none')")
 
-EVENTS = f"""CREATE VIEW events AS
-SELECT session, seq, run, at_ns, topic, message FROM earlier_events
-UNION ALL
-SELECT session_numbers.id, messages.seq, messages.run, messages.at_ns, topics.name,
+_EVENTS = f"""
+SELECT session_numbers.id AS session, messages.seq, messages.run, messages.at_ns,
+    topics.name AS topic,
     CASE topics.fields WHEN '' THEN messages.message ELSE (
         SELECT json_group_object(json_extract(field.value, '$[0]'),
             json(CASE WHEN field.key < json_array_length(messages.message) THEN {_STORED} ELSE {_DEFAULT} END))
         FROM json_each(topics.fields) AS field
-    ) END
+    ) END AS message
 FROM session_numbers
 JOIN messages ON messages.session_number=session_numbers.number
 JOIN topics ON topics.id=messages.topic"""
-INSERT_EARLIER_EVENT = """CREATE TRIGGER insert_earlier_event INSTEAD OF INSERT ON events BEGIN
-    INSERT INTO earlier_events VALUES (NEW.session, NEW.seq, NEW.run, NEW.at_ns, NEW.topic, NEW.message);
-END"""
-SETTINGS = (
-    "CREATE VIEW settings AS SELECT participant, task, parameters, theme, created_at AS updated_at"
+_SETTINGS = (
+    "SELECT participant, task, parameters, theme, created_at AS updated_at"
     " FROM programmes AS saved WHERE version="
     "(SELECT max(version) FROM programmes WHERE participant=saved.participant AND task=saved.task)"
 )
-INSERT_SETTINGS = """CREATE TRIGGER insert_settings INSTEAD OF INSERT ON settings BEGIN
-    INSERT INTO programmes (participant, task, version, created_at, author, reason, parameters, theme)
-    SELECT NEW.participant, NEW.task, coalesce(max(version), 0) + 1, NEW.updated_at, '',
-        'Saved by an earlier version of sar-tui.', NEW.parameters, NEW.theme
-    FROM programmes WHERE participant=NEW.participant AND task=NEW.task;
-END"""
 
 _REACH = {
     "text": ("closed", "mark", "hand", "detector", "detector_version"),
@@ -76,7 +66,7 @@ _REACTION = "CASE WHEN abs(reaction_time_ms) < 9e999 THEN reaction_time_ms END A
 _ONSET = _TIME.format(row="trials", at="trials.onset_ns", run="trials.run")
 _FLAGS = "json_extract(timing, '$.flags') AS flags"
 
-ATTEMPTS = f"""CREATE VIEW v_attempts AS
+_ATTEMPTS = f"""
 SELECT {_WHO.format(row="attempts")}, attempts.seat, {_ATTEMPT},
     CASE WHEN abs(metric) < 9e999 THEN metric END AS metric, accuracy, correct, trials, feedback,
     {
@@ -92,16 +82,22 @@ SELECT {_WHO.format(row="attempts")}, attempts.seat, {_ATTEMPT},
         AND abs(reaction_time_ms) < 9e999) AS reaction_time_ms
 FROM attempts JOIN sessions ON sessions.id=attempts.session"""
 
-TRIALS = f"""CREATE VIEW v_trials AS
+_TRIALS = f"""
 SELECT {_WHO.format(row="trials")}, trials.trial, trials.seat, {_ATTEMPT}, stimulus, response, trials.correct,
     {_REACTION}, {_ONSET}, {_FLAGS}
 {_OF_TRIALS}"""
 
-REACHES = f"""CREATE VIEW v_reaches AS
+_REACHES = f"""
 SELECT {_WHO.format(row="trials")}, trials.trial, trials.seat, {_ATTEMPT}, trials.correct, {_REACTION}, {_ONSET},
     {", ".join(f"json_extract(details, '$.{name}') AS {name}" for names in _REACH.values() for name in names)}, {_FLAGS}
 {_OF_TRIALS}
 WHERE json_extract(details, '$.reach_time_ms') IS NOT NULL"""
 
-ALL = (EVENTS, INSERT_EARLIER_EVENT, SETTINGS, INSERT_SETTINGS, ATTEMPTS, TRIALS, REACHES)
-"""All views, and the triggers of those that earlier programs write to."""
+VIEWS = {
+    "events": _EVENTS,
+    "settings": _SETTINGS,
+    "v_attempts": _ATTEMPTS,
+    "v_trials": _TRIALS,
+    "v_reaches": _REACHES,
+}
+"""The query of each view, by name."""

@@ -3,7 +3,6 @@ only there.
 """
 
 import csv
-import gzip
 import os
 import sqlite3
 import stat
@@ -222,25 +221,6 @@ def test_a_database_that_cannot_be_merged_is_refused_in_a_sentence(
     )
     assert (zurich / "sar-tui.db").read_bytes() == before
     assert not list(zurich.glob(".merge-*"))
-
-
-def test_a_database_of_an_earlier_version_is_brought_up_to_date_in_a_copy(
-    call: Call, tmp_path: Path
-) -> None:
-    call("site", "ZURICH")
-    packed = Path(__file__).parents[1] / "store" / "earlier.db.gz"
-    earlier = tmp_path / "earlier.db"
-    earlier.write_bytes(before := gzip.decompress(packed.read_bytes()))
-    assert "--site BERN" in call("merge", earlier).err
-    assert call("merge", earlier, "--site", "bern").out.startswith("From BERN: 5 new sessions")
-    assert earlier.read_bytes() == before
-    assert [path.name for path in tmp_path.iterdir() if path.name.startswith("earlier")] == [
-        "earlier.db"
-    ]
-    for row in call("sessions", "--json").json["sessions"]:
-        assert row["participant"].endswith("@BERN")
-        assert call("replay", row["id"], "--json").json["events"] > 0
-    assert call("merge", earlier, "--site", "bern").out.startswith("From BERN: nothing")
 
 
 def test_a_site_without_a_code_is_asked_for_one(call: Call, tmp_path: Path) -> None:

@@ -2,7 +2,6 @@
 complete.
 """
 
-import gzip
 import shutil
 import signal
 import sqlite3
@@ -21,7 +20,7 @@ from sar_tui.store.database import FILE, connect
 from tests.export.exported import export_as
 from tests.export.hard_study import EMPTY, INTERRUPTED, store_study
 from tests.program import Call
-from tests.store import test_earlier_data as earlier
+from tests.store.make_golden import RELEASES, unpack
 
 FORMATS = names()
 EVERYTHING = ("--all", "--mixed")
@@ -139,12 +138,13 @@ def test_hard_sessions_leave_or_are_named_and_the_others_leave(
     assert content(study) == before
 
 
+@pytest.mark.parametrize("release", RELEASES)
 @pytest.mark.parametrize("format", FORMATS)
-def test_sessions_of_an_earlier_version_leave(tmp_path: Path, format: str) -> None:
-    (tmp_path / "data").mkdir()
-    packed = Path(earlier.__file__).with_name("earlier.db.gz").read_bytes()
-    (tmp_path / "data" / FILE).write_bytes(gzip.decompress(packed))
-    assert set(export_as(format, tmp_path / "data", tmp_path / "out").sessions) == set(earlier.ALL)
+def test_sessions_of_every_release_leave(tmp_path: Path, format: str, release: str) -> None:
+    data = unpack(release, tmp_path / "data")
+    with closing(sqlite3.connect(data / FILE)) as database:
+        stored = {id for (id,) in database.execute("SELECT id FROM sessions")}
+    assert set(export_as(format, data, tmp_path / "out").sessions) == stored
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="ends a program with a signal")

@@ -1,6 +1,5 @@
 """Parts of actions leave as their outputs did them, from start to end."""
 
-import json
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -8,6 +7,7 @@ from typing import Any
 from sar_tui.store.database import connect
 from tests.export.exported import export_csv, read_csv
 from tests.export.varied import store_trials
+from tests.store.by_hand import add_message
 
 REPORTS: list[tuple[str, str, str, str, int]] = [
     ("a1", "speech", "say", "queued", 10),
@@ -68,7 +68,6 @@ def store_messages(
     data: Path, topic: str, messages: list[dict[str, Any]], session: str = "s1"
 ) -> None:
     with closing(connect(data)) as database:
-        (last,) = database.execute("SELECT coalesce(max(seq), 0) FROM earlier_events").fetchone()
+        (last,) = database.execute("SELECT coalesce(max(seq), 0) FROM messages").fetchone()
         for seq, message in enumerate(messages, last + 1):
-            row = (session, seq, 1, message["at"], topic, json.dumps(message))
-            database.execute("INSERT INTO earlier_events VALUES (?,?,?,?,?,?)", row)
+            add_message(database, session, seq, message["at"], topic, message)

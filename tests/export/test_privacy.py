@@ -15,6 +15,7 @@ from sar_tui.export.registry import BUNDLED
 from sar_tui.store.database import connect
 from tests.export.exported import export_as, export_csv, read_csv
 from tests.program import Call
+from tests.store.by_hand import add_message
 
 NEVER = "Dr-Anna-Wirth"
 """Stands for the name of an operator, a login, a device, a computer, or a folder."""
@@ -68,10 +69,7 @@ def data(call: Call, tmp_path: Path) -> Path:
             "at": 1,
             "detail": NEVER,
         }
-        update(
-            "INSERT INTO earlier_events VALUES (?,0,1,1,'output/report',?)",
-            (session, json.dumps(report)),
-        )
+        add_message(database, session, 0, 1, "output/report", report)
         update("UPDATE trials SET details=json_set(details, '$.remark', ?)", (TYPED,))
         tables = Database(database)
         tables["notes"].insert_all(  # type: ignore[union-attr]

@@ -26,6 +26,7 @@ from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import adverse_events, participants, wellbeing
 from sar_tui.store.database import connect
+from tests.store.by_hand import add_message
 
 MANY = 30
 BEGAN = datetime(2026, 2, 2, 8, 3, 17, 250_000, tzinfo=UTC)
@@ -98,11 +99,7 @@ def _date(
         (f"0.{number // 10}", f"3.11.{number // 6}", f"2.{number // 5}", f"{number // 3:064x}",
          f"{number // 7:064x}", session),
     )  # fmt: skip
-    started = json.dumps({"rules": 1 + number // 10})
-    database.execute(
-        "INSERT INTO earlier_events VALUES (?, 0, 1, ?, 'session/started', ?)",
-        (session, clock, started),
-    )
+    add_message(database, session, 0, clock, "session/started", {"rules": 1 + number // 10})
     timing = json.dumps(_TIMING | {"n": 300 + number // 8})
     database.execute(
         "UPDATE sessions SET machine=json_set(machine, '$.timing', json(?), '$.terminal', ?) "

@@ -1,8 +1,7 @@
 """Golden sessions: recorded by the program of each version of the rules, they come out the same for
 ever.
 
-``golden/rules-N.db.gz`` was made by the last program with rules N; ``tests/store/earlier.db.gz``
-has those of rules 1.
+The sessions of ``golden/rules-N.db.gz`` were recorded by the last program with rules N.
 """
 
 import gzip
@@ -11,14 +10,13 @@ from pathlib import Path
 
 import pytest
 
-import tests.store.test_earlier_data as earlier
 from sar_tui.plugins import Catalogue
 from sar_tui.replay.replay import replay
 from sar_tui.rules.version import RULES
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
 
-GOLDEN = {1: Path(earlier.__file__).with_name("earlier.db.gz")} | {
+GOLDEN = {
     int(file.name.removesuffix(".db.gz").removeprefix("rules-")): file
     for file in (Path(__file__).parent / "golden").glob("rules-*.db.gz")
 }

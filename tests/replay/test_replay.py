@@ -1,6 +1,5 @@
 """``sar-tui replay``: a recorded session comes out the same, and what was changed is found."""
 
-import gzip
 import json
 import shutil
 import sqlite3
@@ -11,7 +10,6 @@ from typing import Any
 import msgspec
 import pytest
 
-import tests.store.test_earlier_data as earlier
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.topics import SESSION
 from sar_tui.model.units import SECOND
@@ -266,14 +264,3 @@ def test_an_empty_session_has_nothing_to_compare(call: Call, data: Path, simulat
         database.execute("DELETE FROM messages")
     assert "has no messages: there is nothing to compare." in call("replay", simulated).out
     assert call("replay", simulated, "--json").json["events"] == 0
-
-
-@pytest.mark.parametrize("session", earlier.ALL)
-def test_sessions_of_an_earlier_version_are_identical(call: Call, data: Path, session: str) -> None:
-    data.mkdir()
-    (data / "sar-tui.db").write_bytes(
-        gzip.decompress(Path(earlier.__file__).with_name("earlier.db.gz").read_bytes())
-    )
-    called = call("replay", session, "--json")
-    assert (called.code, called.json["identical"]) == (0, True), called.json["first_difference"]
-    assert {run["rules"] for run in called.json["recorded_with"]} == {1}

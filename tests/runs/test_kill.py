@@ -6,7 +6,6 @@ import contextlib
 import os
 import shutil
 import signal
-import sqlite3
 import subprocess
 import sys
 import time
@@ -15,15 +14,12 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from sqlite_utils import Database
 
 from sar_tui.model.random_streams import RandomStreams
 from sar_tui.store import sessions
-from sar_tui.store.database import FILE, connect
+from sar_tui.store.database import connect
 from sar_tui.store.last_saved import losses
 from sar_tui.store.rescue import bring_back, rescue_files
-from sar_tui.store.schema import migrations
-from sar_tui.store.tables import VERSION
 from tests.examples import first
 from tests.store.test_rescue import rescued
 
@@ -155,33 +151,3 @@ def test_kills_while_a_rescue_file_is_brought_back_lose_nothing(
         with closing(connect(folder)) as database:
             assert database.execute("PRAGMA integrity_check").fetchone() == ("ok",)
             assert list(sessions.history(database, recorded.id)) == recorded.records
-
-
-@pytest.mark.parametrize("kills", first(1, [3, 20]))
-def test_kills_of_a_migration_leave_a_database_that_can_be_migrated(
-    tmp_path: Path, killable: Killable, data: Path, kills: int
-) -> None:
-    data.mkdir()
-    with closing(sqlite3.connect(data / FILE)) as database:
-        old = Database(database)
-        migrations.apply(old, stop_before="version_2")
-        old["sessions"].insert_all(
-            {"id": f"s{n}", "parameters": '{"threshold": 900.0}'} for n in range(2000)
-        )
-        old["attempts"].insert_all(
-            {"session": f"s{n}", "attempt": 1, "seat": "A", "metric": 700.0} for n in range(2000)
-        )
-        database.execute("PRAGMA user_version=1")
-    shutil.copytree(data, tmp_path / "whole")
-    whole_ms = killable.time_of("connect", tmp_path / "whole")
-    for kill in range(kills):
-        folder = tmp_path / str(kill)
-        shutil.copytree(data, folder)
-        killable.kill_soon(whole_ms * kill / kills, "connect", folder)
-        with closing(connect(folder)) as migrated:
-            assert migrated.execute("PRAGMA user_version").fetchone() == (VERSION,)
-            assert migrated.execute("PRAGMA integrity_check").fetchone() == ("ok",)
-            assert migrated.execute("SELECT count(*), min(goal) FROM attempts").fetchone() == (
-                2000,
-                900.0,
-            )

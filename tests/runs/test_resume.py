@@ -2,9 +2,6 @@
 none of it is run.
 """
 
-import shutil
-import sqlite3
-import zlib
 from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
@@ -14,7 +11,6 @@ import pytest
 
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.node import Node
-from sar_tui.loop.session import Session
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.replay.replay import replay
@@ -25,7 +21,6 @@ from sar_tui.simulation.participant import SimulatedParticipant, SimulatedPartne
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
-from tests.program import Call
 
 CATALOGUE = Catalogue()
 SHORT: dict[str, Any] = {"attempts": 12, "prompts_per_attempt": 3}
@@ -117,63 +112,3 @@ def test_the_progress_of_a_resume_is_told(data: Path) -> None:
     assert [done for done, _ in told] == sorted(done for done, _ in told)
     assert 0 < told[0][0] < told[-1][0] <= of
     assert len(told) > 10
-
-
-# --- state that an earlier version stored
-
-_A_FOLDER = b"cposix\nmkdir\n(Vharm\ntR."
-_A_CLASS = b"csar_tui.loop.session\nSession\n(N}Vharm\nI01\nstb."
-"""Pickles: one makes a folder, one changes a class of the program."""
-
-
-@pytest.mark.parametrize("harmful", [_A_FOLDER, _A_CLASS])
-@pytest.mark.parametrize("is_migrated", [True, False])
-def test_a_pickle_in_a_database_from_elsewhere_is_never_loaded(
-    harmful: bytes, is_migrated: bool, call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Given a table of checkpoints as version 19 had it, of an earlier database or added to a
-    present one.
-    """
-    data, other = tmp_path / "data", tmp_path / "other"
-    monkeypatch.chdir(tmp_path)
-    session = interrupted(other, "long", 1400)
-    plant(other / "sar-tui.db", session, harmful, is_migrated=is_migrated)
-    interrupted(data)
-    assert call("site", "BERN").code == 0
-    backup = tmp_path / "copy.db"
-    shutil.copyfile(other / "sar-tui.db", other / f"sar-tui-rescue-{session}.db")
-    for arguments in (("rescue",), ("check",), ("backup", "--verify", "--to", backup)):
-        assert call(*arguments, "--data", other).code == 0
-    assert call("merge", backup, "--site", "BASEL").code == 0
-    go_on(other, session, "long")
-    assert not (tmp_path / "harm").exists()
-    assert not hasattr(Session, "harm")
-
-
-def plant(path: Path, session: str, harmful: bytes, *, is_migrated: bool) -> None:
-    packed = zlib.compress(harmful)
-    with closing(sqlite3.connect(path)) as database, database:
-        database.execute(
-            "CREATE TABLE IF NOT EXISTS checkpoints (session TEXT PRIMARY KEY, seq INTEGER NOT "
-            "NULL,"
-            " program TEXT NOT NULL, crc32 INTEGER NOT NULL, state BLOB NOT NULL)"
-        )
-        if not database.execute(
-            "UPDATE checkpoints SET state=?, crc32=?", (packed, zlib.crc32(packed))
-        ).rowcount:
-            database.execute(
-                "INSERT INTO checkpoints VALUES (?, 1, 'any', ?, ?)",
-                (session, zlib.crc32(packed), packed),
-            )
-        if is_migrated:
-            database.execute("DELETE FROM _sqlite_migrations WHERE name='version_20'")
-            database.execute("PRAGMA user_version=19")
-
-
-def test_a_migration_removes_the_pickles_of_earlier_versions(data: Path) -> None:
-    session = interrupted(data)
-    plant(data / "sar-tui.db", session, _A_FOLDER, is_migrated=True)
-    with closing(connect(data)) as database:
-        assert not database.execute(
-            "SELECT 1 FROM sqlite_master WHERE name='checkpoints'"
-        ).fetchall()

@@ -17,7 +17,7 @@ from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import start
 from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
-from sar_tui.store.database import FILE, connect
+from sar_tui.store.database import FILE
 from sar_tui.store.programmes import Programme
 
 FEW = {"attempts": 12, "prompts_per_attempt": 6}
@@ -138,20 +138,3 @@ def test_a_simulated_session_always_starts_at_the_start_level(
             "SELECT level FROM attempts WHERE session=? AND attempt=1", (session,)
         ).fetchone()
     assert found == (1,)
-
-
-def test_a_start_level_saved_by_an_earlier_program_stays_fixed(data: Path) -> None:
-    database = connect(data)
-    database.execute("PRAGMA user_version=8")
-    database.execute("DELETE FROM _sqlite_migrations WHERE name='version_9'")
-    rows = [("P01", '{"start_level":4}'), ("P02", '{"attempts":5}')]
-    for participant, parameters in rows:
-        database.execute(
-            "INSERT INTO programmes (participant, task, version, created_at, author, reason, "
-            "parameters, theme, site)"
-            " VALUES (?, 'keyboard', 1, '2026-01-01', '', '', ?, 'calm', '')",
-            (participant, parameters),
-        )
-    database.close()
-    found = dict(connect(data).execute("SELECT participant, parameters FROM programmes").fetchall())
-    assert found == {"P01": '{"start_level":4,"start_from":"fixed"}', "P02": '{"attempts":5}'}

@@ -495,9 +495,7 @@ OF_EARLIER = (
 )
 
 
-@pytest.mark.parametrize(
-    "packed", [Path(__file__).with_name("earlier.db.gz"), *EARLIER], ids=lambda path: path.name
-)
+@pytest.mark.parametrize("packed", EARLIER, ids=lambda path: path.name)
 def test_results_of_earlier_versions_follow_from_their_logs(packed: Path, data: Path) -> None:
     data.mkdir(parents=True)
     (data / FILE).write_bytes(gzip.decompress(packed.read_bytes()))

@@ -14,10 +14,10 @@ from pathlib import Path
 import pytest
 from filelock import FileLock
 from msgspec import structs
-from sqlite_utils import Database, Migrations
+from sqlite_utils import Database
 
 from sar_tui.store import database as module
-from sar_tui.store import schema, sessions, tables
+from sar_tui.store import tables
 from sar_tui.store.database import (
     FILE,
     StoreError,
@@ -26,8 +26,8 @@ from sar_tui.store.database import (
     explain,
     transaction,
 )
-from sar_tui.store.schema import migrations
-from sar_tui.store.tables import FIRST_VERSION, VERSION
+from sar_tui.store.tables import FIRST_VERSION, VERSION, Column, Table
+from tests.program import Call
 
 _NOBODY = 65534
 """User id of ``nobody``, who owns no files."""
@@ -103,31 +103,6 @@ def schema_of(database: sqlite3.Connection) -> tuple[object, ...]:
     return (columns, *(set(database.execute(query)) for query in (others, indexes)))
 
 
-def test_a_database_of_the_first_version_gets_the_tables_of_a_new_one(
-    database: sqlite3.Connection,
-) -> None:
-    migrated = Database(memory=True)
-    assert len(migrations.pending(migrated)) == FIRST_VERSION
-    migrations.apply(migrated)
-    assert schema_of(migrated.conn) == schema_of(database)
-    assert migrations.pending(Database(database)) == []
-
-
-def test_a_column_that_is_declared_for_the_next_version_is_added_to_databases_of_this_one(
-    data: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    connect(data).close()
-    added = tables.Column("device_delay_ms", "number", "A test.", since=VERSION + 1)
-    wider = structs.replace(tables.TRIALS, columns=(*tables.TRIALS.columns, added))
-    monkeypatch.setitem(tables.TABLES, "trials", wider)
-    monkeypatch.setattr(tables, "VERSION", VERSION + 1)
-    monkeypatch.setattr(module, "VERSION", VERSION + 1)
-    opened = connect(data)
-    assert pragma(opened, "user_version") == VERSION + 1
-    assert "device_delay_ms" in Database(opened)["trials"].columns_dict
-    opened.close()
-
-
 def test_the_keys_are_those_of_the_contract(database: sqlite3.Connection) -> None:
     assert Database(database)["messages"].pks == ["session_number", "seq"]
     assert Database(database)["trials"].pks == ["session", "attempt", "trial", "seat"]
@@ -145,10 +120,9 @@ def test_a_current_database_opens_while_another_program_holds_the_lock_of_migrat
     with FileLock(data / "sar-tui.lock"):
         with closing(connect(data)) as database:
             assert pragma(database, "user_version") == VERSION
-        with closing(sqlite3.connect(data / FILE)) as earlier:
-            earlier.execute("PRAGMA user_version=1")
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(module, "_LOCK_TIMEOUT_S", 0)
+            patch.setattr(module, "VERSION", VERSION + 1)
             assert "locked" in str(refusal(data))
 
 
@@ -269,34 +243,75 @@ def test_the_folders_above_are_private_too_whatever_the_umask(tmp_path: Path) ->
     assert [mode(folder) for folder in folders] == [0o700] * 3
 
 
+@pytest.mark.parametrize("version", [1, 22, FIRST_VERSION - 1])
+def test_a_database_of_an_unreleased_version_is_refused_and_left_unchanged(
+    data: Path, call: Call, version: int
+) -> None:
+    connect(data).close()
+    with closing(sqlite3.connect(data / FILE)) as database:
+        database.execute("PRAGMA journal_mode=DELETE")
+        database.execute(f"PRAGMA user_version={version}")
+    before = (data / FILE).read_bytes()
+    another = data.parent / "another"
+    assert call("site", "BASEL", "--data", another).code == 0
+    for arguments in (
+        ("sessions",),
+        ("show", "last"),
+        ("simulate", "keyboard", "--user", "poor"),
+        ("check",),
+        ("check", "--repair"),
+        ("backup",),
+        ("merge", data / FILE, "--site", "BERN", "--data", another),
+    ):
+        called = call(*arguments)
+        assert (called.code, called.err.count("\n")) == (2, 1), (arguments, called)
+        assert "export it with the version that wrote it" in called.err
+    assert (data / FILE).read_bytes() == before
+
+
+def test_a_rescue_file_of_an_unreleased_version_is_refused(data: Path, call: Call) -> None:
+    connect(data).close()
+    shutil.copyfile(data / FILE, data / "sar-tui-rescue-abc.db")
+    with closing(sqlite3.connect(data / "sar-tui-rescue-abc.db")) as database:
+        database.execute("PRAGMA user_version=22")
+    called = call("rescue")
+    assert called.code == 2
+    assert "export it with the version that wrote it" in called.err
+
+
+def test_a_database_of_another_program_is_refused_and_left_unchanged(data: Path) -> None:
+    data.mkdir()
+    with closing(sqlite3.connect(data / FILE)) as database:
+        database.execute("CREATE TABLE bookmarks (address)")
+    before = (data / FILE).read_bytes()
+    assert refusal(data).bad_input
+    assert (data / FILE).read_bytes() == before
+
+
 @pytest.fixture
 def older(data: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A database of this version, opened by a program of the next version, whose migration adds a
-    table.
+    """A database of this version, opened by a program of the next one, which declares a further
+    column of trials, and a further table.
     """
-    opened = Database(connect(data))
-    opened["participants"].insert({"code": "P01", "created_at": "now"})
-    opened.close()
-    newer = Migrations("sar-tui")
-
-    @newer()
-    def version_1(db: Database) -> None:
-        raise AssertionError("applied already")
-
-    @newer(name=f"version_{VERSION + 1}")
-    def next_version(db: Database) -> None:
-        db["goals"].insert({"session": "s"})
-
-    monkeypatch.setattr(schema, "migrations", newer)
+    with closing(connect(data)) as opened:
+        opened.execute("INSERT INTO participants (code, created_at) VALUES ('P01', 'now')")
+    column = Column("device_delay_ms", "number", "A test.", since=VERSION + 1)
+    wider = structs.replace(tables.TRIALS, columns=(*tables.TRIALS.columns, column))
+    goals = Table("goals", "A test", (Column("session", "string", "A test."),), since=VERSION + 1)
+    monkeypatch.setitem(tables.TABLES, "trials", wider)
+    monkeypatch.setitem(tables.TABLES, "goals", goals)
+    monkeypatch.setattr(tables, "VERSION", VERSION + 1)
     monkeypatch.setattr(module, "VERSION", VERSION + 1)
     return data
 
 
-def test_an_older_database_is_brought_up_to_date_after_a_backup(older: Path) -> None:
-    opened = Database(connect(older))
+def test_an_older_database_gets_what_was_declared_since_after_a_backup(
+    older: Path, tmp_path: Path
+) -> None:
+    opened, new = connect(older), connect(tmp_path / "new")
     assert pragma(opened, "user_version") == VERSION + 1
-    assert "goals" in opened.table_names()
-    assert [row["code"] for row in opened["participants"].rows] == ["P01"]
+    assert schema_of(opened) == schema_of(new)
+    assert [row["code"] for row in Database(opened)["participants"].rows] == ["P01"]
     (backup,) = older.glob(f"*-v{VERSION}-*.db")
     kept = Database(sqlite3.connect(backup))
     assert pragma(kept, "user_version") == VERSION
@@ -304,67 +319,17 @@ def test_an_older_database_is_brought_up_to_date_after_a_backup(older: Path) -> 
     assert [row["code"] for row in kept["participants"].rows] == ["P01"]
 
 
-def test_a_database_of_the_first_version_keeps_its_attempts_and_can_store_a_sensors_samples(
-    data: Path,
+def test_an_upgrade_that_fails_leaves_the_database_as_it_was(
+    older: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    data.mkdir()
-    first = Database(sqlite3.connect(data / FILE))
-    migrations.apply(first, stop_before="version_2")
-    first["sessions"].insert({"id": "s", "parameters": '{"threshold": 900.0}'})
-    first["attempts"].insert({"session": "s", "attempt": 1, "seat": "A", "metric": 700.0})
-    first.execute("PRAGMA user_version=1")
-    first.conn.close()
-    opened = Database(connect(data))
-    assert pragma(opened, "user_version") == VERSION
-    (attempt,) = opened["attempts"].rows
-    assert (attempt["metric"], attempt["goal"]) == (700.0, 900.0)
-    assert {"imu_streams", "imu_chunks"} <= set(opened.table_names())
-
-
-def test_a_database_of_the_second_version_keeps_its_attempts_and_can_store_feedback_choices(
-    data: Path,
-) -> None:
-    data.mkdir()
-    second = Database(sqlite3.connect(data / FILE))
-    migrations.apply(second, stop_before="version_3")
-    second["attempts"].insert(
-        {"session": "s", "attempt": 1, "seat": "A", "feedback": "positive", "qualities": "{}"}
-    )
-    second.execute("PRAGMA user_version=2")
-    second.conn.close()
-    opened = Database(connect(data))
-    assert pragma(opened, "user_version") == VERSION
-    (attempt,) = sessions.rows(opened, "attempts", "s")
-    assert (attempt["feedback"], attempt["qualities"], attempt["choice"]) == ("positive", {}, None)
-
-
-def test_a_database_of_the_third_version_keeps_its_actions_and_notes_and_can_store_an_operators(
-    data: Path,
-) -> None:
-    data.mkdir()
-    third = Database(sqlite3.connect(data / FILE))
-    migrations.apply(third, stop_before="version_4")
-    third["actions"].insert(
-        {
-            "session": "s",
-            "id": "a1",
-            "kind": "feedback",
-            "final": '{"text": "Fine."}',
-            "decision": "accepted",
-        }
-    )
-    third["notes"].insert({"session": "s", "at_ns": 5, "author": "Ana", "text": "tired"})
-    third.execute("PRAGMA user_version=3")
-    third.conn.close()
-    opened = Database(connect(data))
-    assert pragma(opened, "user_version") == VERSION
-    (action,) = sessions.rows(opened, "actions", "s")
-    assert (action["final"], action["decision"]) == ({"text": "Fine."}, "accepted")
-    assert [action[name] for name in ("mode", "ground", "reason", "shown_ns", "deadline_ns")] == [
-        None
-    ] * 5
-    (note,) = sessions.rows(opened, "notes", "s")
-    assert (note["text"], note["label"]) == ("tired", None)
+    with closing(sqlite3.connect(older / FILE)) as database:
+        before = list(database.iterdump())
+    with monkeypatch.context() as patch:
+        patch.setitem(tables.TABLES, "goals", structs.replace(tables.TABLES["goals"], options="?"))
+        refusal(older)
+    with closing(sqlite3.connect(older / FILE)) as database:
+        assert (pragma(database, "user_version"), list(database.iterdump())) == (VERSION, before)
+    assert pragma(connect(older), "user_version") == VERSION + 1
 
 
 @pytest.mark.parametrize("is_large", [True, False])
@@ -386,7 +351,7 @@ def test_the_backup_is_as_private_as_the_database(older: Path) -> None:
     assert mode(backup) == 0o600
 
 
-def test_it_is_migrated_and_backed_up_once(older: Path) -> None:
+def test_it_is_upgraded_and_backed_up_once(older: Path) -> None:
     for _ in range(3):
         connect(older)
     assert len(list(older.glob("*-v*.db"))) == 1

@@ -1,6 +1,5 @@
 """Programmes: settings as versions. None is ever overwritten, and none is lost."""
 
-import gzip
 import sqlite3
 import subprocess
 import sys
@@ -12,8 +11,6 @@ import pytest
 
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.programmes import Programme, Superseded, find, newest, save, tasks, versions
-
-EARLIER = Path(__file__).with_name("earlier.db.gz")
 
 
 def saved(
@@ -104,40 +101,3 @@ def test_a_kill_while_saving_loses_no_version_that_was_saved(data: Path, seen: i
         each.parameters == {"attempts": each.version} and each.reason == "more" for each in kept
     )
     assert told <= len(kept) <= told + 1
-
-
-@pytest.fixture
-def earlier(data: Path) -> Path:
-    """A data folder written before there were programmes: P01 has saved settings."""
-    data.mkdir()
-    (data / "sar-tui.db").write_bytes(gzip.decompress(EARLIER.read_bytes()))
-    return data
-
-
-def test_settings_saved_before_become_the_first_version(earlier: Path) -> None:
-    with closing(sqlite3.connect(earlier / "sar-tui.db")) as before:
-        ((parameters, theme, saved_at),) = before.execute(
-            "SELECT parameters, theme, updated_at FROM settings"
-        )
-    with closing(connect(earlier)) as database:
-        (first,) = versions(database, "P01", "keyboard")
-        assert database.execute(
-            "SELECT parameters, theme, updated_at FROM settings"
-        ).fetchall() == [(parameters, theme, saved_at)]
-        assert database.execute("SELECT DISTINCT programme FROM sessions").fetchall() == [(None,)]
-    assert (first.version, first.theme, first.created_at) == (1, theme, saved_at)
-    assert first.reason == "Saved before programmes had versions."
-
-
-def test_an_earlier_program_that_is_still_open_goes_on_saving_settings(earlier: Path) -> None:
-    open_still = sqlite3.connect(earlier / "sar-tui.db")
-    connect(earlier).close()
-    for who in ("P01", "P09"):
-        row = (who, "keyboard", '{"attempts":4}', "playful", "2026-11-22T10:00:00+00:00")
-        open_still.execute("INSERT OR REPLACE INTO settings VALUES (?,?,?,?,?)", row)
-    open_still.commit()
-    open_still.close()
-    with closing(connect(earlier)) as database:
-        assert [each.version for each in versions(database, "P01", "keyboard")] == [1, 2]
-        last = newest(database, "P09", "keyboard")
-    assert (last.version, last.parameters, last.theme) == (1, {"attempts": 4}, "playful")

@@ -21,7 +21,6 @@ from sar_tui.store.database import connect
 
 LARGE = {
     "messages",
-    "earlier_events",
     "events",
     "trials",
     "attempts",
@@ -118,12 +117,11 @@ def steps(database: sqlite3.Connection, look: Callable[[], object]) -> list[str]
 
 
 @pytest.mark.parametrize("session", [None, "5e55100001"])
-def test_presence_is_looked_up_in_its_indexes(
+def test_presence_is_looked_up_in_its_index(
     database: sqlite3.Connection, session: str | None
 ) -> None:
     planned = steps(database, lambda: sessions.operators(database, session))
-    for index in ("idx_earlier_events_presence", "idx_messages_presence"):
-        assert [step for step in planned if index in step], index
+    assert [step for step in planned if "idx_messages_presence" in step]
 
 
 def test_the_newest_sessions_are_found_without_sorting_all(

@@ -21,6 +21,7 @@ from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.locks import hold
 from tests.examples import examples
+from tests.store.by_hand import add_message
 
 VERSION = Catalogue().task("keyboard").version
 
@@ -183,7 +184,7 @@ def test_a_message_that_cannot_be_read_is_reported(
     database: sqlite3.Connection, topic: str, message: str
 ) -> None:
     session = enter(database)
-    database.execute("INSERT INTO events VALUES (?,1,1,0,?,?)", (session, topic, message))
+    add_message(database, session, 1, 0, topic, message)
     with pytest.raises(StoreError, match=f"Message 1 of session {session} cannot be read"):
         list(sessions.history(database, session))
 

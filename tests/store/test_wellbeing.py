@@ -1,13 +1,10 @@
 """Answers about pain and tiredness are stored at once, and belong to their session."""
 
-import gzip
 import random
 import sqlite3
 from contextlib import closing
 from datetime import date
 from pathlib import Path
-
-import pytest
 
 from sar_tui.app.home.contents import read_card
 from sar_tui.loop.task import Task
@@ -118,34 +115,6 @@ def test_a_copied_session_keeps_the_answers_that_the_target_has(
         for _ in range(2):
             copy_session(other, database, "abc")
     assert [row["answer"] for row in wellbeing.of_session(database, "abc")] == ["2", "3"]
-
-
-@pytest.mark.parametrize(("reason", "question"), [("pain", "pain"), ("tired", "fatigue")])
-def test_pauses_of_earlier_sessions_are_found(tmp_path: Path, reason: str, question: str) -> None:
-    packed = Path(__file__).with_name("earlier.db.gz").read_bytes()
-    (tmp_path / "sar-tui.db").write_bytes(gzip.decompress(packed))
-    with closing(sqlite3.connect(tmp_path / "sar-tui.db")) as earlier:
-        (session,) = earlier.execute(
-            "SELECT id FROM sessions WHERE status='interrupted' OR status='running'"
-        ).fetchone()
-        said = f'{{"command":"pause","reason":"{reason}"}}'
-        for number, message in enumerate((said, '{"command":"pause"}', '{"command":"resume"}')):
-            row = (session, 10_000 + number, 1, 10**12, "operator/act", message)
-            earlier.execute(
-                "INSERT INTO events (session, seq, run, at_ns, topic, message) VALUES "
-                "(?,?,?,?,?,?)",
-                row,
-            )
-        earlier.commit()
-    with closing(connect(tmp_path)) as database:
-        (row,) = wellbeing.of_session(database, session)
-    assert (row["moment"], row["question"], row["answer"], row["seat"]) == (
-        "pause",
-        question,
-        "yes",
-        "A",
-    )
-    assert row["at"].endswith("+00:00")
 
 
 def test_what_a_new_participant_says_before_a_session_that_does_not_begin_is_whole(

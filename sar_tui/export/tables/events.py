@@ -2,21 +2,16 @@
 
 import sqlite3
 from collections.abc import Iterator
-from heapq import merge
 
 from sar_tui.export.columns import SESSION, TO_SESSION, Table, Values, stored
 
 
 def _rows(database: sqlite3.Connection, session: str) -> Iterator[Values]:
-    earlier = database.execute(
-        "SELECT seq, run, at_ns, topic FROM earlier_events WHERE session=? ORDER BY seq", (session,)
-    )
-    later = database.execute(
+    for row in database.execute(
         "SELECT seq, run, at_ns, topics.name FROM messages JOIN topics ON topics.id=topic"
         " WHERE session_number=(SELECT number FROM session_numbers WHERE id=?) ORDER BY seq",
         (session,),
-    )
-    for row in merge(earlier, later):
+    ):
         yield (session, *row)
 
 

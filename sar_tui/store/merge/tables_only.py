@@ -11,8 +11,9 @@ from contextlib import closing
 from pathlib import Path
 from urllib.parse import quote
 
-from sar_tui.store.database import StoreError, apply_migrations, bring_up_to_date, version_of
+from sar_tui.store.database import StoreError, create_tables, version_of
 from sar_tui.store.integrity import damaged_pages
+from sar_tui.store.tables import TABLES, Table
 
 _ORDINARY = 0
 """A column that is stored; others are computed when they are read."""
@@ -39,11 +40,14 @@ def copy_tables(source: Path, copy: Path, path: Path) -> None:
         version = version_of(database, path, "source")
         if not version or not _kind(database, "sessions"):
             raise StoreError(f"{path} is no database of sar-tui.", bad_input=True)
-        apply_migrations(database, version)
+        create_tables(database)
         for setting in _WARY:
             database.execute(f"PRAGMA {setting}")
-        tables = [name for (name,) in database.execute(_OURS)]
-        columns = {table: _columns(database, table, path) for table in tables}
+        columns = {
+            table.name: _columns(database, table, version, path)
+            for table in TABLES.values()
+            if table.since <= version
+        }
         for flaw in damaged_pages(database, "source"):
             raise StoreError(
                 f"{path} is damaged, and nothing was merged: {flaw.what}", bad_input=True
@@ -51,24 +55,18 @@ def copy_tables(source: Path, copy: Path, path: Path) -> None:
         database.execute("BEGIN")
         for table, names in columns.items():
             listed = ", ".join(f'"{name}"' for name in names)
-            database.execute(f'DELETE FROM main."{table}"')  # a migration may have made rows
+            database.execute(f'DELETE FROM main."{table}"')  # a new database has a topic
             database.execute(
                 f'INSERT INTO main."{table}" ({listed}) SELECT {listed} FROM source."{table}"'
             )
         database.execute("COMMIT")
         database.execute("DETACH source")
-    with closing(sqlite3.connect(copy, isolation_level=None)) as database:
-        bring_up_to_date(database, path)
 
 
 _WARY = ("trusted_schema=OFF", "ignore_check_constraints=ON")
 """Settings of SQLite while the other file is read: its schema calls no function, and its tables
 have no conditions.
 """
-_OURS = (
-    "SELECT name FROM main.sqlite_master WHERE type='table' AND name NOT GLOB 'sqlite_*' AND "
-    "name NOT GLOB '_*'"
-)
 
 
 def _kind(database: sqlite3.Connection, name: str) -> str:
@@ -85,15 +83,16 @@ def _kind(database: sqlite3.Connection, name: str) -> str:
     return "virtual table" if row == ("table", 0) else str(row[0])
 
 
-def _columns(database: sqlite3.Connection, table: str, path: Path) -> list[str]:
+def _columns(database: sqlite3.Connection, declared: Table, version: int, path: Path) -> list[str]:
     """Return the columns to copy, with the number of the row if the table has one. Raises
     StoreError.
     """
+    table = declared.name
     kind = _kind(database, table)
     if kind != "table":
         what = f"a {kind} stands in place of the table" if kind else "it lacks the table"
         raise StoreError(f"{path} cannot be merged: {what} {table}.", bad_input=True)
-    names = [name for _, name, *_ in database.execute(f'PRAGMA main.table_info("{table}")')]
+    names = [column.name for column in declared.columns if column.since <= version]
     there = {
         name: hidden
         for _, name, *_, hidden in database.execute(
