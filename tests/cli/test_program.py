@@ -220,7 +220,7 @@ def test_a_file_that_is_no_database_is_bad_input(call: Call, tmp_path: Path) -> 
 
 def test_a_newer_database_is_bad_input(call: Call, tmp_path: Path, simulated: str) -> None:
     with sqlite3.connect(tmp_path / "data" / "sar-tui.db") as connection:
-        connection.execute("PRAGMA user_version=99")
+        connection.execute("PRAGMA user_version=999")
     called = call("show", simulated)
     assert called.code == 2
     assert "newer sar-tui" in called.err
