@@ -19,7 +19,7 @@ from sar_tui import API
 
 T = TypeVar("T")
 F = TypeVar("F", bound=Callable[..., Any])
-Kind = Literal["task", "node", "output"]
+Kind = Literal["task", "node", "output", "sensor", "format", "theme", "policy"]
 
 TASKS = "sar_tui_tasks"
 """Package under which the folders of tasks are loaded."""

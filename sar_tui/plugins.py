@@ -1,4 +1,4 @@
-"""Finds and loads tasks and themes: bundled ones, the user's own, and tasks from entry points.
+"""The catalogue of tasks and themes: bundled ones, the user's own, and those of installed packages.
 
 A task folder is loaded by path under a synthetic package (`plugin_calls.TASKS`), so that bundled,
 checkout and user folders work alike.
@@ -7,36 +7,39 @@ checkout and user folders work alike.
 import ast
 import importlib
 import inspect
-import sys
 import types
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-import platformdirs
-
 import sar_tui
-from sar_tui.loop.entry_points import entry_points
+from sar_tui import plugin_loader
 from sar_tui.loop.task_pictures import SUFFIXES, pictures_in
 from sar_tui.model.theme import ENGLISH, Theme, ThemeError
-from sar_tui.plugin_calls import PLUGIN_ERRORS, TASKS, WrongApi, calling, check_api_number
+from sar_tui.plugin_calls import TASKS, WrongApi, check_api_number
+from sar_tui.plugin_loader import Group, PluginError, entry_points, import_from
 
 if TYPE_CHECKING:  # loaded with the first task: the app's first screen is shown before
     from importlib.metadata import EntryPoint
 
     from sar_tui.loop.task import Task
 
-_GROUP = "sar_tui.tasks"
+__all__ = [
+    "DEFAULT_THEME",
+    "Catalogue",
+    "PluginError",
+    "load_task",
+    "load_theme",
+    "module_beside",
+    "task_code",
+    "task_folder",
+    "task_source",
+]
+
+_TASKS = Group("sar_tui.tasks", "task")
+_THEMES = Group("sar_tui.themes", "theme")
 DEFAULT_THEME = "calm"
-CURRENT_NAMES = "The names of this version are in docs/task-reference.md."
-"""Hint for a task that uses a name that sar-tui does not have."""
 _EMPTY = "with an empty name"
-_FORMER = {"sensed": "sensor_seats"}
-"""Former names of methods that a task overrides, which would have no effect now."""
-
-
-class PluginError(Exception):
-    """A task or theme cannot be found or loaded; the message is one or two clear sentences."""
 
 
 class Catalogue:
@@ -52,22 +55,23 @@ class Catalogue:
             if not folder.is_dir():
                 raise PluginError(f"There is no folder {folder} for tasks.")
         self.extra_tasks = tasks
-        self._tasks = (*tasks, user_folder() / "tasks", _shipped("tasks"))
-        self._themes = (*themes, user_folder() / "themes", _shipped("themes"))
+        self._tasks = (*tasks, plugin_loader.user_folder() / "tasks", _shipped("tasks"))
+        self._themes = (*themes, plugin_loader.user_folder() / "themes", _shipped("themes"))
 
     def task_names(self) -> list[str]:
         """Return the names of all tasks, including those that fail to load."""
         folders = (path.parent.name for path in _children(self._tasks, "task.py"))
-        return sorted({*folders, *(entry.name for entry in entry_points(_GROUP))})
+        return sorted({*folders, *_TASKS.names()})
 
     def task(self, name: str) -> "type[Task]":
         """Load a task by name. Raises PluginError."""
         for path in _children(self._tasks, "task.py"):
             if path.parent.name == name:
                 return load_task(path.parent)
-        for entry in entry_points(_GROUP):
-            if entry.name == name:
-                return _from_entry_point(entry)
+        if (found := _TASKS.load(name)) is not None:
+            if not _is_task(found):
+                raise PluginError(f"The entry point {name} of {_TASKS.name} is not a Task.")
+            return _checked(found, name)
         raise PluginError(
             f"There is no task {name or _EMPTY}. Choose one of: {', '.join(self.task_names())}."
         )
@@ -77,7 +81,7 @@ class Catalogue:
         task.
         """
         folders = (path.parent for path in _children(self._tasks, "task.py"))
-        return any(map(pictures_in, folders)) or any(map(_has_pictures, entry_points(_GROUP)))
+        return any(map(pictures_in, folders)) or any(map(_has_pictures, entry_points(_TASKS.name)))
 
     def replaced_tasks(self) -> dict[str, Path]:
         """Return the folders of the user's own tasks that replace a built-in one, by name."""
@@ -93,25 +97,34 @@ class Catalogue:
 
     def theme_names(self) -> list[str]:
         """Return the names of all themes."""
-        return sorted({path.parent.name for path in _children(self._themes, "theme.toml")})
+        folders = (path.parent.name for path in _children(self._themes, "theme.toml"))
+        return sorted({*folders, *_THEMES.names()})
 
     def theme_folder(self, name: str) -> Path:
         """Return the folder of a theme. Raises PluginError."""
         for path in _children(self._themes, "theme.toml"):
             if path.parent.name == name:
                 return path.parent
+        if (package := _THEMES.load(name)) is not None:
+            return _theme_package(package, name)
         raise PluginError(
             f"There is no theme {name or _EMPTY}. Choose one of: {', '.join(self.theme_names())}."
+        )
+
+    def may_have_faces(self) -> bool:
+        """Return True if a theme's folder may have images for faces, or a package that offers a
+        theme has some.
+        """
+        from sar_tui.theme_folder import may_have_images
+
+        folders = (path.parent for path in _children(self._themes, "theme.toml"))
+        return any(map(may_have_images, folders)) or any(
+            map(_has_pictures, entry_points(_THEMES.name))
         )
 
     def theme(self, name: str, language: str = ENGLISH) -> Theme:
         """Load a theme by name. Raises PluginError."""
         return load_theme(self.theme_folder(name), language)
-
-
-def user_folder() -> Path:
-    """Return the folder of a user's own tasks and themes."""
-    return platformdirs.user_config_path("sar-tui")
 
 
 def _shipped(kind: str) -> Path:
@@ -163,14 +176,14 @@ def load_task(folder: Path) -> "type[Task]":
         raise PluginError(
             f"{folder.name} cannot name a task's folder. Use a Python name, such as tapping."
         )
-    name = _package_of(folder)
+    package = f"{TASKS}.{folder.name}"
     try:
-        module = _import(folder, f"{name}.task")
-    except WrongApi as error:
-        raise PluginError(str(error)) from error
-    except PLUGIN_ERRORS as error:
+        module = _TASKS.guarded(
+            folder.name, folder.name, lambda: import_from(folder, package, "task")
+        )
+    except PluginError:
         _check_api_of_source(folder)
-        raise PluginError(f"The task {folder.name} cannot be loaded: {_why(error)}") from error
+        raise
     own = [
         value
         for value in vars(module).values()
@@ -191,16 +204,14 @@ def module_beside(task: "type[Task]", name: Literal["view", "effect"]) -> types.
     folder, (package, _, _) = task_folder(task), task.__module__.rpartition(".")
     if not package or not (folder / f"{name}.py").is_file():
         return None
-    if package.startswith(f"{TASKS}."):
-        package = _package_of(folder)
-    try:
-        return _import(folder, f"{package}.{name}")
-    except WrongApi as error:
-        raise PluginError(str(error)) from error
-    except PLUGIN_ERRORS as error:
-        raise PluginError(
-            f"The {name} of the task {task.name} cannot be loaded: {_why(error)}"
-        ) from error
+
+    def imported() -> types.ModuleType:
+        if package.startswith(f"{TASKS}."):
+            return import_from(folder, f"{TASKS}.{folder.name}", name)
+        return importlib.import_module(f"{package}.{name}")
+
+    module: types.ModuleType = _TASKS.guarded(f"{task.name}, its {name}.py,", task.name, imported)
+    return module
 
 
 def _check_api_of_source(folder: Path) -> None:
@@ -220,64 +231,10 @@ def _check_api_of_source(folder: Path) -> None:
                     raise PluginError(str(error)) from error
 
 
-def _import(folder: Path, name: str) -> types.ModuleType:
-    """Import a module of a task's folder, of which Python may remember an older listing of
-    files.
-    """
-    if name not in sys.modules:
-        for path in [path for path in sys.path_importer_cache if path.startswith(str(folder))]:
-            del sys.path_importer_cache[path]
-    with calling("task", folder.name):
-        return importlib.import_module(name)
-
-
-def _package_of(folder: Path) -> str:
-    """Return the package of a task folder's modules; modules of another folder of that name are
-    unloaded.
-    """
-    name = f"{TASKS}.{folder.name}"
-    _make_package(TASKS, [])
-    known = sys.modules.get(name)
-    if known is None or list(known.__path__) != [str(folder)]:
-        for loaded in [m for m in sys.modules if m == name or m.startswith(f"{name}.")]:
-            del sys.modules[loaded]
-        _make_package(name, [str(folder)])
-    return name
-
-
-def _from_entry_point(entry: "EntryPoint") -> "type[Task]":
-    try:
-        with calling("task", entry.name):
-            found = entry.load()
-    except WrongApi as error:
-        raise PluginError(str(error)) from error
-    except PLUGIN_ERRORS as error:
-        raise PluginError(f"The task {entry.name} cannot be loaded: {_why(error)}") from error
-    if not _is_task(found):
-        raise PluginError(f"The entry point {entry.name} ({entry.value}) is not a Task.")
-    return _checked(found, entry.name)
-
-
 def _has_pictures(entry: "EntryPoint") -> bool:
     """Return True if there is a picture in the package of an entry point, without importing it."""
     files = entry.dist.files if entry.dist else None
     return any(file.suffix.lower() in SUFFIXES for file in files or ())
-
-
-def _why(error: BaseException) -> str:
-    if isinstance(error, SyntaxError):
-        return f"line {error.lineno} of {Path(error.filename or '').name}: {error.msg}."
-    if isinstance(error, ImportError) and (error.name or "").split(".")[0] == sar_tui.__name__:
-        missing = str(error).partition(" (")[0]  # without the path of the module
-        return f"{missing}. {CURRENT_NAMES}"
-    return f"{type(error).__name__}: {error}."
-
-
-def _make_package(name: str, path: list[str]) -> None:
-    if name not in sys.modules:
-        package = types.ModuleType(name)
-        package.__path__ = path
-        sys.modules[name] = package
 
 
 def _missing_methods(values: list[object]) -> list[str]:
@@ -316,16 +273,21 @@ def _checked(task: "type[Task]", name: str) -> "type[Task]":
         raise PluginError(
             f"The task {name} cannot be used: {problem}. See docs/write-your-own-task.md."
         )
-    for former, current in _FORMER.items():
-        if hasattr(task, former):
-            raise PluginError(
-                f"The task {name} defines {former}, which is named {current} now. {CURRENT_NAMES}"
-            )
     if task.name != name:
         raise PluginError(
             f"The task in the folder {name} has the name {task.name}; the two must be the same."
         )
     return task
+
+
+def _theme_package(package: object, name: str) -> Path:
+    """Return the folder of a theme that is a package. Raises PluginError."""
+    for path in getattr(package, "__path__", ()):
+        if (Path(path) / "theme.toml").is_file() and Path(path).name == name:
+            return Path(path)
+    raise PluginError(
+        f"The entry point {name} of {_THEMES.name} is not a package {name} with a theme.toml."
+    )
 
 
 def load_theme(folder: Path, language: str = ENGLISH) -> Theme:

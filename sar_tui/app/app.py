@@ -27,7 +27,6 @@ from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plugin_watchdog import PluginWatchdog
 from sar_tui.store.database import StoreError, connect
-from sar_tui.theme_folder import may_have_images
 from sar_tui.tui.base_app import BaseApp
 from sar_tui.tui.gc_control import end_loading
 from sar_tui.tui.terminal_input import PasteDropped, UnreadableInput
@@ -512,7 +511,7 @@ def run_app(
         sync_flash=sync_flash,
     )
     find_picture_way(app)
-    if any(may_have_images(catalogue.theme_folder(name)) for name in catalogue.theme_names()):
+    if catalogue.may_have_faces():
         from sar_tui.widgets.picture import find_pictures
 
         app.picture = find_pictures()

@@ -28,7 +28,8 @@ from sar_tui.model.random_streams import RandomStreams
 from sar_tui.model.trial_types import Results, Situation, Stimulus, Trial
 from sar_tui.model.visible_text import control_problem
 from sar_tui.plugin_calls import PLUGIN_ERRORS
-from sar_tui.plugins import CURRENT_NAMES, Catalogue, PluginError, load_task
+from sar_tui.plugin_loader import CURRENT_NAMES
+from sar_tui.plugins import Catalogue, PluginError, load_task
 from sar_tui.rules.declaration import Field, ParameterError
 from sar_tui.rules.parameters import TaskParameters, build, changed, fields
 from sar_tui.rules.step_file import problem_of

@@ -88,7 +88,7 @@ def new_theme(
     from sar_tui.checks.task_translations import all_texts, translated
     from sar_tui.checks.theme import missing
     from sar_tui.cli.scaffold import new_theme as create
-    from sar_tui.plugins import user_folder
+    from sar_tui.plugin_loader import user_folder
 
     own = user_folder() / "themes"
     catalogue = Home.of(context, data, tasks).catalogue()

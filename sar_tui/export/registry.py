@@ -1,20 +1,17 @@
 """The formats of an export: the bundled ones, and those of installed packages."""
 
 from collections.abc import Callable
-from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Protocol
 
 from sar_tui.export.errors import ExportError
-from sar_tui.plugin_calls import WrongApi, check_api
+from sar_tui.plugin_loader import Group
 
 if TYPE_CHECKING:
-    from importlib.metadata import EntryPoint
-
     from sar_tui.export.contents import Contents
 
-GROUP = "sar_tui.exports"
+_INSTALLED = Group("sar_tui.exports", "format", ExportError)
 """Entry points of this group name a class like `Format`."""
 BUNDLED = {
     "csv": "sar_tui.export.formats.csv:CsvFormat",
@@ -51,18 +48,11 @@ class Format(Protocol):
         """
 
 
-@cache
-def _installed() -> "dict[str, EntryPoint]":
-    from importlib.metadata import entry_points
-
-    return {entry.name: entry for entry in entry_points(group=GROUP)}
-
-
 def names() -> list[str]:
     """Return the names of all formats. A bundled one comes before an installed one of the same
     name.
     """
-    return [*BUNDLED, *sorted(set(_installed()) - set(BUNDLED))]
+    return [*BUNDLED, *sorted(_INSTALLED.names() - set(BUNDLED))]
 
 
 def load(name: str) -> Format:
@@ -71,20 +61,11 @@ def load(name: str) -> Format:
         module, _, attribute = BUNDLED[name].partition(":")
         made: Format = getattr(import_module(module), attribute)()
         return made
-    if name not in _installed():
+    made = _INSTALLED.load(name, lambda kind: kind())
+    if made is None:
         raise ExportError(
             f"There is no format {name}. Choose one of: {', '.join(names())}.", bad_input=True
         )
-    try:
-        kind = _installed()[name].load()
-        check_api("format", name, kind)
-        made = kind()
-    except WrongApi as error:
-        raise ExportError(str(error)) from error
-    except Exception as error:
-        raise ExportError(
-            f"The format {name} cannot be loaded: {type(error).__name__}: {error}"
-        ) from error
     if not callable(getattr(made, "write", None)):
         raise ExportError(f"The format {name} has no method write: see docs/export-data.md.")
     return made

@@ -12,20 +12,19 @@ import msgspec
 from sar_tui.inputs.guarded_source import GuardedSource
 from sar_tui.inputs.imu import ImuSource, SourceError
 from sar_tui.loop.clock import Clock
-from sar_tui.loop.entry_points import entry_points
-from sar_tui.plugin_calls import PLUGIN_ERRORS, WrongApi, check_api
+from sar_tui.plugin_loader import Group
 
 if TYPE_CHECKING:
     from sar_tui.motion.synthesis import SimulatedHand
 
-GROUP = "sar_tui.inputs"
+_INSTALLED = Group("sar_tui.inputs", "sensor", SourceError)
 SIMULATED_RATE_HZ = 250.0
 _KIND = "kind="
 
 
 def source_names() -> list[str]:
     """Return the names that ``open_source`` knows. Each source defines the text after the colon."""
-    return sorted({*_SHIPPED, *(entry.name for entry in entry_points(group=GROUP))})
+    return sorted({*_SHIPPED, *_INSTALLED.names()})
 
 
 def open_source(name: str, *, seed: int = 0, clock: Clock | None = None) -> ImuSource:
@@ -50,30 +49,16 @@ def open_source(name: str, *, seed: int = 0, clock: Clock | None = None) -> ImuS
     kind, _, text = name.strip().partition(":")
     if kind in _SHIPPED:
         return _SHIPPED[kind](text, seed, clock)
-    for entry in entry_points(group=GROUP):
-        if entry.name == kind:
-            try:
-                make = entry.load()
-                check_api("sensor", kind, make)
-                source: ImuSource = make(text)
-                missing = [
-                    part for part in ("start", "stop", "zero", "info") if not hasattr(source, part)
-                ]
-            except SourceError:
-                raise
-            except WrongApi as error:
-                raise SourceError(str(error)) from error
-            except PLUGIN_ERRORS as error:
-                why = f"{type(error).__name__}: {error}"
-                raise SourceError(
-                    f"The sensor {kind} ({entry.value}) cannot be loaded: {why}."
-                ) from error
-            if missing:
-                raise SourceError(
-                    f"The sensor {kind} ({entry.value}) is not a source: it lacks "
-                    f"{', '.join(missing)}."
-                )
-            return GuardedSource(source, kind)
+
+    def made(make: Callable[[str], ImuSource]) -> ImuSource:
+        source = make(text)
+        parts = ("start", "stop", "zero", "info")
+        if missing := [part for part in parts if not hasattr(source, part)]:
+            raise SourceError(f"The sensor {kind} is not a source: it lacks {', '.join(missing)}.")
+        return source
+
+    if (source := _INSTALLED.load(kind, made)) is not None:
+        return GuardedSource(source, kind)
     raise SourceError(f'There is no sensor "{name}". Choose one of: {", ".join(source_names())}.')
 
 

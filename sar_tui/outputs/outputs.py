@@ -6,17 +6,16 @@ import difflib
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, get_args
 
-from sar_tui.loop.entry_points import entry_points
 from sar_tui.model.messages import ActionPart
 from sar_tui.model.theme import TONES, Theme
 from sar_tui.outputs.node import OutputNode
 from sar_tui.outputs.output import Output, OutputError
-from sar_tui.plugin_calls import PLUGIN_ERRORS, WrongApi, calling
+from sar_tui.plugin_loader import Group
 
 if TYPE_CHECKING:
     from sar_tui.outputs.sound.mixer import Sound
 
-GROUP = "sar_tui.outputs"
+INSTALLED = Group("sar_tui.outputs", "output", OutputError)
 SCREEN = "screen"
 """The face and the text on the screen. The app makes this output itself."""
 _checked: dict[tuple[str, str], tuple[object, Output]] = {}
@@ -29,7 +28,7 @@ def output_names() -> list[str]:
     """Return the names that ``open_outputs`` knows. Each output defines the text after the
     colon.
     """
-    return sorted({SCREEN, *_SHIPPED, *(entry.name for entry in entry_points(group=GROUP))})
+    return sorted({SCREEN, *_SHIPPED, *INSTALLED.names()})
 
 
 def check_outputs(addresses: Sequence[str], speech: str = "sound") -> None:
@@ -128,37 +127,32 @@ def _cues(text: str) -> tuple[str, ...]:
 
 
 def _plugged_in(kind: str, text: str) -> Output:
-    for entry in entry_points(group=GROUP):
-        if entry.name == kind:
-            try:
-                with calling("output", kind):
-                    make = entry.load()
-                    made_by, output = _checked.get((kind, text), (None, None))
-                    if made_by is not make:
-                        output = make(text)
-            except OutputError:
-                raise
-            except WrongApi as error:
-                raise OutputError(str(error)) from error
-            except PLUGIN_ERRORS as error:
-                why = f"{type(error).__name__}: {error}"
-                raise OutputError(
-                    f"The output {kind} ({entry.value}) cannot be loaded: {why}."
-                ) from error
-            if not isinstance(output, Output):
-                raise OutputError(f"The output {kind} ({entry.value}) is not an Output.")
-            if not isinstance(name := getattr(output, "name", ""), str) or not name:
-                raise OutputError(f"The output {kind} ({entry.value}) has no name.")
-            if not isinstance(output.can, frozenset | set) or not output.can <= set(
-                get_args(ActionPart)
-            ):
-                parts = ", ".join(get_args(ActionPart))
-                raise OutputError(
-                    f"The can of the output {kind} ({entry.value}) is not a frozenset of: {parts}."
-                )
-            _checked[kind, text] = make, output
-            return output
-    raise OutputError(f'There is no output "{kind}". Choose one of: {", ".join(output_names())}.')
+    def made(make: Callable[[str], object]) -> Output:
+        made_by, output = _checked.get((kind, text), (None, None))
+        checked = output if made_by is make and output else _checked_output(kind, make(text))
+        _checked[kind, text] = make, checked
+        return checked
+
+    found: Output | None = INSTALLED.load(kind, made)
+    if found is None:
+        raise OutputError(
+            f'There is no output "{kind}". Choose one of: {", ".join(output_names())}.'
+        )
+    return found
+
+
+def _checked_output(kind: str, output: object) -> Output:
+    """Return what a plug-in made. Raises OutputError if it is no output."""
+    if not isinstance(output, Output):
+        raise OutputError(f"The output {kind} is not an Output.")
+    if not isinstance(name := getattr(output, "name", ""), str) or not name:
+        raise OutputError(f"The output {kind} has no name.")
+    parts = get_args(ActionPart)
+    if not isinstance(output.can, frozenset | set) or not output.can <= set(parts):
+        raise OutputError(
+            f"The can of the output {kind} is not a frozenset of: {', '.join(parts)}."
+        )
+    return output
 
 
 def _speech(text: str, sound: "Sound") -> Output:

@@ -6,8 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.export import registry
-
 Install = Callable[[Mapping[str, str], str, str, str], None]
 
 
@@ -28,10 +26,8 @@ def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Install
         (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: plugin-{name}\nVersion: 1\n")
         (info / "entry_points.txt").write_text(f"[{group}]\n{name} = {value}\n")
         monkeypatch.syspath_prepend(str(site))
-        registry._installed.cache_clear()
 
     yield put
     for module in made:
         for name in (module, module.partition(".")[0]):
             sys.modules.pop(name, None)
-    registry._installed.cache_clear()

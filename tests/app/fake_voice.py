@@ -6,6 +6,7 @@ import pytest
 
 from sar_tui.outputs.output import Output
 from tests.app.app_driver import AppDriver
+from tests.plugged_in import offer
 
 
 class Voice(Output):
@@ -67,5 +68,5 @@ class _Entry:
 def voice(monkeypatch: pytest.MonkeyPatch) -> Voice:
     """Install a voice; a session uses it with ``outputs=["screen", "voice"]``."""
     installed = Voice()
-    monkeypatch.setattr("sar_tui.outputs.outputs.entry_points", lambda group: [_Entry(installed)])
+    offer(monkeypatch, "sar_tui.outputs", [_Entry(installed)])
     return installed

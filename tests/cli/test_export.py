@@ -8,15 +8,16 @@ import subprocess
 import sys
 from contextlib import closing
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from sar_tui.export import registry
 from sar_tui.export.manifest import sha256
 from sar_tui.store import locks
 from sar_tui.store.database import connect
 from tests.export.exported import read_csv
+from tests.plugged_in import offer
 from tests.program import Call
 
 
@@ -162,10 +163,8 @@ def test_an_installed_package_adds_a_format(
             }
             (folder / "count.json").write_text(json.dumps(counts))
 
-    class Entry:
-        load = staticmethod(lambda: Count)
-
-    monkeypatch.setattr(registry, "_installed", lambda: {"count": Entry})
+    entry = SimpleNamespace(name="count", value="counts:Count", load=lambda: Count)
+    offer(monkeypatch, "sar_tui.exports", [entry])
     assert call("export", "--all", "--format", "count", "--to", tmp_path / "out").code == 0
     assert json.loads((tmp_path / "out" / "count.json").read_text())["sessions"] == 1
 

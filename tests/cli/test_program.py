@@ -411,7 +411,7 @@ NOT_TEXT = "\udcff"
 def test_a_name_that_is_too_long_is_bad_input(
     call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str]
 ) -> None:
-    monkeypatch.setattr("sar_tui.plugins.user_folder", lambda: tmp_path)
+    monkeypatch.setattr("sar_tui.plugin_loader.user_folder", lambda: tmp_path)
     called = call(*arguments)
     assert (called.code, called.err.count("\n")) == (2, 1)
     assert "unexpected" not in called.err
@@ -449,7 +449,7 @@ def test_an_argument_that_is_not_text_is_bad_input(
 def test_a_theme_whose_name_is_not_text_is_bad_input(
     call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("sar_tui.plugins.user_folder", lambda: tmp_path)
+    monkeypatch.setattr("sar_tui.plugin_loader.user_folder", lambda: tmp_path)
     shutil.copytree(Catalogue().theme_folder("calm"), tmp_path / "themes" / NOT_TEXT)
     called = call("simulate", "keyboard", "--user", "poor", "--theme", NOT_TEXT)
     assert called.code == 2

@@ -9,6 +9,7 @@ from sar_tui.cli.simulate import User
 from sar_tui.outputs.output import Output
 from sar_tui.plugins import Catalogue
 from sar_tui.simulation.participant_model import PEOPLE
+from tests.plugged_in import offer
 from tests.program import Call
 
 AVERAGE = ("simulate", "keyboard", "--user", "average")
@@ -196,7 +197,7 @@ class Hoarse:
 def test_an_output_that_failed_is_reported_at_the_end(
     call: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("sar_tui.outputs.outputs.entry_points", lambda group: [Hoarse()])
+    offer(monkeypatch, "sar_tui.outputs", [Hoarse()])
     options = (
         "--attempts",
         1,

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from sar_tui.cli.scaffold import new_theme
-from sar_tui.plugins import Catalogue, user_folder
+from sar_tui.plugin_loader import user_folder
+from sar_tui.plugins import Catalogue
 from tests.edit import edit
 from tests.program import Call
 
@@ -40,7 +41,9 @@ def change(evening: Path) -> Change:
 def own_themes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     """Folder of the user's own themes, empty at first."""
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
-    monkeypatch.setattr("sar_tui.plugins.user_folder", lambda: tmp_path / "config" / "sar-tui")
+    monkeypatch.setattr(
+        "sar_tui.plugin_loader.user_folder", lambda: tmp_path / "config" / "sar-tui"
+    )
     return tmp_path / "config" / "sar-tui" / "themes"
 
 

@@ -91,7 +91,7 @@ def test_texts_of_a_theme_are_printed_visibly(
     call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     themes = tmp_path / "config" / "sar-tui" / "themes"
-    monkeypatch.setattr("sar_tui.plugins.user_folder", lambda: themes.parent)
+    monkeypatch.setattr("sar_tui.plugin_loader.user_folder", lambda: themes.parent)
     evening = new_theme("evening", themes, "calm", Catalogue())
     title = json.dumps(HOSTILE)
     edit(evening / "theme.toml", 'title = "Evening"', f"title = {title}")

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sar_tui.inputs import sources
 from sar_tui.inputs.guarded_source import GuardedSource
 from sar_tui.inputs.imu import SourceError
 from sar_tui.inputs.imu_feed import ImuFeed
@@ -22,6 +21,7 @@ from sar_tui.model.units import SECOND
 from sar_tui.motion.reach_kinds import KINDS
 from sar_tui.motion.simulated_arm import SimulatedArm
 from sar_tui.motion.synthesis import PROFILES
+from tests.plugged_in import offer
 
 
 def makes_a_phidget(text: str) -> PhidgetSource:
@@ -48,9 +48,7 @@ def _plugins(monkeypatch: pytest.MonkeyPatch) -> None:
             "absent": "nowhere",
         }.items()
     ]
-    monkeypatch.setattr(
-        sources, "entry_points", lambda group: [entry for entry in entries if entry.group == group]
-    )
+    offer(monkeypatch, "sar_tui.inputs", entries)
 
 
 @pytest.fixture

@@ -12,7 +12,8 @@ from text_to_num import alpha2digit
 from sar_tui.loop.phrase_keys import FIGURES, PHRASE_KEYS, QUALITATIVE, QUANTITATIVE, holds_number
 from sar_tui.model.gesture import GESTURES, JOINTS
 from sar_tui.model.theme import FACES, MANNERS, Manner, Note, Theme
-from sar_tui.plugins import Catalogue, user_folder
+from sar_tui.plugin_loader import user_folder
+from sar_tui.plugins import Catalogue
 from sar_tui.rules.repetition import repeated
 from sar_tui.theme_folder import languages, read_theme
 from tests.examples import examples

@@ -28,6 +28,7 @@ from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
 from tests.outputs.contract import CHECKS, Rig
+from tests.plugged_in import offer
 
 PAGE = (Path(__file__).parents[2] / "docs" / "add-an-output.md").read_text(encoding="utf-8")
 
@@ -45,8 +46,8 @@ def serial_robot(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     ((name, value),) = tomllib.loads(block("toml"))["project"]["entry-points"][
         "sar_tui.outputs"
     ].items()
-    entry = EntryPoint(name, value, outputs.GROUP)
-    monkeypatch.setattr(outputs, "entry_points", lambda group: [entry])
+    entry = EntryPoint(name, value, "sar_tui.outputs")
+    offer(monkeypatch, "sar_tui.outputs", [entry])
     return module
 
 

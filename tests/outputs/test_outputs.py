@@ -25,14 +25,12 @@ from sar_tui.store import sessions
 from sar_tui.store.database import connect
 from tests.outputs.contract import THEME as PLAIN_THEME
 from tests.outputs.fake_outputs import FakeOutput, Speaker
+from tests.plugged_in import offer
 
 PlugIn = Callable[..., None]
 
 
-NO_SET = (
-    "The can of the output lamp (somewhere:lamp) is not a frozenset of: say, show, gesture, "
-    "gaze, tone."
-)
+NO_SET = "The can of the output lamp is not a frozenset of: say, show, gesture, gaze, tone."
 
 
 @pytest.fixture
@@ -43,7 +41,7 @@ def plug_in(monkeypatch: pytest.MonkeyPatch) -> PlugIn:
     def install(name: str, make: Any) -> None:
         entries.append(SimpleNamespace(name=name, value=f"somewhere:{name}", load=lambda: make))
 
-    monkeypatch.setattr("sar_tui.outputs.outputs.entry_points", lambda group: entries)
+    offer(monkeypatch, "sar_tui.outputs", entries)
     return install
 
 
@@ -177,9 +175,9 @@ def _refuses(_: str) -> Output:
     [
         (_breaks, "The output lamp (somewhere:lamp) cannot be loaded: RuntimeError: no lamp."),
         (_refuses, "There is no lamp of that colour."),
-        (lambda text: text, "The output lamp (somewhere:lamp) is not an Output."),
-        (lambda text: Output(), "The output lamp (somewhere:lamp) has no name."),
-        (lambda text: FakeOutput(7), "The output lamp (somewhere:lamp) has no name."),
+        (lambda text: text, "The output lamp is not an Output."),
+        (lambda text: Output(), "The output lamp has no name."),
+        (lambda text: FakeOutput(7), "The output lamp has no name."),
         # type: ignore[arg-type]
         (lambda text: FakeOutput("lamp", None), NO_SET),  # type: ignore[arg-type]
         (lambda text: FakeOutput("lamp", frozenset({"fly"})), NO_SET),  # type: ignore[arg-type]
@@ -223,7 +221,7 @@ def test_a_reinstalled_plug_in_makes_its_own_output(
             name="lamp", value="somewhere:lamp", load=lambda: lambda text: FakeOutput("new")
         )
     ]
-    monkeypatch.setattr("sar_tui.outputs.outputs.entry_points", lambda group: new)
+    offer(monkeypatch, "sar_tui.outputs", new)
     assert [name for name, _ in made("lamp")] == ["new"]
 
 
@@ -318,7 +316,7 @@ def test_an_output_with_the_method_wear_is_refused_in_a_sentence(
         return Lamp
 
     entry = SimpleNamespace(name="lamp", value="somewhere:Lamp", load=load)
-    monkeypatch.setattr("sar_tui.outputs.outputs.entry_points", lambda group: [entry])
+    offer(monkeypatch, "sar_tui.outputs", [entry])
     assert problem("lamp") == (
         "Lamp is written for an earlier version of sar-tui: rename its method wear to apply_theme."
     )

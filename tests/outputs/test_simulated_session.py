@@ -24,6 +24,7 @@ from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
+from tests.plugged_in import offer
 
 Outcomes = Callable[[Output], set[tuple[str, str]]]
 
@@ -63,7 +64,7 @@ def outcomes(
         entry = SimpleNamespace(
             name="bridge", value="somewhere:bridge", load=lambda: lambda text: bridge
         )
-        monkeypatch.setattr("sar_tui.outputs.outputs.entry_points", lambda group: [entry])
+        offer(monkeypatch, "sar_tui.outputs", [entry])
         settings = {"attempts": 1, "prompts_per_attempt": 2, "outputs": ["screen", "bridge"]}
         plan = make_plan(catalogue, keyboard, ["P01"], settings, seed=1, mode="simulated")
         session = simulate(plan, PEOPLE["average"], tmp_path, catalogue)

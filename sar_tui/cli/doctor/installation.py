@@ -48,20 +48,15 @@ def outputs() -> Finding:
     """Load the plug-ins among the outputs. None is opened, because only a session knows its
     address.
     """
-    from importlib.metadata import entry_points
-
-    from sar_tui.outputs.outputs import GROUP, output_names
-    from sar_tui.plugin_calls import PLUGIN_ERRORS
+    from sar_tui.outputs.output import OutputError
+    from sar_tui.outputs.outputs import INSTALLED, output_names
 
     problems = []
-    for entry in entry_points(group=GROUP):
+    for name in sorted(INSTALLED.names()):
         try:
-            entry.load()
-        except PLUGIN_ERRORS as error:
-            problems.append(
-                f"The output {entry.name} ({entry.value}) cannot be loaded: "
-                f"{type(error).__name__}: {error}."
-            )
+            INSTALLED.load(name)
+        except OutputError as error:
+            problems.append(str(error))
     if problems:
         return Finding(
             "Outputs", "bad", " ".join(problems), "Install its package again, or remove it."

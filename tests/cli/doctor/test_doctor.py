@@ -20,6 +20,7 @@ from sar_tui.inputs.imu import Info, Sample, Status
 from sar_tui.outputs.sound import mixer
 from sar_tui.outputs.sound.mixer import examine
 from sar_tui.outputs.sound.protocol import Examined
+from tests.plugged_in import offer
 from tests.program import Call, Called
 
 
@@ -402,8 +403,7 @@ def plugged_in(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
     """Installs an output of that kind."""
 
     def install(plugin: Plugin) -> None:
-        monkeypatch.setattr("importlib.metadata.entry_points", lambda group: [plugin])
-        monkeypatch.setattr("sar_tui.outputs.outputs.entry_points", lambda group: [plugin])
+        offer(monkeypatch, "sar_tui.outputs", [plugin])
 
     return install
 
