@@ -18,19 +18,15 @@ from sar_tui.export.json_columns import Declared, declared_keys
 from sar_tui.export.passports import Passport
 from sar_tui.export.privacy import Privacy
 from sar_tui.export.run_time import run_starts
-from sar_tui.export.tables.actions import actions
+from sar_tui.export.tables.agent import actions, outputs
 from sar_tui.export.tables.answers import answers
-from sar_tui.export.tables.attempts import attempts
 from sar_tui.export.tables.events import EVENTS
 from sar_tui.export.tables.imu import IMU_STREAMS, imu, sensor_faults
 from sar_tui.export.tables.notes import notes
-from sar_tui.export.tables.outputs import outputs
 from sar_tui.export.tables.parameters import PROGRAMMES, Fields, parameters, programme_parameters
-from sar_tui.export.tables.participants import PARTICIPANTS
-from sar_tui.export.tables.runs import runs
-from sar_tui.export.tables.sessions import sessions
+from sar_tui.export.tables.results import attempts, trials
+from sar_tui.export.tables.sessions import PARTICIPANTS, runs, sessions
 from sar_tui.export.tables.sync_signals import sync_signals
-from sar_tui.export.tables.trials import trials
 from sar_tui.export.tables.wellbeing import ADVERSE_EVENTS, INSTRUMENT_SCORES, wellbeing
 from sar_tui.plugins import PluginError
 from sar_tui.rules.parameters import TaskParameters

@@ -14,7 +14,7 @@ Change = Callable[[Any, Values], Any]
 
 
 class Privacy(msgspec.Struct, frozen=True):
-    """Rules on the way out. What a column holds, and what never leaves, is in `export.inventory`.
+    """Rules on the way out. What a column holds, and what never leaves, is in `store.tables`.
 
     Attributes:
         with_notes: texts that somebody may have typed leave, too.

@@ -757,7 +757,8 @@ _ACTION = (
     Column("evidence", "string", "Changes that feedback reports, each with its MDC95."),
     Column("attempt", "integer", "The attempt it belongs to; missing if to none.", exported=False),
 )
-_ROLE = Column("role", "string", "Who decided.", exported="decided_by")
+_ROLES = ("agent", "operator", "participant", "therapist", "stop", "other")
+"""``stop`` is the participant's stop key, ``other`` anybody whose role is not known."""
 
 ACTIONS = Table(
     "actions",
@@ -798,7 +799,7 @@ ACTIONS = Table(
             "Who decided: `agent`, or the operator by name (`operator.NAME`); if dropped, `agent` "
             "or `stop` (the participant's stop key).",
             privacy="person",
-            parts=(_ROLE,),
+            parts=(Column("role", "string", "Who decided.", exported="decided_by", levels=_ROLES),),
         ),
         Column(
             "mode",
@@ -869,7 +870,9 @@ NOTES = Table(
             "string",
             "Who wrote it, by name.",
             privacy="person",
-            parts=(Column("role", "string", "Who wrote it.", exported="written_by"),),
+            parts=(
+                Column("role", "string", "Who wrote it.", exported="written_by", levels=_ROLES),
+            ),
         ),
         Column("label", "string", "Label of an event mark.", privacy="text"),
         Column("text", "string", "The text.", privacy="text", form="note"),

@@ -14,7 +14,7 @@ import pytest
 from sar_tui.checks import task_translations
 from sar_tui.checks.task import check
 from sar_tui.export.damage import Damage
-from sar_tui.export.tables.trials import trials
+from sar_tui.export.tables.results import trials
 from sar_tui.loop.bus import Record
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.session import Session

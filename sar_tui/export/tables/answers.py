@@ -7,23 +7,18 @@ from typing import Any
 
 import msgspec
 
-from sar_tui.export.columns import PARTICIPANT, SEAT, SESSION, TO_SESSION, Table, Values, stored
-from sar_tui.export.damage import Damage
-from sar_tui.export.seats import codes_by_seat
-
-_KINDS = (
-    "screen",
-    "rest",
-    "calibration",
-    "number",
-    "likert",
-    "borg",
-    "line",
-    "choice",
-    "choices",
-    "text",
+from sar_tui.export.columns import (
+    PARTICIPANT,
+    SEAT,
+    SESSION,
+    TO_SESSION,
+    Table,
+    Values,
+    codes_by_seat,
+    stored,
 )
-_STATUSES = ("answered", "declined", "skipped", "done")
+from sar_tui.export.damage import Damage
+
 _BETWEEN = "; "
 """Stands between several options, or labels, in one value."""
 
@@ -83,61 +78,21 @@ def answers(damage: Damage) -> Table:
         title="An answer to a question between attempts, or another step there",
         columns=(
             SESSION,
-            stored(
-                "answers.number",
-                "integer",
-                "Number of the step in its session, from 1.",
-                required=True,
-            ),
+            stored("answers.number"),
             PARTICIPANT,
             SEAT,
-            stored("answers.run", "integer", "The run of the program."),
-            stored("answers.attempt", "integer", "Number of attempts before it, without practice."),
-            stored("answers.step", "string", "Name of the step.", required=True),
-            stored(
-                "answers.kind",
-                "string",
-                "What was asked for, or shown.",
-                levels=_KINDS,
-                required=True,
-            ),
-            stored("answers.text", "string", "The question, or what was to be read."),
-            stored(
-                "answers.labels",
-                "string",
-                "The options, or the words at the ends of a scale; '; ' between two.",
-            ),
-            stored(
-                "answers.status",
-                "string",
-                "What came of it; declined: would rather not say.",
-                levels=_STATUSES,
-            ),
-            stored(
-                "answers.answer.value",
-                "number",
-                "A point of a scale, or 0 to 100 on a line.",
-                name="value",
-            ),
-            stored(
-                "answers.answer.options",
-                "string",
-                "The option, or several with '; ' between two.",
-                name="chosen",
-            ),
-            stored("answers.answer.words", "string", "What the participant typed.", name="words"),
-            stored(
-                "answers.shown_ns",
-                "integer",
-                "When it was shown, steady clock of the run.",
-                unit="ns",
-            ),
-            stored(
-                "answers.answered_ns",
-                "integer",
-                "When it was answered or over, same clock.",
-                unit="ns",
-            ),
+            stored("answers.run"),
+            stored("answers.attempt"),
+            stored("answers.step"),
+            stored("answers.kind"),
+            stored("answers.text"),
+            stored("answers.labels"),
+            stored("answers.status"),
+            stored("answers.answer.value"),
+            stored("answers.answer.options"),
+            stored("answers.answer.words"),
+            stored("answers.shown_ns"),
+            stored("answers.answered_ns"),
         ),
         key=("session", "number"),
         rows=partial(_rows, damage),

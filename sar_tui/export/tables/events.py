@@ -3,7 +3,7 @@
 import sqlite3
 from collections.abc import Iterator
 
-from sar_tui.export.columns import SESSION, TO_SESSION, Table, Values, stored
+from sar_tui.export.columns import RUN, SESSION, TO_SESSION, Table, Values, stored
 
 
 def _rows(database: sqlite3.Connection, session: str) -> Iterator[Values]:
@@ -20,26 +20,10 @@ EVENTS = Table(
     title="A message in the program, without its content",
     columns=(
         SESSION,
-        stored(
-            "messages.seq",
-            "integer",
-            "Number of the message in its session, in order.",
-            required=True,
-        ),
-        stored("messages.run", "integer", "The run of the program.", required=True),
-        stored(
-            "messages.at_ns",
-            "integer",
-            "When its cause entered the program, steady clock of the run.",
-            unit="ns",
-        ),
-        stored(
-            "topics.name",
-            "string",
-            "The topic, which says what it is.",
-            name="topic",
-            required=True,
-        ),
+        stored("messages.seq"),
+        RUN,
+        stored("messages.at_ns"),
+        stored("topics.name"),
     ),
     key=("session", "seq"),
     rows=_rows,

@@ -7,6 +7,8 @@ from functools import partial
 from itertools import repeat
 from typing import TYPE_CHECKING
 
+import msgspec
+
 from sar_tui.export.columns import (
     PARTICIPANT,
     SEAT,
@@ -14,85 +16,57 @@ from sar_tui.export.columns import (
     TO_SESSION,
     Column,
     Reference,
+    Row,
+    Stored,
     Table,
     Values,
+    codes_by_seat,
+    in_order,
     stored,
+    with_others,
 )
 from sar_tui.export.damage import Damage
 from sar_tui.export.messages_of_topic import messages_of_topic
-from sar_tui.export.seats import codes_by_seat
 from sar_tui.loop.topics import SENSOR, TRUNK_SENSOR
 from sar_tui.store.imu import layout
+from sar_tui.store.tables import IMU_STREAMS as STORED_STREAMS
 
 if TYPE_CHECKING:
     from sar_tui.motion.samples import Floats
 
 _KEY = ("session", "stream")
-_PARTS = ("hand", "trunk")
-_STREAM = stored(
-    "imu_streams.stream", "integer", "Number of the stream in its session, from 1.", required=True
-)
+_PARTS = STORED_STREAMS["part"].levels
+_QUANTITIES = ("acceleration", "rate", "field")
+_STREAM = stored("imu_streams.stream")
 _TO_STREAM = Reference(_KEY, "imu_streams", _KEY)
 
 
-def _streams(database: sqlite3.Connection, session: str) -> Iterator[Values]:
+_STREAMS = Stored(STORED_STREAMS)
+_STREAM_COLUMNS = with_others(_STREAMS.columns, {"stream": [PARTICIPANT]})
+
+
+def _streams(database: sqlite3.Connection, session: str) -> Iterator[Row]:
     codes = codes_by_seat(database, session)
-    for stream, seat, *rest in database.execute(
-        "SELECT stream, seat, part, run, model, rate_hz, rate_range_rad_s, "
-        "acceleration_range_m_s2, attached_ns"
-        " FROM imu_streams WHERE session=? ORDER BY stream",
-        (session,),
-    ):
-        yield (session, stream, codes.get(seat), seat, *rest)
+    for row in _STREAMS.rows(database, session):
+        row["participant"] = codes.get(row["seat"])
+        yield row
 
 
 IMU_STREAMS = Table(
     name="imu_streams",
-    title="A motion sensor, from the moment it was attached",
-    columns=(
-        SESSION,
-        _STREAM,
-        PARTICIPANT,
-        SEAT,
-        stored(
-            "imu_streams.part", "string", "The part of the body with the sensor.", levels=_PARTS
-        ),
-        stored("imu_streams.run", "integer", "The run of the program."),
-        stored("imu_streams.model", "string", "Model of the sensor."),
-        stored("imu_streams.rate_hz", "number", "Its nominal samples a second.", unit="Hz"),
-        stored(
-            "imu_streams.rate_range_rad_s",
-            "number",
-            "Largest angular rate it measures; 0: unknown.",
-            unit="rad/s",
-        ),
-        stored(
-            "imu_streams.acceleration_range_m_s2",
-            "number",
-            "Largest acceleration it measures; 0: unknown.",
-            unit="m/s^2",
-        ),
-        stored(
-            "imu_streams.attached_ns",
-            "integer",
-            "When it was attached, steady clock of the run.",
-            unit="ns",
-        ),
-    ),
+    title=STORED_STREAMS.row,
+    columns=_STREAM_COLUMNS,
     key=_KEY,
-    rows=_streams,
+    rows=in_order(_STREAM_COLUMNS, _streams),
     references=(TO_SESSION,),
 )
 
 
-def _axes(part: str, meaning: str, unit: str) -> list[Column]:
+def _axes(part: str) -> list[Column]:
+    found = stored(f"imu_chunks.data.{part}")
     return [
-        stored(
-            f"imu_chunks.data.{part}",
-            "number",
-            f"{meaning}, axis {axis}.",
-            name=f"{part}_{axis}",
-            unit=unit,
+        msgspec.structs.replace(
+            found, name=f"{part}_{axis}", meaning=found.meaning.format(axis=axis)
         )
         for axis in "xyz"
     ]
@@ -110,18 +84,15 @@ def imu(report: Callable[[str], None]) -> Table:
         columns=(
             SESSION,
             _STREAM,
-            stored("imu_chunks.data.at", "integer", "When it was measured, steady clock of the run.", name="at_ns",
-                   unit="ns", required=True),
-            stored("imu_chunks.data.host", "integer", "When it arrived, same clock.", name="host_ns", unit="ns"),
-            stored("imu_chunks.data.device_ms", "number", "The sensor's own clock.", unit="ms"),
-            *_axes("acceleration", "Acceleration", "m/s^2"),
-            *_axes("rate", "Angular rate", "rad/s"),
-            *_axes("field", "Magnetic field", "gauss"),
+            stored("imu_chunks.data.at"),
+            stored("imu_chunks.data.host"),
+            stored("imu_chunks.data.device_ms"),
+            *(column for name in _QUANTITIES for column in _axes(name)),
         ),
         key=(),
         rows=partial(_samples, report),
         references=(_TO_STREAM,),
-    )  # fmt: skip
+    )
 
 
 def _samples(
@@ -187,9 +158,6 @@ def _numbers(values: "Floats") -> list[float | None]:
     ]
 
 
-_QUANTITIES = ("acceleration", "rate", "field")
-
-
 def _faults(damage: Damage, database: sqlite3.Connection, session: str) -> Iterator[Values]:
     number = 0
     for part, topic in zip(_PARTS, (SENSOR, TRUNK_SENSOR), strict=True):
@@ -212,36 +180,32 @@ def sensor_faults(damage: Damage) -> Table:
         title="A fault of a motion sensor, such as a gap in its samples",
         columns=(
             SESSION,
-            stored(
-                "sensor.number",
-                "integer",
+            Column(
+                "fault",
                 "Number of the fault in its session, from 1.",
-                name="fault",
+                "integer",
                 required=True,
+                treatment="open",
             ),
             SEAT,
-            stored("sensor.part", "string", "The part of the body with the sensor.", levels=_PARTS),
-            stored("messages.run", "integer", "The run of the program."),
-            stored(
-                "messages.at_ns",
-                "integer",
-                "When it was noticed, steady clock of the run.",
-                unit="ns",
-            ),
-            stored(
-                "sensor.state",
-                "string",
+            stored("imu_streams.part"),
+            stored("messages.run", required=False),
+            stored("messages.at_ns", meaning="When it was noticed, steady clock of the run."),
+            Column(
+                "state",
                 "What happened; a gap is missing samples.",
+                "string",
                 levels=_STATES,
                 required=True,
+                treatment="open",
             ),
-            stored(
-                "sensor.count",
-                "integer",
+            Column(
+                "samples",
                 "Number of samples that are missing or wrong.",
-                name="samples",
+                "integer",
+                treatment="open",
             ),
-            stored("sensor.duration_ms", "number", "Duration of the gap.", unit="ms"),
+            Column("duration_ms", "Duration of the gap.", "number", unit="ms", treatment="open"),
         ),
         key=("session", "fault"),
         rows=partial(_faults, damage),

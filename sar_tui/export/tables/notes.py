@@ -2,46 +2,55 @@
 
 import sqlite3
 from collections.abc import Iterator
-from functools import partial
 
-from sar_tui.export.columns import SESSION, TO_SESSION, Table, Values, stored
+from sar_tui.export.columns import (
+    TO_SESSION,
+    Column,
+    Row,
+    Stored,
+    Table,
+    in_order,
+    stored,
+    with_others,
+)
 from sar_tui.export.damage import Damage
-from sar_tui.export.roles import ROLES, role
 from sar_tui.export.run_numbers import runs_of_notes
+from sar_tui.store.tables import NOTES
 
-
-def _rows(damage: Damage, database: sqlite3.Connection, session: str) -> Iterator[Values]:
-    run = runs_of_notes(database, session, damage)
-    found = database.execute(
-        "SELECT at_ns, author, label, text FROM notes WHERE session=? ORDER BY rowid", (session,)
-    )
-    for number, (at, author, label, text) in enumerate(found, 1):
-        yield session, number, run(at), at, role(author), label, text
+_NOTES = Stored(NOTES)
+_COLUMNS = with_others(
+    _NOTES.columns,
+    {
+        "session": [
+            Column(
+                "note",
+                "Number of the note in its session, from 1.",
+                "integer",
+                required=True,
+                treatment="open",
+            ),
+            stored("messages.run", required=False),
+        ]
+    },
+)
 
 
 def notes(damage: Damage) -> Table:
     """Return the table of notes and event marks."""
+
+    def rows(database: sqlite3.Connection, session: str) -> Iterator[Row]:
+        run = runs_of_notes(database, session, damage)
+        found = _NOTES.rows(database, session, damage, order="rowid")
+        for number, row in enumerate(found, 1):
+            row["note"] = number
+            row["run"] = run(row["at_ns"])
+            yield row
+
     return Table(
         name="notes",
-        title="A note, or an event mark",
-        columns=(
-            SESSION,
-            stored(
-                "notes.number",
-                "integer",
-                "Number of the note in its session, from 1.",
-                name="note",
-                required=True,
-            ),
-            stored("messages.run", "integer", "The run of the program."),
-            stored(
-                "notes.at_ns", "integer", "When it was written, steady clock of the run.", unit="ns"
-            ),
-            stored("notes.author.role", "string", "Who wrote it.", name="written_by", levels=ROLES),
-            stored("notes.label", "string", "Label of an event mark."),
-            stored("notes.text", "string", "The text."),
-        ),
+        title=NOTES.row,
+        columns=_COLUMNS,
         key=("session", "note"),
-        rows=partial(_rows, damage),
+        rows=in_order(_COLUMNS, rows),
         references=(TO_SESSION,),
     )

@@ -11,14 +11,19 @@ from sar_tui.export.columns import (
     SESSION,
     TASK,
     TO_SESSION,
+    Column,
     Reference,
+    Stored,
     Table,
     Values,
+    in_order,
     stored,
 )
 from sar_tui.export.damage import Damage
 from sar_tui.export.json_columns import written
+from sar_tui.export.tables.sessions import TO_PARTICIPANT
 from sar_tui.rules.declaration import Field
+from sar_tui.store.tables import PROGRAMMES as STORED_PROGRAMMES
 
 Fields = Mapping[str, Mapping[str, Field]]
 """Declared parameters by the name of the task and their own."""
@@ -30,27 +35,11 @@ leaves.
 _HARMLESS = ("language", "levels")
 """Texts that are no choices, but say nothing about people."""
 _VALUES = (
-    stored(
-        "sessions.parameters.name",
-        "string",
-        "Name of the parameter.",
-        name="parameter",
-        required=True,
-    ),
-    stored(
-        "sessions.parameters.value",
-        "string",
-        "Its value; several with spaces between them.",
-        name="value",
-    ),
-    stored(
-        "sessions.parameters.text",
-        "string",
-        "Its value, if it is a text that may be anything.",
-        name="text",
-    ),
-    stored("sessions.parameters.unit", "string", "Unit of the value.", name="unit"),
-    stored("sessions.parameters.title", "string", "Name for people.", name="title"),
+    Column("parameter", "Name of the parameter.", "string", required=True, treatment="open"),
+    Column("value", "Its value; several with spaces between them.", "string", treatment="open"),
+    Column("text", "Its value, if it is a text that may be anything.", "string"),
+    Column("unit", "Unit of the value.", "string", treatment="open"),
+    Column("title", "Name for people.", "string", treatment="open"),
 )
 
 
@@ -79,36 +68,17 @@ def programme_parameters(fields: Fields, damage: Damage) -> Table:
     )
 
 
-_VERSION = stored(
-    "programmes.version", "integer", "Version of the programme, from 1.", required=True
-)
-_PROGRAMME = ("participant", "task", "version")
-
-
-def _programmes(database: sqlite3.Connection, participant: str) -> Iterator[Values]:
-    return database.execute(
-        "SELECT participant, task, version, created_at, theme, reason FROM programmes WHERE "
-        "participant=?"
-        " ORDER BY task, version",
-        (participant,),
-    )
-
-
+_VERSION = stored("programmes.version")
+_PROGRAMME = STORED_PROGRAMMES.key
+_PROGRAMMES = Stored(STORED_PROGRAMMES)
 PROGRAMMES = Table(
     name="programmes",
-    title="A version of a participant's programme for a task",
-    columns=(
-        PARTICIPANT,
-        TASK,
-        _VERSION,
-        stored("programmes.created_at", "datetime", "When it was saved, UTC."),
-        stored("programmes.theme", "string", "Name of the agent's theme."),
-        stored("programmes.reason", "string", "Why it was saved."),
-    ),
+    title=STORED_PROGRAMMES.row,
+    columns=_PROGRAMMES.columns,
     key=_PROGRAMME,
-    rows=_programmes,
+    rows=in_order(_PROGRAMMES.columns, _PROGRAMMES.rows),
     of="participant",
-    references=(Reference(("participant",), "participants", ("participant",)),),
+    references=(TO_PARTICIPANT,),
 )
 
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from functools import partial
 from typing import get_args, get_type_hints
 
-from sar_tui.export.columns import SESSION, TO_SESSION, Table, Values, stored
+from sar_tui.export.columns import RUN, SESSION, TO_SESSION, Column, Table, Values, stored
 from sar_tui.export.damage import Damage
 from sar_tui.model.messages.inputs import SyncSignal
 
@@ -30,25 +30,25 @@ def sync_signals(damage: Damage) -> Table:
         title="A signal for cameras: a flash of the screen, or a tone",
         columns=(
             SESSION,
-            stored(
-                "sync.number",
-                "integer",
+            Column(
+                "signal",
                 "Number of the signal in its session, from 1.",
-                name="signal",
+                "integer",
                 required=True,
+                treatment="open",
             ),
-            stored("messages.run", "integer", "The run of the program.", required=True),
-            stored(
-                "messages.at_ns", "integer", "When it began, steady clock of the run.", unit="ns"
+            RUN,
+            stored("messages.at_ns", meaning="When it began, steady clock of the run."),
+            Column(
+                "what", "What it was.", "string", levels=get_args(_TYPES["what"]), treatment="open"
             ),
-            stored("sync.what", "string", "What it was.", levels=get_args(_TYPES["what"])),
-            stored(
-                "sync.source",
-                "string",
+            Column(
+                "source",
                 "How the time is known: its frame was flushed, the screen was refreshed (less "
-                "exact), or its samples "
-                "were fed to the sound card.",
+                "exact), or its samples were fed to the sound card.",
+                "string",
                 levels=get_args(_TYPES["source"]),
+                treatment="open",
             ),
         ),
         key=("session", "signal"),

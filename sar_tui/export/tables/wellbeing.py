@@ -9,14 +9,12 @@ from sar_tui.export.columns import (
     PARTICIPANT,
     SEAT,
     TO_SESSION,
-    Reference,
     Table,
     Values,
     as_bool,
     stored,
 )
-
-_TO_PARTICIPANT = Reference(("participant",), "participants", ("participant",))
+from sar_tui.export.tables.sessions import TO_PARTICIPANT
 
 
 def _answers(
@@ -52,30 +50,18 @@ def wellbeing(sessions: Collection[Mapping[str, Any]]) -> Table:
         name="wellbeing",
         title="An answer about pain or tiredness",
         columns=(
-            stored("wellbeing.session", "string", "Id of the session; missing if it never began."),
+            stored("wellbeing.session"),
             PARTICIPANT,
             SEAT,
-            stored("wellbeing.moment", "string", "Before or after the session, or in a pause."),
-            stored(
-                "wellbeing.question",
-                "string",
-                "What was asked; advice: not to train, because of pain above the limit.",
-                levels=("pain", "place", "fatigue", "advice"),
-                required=True,
-            ),
-            stored(
-                "wellbeing.answer",
-                "string",
-                "0 to 10, or the number of a place; yes: chosen in a pause; not said: would "
-                "rather not say. "
-                "Of advice: shown, and then stopped or went on.",
-            ),
-            stored("wellbeing.at", "datetime", "When it was answered, UTC.", required=True),
+            stored("wellbeing.moment"),
+            stored("wellbeing.question"),
+            stored("wellbeing.answer"),
+            stored("wellbeing.at"),
         ),
         key=("participant", "question", "at"),
         rows=partial(_answers, ids, live),
         of="participant",
-        references=(TO_SESSION, _TO_PARTICIPANT),
+        references=(TO_SESSION, TO_PARTICIPANT),
     )
 
 
@@ -92,32 +78,21 @@ ADVERSE_EVENTS = Table(
     name="adverse_events",
     title="A version of an adverse event; the last one counts",
     columns=(
-        stored("adverse_events.event", "string", "Id of the event.", required=True),
-        stored(
-            "adverse_events.version",
-            "integer",
-            "1 when it was reported; each amendment adds one.",
-            required=True,
-        ),
+        stored("adverse_events.event"),
+        stored("adverse_events.version"),
         PARTICIPANT,
-        stored(
-            "adverse_events.session", "string", "The session in which it began; missing if in none."
-        ),
-        stored(
-            "adverse_events.onset", "string", "Local date, or date and time, at which it began."
-        ),
-        stored(
-            "adverse_events.severity", "string", "Severity.", levels=("mild", "moderate", "severe")
-        ),
-        stored("adverse_events.recorded_at", "datetime", "When this version was recorded, UTC."),
-        stored("adverse_events.what", "string", "What happened."),
-        stored("adverse_events.action", "string", "What was done."),
-        stored("adverse_events.outcome", "string", "How it ended."),
+        stored("adverse_events.session"),
+        stored("adverse_events.onset"),
+        stored("adverse_events.severity"),
+        stored("adverse_events.recorded_at"),
+        stored("adverse_events.what"),
+        stored("adverse_events.action"),
+        stored("adverse_events.outcome"),
     ),
     key=("event", "version"),
     rows=_events,
     of="participant",
-    references=(_TO_PARTICIPANT,),
+    references=(TO_PARTICIPANT,),
 )
 
 
@@ -136,23 +111,15 @@ INSTRUMENT_SCORES = Table(
     title="A score of another instrument, as entered; of a day, the one recorded last counts",
     columns=(
         PARTICIPANT,
-        stored("instrument_scores.instrument", "string", "The instrument.", required=True),
-        stored(
-            "instrument_scores.date", "string", "Day of the measurement, YYYY-MM-DD.", required=True
-        ),
-        stored("instrument_scores.score", "number", "The score.", required=True),
-        stored(
-            "instrument_scores.recorded_at", "datetime", "When it was entered, UTC.", required=True
-        ),
-        stored("instrument_scores.note", "string", "A remark."),
-        stored(
-            "instrument_scores.removed",
-            "boolean",
-            "True: entered by mistake. Then there is no score of that day.",
-        ),
+        stored("instrument_scores.instrument"),
+        stored("instrument_scores.date"),
+        stored("instrument_scores.score"),
+        stored("instrument_scores.recorded_at"),
+        stored("instrument_scores.note"),
+        stored("instrument_scores.removed"),
     ),
     key=("participant", "instrument", "date", "recorded_at"),
     rows=_scores,
     of="participant",
-    references=(_TO_PARTICIPANT,),
+    references=(TO_PARTICIPANT,),
 )
