@@ -5,7 +5,7 @@ terminal.
 import contextlib
 import functools
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -54,7 +54,7 @@ class SarTui(BaseApp):
         folder: the data folder.
         catalogue: the installed tasks and themes.
         begin: a plan, or the id of an interrupted session, to begin in place of the home screen;
-            then the app ends after it.
+            then the app ends after it. Or a function that shows something else.
         clock: for tests: a clock that is advanced by hand.
         link: lets operators join the session; None if they cannot.
         patient: begin in patient mode, with this participant.
@@ -90,7 +90,7 @@ class SarTui(BaseApp):
         self,
         folder: Path,
         catalogue: Catalogue,
-        begin: "Plan | str | None" = None,
+        begin: "Plan | str | Callable[[], None] | None" = None,
         clock: "Clock | None" = None,
         link: "BrokerProcess | None" = None,
         patient: str = "",
@@ -168,6 +168,8 @@ class SarTui(BaseApp):
         self.themes.start_looking()
         if self._first_patient:
             await self.patient_mode.begin(self._first_patient)
+        elif callable(self._begin):
+            self._begin()
         elif self._begin is not None:
             self.begin_session(self._begin)
         self._has_begun = True

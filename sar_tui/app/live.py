@@ -16,6 +16,7 @@ from sar_tui.inputs.keyboard import Keyboard
 from sar_tui.loop.bus import FAULT
 from sar_tui.loop.clock import Clock, LiveClock
 from sar_tui.loop.node import Node
+from sar_tui.loop.session import Session
 from sar_tui.loop.task import Task
 from sar_tui.loop.topics import COMMAND, MARKERS, RECALL, SYNC, TONE_BEGAN
 from sar_tui.model.messages import (
@@ -229,6 +230,11 @@ class LiveSession:
         self.run.session.bus.post(COMMAND, act)
 
     @property
+    def session(self) -> Session:
+        """The session, once it is open."""
+        return self.run.session
+
+    @property
     def is_closed(self) -> bool:
         """True once the session was closed."""
         return self._closed
@@ -238,10 +244,9 @@ class LiveSession:
         """True as long as no attempt is finished: until then the session may have been started by
         mistake.
         """
-        session = self.run.session
-        return not any(
-            session.bus.call(RECALL, Recall(seat=seat)).attempts for seat in session.task.seats
-        )
+        session = self.session
+        seats = session.task.seats
+        return not any(session.bus.call(RECALL, Recall(seat=seat)).attempts for seat in seats)
 
     @property
     def asks_after(self) -> bool:

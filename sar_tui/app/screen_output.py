@@ -53,8 +53,16 @@ from sar_tui.model.theme import Theme
 from sar_tui.outputs.node import OutputNode
 
 
-class Stage(AgentStage, Protocol):
+class Stage(Protocol):
     """The part of a session's screen that the output uses."""
+
+    @property
+    def agent(self) -> AgentStage:
+        """The agent on the screen."""
+        ...
+
+    def voiceless(self, action: Action) -> None:
+        """Show the words of an action that could not be spoken, and that there is no voice."""
 
     def show_prompt(self, prompt: Prompt) -> None:
         """Show a prompt, and report its onset with ``ScreenOutput.shown``."""
@@ -112,7 +120,7 @@ class ScreenOutput(OutputNode):
     name = "screen"
 
     def __init__(self, stage: Stage, theme: Theme, *, shows_agent: bool = True) -> None:
-        self._agent = DrawnAgent(stage, is_shown=shows_agent)
+        self._agent = DrawnAgent(stage.agent, is_shown=shows_agent)
         super().__init__(self._agent, "screen", theme)
         self._stage = stage
         self._feedback: dict[str, Feedback] = {}
@@ -214,7 +222,7 @@ class ScreenOutput(OutputNode):
             and report.state == "failed"
             and report.action == self._agent.action.id
         ):
-            self._stage.voiceless(self._agent.action, report.detail)
+            self._stage.voiceless(self._agent.action)
 
     @on(ACTING)
     def acting(self, acting: AgentActing) -> None:

@@ -194,7 +194,7 @@ class SessionStart:
             )
             screen = SessionScreen(live)
             with self._closed_after(resuming):
-                live.open(screen, what, resuming.show if resuming else None)
+                live.open(screen.stage, what, resuming.show if resuming else None)
         except EnoughToday as error:
             self._refuse(str(error), is_enough=True)
             return

@@ -152,12 +152,12 @@ def _watch(home: Home, session: str, speed: float) -> None:
     """Show a session in this terminal, and exit."""
     need_screen()
     from sar_tui.app.app import find_picture_way
-    from sar_tui.app.watch import WatchApp
+    from sar_tui.app.watch import Watch
     from sar_tui.replay.replay import check_whole
 
     with home.session(session) as (database, found):
         check_whole(home.folder, found)
-        app = WatchApp(home.folder, home.catalogue(), database, found, speed)
+        app = Watch(home.folder, home.catalogue(), database, found, speed).app
     find_picture_way(app)
     code = app.run_here()
     if app.failure:

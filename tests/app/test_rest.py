@@ -18,7 +18,7 @@ async def test_the_rest_tells_the_time_that_is_left_until_enter_helps_again(
         assert driver.sees("A short rest We go on in 1 minute 5 seconds.")
         await driver.wait(4000)
         assert "Now a rest. Put your hands down for a while." in driver.said
-        assert driver.app.screen.agent.face == "sleeping"  # type: ignore[attr-defined]
+        assert driver.app.screen.stage.agent.widget.face == "sleeping"  # type: ignore[attr-defined]
         await driver.press("enter")
         await driver.wait(56_400)
         assert driver.sees("We go on in 5 seconds.")

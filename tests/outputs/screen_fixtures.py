@@ -17,8 +17,8 @@ class RecordingStage:
     def __init__(self) -> None:
         self.drawn: list[object] = []
 
-    def say(self, action: Action) -> None:
-        self.drawn.append(action.text)
+    def say(self, text: str, *how: object, joins: bool = False) -> None:
+        self.drawn.append(text)
 
     def gesture(self, gesture: Gesture) -> None:
         self.drawn.append(gesture)
@@ -31,9 +31,6 @@ class RecordingStage:
 
     def speaking(self, sounds: bool) -> None:
         self.drawn.append(sounds)
-
-    def voiceless(self, action: Action, why: str) -> None:
-        self.drawn.append(why)
 
     def apply_theme(self, theme: Theme) -> None:
         self.drawn.append(theme.name)

@@ -91,29 +91,29 @@ async def test_a_session_is_shown_again_and_nothing_is_stored(
     call("simulate", "keyboard", "--user", "average", "--seed", 1, "--attempts", 3, "-p", "P01")
     before = dump(data)
     with closing(connect(data)) as database:
-        app = watch.WatchApp(data, catalogue, database, sessions.find(database, data, "last"), 1.0)
+        shown = watch.Watch(data, catalogue, database, sessions.find(database, data, "last"), 1.0)
     prompts: list[Prompt] = []
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with shown.app.run_test(size=(80, 24)) as pilot:
         await pilot.pause()
 
         def header() -> str:
-            return str(app.screen.query_one("#replay", Static).render())
+            return str(shown.app.screen.query_one("#replay", Static).render())
 
         assert header() == "Replay · attempt 0 of 3 · 1× speed"
         await pilot.press("right", "right", "plus")
         assert header() == "Replay · attempt 2 of 3 · 2× speed"
-        app.watched.player.bus.subscribe(PROMPT, prompts.append)
+        shown.watched.player.bus.subscribe(PROMPT, prompts.append)
         while not prompts:
-            app.watched.player.advance(SECOND // 10)
+            shown.watched.player.advance(SECOND // 10)
         await pilot.pause()
-        assert app.screen.query_one(BigPrompt).display
+        assert shown.app.screen.query_one(BigPrompt).display
         await pilot.press("left", "space", "enter", "escape", "a")
         await pilot.pause()
         assert header() == "Replay · attempt 1 of 3 · paused"
         await pilot.press("space", "right", "right", "right")
         assert header() == "Replay · attempt 3 of 3 · over"
         await pilot.press("q")
-    assert app.return_code == 0
+    assert shown.app.return_code == 0
     assert dump(data) == before
 
 
@@ -152,18 +152,18 @@ async def test_the_frames_of_a_prompt_are_shown_at_their_times(
     )
     with closing(connect(data)) as database:
         catalogue = Catalogue(tasks=(tasks,))
-        app = watch.WatchApp(data, catalogue, database, sessions.find(database, data, "last"), 1.0)
+        shown = watch.Watch(data, catalogue, database, sessions.find(database, data, "last"), 1.0)
     due: list[FrameDue] = []
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with shown.app.run_test(size=(80, 24)) as pilot:
         await pilot.pause()
-        player = app.watched.player
+        player = shown.watched.player
         player.bus.subscribe(FRAME, due.append)
         while not due:
             player.advance(SECOND // 1000)
         await pilot.pause()
-        assert "Press: " in prompt_text(app)
+        assert "Press: " in prompt_text(shown)
         player.advance(due[0].at - player.clock.now())
-        assert "Do not press." in prompt_text(app)
+        assert "Do not press." in prompt_text(shown)
 
 
 @pytest.mark.slow
@@ -187,21 +187,21 @@ async def test_the_answer_to_a_trial_is_shown_for_as_long_as_it_was(
     session = call(*seen, "--set", "trial_feedback_ms=700").json["session"]
     data = tmp_path / "data"
     with closing(connect(data)) as database:
-        app = watch.WatchApp(
+        shown = watch.Watch(
             data, Catalogue(), database, sessions.find(database, data, session), 1.0
         )
     due: list[TrialFeedback] = []
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with shown.app.run_test(size=(80, 24)) as pilot:
         await pilot.pause()
-        player = app.watched.player
+        player = shown.watched.player
         player.bus.subscribe(TRIAL_FEEDBACK, due.append)
         while not due:
             player.advance(SECOND // 1000)
         await pilot.pause()
-        assert due[0].text in prompt_text(app)
+        assert due[0].text in prompt_text(shown)
         player.advance(SECOND)
-        assert due[0].text not in prompt_text(app)
+        assert due[0].text not in prompt_text(shown)
 
 
-def prompt_text(app: watch.WatchApp) -> str:
-    return "\n".join(line for line, _ in app.screen.query_one(BigPrompt)._lines)
+def prompt_text(shown: watch.Watch) -> str:
+    return "\n".join(line for line, _ in shown.app.screen.query_one(BigPrompt)._lines)

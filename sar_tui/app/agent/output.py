@@ -31,7 +31,9 @@ READING, PER_WORD = 4 * SECOND, 600 * MS
 class AgentStage(Protocol):
     """The screen of a drawn agent."""
 
-    def say(self, action: Action) -> None:
+    def say(
+        self, text: str, face: str = "", valence: str | None = None, *, joins: bool = False
+    ) -> None:
         """Show words and expression. Without words, those shown stay; ``joins`` adds to them."""
 
     def gesture(self, gesture: Gesture) -> None:
@@ -52,11 +54,8 @@ class AgentStage(Protocol):
     def look(self, face: str) -> None:
         """Change the expression only."""
 
-    def clear_agent(self, face: str) -> None:
+    def clear(self, face: str) -> None:
         """Remove the words."""
-
-    def voiceless(self, action: Action, why: str) -> None:
-        """Show the words of an action that could not be spoken, and that there is no voice."""
 
     def apply_theme(self, theme: Theme) -> None:
         """Use an edited theme from here on."""
@@ -102,7 +101,7 @@ class DrawnAgent(Output):
             case Waiting() if clears_words(before, message):
                 self.clear()
                 if before.words or before.face != self.state.face:
-                    self._stage.clear_agent(self.state.face)
+                    self._stage.clear(self.state.face)
             case Waiting() if before.face != self.state.face:
                 self._stage.look(self.state.face)
             case OutputReport() if message.part == "say" and message.state != "queued":
@@ -144,7 +143,7 @@ class DrawnAgent(Output):
             self.report(action, "show", "done")
 
     def _say(self, action: Action) -> None:
-        self._stage.say(action)
+        self._stage.say(action.text, action.face, action.valence, joins=action.joins)
         begun = max(self._read_at, self.clock.now()) if action.joins else self.clock.now()
         self._read_at = begun + READING + PER_WORD * len(action.text.split())
         self.report(action.id, "show", "started")

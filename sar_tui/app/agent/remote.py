@@ -31,8 +31,16 @@ _VOICES = frozenset(("speech", "ros"))
 """Outputs that speak by themselves, and report when."""
 
 
-class ViewStage(AgentStage, Protocol):
+class ViewScreen(Protocol):
     """The screen of the view."""
+
+    @property
+    def agent(self) -> AgentStage:
+        """The agent on it."""
+        ...
+
+    def apply_theme(self, theme: Theme) -> None:
+        """Use the colours of an edited theme."""
 
     def wait(self, waiting: Waiting) -> None:
         """Show what the session waits for: during a trial nothing moves, and no words are shown."""
@@ -48,7 +56,7 @@ class AgentView:
     """Follows the agent of a session.
 
     Args:
-        stage: the screen it is drawn on.
+        screen: the screen it is drawn on.
         theme: used until the session's is known.
         clock: drives its motion.
         now: the session's clock (ns), to tell new actions from old ones.
@@ -57,17 +65,18 @@ class AgentView:
 
     def __init__(
         self,
-        stage: ViewStage,
+        screen: ViewScreen,
         theme: Theme,
         clock: Clock,
         now: Callable[[], int],
         voice: BrowserVoice | None = None,
     ) -> None:
-        self._stage = stage
+        self._screen = screen
+        self._stage = screen.agent
         self._clock = clock
         self._now = now
         self._voice = voice
-        self._drawn = DrawnAgent(stage)
+        self._drawn = DrawnAgent(screen.agent)
         self._drawn.open(theme, clock, lambda _: None)
         self._language = theme.language
         self._has_own_voice = False
@@ -89,7 +98,7 @@ class AgentView:
         outputs: list[Any] = list(welcome.parameters.get("outputs", ()))
         self._has_own_voice = any(str(name).partition(":")[0] in _VOICES for name in outputs)
         self._language = str(welcome.parameters.get("language", self._language))
-        self._stage.speak_language(self._language)
+        self._screen.speak_language(self._language)
         self._cleared = 0
         self._drawn.clear()
         self._drawn.state = AgentState()
@@ -99,7 +108,7 @@ class AgentView:
         if connection.state != "connected":
             self._silence_voices()
             self._drawn.stop()
-        self._stage.connected(connection)
+        self._screen.connected(connection)
 
     def _take(self, frame: Frame) -> None:
         is_fresh = self._now() - frame.at < FRESH
@@ -114,6 +123,7 @@ class AgentView:
             case ThemeApplied() if frame.topic is THEME:
                 self._language = frame.message.theme.language
                 self._drawn.apply_theme(frame.message.theme)
+                self._screen.apply_theme(frame.message.theme)
             case OutputReport() if frame.topic is REPORT and (
                 is_fresh or frame.message.state != "started"
             ):
@@ -160,7 +170,7 @@ class AgentView:
         if waiting.stage == "trial" and waiting.what != "agent":
             self._cleared = seq
         self._drawn.update(waiting)
-        self._stage.wait(waiting)
+        self._screen.wait(waiting)
 
     def _silence_voices(self) -> None:
         if self._silence:

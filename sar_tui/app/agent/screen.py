@@ -10,16 +10,15 @@ from textual.widgets import Static
 from sar_tui.link.peer import Connection
 from sar_tui.loop.agent_state import AWAITED
 from sar_tui.loop.clock import Clock
-from sar_tui.model.gesture import Gesture
 from sar_tui.model.language import Language
-from sar_tui.model.messages import Action, Waiting
+from sar_tui.model.messages import Waiting
 from sar_tui.model.theme import ENGLISH, Theme
 from sar_tui.tui.language import app_language
 from sar_tui.widgets.agent import Agent
 
 
 class AgentViewScreen(Screen[None]):
-    """The stage of `remote.AgentView`. It shows the agent, and the state of the link.
+    """The screen of `remote.AgentView`. It shows the agent, and the state of the link.
 
     Args:
         theme: used until the session's is known.
@@ -32,68 +31,41 @@ class AgentViewScreen(Screen[None]):
     def __init__(self, theme: Theme, clock: Clock) -> None:
         super().__init__()
         self.tr: Language = app_language(ENGLISH)
-        self._agent = Agent(theme, clock)
+        self.agent = Agent(theme, clock)
         self._status = Static(id="status", markup=False)
         self._connection = Connection("connecting")
 
     def compose(self) -> ComposeResult:
         with Vertical(id="stage"):
-            yield self._agent
+            yield self.agent
         yield self._status
 
     def on_mount(self) -> None:
-        self._agent.look("sleeping")
+        self.agent.look("sleeping")
         self._show_status()
 
-    # --- the stage
-
-    def say(self, action: Action) -> None:
-        self._agent.say(action.text, action.face, action.valence, joins=action.joins)
-
-    def gesture(self, gesture: Gesture) -> None:
-        self._agent.gesture(gesture)
-
-    def gaze(self, where: str) -> None:
-        self._agent.gaze(where)
-
-    def cue(self, gaze: str, gesture: Gesture | None) -> None:
-        self._agent.cue(gaze, gesture)
-
-    def be_still(self) -> None:
-        self._agent.be_still()
-
-    def speaking(self, sounds: bool) -> None:
-        self._agent.speaking(sounds)
-
-    def voiceless(self, action: Action, why: str) -> None:
-        """Do nothing: the words are shown anyway."""
+    # --- what the view shows on it
 
     def apply_theme(self, theme: Theme) -> None:
-        self._agent.apply_theme(theme)
+        """Use the colours of an edited theme."""
         self.app.apply_theme(theme)
 
     def wait(self, waiting: Waiting) -> None:
         """Hold still while a response is awaited, as the participant's own screen does."""
-        if self._agent.face == "sleeping" and waiting.stage != "paused":
-            self._agent.look("listening")
+        if self.agent.face == "sleeping" and waiting.stage != "paused":
+            self.agent.look("listening")
         if waiting.stage == "trial" and waiting.what in AWAITED:
-            self._agent.hold()
+            self.agent.hold()
         else:
-            self._agent.release()
-
-    def look(self, face: str) -> None:
-        self._agent.look(face)
-
-    def clear_agent(self, face: str) -> None:
-        self._agent.clear(face)
+            self.agent.release()
 
     def connected(self, connection: Connection) -> None:
         self._connection = connection
         if connection.state != "connected":
-            self._agent.release()
-            self._agent.clear("sleeping")
-        elif self._agent.face == "sleeping":
-            self._agent.look("neutral")
+            self.agent.release()
+            self.agent.clear("sleeping")
+        elif self.agent.face == "sleeping":
+            self.agent.look("neutral")
         self._show_status()
 
     def speak_language(self, code: str) -> None:

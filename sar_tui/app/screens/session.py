@@ -1,204 +1,161 @@
-"""The session's screen, from the instructions to the summary."""
+"""The screen of a live session, from the instructions to the summary: its keys, its pauses, and its
+quiet while a response is awaited.
+"""
 
+import dataclasses
 import functools
 from collections.abc import Sequence
+from typing import Any, ClassVar
 
-from sar_tui.app.prompt_onset import Onset, report_onset, report_trial_feedback
+from textual import events
+from textual.app import ComposeResult
+from textual.binding import ActiveBinding, Binding, BindingType
+
+from sar_tui.app.live import LiveSession
 from sar_tui.app.screens.pause import PauseMenu
-from sar_tui.app.screens.session_keys import KeysScreen
-from sar_tui.app.screens.summary import Summary
+from sar_tui.app.screens.session_stage import SessionStage
+from sar_tui.app.screens.waiting_text import help_text, key_name
+from sar_tui.loop import topics
 from sar_tui.loop.agent_state import AWAITED
-from sar_tui.loop.topics import ACTING, MARKERS, RECALL, STEP_ENDED
+from sar_tui.model.language import Language
 from sar_tui.model.messages import (
     AgentActing,
     AttemptEnded,
     AttemptStarted,
-    Prompt,
+    MarkersChanged,
+    PromptVoided,
     Recall,
+    SessionCommand,
     SessionEnded,
-    TrialFeedback,
+    StepEnded,
+    TrialEnded,
     Waiting,
 )
-from sar_tui.tui.paint_now import paint_now
-from sar_tui.widgets.big_prompt import BigPrompt
+from sar_tui.model.units import SECOND
+from sar_tui.tui.dismissed_once import DismissedOnce
+from sar_tui.tui.gc_control import GcControl
+from sar_tui.widgets.key_footer import KeyFooter
+
+_IN_VAIN = 3
+"""Presses of Enter, for one that is awaited, after which the participant is asked to let go of
+it.
+"""
 
 
-class SessionScreen(KeysScreen):
-    """The stage of a session (see `screen_output.Stage`).
+class SessionScreen(DismissedOnce[None]):
+    """Shows a live session on a stage, and sends it what the people in front of it do.
 
-    Nothing moves while a response is awaited.
+    Attributes:
+        stage: draws the session's messages.
     """
 
+    app: Any
     AUTO_FOCUS = ""
-    _warned_of = ""
-    _has_warned = False
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "pause", "Pause", id="pause")]
+
+    def __init__(self, live: LiveSession) -> None:
+        super().__init__()
+        self._live = live
+        self.stage = SessionStage(live, live)
+        self._pause = _Pause(self, live)
+        self._keys = _Keys(self, live)
+        self._gc = GcControl()
+        self._warned_of = ""
+        self._has_warned = False
+
+    @property
+    def tr(self) -> Language:
+        """Language of the session."""
+        return self.stage.tr
+
+    @property
+    def help_text(self) -> str:
+        """Instructions of the task, and the keys to pause, ask for feedback and, for a therapist,
+        mark a trial.
+        """
+        return help_text(self._live.session.task, self.tr, with_marks=not self.app.patient)
+
+    @property
+    def active_bindings(self) -> dict[str, ActiveBinding]:
+        """Bindings in the session's language; the stop key only if there is an output to stop."""
+        outputs = self._live.session.task.parameters.outputs
+        others = [name for name in outputs if name != "screen"]
+        has_voice = any(name.partition(":")[0] in ("speech", "tones") for name in others)
+        bindings = super().active_bindings
+        for key, active in bindings.items():
+            binding, is_shown = active.binding, True
+            words = self.tr(binding.description)
+            if binding.id == "stop":
+                words = words if has_voice else self.tr("Stop robot")
+                is_shown = bool(others)
+            if binding.id == "quit":
+                is_shown = not self.app.patient
+            shown = dataclasses.replace(binding, description=words, show=binding.show and is_shown)
+            bindings[key] = active._replace(binding=shown)
+        return bindings
+
+    def compose(self) -> ComposeResult:
+        yield self.stage
+        yield KeyFooter()
 
     def on_mount(self) -> None:
-        self._show_attempts(0)
         self._live.begin(self.app, self._broken)
-        self._live.run.session.bus.subscribe(MARKERS, lambda _: self._warn())
-        self._live.run.session.bus.subscribe(ACTING, self._agent_acted)
-        self._live.run.session.bus.subscribe(STEP_ENDED, self.step_ended)
+        bus = self._live.session.bus
+        bus.subscribe(topics.WAITING, self._waits)
+        bus.subscribe(topics.ATTEMPT_STARTED, self._attempt_started)
+        bus.subscribe(topics.TRIAL, self._trial_over)
+        bus.subscribe(topics.VOIDED, self._trial_over)
+        bus.subscribe(topics.ATTEMPT_ENDED, self._attempt_ended)
+        bus.subscribe(topics.STEP_ENDED, self._pause.step_ended)
+        bus.subscribe(topics.SESSION_ENDED, self._session_ended)
+        bus.subscribe(topics.ACTING, self._agent_acted)
+        bus.subscribe(topics.MARKERS, self._markers_changed)
         if self.app.sync_flash:
             from sar_tui.app.screens.sync_signal import SyncScreen
 
             self.app.push_screen(SyncScreen(self._live))
 
     def on_unmount(self) -> None:
-        self._stop_countdown()
         self._gc.end_attempt()
 
     @property
     def can_save(self) -> bool:
         """False while the session waits for a disk that cannot be written to."""
-        return self._waiting is None or self._waiting.reason != "storage"
+        waiting = self.stage.waiting
+        return waiting is None or waiting.reason != "storage"
 
-    # --- the stage
+    # --- what the session does; the stage draws it after these handlers
 
-    def show_prompt(self, prompt: Prompt) -> None:
-        """Show the prompt, and report when it reached the terminal."""
-        onset = report_onset(self, self._live, prompt)
-        if self._shown != "prompt":
-            self._stage("prompt")
-        self._draw(prompt, 0, onset)
-
-    @property
-    def holds_frames(self) -> bool:
-        """True if the driver flushes a frame when it is due, not before."""
-        return bool(getattr(self.app._driver, "can_stamp_onset", False))
-
-    def show_frame(self, prompt: Prompt, frame: int, due: int) -> None:
-        """Show a later frame of the prompt when it is due, and report when it reached the
-        terminal.
+    def _waits(self, waiting: Waiting) -> None:
+        """Look for edited themes, and warn, except in a trial; keep the collector off while a
+        response is awaited.
         """
-        self._draw(prompt, frame, report_onset(self, self._live, prompt, frame, due))
+        is_awaited = waiting.stage == "trial" and waiting.what in AWAITED
+        self.app.themes.look_for_edits(not is_awaited and waiting.what != "quiet")
+        self._warn(waiting)
+        if waiting.what == "response":
+            self._gc.begin_trial()
 
-    def _draw(self, prompt: Prompt, frame: int, onset: Onset) -> None:
-        widget = self.query_one(BigPrompt)
-        onset.picture = widget.show(prompt.shown(frame))
-        if prompt.frames:
-            paint_now(widget)
-
-    def show_typed(self, prompt: Prompt, text: str) -> None:
-        """Show the text typed so far, below the prompt or its last frame."""
-        self.query_one(BigPrompt).show(prompt.shown(len(prompt.frames) - 1, text))
-
-    def clear_prompt(self) -> None:
-        self._gc.end_trial()
-        self.query_one(BigPrompt).clear()
-
-    def show_trial_feedback(self, feedback: TrialFeedback) -> None:
-        """Show the answer to a trial, and report when it reached the terminal."""
-        report_trial_feedback(self, self._live, feedback)
-        self.query_one(BigPrompt).show_answer(feedback.text, feedback.halves)
-
-    def begin_attempt(self, started: AttemptStarted) -> None:
+    def _attempt_started(self, started: AttemptStarted) -> None:
         if self._has_warned:
             self.app.clear_notifications()  # nothing may vanish while a response is awaited
             self._has_warned = False
-        self._bars = {}
-        self._goal = self._waiting.goal if self._waiting else ""
         self._gc.begin_attempt()
 
-    def progress(self, done: int) -> None:
-        self._show_trials(done)
+    def _trial_over(self, _: TrialEnded | PromptVoided) -> None:
+        self._gc.end_trial()
 
-    def end_attempt(self, ended: AttemptEnded) -> None:
+    def _attempt_ended(self, ended: AttemptEnded) -> None:
         self._gc.end_attempt()
-        self._show_attempts(ended.attempt)
 
-    def wait(self, waiting: Waiting) -> None:
-        before, self._waiting = self._waiting, waiting
-        self._stop_countdown()
-        entered = before is None or before.stage != waiting.stage
-        if before is None:
-            self._show_trials(0)
-        if before is not None and before.stage == "paused" and waiting.attempt > before.attempt:
-            self._show_trials(0)  # the attempt was skipped
-        if self._marks.follow():
-            self._show_position(waiting)
-        if waiting.what == "foreperiod" and before is not None and before.reason == "held":
-            self.clear_agent("listening")
-        self._update_motion(waiting)
-        self._warn()
-        if before is not None and before.what == "result" and waiting.what != "response":
-            self.query_one(
-                BigPrompt
-            ).clear()  # the next prompt, where no wait precedes it, has replaced the answer
-        self._prepare_pictures(waiting)
-        if waiting.what in ("foreperiod", "response", "result"):
-            if waiting.what == "response":
-                self._gc.begin_trial()
-            return
-        text = self._waiting_text(waiting)
-        if waiting.stage == "trial" and waiting.what == "quiet":
-            self.query_one(BigPrompt).redraw()
-        if waiting.reason == "held":
-            self.ask(self.tr("Please let go of the keys for a moment."))
-        elif text is not None:
-            self._show_text(waiting, text)
-        elif waiting.stage == "trial" and (entered or self._shown != "prompt"):
-            self._begin_trials(waiting)
-        elif waiting.stage == "paused":
-            self._show_position(waiting)
-            self._show_trials(waiting.trial - 1)
-            can_skip = bool(self.app.patient) and self._live.run.session.can_skip_attempt
-            may_be_mistake = waiting.reason == "finished" and self._live.in_first_attempt
-            self.query_one(PauseMenu).open(
-                waiting.reason, can_skip=can_skip, may_be_mistake=may_be_mistake
-            )
-            self._stage("menu")
-            self.app.screen_keys.changed(self)
-
-    def _prepare_pictures(self, waiting: Waiting) -> None:
-        """Prepare what the next prompt shows, before it comes."""
-        to_come = self._live.run.session.pictures_to_come if self._pictures else ()
-        if to_come and waiting.what != "response":
-            self.call_after_refresh(self.query_one(BigPrompt).prepare, to_come)
-
-    def _warn(self) -> None:
-        """Tell a therapist who is there, once and never in a trial, that markers are lost or tones
-        not heard.
-        """
-        trouble, in_trial = (
-            self._live.trouble,
-            self._waiting is None or self._waiting.stage == "trial",
-        )
-        if trouble and trouble != self._warned_of and not in_trial and not self.app.patient:
-            self._warned_of, self._has_warned = trouble, True
-            self.app.notify(trouble, severity="warning", timeout=30)
-
-    def _update_motion(self, waiting: Waiting) -> None:
-        """Let the agent move and look for edited themes, except during a trial."""
-        is_awaited = waiting.stage == "trial" and waiting.what in AWAITED
-        self.app.themes.look_for_edits(not is_awaited and waiting.what != "quiet")
-        self.let_agent_move(not is_awaited)
-
-    def _begin_trials(self, waiting: Waiting) -> None:
-        self._show_trials(waiting.trial - 1)
-        self._show_position(waiting)
-        self.query_one(BigPrompt).clear()
-        self.clear_agent("listening")
-        self._stage("prompt")
-
-    def end(self, ended: SessionEnded) -> None:
-        task, bus = self._live.run.session.task, self._live.run.session.bus
-        attempts = {seat: bus.call(RECALL, Recall(seat=seat)).attempts for seat in task.seats}
-        codes = self._live.run.participants if len(task.seats) > 1 else {}
-        names = [f"{task.seat_name(seat)} ({code})" for seat, code in codes.items()]
-        status = "mistake" if self._live.is_mistake else ended.status
-        self.query_one(Summary).show(*attempts.values(), status=status, names=names)
-        self._stage("summary")
-        self.app.screen_keys.changed(self)
+    def _session_ended(self, ended: SessionEnded) -> None:
+        """Compare the session with the last comparable one, if it is whole."""
+        task, bus = self._live.session.task, self._live.session.bus
         if ended.status == "completed" and len(task.seats) == 1 and not self._live.run.rescue_file:
-            counted = [attempt for attempt in attempts[task.seats[0]] if not attempt.practice]
+            attempts = bus.call(topics.RECALL, Recall(seat=task.seats[0])).attempts
+            counted = [attempt for attempt in attempts if not attempt.practice]
             compare = functools.partial(self._compare, counted)
             self.run_worker(compare, name="comparison", thread=True, exit_on_error=False)
-
-    def _agent_acted(self, acting: AgentActing) -> None:
-        self._is_goodbye_held |= self._live.run.session.ended and acting.awaits_operator
-        if self._shown == "summary":
-            self.query_one(Summary).wait(awaits_goodbye=self._awaits_goodbye)
 
     def _compare(self, attempts: Sequence[AttemptEnded]) -> None:
         """Add the last comparable session to the summary. Runs in a thread: it reads all of the
@@ -210,13 +167,212 @@ class SessionScreen(KeysScreen):
         if words := beside_earlier_sessions(
             self.app.folder, run.session.task, run.id, attempts, self.tr
         ):
-            self.app.call_from_thread(self.query_one(Summary).compare, words)
+            self.app.call_from_thread(self.stage.summary.compare, words)
+
+    def _agent_acted(self, acting: AgentActing) -> None:
+        self._keys.agent_acted(acting)
+        if self.stage.shown == "summary":
+            self.stage.summary.wait(awaits_goodbye=self._keys.awaits_goodbye)
+
+    def _markers_changed(self, _: MarkersChanged) -> None:
+        if self.stage.waiting:
+            self._warn(self.stage.waiting)
+
+    def _warn(self, waiting: Waiting) -> None:
+        """Tell a therapist who is there, once and never in a trial, that markers are lost or tones
+        not heard.
+        """
+        trouble = self._live.trouble
+        is_told = waiting.stage != "trial" and not self.app.patient
+        if trouble and trouble != self._warned_of and is_told:
+            self._warned_of, self._has_warned = trouble, True
+            self.app.notify(trouble, severity="warning", timeout=30)
 
     def _broken(self, error: str) -> None:
         """Record that the task raised, so that the app ends with this message; the data is safe."""
         self._gc.end_attempt()
         self.app.screen_keys.changed(self)
         self.app.failure = (
-            f"The task {self._live.run.session.task.name} failed ({error}). What "
-            "was done so far is kept."
+            f"The task {self._live.session.task.name} failed ({error}). What was done so far is "
+            "kept."
         )
+
+    # --- keys
+
+    @property
+    def is_in_trial(self) -> bool:
+        """True in a trial, which is paused when another screen covers this one."""
+        waiting = self.stage.waiting
+        return waiting is not None and waiting.stage == "trial"
+
+    @property
+    def judges_keys(self) -> bool:
+        """True while the session itself judges which keys count, and records the others."""
+        waiting = self.stage.waiting
+        return waiting is not None and waiting.what != "nothing" and self.stage.shown != "menu"
+
+    def on_key(self, event: events.Key) -> None:
+        self._keys.pressed(event, self._gc)
+
+    def on_paste(self, event: events.Paste) -> None:
+        event.stop()
+        self._live.keyboard.pasted(len(event.text), self._live.stamp(event.time))
+
+    # --- pauses
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool:
+        """Offer a pause if there is something to pause, and its menu while a sensor is awaited."""
+        waiting = self.stage.waiting
+        if action != "pause" or waiting is None:
+            return action != "pause"
+        return waiting.what == "sensor" or waiting.stage not in ("paused", "ended")
+
+    def action_pause(self) -> None:
+        """Pause at once, without a question."""
+        self._live.operate(SessionCommand(command="pause"))
+
+    def on_screen_suspend(self) -> None:
+        """Pause a trial that another screen covers: the participant cannot see the prompt."""
+        if self.is_in_trial:
+            self.action_pause()
+
+    def on_pause_menu_chosen(self, event: PauseMenu.Chosen) -> None:
+        self._pause.chosen(event.act)
+
+    def on_pause_menu_therapist_asked(self) -> None:
+        self._pause.ask_therapist()
+
+
+class _Keys:
+    """Reads the keys of a session: responses with their time stamps, and the therapist's marks."""
+
+    def __init__(self, screen: SessionScreen, live: LiveSession) -> None:
+        self._screen = screen
+        self._live = live
+        self._is_goodbye_held = False
+        self._enters: tuple[Waiting | None, int] = (None, 0)
+
+    def pressed(self, event: events.Key, gc: GcControl) -> None:
+        """Handle a key, unless it is the menu's or the app's."""
+        screen, stage = self._screen, self._screen.stage
+        waiting = stage.waiting
+        if waiting is None or isinstance(screen.focused, PauseMenu):
+            return
+        if stage.shown == "menu":  # a click beside the menu took the focus from it
+            screen.set_focus(stage.menu)
+        if waiting.stage != "trial" and event.key in ("question_mark", "f1", "ctrl+p"):
+            return
+        if waiting.what == "nothing":
+            if event.key in ("enter", "space"):
+                event.stop()
+                if not self.awaits_goodbye:
+                    screen.dismiss()
+            return
+        if event.key not in ("escape", "f1", "ctrl+p"):
+            event.stop()
+            event.prevent_default()
+        if event.key in stage.marks:
+            if not screen.app.screen_keys.is_repeat:
+                self._press_mark(event.key, waiting)
+            return
+        at = self._live.stamp(event.time)
+        stalled = gc.is_stalled(round(at * SECOND))
+        self._live.keyboard.pressed(event.key, event.character, at, gc.lag, stalled)
+        self._correct_key(event.key, waiting)
+
+    def _press_mark(self, key: str, waiting: Waiting) -> None:
+        """Mark the trial, or ask for the key again if it would replace another mark. Do nothing in
+        patient mode.
+        """
+        stage = self._screen.stage
+        if self._screen.app.patient:
+            return
+        if mark := stage.marks.press(key):
+            self._live.operate(SessionCommand(command="mark", actor="therapist", reason=mark.name))
+        else:
+            stage.show_position(waiting)
+
+    def _correct_key(self, key: str, waiting: Waiting) -> None:
+        """Say which key is awaited after Enter was pressed for the start key, or the other way
+        round.
+
+        Ask to let go of the keys if Enter has no effect, because it is held or pressed again too
+        soon.
+        """
+        start, tr = self._live.session.task.start_key, self._screen.tr
+        wanted = {"enter": "enter", "start": start}.get(waiting.what)
+        if start and wanted and key in ("enter", start) and key != wanted:
+            later = tr("({key} comes later.)", key=key_name(key, tr))
+            self._screen.stage.message.correct(later)
+        elif wanted == key == "enter":
+            last, count = self._enters
+            self._enters = waiting, count + 1 if waiting is last else 1
+            if self._enters[1] == _IN_VAIN:
+                let_go = tr("Please let go of the keys for a moment.")
+                self._screen.stage.message.correct(let_go)
+
+    @property
+    def awaits_goodbye(self) -> bool:
+        """True while an operator may still veto the goodbye, and then until it is said: all that is
+        due is given.
+
+        A broken session says no goodbye.
+        """
+        session = self._live.session
+        if not session.ended or session.broken:
+            return False
+        return session.awaits_operator or (self._is_goodbye_held and session.is_agent_acting)
+
+    def agent_acted(self, acting: AgentActing) -> None:
+        """Note that the goodbye waits for an operator."""
+        self._is_goodbye_held |= self._live.session.ended and acting.awaits_operator
+
+
+class _Pause:
+    """Follows the choices in the pause menu: pain is asked about, the therapist's changes are
+    opened.
+    """
+
+    def __init__(self, screen: SessionScreen, live: LiveSession) -> None:
+        self._screen = screen
+        self._live = live
+
+    def chosen(self, act: SessionCommand) -> None:
+        """Send a choice to the session."""
+        self._live.is_mistake = act.command == "end" and act.reason == "mistake"
+        self._live.operate(act)
+        if act.reason == "pain" and self._live.session.task.parameters.ask_wellbeing:
+            from sar_tui.app.wellbeing import ask_after
+
+            app = self._screen.app
+            app.push_screen(ask_after(app, self._live, "pause"), self._told_of_pain)
+
+    def step_ended(self, ended: StepEnded) -> None:
+        """Pause after too much pain in an answer between attempts, and advise to stop."""
+        from sar_tui.app.wellbeing import advise
+
+        if question := advise(self._screen.app, self._live, ended):
+            self._live.operate(SessionCommand(command="pause", reason="pain", seat=ended.seat))
+            self._screen.app.push_screen(question, self._told_of_pain)
+
+    def _told_of_pain(self, goes_on: bool | None) -> None:
+        """End the session if the participant follows the advice not to go on."""
+        if goes_on is False:
+            self._live.operate(SessionCommand(command="end", reason="finished"))
+
+    def ask_therapist(self) -> None:
+        """Open the therapist's changes, behind the passphrase if there is one."""
+        from sar_tui.app.screens.passphrase import PassphraseScreen
+
+        passphrase = self._screen.app.patient_mode.passphrase
+        if passphrase.is_set:
+            self._screen.app.push_screen(PassphraseScreen(passphrase, "pause"), self._entered)
+        else:
+            self._entered(True)
+
+    def _entered(self, is_right: bool | None) -> None:
+        from sar_tui.app.screens.adjust import AdjustScreen
+
+        waiting = self._screen.stage.waiting
+        if is_right and waiting and waiting.stage == "paused":
+            self._screen.app.push_screen(AdjustScreen(self._live))

@@ -1,0 +1,453 @@
+"""The middle of a session's screen: draws the messages of a session, live or recorded."""
+
+import functools
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+from textual.app import ComposeResult
+from textual.containers import Horizontal, Vertical
+from textual.widgets import ContentSwitcher, Static
+
+from sar_tui.app.agent.session_agent import SessionAgent
+from sar_tui.app.guarded_view import GuardedView
+from sar_tui.app.live import LiveSession
+from sar_tui.app.prompt_onset import Onset, report_onset, report_trial_feedback
+from sar_tui.app.screens.large_message import is_roomy
+from sar_tui.app.screens.mark_keys import MarkKeys
+from sar_tui.app.screens.message_panel import MessagePanel
+from sar_tui.app.screens.pause import PauseMenu
+from sar_tui.app.screens.step_text import decline_text, step_text
+from sar_tui.app.screens.summary import Summary
+from sar_tui.app.screens.waiting_text import WaitingText, key_name, waiting_text
+from sar_tui.loop.agent_state import AWAITED
+from sar_tui.loop.clock import Clock, Handle
+from sar_tui.loop.session import Session
+from sar_tui.loop.topics import RECALL
+from sar_tui.model.language import Language
+from sar_tui.model.messages import (
+    Action,
+    AttemptEnded,
+    AttemptStarted,
+    Feedback,
+    Prompt,
+    Recall,
+    SessionEnded,
+    TrialFeedback,
+    TrialMarked,
+    Waiting,
+)
+from sar_tui.model.units import SECOND
+from sar_tui.plugins import task_folder
+from sar_tui.tui.language import session_language
+from sar_tui.tui.paint_now import paint_now
+from sar_tui.widgets.big_prompt import BigPrompt
+from sar_tui.widgets.goal_bar import GoalBar, bar_of
+from sar_tui.widgets.progress_line import ProgressLine
+from sar_tui.widgets.prompt_pictures import Pictures
+
+_BETWEEN = ("attempt", "answer", "step", "rest", "review")
+"""Stages between two attempts, and after the last."""
+_BEFORE = ("instructions", "attempt", "paused")
+"""Stages in which the agent is in the middle too, if there is room."""
+_FULL_HEIGHT = 40
+"""Least rows of a window in which a drawing, or the instructions, leave room above the agent."""
+
+
+class StagedSession(Protocol):
+    """The part of a session that its stage reads: live, or recorded."""
+
+    clock: Clock
+    view: GuardedView
+    codes: dict[str, str]
+    is_mistake: bool
+
+    @property
+    def session(self) -> Session:
+        """The session, once it is open."""
+        ...
+
+
+class SessionStage(Vertical):
+    """The stage of a session (see `screen_output.Stage`): its top line, the widgets in the middle,
+    the agent, and the progress below.
+
+    Nothing moves while a response is awaited.
+
+    Args:
+        staged: the session, which may be opened later, but before the stage is composed.
+        reported_to: the session that is told when prompts reached the terminal; None if nobody is.
+
+    Attributes:
+        agent: the agent.
+        waiting: what the session waits for.
+        shown: the widget in the middle.
+    """
+
+    app: Any
+
+    def __init__(self, staged: StagedSession, reported_to: LiveSession | None = None) -> None:
+        super().__init__()
+        self._staged = staged
+        self._reported_to = reported_to
+        self.agent = SessionAgent(self._forget_results)
+        self.waiting: Waiting | None = None
+        self.shown = "message"
+        self._position = ""
+        self._agent_seat = ""
+        self._bars: dict[str, GoalBar] = {}
+        self._goal = ""
+        self._countdown: Handle | None = None
+
+    @functools.cached_property
+    def tr(self) -> Language:
+        """Language of the session."""
+        return session_language(self._staged.session.task)
+
+    @functools.cached_property
+    def marks(self) -> MarkKeys:
+        """The marks of trials, and their keys."""
+        session = self._staged.session
+        return MarkKeys(session.task.marks, self.tr, lambda: session.trial_mark)
+
+    @functools.cached_property
+    def _pictures(self) -> Pictures | None:
+        """The pictures of the task; None if it draws its prompts itself, or if none can be shown
+        here.
+        """
+        if self.app.picture_way is None or self._staged.view.draws_prompts:
+            return None
+        folder = task_folder(type(self._staged.session.task))
+        return Pictures(folder, self.app.picture_way, self.app.write_to_terminal)
+
+    def compose(self) -> ComposeResult:
+        session, view = self._staged.session, self._staged.view
+        self.agent.make_widgets(
+            session.theme,
+            self._staged.clock,
+            self.tr,
+            is_shown="screen" in session.task.parameters.outputs,
+            picture=self.app.picture,
+            folder=self.app.catalogue.theme_folder(session.theme.name),
+        )
+        with Horizontal(id="top"):
+            codes = ", ".join(self._staged.codes.values())
+            yield Static(f"{self.tr(session.task.title)} · {codes}", id="task", markup=False)
+            yield self.agent.notice
+            yield Static("", id="where", markup=False)
+        yield Static("", id="above")
+        with ContentSwitcher(initial="message", id="stage"):
+            yield MessagePanel(id="message")
+            yield BigPrompt(id="prompt", draw=view.prompt_lines, pictures=self._pictures)
+            yield PauseMenu(id="menu")
+            yield Summary(session.task.metric, view.facts, for_participant=True, id="summary")
+        yield self.agent.widget
+        with Horizontal(id="progress"):
+            yield ProgressLine(id="trials")
+            yield ProgressLine(id="attempts")
+
+    def on_mount(self) -> None:
+        self._show_attempts(0)
+
+    def on_unmount(self) -> None:
+        self._stop_countdown()
+        if self._pictures:
+            self._pictures.close()
+
+    def on_resize(self) -> None:
+        """Give the pause menu more room in a large window."""
+        self.set_class(is_roomy(*self.app.size), "roomy")
+
+    @property
+    def message(self) -> MessagePanel:
+        """The texts in the middle."""
+        return self.query_one(MessagePanel)
+
+    @property
+    def menu(self) -> PauseMenu:
+        """The pause menu."""
+        return self.query_one(PauseMenu)
+
+    @property
+    def summary(self) -> Summary:
+        """The summary after the session."""
+        return self.query_one(Summary)
+
+    @property
+    def _prompt(self) -> BigPrompt:
+        return self.query_one(BigPrompt)
+
+    # --- a prompt
+
+    def show_prompt(self, prompt: Prompt) -> None:
+        """Show the prompt, and report when it reached the terminal."""
+        onset = report_onset(self.screen, self._reported_to, prompt) if self._reported_to else None
+        if self.shown != "prompt":
+            self._switch_to("prompt")
+        self._draw(prompt, 0, onset)
+
+    @property
+    def holds_frames(self) -> bool:
+        """True if the driver flushes a frame when it is due, not before."""
+        stamps = bool(getattr(self.app._driver, "can_stamp_onset", False))
+        return stamps and self._reported_to is not None
+
+    def show_frame(self, prompt: Prompt, frame: int, due: int) -> None:
+        """Show a later frame of the prompt when it is due, and report when it reached the
+        terminal.
+        """
+        live = self._reported_to
+        onset = report_onset(self.screen, live, prompt, frame, due) if live else None
+        self._draw(prompt, frame, onset)
+
+    def _draw(self, prompt: Prompt, frame: int, onset: Onset | None) -> None:
+        widget = self._prompt
+        picture = widget.show(prompt.shown(frame))
+        if onset:
+            onset.picture = picture
+            if prompt.frames:
+                paint_now(widget)
+
+    def show_typed(self, prompt: Prompt, text: str) -> None:
+        """Show the text typed so far, below the prompt or its last frame."""
+        self._prompt.show(prompt.shown(len(prompt.frames) - 1, text))
+
+    def clear_prompt(self) -> None:
+        self._prompt.clear()
+
+    def show_trial_feedback(self, feedback: TrialFeedback) -> None:
+        """Show the answer to a trial, and report when it reached the terminal."""
+        if self._reported_to:
+            report_trial_feedback(self.screen, self._reported_to, feedback)
+        self._prompt.show_answer(feedback.text, feedback.halves)
+
+    # --- an attempt
+
+    def begin_attempt(self, started: AttemptStarted) -> None:
+        self._forget_results()
+        self._goal = self.waiting.goal if self.waiting else ""
+
+    def progress(self, done: int) -> None:
+        self._show_trials(done)
+
+    def marked(self, marked: TrialMarked) -> None:
+        self.marks.marked()
+        if self.waiting:
+            self.show_position(self.waiting)
+
+    def end_attempt(self, ended: AttemptEnded) -> None:
+        self._show_attempts(ended.attempt)
+
+    def feedback_given(self, feedback: Feedback) -> None:
+        """Show the result beside its goal, with the words that tell it."""
+        task = self._staged.session.task
+        who = task.display_name(feedback.seat) if len(task.seats) > 1 else ""
+        if bar := bar_of(feedback, task.metric, who):
+            self._bars[feedback.seat] = bar
+        else:
+            self._bars.pop(feedback.seat, None)
+        self._show_again()
+
+    def feedback_over(self) -> None:
+        """Remove the result: the agent speaks of something else."""
+        self._forget_results()
+        self._show_again()
+
+    def voiceless(self, action: Action) -> None:
+        self.agent.voiceless(action)
+
+    def _forget_results(self) -> None:
+        self._bars = {}
+
+    # --- a wait
+
+    def wait(self, waiting: Waiting) -> None:
+        before, self.waiting = self.waiting, waiting
+        self._stop_countdown()
+        is_skipped = (
+            before is not None and before.stage == "paused" and waiting.attempt > before.attempt
+        )
+        if before is None or is_skipped:
+            self._show_trials(0)
+        if self.marks.follow():
+            self.show_position(waiting)
+        if waiting.what == "foreperiod" and before is not None and before.reason == "held":
+            self.agent.clear("listening")
+        is_awaited = waiting.stage == "trial" and waiting.what in AWAITED
+        self.agent.let_move(not is_awaited)
+        if before is not None and before.what == "result" and waiting.what != "response":
+            # the next prompt, where no wait precedes it, has replaced the answer
+            self._prompt.clear()
+        self._prepare_pictures(waiting)
+        if waiting.what not in ("foreperiod", "response", "result"):
+            self._show_wait(waiting, entered=before is None or before.stage != waiting.stage)
+
+    def _show_wait(self, waiting: Waiting, *, entered: bool) -> None:
+        """Show what is waited for: in words, as the prompt's place, or as the pause menu."""
+        text = self._waiting_text(waiting)
+        if waiting.stage == "trial" and waiting.what == "quiet":
+            self._prompt.redraw()
+        if waiting.reason == "held":
+            self.agent.ask(self.tr("Please let go of the keys for a moment."))
+        elif text is not None:
+            self._show_text(waiting, text)
+        elif waiting.stage == "trial" and (entered or self.shown != "prompt"):
+            self._show_trials(waiting.trial - 1)
+            self.show_position(waiting)
+            self._prompt.clear()
+            self.agent.clear("listening")
+            self._switch_to("prompt")
+        elif waiting.stage == "paused":
+            self.show_position(waiting)
+            self._show_trials(waiting.trial - 1)
+            can_skip = bool(self.app.patient) and self._staged.session.can_skip_attempt
+            may_be_mistake = waiting.reason == "finished" and not any(self._attempts())
+            self.menu.open(waiting.reason, can_skip=can_skip, may_be_mistake=may_be_mistake)
+            self._switch_to("menu")
+            self.app.screen_keys.changed(self.screen)
+
+    def _prepare_pictures(self, waiting: Waiting) -> None:
+        """Prepare what the next prompt shows, before it comes."""
+        to_come = self._staged.session.pictures_to_come if self._pictures else ()
+        if to_come and waiting.what != "response":
+            self.call_after_refresh(self._prompt.prepare, to_come)
+
+    def _waiting_text(self, waiting: Waiting) -> WaitingText | None:
+        left = max(0, waiting.until - self._staged.clock.now())
+        if waiting.step:
+            return step_text(waiting.step, self.tr, left)
+        session = self._staged.session
+        return waiting_text(
+            waiting,
+            session.task,
+            left=left,
+            is_goal_shown=bool(self._bars) and waiting.goal == self._goal,
+            is_recording_over=session.is_recording_over,
+        )
+
+    def _show_text(self, waiting: Waiting, text: WaitingText) -> None:
+        """Show the text for a wait, with the last result beside its goal, and the progress."""
+        stage = waiting.stage
+        if stage in ("attempt", "review", "trial", "paused"):
+            self.show_position(waiting)
+        if stage in ("review", "trial", "paused"):
+            self._show_trials(waiting.trial - 1)
+        if stage == "trial" and waiting.what != "agent":
+            self.agent.clear("listening")
+        ask = decline_text(waiting.step, self.tr)
+        if waiting.ask:
+            key = key_name(waiting.ask, self.tr)
+            ask = self.tr("Press {key} to hear how it went.", key=key)
+        is_between = stage in _BETWEEN and waiting.attempt > 1
+        bars = []
+        if is_between and not waiting.step:
+            bars = [bar for _, bar in sorted(self._bars.items())]
+        drawing = None
+        if stage in ("attempt", "review"):
+            drawing = self._staged.view.between_attempts()
+        self.message.show(text, bars, drawing, ask)
+        self._seat_agent(self._seat_beside(stage, is_between, has_drawing=bool(drawing)))
+        self._switch_to("message")
+        if stage == "rest" or (waiting.step and waiting.until):
+            self._count_down(waiting)
+
+    def _seat_beside(self, stage: str, is_between: bool, *, has_drawing: bool) -> str:
+        """Return the agent's place beside a text."""
+        is_in_middle = is_between or (stage in _BEFORE and is_roomy(*self.app.size))
+        if not (is_in_middle and self.agent.widget.display):
+            return ""
+        is_large = has_drawing or stage == "instructions"
+        return "drawn" if is_large and self.app.size.height < _FULL_HEIGHT else "between"
+
+    def _show_again(self) -> None:
+        """Show the text for the same wait, because the result beside it has changed."""
+        waiting = self.waiting
+        if waiting is None or waiting.stage not in _BETWEEN or self.shown != "message":
+            return
+        if text := self._waiting_text(waiting):
+            self._show_text(waiting, text)
+
+    def _count_down(self, waiting: Waiting) -> None:
+        """Show the time that is left of a rest, each second."""
+        left = waiting.until - self._staged.clock.now()
+        if left > 0:
+            due = self._staged.clock.now() + (left % SECOND or SECOND)
+            self._countdown = self._staged.clock.call_at(due, self._show_again)
+
+    def _stop_countdown(self) -> None:
+        if self._countdown:
+            self._countdown.cancel()
+            self._countdown = None
+
+    # --- the end
+
+    def end(self, ended: SessionEnded) -> None:
+        """Show the summary."""
+        task = self._staged.session.task
+        codes = self._staged.codes if len(task.seats) > 1 else {}
+        names = [f"{task.seat_name(seat)} ({code})" for seat, code in codes.items()]
+        status = "mistake" if self._staged.is_mistake else ended.status
+        self.summary.show(*self._attempts(), status=status, names=names)
+        self._switch_to("summary")
+        self.app.screen_keys.changed(self.screen)
+
+    def _attempts(self) -> list[Sequence[AttemptEnded]]:
+        """Return the attempts that are finished, of each seat."""
+        task, bus = self._staged.session.task, self._staged.session.bus
+        return [bus.call(RECALL, Recall(seat=seat)).attempts for seat in task.seats]
+
+    # --- the parts of the screen
+
+    def _switch_to(self, name: str) -> None:
+        """Show one widget in the middle of the screen."""
+        self.shown = name
+        if name != "message":
+            is_silent = name == "menu" and self.agent.widget.display
+            self._seat_agent("pause" if is_silent else "")
+        self.query_one("#stage", ContentSwitcher).current = name
+        self.screen.set_focus(self.menu if name == "menu" else None)
+        self.query_one("#progress").display = name != "summary"
+        self.screen.refresh_bindings()
+
+    def _seat_agent(self, where: str) -> None:
+        """Let the agent speak from the middle, ``between`` two attempts or ``drawn`` above a
+        drawing; else from below.
+
+        In a ``pause`` it is silent above the menu.
+        """
+        if where != self._agent_seat:
+            self._agent_seat, stage = where, self.query_one("#stage")
+            between = where in ("between", "pause")
+            self.update_classes(
+                {"middle": bool(where), "between": between, "pausing": where == "pause"}
+            )
+            if where:
+                self.move_child(self.agent.widget, before=stage)
+            else:
+                self.move_child(self.agent.widget, after=stage)
+
+    def show_position(self, waiting: Waiting) -> None:
+        """Show the mark of the trial, or attempt and level, in the corner; and the progress at the
+        bottom.
+        """
+        # after the last attempt: there is no next level to show
+        is_over = waiting.trial > waiting.trials
+        self._show_attempts(waiting.attempt - (not is_over))
+        if not is_over:
+            level = self.tr("level {level}", level=waiting.level)
+            self._position = f"{waiting.attempt_name.capitalize()} · {level}"
+        parts = (self.marks.text, "" if self.marks.asks else self._position)
+        self.query_one("#where", Static).update(" · ".join(filter(None, parts)))
+
+    def _show_attempts(self, done: int) -> None:
+        """Show the number of attempts done; practice attempts are counted separately."""
+        parameters = self._staged.session.task.parameters
+        done -= self.waiting.restarts if self.waiting else 0
+        kind, total = "Practice", parameters.practice_attempts
+        if done >= total:
+            kind, total, done = "Attempts", parameters.attempts, done - total
+        self.query_one("#attempts", ProgressLine).show(self.tr(kind), done, total)
+
+    def _show_trials(self, done: int) -> None:
+        total = self.waiting.trials if self.waiting else 0
+        name = self.tr(self._staged.session.task.trials)
+        self.query_one("#trials", ProgressLine).show(name, done, total)
