@@ -11,6 +11,7 @@ from sar_tui.loop.bus import Record, Topic
 from sar_tui.loop.topics import IMU, SENSOR, TRUNK_IMU, TRUNK_SENSOR
 from sar_tui.model.messages import BodyPart, ImuBlock, SensorChanged
 from sar_tui.store.database import StoreError
+from sar_tui.store.tables import IMU_CHUNKS, IMU_STREAMS
 
 if TYPE_CHECKING:
     from sar_tui.motion.samples import Samples
@@ -32,12 +33,8 @@ CHUNK = (
     "data",
 )
 """Columns of a row of each table, in the order in which they are stored and hashed."""
-INSERT_STREAM = (
-    f"INSERT INTO imu_streams ({', '.join(STREAM)}) VALUES ({', '.join('?' for _ in STREAM)})"
-)
-INSERT_CHUNK = (
-    f"INSERT INTO imu_chunks ({', '.join(CHUNK)}) VALUES ({', '.join('?' for _ in CHUNK)})"
-)
+INSERT_STREAM = IMU_STREAMS.insert(*STREAM)
+INSERT_CHUNK = IMU_CHUNKS.insert(*CHUNK)
 
 _SAMPLES: dict[BodyPart, Topic[ImuBlock]] = {"hand": IMU, "trunk": TRUNK_IMU}
 _PARTS: dict[str, BodyPart] = {

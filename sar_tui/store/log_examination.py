@@ -16,12 +16,13 @@ from sar_tui.store import log_hashes, messages, rows
 from sar_tui.store.log_hashes import Entry
 from sar_tui.store.merge.people import People, in_full, stored_pairs
 from sar_tui.store.record_changes import changes, ends_and_changes, erased_hashes, status_after
+from sar_tui.store.tables import TABLES
 from sar_tui.store.wellbeing import IN_PAUSE
 
 DERIVED = ("trials", "attempts", "actions", "answers", "notes")
 """Tables whose rows follow from the messages."""
 _STATEMENTS = {
-    kind: text for kind, text in rows.SQL.items() if any(f" {table} " in text for table in DERIVED)
+    name: each.statement for name, each in rows.PROJECTIONS.items() if each.table in DERIVED
 }
 _TOPICS = frozenset(name for name, topic in ALL.items() if topic.type in rows.KINDS)
 """Topics whose messages become more than a row of ``messages``."""
@@ -266,16 +267,9 @@ class Derivation:
         self._database = database
         self._memory = sqlite3.connect(":memory:", isolation_level=None)
         self._memory.text_factory = database.text_factory
-        self._columns: dict[str, list[str]] = {}
         self._pauses: list[tuple[Any, ...]] = []
         for table in DERIVED:
-            (statement,) = database.execute(
-                "SELECT sql FROM main.sqlite_master WHERE name=?", (table,)
-            ).fetchone()
-            self._memory.execute(statement)
-            self._columns[table] = [
-                name for _, name, *_ in database.execute(f"PRAGMA main.table_info({table})")
-            ]
+            self._memory.execute(TABLES[table].create)
 
     def close(self) -> None:
         """Forget the rows."""
@@ -378,7 +372,7 @@ class Derivation:
     def _rows(
         self, database: sqlite3.Connection, table: str, session: str
     ) -> list[tuple[Any, ...]]:
-        listed = ", ".join(f'"{name}"' for name in self._columns[table])
+        listed = ", ".join(TABLES[table].names)
         found = database.execute(
             f"SELECT {listed} FROM {table} WHERE session=? ORDER BY rowid", (session,)
         )
@@ -387,12 +381,9 @@ class Derivation:
     def rebuild(self, session: str) -> None:
         """Put the derived rows in place of those of a session, in a transaction of the caller."""
         for table in DERIVED:
-            listed = ", ".join(f'"{name}"' for name in self._columns[table])
-            slots = ", ".join("?" for _ in self._columns[table])
             self._database.execute(f"DELETE FROM {table} WHERE session=?", (session,))
             self._database.executemany(
-                f"INSERT INTO {table} ({listed}) VALUES ({slots})",
-                self._memory.execute(f"SELECT {listed} FROM {table} ORDER BY rowid"),
+                TABLES[table].insert(), self._rows(self._memory, table, session)
             )
         listed_beside = [
             entry for group in _groups(self._database, session) for entry in group.beside

@@ -19,8 +19,8 @@ import msgspec
 
 from sar_tui.store import imu, messages
 from sar_tui.store.messages import StoredRow
+from sar_tui.store.tables import LOG_HASHES
 
-INSERT = "INSERT INTO log_hashes (session, number, seq, beside, hash) VALUES (?,?,?,?,?)"
 SET_LAST = "UPDATE sessions SET log_hash=? WHERE id=?"
 
 Entry = list[Any]
@@ -63,7 +63,7 @@ def next_group(
     before: Last, session: str, stored: Sequence[StoredRow], beside: Iterable[tuple[Entry, bytes]]
 ) -> tuple[Last, tuple[Any, ...]]:
     """Return a group of messages with the rows beside them, each with its hash; and the group's
-    row, for ``INSERT``.
+    row.
     """
     entries = list(beside)
     seq = stored[-1].seq if stored else before.seq
@@ -100,7 +100,7 @@ def _store(
     hashed = [(entry, entry_hash(connection, session, entry)) for entry in beside]
     stored = list(messages.stored_rows(connection, session, before.seq))
     group, row = next_group(before, session, stored, hashed)
-    connection.execute(INSERT, row)
+    connection.execute(LOG_HASHES.insert(), row)
     connection.execute(SET_LAST, (group.hash, session))
     return group
 

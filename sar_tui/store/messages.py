@@ -18,6 +18,7 @@ from sar_tui.loop.bus import Topic
 from sar_tui.loop.topics import ALL, PRESENCE
 from sar_tui.model.messages import Message
 from sar_tui.store.database import StoreError, explain, transaction
+from sar_tui.store.tables import MESSAGES
 
 PRESENCE_ID = 1
 """The number of `PRESENCE` in ``topics``: it is in the condition of an index. Its messages are
@@ -270,8 +271,7 @@ def copy(
                 damaged.append(seq)
 
     target.executemany(
-        "INSERT OR IGNORE INTO messages (session_number, seq, run, at_ns, topic, message) VALUES "
-        "(?,?,?,?,?,?)",
+        MESSAGES.insert(how="INSERT OR IGNORE"),
         sound(),
     )
     return damaged

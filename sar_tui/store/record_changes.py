@@ -22,6 +22,7 @@ from sar_tui.model.messages import (
 )
 from sar_tui.store import locks, log_hashes, messages
 from sar_tui.store.database import transaction
+from sar_tui.store.tables import MESSAGES
 
 _FROM: dict[RecordChange, tuple[str, ...]] = {
     "dismissed": ("running", "interrupted"),
@@ -175,8 +176,7 @@ def log(connection: sqlite3.Connection, session: str, message: RecordChanged) ->
     numbers = messages.add_numbers(connection, session)
     seq, run, at = messages.last(connection, session)
     connection.execute(
-        "INSERT INTO messages (session_number, seq, run, at_ns, topic, message) VALUES "
-        "(?,?,?,?,?,?)",
+        MESSAGES.insert(),
         (
             numbers.session,
             seq + 1,

@@ -1,7 +1,13 @@
-"""Turns messages into rows of the database."""
+"""Projections of the log: functions from a message to a row that follows from it.
 
+A projection is pure: what it is given is the message, and where it came from. The recorder stores
+its rows, and the examination of a log (`store.log_examination`) derives the same ones again.
+"""
+
+from collections.abc import Callable
 from datetime import UTC, datetime
-from typing import Any
+from operator import attrgetter
+from typing import Any, NamedTuple
 
 import msgspec
 
@@ -9,92 +15,45 @@ from sar_tui.loop.bus import Record
 from sar_tui.model import messages as m
 from sar_tui.store import imu, log_hashes, wellbeing
 from sar_tui.store.messages import Numbers, encoder
+from sar_tui.store.tables import (
+    ACTIONS,
+    ANSWERS,
+    ATTEMPTS,
+    LOG_HASHES,
+    MESSAGES,
+    NOTES,
+    TRIALS,
+    Column,
+    Table,
+)
 
-Rows = dict[str, list[tuple[Any, ...]]]
-
-SQL = {
-    "messages": "INSERT INTO messages (session_number, seq, run, at_ns, topic, message) VALUES "
-    "(?,?,?,?,?,?)",
-    "trials": (
-        "INSERT INTO trials (session, attempt, trial, seat, run, stimulus, response, correct, "
-        "onset_ns, response_ns,"
-        " reaction_time_ms, timing, details, data) VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?)"
-    ),
-    "marks": (
-        "UPDATE trials SET correct=?, details=json_set(details, '$.mark', ?)"
-        " WHERE session=? AND attempt=? AND trial=? AND seat=?"
-    ),
-    "streams": imu.INSERT_STREAM,
-    "chunks": imu.INSERT_CHUNK,
-    "attempts": (
-        "INSERT OR REPLACE INTO attempts (session, attempt, seat, run, practice, level, metric, "
-        "metric_unit, accuracy,"
-        " correct, trials, outcome, feedback, started_ns, ended_ns, goal, qualities, choice,"
-        " condition) VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"
-    ),
-    "proposals": "INSERT INTO actions (session, id, kind, proposed, proposed_ns) VALUES "
-    "(?,?,?,?,?)",
-    "pending": (
-        "INSERT INTO actions (session, id, kind, proposed, proposed_ns, mode, deadline_ns) VALUES "
-        "(?,?,?,?,?,?,?)"
-        " ON CONFLICT DO UPDATE SET mode=excluded.mode, deadline_ns=excluded.deadline_ns"
-    ),
-    "seen": "UPDATE actions SET shown_ns=MIN(?, COALESCE(shown_ns, 9e18)) WHERE session=? AND id=?",
-    "decisions": (
-        "INSERT INTO actions (session, id, kind, final, decision, actor, decided_ns, mode, ground)"
-        " VALUES (?,?,?,?,?,?,?,?,?) ON CONFLICT DO UPDATE SET final=excluded.final, "
-        "decision=excluded.decision,"
-        " actor=excluded.actor, decided_ns=excluded.decided_ns, mode=excluded.mode, "
-        "ground=excluded.ground"
-    ),
-    "drops": (
-        "UPDATE actions SET final=NULL, decision=?, actor=?, decided_ns=?, reason=?, "
-        "mode=COALESCE(mode, 'autonomous'),"
-        " ground=? WHERE session=? AND id=?"
-    ),
-    "level_decisions": (
-        "INSERT INTO actions (session, id, kind, final, decision, actor, decided_ns, ground)"
-        " VALUES (?,?,'difficulty',?,?,?,?,?) ON CONFLICT DO UPDATE SET final=excluded.final,"
-        " decision=excluded.decision, actor=excluded.actor, decided_ns=excluded.decided_ns, "
-        "ground=excluded.ground"
-    ),
-    "answers": (
-        "INSERT OR REPLACE INTO answers (session, number, run, attempt, seat, step, kind, text, "
-        "labels, status, answer,"
-        " shown_ns, answered_ns) VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?)"
-    ),
-    "notes": "INSERT INTO notes (session, at_ns, author, text, label) VALUES (?,?,?,?,?)",
-    "starts": "UPDATE actions SET started_ns=MIN(?, COALESCE(started_ns, 9e18)) WHERE session=? "
-    "AND id=?",
-    "ends": "UPDATE actions SET ended_ns=MAX(?, COALESCE(ended_ns, 0)) WHERE session=? AND id=?",
-    "pauses": wellbeing.PAUSES,
-    "refusals": "DELETE FROM wellbeing WHERE session=?",
-    "log_hashes": log_hashes.INSERT,
-    "last_hashes": log_hashes.SET_LAST,
-    "session_ends": "UPDATE sessions SET status=?, ended_at=? WHERE id=?",
-}
-"""The statements for the rows of a batch, in order of execution."""
-
-_json = msgspec.json.Encoder()
+Row = tuple[Any, ...]
+Rows = dict[str, list[Row]]
+"""Rows by the names of the statements that store them."""
 
 
-def _text(value: object) -> str:
-    return _json.encode(value).decode()
+class Origin(NamedTuple):
+    """Source of a message.
+
+    ``at``: the time of its cascade (ns). ``now``: the time of day at which it is stored, UTC.
+    """
+
+    session: str
+    run: int
+    at: int
+    now: str
 
 
-_OF_ATTEMPTS = {m.TrialEnded, m.TrialMarked, m.AttemptEnded, m.StepEnded}
-_OF_ACTIONS = {
-    m.Proposal,
-    m.PendingApproval,
-    m.ProposalSeen,
-    m.Action,
-    m.Dropped,
-    m.LevelDecided,
-    m.OutputReport,
-}
-_OF_SESSIONS = {m.NoteAdded, m.SessionCommand, m.SessionEnded}
-KINDS = frozenset(_OF_ATTEMPTS | _OF_ACTIONS | _OF_SESSIONS)
-"""Messages that become more than a row of ``messages``: a small part of all."""
+class Projection(NamedTuple):
+    """The rows of a table that follow from messages of a kind.
+
+    ``statement`` stores a row; ``row`` makes it, or returns None if nothing follows.
+    """
+
+    table: str
+    kind: type[m.Message]
+    statement: str
+    row: Callable[[Origin, Any], Row | None]
 
 
 def rows_of(session: str, run: int, records: list[Record], numbers: Numbers) -> Rows:
@@ -111,91 +70,115 @@ def rows_beside(session: str, run: int, records: list[Record]) -> Rows:
     """Return the rows of other tables that follow from messages, by the names of the statements in
     ``SQL``.
     """
-    rows: Rows = {kind: [] for kind in SQL}
-    for _, at, _, message in records:
-        kind = type(message)
-        if kind in _OF_ATTEMPTS:
-            _add_attempts(rows, session, run, message)
-        elif kind in _OF_ACTIONS:
-            _add_actions(rows, session, at, message)
-        elif kind in _OF_SESSIONS:
-            _add_to_session(rows, session, at, message)
+    rows: Rows = {name: [] for name in SQL}
+    now = datetime.now(UTC).isoformat()
+    for record in records:
+        for name, projection in _BY_KIND.get(type(record.message), ()):
+            row = projection.row(Origin(session, run, record.at, now), record.message)
+            if row is not None:
+                rows[name].append(row)
+        if type(trial := record.message) is m.TrialEnded:
+            # earlier marks are in the trial's row already
+            here = (session, trial.attempt, trial.trial, trial.seat)
+            rows["marks"] = [mark for mark in rows["marks"] if mark[-len(here) :] != here]
     return rows
 
 
-_SAID_IN_PAUSES = {"pain": "pain", "tired": "fatigue"}
-"""The question that a pause answers, by its reason."""
+_json = msgspec.json.Encoder()
 
 
-def _add_to_session(rows: Rows, session: str, at: int, message: m.Message) -> None:
-    match message:
-        case m.NoteAdded() as n:
-            rows["notes"].append((session, n.at or at, n.actor, n.text, n.label))
-        case m.SessionCommand(command="pause") as c if c.reason in _SAID_IN_PAUSES:
-            rows["pauses"].append((session, c.seat, _SAID_IN_PAUSES[c.reason], wellbeing.now()))
-        case m.SessionEnded() as e:
-            rows["session_ends"].append((e.status, datetime.now(UTC).isoformat(), session))
-            # nothing is kept of those who did not agree, but their answer
-            if e.status == "refused":
-                rows["refusals"].append((session,))
+def _text(value: object) -> str | None:
+    return None if value is None else _json.encode(value).decode()
 
 
-def _add_attempts(rows: Rows, session: str, run: int, message: m.Message) -> None:
-    match message:
-        case m.TrialEnded() as t:
-            # earlier marks are in the trial's row already
-            here = (
-                session,
-                t.attempt,
-                t.trial,
-                t.seat,
-            )
-            rows["marks"] = [mark for mark in rows["marks"] if mark[2:] != here]
-            rows["trials"].append(
-                (session, t.attempt, t.trial, t.seat, run, t.stimulus, t.response, t.correct, t.onset,
-                 t.response_at, t.reaction_time_ms, _text(t.timing), _text(t.details), _text(t.data))
-            )  # fmt: skip
-        case m.TrialMarked() as k:
-            rows["marks"].append((k.correct, k.mark or None, session, k.attempt, k.trial, k.seat))
-        case m.StepEnded() as s:
-            answer = None if s.answer is None else _text(s.answer)
-            rows["answers"].append(
-                (session, s.number, run, s.attempt, s.seat, s.name, s.kind, s.text, _text(s.labels), s.status, answer,
-                 s.shown, s.ended)
-            )  # fmt: skip
-        case m.AttemptEnded() as a:
-            rows["attempts"].append(
-                (session, a.attempt, a.seat, run, a.practice, a.level, a.metric, a.metric_unit, a.accuracy,
-                 a.correct, a.trials, a.outcome, a.feedback, a.started, a.ended, a.goal, _text(a.qualities),
-                 _text(a.choice), a.condition)
-            )  # fmt: skip
+# --- tables whose columns are fields of one message
+
+_OF_ORIGIN = ("session", "run")
 
 
-def _add_actions(rows: Rows, session: str, at: int, message: m.Message) -> None:
-    match message:
-        case m.Proposal() as p:
-            rows["proposals"].append((session, p.id, p.kind, _text(p), at))
-        case m.PendingApproval() as o:
-            p = o.proposal
-            rows["pending"].append((session, p.id, p.kind, _text(p), at, o.mode, o.deadline))
-        case m.ProposalSeen() as s:
-            rows["seen"].append((s.at, session, s.action))
-        case m.Action() as a:
-            decided = a.decided or at
-            rows["decisions"].append(
-                (session, a.id, a.kind, _text(a), a.decision, a.actor, decided, a.mode, a.ground)
-            )
-        case m.Dropped() as d:
-            rows["drops"].append((*_dropped(d), at, d.reason, _ground(d), session, d.id))
-        case m.LevelDecided() as r:
-            final = None if r.decision == "rejected" else _text({"level": r.level})
-            rows["level_decisions"].append(
-                (session, r.id, final, r.decision, r.actor, r.at, r.ground)
-            )
-        case m.OutputReport(state="started") as r:
-            rows["starts"].append((r.at, session, r.action))
-        case m.OutputReport(state="done" | "aborted" | "failed") as r:
-            rows["ends"].append((r.at, session, r.action))
+def _declared(
+    table: Table,
+    kind: type[m.Message],
+    how: str = "INSERT",
+    **others: Callable[[Origin, Any], object],
+) -> Projection:
+    """Return the projection of a table whose columns are fields of a message (`tables.Column`).
+
+    ``others``: columns that are made in another way.
+    """
+    makers = [others.get(column.name) or _value(column) for column in table.columns]
+
+    def row(origin: Origin, message: Any) -> Row:
+        return tuple([make(origin, message) for make in makers])
+
+    return Projection(table.name, kind, table.insert(how=how), row)
+
+
+def _value(column: Column) -> Callable[[Origin, Any], object]:
+    if column.name in _OF_ORIGIN:
+        of_origin = attrgetter(column.name)
+        return lambda origin, message: of_origin(origin)
+    field = attrgetter(column.field or column.name)
+    if column.type == "json":
+        return lambda origin, message: _text(field(message))
+    return lambda origin, message: field(message)
+
+
+# --- actions: proposed, decided on and carried out, each by a message of its own
+
+_FIRST = (*ACTIONS.key, "kind", "proposed", "proposed_ns")
+"""Columns of an action that later messages leave as they are."""
+
+
+def _put(*names: str) -> str:
+    """Return the statement that stores these columns of an action, or changes those of one that is
+    there.
+    """
+    changed = ", ".join(f"{name}=excluded.{name}" for name in names if name not in _FIRST)
+    return f"{ACTIONS.insert(*names)} ON CONFLICT DO UPDATE SET {changed}"
+
+
+def _change(values: str) -> str:
+    """Return the statement that changes an action, and does nothing if it is not there, such as a
+    tone that nobody proposed.
+    """
+    return f"UPDATE actions SET {values} WHERE session=? AND id=?"
+
+
+def _pending(origin: Origin, pending: m.PendingApproval) -> Row:
+    return (*_proposal(origin, pending.proposal), pending.mode, pending.deadline)
+
+
+def _proposal(origin: Origin, proposed: m.Proposal) -> Row:
+    return (origin.session, proposed.id, proposed.kind, _text(proposed), origin.at)
+
+
+def _decision(origin: Origin, action: m.Action) -> Row:
+    return (
+        origin.session,
+        action.id,
+        action.kind,
+        _text(action),
+        action.decision,
+        action.actor,
+        action.decided or origin.at,
+        action.mode,
+        action.ground,
+    )
+
+
+def _level_decision(origin: Origin, decided: m.LevelDecided) -> Row:
+    final = None if decided.decision == "rejected" else _text({"level": decided.level})
+    return (
+        origin.session,
+        decided.id,
+        "difficulty",
+        final,
+        decided.decision,
+        decided.actor,
+        decided.at,
+        decided.ground,
+    )
 
 
 _GROUNDS: dict[str, m.Ground] = {
@@ -206,17 +189,135 @@ _GROUNDS: dict[str, m.Ground] = {
 """The ground of the decision to drop a proposal, by the reason."""
 
 
-def _ground(dropped: m.Dropped) -> m.Ground:
-    """Return the ground of a dropped proposal. An operator's stop key is an operator's decision."""
-    is_operators = dropped.reason == "stopped" and dropped.actor != "agent"
-    return "operator" if is_operators else _GROUNDS.get(dropped.reason, "mode")
-
-
-def _dropped(dropped: m.Dropped) -> tuple[str, str]:
-    """Return the decision on a dropped proposal and its actor: ``stop`` for the stop key if no
-    operator pressed it.
+def _drop(origin: Origin, dropped: m.Dropped) -> Row:
+    """Return the decision on a dropped proposal. Its actor is ``stop`` if the stop key was pressed
+    by nobody who is an operator; an operator's stop key is an operator's decision.
     """
+    decision, actor = "dropped", dropped.actor
+    ground = _GROUNDS.get(dropped.reason, "mode")
     if dropped.reason == "vetoed":
-        return "rejected", dropped.actor
-    is_stop_key = dropped.reason == "stopped" and dropped.actor == "agent"
-    return "dropped", "stop" if is_stop_key else dropped.actor
+        decision = "rejected"
+    elif dropped.reason == "stopped" and actor == "agent":
+        actor = "stop"
+    elif dropped.reason == "stopped":
+        ground = "operator"
+    return (decision, actor, origin.at, dropped.reason, ground, origin.session, dropped.id)
+
+
+def _start(origin: Origin, report: m.OutputReport) -> Row | None:
+    if report.state != "started":
+        return None
+    return (report.at, origin.session, report.action)
+
+
+def _end(origin: Origin, report: m.OutputReport) -> Row | None:
+    if report.state not in ("done", "aborted", "failed"):
+        return None
+    return (report.at, origin.session, report.action)
+
+
+# --- what a session leaves elsewhere
+
+_SAID_IN_PAUSES = {"pain": "pain", "tired": "fatigue"}
+"""The question that a pause answers, by its reason."""
+
+
+def _pause(origin: Origin, command: m.SessionCommand) -> Row | None:
+    if command.command != "pause" or command.reason not in _SAID_IN_PAUSES:
+        return None
+    return (origin.session, command.seat, _SAID_IN_PAUSES[command.reason], origin.now)
+
+
+def _refusal(origin: Origin, ended: m.SessionEnded) -> Row | None:
+    """Keep nothing of those who did not agree, but their answer."""
+    return (origin.session,) if ended.status == "refused" else None
+
+
+PROJECTIONS = {
+    "trials": _declared(TRIALS, m.TrialEnded),
+    "marks": Projection(
+        "trials",
+        m.TrialMarked,
+        "UPDATE trials SET correct=?, details=json_set(details, '$.mark', ?)"
+        " WHERE session=? AND attempt=? AND trial=? AND seat=?",
+        lambda origin, mark: (
+            mark.correct, mark.mark or None, origin.session, mark.attempt, mark.trial, mark.seat,
+        ),
+    ),
+    "attempts": _declared(ATTEMPTS, m.AttemptEnded, "INSERT OR REPLACE"),
+    "answers": _declared(ANSWERS, m.StepEnded, "INSERT OR REPLACE"),
+    "notes": _declared(NOTES, m.NoteAdded, at_ns=lambda origin, note: note.at or origin.at),
+    "proposals": Projection(
+        "actions",
+        m.Proposal,
+        ACTIONS.insert("session", "id", "kind", "proposed", "proposed_ns"),
+        _proposal,
+    ),
+    "pending": Projection(
+        "actions",
+        m.PendingApproval,
+        _put("session", "id", "kind", "proposed", "proposed_ns", "mode", "deadline_ns"),
+        _pending,
+    ),
+    "seen": Projection(
+        "actions",
+        m.ProposalSeen,
+        _change("shown_ns=MIN(?, COALESCE(shown_ns, 9e18))"),
+        lambda origin, seen: (seen.at, origin.session, seen.action),
+    ),
+    "decisions": Projection(
+        "actions",
+        m.Action,
+        _put("session", "id", "kind", "final", "decision", "actor", "decided_ns", "mode", "ground"),
+        _decision,
+    ),
+    "drops": Projection(
+        "actions",
+        m.Dropped,
+        _change(
+            "final=NULL, decision=?, actor=?, decided_ns=?, reason=?,"
+            " mode=COALESCE(mode, 'autonomous'), ground=?"
+        ),
+        _drop,
+    ),
+    "level_decisions": Projection(
+        "actions",
+        m.LevelDecided,
+        _put("session", "id", "kind", "final", "decision", "actor", "decided_ns", "ground"),
+        _level_decision,
+    ),
+    "starts": Projection(
+        "actions", m.OutputReport, _change("started_ns=MIN(?, COALESCE(started_ns, 9e18))"), _start
+    ),
+    "ends": Projection(
+        "actions", m.OutputReport, _change("ended_ns=MAX(?, COALESCE(ended_ns, 0))"), _end
+    ),
+    "pauses": Projection("wellbeing", m.SessionCommand, wellbeing.PAUSES, _pause),
+    "refusals": Projection(
+        "wellbeing", m.SessionEnded, "DELETE FROM wellbeing WHERE session=?", _refusal
+    ),
+    "session_ends": Projection(
+        "sessions",
+        m.SessionEnded,
+        "UPDATE sessions SET status=?, ended_at=? WHERE id=?",
+        lambda origin, ended: (ended.status, origin.now, origin.session),
+    ),
+}  # fmt: skip
+"""All projections, in the order in which the rows of a batch are stored."""
+
+SQL = {
+    "messages": MESSAGES.insert(),
+    "streams": imu.INSERT_STREAM,
+    "chunks": imu.INSERT_CHUNK,
+    **{name: projection.statement for name, projection in PROJECTIONS.items()},
+    "log_hashes": LOG_HASHES.insert(),
+    "last_hashes": log_hashes.SET_LAST,
+}
+"""The statements for the rows of a batch, in order of execution."""
+
+_BY_KIND = {
+    kind: [(name, each) for name, each in PROJECTIONS.items() if each.kind is kind]
+    for kind in {each.kind for each in PROJECTIONS.values()}
+}
+KINDS = frozenset(_BY_KIND)
+"""Messages that become more than a row of ``messages``: a small part of all."""

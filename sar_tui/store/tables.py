@@ -68,7 +68,8 @@ class Column(msgspec.Struct, frozen=True):
         exported: its name in the export of its table; True: its own, which of a part is the last
             word of its path; False: another table has it, or none.
         required: True if a value is never missing.
-        field: the field of the message that it is stored from, if it has another name.
+        field: in a table whose columns are fields of a message (`store.rows`), the field that it is
+            stored from, if that has another name.
         form: of a text that another database may bring.
         sql: constraints and default value, in SQL.
         since: version of the data that added it, for a table that is older.
@@ -870,6 +871,7 @@ NOTES = Table(
             "string",
             "Who wrote it, by name.",
             privacy="person",
+            field="actor",
             parts=(
                 Column("role", "string", "Who wrote it.", exported="written_by", levels=_ROLES),
             ),
