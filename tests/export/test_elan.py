@@ -1,6 +1,7 @@
 """Sessions leave as tiers for ELAN: valid documents, in which every act is at its time."""
 
 import re
+import sys
 from contextlib import closing
 from datetime import datetime
 from pathlib import Path
@@ -11,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.export.formats.eaf import Annotation, Tier, annotation, document
+from sar_tui.export.formats.elan import Annotation, Tier, annotation, document
 from sar_tui.store.database import connect
 from tests.export.exported import export_as, export_csv, read_csv
 from tests.export.resumed import resumed
@@ -28,7 +29,7 @@ def read_eaf(path: Path) -> Tiers:
     EAF 3.0.
     """
     root = ElementTree.parse(path).getroot()
-    order = ["HEADER", "TIME_ORDER", "TIER", "LINGUISTIC_TYPE"]
+    order = ["HEADER", "TIME_ORDER", "TIER", "LINGUISTIC_TYPE", "CONSTRAINT"]
     assert [each.tag for each in root] == sorted((each.tag for each in root), key=order.index)
     assert root.tag == "ANNOTATION_DOCUMENT"
     assert (root.get("FORMAT"), root.get("VERSION")) == ("3.0", "3.0")
@@ -206,19 +207,18 @@ def test_any_acts_make_a_valid_document_and_none_is_lost(
     path = tmp_path_factory.mktemp("eaf") / "a.eaf"
     given: list[Annotation] = [annotation(*act) for act in acts]
     made = document([Tier("notes", given), Tier("empty", [])], "2026-01-01T00:00:00+00:00")
-    made.write(path, encoding="utf-8", xml_declaration=True)
+    made.to_file(path)
     tiers = read_eaf(path)
-    assert sorted(each[:2] for each in _all(tiers, "notes")) == sorted(each.times for each in given)
+    assert sorted(each[:2] for each in _all(tiers, "notes")) == sorted(
+        (each.start, each.end) for each in given
+    )
 
 
-def test_pympi_reads_the_same(call: Call, tmp_path: Path) -> None:
-    pympi = pytest.importorskip("pympi", reason="pympi-ling is not installed")
-    varied(call, tmp_path / "data")
-    export_as("elan", tmp_path / "data", tmp_path / "out", with_notes=True)
-    paths = sorted((tmp_path / "out").glob("*.eaf"))
-    assert len(paths) == 4
-    for path in paths:
-        found = pympi.Elan.Eaf(str(path))
-        assert {
-            name: found.get_annotation_data_for_tier(name) for name in found.get_tier_names()
-        } == read_eaf(path)
+def test_without_pympi_a_sentence_says_how_to_install_it(
+    call: Call, simulated: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "pympi", None)
+    called = call("export", "--all", "--simulated", "--format", "elan", "--to", tmp_path / "out")
+    assert called.code == 1
+    assert "pip install -e '.[export]'" in called.err
+    assert not (tmp_path / "out").exists()

@@ -1,15 +1,22 @@
 """A file for ELAN a session, for coding beside a video of it."""
 
-from collections.abc import Callable, Iterator, Mapping
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
+from sar_tui.drivers.installation import pip_install_extra
 from sar_tui.export.contents import Contents
-from sar_tui.export.formats.eaf import Annotation, Tier, annotation, document
+from sar_tui.export.errors import ExportError
 from sar_tui.export.session_clock import SessionClock, session_clock
 
 Row = Mapping[str, Any]
+POINT_MS = 100
+"""Length of what has no duration: ELAN shows no annotation that is shorter than a millisecond."""
+_NOT_IN_XML = re.compile("[^\t\n\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _DEEDS = {
     "say": ("final_spoken", "final_text"),
     "show": ("final_text",),
@@ -33,7 +40,14 @@ class ElanFormat:
     title = "a file a session for ELAN, to code it beside a video"
 
     def write(self, contents: Contents, folder: Path, progress: Callable[[], None]) -> None:
-        """Write a file for each session."""
+        """Write a file for each session. Raises ExportError if pympi is not installed."""
+        try:
+            import pympi  # noqa: F401
+        except ImportError as error:
+            raise ExportError(
+                "The format elan needs the package pympi-ling. Install it with: "
+                f"{pip_install_extra('export')}"
+            ) from error
         for table in contents.tables:
             if table.of == "participant":
                 for _ in contents.owners(table):
@@ -41,8 +55,7 @@ class ElanFormat:
         of_sessions = [table for table in contents.tables if table.of == "session"]
         for session in contents.owners(of_sessions[0]):
             found = _Session(contents, session)
-            made = document(found.tiers(), found.date)
-            made.write(folder / f"session_{session}.eaf", encoding="utf-8", xml_declaration=True)
+            document(found.tiers(), found.date).to_file(folder / f"session_{session}.eaf")
             if found.unplaced:
                 contents.problems.append(
                     f"Session {session}: the start of a run is not stored, and its acts are left "
@@ -51,6 +64,93 @@ class ElanFormat:
                 )
             for _ in of_sessions:
                 progress()
+
+
+class Annotation(msgspec.Struct, frozen=True, order=True):
+    """A value from a start to an end, in ms."""
+
+    start: int
+    end: int
+    value: str
+
+
+class Tier(msgspec.Struct, frozen=True):
+    """A line of annotations.
+
+    Attributes:
+        participant: the code of the person it is about; empty if none.
+    """
+
+    name: str
+    annotations: Sequence[Annotation]
+    participant: str = ""
+
+
+def annotation(start: int, end: int | None, value: str) -> Annotation:
+    """Return an annotation. Without an end after its start it is as long as `POINT_MS`."""
+    return Annotation(start, end if end is not None and end > start else start + POINT_MS, value)
+
+
+def document(tiers: Iterable[Tier], date: str) -> Any:
+    """Return the document of a session, a ``pympi.Eaf`` of EAF 3.0.
+
+    Args:
+        date: with time, ISO 8601.
+    """
+    from pympi.Elan import Eaf
+
+    made = Eaf(author="sar-tui")
+    made.remove_tier("default")
+    made.adocument |= {
+        "DATE": date,
+        "FORMAT": "3.0",
+        "VERSION": "3.0",
+        "xsi:noNamespaceSchemaLocation": "http://www.mpi.nl/tools/elan/EAFv3.0.xsd",
+    }
+    made.header = {"MEDIA_FILE": "", "TIME_UNITS": "milliseconds"}
+    for tier in tiers:
+        for line in _without_overlap(tier):
+            made.add_tier(line.name, part=line.participant or None)
+            for each in line.annotations:
+                made.add_annotation(line.name, each.start, each.end, _text(each.value))
+    _sort_time_slots(made)
+    made.properties = [("lastUsedAnnotationId", made.maxaid)]
+    return made
+
+
+def _without_overlap(tier: Tier) -> list[Tier]:
+    """Return a tier, and others for what overlaps in it, which ELAN does not allow: "notes", "notes
+    2", …
+    """
+    lines: list[list[Annotation]] = [[]]
+    for each in sorted(tier.annotations):
+        line = next((line for line in lines if not line or line[-1].end <= each.start), None)
+        if line is None:
+            lines.append(line := [])
+        line.append(each)
+    return [
+        Tier(tier.name if number == 1 else f"{tier.name} {number}", line, tier.participant)
+        for number, line in enumerate(lines, 1)
+    ]
+
+
+def _text(value: str) -> str:
+    """Return a text that XML can hold: line ends as LF, and a mark for a control character."""
+    return _NOT_IN_XML.sub("\ufffd", re.sub("\r\n?", "\n", value))
+
+
+def _sort_time_slots(document: Any) -> None:
+    """Number the time slots by time: pympi writes them by their numbers, EAF wants them in order.
+
+    Each end keeps a slot of its own: annotations that share one move together when it is dragged in
+    ELAN.
+    """
+    ends = sorted(document.timeslots.items(), key=lambda slot: slot[1])
+    names = {slot: f"ts{number}" for number, (slot, _) in enumerate(ends, 1)}
+    document.timeslots = {names[slot]: time for slot, time in ends}
+    for annotations, *_ in document.tiers.values():
+        for id, (start, end, *rest) in annotations.items():
+            annotations[id] = (names[start], names[end], *rest)
 
 
 class _Session:
