@@ -1,5 +1,8 @@
 """Lists whose chosen line is marked by a bar, and is not filled."""
 
+import textwrap
+from typing import Any
+
 from rich.segment import Segment
 from textual.content import Content
 from textual.events import Key
@@ -8,6 +11,8 @@ from textual.strip import Strip
 from sar_tui.widgets.option_list import OptionList
 
 _MARK = "▌"
+_SUMMARY_WIDTH = 33
+"""Characters of a line of a summary."""
 
 
 class MarkedList(OptionList):
@@ -65,7 +70,11 @@ class MarkedList(OptionList):
 
 
 class PickList(MarkedList):
-    """A list of one line, the chosen one, that opens while it has the focus."""
+    """A list of one line, the chosen one, that opens while it has the focus.
+
+    Attributes:
+        summaries: title and summary of options, by id; that of the chosen one stands below it.
+    """
 
     DEFAULT_CSS = """
     PickList { height: 1; border: none; overflow: hidden; }
@@ -74,6 +83,37 @@ class PickList(MarkedList):
         border: round $accent; offset: -2 0;
     }
     """
+
+    def __init__(self, **how: Any) -> None:
+        super().__init__(**how)
+        self.summaries: dict[str, tuple[str, str]] = {}
+        self._expanded = ""
+
+    def watch_has_focus(self, has_focus: bool) -> None:
+        super().watch_has_focus(has_focus)
+        self._expand()
+
+    def watch_highlighted(self, highlighted: int | None) -> None:
+        super().watch_highlighted(highlighted)
+        self._expand()
+
+    def _expand(self) -> None:
+        """Show the summary of the chosen option while the list is open."""
+        chosen = (self.chosen or "") if self.has_focus else ""
+        if chosen == self._expanded or not self.summaries:
+            return
+        for name in (self._expanded, chosen):
+            if name in self.summaries:
+                title, summary = self.summaries[name]
+                lines = textwrap.wrap(summary, _SUMMARY_WIDTH) if name == chosen else []
+                below = "".join(f"\n  {line}" for line in lines)
+                prompt = Content.assemble(title, (below, "$text-muted not bold"))
+                self.replace_option_prompt(name, prompt)
+        self._expanded = chosen
+        if all(option.disabled for option in self.options[(self.highlighted or 0) + 1 :]):
+            self.scroll_end(animate=False)  # shows those below that cannot be chosen
+        else:
+            self.scroll_to_highlight()
 
     def render_line(self, y: int) -> Strip:
         """Draw the chosen option alone, unless the list is open."""

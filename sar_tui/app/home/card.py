@@ -8,7 +8,6 @@ from textual.events import Resize
 from textual.widgets import Button, Static
 
 from sar_tui.app.home.chart import SessionChart
-from sar_tui.app.home.task_list import TaskList
 from sar_tui.widgets.marked_list import PickList
 
 if TYPE_CHECKING:
@@ -51,7 +50,7 @@ class ParticipantCard(Vertical):
         with Horizontal(id="choices"):
             yield Static("Task", classes="label")
             with Vertical(classes="slot"):
-                yield TaskList(id="task")
+                yield PickList(id="task", markup=False)
             yield Static("Theme", classes="label second")
             with Vertical(id="theme-slot", classes="slot"):
                 yield PickList(id="theme", markup=False)

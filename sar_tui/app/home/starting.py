@@ -2,28 +2,23 @@
 against it.
 """
 
-from typing import TYPE_CHECKING, Any
-
-from textual.screen import Screen
+from typing import TYPE_CHECKING
 
 from sar_tui.plugins import PluginError
 from sar_tui.store.database import StoreError
 
 if TYPE_CHECKING:
+    from sar_tui.app.screens.home import HomeScreen
     from sar_tui.loop.task import Task
     from sar_tui.store.programmes import Programme
 
 
-class StartingScreen(Screen[None]):
-    """The part of the first screen that begins a session."""
+class Starting:
+    """Begins sessions from the first screen, which stays below them."""
 
-    app: Any
-    _left_out = ""
-
-    if TYPE_CHECKING:  # defined by the whole screen
-
-        def refresh_contents(self) -> None:
-            """Read everything that is shown anew."""
+    def __init__(self, screen: "HomeScreen") -> None:
+        self._screen = screen
+        self._left_out = ""
 
     def start(self, task: "type[Task]", who: str, theme: str | None) -> None:
         """Begin a session, in a task for two after asking who sits on the right."""
@@ -36,7 +31,7 @@ class StartingScreen(Screen[None]):
             if code:
                 self._begin(task, theme, who, code)
 
-        self.app.push_screen(SecondParticipantScreen(who), second_chosen)
+        self._screen.app.push_screen(SecondParticipantScreen(who), second_chosen)
 
     def _begin(self, task: "type[Task]", theme: str | None, *codes: str) -> None:
         """Plan the session from the first participant's programme, save another theme in it, and
@@ -49,14 +44,14 @@ class StartingScreen(Screen[None]):
         from sar_tui.runs.plan import Failed, left_out_text, make_plan
         from sar_tui.store import programmes
 
-        saved = programmes.newest(self.app.database, codes[0], task.name)
+        saved = programmes.newest(self._screen.app.database, codes[0], task.name)
         theme = theme or saved.theme
         try:
-            plan = make_plan(self.app.catalogue, task, codes, saved=saved, theme=theme)
+            plan = make_plan(self._screen.app.catalogue, task, codes, saved=saved, theme=theme)
             if (text := left_out_text(plan)) != self._left_out:
                 self._left_out = text
                 if text:
-                    self.notify(
+                    self._screen.notify(
                         f"{text} Press START again to begin without it.",
                         severity="warning",
                         timeout=30,
@@ -64,18 +59,20 @@ class StartingScreen(Screen[None]):
                     return
             if theme != saved.theme:
                 saved = self._save_theme(codes[0], task.name, saved, theme)
-                plan = make_plan(self.app.catalogue, task, codes, saved=saved, seed=plan.seed)
+                plan = make_plan(
+                    self._screen.app.catalogue, task, codes, saved=saved, seed=plan.seed
+                )
         except ParameterError as error:
-            self.notify(
+            self._screen.notify(
                 f"The settings of {codes[0]} do not fit: {error}", severity="warning", timeout=15
             )
         except StoreError as error:
-            self.notify(str(error), severity="error", timeout=15)
-            self.refresh_contents()  # opens a database anew that was removed
+            self._screen.notify(str(error), severity="error", timeout=15)
+            self._screen.refresh_contents()  # opens a database anew that was removed
         except (PluginError, Failed) as error:
-            self.notify(str(error), severity="warning", timeout=15)
+            self._screen.notify(str(error), severity="warning", timeout=15)
         else:
-            self.app.begin_session(plan)
+            self._screen.app.begin_session(plan)
 
     def _save_theme(
         self, participant: str, task: str, saved: "Programme", theme: str
@@ -87,7 +84,7 @@ class StartingScreen(Screen[None]):
         changed = programmes.Programme(saved.parameters, theme)
         reason = f"Theme {theme} was chosen on the first screen."
         return programmes.save(
-            self.app.database,
+            self._screen.app.database,
             participant,
             task,
             changed,

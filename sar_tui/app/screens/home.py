@@ -1,20 +1,20 @@
 """The first screen: the participants, the card of the chosen one, and their sessions."""
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from textual import on
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal
+from textual.screen import Screen
 from textual.widgets import Button, Static
 from textual.widgets.option_list import Option
 
 from sar_tui.app.home.card import ParticipantCard
-from sar_tui.app.home.joining import JoiningScreen
 from sar_tui.app.home.participant_list import ParticipantList
 from sar_tui.app.home.session_list import SessionList
-from sar_tui.app.home.starting import StartingScreen
-from sar_tui.app.home.task_list import TaskList
+from sar_tui.app.home.starting import Starting
+from sar_tui.app.home.task_list import list_tasks
 from sar_tui.plugins import PluginError
 from sar_tui.store.connection import timing_flags
 from sar_tui.store.database import StoreError
@@ -30,7 +30,7 @@ _FIRST_TASK = "keyboard"
 """The task that is chosen before anybody has chosen one, if it is there."""
 
 
-class HomeScreen(JoiningScreen, StartingScreen):
+class HomeScreen(Screen[None]):
     """Participants, how the chosen one is doing, and START. Enter and Enter begin their next
     session.
     """
@@ -56,12 +56,15 @@ class HomeScreen(JoiningScreen, StartingScreen):
         Binding("escape", "to_participants", "Who", show=False, id="to-participants"),
     ]
 
+    app: Any
     HORIZONTAL_BREAKPOINTS = [(100, "-wide")]
     VERTICAL_BREAKPOINTS = [(30, "-tall")]
 
     def __init__(self) -> None:
         super().__init__()
+        self._starting = Starting(self)
         self._is_filled = False
+        self._can_operate = False
         self._who: str | None = None
         self._theme_of: tuple[str, str] | None = None
         self._shown: tuple[str | None, str | None] | None = None
@@ -82,7 +85,7 @@ class HomeScreen(JoiningScreen, StartingScreen):
         """
         await self.query_one(ParticipantCard).open()
         self._is_filled = True
-        self._tasks.fill(self.app.catalogue)
+        list_tasks(self._tasks, self.app.catalogue)
         self.app.themes.load()
         self._themes.add_options(
             [Option(theme.title, id=name) for name, theme in self.app.themes.known.items()]
@@ -90,14 +93,14 @@ class HomeScreen(JoiningScreen, StartingScreen):
         self._themes.highlighted = 0
         self._tasks.choose(_FIRST_TASK)
         self._list_participants()
-        self.look_for_sessions()
-        self.set_interval(_LOOK_SECONDS, self.look_for_sessions)
+        self._look_for_sessions()
+        self.set_interval(_LOOK_SECONDS, self._look_for_sessions)
         self.app.tell_troubles()
 
     def on_screen_resume(self) -> None:
         if self._is_filled:
             self.refresh_contents()
-            self.look_for_sessions()
+            self._look_for_sessions()
         if self.focused is None:
             self._participants.focus()
 
@@ -177,8 +180,8 @@ class HomeScreen(JoiningScreen, StartingScreen):
         return self.query_one(ParticipantList)
 
     @property
-    def _tasks(self) -> TaskList:
-        return self.query_one("#task", TaskList)
+    def _tasks(self) -> PickList:
+        return self.query_one("#task", PickList)
 
     @property
     def _themes(self) -> PickList:
@@ -235,6 +238,8 @@ class HomeScreen(JoiningScreen, StartingScreen):
         self.app.push_screen(NewParticipantScreen(), added)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        if action == "operate":
+            return self._can_operate
         if action == "sessions" and self.focused is not None and self.focused.id == "recent":
             return False
         return super().check_action(action, parameters)
@@ -262,7 +267,7 @@ class HomeScreen(JoiningScreen, StartingScreen):
     def _start(self) -> None:
         if chosen := self._participant_and_task():
             who, task = chosen
-            self.start(task, who, self._themes.chosen)
+            self._starting.start(task, who, self._themes.chosen)
 
     async def action_patient_mode(self) -> None:
         """Let the chosen participant train alone."""
@@ -304,6 +309,44 @@ class HomeScreen(JoiningScreen, StartingScreen):
         except PluginError as error:  # it was removed or edited meanwhile
             self.notify(str(error), severity="warning", timeout=15)
             return None
+
+    # --- the operator's panel, while a session of this data folder can be joined
+
+    def _look_for_sessions(self) -> None:
+        from sar_tui.link.discovery import joinable_sessions
+        from sar_tui.link.errors import LinkError
+
+        if not self.is_current:
+            return
+        try:
+            can_operate = bool(joinable_sessions(self.app.folder))
+        except LinkError:
+            can_operate = False
+        if can_operate != self._can_operate:
+            self._can_operate = can_operate
+            self.refresh_bindings()
+
+    def action_operate(self) -> None:
+        """Choose a session, and open its panel."""
+        from sar_tui.link.discovery import JoinableSession, joinable_sessions
+        from sar_tui.operator.session_picker import ChooseScreen, own_name, panel
+
+        folder = self.app.folder
+
+        def chosen(live: JoinableSession | None) -> None:
+            if live is not None:
+                theme = next(iter(self.app.themes.known.values()))
+                self.app.push_screen(panel(live, own_name(), "operator", theme, folder), left)
+
+        def left(why: str | None) -> None:
+            if why:
+                self.notify(why, severity="warning", timeout=15)
+
+        found = joinable_sessions(folder)
+        if len(found) == 1:
+            chosen(found[0])
+        else:
+            self.app.push_screen(ChooseScreen(folder), chosen)
 
 
 def _title() -> str:

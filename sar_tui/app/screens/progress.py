@@ -1,8 +1,10 @@
 """Progress of a participant in a task over sessions, for the therapist."""
 
 import sqlite3
+from collections.abc import Callable
 from typing import Any, ClassVar
 
+from textual import work
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal
@@ -11,7 +13,6 @@ from textual.widgets import Static
 
 from sar_tui.app.screens.chart_colors import colored
 from sar_tui.app.screens.progress_records import RECORDS, Records
-from sar_tui.app.screens.progress_reports import Reports
 from sar_tui.loop.task import Task
 from sar_tui.reports import comparison_words, progress_words
 from sar_tui.reports import progress_parts as parts
@@ -41,7 +42,7 @@ NONE_YET = (
 )
 
 
-class ProgressScreen(Records, Reports, DismissedOnce[None]):
+class ProgressScreen(DismissedOnce[None]):
     """A chart of the sessions and what can be said of them, in parts; one session is chosen in all
     of them.
     """
@@ -87,12 +88,13 @@ class ProgressScreen(Records, Reports, DismissedOnce[None]):
         super().__init__()
         self._participant = participant
         self._motor_task = task
-        self._found: Progress | None = None
+        self.found: Progress | None = None
         self._part = 0
         self._line = 0
         self._chosen = 0
         self._marked: str | None = None
         self._tr = progress_words.words("en", task)
+        self._records = Records(self, participant, self._tr)
 
     def compose(self) -> ComposeResult:
         yield Static(f"{self._participant} · {self._motor_task.title}", id="top", markup=False)
@@ -110,14 +112,14 @@ class ProgressScreen(Records, Reports, DismissedOnce[None]):
 
     def _read(self) -> None:
         """Read the sessions once the empty screen is shown: a thousand of them take a moment."""
-        if self._load():
-            assert self._found
-            self._line = len(self._found.lines) - 1
+        if self.load():
+            assert self.found
+            self._line = len(self.found.lines) - 1
             self._chosen = len(line.sessions) - 1 if (line := self._shown_line) else 0
             self.refresh_bindings()
-            self._show()
+            self.show()
 
-    def _load(self) -> bool:
+    def load(self) -> bool:
         """Read all that is shown, and return True; say why if it cannot be read."""
         find = {self._motor_task.name: self._motor_task}.get
         try:
@@ -127,7 +129,7 @@ class ProgressScreen(Records, Reports, DismissedOnce[None]):
                     database, self._participant, self._motor_task.name, folder=self.app.folder
                 )
             )
-            self._found = progress(
+            self.found = progress(
                 self._participant,
                 sessions,
                 find,
@@ -147,32 +149,33 @@ class ProgressScreen(Records, Reports, DismissedOnce[None]):
 
     @property
     def _shown_line(self) -> LineProgress | None:
-        return self._found.lines[self._line] if self._found and self._found.lines else None
+        return self.found.lines[self._line] if self.found and self.found.lines else None
 
     @property
-    def _part_name(self) -> str:
+    def part_name(self) -> str:
+        """The part that is shown."""
         return _PARTS[self._part]
 
     @property
     def _shows_sessions(self) -> bool:
         """True if a session can be chosen: one is marked in a chart, or in the list of sessions."""
-        return self._part_name in _OF_SESSIONS or (
-            self._part_name == "Dose" and self.size.width >= _WIDE
+        return self.part_name in _OF_SESSIONS or (
+            self.part_name == "Dose" and self.size.width >= _WIDE
         )
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        line, records = self._shown_line, self._count_records()
+        line, records = self._shown_line, self._records.count
         has_sessions = line is not None and len(line.sessions) > 1 and self._shows_sessions
         enabled = {
             "other_settings": self._shows_sessions
-            and self._found is not None
-            and len(self._found.lines) > 1,
+            and self.found is not None
+            and len(self.found.lines) > 1,
             "compare": has_sessions,
             "choose": has_sessions or records > 1,
             "choose_end": has_sessions or records > 1,
-            "add_record": self._found is not None and self._part_name in RECORDS,
-            "change_event": self._part_name == "Events" and records > 0,
-            "remove_score": self._part_name == "Instruments" and records > 0,
+            "add_record": self.found is not None and self.part_name in RECORDS,
+            "change_event": self.part_name == "Events" and records > 0,
+            "remove_score": self.part_name == "Instruments" and records > 0,
             "note": line is not None,
             "page": line is not None,
         }
@@ -182,12 +185,12 @@ class ProgressScreen(Records, Reports, DismissedOnce[None]):
 
     def on_resize(self) -> None:
         self.refresh_bindings()
-        if self._found:
-            self.call_after_refresh(self._show)
+        if self.found:
+            self.call_after_refresh(self.show)
 
-    def _show(self) -> None:
+    def show(self) -> None:
         """Draw everything anew."""
-        assert self._found
+        assert self.found
         line = self._shown_line
         self.query_one("#top", Static).update(self._title(line))
         named = [
@@ -205,15 +208,13 @@ class ProgressScreen(Records, Reports, DismissedOnce[None]):
             self.size.width,
             self.size.height - _HEADING_AND_KEYS - len(about.splitlines()),
         )
-        sides = (
-            (full - _TABLE, _TABLE) if self._part_name != "Sessions" else (_TABLE, full - _TABLE)
-        )
+        sides = (full - _TABLE, _TABLE) if self.part_name != "Sessions" else (_TABLE, full - _TABLE)
         beside.styles.width = sides[1]
         width = (sides[0] if is_wide else full) - 2
         part.update(colored(self._lines_of_part((width, height))))
         if is_wide and line:
             size = (sides[1] - 2, height)
-            if self._part_name == "Sessions":
+            if self.part_name == "Sessions":
                 beside.update(
                     colored(parts.level_part(line, size, self._chosen, self._tr, self._marked))
                 )
@@ -225,22 +226,22 @@ class ProgressScreen(Records, Reports, DismissedOnce[None]):
     def _title(self, line: LineProgress | None) -> str:
         if line is None:
             return f"{self._participant} · {self._motor_task.title}"
-        count = len(self._found.lines) if self._found else 1
+        count = len(self.found.lines) if self.found else 1
         number = f"{count - self._line} of {count} · " if count > 1 else ""
         return f"{self._participant} · {number}{progress_words.heading(line, self._tr)}"
 
     def _lines_of_part(self, size: tuple[int, int]) -> list[str]:
-        assert self._found
+        assert self.found
         line, tr = self._shown_line, self._tr
-        match self._part_name:
+        match self.part_name:
             case "Dose":
-                return parts.dose_part(self._found, size, tr)
+                return parts.dose_part(self.found, size, tr)
             case "Events" | "Instruments":
-                return self._lines_of_records(size)
+                return self._records.lines(size)
             case _ if line is None:
                 return parts.wrapped([NONE_YET], size[0])
             case "Level":
-                said = [f"! {text}" for text in advice(self._found.tell)]
+                said = [f"! {text}" for text in advice(self.found.tell)]
                 return parts.level_part(line, size, self._chosen, tr, self._marked, said)
             case "Results":
                 return parts.results_part(line, size, self._chosen, tr, self._marked)
@@ -249,12 +250,12 @@ class ProgressScreen(Records, Reports, DismissedOnce[None]):
 
     def _about_chosen(self, line: LineProgress) -> str:
         """Return the chosen session in words, or its comparison with the marked one."""
-        assert self._found
+        assert self.found
         chosen = line.sessions[self._chosen]
         when, felt = parts.session_text(line, chosen, self._tr)
         if self._marked == chosen.session:
             felt = "Up and Down: choose the session to compare it with. Esc: no comparison."
-        elif self._marked and (comparison := compare(self._found, self._marked, chosen.session)):
+        elif self._marked and (comparison := compare(self.found, self._marked, chosen.session)):
             days = [
                 progress_words.day(each.began) for each in (comparison.earlier, comparison.later)
             ]
@@ -271,46 +272,106 @@ class ProgressScreen(Records, Reports, DismissedOnce[None]):
         """Show another part."""
         self._part = (self._part + step) % len(_PARTS)
         self.refresh_bindings()
-        if self._found:
-            self._show()
+        if self.found:
+            self.show()
 
     def action_choose(self, step: int) -> None:
         """Choose an earlier or later session, event or score."""
-        if self._part_name in RECORDS:
-            self._choose_record(step)
+        if self.part_name in RECORDS:
+            self._records.choose(step)
         elif line := self._shown_line:
             self._chosen = max(0, min(len(line.sessions) - 1, self._chosen + step))
-            self._show()
+            self.show()
 
     def action_choose_end(self, session: int) -> None:
         """Choose the first or the last session, event or score."""
-        if self._part_name in RECORDS:
-            self._choose_record(-self._count_records() if session == 0 else self._count_records())
+        if self.part_name in RECORDS:
+            count = self._records.count
+            self._records.choose(-count if session == 0 else count)
         elif line := self._shown_line:
             self._chosen = session % len(line.sessions)
-            self._show()
+            self.show()
 
     def action_other_settings(self) -> None:
         """Show the sessions that had other settings."""
         if line := self._shown_line:
-            assert self._found
-            self._line = (self._line - 1) % len(self._found.lines)
-            line = self._found.lines[self._line]
+            assert self.found
+            self._line = (self._line - 1) % len(self.found.lines)
+            line = self.found.lines[self._line]
             self._chosen, self._marked = len(line.sessions) - 1, None
             self.refresh_bindings()
-            self._show()
+            self.show()
 
     def action_compare(self) -> None:
         """Mark the chosen session, to compare it with others; or end the comparison."""
         if line := self._shown_line:
             chosen = line.sessions[self._chosen].session
             self._marked = None if self._marked == chosen else chosen
-            self._show()
+            self.show()
 
     def action_leave(self) -> None:
         """End a comparison, or go back."""
         if self._marked and self._shows_sessions:
             self._marked = None
-            self._show()
+            self.show()
         else:
             self.dismiss()
+
+    def action_add_record(self) -> None:
+        """Open the form for a new event or score."""
+        self._records.add()
+
+    def action_change_event(self) -> None:
+        """Open the form for what is known now of the chosen event, such as its outcome."""
+        self._records.change_event()
+
+    def action_remove_score(self) -> None:
+        """Ask whether the chosen score was entered by mistake, and remove it then."""
+        self._records.remove_score()
+
+    # --- what leaves the program
+
+    def action_note(self) -> None:
+        """Show a paragraph to paste into a record."""
+        from sar_tui.app.screens.progress_note import ProgressNoteScreen
+
+        line, found = self._shown_line, self.found
+        if line and found:
+
+            def text(language: str) -> str:
+                tr = progress_words.words(language, self._motor_task)
+                return "\n\n".join(
+                    [
+                        progress_words.note(self._participant, line, tr),
+                        *progress_words.after_notes(found, tr),
+                    ]
+                )
+
+            self.app.push_screen(ProgressNoteScreen(text))
+
+    def action_page(self) -> None:
+        """Write a page with charts into the data folder."""
+        if self.found:
+            self.notify("Drawing the page …", timeout=3)
+            self._write_page(self.found)
+
+    @work(thread=True, exclusive=True, group="page")
+    def _write_page(self, found: Progress) -> None:
+        from sar_tui.drivers.new_file import unused, write_private
+        from sar_tui.reports.html_page import ChartsMissing
+        from sar_tui.reports.progress_page import page
+
+        find: Callable[[str], type[Task] | None] = {self._motor_task.name: self._motor_task}.get
+        name = f"progress-{self._participant}-{self._motor_task.name}"
+        try:
+            text = page(found, find, "en")
+            path = unused(self.app.folder / f"{name}.html")
+            write_private(path, text)
+        except ChartsMissing as error:
+            self.app.call_from_thread(self.notify, str(error), severity="warning", timeout=20)
+        except OSError as error:
+            said = f"The page cannot be written: {error.strerror or error}."
+            self.app.call_from_thread(self.notify, said, severity="error", timeout=20)
+        else:
+            said = f"{path} is written. Open it in a browser, which can also print it."
+            self.app.call_from_thread(self.notify, said, timeout=12)
