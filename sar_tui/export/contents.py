@@ -4,7 +4,7 @@ one by one.
 
 import re
 import sqlite3
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence, Set
 from copy import copy
 from functools import partial
 from operator import itemgetter
@@ -20,13 +20,11 @@ from sar_tui.export.privacy import Privacy
 from sar_tui.export.run_time import run_starts
 from sar_tui.export.tables.agent import actions, outputs
 from sar_tui.export.tables.answers import answers
-from sar_tui.export.tables.events import EVENTS
 from sar_tui.export.tables.imu import IMU_STREAMS, imu, sensor_faults
-from sar_tui.export.tables.notes import notes
+from sar_tui.export.tables.log import EVENTS, notes, sync_signals
 from sar_tui.export.tables.parameters import PROGRAMMES, Fields, parameters, programme_parameters
 from sar_tui.export.tables.results import attempts, trials
 from sar_tui.export.tables.sessions import PARTICIPANTS, runs, sessions
-from sar_tui.export.tables.sync_signals import sync_signals
 from sar_tui.export.tables.wellbeing import ADVERSE_EVENTS, INSTRUMENT_SCORES, wellbeing
 from sar_tui.plugins import PluginError
 from sar_tui.rules.parameters import TaskParameters
@@ -222,6 +220,17 @@ class Contents:
             return self._privacy.changed(table, found, self._persons.get(stored, stored), starts)
 
         return self._damage.rows(table, owner, read)
+
+
+def dataset_name(modes: Set[str]) -> str:
+    """Return the name of a data set for people, which tells simulated sessions from live ones.
+
+    Args:
+        modes: of the sessions.
+    """
+    if modes <= {"live"}:
+        return "Sessions of motor tasks"
+    return f"Sessions of motor tasks ({'some are' if 'live' in modes else 'all'} simulated)"
 
 
 def _with_ids(sentence: str, names: Mapping[str, str]) -> str:

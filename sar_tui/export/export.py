@@ -16,7 +16,6 @@ from sar_tui.drivers.new_file import unused
 from sar_tui.export.contents import Contents
 from sar_tui.export.damage import with_any_text
 from sar_tui.export.errors import ExportError
-from sar_tui.export.manifest import write_manifest
 from sar_tui.export.methods import FILE as METHODS
 from sar_tui.export.methods import methods
 from sar_tui.export.passports import FILE as PASSPORTS
@@ -24,9 +23,8 @@ from sar_tui.export.passports import Passport, passports
 from sar_tui.export.privacy import Privacy
 from sar_tui.export.recoding import recoding, shuffled
 from sar_tui.export.registry import Format
-from sar_tui.export.site_target import check_folder, site_target
-from sar_tui.export.sites import Part, parts
-from sar_tui.export.target import MANIFEST, check, forget_times, sync, target
+from sar_tui.export.sites import Part, check_folder, parts, site_target
+from sar_tui.export.target import MANIFEST, check, forget_times, sync, target, write_manifest
 from sar_tui.store.database import StoreConnection
 from sar_tui.store.exports import record
 from sar_tui.store.selection import Request, Selection, select

@@ -20,7 +20,7 @@ import msgspec
 
 from sar_tui.export.csv_file import CsvWriter
 from sar_tui.export.errors import ExportError
-from sar_tui.export.place import made_beside
+from sar_tui.export.target import made_beside
 
 T = TypeVar("T")
 HEAD = ("code", "recoded", "shift_days", "key")

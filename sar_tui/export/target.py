@@ -1,6 +1,8 @@
-"""The folder that an export makes: absent or complete, whatever happens while it is written."""
+"""The folder of an export, complete or absent, with its manifest."""
 
 import contextlib
+import errno
+import hashlib
 import os
 import shutil
 import tempfile
@@ -8,12 +10,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from glob import escape
 from pathlib import Path
+from typing import Any
 
 import filelock
 import msgspec
 
+from sar_tui import __version__
+from sar_tui.drivers.private_folder import make_private
 from sar_tui.export.errors import ExportError
-from sar_tui.export.place import made_beside
 
 MANIFEST = "sar-tui-export.json"
 """The file in an export that says what it holds, and by which a later export knows its own
@@ -206,3 +210,63 @@ def is_locked(path: Path) -> bool:
         return True
     lock.release()
     return False
+
+
+_BLOCK = 1 << 20
+
+
+def write_manifest(folder: Path, about: Path = Path(), **facts: Any) -> str:
+    """Write the manifest of a folder whose files are complete; return its SHA-256.
+
+    Args:
+        about: the place of the manifest in the folder.
+        facts: the format, the sessions, and other facts about the export.
+    """
+    files = [
+        {
+            "path": path.relative_to(folder).as_posix(),
+            "bytes": path.stat().st_size,
+            "sha256": sha256(path),
+        }
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and path.name != LOCK
+    ]
+    manifest = (
+        msgspec.json.format(msgspec.json.encode({"sar_tui": __version__, **facts, "files": files}))
+        + b"\n"
+    )
+    (folder / about / MANIFEST).write_bytes(manifest)
+    return hashlib.sha256(manifest).hexdigest()
+
+
+def sha256(path: Path) -> str:
+    """Return the SHA-256 of a file."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+_FULL = (errno.ENOSPC, errno.EDQUOT)
+
+
+@contextmanager
+def made_beside(path: Path) -> Iterator[None]:
+    """Make the folder that a path is in, and run a block that makes hidden files there.
+
+    Raises:
+        ExportError: the folder cannot be made or written to.
+        OSError: the disk is full.
+    """
+    above = next(folder for folder in path.absolute().parents if folder.exists())
+    if not above.is_dir():
+        raise ExportError(f"{path} cannot be made: {above} is a file.", bad_input=True)
+    try:
+        make_private(path.absolute().parent)
+        yield
+    except OSError as error:
+        if error.errno in _FULL:
+            raise
+        if error.errno == errno.ENAMETOOLONG:
+            raise ExportError(
+                f"{path} is too long for the name of a file or folder.", bad_input=True
+            ) from error
+        raise ExportError(f"{path} cannot be made: {error.strerror or error}.") from error

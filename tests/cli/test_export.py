@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from sar_tui.export.manifest import sha256
+from sar_tui.export.target import sha256
 from sar_tui.store import locks
 from sar_tui.store.database import connect
 from tests.export.exported import read_csv

@@ -12,7 +12,7 @@ import pytest
 import scipy.io
 from scipy.io.matlab import MatWriteError
 
-from sar_tui.export.formats.mat_values import short_names
+from sar_tui.export.formats.mat import short_names
 from sar_tui.store.database import connect
 from tests.export import mat_files
 from tests.export.exported import export_as, export_csv, read_csv

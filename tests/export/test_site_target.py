@@ -9,9 +9,8 @@ from pathlib import Path
 import pytest
 
 from sar_tui.export.errors import ExportError
-from sar_tui.export.manifest import write_manifest
-from sar_tui.export.site_target import about, site_target
-from sar_tui.export.target import sync
+from sar_tui.export.sites import about, site_target
+from sar_tui.export.target import sync, write_manifest
 
 
 def made(

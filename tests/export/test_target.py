@@ -12,8 +12,7 @@ from pathlib import Path
 import pytest
 
 from sar_tui.export.errors import ExportError
-from sar_tui.export.manifest import write_manifest
-from sar_tui.export.target import sync, target
+from sar_tui.export.target import sync, target, write_manifest
 
 
 def made(folder: Path, text: str = "1") -> None:

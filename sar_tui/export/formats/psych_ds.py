@@ -11,8 +11,7 @@ import msgspec
 
 from sar_tui import __version__
 from sar_tui.export.columns import Column, Table
-from sar_tui.export.contents import Contents
-from sar_tui.export.dataset_name import dataset_name
+from sar_tui.export.contents import Contents, dataset_name
 from sar_tui.export.formats.csv import write_table
 
 _CONTEXT = "https://schema.org/"

@@ -19,8 +19,7 @@ from sar_tui.export.columns import (
     with_others,
 )
 from sar_tui.export.damage import Damage
-from sar_tui.export.messages_of_topic import messages_of_topic
-from sar_tui.export.run_numbers import runs_of_actions
+from sar_tui.export.log import messages_of_topic, runs_of_actions
 from sar_tui.model.messages.base import ActionPart
 from sar_tui.store.tables import ACTIONS
 

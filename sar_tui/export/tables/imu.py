@@ -26,7 +26,7 @@ from sar_tui.export.columns import (
     with_others,
 )
 from sar_tui.export.damage import Damage
-from sar_tui.export.messages_of_topic import messages_of_topic
+from sar_tui.export.log import messages_of_topic
 from sar_tui.loop.topics import SENSOR, TRUNK_SENSOR
 from sar_tui.store.imu import layout
 from sar_tui.store.tables import IMU_STREAMS as STORED_STREAMS

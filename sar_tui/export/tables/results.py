@@ -27,7 +27,7 @@ from sar_tui.export.columns import (
 )
 from sar_tui.export.damage import Damage
 from sar_tui.export.json_columns import Declared, columns, value_for
-from sar_tui.export.run_numbers import runs_of_starts
+from sar_tui.export.log import runs_of_starts
 from sar_tui.rules.feedback import POLICIES
 from sar_tui.store import tables
 from sar_tui.store.tables import ATTEMPTS, TRIALS

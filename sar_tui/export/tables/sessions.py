@@ -15,7 +15,7 @@ from sar_tui.export.columns import (
     with_others,
 )
 from sar_tui.export.damage import Damage
-from sar_tui.export.messages_of_topic import messages_of_topic
+from sar_tui.export.log import messages_of_topic
 from sar_tui.loop.topics import SESSION as SESSION_STARTED
 from sar_tui.store import sites
 from sar_tui.store.record_changes import BY_MISTAKE, why_discarded

@@ -6,12 +6,23 @@ from pathlib import Path
 from typing import Any
 
 from sar_tui.export.contents import Contents
-from sar_tui.export.formats.bids.behaviour import describe_behaviour, write_behaviour
-from sar_tui.export.formats.bids.dataset import SOURCE, write_dataset
-from sar_tui.export.formats.bids.events import Window, describe_events, presentation, write_events
+from sar_tui.export.formats.bids.dataset import (
+    SOURCE,
+    describe_scans,
+    write_dataset,
+    write_phenotype,
+    write_scans,
+    write_sessions,
+)
+from sar_tui.export.formats.bids.events import (
+    Window,
+    describe_behaviour,
+    describe_events,
+    presentation,
+    write_behaviour,
+    write_events,
+)
 from sar_tui.export.formats.bids.motion import describe_motion, write_motion
-from sar_tui.export.formats.bids.phenotype import write_phenotype
-from sar_tui.export.formats.bids.sessions import describe_scans, write_scans, write_sessions
 from sar_tui.export.formats.bids.study import Run, Session, Study
 from sar_tui.export.formats.bids.tsv import write_json
 from sar_tui.export.formats.csv import CsvFormat
