@@ -29,7 +29,7 @@ from sar_tui.operator.phrases import addressee
 from sar_tui.operator.proposal_strip import ProposalStrip
 from sar_tui.operator.text_charts import trend, wrap
 from sar_tui.operator.widgets import CachedStatic, TooSmallNotice
-from sar_tui.tui.ordered_keys import OrderedScreen
+from sar_tui.tui.base_app import OrderedScreen
 from sar_tui.tui.terminal_probe import INTERVAL_S as PROBE_INTERVAL_S
 
 FRAME_SECONDS = 1 / 15

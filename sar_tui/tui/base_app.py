@@ -10,7 +10,7 @@ import signal
 import sqlite3
 import sys
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 from textual import events
 from textual.app import App
@@ -20,12 +20,12 @@ from textual.driver import Driver
 from textual.filter import LineFilter
 from textual.geometry import Size
 from textual.message import Message
+from textual.screen import Screen
 
 from sar_tui.model.theme import Theme
 from sar_tui.tui.exit_codes import INTERRUPTED, after_signal
 from sar_tui.tui.gc_control import SWITCH_INTERVAL
 from sar_tui.tui.line_filters import ConsoleGlyphs, VisibleLines, on_linux_console
-from sar_tui.tui.ordered_keys import in_order
 from sar_tui.tui.terminal_input import PasteDropped, UnreadableInput, capped, tolerate_in_terminals
 from sar_tui.tui.terminal_output import unblocked
 from sar_tui.tui.terminal_probe import TerminalProbe, is_relayed
@@ -297,3 +297,36 @@ def explain_failure(error: Exception) -> str:
     if isinstance(error, StoreError):
         return str(error)
     return f"sar-tui failed ({type(error).__name__}: {error}). Set {DEBUG}=1 to see where."
+
+
+T = TypeVar("T")
+
+
+class OrderedScreen(Screen[T]):
+    """A screen on which a key may open a text field, so that the keys after it in the same burst
+    are typed there.
+
+    Textual queues a key for the focused widget, so that keys read together would all go to the
+    widget that had the focus before the first of them.
+    """
+
+    def takes(self, event: events.Key | events.Paste) -> bool:
+        """Type a key if a field takes it; return True if so. Other keys are looked up in the
+        bindings: here, all.
+        """
+        return False
+
+
+async def in_order(app: App[Any], event: events.Event) -> bool:
+    """Handle a key on an `OrderedScreen` at once; returns True if it was handled."""
+    if not isinstance(event, (events.Key, events.Paste)) or event.is_forwarded:
+        return False
+    screen = app.screen
+    if not isinstance(screen, OrderedScreen):
+        return False
+    app.app_focus = True
+    if not screen.takes(event) and isinstance(event, events.Key):
+        for is_first in (True, False):
+            if await app._check_bindings(event.key, priority=is_first):
+                break
+    return True

@@ -5,8 +5,10 @@ tests.
 import functools
 import re
 from collections.abc import Callable, Sequence
+from functools import cache
 from typing import Literal
 
+from rich._palettes import STANDARD_PALETTE
 from rich.cells import cell_len
 from rich.color import Color
 from rich.segment import Segment
@@ -15,10 +17,11 @@ from textual.geometry import Region, Size
 from textual.strip import Strip
 from textual.widget import Widget
 
+from sar_tui.loop.prompt_colors import OKABE_ITO, color_on
+from sar_tui.model.contrast import contrast
 from sar_tui.model.messages import Prompt
 from sar_tui.widgets.prompt_lines import Line, answer_lines, plain_lines, room, with_text
 from sar_tui.widgets.prompt_pictures import Drawn, Pictures, Way, overlay
-from sar_tui.widgets.prompt_style import prompt_color
 
 DrawPrompt = Callable[[Prompt | None, int, int], Sequence[Line]]
 """Draws a prompt, or the fixation point, in a number of columns and rows."""
@@ -223,3 +226,36 @@ def _hex(rgb: tuple[int, int, int]) -> str:
 
 def _indent(line: str) -> int:
     return len(line) - len(line.lstrip())
+
+
+_SIXTEEN = {
+    "red": (9, 1),
+    "orange": (3, 9),
+    "yellow": (11, 3),
+    "green": (10, 2),
+    "sky blue": (14, 6),
+    "blue": (12, 4),
+    "purple": (13, 5),
+}
+"""Numbers of the nearest of a terminal's sixteen colours, on a dark and on a light background.
+
+The nearest by Rich's measure are alike for some names: red and orange, green and blue.
+"""
+
+
+@cache
+def prompt_color(name: str, background: str, color_system: str | None) -> Color | None:
+    """Return the colour for a prompt; None for the colour of texts, as for a name that is not in
+    the set.
+
+    Args:
+        name: of the colour; empty for none.
+        background: as #rrggbb.
+        color_system: of Rich's console: "truecolor", "256", "standard" …
+    """
+    if name not in OKABE_ITO:
+        return None
+    if color_system in ("standard", "windows"):
+        is_light = contrast("#000000", background) > contrast("#ffffff", background)
+        return Color.from_rgb(*STANDARD_PALETTE[_SIXTEEN[name][is_light]])
+    return Color.parse(color_on(name, background))

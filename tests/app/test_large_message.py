@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from sar_tui.app.screens.large_message import large_message
+from sar_tui.app.screens.message_panel import large_message
 from sar_tui.app.screens.waiting_text import WaitingText
 from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue

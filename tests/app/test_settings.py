@@ -8,7 +8,7 @@ import msgspec
 import pytest
 from textual.widgets import Button, Static
 
-from sar_tui.app.screens.settings import SettingsScreen
+from sar_tui.app.screens.settings import FieldPanel, SettingsScreen
 from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.declaration import meta, show
@@ -17,7 +17,6 @@ from sar_tui.store import programmes
 from sar_tui.store.database import connect
 from sar_tui.store.programmes import Programme
 from sar_tui.widgets.choice import Choice
-from sar_tui.widgets.field_panel import FieldPanel
 from sar_tui.widgets.parameter_field import ParameterField
 from tests.app.app_driver import AppDriver, known, open_app, stored
 from tests.examples import first

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
-from sar_tui.app.screens.step_text import decline_text, step_text
+from sar_tui.app.screens.waiting_text import decline_text, step_text
 from sar_tui.loop.task import Task
 from sar_tui.model.language import Language
 from sar_tui.model.messages import AskedStep

@@ -10,7 +10,7 @@ import pytest
 from sar_tui.loop.prompt_colors import LEAST_CONTRAST, OKABE_ITO, color_on, color_problem
 from sar_tui.model.contrast import contrast
 from sar_tui.plugins import Catalogue
-from sar_tui.widgets.prompt_style import prompt_color
+from sar_tui.widgets.big_prompt import prompt_color
 
 VISION = {
     "normal": np.eye(3),

@@ -10,7 +10,7 @@ import msgspec
 
 from sar_tui.app.home import words
 from sar_tui.app.home.chart import Chart, charted
-from sar_tui.app.home.session_table import Line
+from sar_tui.app.home.session_list import Line
 from sar_tui.app.home.words import Programme
 from sar_tui.loop.task import Task
 from sar_tui.model.results_for_people import short_goal

@@ -25,7 +25,7 @@ class Starting:
         if len(task.seats) == 1:
             self._begin(task, theme, who)
             return
-        from sar_tui.app.screens.second_participant import SecondParticipantScreen
+        from sar_tui.app.screens.new_participant import SecondParticipantScreen
 
         def second_chosen(code: str | None) -> None:
             if code:

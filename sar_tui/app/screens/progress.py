@@ -11,12 +11,12 @@ from textual.containers import Horizontal
 from textual.content import Content
 from textual.widgets import Static
 
-from sar_tui.app.screens.chart_colors import colored
 from sar_tui.app.screens.progress_records import RECORDS, Records
 from sar_tui.loop.task import Task
 from sar_tui.reports import comparison_words, progress_words
 from sar_tui.reports import progress_parts as parts
 from sar_tui.reports.progress import LineProgress, Progress, compare, progress
+from sar_tui.reports.session_chart import AREA, BAND, CHOSEN, POINT, RULE
 from sar_tui.reports.wellbeing import advice
 from sar_tui.store import adverse_events, wellbeing
 from sar_tui.store.database import StoreError, explain
@@ -375,3 +375,26 @@ class ProgressScreen(DismissedOnce[None]):
         else:
             said = f"{path} is written. Open it in a browser, which can also print it."
             self.app.call_from_thread(self.notify, said, timeout=12)
+
+
+_COLORS = {
+    POINT: "$accent",
+    BAND: "$text-muted",
+    AREA: "$border",
+    RULE: "$text-muted",
+    CHOSEN: "$accent",
+}
+
+
+def colored(lines: list[str]) -> Content:
+    """Return lines of text, with the characters of charts in their colours."""
+    pieces: list[str | tuple[str, str]] = []
+    for line in lines:
+        for character in f"{line}\n":
+            style = _COLORS.get(character, "")
+            last = pieces[-1] if pieces else None
+            if isinstance(last, tuple) and last[1] == style:
+                pieces[-1] = (last[0] + character, style)
+            else:
+                pieces.append((character, style))
+    return Content.assemble(*pieces)

@@ -6,19 +6,25 @@ from typing import Any, Protocol
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
+from textual.content import Content
+from textual.widget import Widget
 from textual.widgets import ContentSwitcher, Static
 
 from sar_tui.app.agent.session_agent import SessionAgent
 from sar_tui.app.guarded_view import GuardedView
 from sar_tui.app.live import LiveSession
 from sar_tui.app.prompt_onset import Onset, report_onset, report_trial_feedback
-from sar_tui.app.screens.large_message import is_roomy
 from sar_tui.app.screens.mark_keys import MarkKeys
-from sar_tui.app.screens.message_panel import MessagePanel
+from sar_tui.app.screens.message_panel import MessagePanel, is_roomy
 from sar_tui.app.screens.pause import PauseMenu
-from sar_tui.app.screens.step_text import decline_text, step_text
 from sar_tui.app.screens.summary import Summary
-from sar_tui.app.screens.waiting_text import WaitingText, key_name, waiting_text
+from sar_tui.app.screens.waiting_text import (
+    WaitingText,
+    decline_text,
+    key_name,
+    step_text,
+    waiting_text,
+)
 from sar_tui.loop.agent_state import AWAITED
 from sar_tui.loop.clock import Clock, Handle
 from sar_tui.loop.session import Session
@@ -42,7 +48,7 @@ from sar_tui.tui.language import session_language
 from sar_tui.tui.paint_now import paint_now
 from sar_tui.widgets.big_prompt import BigPrompt
 from sar_tui.widgets.goal_bar import GoalBar, bar_of
-from sar_tui.widgets.progress_line import ProgressLine
+from sar_tui.widgets.language import language_of
 from sar_tui.widgets.prompt_pictures import Pictures
 
 _BETWEEN = ("attempt", "answer", "step", "rest", "review")
@@ -451,3 +457,32 @@ class SessionStage(Vertical):
         total = self.waiting.trials if self.waiting else 0
         name = self.tr(self._staged.session.task.trials)
         self.query_one("#trials", ProgressLine).show(name, done, total)
+
+
+class ProgressLine(Widget):
+    """Shows "Prompts 3 of 20 ━━───────". It has no timer, and changes only by ``show``."""
+
+    DEFAULT_CSS = "ProgressLine { height: 1; width: 1fr; margin-right: 2; }"
+
+    def __init__(self, id: str | None = None) -> None:
+        super().__init__(id=id)
+        self._what, self._done, self._total = "", 0, 0
+
+    def show(self, what: str, done: int, total: int) -> None:
+        """Show that ``done`` of ``total`` are done; ``what`` is in the screen's language."""
+        self._what, self._done, self._total = what, done, total
+        self.refresh()
+
+    def render(self) -> Content:
+        tr = language_of(self.app)
+        words = (
+            tr("{what} {done} of {total}", what=self._what, done=self._done, total=self._total)
+            + " "
+        )
+        room = max(0, self.size.width - len(words))
+        done = room * min(self._done, self._total) // max(1, self._total)
+        return Content.assemble(
+            (words, "$text-muted"),
+            ("━" * done, "$accent"),
+            ("─" * (room - done), "$text-muted 50%"),
+        )

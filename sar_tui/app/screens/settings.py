@@ -1,12 +1,13 @@
 """Settings: the therapist's form, made from the task's declaration."""
 
 import functools
+from collections.abc import Iterable
 from typing import Any, ClassVar
 
 from textual import on, work
 from textual.app import ComposeResult
 from textual.binding import ActiveBinding, Binding, BindingType
-from textual.containers import Horizontal, Vertical
+from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.widgets import Button, Static
 from textual.widgets.option_list import Option
@@ -29,7 +30,6 @@ from sar_tui.theme_folder import languages
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.tui.language import app_language
 from sar_tui.tui.language import translated as translated_keys
-from sar_tui.widgets.field_panel import FieldPanel
 from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.option_list import OptionList
 from sar_tui.widgets.parameter_field import ParameterField
@@ -288,7 +288,7 @@ class SettingsScreen(DismissedOnce[None]):
 
     def action_find(self) -> None:
         """Find a setting by a word, and go to it."""
-        from sar_tui.app.screens.find_setting import FindSettingScreen
+        from sar_tui.app.screens.settings_dialogs import FindSettingScreen
 
         def found(name: str | None) -> None:
             if name:
@@ -313,7 +313,7 @@ class SettingsScreen(DismissedOnce[None]):
         if not made:
             self.query_one("#status", Static).update(self.tr("nothing has changed"))
             return
-        from sar_tui.app.screens.save_reason import Reason, SaveReasonScreen
+        from sar_tui.app.screens.settings_dialogs import Reason, SaveReasonScreen
 
         def answered(reason: Reason | None) -> None:
             if reason:
@@ -374,7 +374,7 @@ class SettingsScreen(DismissedOnce[None]):
     @on(Button.Pressed, "#preset")
     def _choose_preset(self) -> None:
         """Fill in the values of a preset. Nothing is saved."""
-        from sar_tui.app.screens.choose_preset import ChoosePresetScreen
+        from sar_tui.app.screens.settings_dialogs import ChoosePresetScreen
         from sar_tui.runs.presets import applied, files, find, not_applied
         from sar_tui.runs.programme_file import ProgrammeFile
 
@@ -450,3 +450,45 @@ def _outputs() -> tuple[str, ...]:
 
     known = output_names()
     return tuple(name for name in ("screen", "speech", "tones", "servo") if name in known)
+
+
+class FieldPanel(VerticalScroll, can_focus=False, inherit_bindings=False):
+    """Fields, which are mounted when the panel is first shown. Page keys are left to the screen.
+
+    Args:
+        title: of the heading.
+        fields: under it.
+    """
+
+    DEFAULT_CSS = "FieldPanel { display: none; height: 1fr; }"
+
+    def __init__(self, title: str, fields: Iterable[ParameterField]) -> None:
+        super().__init__()
+        self.title = title
+        self.fields = tuple(fields)
+
+    def compose(self) -> ComposeResult:
+        """Compose nothing: see `show`."""
+        return iter(())
+
+    async def show(self, shown: bool) -> None:
+        """Show the fields, or hide them."""
+        if shown and self.fields and not self.fields[0].is_attached:
+            await self.mount(*self.fields)
+        self.display = shown
+
+    @property
+    def summary(self) -> str:
+        """Number of fields that have problems ("! 2") or differ from their defaults ("● 3"); else
+        empty.
+        """
+        if wrong := sum(bool(field.problem) for field in self.fields):
+            return f"! {wrong}"
+        differing = sum(field.is_changed for field in self.fields)
+        return f"● {differing}" if differing else ""
+
+    def on_resize(self) -> None:
+        """Keep the focused field in view in a smaller window."""
+        for field in self.fields:
+            if field.has_focus_within:
+                self.call_after_refresh(field.scroll_visible, animate=False, immediate=True)

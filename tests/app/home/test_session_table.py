@@ -4,7 +4,7 @@ from datetime import date
 
 import pytest
 
-from sar_tui.app.home.session_table import Line, Table
+from sar_tui.app.home.session_list import Line, Table
 
 TODAY = date(2026, 11, 22)
 
