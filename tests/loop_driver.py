@@ -28,7 +28,6 @@ from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS, SECOND
 from sar_tui.rules.key_guard import QUIET, UNREAD
 from sar_tui.rules.parameters import build
-from sar_tui.rules.version import RULES
 
 M = TypeVar("M", bound=m.Message)
 
@@ -125,7 +124,6 @@ class LoopDriver:
         theme: of the agent.
         seed: of the session.
         history: a record to resume.
-        rules: of the session.
         parameters: of the task.
     """
 
@@ -138,13 +136,12 @@ class LoopDriver:
         history: Iterable[Record] | None = None,
         extra: Iterable[Node] = (),
         begin: bool = True,
-        rules: int = RULES,
         **parameters: object,
     ) -> None:
         self.clock = VirtualClock(10 * SECOND)
         self.screen = Screen()
         built = task(build(task.Parameters, parameters))
-        self.session = Session(built, theme, self.clock, seed, [self.screen, *extra], rules=rules)
+        self.session = Session(built, theme, self.clock, seed, [self.screen, *extra])
         self.records: list[Record] = []
         self._last_press = 0
         if history is not None:

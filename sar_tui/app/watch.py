@@ -24,7 +24,7 @@ from sar_tui.model.language import Language
 from sar_tui.model.messages import SessionStarted, ThemeApplied
 from sar_tui.plugins import Catalogue
 from sar_tui.replay.player import Player
-from sar_tui.rules.parameters import build, current_values
+from sar_tui.rules.parameters import build
 from sar_tui.runs.plan import Failed, without_outputs
 from sar_tui.store import sessions
 from sar_tui.tui.language import translated
@@ -53,9 +53,7 @@ class WatchedSession:
         speed: float,
     ) -> None:
         kind = catalogue.task(row["task"])
-        task = without_outputs(
-            kind, build(kind.Parameters, current_values(kind.Parameters, row["parameters"]))
-        )
+        task = without_outputs(kind, build(kind.Parameters, row["parameters"]))
         theme = next(
             (one.message.theme for one in records if isinstance(one.message, ThemeApplied)), None
         )
@@ -65,10 +63,10 @@ class WatchedSession:
         if theme is None or started is None:
             raise Failed(f"Session {row['id']} has no messages: there is nothing to watch.")
         catalogue.theme_folder(theme.name)
-        task.names, task.rules = started.names, started.rules
+        task.names = started.names
         self.player = Player(records, speed)
         self.clock: Clock = self.player.clock
-        self.session = Session(task, theme, self.clock, row["seed"], rules=started.rules)
+        self.session = Session(task, theme, self.clock, row["seed"])
         self.session.bus = self.player.bus
         self.codes = codes
         self.view = GuardedView(task)

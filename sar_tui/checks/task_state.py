@@ -19,7 +19,7 @@ _METHODS = (
     "trials_at",
     "target",
 )
-_GIVEN = ("names", "rules", "tr")
+_GIVEN = ("names", "tr")
 """Attributes of a task that the session sets."""
 _MOST_KEPT = 5000
 _MOST_ASKED = 400

@@ -156,7 +156,7 @@ def _watch(home: Home, session: str, speed: float) -> None:
     from sar_tui.replay.replay import check_whole
 
     with home.session(session) as (database, found):
-        check_whole(home.folder, found)
+        check_whole(database, home.folder, found)
         app = Watch(home.folder, home.catalogue(), database, found, speed).app
     find_picture_way(app)
     code = app.run_here()

@@ -103,8 +103,6 @@ def show_task(
             "metric": None if task.metric.is_none else task.metric,
         }
         parameters = [msgspec.structs.asdict(field) for field in fields(task.Parameters)]
-        for parameter in parameters:
-            del parameter["renamed"]  # former spellings are not part of the output
         print_json(
             {"task": facts, "parameters": parameters, "details": details, "measures": task.measured}
         )

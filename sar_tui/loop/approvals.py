@@ -60,7 +60,7 @@ class Approvals:
     @property
     def is_operator_awaited(self) -> bool:
         """True if the session waits for a decision."""
-        return any(arbitration.is_awaited(self.rules, one) for one in self.waiting)
+        return any(arbitration.is_awaited(one) for one in self.waiting)
 
     @property
     def kinds_held_back(self) -> tuple[m.Kind, ...]:
@@ -69,10 +69,10 @@ class Approvals:
 
     # --- the session
 
-    def begin_run(self, version: int) -> None:
-        """Decide a pending level without an operator, and begin a run by a version of the rules."""
+    def begin_run(self) -> None:
+        """Decide a pending level without an operator, and begin a run without one."""
         self._do_without_operator(_is_level)
-        self.rules = replace(self.rules, operated=False, version=version)
+        self.rules = replace(self.rules, operated=False)
 
     def begin_attempt(self) -> None:
         """Drop manual proposals when an attempt starts."""

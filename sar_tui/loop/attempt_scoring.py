@@ -381,7 +381,7 @@ def _qualities(task: Task, results: Sequence[Result]) -> dict[str, list[float]]:
     measured.
     """
     measured = {}
-    sound = [result for result in results if task.rules < 5 or DOUBTFUL not in result.flags]
+    sound = [result for result in results if DOUBTFUL not in result.flags]
     for quality in task.qualities:
         found = [result.details.get(quality.field) for result in sound if result.correct]
         if values := [float(value) for value in found if isinstance(value, int | float)]:
@@ -393,8 +393,6 @@ def _spreads(task: Task, score: Score, results: Sequence[Result]) -> dict[str, S
     """Return the spread of the trials behind the metric, if it is their mean, and behind each
     quality.
     """
-    if task.rules < 5:
-        return {}
     spreads = {name: _spread(values) for name, values in _qualities(task, results).items()}
     timed = [result for result in results if result.counts and result.value is not None]
     values = [result.value for result in timed if result.value is not None]

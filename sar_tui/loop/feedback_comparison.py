@@ -21,15 +21,14 @@ _ONE = Spread(1, 0.0)
 class QualityChange(NamedTuple):
     """The change of a quality since an earlier attempt.
 
-    ``size``: the improvement in margins, or in MDC95 from rules 5 on; negative if it is worse.
-    ``is_real``: it is large enough to be said. ``judged``: against the person's noise; None before
-    rules 5.
+    ``size``: the improvement as a multiple of its MDC95; negative if it is worse. ``is_real``: it
+    is more than the person's noise.
     """
 
     quality: Quality
     size: float
     is_real: bool
-    judged: Change | None = None
+    judged: Change
 
 
 class QualityDecline(NamedTuple):
@@ -86,11 +85,7 @@ def judge_result(
 
 def measured_qualities(task: Task, feedback: Feedback) -> list[Quality]:
     """Return the qualities that feedback on an attempt can be about."""
-    return [
-        each
-        for each in task.qualities
-        if each.field in feedback.qualities and each.is_praised(task.rules)
-    ]
+    return [each for each in task.qualities if each.field in feedback.qualities and each.praised]
 
 
 def quality_changes(
@@ -106,15 +101,6 @@ def quality_changes(
         before: the earlier one.
     """
     both = [each for each in measured_qualities(task, feedback) if each.field in before.qualities]
-    if task.rules < 5:
-        sizes = [
-            each.change(feedback.qualities[each.field], before.qualities[each.field])
-            for each in both
-        ]
-        return [
-            QualityChange(each, size, abs(size) >= 1)
-            for each, size in zip(both, sizes, strict=True)
-        ]
     judged = [(each, _judge_quality(each, feedback, recalled, before, len(both))) for each in both]
     return [
         QualityChange(each, _size(change, each.better), change.verdict != "chance", change)

@@ -1,15 +1,12 @@
 """Text of feedback on an attempt: results and performance, in words and in figures."""
 
-from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
 from sar_tui.loop.feedback_comparison import (
-    ALIKE,
     QualityChange,
     attempts_before,
     comparable_attempts,
     judge_result,
-    measured_qualities,
     quality_changes,
     quality_evidence,
     result_evidence,
@@ -38,10 +35,6 @@ class Wordings(Protocol):
         """Return a wording for a situation that repeats little of ``text``, which is said with
         it.
         """
-        ...
-
-    def choose(self, choices: Sequence[str]) -> str:
-        """Return one of some texts, at random."""
         ...
 
     def vocabulary(self, name: str) -> str:
@@ -199,7 +192,7 @@ class FeedbackText:
         """Return True if a difference may be reported: from the goal always, from other attempts if
         it is no chance.
         """
-        if self._task.rules < 5 or feedback.choice.compared_with == "goal":
+        if feedback.choice.compared_with == "goal":
             return True
         change = judge_result(self._task, feedback, recalled, before)
         return change is not None and change.verdict != "chance"
@@ -209,7 +202,7 @@ class FeedbackText:
         choice, before = feedback.choice, self._reference(feedback, recalled)
         is_told = choice.form != "qualitative" and choice.compared_with != "goal"
         is_told &= feedback.reason not in ("accuracy", "empty", *RACED)
-        if self._task.rules < 5 or not is_told or before is None:
+        if not is_told or before is None:
             return ""
         change = judge_result(self._task, feedback, recalled, before)
         return (
@@ -281,8 +274,7 @@ class FeedbackText:
         The task's own correction takes the place of what got worse. None if nothing changed:
         feedback is then on the result.
         """
-        find = self._change if self._task.rules >= 6 else self._change_or_cue
-        found = find(feedback, recalled)
+        found = self._change(feedback, recalled)
         if found and feedback.correction and found.valence != "positive":
             return found._replace(words=feedback.correction, figures=feedback.correction)
         return found
@@ -326,53 +318,6 @@ class FeedbackText:
         latest = before.attempt == feedback.attempt - 1
         return self._word.vocabulary("last_attempt" if latest else "last_at_level")
 
-    def _change_or_cue(
-        self, feedback: Feedback, recalled: RecalledAttempts
-    ) -> "_PerformanceText | None":
-        """Return what improved since the last comparable attempt, else advice, as sessions of rules
-        1 to 5 did.
-
-        None if nothing was measured.
-        """
-        measured = measured_qualities(self._task, feedback)
-        if not measured or feedback.metric is None:
-            return None
-        tr, aim = self._task.tr, self._word.choose([quality.aim for quality in measured])
-        before = next(reversed(comparable_attempts(feedback, recalled)), None)
-        changes = quality_changes(self._task, feedback, recalled, before) if before else []
-        if not changes or before is None:
-            return self._performance_text(
-                feedback, recalled, "neutral", "performance_first", {"aim": tr(aim)}
-            )
-        reference = {"reference": self._last(feedback, before)}
-        real = [change for change in changes if change.is_real]
-        best = max(real, key=lambda change: change.size, default=None)
-        if best and best.size > 0:
-            words = {"change": tr(best.quality.improved), **reference}
-            share = _share(best.quality, feedback, before)
-            text = self._performance_text(
-                feedback, recalled, "positive", "performance_improved", words, share, aim=tr(aim)
-            )
-            return text._replace(evidence=_evidence_of(best))
-        worst = min(real or changes, key=lambda change: change.size)
-        if worst.is_real:
-            words = {"aim": tr(worst.quality.aim), **reference}
-            share = _share(worst.quality, feedback, before)
-            text = self._performance_text(
-                feedback, recalled, "negative", "performance_worsened", words, share
-            )
-            return text._replace(evidence=_evidence_of(worst))
-        words = {"aim": tr(aim), **reference}
-        share = _share(worst.quality, feedback, before)
-        return self._performance_text(
-            feedback,
-            recalled,
-            "neutral",
-            "performance_same",
-            words,
-            share if share is not None and share <= ALIKE else None,
-        )
-
     def _performance_text(
         self,
         feedback: Feedback,
@@ -381,7 +326,6 @@ class FeedbackText:
         situation: str,
         words: dict[str, str],
         share: float | None = None,
-        aim: str = "",
     ) -> "_PerformanceText":
         """Return the text in words and in figures: the change as a percentage up to 100 %, else the
         result.
@@ -391,12 +335,8 @@ class FeedbackText:
             figures = self._word(f"{situation}_figures", **words, percent=f"{100 * share:.0f} %")
         elif feedback.choice.content == "both":  # the results give the figures already
             figures = said
-        elif self._task.rules >= 6:
-            figures = f"{said} {self._figures(feedback, recalled)}"
         else:
-            assert feedback.metric is not None
-            shown = self._value_and_goal(feedback.metric, feedback.goal)
-            figures = self._word("performance_first_figures", aim=words.get("aim", aim), **shown)
+            figures = f"{said} {self._figures(feedback, recalled)}"
         return _PerformanceText(said, figures, valence)
 
 

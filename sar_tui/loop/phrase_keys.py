@@ -62,14 +62,10 @@ PHRASE_KEYS: dict[str, set[str]] = {
     "summary_figures": {"reached", "attempts", "value", "goal"},
     "summary_empty_figures": {"reached", "attempts"},
     # knowledge of performance, in words and in numbers
-    "performance_first": {"aim"},
     "performance_improved": {"change", "reference"},
     "performance_worsened": {"aim", "reference"},
-    "performance_same": {"aim", "reference"},
-    "performance_first_figures": {"aim", "value", "goal"},
     "performance_improved_figures": {"change", "percent", "reference"},
     "performance_worsened_figures": {"aim", "percent", "reference"},
-    "performance_same_figures": {"aim", "percent", "reference"},
 }
 """Slots that a wording may use, by the key of its phrase."""
 

@@ -675,7 +675,7 @@ class Presenter:
                 case m.KeyPerceived() | m.Pasted():
                     self.trial.false_starts += 1
                     return False
-                case TimeUp(_, late) if late > STALLED and self.status.rules >= 3:
+                case TimeUp(_, late) if late > STALLED:
                     return False
                 case TimeUp("cue"):
                     self._give_cue()
@@ -781,7 +781,7 @@ class Presenter:
             return None
         if percept.repeat:
             trial.flag("repeat_key")
-            if self.status.rules >= 6 and isinstance(percept, m.KeyPerceived):
+            if isinstance(percept, m.KeyPerceived):
                 trial.remember_repeat(percept)
             return None
         if percept.stalled and trial.stimulus.signals:

@@ -45,7 +45,6 @@ class Session:
         done_today: what the participant did today, if something limits a day
             (`policies.limits.Dose`).
         steps: those between attempts beside the task's own.
-        rules: version of the rules; a record that is replayed brings its own.
         parts: the classes of the framework's nodes, if not its own.
 
     Attributes:
@@ -65,7 +64,6 @@ class Session:
         names: dict[str, str] | None = None,
         done_today: dict[str, float] | None = None,
         steps: tuple[Step, ...] = (),
-        rules: int = RULES,
         parts: "Parts | None" = None,
     ) -> None:
         self.task = task
@@ -83,7 +81,6 @@ class Session:
         self.ended = False
         self.is_agent_acting = False
         self.awaits_operator = False
-        self._rules = rules
         self._tr = task.tr
         self._use_texts(theme)
         self.bus.subscribe(THEME, lambda applied: self._use_texts(applied.theme))
@@ -150,7 +147,6 @@ class Session:
 
     def begin(self, run: int = 1) -> None:
         """Begin a run: attach the inputs and outputs, and start the loop."""
-        self.task.rules = self._rules
         for node in self._extra:
             node.attach(self.bus)
         self.apply_theme(self.theme)
@@ -162,7 +158,7 @@ class Session:
             best=self.best,
             others_best=self.others_best,
             names=self.names,
-            rules=self._rules,
+            rules=RULES,
             done_today=self.done_today,
             steps=self.steps if run == 1 else (),
         )
@@ -229,8 +225,6 @@ class Session:
         last = 0
         try:
             for record in history:
-                if isinstance(record.message, SessionStarted):
-                    self._rules = self.task.rules = record.message.rules
                 if record.topic.origin == "input":
                     clock.set(record.at)
                     self.bus.publish(record.topic, record.message)

@@ -15,7 +15,6 @@ class Status:
         phase: what the session waits for.
         paused_from: the phase that the last pause interrupted.
         pause_reason: as it was given for that pause; see `reason`.
-        rules: version of the session's rules.
         focused: True while the terminal has the focus.
         is_agent_acting: True while the agent speaks or moves.
         awaits_operator: True while a proposal with a deadline is pending.
@@ -27,7 +26,6 @@ class Status:
         self.phase = Phase.INSTRUCTIONS
         self.paused_from = Phase.INSTRUCTIONS
         self.pause_reason = ""
-        self.rules = 3
         self.focused = True
         self.is_agent_acting = False
         self.awaits_operator = False
@@ -36,9 +34,8 @@ class Status:
         self.blockers = Blockers(task.sensor_seats(task.parameters))
         self.keys = Keys(task.start_key)
 
-    def begin_run(self, rules: int) -> None:
+    def begin_run(self) -> None:
         """Forget what only the last run of the program knew; all that it recorded is on disk."""
-        self.rules = rules
         self.focused = True
         self.is_agent_acting = False
         self.awaits_operator = False
@@ -122,10 +119,8 @@ class Keys:
         self._key = key.key
         self._press = self._guard.press(key.key, key.at)
 
-    def is_meant(self, phase: Phase, rules: int) -> bool:
+    def is_meant(self, phase: Phase) -> bool:
         """Return True if the last key was pressed for what ``phase`` shows between trials."""
-        if rules < 6:
-            return True
         press = self._press
         is_new = press.after_quiet if phase is Phase.READY else press.is_new
         return press.counts and (is_new or self._key != "enter")

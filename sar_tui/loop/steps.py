@@ -9,13 +9,8 @@ from sar_tui.loop.task import Task
 from sar_tui.model import messages as m
 from sar_tui.model.step import TIMED, Step, translated
 from sar_tui.model.step_entry import Answer, Entry, Given, press
-from sar_tui.model.units import MS, SECOND
+from sar_tui.model.units import SECOND
 from sar_tui.rules.questions import chosen
-
-TOO_SOON = 400 * MS
-"""Until rules 6, Enter within this time of a step's appearance was meant for what stood there
-before.
-"""
 
 
 class Ended(NamedTuple):
@@ -35,7 +30,6 @@ class Steps:
 
     Attributes:
         given: those that the session was begun with.
-        rules: version of the session's rules.
         attempts_done: number of attempts that ended, without practice.
         asked: the step on the screen.
     """
@@ -43,7 +37,6 @@ class Steps:
     def __init__(self, task: Task) -> None:
         self._task = task
         self.given: tuple[Step, ...] = ()
-        self.rules = 3
         self.attempts_done = 0
         self.asked: m.AskedStep | None = None
         self._due: tuple[tuple[Step, str], ...] = ()
@@ -59,7 +52,7 @@ class Steps:
     @property
     def _all(self) -> tuple[Step, ...]:
         parameters = self._task.parameters
-        own = chosen(parameters.questions, parameters.questions_every, self.rules)
+        own = chosen(parameters.questions, parameters.questions_every)
         return (*self._task.steps, *own, *self.given)
 
     def due(self, *, is_last: bool) -> Iterator[Step]:
@@ -105,8 +98,7 @@ class Steps:
         """Take a key. Returns how it ends the step, or a changed answer; None if it does nothing."""
         asked = self.asked
         assert asked
-        is_too_soon = self.rules < 6 and key.at < asked.shown + TOO_SOON
-        if key.key == "enter" and (key.repeat or is_too_soon):
+        if key.key == "enter" and key.repeat:
             return None
         if not asked.step.is_question:
             return Ended("done", None, key.at) if key.key == "enter" else None

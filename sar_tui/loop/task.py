@@ -31,7 +31,6 @@ from sar_tui.model.trial_types import (
     Trial,
 )
 from sar_tui.plugin_calls import mark_methods
-from sar_tui.rules.version import RULES
 
 if TYPE_CHECKING:  # a task's module is imported in little more time than msgspec
     from sar_tui.loop.node import Node
@@ -114,7 +113,6 @@ class Task(ABC):
         texts_of_the_loop = Path(__file__).parent
         self.parameters = parameters
         self.names: dict[str, str] = {}
-        self.rules = RULES
         own_texts = Path(inspect.getfile(type(self))).parent
         self.tr = language(parameters.language, texts_of_the_loop, own_texts)
 

@@ -100,8 +100,7 @@ class Quality(msgspec.Struct, frozen=True):
         improved: the word for an improvement: "smoother".
         aim: the advice after a decline: "as smoothly as you can".
         margin: smaller differences are ignored, also where the person's own noise is less.
-        praised_until: the last rules of a session in which feedback is given on it; None: in all.
-            It is stored in any.
+        praised: True if feedback is given on it; it is stored in any case.
     """
 
     field: str
@@ -109,16 +108,7 @@ class Quality(msgspec.Struct, frozen=True):
     improved: str
     aim: str
     margin: float
-    praised_until: int | None = None
-
-    def is_praised(self, rules: int) -> bool:
-        """Return True if feedback is given on it in a session of these rules."""
-        return self.praised_until is None or rules <= self.praised_until
-
-    def change(self, value: float, before: float) -> float:
-        """Return the improvement over ``before``, in margins; negative if it is worse."""
-        difference = before - value if self.better == "lower" else value - before
-        return difference / self.margin
+    praised: bool = True
 
 
 class Score(msgspec.Struct, frozen=True):

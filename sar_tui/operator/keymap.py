@@ -206,8 +206,6 @@ FILE = "wizard-keys.toml"
 """Name of the file in the data folder."""
 EVENTS = ("distracted", "spoken to", "technical trouble", "something else")
 """Event marks, unless the file names others."""
-_FORMER_IDS = {"baton": "control"}
-"""Ids that older files may hold."""
 
 
 class KeymapFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -241,8 +239,6 @@ def read(folder: Path) -> tuple[KeymapFile, str]:
     path = folder / FILE
     try:
         file = msgspec.toml.decode(path.read_bytes(), type=KeymapFile)
-        keys = {_FORMER_IDS.get(id, id): keys for id, keys in file.keys.items()}
-        file = msgspec.structs.replace(file, keys=keys)
         problem = _problem(file)
     except FileNotFoundError:
         return KeymapFile(), ""

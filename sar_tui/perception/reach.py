@@ -15,7 +15,6 @@ from sar_tui.loop.topics import (
     PROMPT,
     REACH,
     SENSOR,
-    SESSION,
     TIMER,
     TRIAL,
     TRUNK_IMU,
@@ -29,7 +28,6 @@ from sar_tui.model.messages import (
     PromptVoided,
     ReachPerceived,
     SensorChanged,
-    SessionStarted,
     TrialEnded,
 )
 from sar_tui.model.units import MS, SECOND
@@ -84,13 +82,14 @@ class ReachPerception(TimedNode):
         self._seat = seat
         if seat != "A":
             self.name = f"{self.name}_{seat.lower()}"
-        self._analysis = analysis
+        # the samples that are analysed begin at a rest: see `_forget_earlier_movement`
+        orientation = msgspec.structs.replace(analysis.orientation, home_s=0.0)
+        self._analysis = msgspec.structs.replace(analysis, orientation=orientation)
         self._still_s = still_ms / 1000
         self._settled_s = max(SETTLED_S, analysis.fixed_threshold.still_ms / 1000 + MARGIN_S)
         self._kept = KeptSamples()
         self._over = EVER
         """End of the last reach, ns."""
-        self._starts_at_home = True
         self._trunk = Trunk()
         self._rate_hz = 0.0
         self._key = HeldKey()
@@ -111,23 +110,6 @@ class ReachPerception(TimedNode):
     def seat(self) -> str:
         """The participant whose hand it watches."""
         return self._seat
-
-    @on(SESSION)
-    def session_started(self, session: SessionStarted) -> None:
-        """Measure as the rules of the session did when it began."""
-        if session.rules < 5:
-            detector = (
-                "single-axis"
-                if self._analysis.detector == "orientation"
-                else self._analysis.detector
-            )
-            self._analysis = msgspec.structs.replace(
-                self._analysis, measures_version=1, detector=detector
-            )
-        self._starts_at_home = session.rules >= 6
-        if self._starts_at_home:
-            orientation = msgspec.structs.replace(self._analysis.orientation, home_s=0.0)
-            self._analysis = msgspec.structs.replace(self._analysis, orientation=orientation)
 
     # --- the sensor
 
@@ -256,8 +238,6 @@ class ReachPerception(TimedNode):
         A movement before, such as a way back that belongs to no reach, could be taken for a part of
         this one.
         """
-        if not self._starts_at_home:
-            return
         home = home_since(self._kept.all(), self._started, self._analysis.orientation)
         if home is not None:
             self._kept.forget_before(home)
@@ -336,7 +316,7 @@ class ReachPerception(TimedNode):
             # a small movement such as a flick of the wrist: keep waiting for the reach
             self._dismissed = self._began_s
             return
-        if self._starts_at_home and found.end_ns is not None:
+        if found.end_ns is not None:
             self._over = found.end_ns
             self._kept.forget_before(self._over)
         at = next(stamp for stamp in (found.end_ns, self._ended, self.now) if stamp is not None)

@@ -27,7 +27,7 @@ from sar_tui.progress.level_estimate import (
 )
 from sar_tui.progress.task_level import AttemptResult, compared_settings, on_axis, places
 from sar_tui.rules.declaration import ParameterError
-from sar_tui.rules.parameters import build, current_values
+from sar_tui.rules.parameters import build
 from sar_tui.rules.wellbeing import SessionRatings
 
 Side = Literal["", "easier", "harder"]
@@ -243,9 +243,8 @@ def _compared(kind: type[Task] | None, parameters: Mapping[str, Any]) -> dict[st
     """
     if kind is None:
         return dict(sorted(parameters.items()))
-    stored = current_values(kind.Parameters, parameters)
     return {
-        name: stored.get(name, default)
+        name: parameters.get(name, default)
         for name, default in compared_settings(kind.Parameters).items()
     }
 

@@ -26,7 +26,7 @@ from sar_tui.replay.response_model import (
     Response,
     ResponseModel,
 )
-from sar_tui.rules.parameters import build, current_values
+from sar_tui.rules.parameters import build
 from sar_tui.runs.plan import Failed, without_outputs
 from sar_tui.store import sessions
 
@@ -126,12 +126,10 @@ def fork(
         ParameterError: a parameter is unknown or out of bounds.
         Failed: the session cannot be modelled: the message says why.
     """
-    check_whole(folder, row)
+    check_whole(database, folder, row)
     kind = catalogue.task(row["task"])
-    names = current_values(kind.Parameters, changed)
-    recorded_values = current_values(kind.Parameters, row["parameters"])
-    before = without_outputs(kind, build(kind.Parameters, recorded_values))
-    after = build(kind.Parameters, {**recorded_values, **names})
+    before = without_outputs(kind, build(kind.Parameters, row["parameters"]))
+    after = build(kind.Parameters, {**row["parameters"], **changed})
     _check_kind(row, before)
     record = read_responses(database, row)
     same = play(kind, before.parameters, record, row["seed"], record, None)
@@ -142,7 +140,7 @@ def fork(
             "on it, or the task has changed since. It cannot be forked."
         )
     model = None
-    is_exact = all(changes_only_scores(kind, name) or name in _SCORES_TOO for name in names)
+    is_exact = all(changes_only_scores(kind, name) or name in _SCORES_TOO for name in changed)
     kept = record if is_exact else None
     seed = int(row["seed"])
     first = play(kind, after, record, seed, kept, None)
@@ -161,7 +159,7 @@ def fork(
     what_if = msgspec.to_builtins(after)
     return Forked(
         session=row["id"],
-        what_if={name: what_if[name] for name in names},
+        what_if={name: what_if[name] for name in changed},
         record_ends_at_attempt=first.forked_at,
         runs=len(ended),
         seed=seed,

@@ -211,7 +211,6 @@ def play(
         names=started.names,
         done_today=started.done_today,
         steps=started.steps,
-        rules=started.rules,
     )
     ended: list[AttemptEnded] = []
     session.bus.subscribe(ATTEMPT_ENDED, ended.append)

@@ -16,7 +16,7 @@ from sar_tui.model.messages import AttemptEnded, PendingApproval, Prompt, TrialE
 from sar_tui.plugins import Catalogue
 from sar_tui.replay.replay import new_session, replay
 from sar_tui.rules.declaration import ParameterError
-from sar_tui.rules.parameters import current_values, fields
+from sar_tui.rules.parameters import fields
 from sar_tui.runs.plan import Failed
 from sar_tui.store import sessions
 
@@ -95,10 +95,9 @@ def rescore(
             up.
     """
     kind = catalogue.task(row["task"])
-    names = current_values(kind.Parameters, changed)
     declared = {field.name for field in fields(kind.Parameters)}
     if wrong := [
-        name for name in names if name in declared and not changes_only_scores(kind, name)
+        name for name in changed if name in declared and not changes_only_scores(kind, name)
     ]:
         raise ParameterError(
             {
@@ -107,7 +106,7 @@ def rescore(
                 for name in wrong
             }
         )
-    session = new_session(row, catalogue, names)
+    session = new_session(row, catalogue, changed)
     if not replay(database, folder, catalogue, row).identical:
         raise Failed(
             f"The session {row['id']} differs from its record without any change: `sar-tui replay "
@@ -131,7 +130,7 @@ def rescore(
     what_if = msgspec.to_builtins(session.task.parameters)
     return Rescored(
         session=row["id"],
-        what_if={name: what_if[name] for name in names},
+        what_if={name: what_if[name] for name in changed},
         attempts=attempts,
         ends_at_attempt=ends_at,
         other_feedback_from=min(other, default=None),

@@ -5,9 +5,8 @@ from typing import Any
 
 from sar_tui.loop.replay_comparison import WORDING
 from sar_tui.replay.fork import Forked
-from sar_tui.replay.replay import FirstDifference, Replayed
+from sar_tui.replay.replay import FirstDifference, Replayed, Versions
 from sar_tui.replay.rescore import Rescored
-from sar_tui.replay.versions import changes
 
 _LONGEST = 60
 """Longest value that is quoted, in characters."""
@@ -69,13 +68,10 @@ def _short(value: Any) -> str:
 
 def _versions(replayed: Replayed) -> list[str]:
     now = replayed.replayed_with
-    found = {run.run: changes(run, now) for run in replayed.recorded_with}
+    found = {run.run: _changes(run, now) for run in replayed.recorded_with}
     version = f"sar-tui {now.sar_tui}, {now.task} {now.task_version}, theme {now.theme}"
-    rules = ", ".join(
-        dict.fromkeys(str(run.rules) for run in replayed.recorded_with if run.rules is not None)
-    )
     if not any(found.values()):
-        return [f"Recorded and replayed with {version}{f', rules {rules}' if rules else ''}."]
+        return [f"Recorded and replayed with {version}."]
     several = len(found) > 1
     return [
         f"Replayed with {version}.",
@@ -85,6 +81,29 @@ def _versions(replayed: Replayed) -> list[str]:
             for text in texts
         ),
     ]
+
+
+def _changes(then: Versions, now: Versions) -> list[str]:
+    """Return a sentence for each part that is another one now than in a run."""
+    found = []
+    if then.sar_tui != now.sar_tui:
+        found.append(
+            f"sar-tui was {then.sar_tui or 'of an unknown version'}, and is {now.sar_tui}."
+        )
+    if then.task_version != now.task_version:
+        found.append(
+            f"The task {now.task} was version {then.task_version}, and is version "
+            f"{now.task_version}."
+        )
+    elif then.task_hash != now.task_hash:
+        found.append(f"The files of the task {now.task} have changed.")
+    if now.theme_hash is None:
+        found.append(f"The theme {now.theme} is not installed.")
+    elif then.theme != now.theme:
+        found.append(f"The theme was {then.theme}, and not {now.theme}.")
+    elif then.theme_hash != now.theme_hash:
+        found.append(f"The files of the theme {now.theme} have changed.")
+    return found
 
 
 def rescored_sentences(rescored: Rescored) -> list[str]:

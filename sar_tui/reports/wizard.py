@@ -17,7 +17,7 @@ from sar_tui.reports.logged_messages import LoggedMessage, peers, spans
 from sar_tui.reports.pauses import Pause, pauses
 from sar_tui.reports.presence import KINDS, MODES, Absence, mode_times, presence, seconds
 from sar_tui.reports.proposals import Fate, ProposalRecord, proposal_records
-from sar_tui.rules.parameters import TaskParameters, current_values
+from sar_tui.rules.parameters import TaskParameters
 
 
 class Note(msgspec.Struct, frozen=True):
@@ -196,7 +196,7 @@ def operator_settings(parameters: Mapping[str, Any]) -> TaskParameters:
         "operator_ms_per_word": 0,
         **parameters,
     }
-    return msgspec.convert(current_values(TaskParameters, given), TaskParameters)
+    return msgspec.convert(given, TaskParameters)
 
 
 def _proposals(

@@ -36,14 +36,10 @@ _FIRST: tuple[Kind, ...] = ("feedback", "difficulty")
 
 
 class Arbitration(msgspec.Struct, frozen=True):
-    """The modes that are set. They apply while there is an operator (``operated``).
-
-    ``version``: of the loop's rules (see `rules.RULES`).
-    """
+    """The modes that are set. They apply while there is an operator (``operated``)."""
 
     modes: dict[ControlledKind, Mode]
     operated: bool = False
-    version: int = 2
 
     def mode(self, kind: Kind) -> Mode:
         """Return the mode of a kind of action, with or without an operator."""
@@ -96,23 +92,20 @@ def decide(
         return Verdict("act" if parameters.operator_lost == "autonomous" else "drop", "no operator")
     approval = PendingApproval(seat=proposal.seat, proposal=proposal, mode=mode, level=level)
     if mode != "manual":
-        waits = time_to_decide(
-            state, parameters, [*(one.proposal for one in pending if one.deadline), proposal]
-        )
+        undecided = [one.proposal for one in pending if one.deadline]
+        waits = time_to_decide(parameters, [*undecided, proposal])
         deadline = proposal.due if proposal.due > now else now + waits
         otherwise = "act" if mode == "veto" else parameters.operator_timeout
         approval = msgspec.structs.replace(approval, deadline=deadline, otherwise=otherwise)
     return Verdict("wait", pending=approval)
 
 
-def time_to_decide(
-    state: Arbitration, parameters: OperatorSettings, proposals: Collection[Proposal]
-) -> int:
+def time_to_decide(parameters: OperatorSettings, proposals: Collection[Proposal]) -> int:
     """Return the time (ns) to read proposals one after the other and decide on each; at least
     ``operator_time_ms``.
     """
     least = parameters.operator_time_ms * MS
-    if state.version < 2 or not parameters.operator_ms_per_word:
+    if not parameters.operator_ms_per_word:
         return least
     words = sum(len((one.text or one.spoken).split()) for one in proposals)
     return max(least, words * parameters.operator_ms_per_word * MS + len(proposals) * CHOOSING)
@@ -131,11 +124,11 @@ def is_gesture_separate(
     )
 
 
-def is_awaited(state: Arbitration, pending: PendingApproval) -> bool:
+def is_awaited(pending: PendingApproval) -> bool:
     """Return True if no attempt begins before a decision: it has a deadline, so that nothing that
     is due is lost.
     """
-    return pending.deadline is not None and (state.version >= 2 or comes_first(pending))
+    return pending.deadline is not None
 
 
 def comes_first(pending: PendingApproval) -> bool:

@@ -1,7 +1,6 @@
 """Declares parameters: title, unit, bounds and help; reads and shows their values."""
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Any, Literal
 
 import msgspec
@@ -19,7 +18,6 @@ def meta(
     help: str = "",
     takes: str = "",
     group: str = "",
-    renamed: Mapping[str, str] = MappingProxyType({}),
     personal: bool = False,
     **bounds: Any,
 ) -> Meta:
@@ -32,9 +30,6 @@ def meta(
         takes: what a text may be, in words: "a code in lower case, such as en".
         group: its heading on the settings form. A task's own parameters need none; a common one
             that a task redeclares keeps its heading.
-        renamed: former spellings of a choice, each with its present one: ``{"thesis":
-            "one-up-one-down"}``. Stored settings and `--set` may still use them; ``current_values``
-            translates.
         personal: True if it belongs to the person or the place (hand, language, sensor, limits),
             not to the exercise, so that no preset changes it (see `runs.presets`).
         bounds: ``ge`` and ``le`` (both inclusive), or ``min_length``, ``max_length``, ``pattern``.
@@ -45,7 +40,6 @@ def meta(
         "unit": unit,
         "takes": takes,
         "group": group,
-        "renamed": dict(renamed),
         "personal": personal,
     }
     return Meta(title=title, description=help or None, extra=extra, **bounds)
@@ -89,7 +83,6 @@ class Field(msgspec.Struct, frozen=True):
     least: int | None = None
     most: int | None = None
     group: str = ""
-    renamed: dict[str, str] = {}
     labels: dict[str, str] = {}
     personal: bool = False
 
@@ -143,7 +136,6 @@ def declared_field(field: inspect.Field) -> Field:
     """Return what a field of a msgspec struct declares."""
     kind = field.type
     title, help, unit, takes, group = field.name.replace("_", " ").capitalize(), "", "", "", ""
-    renamed: dict[str, str] = {}
     personal = False
     while isinstance(kind, inspect.Metadata):
         schema = kind.extra_json_schema or {}
@@ -152,7 +144,6 @@ def declared_field(field: inspect.Field) -> Field:
         unit = (kind.extra or {}).get("unit", unit)
         takes = (kind.extra or {}).get("takes", takes)
         group = (kind.extra or {}).get("group", group)
-        renamed = (kind.extra or {}).get("renamed", renamed)
         personal = (kind.extra or {}).get("personal", personal)
         kind = kind.type
     declared: dict[str, Any] = {
@@ -162,7 +153,6 @@ def declared_field(field: inspect.Field) -> Field:
         "help": help,
         "group": group,
     }
-    declared["renamed"] = renamed
     declared["personal"] = personal
     declared["default"] = (
         field.default_factory() if field.default is msgspec.NODEFAULT else field.default

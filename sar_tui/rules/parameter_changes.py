@@ -7,7 +7,7 @@ import msgspec
 
 from sar_tui.model.language import Language
 from sar_tui.rules.declaration import show
-from sar_tui.rules.parameters import TaskParameters, current_values, fields
+from sar_tui.rules.parameters import TaskParameters, fields
 from sar_tui.rules.translated_settings import translated
 
 
@@ -46,7 +46,6 @@ def changes(
     A value that is missing is the default; of a parameter that does not exist any more it is None.
     """
     declared = {field.name: translated(field, tr or Language()) for field in fields(parameters)}
-    before, after = current_values(parameters, before), current_values(parameters, after)
     gone = [name for name in (*before, *after) if name not in declared]
     found = []
     for name in dict.fromkeys((*declared, *gone)):

@@ -113,11 +113,7 @@ def fields(parameters: type[TaskParameters]) -> tuple[Field, ...]:
     """
     common = _declared(TaskParameters)
     found = [
-        msgspec.structs.replace(
-            field,
-            group=field.group or common[name].group,
-            renamed=field.renamed or common[name].renamed,
-        )
+        msgspec.structs.replace(field, group=field.group or common[name].group)
         if name in common
         else field
         for name, field in _declared(parameters).items()
@@ -148,22 +144,6 @@ def _declared(parameters: type[TaskParameters]) -> dict[str, Field]:
     return {field.name: declared_field(field) for field in info.fields}
 
 
-def current_values(parameters: type[TaskParameters], values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return values with former spellings of choices replaced by the present ones (``renamed`` of
-    ``meta``).
-
-    Call it on values from a database or a file before showing or comparing them; ``build`` does it
-    itself.
-    """
-    renamed = {field.name: field.renamed for field in fields(parameters) if field.renamed}
-    return {
-        name: renamed[name].get(value, value)
-        if name in renamed and isinstance(value, str)
-        else value
-        for name, value in values.items()
-    }
-
-
 def build(parameters: type[P], values: Mapping[str, object]) -> P:
     """Build checked parameters from values, typed or as text.
 
@@ -175,7 +155,7 @@ def build(parameters: type[P], values: Mapping[str, object]) -> P:
     types = {field.name: field.type for field in msgspec.structs.fields(parameters)}
     problems: dict[str, str] = {}
     good: dict[str, Any] = {}
-    for name, value in current_values(parameters, values).items():
+    for name, value in values.items():
         if name not in declared:
             near = difflib.get_close_matches(name, declared, 1)
             problems[name] = f"There is no parameter {name}." + (

@@ -46,15 +46,9 @@ Inventory (Ryan 1982, J Pers Soc Psychol 43:450-461), with five points instead o
 """
 
 
-_BEFORE_RULES_6 = {
-    PAIN: replace(QUESTIONS[PAIN], labels=("no pain", "the worst pain you can imagine"))
-}
-
-
-def chosen(names: tuple[str, ...], every: int, rules: int) -> tuple[Step, ...]:
+def chosen(names: tuple[str, ...], every: int) -> tuple[Step, ...]:
     """Return the questions of these names, each after so many attempts; 0: after the last.
 
-    ``rules``: those of the session. Raises KeyError for an unknown name.
+    Raises KeyError for an unknown name.
     """
-    known = QUESTIONS if rules >= 6 else {**QUESTIONS, **_BEFORE_RULES_6}
-    return tuple(replace(known[name], every=every) for name in names)
+    return tuple(replace(QUESTIONS[name], every=every) for name in names)

@@ -17,7 +17,6 @@ from sar_tui.rules.declaration import ParameterError
 from sar_tui.rules.parameters import TaskParameters, build, usable
 from sar_tui.rules.questions import chosen
 from sar_tui.rules.step_file import problem_of
-from sar_tui.rules.version import RULES
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError
 from sar_tui.store.participants import check_own
@@ -117,9 +116,7 @@ def make_plan(
     catalogue.theme(name, parameters.language)
     check_language(parameters.language, catalogue.theme_folder(name))
     own = set_up(kind, parameters).steps
-    if why := problem_of(
-        (*own, *chosen(parameters.questions, parameters.questions_every, RULES), *steps)
-    ):
+    if why := problem_of((*own, *chosen(parameters.questions, parameters.questions_every), *steps)):
         raise ParameterError(
             {"questions": f"{why} The task, the settings and a file of steps may each bring some."}
         )

@@ -12,7 +12,7 @@ from typing import Any
 from sar_tui.loop.task import Task
 from sar_tui.plugins import task_folder
 from sar_tui.rules.declaration import Field
-from sar_tui.rules.parameters import current_values, fields
+from sar_tui.rules.parameters import fields
 from sar_tui.runs.programme_file import ProgrammeFile, read
 from sar_tui.store.database import StoreError
 
@@ -30,7 +30,7 @@ def applied(task: type[Task], preset: ProgrammeFile, current: Mapping[str, Any])
     for `build` to refuse.
     """
     personal = {field.name for field in fields(task.Parameters) if field.personal}
-    named = current_values(task.Parameters, preset.parameters)
+    named = preset.parameters
     return {
         **{field.name: field.default for field in fields(task.Parameters)},
         **{name: value for name, value in named.items() if name not in personal},

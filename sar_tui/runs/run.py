@@ -14,11 +14,13 @@ from sar_tui.loop.clock import Clock, VirtualClock
 from sar_tui.loop.node import Node
 from sar_tui.loop.session import Parts, ReplayError, Session
 from sar_tui.loop.task import Task
+from sar_tui.model.messages import SessionStarted
 from sar_tui.model.theme import Theme
 from sar_tui.plugins import DEFAULT_THEME, Catalogue, PluginError, task_code, task_source
 from sar_tui.rules.declaration import ParameterError
 from sar_tui.rules.limits import Dose, limits_day, reached_of_day
 from sar_tui.rules.parameters import build, fields
+from sar_tui.rules.version import RULES
 from sar_tui.runs.plan import EnoughToday, Failed, Plan, set_up
 from sar_tui.runs.start_level import with_start_level
 from sar_tui.store import locks, messages, participants, sessions
@@ -215,6 +217,7 @@ def resume(
         status = sessions.stored_status(database, row["id"])
         if status not in ("running", "interrupted"):
             raise _not_resumable(row["id"], status or "gone")
+        check_rules(database, row["id"])
         kind = catalogue.task(row["task"])
         try:
             parameters = build(kind.Parameters, row["parameters"])
@@ -281,6 +284,20 @@ def find_resumable(database: sqlite3.Connection, folder: Path, name: str) -> ses
     if row["status"] != "interrupted" or row["mode"] != "live":
         raise _not_resumable(row["id"], row["status"] if row["mode"] == "live" else row["mode"])
     return row
+
+
+def check_rules(database: sqlite3.Connection, session_id: str) -> None:
+    """Raise StoreError if a session was recorded by rules that this version does not have."""
+    for record in sessions.history(database, session_id):
+        if isinstance(record.message, SessionStarted):
+            if record.message.rules != RULES:
+                raise StoreError(
+                    f"The session {session_id} was recorded by another version of sar-tui (rules "
+                    f"{record.message.rules} of the loop, not {RULES}): export it with that "
+                    "version.",
+                    bad_input=True,
+                )
+            return
 
 
 def _not_resumable(session_id: str, state: str) -> StoreError:

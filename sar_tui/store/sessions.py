@@ -18,7 +18,7 @@ from sar_tui.loop.clock import host_now
 from sar_tui.loop.nodes.memory import best_key
 from sar_tui.loop.task import Task
 from sar_tui.model.messages import AttemptEnded
-from sar_tui.rules.parameters import TaskParameters, current_values, fields
+from sar_tui.rules.parameters import TaskParameters, fields
 from sar_tui.store import imu, log_hashes, messages
 from sar_tui.store.counted import COUNTS
 from sar_tui.store.database import StoreError, transaction
@@ -144,7 +144,7 @@ def best(
     )
 
     def is_comparable(row: Row) -> bool:
-        stored = current_values(kind, read_json(row["parameters"]))
+        stored = read_json(row["parameters"])
         return {name: value for name, value in stored.items() if name in own} == own_values
 
     comparable = [row["id"] for row in live if is_comparable(row)]

@@ -22,7 +22,6 @@ from sar_tui.api.task import (
     meta,
 )
 
-from .earlier_levels import LAST_RULES, earlier_levels
 from .layouts import ARROWS, Level, levels, needs_shift
 
 _GLYPHS = {"left": "←", "right": "→", "up": "↑", "down": "↓"}
@@ -111,18 +110,13 @@ class KeyboardParameters(TaskParameters, frozen=True, kw_only=True):
             )
         return problems
 
-    def chosen_levels(self, rules: int | None = None) -> tuple[Level, ...]:
-        """Return the levels: custom ones, else those of the choice set and layout.
-
-        Args:
-            rules: of a session; None: the newest.
-        """
+    def chosen_levels(self) -> tuple[Level, ...]:
+        """Return the levels: custom ones, else those of the choice set and layout."""
         if self.levels:
             return tuple(
                 Level(tuple(word), any(key.isupper() for key in word)) for word in self.levels
             )
-        is_earlier = rules is not None and rules <= LAST_RULES
-        return (earlier_levels if is_earlier else levels)(self.choice_set, self.layout)
+        return levels(self.choice_set, self.layout)
 
 
 class KeyboardDetails(Details, frozen=True):
@@ -154,13 +148,7 @@ class KeyboardTask(Task):
 
     def __init__(self, parameters: TaskParameters) -> None:
         super().__init__(parameters)
-        self._by_rules: dict[int, tuple[Level, ...]] = {}
-
-    @property
-    def _levels(self) -> tuple[Level, ...]:
-        if self.rules not in self._by_rules:
-            self._by_rules[self.rules] = self.parameters.chosen_levels(self.rules)
-        return self._by_rules[self.rules]
+        self._levels = self.parameters.chosen_levels()
 
     @property
     def levels(self) -> int:

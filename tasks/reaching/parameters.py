@@ -95,7 +95,6 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
         meta(
             "Detector",
             help="Finds the reach that counts. Results of all detectors are stored.",
-            renamed={"robust": "single-axis", "thesis": "fixed-threshold"},
         ),
     ] = "orientation"
     go_signal: Annotated[

@@ -75,7 +75,7 @@ class ReachingTask(Task):
             "quicker to its peak",
             "with a quick start",
             0.05,
-            praised_until=4,
+            praised=False,
         ),
         Quality("movement_units", "lower", "more direct", "without stopping on the way", 1.0),
         Quality("trunk_excursion_deg", "lower", "stiller in the back", "with your back still", 3.0),

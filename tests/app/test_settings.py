@@ -227,16 +227,6 @@ async def test_a_dot_marks_values_that_differ_from_the_default(
         assert "● Prompts" not in driver.text
 
 
-async def test_a_setting_saved_under_a_former_spelling_shows_the_present_one(
-    data: Path, catalogue: Catalogue
-) -> None:
-    known(data, "P01", difficulty_policy="thesis")
-    async with open_app(data, catalogue) as driver:
-        await driver.press("f2")
-        assert not field(driver, "difficulty_policy").is_changed
-        assert show(field(driver, "difficulty_policy").value) == "one-up-one-down"
-
-
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_one_field_is_reset_or_all_of_them(data: Path, catalogue: Catalogue) -> None:

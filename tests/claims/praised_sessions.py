@@ -78,8 +78,7 @@ def session_row(conditions: Conditions, task: str) -> Row:
             changed += [each.text for each in _changed(play, person, seeds, played)]
     return {
         "world": task,
-        "measures": 1
-        + len([quality for quality in kind.qualities if quality.praised_until is None]),
+        "measures": 1 + len([quality for quality in kind.qualities if quality.praised]),
         "trials": next(iter(TASKS[task].values())),
         "earlier": None,
         "pairs": len(usual),

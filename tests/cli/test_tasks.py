@@ -119,7 +119,6 @@ def test_parameters_as_json(call: Call) -> None:
     assert printed["task"]["name"] == "keyboard"
     prompts = next(row for row in printed["parameters"] if row["name"] == "prompts_per_attempt")
     assert (prompts["default"], prompts["ge"], prompts["le"]) == (20, 1, 200)
-    assert "renamed" not in prompts
 
 
 def test_showing_an_unknown_task_is_bad_input(call: Call) -> None:

@@ -4,8 +4,6 @@ noise.
 
 from statistics import stdev
 
-import pytest
-
 from sar_tui.loop.attempt_scoring import AttemptFacts, score_seats
 from sar_tui.loop.task import Task
 from sar_tui.model.messages import AttemptEnded, Spread
@@ -30,9 +28,8 @@ def lift(time_ms: float, sway: float, *flags: str, correct: bool = True) -> Resu
     )
 
 
-def ended(*results: Result, rules: int = 5, kind: type[Task] = Lift) -> AttemptEnded:
+def ended(*results: Result, kind: type[Task] = Lift) -> AttemptEnded:
     task = kind(build(kind.Parameters, {}))
-    task.rules = rules
     facts = AttemptFacts(attempt=1, practice=False, level=1, started=0, ended=1)
     return score_seats(task, facts, {"A": list(results)}, {"A": History()}).seats["A"].ended
 
@@ -46,19 +43,11 @@ def test_the_number_and_sd_of_right_trials_are_published() -> None:
     assert ended(lift(900, 5)).spreads == {"lift_time": Spread(1, 0.0), "sway": Spread(1, 0.0)}
 
 
-def test_earlier_rules_publish_none() -> None:
-    assert ended(lift(900, 5), lift(1000, 7), rules=4).spreads == {}
-
-
 def test_a_metric_that_is_no_mean_of_its_trials_has_no_spread() -> None:
     assert set(ended(lift(900, 5), lift(1000, 7), kind=Median).spreads) == {"sway"}
 
 
-@pytest.mark.parametrize(("rules", "sway"), [(5, 6.0), (4, 7.0)])
-def test_a_doubtful_trial_counts_for_the_result_but_not_for_qualities(
-    rules: int, sway: float
-) -> None:
-    found = ended(lift(900, 5), lift(1000, 7), lift(1100, 9, DOUBTFUL), rules=rules)
-    assert (found.metric, found.qualities["sway"]) == (1000.0, sway)
-    if rules == 5:
-        assert found.spreads == {"lift_time": Spread(0, 0.0), "sway": Spread(2, stdev([5.0, 7.0]))}
+def test_a_doubtful_trial_counts_for_the_result_but_not_for_qualities() -> None:
+    found = ended(lift(900, 5), lift(1000, 7), lift(1100, 9, DOUBTFUL))
+    assert (found.metric, found.qualities["sway"]) == (1000.0, 6.0)
+    assert found.spreads == {"lift_time": Spread(0, 0.0), "sway": Spread(2, stdev([5.0, 7.0]))}

@@ -29,19 +29,14 @@ def test_every_phrase_key_is_either_verbal_or_numeric() -> None:
     assert {
         "positive_first",
         "accuracy_figures",
-        "performance_same_figures",
+        "performance_improved_figures",
         "summary_figures",
     } <= set(QUANTITATIVE)
 
 
 def test_verbal_and_numeric_performance_have_the_same_phrase_keys() -> None:
     in_words = [name for name in PERFORMANCE if not name.endswith("_figures")]
-    assert in_words == [
-        "performance_first",
-        "performance_improved",
-        "performance_worsened",
-        "performance_same",
-    ]
+    assert in_words == ["performance_improved", "performance_worsened"]
     for name in in_words:
         assert PHRASE_KEYS[name] < PHRASE_KEYS[f"{name}_figures"]
 
@@ -64,7 +59,7 @@ def test_the_page_on_themes_lists_every_phrase_key_with_its_slots() -> None:
         ("goodbye", "Bye."),
         ("positive_first", "{value}"),
         ("negative_improved", "{{ {difference} {change} than {reference} }}"),
-        ("performance_first", "Next time: {aim}."),
+        ("performance_worsened", "Next time: {aim}."),
     ],
 )
 def test_a_valid_wording_has_no_problems(situation: str, wording: str) -> None:
@@ -79,7 +74,7 @@ def test_a_valid_wording_has_no_problems(situation: str, wording: str) -> None:
         ("positive_first", "{value}, {difference}", " uses the unknown slot {difference}."),
         ("neutral", "Three quarters there.", " holds a number: 'Three quarters there.'."),
         ("accuracy", "Get 8 right.", " holds a number: 'Get 8 right.'."),
-        ("performance_first", "Do it twice {aim}.", " holds a number: 'Do it twice {aim}.'."),
+        ("performance_worsened", "Do it twice {aim}.", " holds a number: 'Do it twice {aim}.'."),
         (
             "negative_same",
             "The same as {reference}.",

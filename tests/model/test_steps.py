@@ -11,7 +11,6 @@ from sar_tui.model.step import Step, points, problem, spoken
 from sar_tui.model.step_entry import DECLINE_KEY, Entry, Given, press
 from sar_tui.rules.questions import QUESTIONS, chosen
 from sar_tui.rules.step_file import StepFileError, read_steps
-from sar_tui.rules.version import RULES
 from sar_tui.simulation.participant import answer_keys
 from tests.examples import examples
 
@@ -135,8 +134,8 @@ def test_a_step_is_due_before_after_or_between_attempts(
 
 
 def test_questions_of_the_settings_come_after_so_many_attempts_or_after_the_last() -> None:
-    assert [step.is_due(2, 4) for step in chosen(("pain", "effort"), 2, RULES)] == [True, True]
-    assert [done for done in range(5) if chosen(("pain",), 0, RULES)[0].is_due(done, 4)] == [4]
+    assert [step.is_due(2, 4) for step in chosen(("pain", "effort"), 2)] == [True, True]
+    assert [done for done in range(5) if chosen(("pain",), 0)[0].is_due(done, 4)] == [4]
 
 
 @pytest.mark.parametrize("step", QUESTIONS.values(), ids=lambda step: step.name)

@@ -56,12 +56,6 @@ def test_a_file_changes_keys_phrases_and_events(tmp_path: Path) -> None:
     assert file.events == ("noise",)
 
 
-def test_the_former_id_of_the_key_that_takes_control_is_still_read(tmp_path: Path) -> None:
-    (tmp_path / FILE).write_text('[keys]\nbaton = "y"\n')
-    file, problem = read(tmp_path)
-    assert (problem, file.keymap) == ("", {"wizard-control": "y"})
-
-
 @pytest.mark.parametrize(
     ("text", "why"),
     [

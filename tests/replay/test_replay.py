@@ -19,7 +19,7 @@ from sar_tui.runs.run import resume, start
 from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import locks, sessions
-from sar_tui.store.database import connect
+from sar_tui.store.database import StoreError, connect
 from tests.examples import first_rows
 from tests.program import Call
 
@@ -104,6 +104,21 @@ def test_a_simulated_session_is_identical(
     assert {name: value for name, value in recorded.items() if name != "run"} == called.json[
         "replayed_with"
     ]
+
+
+def test_a_session_by_other_rules_is_neither_replayed_nor_resumed(
+    call: Call, data: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session = play(data)
+    monkeypatch.setattr("sar_tui.runs.run.RULES", 2)
+    told = f"The session {session} was recorded by another version of sar-tui (rules 1 of the loop"
+    for asked in ((), ("--what-if", "threshold=900"), ("--what-if", "threshold=900", "--fork")):
+        called = call("replay", session, *asked)
+        assert (called.code, called.err.startswith(told)) == (2, True)
+    with closing(connect(data)) as database:
+        database.execute("UPDATE sessions SET status='interrupted'")
+    with pytest.raises(StoreError, match="recorded by another version"):
+        resume(session, data, Catalogue(), VirtualClock(), make_participants)
 
 
 def test_what_a_participant_does_later_does_not_change_an_earlier_session(

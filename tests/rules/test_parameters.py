@@ -13,7 +13,6 @@ from sar_tui.rules.parameters import (
     TaskParameters,
     build,
     changed,
-    current_values,
     fields,
     grouped,
     usable,
@@ -25,7 +24,7 @@ class Parameters(TaskParameters, frozen=True, kw_only=True):
 
     reach: Annotated[float, meta("Reach", "cm", "How far.", ge=0, le=100)] = 30.5
     repetitions: Annotated[int, meta("Repetitions", ge=1, le=12)] = 3
-    hand: Annotated[Literal["left", "right"], meta("Hand", renamed={"sinister": "left"})] = "right"
+    hand: Annotated[Literal["left", "right"], meta("Hand")] = "right"
     mirrored: Annotated[bool, meta("Mirrored")] = False
     words: Annotated[tuple[str, ...], meta("Words")] = ("one", "two")
     nickname: Annotated[str, meta("Nickname", max_length=70)] = "x"
@@ -83,7 +82,6 @@ def test_a_declared_field_has_all_that_a_form_needs() -> None:
         "right",
         "choice",
         choices=("right", "left"),
-        renamed={"sinister": "left"},
     )
     assert FIELDS["undescribed"] == Field("undescribed", "Undescribed", "", "", 4, "int")
     assert [FIELDS[name].kind for name in ("mirrored", "words", "nickname")] == [
@@ -228,24 +226,6 @@ def test_a_check_of_a_task_that_fails_is_a_problem_of_its_settings(returned: obj
         ParameterError, match=r"The settings cannot be checked: problems\(\) failed \(\w+Error: "
     ):
         build(Unchecked, {})
-
-
-def test_a_former_spelling_of_a_choice_is_read_as_the_present_one() -> None:
-    assert build(Parameters, {"hand": "sinister", "difficulty_policy": "thesis"}) == build(
-        Parameters, {"hand": "left"}
-    )
-    assert current_values(Parameters, {"hand": "sinister", "unknown": "x", "reach": 2.0}) == {
-        "hand": "left",
-        "unknown": "x",
-        "reach": 2.0,
-    }
-
-
-def test_a_redeclared_common_parameter_keeps_its_former_spellings() -> None:
-    class Redeclared(TaskParameters, frozen=True, kw_only=True):
-        difficulty_policy: Annotated[Literal["one-up-one-down", "fixed"], meta("Steps")] = "fixed"
-
-    assert build(Redeclared, {"difficulty_policy": "thesis"}).difficulty_policy == "one-up-one-down"
 
 
 # --- headings

@@ -23,7 +23,7 @@ from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
-from sar_tui.store.database import StoreError, connect, transaction
+from sar_tui.store.database import StoreError, connect
 from tests.examples import examples
 
 CATALOGUE = Catalogue()
@@ -123,20 +123,6 @@ def test_a_session_that_has_ended_cannot_be_resumed(data: Path) -> None:
     ) as caught:
         resume(session, data, CATALOGUE, VirtualClock(), make_participants)
     assert caught.value.bad_input
-
-
-def test_a_session_stored_with_former_spellings_resumes(data: Path) -> None:
-    whole = undisturbed(data)
-    clock = VirtualClock()
-    run = start(PLAN, data, CATALOGUE, clock, make_participants)
-    play(run, clock, 20)
-    with transaction(connect(data)) as connection:
-        connection.execute(
-            "UPDATE sessions SET parameters = json_set(parameters, '$.difficulty_policy', 'thesis')"
-        )
-    clock = VirtualClock(1000 * SECOND)
-    play(resume(run.id, data, CATALOGUE, clock, make_participants), clock)
-    assert table(data, "trials", run.id, *TRIALS) == table(data, "trials", whole, *TRIALS)
 
 
 # --- earlier best results

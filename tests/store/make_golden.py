@@ -6,6 +6,7 @@ It has rows in every table. Make it anew while the release is not out; afterward
 import gzip
 import sqlite3
 import tempfile
+from collections.abc import Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -15,9 +16,11 @@ from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.node import Node
 from sar_tui.loop.topics import COMMAND, NOTE_ADDED
 from sar_tui.model.messages import NoteAdded, SessionCommand
+from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
-from sar_tui.runs.run import start
+from sar_tui.runs.run import resume, start
+from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.operator import PROFILES, SimulatedOperator
 from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
@@ -31,9 +34,9 @@ from sar_tui.store import (
 )
 from sar_tui.store.database import FILE, connect, transaction
 from sar_tui.store.instrument_scores import Score
-from tests.replay.make_golden import make as make_sessions
 
 GOLDEN = Path(__file__).parent / "golden"
+FEW = {"prompts_per_attempt": 4}
 RELEASES = sorted(path.name.removesuffix(".db.gz") for path in GOLDEN.glob("*.db.gz"))
 
 
@@ -47,7 +50,7 @@ def unpack(release: str, folder: Path) -> Path:
 
 def make(folder: Path) -> None:
     """Fill all tables of a database in a data folder."""
-    make_sessions(folder)
+    _play_sessions(folder)
     session = _play_interrupted(folder)
     with closing(connect(folder)) as database:
         saved = programmes.Programme({"attempts": 2}, "calm")
@@ -71,6 +74,58 @@ def make(folder: Path) -> None:
         with transaction(database) as connection:
             connection.execute("INSERT INTO same_people VALUES ('P01@BERN', 'P02')")
             connection.execute("INSERT INTO conflicts VALUES ('participant', 'P01', 'abc', x'00')")
+
+
+def _play_sessions(folder: Path) -> None:
+    """Simulate two keyboard sessions, one of them with an operator, one of reaching and one of pairs
+    with an operator; and play a live one that is interrupted and resumed.
+    """
+    operated = {**FEW, "operator_feedback": "approve"}
+    _simulate(folder, "keyboard", ("P01",), "average", {"attempts": 4, **FEW})
+    _simulate(
+        folder,
+        "keyboard",
+        ("P02",),
+        "poor",
+        {"attempts": 3, "threshold": 700, **operated},
+        operator="careful",
+    )
+    _simulate(folder, "reaching", ("P01",), "competent", {"attempts": 1, "reaches_per_attempt": 2})
+    _simulate(
+        folder, "pairs", ("P01", "P02"), "average", {"attempts": 2, **operated}, operator="careful"
+    )
+    _play_resumed(folder)
+
+
+def _simulate(
+    folder: Path,
+    task: str,
+    codes: Sequence[str],
+    user: str,
+    settings: Mapping[str, object],
+    operator: str = "",
+) -> None:
+    plan = make_plan(Catalogue(), task, codes, settings, seed=5, mode="simulated")
+    simulate(plan, PEOPLE[user], folder, Catalogue(), operator=PROFILES.get(operator))
+
+
+def _play_resumed(folder: Path) -> None:
+    def participants(task: Any, theme: Any, seed: int) -> list[SimulatedParticipant]:
+        return [SimulatedParticipant(PEOPLE["average"], task, seed)]
+
+    clock = VirtualClock()
+    plan = make_plan(Catalogue(), "keyboard", ["P01"], {"attempts": 3, **FEW}, seed=4)
+    run = start(plan, folder, Catalogue(), clock, participants)
+    for steps in (20, 10**6):
+        run.begin()
+        for _ in range(steps):
+            if run.session.ended or not clock.step():
+                break
+        run.recorder.write()
+        run.close()
+        if steps == 20:
+            clock = VirtualClock(1000 * SECOND)
+            run = resume(run.id, folder, Catalogue(), clock, participants)
 
 
 def _play_interrupted(folder: Path) -> str:

@@ -12,7 +12,6 @@ from sar_tui import __version__
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
-from sar_tui.replay.replay import replay
 from sar_tui.runs.run import resume
 from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
@@ -65,13 +64,6 @@ def test_it_gets_the_tables_of_a_new_database_and_keeps_its_rows(
         for table, (columns, there) in before.items():
             listed = ", ".join(f'"{name}"' for name in columns)
             assert database.execute(f"SELECT {listed} FROM {table}").fetchall() == there
-
-
-def test_its_sessions_replay_as_identical(release: str, data: Path, catalogue: Catalogue) -> None:
-    with closing(connect(data)) as database:
-        for (name,) in database.execute("SELECT id FROM sessions").fetchall():
-            replayed = replay(database, data, catalogue, sessions.find(database, data, name))
-            assert replayed.identical, (name, replayed.first_difference)
 
 
 def test_its_interrupted_session_is_resumed_and_completed(

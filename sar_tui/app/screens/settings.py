@@ -19,7 +19,7 @@ from sar_tui.plugin_calls import PLUGIN_ERRORS
 from sar_tui.plugins import PluginError, task_folder
 from sar_tui.rules.declaration import ParameterError, show
 from sar_tui.rules.parameter_changes import changes
-from sar_tui.rules.parameters import TaskParameters, build, changed, current_values, grouped
+from sar_tui.rules.parameters import TaskParameters, build, changed, grouped
 from sar_tui.rules.translated_settings import COMMON, translated
 from sar_tui.rules.unused_settings import without_effect
 from sar_tui.runs.plan import Failed, check_outputs, set_up
@@ -103,7 +103,7 @@ class SettingsScreen(DismissedOnce[None]):
 
     def compose(self) -> ComposeResult:
         parameters, tr = self._motor_task.Parameters, self.tr
-        values = current_values(parameters, self._programme.parameters)
+        values = self._programme.parameters
         known = {"language": self._languages(), "outputs": _outputs()}
         for heading, declared in grouped(parameters).items():
             made = [

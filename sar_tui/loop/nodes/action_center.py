@@ -1,6 +1,5 @@
 """The Action Center: decides how the agent says something (thesis 3.2.4)."""
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 from sar_tui.loop.feedback_text import FeedbackText
@@ -77,7 +76,6 @@ class ActionCenter(Node):
         self._considered = (0, 0)
         self._prepared = 0
         self._rested = 0
-        self._rules = 2
         self._last_feedback = 0
 
     @on(THEME)
@@ -87,7 +85,6 @@ class ActionCenter(Node):
 
     @on(SESSION)
     def greet(self, session: SessionStarted) -> None:
-        self._rules = self._phrases.rules = session.rules
         self._instructed = False
         self._task.names = session.names
         self._propose("greeting", self._to_all("greeting" if session.run == 1 else "welcome_back"))
@@ -170,7 +167,7 @@ class ActionCenter(Node):
         """
         attempt, level = self._considered
         if waiting.attempt == attempt:
-            return self._rules >= 2 and waiting.level != level and waiting.attempt != self._prepared
+            return waiting.level != level and waiting.attempt != self._prepared
         return waiting.attempt > attempt
 
     def _before_attempt(self, waiting: Waiting) -> None:
@@ -185,18 +182,15 @@ class ActionCenter(Node):
                 attempt=waiting.attempt,
             )
             return
-        if self._rules >= 4 and attempts and attempts[-1].attempt < waiting.attempt - 1:
+        if attempts and attempts[-1].attempt < waiting.attempt - 1:
             return  # the last attempt was skipped: nothing has just happened that this could fit
         if encouragement.rest_due(len(attempts), parameters.rest_every):
             kind: Kind = "rest"
             situation = "rest"
         elif parameters.encouragement and (why := encouragement.why_hard(attempts, waiting.level)):
             kind = "encouragement"
-            situation = (
-                "encouragement_new_level"
-                if why == "new level" and self._rules >= 4
-                else "encouragement"
-            )
+            is_new_level = why == "new level"
+            situation = "encouragement_new_level" if is_new_level else "encouragement"
         else:
             return
         self._prepared = waiting.attempt
@@ -255,7 +249,6 @@ class _Phrases:
     """
 
     def __init__(self, theme: Theme, streams: RandomStreams) -> None:
-        self.rules = 2
         self._feedback = ""
         self.theme = theme
         self.count = 0
@@ -277,16 +270,12 @@ class _Phrases:
         fresh = [wording for wording in wordings if wording != self._last.get(situation)] or list(
             wordings
         )
-        if self.rules >= 4:
-            fresh = least_repeating(
-                {wording: wording.format(**slots) for wording in fresh}, text, self._feedback
-            )
+        fresh = least_repeating(
+            {wording: wording.format(**slots) for wording in fresh}, text, self._feedback
+        )
         wording = self._streams.choice(fresh, "wording", situation, self.count)
         self._last[situation] = wording
         return wording.format(**slots)
-
-    def choose(self, choices: Sequence[str]) -> str:
-        return self._streams.choice(choices, "aim", self.count)
 
     def vocabulary(self, name: str) -> str:
         return self.theme.vocabulary[name]

@@ -116,7 +116,7 @@ class Arbiter(TimedNode):
         self._theme = applied.theme
 
     @on(SESSION)
-    def session_started(self, started: m.SessionStarted) -> None:
+    def session_started(self, _: m.SessionStarted) -> None:
         """Begin a run: drop actions of the last run, and decide a pending level without an
         operator.
         """
@@ -124,7 +124,7 @@ class Arbiter(TimedNode):
         self.cancel_timers()
         self._queue.abandon()
         self._open_acts.forget()
-        self._approvals.begin_run(started.rules)
+        self._approvals.begin_run()
         self._drop("late")
         self._is_held_back = False
         self._publish_state()
@@ -144,9 +144,7 @@ class Arbiter(TimedNode):
 
     def _make_way(self, waiting: m.Waiting) -> None:
         """Drop or halt what must not be heard or seen in this phase."""
-        if waiting.stage == "trial" and (
-            waiting.what != "agent" or self._approvals.rules.version < 2
-        ):
+        if waiting.stage == "trial" and waiting.what != "agent":
             self._drop("late", lambda one: one.policy == "drop")
         current = self._queue.current
         # its question may be heard to the end
@@ -181,7 +179,7 @@ class Arbiter(TimedNode):
         """Drop what waits, except the last feedback if the session was completed: it precedes the
         goodbye.
         """
-        if ended.status == "completed" and self._approvals.rules.version >= 2:
+        if ended.status == "completed":
             self._approvals.complete()
             for action in self._queue.remove(lambda one: one.kind == "feedback"):
                 self._queue.add(replace(action, due=0))
@@ -258,7 +256,7 @@ class Arbiter(TimedNode):
         """Apply an operator's decision to a pending, queued or current action."""
         if self._approvals.apply_decision(decision, self._theme):
             self._answer(decision)
-        elif decision.verdict == "accept" and self._approvals.rules.version >= 2:
+        elif decision.verdict == "accept":
             self._decided_late(decision)
         elif queued := self._queue.take(decision.action):
             self._decide_queued(queued, decision)
@@ -374,7 +372,7 @@ class Arbiter(TimedNode):
         """Return feedback so that it joins that of the other participant, whichever an operator
         decided on first.
         """
-        if action.kind != "feedback" or self._approvals.rules.version < 3:
+        if action.kind != "feedback":
             return action
         attempt, seat = self._given
         self._given = (action.attempt, action.seat)

@@ -167,8 +167,7 @@ class EventHandler(TimedNode):
         text_of(self.task.instructions(), "instructions")
         script, status = self.session, self.status
         self.cancel_timers()
-        status.begin_run(session.rules)
-        script.steps.rules = session.rules
+        status.begin_run()
         script.steps.given = session.steps or script.steps.given
         script.dose.begin_run(Dose.of(session.done_today), self.now)
         script.feedback_due_at = 0
@@ -204,7 +203,7 @@ class EventHandler(TimedNode):
         """Give the script a key, if that was pressed for what is on the screen."""
         phase, keys = self.status.phase, self.status.keys
         keys.press(percept)
-        if phase not in IN_TRIAL and not keys.is_meant(phase, self.status.rules):
+        if phase not in IN_TRIAL and not keys.is_meant(phase):
             return
         if phase in REQUESTABLE and percept.key == REQUEST_KEY:
             self._request_feedback()

@@ -31,12 +31,10 @@ class Perception(Node):
         self._last: dict[str, KeyPressed] = {}
         self._same: dict[str, tuple[int, ...]] = {}
         """Stamps of the last presses of one key, by seat."""
-        self._rules = 3
 
     @on(SESSION)
-    def session_started(self, session: SessionStarted) -> None:
+    def session_started(self, _: SessionStarted) -> None:
         """Forget earlier presses: time stamps of different runs cannot be compared."""
-        self._rules = session.rules
         self._last.clear()
         self._same.clear()
 
@@ -55,7 +53,7 @@ class Perception(Node):
             *(self._same.get(seat, ())[1 - STREAM :] if is_same else ()),
             press.at,
         )
-        is_held = self._rules >= 6 and is_stream(same)
+        is_held = is_stream(same)
         self.emit(
             PERCEIVED,
             KeyPerceived(

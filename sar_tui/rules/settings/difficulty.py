@@ -61,7 +61,6 @@ class DifficultySettings(Settings, frozen=True, kw_only=True):
             "Difficulty",
             help=" ".join(f"{name}: {policy.summary}" for name, policy in POLICIES.items()),
             group="Difficulty",
-            renamed={"thesis": BY_OUTCOME, "consecutive": BY_OUTCOME},
         ),
     ] = BY_OUTCOME
 

@@ -21,7 +21,6 @@ from sar_tui.model.trial_types import Score
 from sar_tui.rules import feedback_choice, judgement
 from sar_tui.rules.feedback.policy import History
 from sar_tui.rules.parameters import build
-from sar_tui.rules.version import RULES
 
 
 class Done(Message, frozen=True, kw_only=True):
@@ -111,7 +110,6 @@ class Agent:
         task, theme, seed: whose words are said, and which of them.
         form: of the answers.
         best: of earlier sessions, by level.
-        rules: of the session.
         parameters: of the task.
     """
 
@@ -122,7 +120,6 @@ class Agent:
         form: str = "quantitative",
         seed: int = 1,
         best: dict[str, float] | None = None,
-        rules: int = RULES,
         **parameters: object,
     ) -> None:
         self.task = task(
@@ -130,7 +127,6 @@ class Agent:
                 task.Parameters, {"feedback_form": form, "language": theme.language, **parameters}
             )
         )
-        self.task.rules = rules
         self.bus = Bus(VirtualClock())
         self.count = 0
         self.said: list[Proposal] = []

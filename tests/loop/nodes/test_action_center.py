@@ -143,21 +143,6 @@ def test_feedback_says_nothing_twice_and_not_what_the_last_feedback_said(
     assert all(one != other for one, other in pairwise(openings)), openings
 
 
-def test_a_session_of_earlier_rules_keeps_its_wordings(calm: Theme) -> None:
-    earlier = LiftDriver(Lift, calm, begin=False, attempts=4, lifts=1)
-    earlier.session._rules = 3
-    earlier.session.begin()
-    earlier.enter()
-    lift_once(earlier, GOOD)
-    resumed = LiftDriver(Lift, calm, attempts=4, lifts=1, history=earlier.records)
-    resumed.press("enter")
-    resumed.wait(300)
-    lift_once(resumed, GOOD)
-    for driver in (earlier, resumed):
-        (encouragement,) = proposed(driver, "encouragement")
-        assert encouragement.text in calm.phrases["encouragement"], "before a new level as well"
-
-
 def test_the_first_attempt_gets_no_encouragement(new_session: NewSession) -> None:
     driver = new_session()
     driver.enter()

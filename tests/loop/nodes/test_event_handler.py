@@ -388,14 +388,6 @@ def test_an_attempt_begins_only_after_quiet_keys(new_session: NewSession) -> Non
     assert driver.waiting.stage == "trial"
 
 
-def test_a_session_of_earlier_rules_takes_keys_as_it_did(keyboard: type[Task], calm: Theme) -> None:
-    driver = LoopDriver(keyboard, calm, rules=5)
-    driver.strike("enter")
-    driver.wait(60)
-    driver.strike("enter")
-    assert driver.waiting.stage == "trial"
-
-
 def test_only_enter_begins_an_attempt(new_session: NewSession) -> None:
     driver = new_session()
     driver.press("space")
@@ -1060,15 +1052,6 @@ def test_a_foreperiod_begins_anew_if_the_program_was_suspended_in_it(
     timing = driver.answer().timing
     assert driver.last(SHOWN).at - went_on >= timing.foreperiod_ms * MS
     assert (timing.presentation, timing.false_starts, timing.flags) == (1, 0, ())
-
-
-def test_a_session_of_earlier_rules_keeps_its_foreperiods(new_session: NewSession) -> None:
-    earlier = new_session(begin=False)
-    earlier.session._rules = 2
-    earlier.session.begin()
-    suspended_in_foreperiod(earlier)
-    assert len(earlier.all(PROMPT)) == 1
-    assert new_session(history=earlier.records).waiting.reason == "interrupted"
 
 
 def test_a_trial_is_repeated_if_its_key_waited_while_the_program_was_suspended(

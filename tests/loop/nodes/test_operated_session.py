@@ -20,7 +20,6 @@ from sar_tui.loop.topics import (
     PENDING_APPROVAL,
     PRESENCE,
     REMARK,
-    SESSION,
     SESSION_ENDED,
     WAITING,
 )
@@ -29,7 +28,6 @@ from sar_tui.model.theme import Theme
 from sar_tui.model.trial_types import Result, Trial
 from sar_tui.outputs.node import OutputNode
 from sar_tui.plugins import Catalogue
-from sar_tui.rules.version import RULES
 from tests.lifting_task import Lift, LiftDriver
 from tests.loop_driver import LoopDriver
 from tests.outputs.fake_outputs import Speaker
@@ -458,10 +456,9 @@ def test_with_two_seats_feedback_is_given_in_turn_with_gaze_to_each(calm: Theme)
 TWO_UNDECIDED = {"operator_feedback": "approve", "operator_time_ms": 60_000, "filler": "operator"}
 
 
-def undecided_couple(calm: Theme, rules: int = RULES) -> LiftDriver:
+def undecided_couple(calm: Theme) -> LiftDriver:
     """Bring two participants to the end of an attempt whose feedback an operator decides on."""
     driver = LiftDriver(Couple, calm, begin=False, attempts=3, encouragement=False, **TWO_UNDECIDED)
-    driver.session._rules = rules
     driver.session.begin()
     driver.session.bus.publish(
         PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True)
@@ -494,24 +491,6 @@ def test_with_two_seats_no_filler_replaces_the_feedback_that_was_given_first(cal
     driver.wait(5000)
     assert [action.kind for action in driver.all(ACTION)][-1] == "feedback"
     assert driver.waiting.stage == "answer"
-
-
-def test_with_two_seats_a_session_keeps_the_manner_in_which_it_gave_feedback(calm: Theme) -> None:
-    earlier = undecided_couple(calm, rules=2)
-    waits = {
-        pending.proposal.seat: pending.proposal.id
-        for pending in earlier.last(ARBITER_STATE).pending
-    }
-    for seat in "BA":
-        decide(earlier, waits[seat], "accept")
-    assert [(action.seat, action.joins) for action in feedback(earlier)] == [
-        ("B", True),
-        ("A", False),
-    ]
-    again = LiftDriver(
-        Couple, calm, history=earlier.records, attempts=3, encouragement=False, **TWO_UNDECIDED
-    )
-    assert again.last(SESSION).rules == 2
 
 
 def test_with_two_seats_a_level_stays_pending_if_a_mark_changes_one_outcome_only(
@@ -642,49 +621,6 @@ def test_encouragement_is_said_before_the_next_attempt_begins(calm: Theme, mode:
     assert [action.kind for action in driver.all(ACTION)][-1] == "encouragement"
     assert (driver.waiting.stage, driver.waiting.attempt) == ("attempt", 2)
     assert driver.all(DROPPED) == []
-
-
-def test_a_session_of_earlier_rules_is_replayed_and_resumed_by_them(calm: Theme) -> None:
-    settings = {
-        "attempts": 3,
-        "prompts_per_attempt": 2,
-        "filler": "never",
-        "operator_encouragement": "veto",
-    }
-    killed = LoopDriver(Catalogue().task("keyboard"), calm, begin=False, **settings)
-    killed.session._rules = 1
-    killed.session.begin()
-    killed.session.bus.publish(
-        PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True)
-    )
-    killed.enter()
-    killed.attempt()
-    killed.begin_attempt()
-    assert [dropped.reason for dropped in killed.all(DROPPED)] == ["late"], "it was lost"
-    driver = LoopDriver(Catalogue().task("keyboard"), calm, history=killed.records, **settings)
-    assert driver.last(SESSION).rules == 1
-
-
-@pytest.mark.parametrize(("rules", "keys"), [(2, 19), (RULES, 6)])
-def test_the_levels_of_the_keyboard_task_are_those_of_the_rules_that_the_session_began_with(
-    calm: Theme, rules: int, keys: int
-) -> None:
-    settings = {
-        "attempts": 3,
-        "prompts_per_attempt": 2,
-        "start_level": 5,
-        "difficulty_policy": "fixed",
-    }
-    kind = Catalogue().task("keyboard")
-    killed = LoopDriver(kind, calm, begin=False, **settings)
-    killed.session._rules = rules
-    killed.session.begin()
-    killed.enter()
-    killed.attempt()
-    resumed = LoopDriver(kind, calm, history=killed.records, **settings)
-    resumed.enter()
-    for driver in (killed, resumed):
-        assert driver.begin_attempt().choices == keys
 
 
 @pytest.mark.parametrize(("verdict", "encouraged"), [("accept", 1), ("veto", 0)])

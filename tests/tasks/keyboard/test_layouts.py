@@ -8,7 +8,6 @@ import pytest
 from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.parameters import build, fields
-from sar_tui.rules.version import RULES
 
 CHOICE_SETS = ("both hands", "left hand", "right hand", "arrow keys")
 LAYOUTS = ("qwerty", "azerty", "qwertz")
@@ -22,10 +21,10 @@ UNSHIFTED = {
 """Characters of the three rows and the digits without Shift, left to right, top to bottom."""
 
 
-def levels(choice_set: str, layout: str, rules: int = RULES) -> list[tuple[str, ...]]:
+def levels(choice_set: str, layout: str) -> list[tuple[str, ...]]:
     kind = Catalogue().task("keyboard")
     parameters = build(kind.Parameters, {"choice_set": choice_set, "layout": layout})
-    return [level.keys for level in parameters.chosen_levels(rules)]  # type: ignore[attr-defined]
+    return [level.keys for level in parameters.chosen_levels()]  # type: ignore[attr-defined]
 
 
 def column(key: str, layout: str) -> int:
@@ -63,26 +62,6 @@ def test_from_four_keys_on_a_level_adds_at_most_a_third_of_a_bit(
 ) -> None:
     sizes = [len(keys) for keys in levels(choice_set, layout) if len(keys) >= 4]
     assert all(math.log2(harder / easier) < 1 / 3 for easier, harder in pairwise(sizes))
-
-
-@pytest.mark.parametrize("layout", LAYOUTS)
-@pytest.mark.parametrize("rules", [1, 2])
-def test_sessions_of_earlier_rules_keep_their_ten_levels(layout: str, rules: int) -> None:
-    both, left = levels("both hands", layout, rules), levels("left hand", layout, rules)
-    assert (len(both), len(left)) == (10, 10)
-    assert [len(keys) for keys in both[:8]] == [
-        2,
-        4,
-        6,
-        8,
-        20 if layout == "azerty" else 19,
-        26,
-        31,
-        46,
-    ]
-    home = UNSHIFTED[layout][20:]
-    assert "".join(both[3]) == "".join(home[place] for place in (0, 1, 2, 3, 5, 6, 7, 8))
-    assert "".join(left[0]) == home[3] + home[2]
 
 
 @pytest.mark.parametrize(("hand", "layout"), [pair for pair in ALL if pair[0].endswith("hand")])

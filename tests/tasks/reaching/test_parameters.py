@@ -135,10 +135,3 @@ def test_the_neutral_band_is_a_share_of_each_goal() -> None:
     task = make(neutral_band=5, goal_times_ms=[1000, 2000], marker_distances_cm=[10, 20])
     assert [task.target(level).neutral_band for level in (1, 2)] == [50, 100]
     assert make(neutral_band=0).target(3).neutral_band == 0
-
-
-@pytest.mark.parametrize(
-    ("earlier", "name"), [("robust", "single-axis"), ("thesis", "fixed-threshold")]
-)
-def test_the_earlier_name_of_a_detector_is_accepted(earlier: str, name: str) -> None:
-    assert make(detector=earlier).parameters.detector == name
