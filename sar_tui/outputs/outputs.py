@@ -166,7 +166,7 @@ def _speech(text: str, sound: "Sound") -> Output:
 
 
 def _tones(_: str, sound: "Sound") -> Output:
-    from sar_tui.outputs.tones import Tones
+    from sar_tui.outputs.speech import Tones
 
     return Tones(sound)
 

@@ -1,17 +1,21 @@
 """The tones of prompts: has them played in a process of its own, and reports when each began."""
 
 import itertools
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, ClassVar
+from collections.abc import Iterable, Sequence
+from typing import Any, ClassVar
 
 from sar_tui.loop.bus import Topic
-from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.clock import VirtualClock, host_now
 from sar_tui.loop.node import Node, on
 from sar_tui.loop.topics import TONE_BEGAN, TONE_DUE, TONES_AHEAD, TRIAL, VOIDED
 from sar_tui.model import messages as m
+from sar_tui.model.theme import Note
+from sar_tui.model.tone import Tone
+from sar_tui.outputs.sound.child import TONES, SoundProgram
+from sar_tui.outputs.sound.mixer import sound_folder
+from sar_tui.outputs.sound.protocol import Cue, Drop, Ended, Reply, Setup, Started, Warm
 
-if TYPE_CHECKING:
-    from sar_tui.outputs.sound.tone_process import Onset, ToneProcess
+_LOST = "The program that plays the tones of prompts has ended."
 
 
 class PromptTones(Node):
@@ -30,15 +34,18 @@ class PromptTones(Node):
 
     def __init__(self, where: str, backends: Sequence[str] = ()) -> None:
         super().__init__()
-        self._where, self._backends = where, backends
-        self._process: ToneProcess | None = None
+        setup = Setup(str(sound_folder(where) or ""), tuple(backends))
+        self._program = SoundProgram(TONES, setup, self._receive)
         self._jobs = itertools.count(1)
         self._due: dict[int, m.ToneDue] = {}
 
     @on(TONES_AHEAD)
     def get_ready(self, ahead: m.TonesAhead) -> None:
-        if process := None if self._is_virtual else self._started():
-            process.prepare(ahead.tones)
+        if not self._is_virtual:
+            try:
+                self._program.prepare("tones", warm(ahead.tones))
+            except OSError as error:
+                self._cannot_start(error)
 
     @on(TONE_DUE)
     def play(self, due: m.ToneDue) -> None:
@@ -47,8 +54,12 @@ class PromptTones(Node):
             return
         job = next(self._jobs)
         self._due[job] = due
-        if process := self._started():
-            process.play(job, due.tone, due.at)
+        try:
+            self._program.start()
+        except OSError as error:
+            self._cannot_start(error)
+        else:
+            self._program.send(cue(job, due.tone, due.at))
 
     @on(TRIAL)
     def trial_ended(self, _: m.TrialEnded) -> None:
@@ -60,9 +71,7 @@ class PromptTones(Node):
 
     def detach(self) -> None:
         """End the process."""
-        process, self._process = self._process, None
-        if process:
-            process.close()
+        self._program.end()
 
     @property
     def _is_virtual(self) -> bool:
@@ -71,27 +80,21 @@ class PromptTones(Node):
     def _drop(self) -> None:
         """Leave out what has not sounded."""
         due, self._due = self._due, {}
-        if self._process:
-            for job in due:
-                self._process.drop(job)
+        for job in due:
+            self._program.send(Drop(job))
 
-    def _started(self) -> "ToneProcess | None":
-        """Return the process, started if it has not been or has ended; None if it cannot be."""
-        if self._process is None or self._process.has_ended:
-            from sar_tui.outputs.sound.tone_process import ToneProcess
+    def _receive(self, reply: Reply | None) -> None:
+        """Report an onset, from a thread of the program."""
+        match reply:
+            case Started(job, at, by=by) if due := self._due.get(job):
+                self._report(due, at, by)
+            case Ended(job, "failed", at, detail) if due := self._due.get(job):
+                self._report(due, at, "failed", detail)
+            case None:
+                self._fail(host_now(), _LOST)
 
-            try:
-                self._process = ToneProcess(self._began, self._where, self._backends)
-            except OSError as error:
-                self._fail(self.now, f"They cannot be played ({error.strerror or error}).")
-        return self._process
-
-    def _began(self, onset: "Onset") -> None:
-        """Report an onset. Called from a thread of the process."""
-        if onset.job == 0:
-            self._fail(onset.at, onset.detail)
-        elif due := self._due.get(onset.job):
-            self._report(due, onset.at, onset.source, onset.detail)
+    def _cannot_start(self, error: OSError) -> None:
+        self._fail(self.now, f"They cannot be played ({error.strerror or error}).")
 
     def _fail(self, at: int, detail: str) -> None:
         for due in list(self._due.values()):
@@ -109,3 +112,13 @@ class PromptTones(Node):
             detail=detail,
         )
         self.bus.post(TONE_BEGAN, began)
+
+
+def warm(tones: Iterable[Tone]) -> Warm:
+    """Return the request to prepare tones of prompts."""
+    return Warm(tones=tuple((Note(tone.hz, tone.ms),) for tone in tones))  # type: ignore[arg-type]
+
+
+def cue(job: int, tone: Tone, at: int) -> Cue:
+    """Return the request to play a tone ``at`` a time (ns), or as soon as possible after it."""
+    return Cue(job, tone.hz, tone.ms, at, tone.offsets_ms)

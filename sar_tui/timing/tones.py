@@ -9,8 +9,18 @@ import msgspec
 from sar_tui.loop.clock import host_now
 from sar_tui.model.tone import Tone
 from sar_tui.model.units import MS
-from sar_tui.outputs.sound.protocol import Examined, SoundError
-from sar_tui.outputs.sound.tone_process import Onset, ToneProcess
+from sar_tui.outputs.prompt_tones import cue, warm
+from sar_tui.outputs.sound.child import TONES, SoundProgram
+from sar_tui.outputs.sound.protocol import (
+    Ended,
+    Examine,
+    Examined,
+    Reckon,
+    Reply,
+    Setup,
+    SoundError,
+    Started,
+)
 from sar_tui.timing.error_statistics import ErrorStatistics, error_statistics
 
 AHEAD_MS = 150
@@ -53,39 +63,43 @@ def measure_tones(
     Raises:
         SoundError: tones cannot be played; it says why, and what to do.
     """
-    onsets: queue.SimpleQueue[Onset] = queue.SimpleQueue()
-    cards: queue.SimpleQueue[Examined] = queue.SimpleQueue()
-    process = ToneProcess(onsets.put, backends=backends, on_examined=cards.put)
+    replies: queue.SimpleQueue[Reply | None] = queue.SimpleQueue()
+    program = SoundProgram(TONES, Setup(backends=tuple(backends)), replies.put)
     try:
-        process.prepare([TONE])
-        process.examine()
-        card = cards.get(timeout=_PATIENCE_S)
+        program.prepare("tones", warm([TONE]))
+        program.send(Examine())
+        card = replies.get(timeout=_PATIENCE_S)
+        if not isinstance(card, Examined):
+            raise SoundError(_SILENT)
         if card.no_card:
             raise SoundError(card.no_card)
         at_once, planned = [], []
         for number in range(2 * count):
             due = host_now() + (AHEAD_MS * MS if number % 2 else 0)
-            process.play(number + 1, TONE, due)
-            onset = _next(onsets)
+            program.send(cue(number + 1, TONE, due))
+            onset = _next(replies)
             time.sleep(_PAUSE_S)
             if number % 2:
-                process.reckon(number + 1)
-                planned.append((_next(onsets) - due) / MS)
+                program.send(Reckon(number + 1))
+                planned.append((_next(replies) - due) / MS)
             else:
                 at_once.append((onset - due) / MS)
             on_tone()
     except queue.Empty:
         raise SoundError(_SILENT) from None
     finally:
-        process.close()
+        program.end()
     return ToneDelays(
         card.card, card.buffer_ms, error_statistics(at_once), error_statistics(planned)
     )
 
 
-def _next(onsets: "queue.SimpleQueue[Onset]") -> int:
+def _next(replies: "queue.SimpleQueue[Reply | None]") -> int:
     """Return the next onset (ns). Raises SoundError if the tone is not heard."""
-    onset = onsets.get(timeout=_PATIENCE_S)
-    if onset.source == "failed":
-        raise SoundError(onset.detail)
-    return onset.at
+    match replies.get(timeout=_PATIENCE_S):
+        case Started(_, at):
+            return at
+        case Ended(detail=detail):
+            raise SoundError(detail)
+        case _:
+            raise SoundError(_SILENT)

@@ -13,7 +13,7 @@ from sar_tui.cli.common import Home
 from sar_tui.cli.serve import _program
 from sar_tui.drivers import child_process
 from sar_tui.link import broker_process
-from sar_tui.outputs.sound import tone_process, voice_process
+from sar_tui.outputs.sound import child
 from sar_tui.plugins import Catalogue
 from sar_tui.timing.closed_loop import BASELINE, SAR_TUI, Block
 from sar_tui.validation import modularity
@@ -31,8 +31,8 @@ HOSTILE = (
 )
 """Modules that would run in place of the libraries of these names."""
 PROGRAMS = {
-    "voice": lambda folder: voice_process.PROGRAM,
-    "tones": lambda folder: tone_process.PROGRAM,
+    "voice": lambda folder: child.VOICE,
+    "tones": lambda folder: child.TONES,
     "broker": lambda folder: broker_process.PROGRAM,
     "probe": lambda folder: child_process.python("sar_tui.link.probe"),
     "browser": lambda folder: [*_program("operator", None, None, Home(folder)), "--help"],

@@ -4,12 +4,14 @@ hears, and in files.
 
 import queue
 import wave
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from sar_tui.drivers import child_process
 from sar_tui.loop.bus import Bus
 from sar_tui.loop.clock import VirtualClock, host_now
 from sar_tui.loop.node import Node, on
@@ -17,72 +19,81 @@ from sar_tui.loop.topics import KEY, TONE_BEGAN, TONE_DUE, TONES_AHEAD, VOIDED
 from sar_tui.model import messages as m
 from sar_tui.model.tone import Tone
 from sar_tui.model.units import MS, SECOND
-from sar_tui.outputs.prompt_tones import PromptTones
-from sar_tui.outputs.sound import tone_process
-from sar_tui.outputs.sound.tone_process import Onset, ToneProcess
+from sar_tui.outputs import prompt_tones
+from sar_tui.outputs.prompt_tones import PromptTones, cue, warm
+from sar_tui.outputs.sound.child import TONES, SoundProgram
+from sar_tui.outputs.sound.protocol import Drop, Ended, Reply, Setup, Started
 from tests.outputs.voice_fixtures import DEADLINE_S, NOBODY
 
 BEEP = Tone(880, 50)
 
 
 class Player:
-    """A process, and the onsets that it has reported."""
+    """The program of the tones of prompts, and its replies."""
 
-    def __init__(self, where: str = "sound", backends: tuple[str, ...] = NOBODY) -> None:
-        self._onsets: queue.SimpleQueue[Onset] = queue.SimpleQueue()
-        self.process = ToneProcess(self._onsets.put, where, backends)
+    def __init__(self, setup: Setup) -> None:
+        self._replies: queue.SimpleQueue[Reply | None] = queue.SimpleQueue()
+        self.program = SoundProgram(TONES, setup, self._replies.put)
+        self.program.start()
 
-    def next(self) -> Onset:
-        return self._onsets.get(timeout=DEADLINE_S)
-
-
-@pytest.fixture
-def player() -> Iterator[Player]:
-    player = Player()
-    yield player
-    player.process.close()
+    def next(self) -> Reply | None:
+        return self._replies.get(timeout=DEADLINE_S)
 
 
-def test_the_onset_of_a_tone_is_by_the_clock_of_the_card(player: Player) -> None:
-    player.process.prepare([BEEP])
-    player.process.play(1, BEEP, 0)
-    first = player.next()
-    assert (first.job, first.source) == (1, "device")
-    planned = host_now() + 2000 * MS
-    player.process.play(2, BEEP, planned)
-    onset = player.next()
-    assert (onset.job, onset.source) == (2, "device")
-    assert abs(onset.at - planned) < MS, "it is planned to the sample"
+@contextmanager
+def playing(setup: Setup) -> Iterator[Player]:
+    player = Player(setup)
+    try:
+        yield player
+    finally:
+        player.program.end()
 
 
-def test_the_loss_of_the_process_is_reported(player: Player) -> None:
-    player.process.play(1, BEEP, 0)
-    player.next()
-    player.process._child.kill()
-    lost = player.next()
-    assert (lost.job, lost.source) == (0, "failed")
-    assert "has ended" in lost.detail
-    assert player.process.has_ended
+def test_the_onset_of_a_tone_is_by_the_clock_of_the_card() -> None:
+    with playing(Setup(backends=NOBODY)) as player:
+        player.program.prepare("tones", warm([BEEP]))
+        player.program.send(cue(1, BEEP, 0))
+        first = player.next()
+        assert isinstance(first, Started)
+        assert (first.job, first.by) == (1, "device")
+        planned = host_now() + 2000 * MS
+        player.program.send(cue(2, BEEP, planned))
+        onset = player.next()
+        assert isinstance(onset, Started)
+        assert (onset.job, onset.by) == (2, "device")
+        assert abs(onset.at - planned) < MS, "it is planned to the sample"
+
+
+def test_the_loss_of_the_process_is_reported_and_it_can_be_started_again() -> None:
+    with playing(Setup(backends=NOBODY)) as player:
+        player.program.send(cue(1, BEEP, 0))
+        player.next()
+        assert player.program._process
+        child_process.kill(player.program._process)
+        assert player.next() is None
+        assert not player.program.is_running
+        player.program.start()
+        player.program.send(cue(2, BEEP, 0))
+        again = player.next()
+        assert isinstance(again, Started)
+        assert again.job == 2
 
 
 def test_a_tone_without_a_card_fails_with_a_sentence() -> None:
-    player = Player(backends=("JACK",))
-    try:
-        player.process.play(1, BEEP, 0)
+    with playing(Setup(backends=("JACK",))) as player:
+        player.program.send(cue(1, BEEP, 0))
         onset = player.next()
-    finally:
-        player.process.close()
-    assert (onset.job, onset.source) == (1, "failed")
+    assert isinstance(onset, Ended)
+    assert (onset.job, onset.state) == (1, "failed")
     assert "There is no sound card that can be used" in onset.detail
 
 
 def test_a_repeated_tone_is_written_into_a_file(tmp_path: Path) -> None:
-    player = Player(f"file:{tmp_path / 'sounds'}", ())
-    try:
-        player.process.play(1, Tone(500, 100, times=3, every_ms=400), 0)
-        assert player.next().source == "host"
-    finally:
-        player.process.close()
+    with playing(Setup(str(tmp_path / "sounds"))) as player:
+        player.program.send(cue(1, Tone(500, 100, times=3, every_ms=400), 0))
+        started = player.next()
+    assert isinstance(started, Started)
+    assert started.by == "host"
     (file,) = (tmp_path / "sounds").iterdir()
     with wave.open(str(file), "rb") as sound:
         assert sound.getnframes() / sound.getframerate() == pytest.approx(0.9, abs=0.001)
@@ -101,26 +112,28 @@ class Clock:
         callback()
 
 
-class Process:
-    """Notes what it is asked for."""
+class Program:
+    """Notes the requests to a program that is never started."""
 
-    has_ended = False
+    def __init__(self, program: object, setup: object, on_reply: Callable[[Any], object]) -> None:
+        self.reply = on_reply
+        self.asked: list[object] = []
+        self.starts = 0
+        self.problem: OSError | None = None
 
-    def __init__(self, on_onset: Callable[[Onset], object], *_: object) -> None:
-        self.report = on_onset
-        self.asked: list[tuple[Any, ...]] = []
+    def start(self) -> None:
+        self.starts += 1
+        if self.problem:
+            raise self.problem
 
-    def prepare(self, tones: Sequence[Tone]) -> None:
-        self.asked.append(("prepare", *tones))
+    def prepare(self, what: str, request: object) -> None:
+        self.asked.append(request)
 
-    def play(self, job: int, tone: Tone, at: int) -> None:
-        self.asked.append(("play", job, tone, at))
+    def send(self, request: object) -> None:
+        self.asked.append(request)
 
-    def drop(self, job: int) -> None:
-        self.asked.append(("drop", job))
-
-    def close(self) -> None:
-        self.asked.append(("close",))
+    def end(self) -> None:
+        self.asked.append("end")
 
 
 class Source(Node):
@@ -143,81 +156,75 @@ class Source(Node):
                 )
 
 
+class Rig:
+    """A bus with the node, whose program is replaced, and the onsets that were reported."""
+
+    def __init__(self) -> None:
+        self.began: list[m.ToneBegan] = []
+        self.node = PromptTones("sound")
+        self.program: Any = self.node._program
+        self._bus = Bus(Clock())
+        for each in (Source(), self.node):
+            each.attach(self._bus)
+        self._bus.subscribe(TONE_BEGAN, self.began.append)
+
+    def press(self, keys: str) -> None:
+        for key in keys:
+            self._bus.publish(KEY, m.KeyPressed(key=key, at=1))
+
+
 @pytest.fixture
-def rig(monkeypatch: pytest.MonkeyPatch) -> tuple[Bus, PromptTones, list[m.ToneBegan]]:
-    """A bus with the node, whose process is replaced, and the onsets that were reported."""
-    monkeypatch.setattr(tone_process, "ToneProcess", Process)
-    bus, node, began = Bus(Clock()), PromptTones("sound"), list[m.ToneBegan]()
-    for each in (Source(), node):
-        each.attach(bus)
-    bus.subscribe(TONE_BEGAN, began.append)
-    return bus, node, began
+def rig(monkeypatch: pytest.MonkeyPatch) -> Rig:
+    monkeypatch.setattr(prompt_tones, "SoundProgram", Program)
+    return Rig()
 
 
-def press(bus: Bus, keys: str) -> None:
-    for key in keys:
-        bus.publish(KEY, m.KeyPressed(key=key, at=1))
-
-
-def test_a_tone_is_prepared_played_and_its_onset_reported(
-    rig: tuple[Bus, PromptTones, list[m.ToneBegan]],
-) -> None:
-    bus, node, began = rig
-    press(bus, "ad")
-    process: Any = node._process
-    assert process.asked == [("prepare", BEEP), ("play", 1, BEEP, 7)]
-    process.report(Onset(1, 9, "device"))
-    assert began == [
+def test_a_tone_is_prepared_played_and_its_onset_reported(rig: Rig) -> None:
+    rig.press("ad")
+    assert rig.program.asked == [warm([BEEP]), cue(1, BEEP, 7)]
+    rig.program.reply(Started(1, 9, 0.05, by="device"))
+    assert rig.began == [
         m.ToneBegan(attempt=1, trial=2, presentation=1, frame=3, at=9, source="device")
     ]
 
 
-def test_what_has_not_sounded_is_dropped_with_the_prompt(
-    rig: tuple[Bus, PromptTones, list[m.ToneBegan]],
-) -> None:
-    bus, node, began = rig
-    press(bus, "dv")
-    process: Any = node._process
-    assert process.asked[-1] == ("drop", 1)
-    process.report(Onset(1, 9, "device"))
-    assert began == []
-    node.detach()
-    assert process.asked[-1] == ("close",)
+def test_what_has_not_sounded_is_dropped_with_the_prompt(rig: Rig) -> None:
+    rig.press("dv")
+    assert rig.program.asked[-1] == Drop(1)
+    rig.program.reply(Started(1, 9, 0.05, by="device"))
+    assert rig.began == []
+    rig.node.detach()
+    assert rig.program.asked[-1] == "end"
 
 
-def test_a_lost_process_fails_the_tone_and_is_replaced(
-    rig: tuple[Bus, PromptTones, list[m.ToneBegan]],
-) -> None:
-    bus, node, began = rig
-    press(bus, "d")
-    first: Any = node._process
-    first.has_ended = True
-    first.report(Onset(0, 9, "failed", "It has ended."))
-    assert [(one.source, one.detail) for one in began] == [("failed", "It has ended.")]
-    press(bus, "vd")
-    assert node._process is not first
+def test_a_tone_that_cannot_be_played_has_failed(rig: Rig) -> None:
+    rig.press("d")
+    rig.program.reply(Ended(1, "failed", 9, "There is no card."))
+    rig.program.reply(None)
+    assert [(one.source, one.detail) for one in rig.began] == [
+        ("failed", "There is no card."),
+        ("failed", "The program that plays the tones of prompts has ended."),
+    ]
+    rig.press("vd")
+    assert rig.program.starts == 2, "it is started again, if it has ended"
 
 
-def test_a_process_that_cannot_be_started_fails_the_tone(
-    rig: tuple[Bus, PromptTones, list[m.ToneBegan]], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def fail(*_: object) -> None:
-        raise OSError(11, "no more processes")
-
-    monkeypatch.setattr(tone_process, "ToneProcess", fail)
-    bus, _, began = rig
-    press(bus, "d")
-    assert [(one.source, one.detail) for one in began] == [
+def test_a_program_that_cannot_be_started_fails_the_tone(rig: Rig) -> None:
+    rig.program.problem = OSError(11, "no more processes")
+    rig.press("d")
+    assert [(one.source, one.detail) for one in rig.began] == [
         ("failed", "They cannot be played (no more processes).")
     ]
 
 
 def test_on_a_virtual_clock_nothing_is_played(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delattr(tone_process, "ToneProcess")
-    clock = VirtualClock(5 * SECOND)
-    bus, began = Bus(clock), list[m.ToneBegan]()
-    for each in (Source(), PromptTones("sound")):
+    monkeypatch.setattr(prompt_tones, "SoundProgram", Program)
+    node, bus, began = PromptTones("sound"), Bus(VirtualClock(5 * SECOND)), list[m.ToneBegan]()
+    for each in (Source(), node):
         each.attach(bus)
     bus.subscribe(TONE_BEGAN, began.append)
-    press(bus, "ad")
+    for key in "ad":
+        bus.publish(KEY, m.KeyPressed(key=key, at=1))
+    program: Any = node._program
+    assert (program.asked, program.starts) == ([], 0)
     assert [(one.source, one.at) for one in began] == [("virtual", 5 * SECOND)]

@@ -14,8 +14,7 @@ from sar_tui.model.messages import ActionPart
 from sar_tui.model.theme import Theme
 from sar_tui.outputs.output import Output, Report
 from sar_tui.outputs.sound.mixer import Sound
-from sar_tui.outputs.speech import Speech
-from sar_tui.outputs.tones import Tones
+from sar_tui.outputs.speech import Speech, Tones
 from tests.outputs.contract import Rig
 
 OVER = ("done", "aborted", "failed")

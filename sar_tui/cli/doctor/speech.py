@@ -21,10 +21,10 @@ def examine_voice(program: Sequence[str] = (), backends: Sequence[str] = ()) -> 
     """Ask the child process that would speak and play what it can do. Raises SoundError if it does
     not answer.
     """
+    from sar_tui.outputs.sound.child import VOICE
     from sar_tui.outputs.sound.mixer import examine
-    from sar_tui.outputs.sound.voice_process import PROGRAM
 
-    return examine(program or PROGRAM, backends, _PATIENCE_S)
+    return examine(program or VOICE, backends, _PATIENCE_S)
 
 
 def speech_engine(examined: "Callable[[], Examined]") -> Finding:

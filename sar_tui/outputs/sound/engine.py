@@ -20,7 +20,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from sar_tui.drivers.installation import pip_install
-from sar_tui.outputs.sound.protocol import FoundVoice, SoundError, Unreadable, Voicing
+from sar_tui.outputs.sound.protocol import FoundVoice, SoundError, Voicing
 from sar_tui.outputs.sound.samples import at_volume, is_whole, peak, read, seconds
 
 _SILENT = 0.005
@@ -77,19 +77,19 @@ class Engine:
         """Return the samples of a spoken text.
 
         Raises:
-            SoundError: if there is no engine, no voice for the language, or no usable result.
-            Unreadable: if a voice of this language cannot read the text.
+            SoundError: if there is no engine, no voice for the language, or no usable result; or,
+                marked ``is_of_text``, if a voice of this language cannot read the text.
         """
         voice = self.voice(voicing)
         if why := why_unreadable(text, voicing.language):
-            raise Unreadable(why)
+            raise SoundError(why, is_of_text=True)
         self._set(voice.id, voicing.rate)
         samples = self._synthesise(text)
         letters = sum(character.isalnum() for character in text)
         if peak(samples) < _SILENT or seconds(samples) < max(
             _SHORTEST_S, _SHORTEST_A_LETTER_S * letters
         ):
-            raise Unreadable(_NO_SOUND)
+            raise SoundError(_NO_SOUND, is_of_text=True)
         return at_volume(samples, voicing.volume)
 
     def voice(self, voicing: Voicing) -> FoundVoice:

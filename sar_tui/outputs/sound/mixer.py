@@ -15,6 +15,7 @@ from sar_tui.model.messages import PartState
 from sar_tui.model.theme import Note
 from sar_tui.model.units import SECOND
 from sar_tui.outputs.output import Report
+from sar_tui.outputs.sound.child import VOICE, SoundProgram
 from sar_tui.outputs.sound.protocol import (
     Examine,
     Examined,
@@ -27,7 +28,6 @@ from sar_tui.outputs.sound.protocol import (
     Warm,
 )
 from sar_tui.outputs.sound.supervisor import PATIENCE_S, Kind, PartEvent, SoundJob, Supervisor
-from sar_tui.outputs.sound.voice_process import PROGRAM, VoiceProcess
 
 
 class _TimedJob(NamedTuple):
@@ -110,7 +110,7 @@ def check_sound(where: str) -> None:
 
 
 def examine(
-    program: Sequence[str] = PROGRAM, backends: Sequence[str] = (), patience_s: float = PATIENCE_S
+    program: Sequence[str] = VOICE, backends: Sequence[str] = (), patience_s: float = PATIENCE_S
 ) -> Examined:
     """Find out, in a separate process, what voices and sound system there are.
 
@@ -118,19 +118,17 @@ def examine(
         SoundError: if the process does not answer in time.
     """
     replies: queue.SimpleQueue[Reply | None] = queue.SimpleQueue()
+    voice = SoundProgram(program, Setup(backends=tuple(backends)), replies.put)
     try:
-        child = VoiceProcess(
-            Setup(backends=tuple(backends)), lambda _, reply: replies.put(reply), program
-        )
+        voice.start()
+        voice.send(Examine())
+        reply = replies.get(timeout=patience_s)
     except OSError as error:
         raise SoundError(f"The voice cannot be started ({error.strerror or error}).") from error
-    try:
-        child.send(Examine())
-        reply = replies.get(timeout=patience_s)
     except queue.Empty:
         raise SoundError(f"The speech engine gave no answer within {patience_s:g} s.") from None
     finally:
-        child.kill()
+        voice.end()
     if not isinstance(reply, Examined):
         raise SoundError("The voice stopped working when it was asked what it can do.")
     return reply
@@ -160,7 +158,7 @@ class Sound:
         where: str = CARD,
         *,
         backends: Sequence[str] = (),
-        program: Sequence[str] = PROGRAM,
+        program: Sequence[str] = VOICE,
         patience_s: float = PATIENCE_S,
     ) -> None:
         self._folder = sound_folder(where)

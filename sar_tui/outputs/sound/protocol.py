@@ -1,4 +1,4 @@
-"""Messages between the program and the voice process: one JSON line each."""
+"""Messages between the program and its child programs for sound: one JSON line each."""
 
 from typing import Literal
 
@@ -8,11 +8,14 @@ from sar_tui.model.theme import Note
 
 
 class SoundError(ValueError):
-    """Something cannot be played. The message is one or two sentences for a person."""
+    """Something cannot be played. The message is one or two sentences for a person.
 
+    ``is_of_text``: the text cannot be spoken; the engine is not at fault.
+    """
 
-class Unreadable(SoundError):
-    """The text cannot be spoken; the engine is not at fault."""
+    def __init__(self, message: str, *, is_of_text: bool = False) -> None:
+        super().__init__(message)
+        self.is_of_text = is_of_text
 
 
 class _Line(msgspec.Struct, frozen=True, tag_field="is", tag=str.lower):

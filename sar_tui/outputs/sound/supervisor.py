@@ -12,8 +12,8 @@ from typing import Literal, NamedTuple
 
 from sar_tui.loop.clock import host_now
 from sar_tui.model.messages import PartState
+from sar_tui.outputs.sound.child import VOICE, SoundProgram
 from sar_tui.outputs.sound.protocol import Ended, Reply, Say, Setup, Started, Stop, Tone, Warm
-from sar_tui.outputs.sound.voice_process import PROGRAM, VoiceProcess
 
 Kind = Literal["say", "tone"]
 
@@ -77,19 +77,17 @@ class Supervisor:
         self,
         setup: Setup,
         on_event: Callable[[PartEvent], object],
-        program: Sequence[str] = PROGRAM,
+        program: Sequence[str] = VOICE,
         patience_s: float = PATIENCE_S,
     ) -> None:
-        self._setup, self._on_event = setup, on_event
-        self._program, self._patience_s = program, patience_s
+        self._on_event, self._patience_s = on_event, patience_s
         self._inbox: queue.SimpleQueue[Callable[[], object]] = queue.SimpleQueue()
         self._queue: deque[SoundJob] = deque()
         self._current: SoundJob | None = None
         self._has_started = self._is_stopping = self._is_closed = False
         self._due: float | None = None
         self._latest = 0
-        self._child: VoiceProcess | None = None
-        self._warm: dict[Kind, Warm] = {}
+        self._voice = SoundProgram(program, setup, self._receive)
         self._failures: dict[Kind, int] = {"say": 0, "tone": 0}
         self._given_up: dict[Kind, str] = {}
         self._thread = threading.Thread(target=self._run, name="voice supervisor", daemon=True)
@@ -105,7 +103,7 @@ class Supervisor:
 
     def warm(self, kind: Kind, request: Warm) -> None:
         """Prepare the process, and each later one, for coming parts."""
-        self._inbox.put(lambda: self._get_ready(kind, request))
+        self._inbox.put(lambda: self._prepare(kind, request))
 
     def close(self) -> None:
         """Stop, and end the process and the thread. Parts under way are not reported. May be called
@@ -127,7 +125,7 @@ class Supervisor:
                 do()
             if not self._is_closed:
                 self._next()
-        self._end_child()
+        self._voice.end()
 
     def _close(self) -> None:
         self._is_closed = True
@@ -139,59 +137,46 @@ class Supervisor:
             self._has_started = self._is_stopping = False
             if reason := job.problem or self._given_up.get(job.kind):
                 self._over("failed", reason, at_fault=False)
-            elif child := self._ready_child():
-                length = len(job.request.text) if isinstance(job.request, Say) else 0
-                self._due = time.monotonic() + self._patience_s + _A_LETTER_S * length
-                child.send(job.request)
+            else:
+                self._begin(job)
 
-    def _ready_child(self) -> VoiceProcess | None:
-        """Return the process, started if necessary. None if it cannot start; the part has then
-        failed.
-        """
-        if self._child and self._child.has_ended:
-            self._end_child()
-        if self._child is None:
-            try:
-                self._child = VoiceProcess(self._setup, self._receive, self._program)
-            except OSError as error:
-                if self._current:
-                    self._over("failed", _NO_CHILD.format(error.strerror or error))
-                return None
-            for request in self._warm.values():
-                self._child.send(request)
-        return self._child
+    def _begin(self, job: SoundJob) -> None:
+        try:
+            self._voice.start()
+        except OSError as error:
+            self._over("failed", _NO_CHILD.format(error.strerror or error))
+            return
+        length = len(job.request.text) if isinstance(job.request, Say) else 0
+        self._due = time.monotonic() + self._patience_s + _A_LETTER_S * length
+        self._voice.send(job.request)
 
-    def _get_ready(self, kind: Kind, request: Warm) -> None:
-        self._warm[kind] = request
-        if self._child:
-            self._child.send(request)
-        else:
-            self._ready_child()
+    def _prepare(self, kind: Kind, request: Warm) -> None:
+        with suppress(OSError):  # reported by the parts to come
+            self._voice.prepare(kind, request)
 
     def _stop(self, kind: Kind, action: str) -> None:
         def is_meant(job: SoundJob) -> bool:
             return job.kind == kind and action in ("", job.action)
 
         current = self._current
-        if current and is_meant(current) and not self._is_stopping and self._child:
+        if current and is_meant(current) and not self._is_stopping:
             self._is_stopping = True
             self._due = time.monotonic() + _STOP_S
-            self._child.send(Stop(current.request.job))
+            self._voice.send(Stop(current.request.job))
         waiting = [job for job in self._queue if is_meant(job)]
         self._queue = deque(job for job in self._queue if not is_meant(job))
         for job in waiting:
             self._report(job, "aborted", host_now())
 
-    def _receive(self, child: VoiceProcess, reply: Reply | None) -> None:
+    def _receive(self, reply: Reply | None) -> None:
         """Pass a reply on, from the listening thread."""
-        self._inbox.put(lambda: self._handle(child, reply))
+        self._inbox.put(lambda: self._handle(reply))
 
-    def _handle(self, child: VoiceProcess, reply: Reply | None) -> None:
+    def _handle(self, reply: Reply | None) -> None:
         current = self._current
-        if child is not self._child:
-            return
         if reply is None:
-            self._lost()
+            if not self._voice.is_running:  # else it is of an earlier process
+                self._lost()
         elif isinstance(reply, Started) and current and reply.job == current.request.job:
             self._has_started = True
             if not self._is_stopping:
@@ -202,7 +187,6 @@ class Supervisor:
 
     def _lost(self) -> None:
         """Handle the end of a process that was not killed here."""
-        self._end_child()
         if self._is_stopping:
             self._over("aborted")
         else:
@@ -210,7 +194,7 @@ class Supervisor:
 
     def _overdue(self) -> None:
         """Handle a process that is late to stop, to start, or to end."""
-        self._end_child()
+        self._voice.end()
         if self._is_stopping:
             self._over("aborted")
         else:
@@ -240,8 +224,3 @@ class Supervisor:
         self._latest = max(self._latest, at)
         with suppress(Exception):  # later parts need this thread, whatever the callback does
             self._on_event(PartEvent(job, state, self._latest, detail, seconds))
-
-    def _end_child(self) -> None:
-        child, self._child = self._child, None
-        if child:
-            child.kill()

@@ -1,24 +1,16 @@
-"""The voice process, which speaks and plays. It may hang or be killed at any time.
-
-It reads requests from its standard input and writes replies to its original standard output (see
-`protocol`). It ends when its input ends; on Linux the kernel also kills it with the program that
-started it, even if it hangs.
-"""
+"""The child program that speaks and plays one sound after another (see `child`)."""
 
 import contextlib
-import ctypes
-import os
 import queue
-import signal
-import sys
 import threading
 from array import array
 from collections.abc import Callable
-from typing import BinaryIO, NoReturn
+from typing import NoReturn
 
 import msgspec
 
 from sar_tui.loop.clock import host_now
+from sar_tui.outputs.sound.child import Channel
 from sar_tui.outputs.sound.engine import Engine
 from sar_tui.outputs.sound.player import Destination, Folder, NoSound, Playback, SoundCard
 from sar_tui.outputs.sound.protocol import (
@@ -33,21 +25,29 @@ from sar_tui.outputs.sound.protocol import (
     Started,
     Stop,
     Tone,
-    Unreadable,
     Warm,
-    decode_request,
-    encode,
 )
 from sar_tui.outputs.sound.samples import tone
 
-_PR_SET_PDEATHSIG = 1
+
+def main() -> NoReturn:
+    """Do the requests from standard input until it ends."""
+    channel = Channel()
+    voice = Voice(channel.setup, channel.send)
+    listener = threading.Thread(
+        target=channel.serve, args=(voice.request,), name="requests", daemon=True
+    )
+    listener.start()
+    voice.work()
 
 
 class Voice:
-    """Does one job after another on the main thread."""
+    """Does one job after another on the main thread, as the speech engine requires."""
 
-    def __init__(self, setup: Setup, replies: BinaryIO) -> None:
-        self._replies = replies
+    def __init__(self, setup: Setup, send: Callable[[Reply], object]) -> None:
+        self._send = send
+        self._jobs: queue.SimpleQueue[tuple[Request, Playback]] = queue.SimpleQueue()
+        self._latest: tuple[int, Playback] = (0, Playback())
         self._engine = Engine()
         self._card = SoundCard(setup.backends)
         self._destination: Destination = self._card
@@ -56,7 +56,25 @@ class Voice:
         elif not setup.in_real_time:
             self._destination = NoSound()
 
-    def do(self, asked: Request, playback: Playback) -> None:
+    def request(self, asked: Request) -> None:
+        """Queue a request, from any thread. A stop takes effect at once."""
+        match asked:
+            case Stop(job):
+                latest, playback = self._latest
+                if job == latest:
+                    playback.halt()
+            case Say(job) | Tone(job):
+                self._latest = job, Playback()
+                self._jobs.put((asked, self._latest[1]))
+            case _:
+                self._jobs.put((asked, Playback()))
+
+    def work(self) -> NoReturn:
+        """Do the requests in order, until the program ends."""
+        while True:
+            self._do(*self._jobs.get())
+
+    def _do(self, asked: Request, playback: Playback) -> None:
         match asked:
             case Say(job, name, text, voicing):
                 self._sound(job, name, lambda: self._engine.speak(text, voicing), playback)
@@ -82,8 +100,7 @@ class Voice:
                     lambda at, seconds: self._send(Started(job, at, seconds)),
                 )
         except SoundError as error:
-            at_fault = not isinstance(error, Unreadable)
-            self._send(Ended(job, "failed", host_now(), str(error), at_fault))
+            self._send(Ended(job, "failed", host_now(), str(error), not error.is_of_text))
         else:
             self._send(Ended(job, "aborted" if playback.is_halted else "done", host_now()))
 
@@ -107,62 +124,6 @@ class Voice:
             return msgspec.structs.replace(found, card=self._card.open())
         except SoundError as error:
             return msgspec.structs.replace(found, no_card=str(error))
-
-    def _send(self, reply: Reply) -> None:
-        self._replies.write(encode(reply))
-
-
-def main() -> NoReturn:
-    """Do the requests from standard input until it ends."""
-    requests, replies = own_channels()
-    end_with_parent()
-    first = decode_request(requests.readline())
-    if not isinstance(first, Setup):
-        raise SystemExit(2)
-    jobs: queue.SimpleQueue[tuple[Request, Playback]] = queue.SimpleQueue()
-    threading.Thread(target=_listen, args=(requests, jobs), name="requests", daemon=True).start()
-    voice = Voice(first, replies)
-    while True:
-        voice.do(*jobs.get())
-
-
-def _listen(requests: BinaryIO, jobs: "queue.SimpleQueue[tuple[Request, Playback]]") -> None:
-    """Queue requests, except stops, which take effect at once. Ends the process after the last
-    request.
-    """
-    latest, playback = 0, Playback()
-    try:
-        for each in requests:
-            match decode_request(each):
-                case Stop(job):
-                    if job == latest:
-                        playback.halt()
-                case Say(job) | Tone(job) as asked:
-                    latest, playback = job, Playback()
-                    jobs.put((asked, playback))
-                case asked:
-                    jobs.put((asked, Playback()))
-    finally:
-        os._exit(0)
-
-
-def own_channels() -> tuple[BinaryIO, BinaryIO]:
-    """Take over standard input and output; libraries that print or read get the null device."""
-    requests = os.fdopen(os.dup(0), "rb")
-    replies = os.fdopen(os.dup(1), "wb", buffering=0)
-    nothing = os.open(os.devnull, os.O_RDWR)
-    for standard in (0, 1, 2):
-        os.dup2(nothing, standard)
-    os.close(nothing)
-    return requests, replies
-
-
-def end_with_parent() -> None:
-    """Have the kernel kill this process when its parent ends, as our own thread may not get to run
-    (Linux only).
-    """
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ from types import ModuleType, SimpleNamespace
 import pytest
 
 from sar_tui.outputs.sound.engine import Engine
-from sar_tui.outputs.sound.protocol import SoundError, Unreadable, Voicing
+from sar_tui.outputs.sound.protocol import SoundError, Voicing
 from sar_tui.outputs.sound.samples import RATE, peak, seconds
 from tests.needs_speech import needs_speech
 from tests.outputs.voice_fixtures import ENGINE
@@ -93,8 +93,9 @@ def test_a_language_without_a_voice_is_reported_in_words(engine: Engine) -> None
 
 @pytest.mark.parametrize("text", ["做得好", "😀😀", "..."])
 def test_text_that_the_voice_cannot_read_is_refused(engine: Engine, text: str) -> None:
-    with pytest.raises(Unreadable, match="The voice cannot read this text"):
+    with pytest.raises(SoundError, match="The voice cannot read this text") as caught:
         engine.speak(text, ENGLISH)
+    assert caught.value.is_of_text
 
 
 @pytest.mark.parametrize("speak", ["beep(engine, level=10)", "beep(engine, seconds=0.02)"])
@@ -102,14 +103,16 @@ def test_speech_that_nobody_could_hear_is_refused(
     monkeypatch: pytest.MonkeyPatch, speak: str
 ) -> None:
     stand_in(monkeypatch, speak)
-    with pytest.raises(Unreadable, match="gave no sound for this text"):
+    with pytest.raises(SoundError, match="gave no sound for this text") as caught:
         Engine().speak("Well done.", ENGLISH)
+    assert caught.value.is_of_text
 
 
 def test_speech_that_is_cut_short_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     stand_in(monkeypatch, "beep(engine, seconds=0.2)")
-    with pytest.raises(Unreadable, match="gave no sound for this text"):
+    with pytest.raises(SoundError, match="gave no sound for this text") as caught:
         Engine().speak("You were forty milliseconds faster than before.", ENGLISH)
+    assert caught.value.is_of_text
 
 
 def test_an_engine_that_writes_on_a_thread_of_its_own_is_waited_for(

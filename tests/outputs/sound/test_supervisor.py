@@ -13,7 +13,6 @@ from sar_tui.loop.clock import LiveClock
 from sar_tui.model.theme import Note
 from sar_tui.outputs.sound.protocol import Reply, Setup, Tone
 from sar_tui.outputs.sound.supervisor import PartEvent, SoundJob, Supervisor
-from sar_tui.outputs.sound.voice_process import VoiceProcess
 from tests.outputs.voice_fixtures import DEADLINE_S, NOBODY, is_alive, pids, real_program, until
 
 BEEP = (Note(880, 20),)
@@ -46,10 +45,10 @@ def test_a_sound_is_played_although_the_end_of_the_last_process_is_not_yet_known
     known = threading.Event()
     receive = Supervisor._receive
 
-    def received(supervisor: Supervisor, child: VoiceProcess, reply: Reply | None) -> None:
+    def received(supervisor: Supervisor, reply: Reply | None) -> None:
         if reply is None:
             known.wait(DEADLINE_S)
-        receive(supervisor, child, reply)
+        receive(supervisor, reply)
 
     monkeypatch.setattr(Supervisor, "_receive", received)
     ended: queue.SimpleQueue[PartEvent] = queue.SimpleQueue()

@@ -8,7 +8,7 @@ import pytest
 from sar_tui.model.units import MS, SECOND
 from sar_tui.outputs.sound.player import SoundCard
 from sar_tui.outputs.sound.samples import RATE
-from sar_tui.outputs.sound.tone_stream import DeviceClock, ToneStream
+from sar_tui.outputs.sound.tone_main import DeviceClock, ToneStream
 
 PERIOD = 220
 START = 5 * SECOND
@@ -79,7 +79,7 @@ class Card(SoundCard):
 @pytest.fixture
 def card(monkeypatch: pytest.MonkeyPatch) -> Card:
     card = Card()
-    monkeypatch.setattr("sar_tui.outputs.sound.tone_stream.host_now", lambda: card.now)
+    monkeypatch.setattr("sar_tui.outputs.sound.tone_main.host_now", lambda: card.now)
     return card
 
 

@@ -11,6 +11,7 @@ import pytest
 
 from sar_tui.loop.clock import host_now
 from sar_tui.model.theme import Note
+from sar_tui.outputs.sound.child import SoundProgram
 from sar_tui.outputs.sound.protocol import (
     Ended,
     Reply,
@@ -23,7 +24,6 @@ from sar_tui.outputs.sound.protocol import (
     Warm,
     encode,
 )
-from sar_tui.outputs.sound.voice_process import VoiceProcess
 from tests.needs_speech import needs_speech
 from tests.outputs.voice_fixtures import (
     DEADLINE_S,
@@ -55,10 +55,11 @@ def speak(engine):
 """
 PARENT = """
 import sys, time
-from sar_tui.outputs.sound.voice_process import VoiceProcess
+from sar_tui.outputs.sound.child import SoundProgram
 from sar_tui.outputs.sound.protocol import *
 
-child = VoiceProcess(Setup(backends=("NULL",)), lambda child, reply: print(reply, flush=True), sys.argv[1:])
+child = SoundProgram(sys.argv[1:], Setup(backends=("NULL",)), lambda reply: print(reply, flush=True))
+child.start()
 child.send(Say(1, "a1", "One word after the other. " * 40, Voicing("en")))
 time.sleep(30)
 """
@@ -71,7 +72,8 @@ class Talk:
 
     def __init__(self, setup: Setup, program: list[str]) -> None:
         self._replies: queue.SimpleQueue[Reply | None] = queue.SimpleQueue()
-        self.child = VoiceProcess(setup, lambda _, reply: self._replies.put(reply), program)
+        self.child = SoundProgram(program, setup, self._replies.put)
+        self.child.start()
 
     def next(self) -> Reply | None:
         return self._replies.get(timeout=DEADLINE_S)
@@ -82,8 +84,7 @@ def test_output_printed_by_libraries_is_discarded(capfd: pytest.CaptureFixture[s
     talk.child.send(Say(1, "a1", "Well done.", HELLO))
     assert isinstance(talk.next(), Started)
     assert talk.next() == Ended(1, "done", pytest.approx(host_now(), abs=1_000_000_000))
-    talk.child.kill()
-    assert talk.next() is None
+    talk.child.end()
     assert capfd.readouterr() == ("", "")
 
 
@@ -93,7 +94,7 @@ def test_times_are_those_of_the_programs_own_clock() -> None:
     talk.child.send(Tone(1, "a1", (Note(880, 200),)))
     started, ended = talk.next(), talk.next()
     after = host_now()
-    talk.child.kill()
+    talk.child.end()
     assert isinstance(started, Started)
     assert isinstance(ended, Ended)
     assert before < started.at < ended.at < after
@@ -107,7 +108,7 @@ def test_a_stop_of_a_job_that_is_over_does_not_stop_the_next() -> None:
     talk.child.send(Tone(2, "a2", (Note(880, 100),)))
     talk.child.send(Stop(1))
     replies = [talk.next() for _ in range(4)]
-    talk.child.kill()
+    talk.child.end()
     assert [each.state for each in replies if isinstance(each, Ended)] == ["done", "done"]
 
 
@@ -118,7 +119,7 @@ def test_getting_ready_does_not_disturb_what_is_under_way() -> None:
     talk.child.send(Warm(HELLO, ((Note(440, 100),),)))
     talk.child.send(Stop(1))
     ended = talk.next()
-    talk.child.kill()
+    talk.child.end()
     assert isinstance(ended, Ended)
     assert ended.state == "aborted"
 
@@ -183,4 +184,4 @@ def test_a_folder_that_the_program_was_started_in_does_not_take_the_place_of_lib
     )
     talk.child.send(Say(1, "a1", "Well done.", HELLO))
     assert isinstance(talk.next(), Started)
-    talk.child.kill()
+    talk.child.end()
