@@ -4,8 +4,8 @@ hand.
 
 import io
 import sqlite3
-from collections.abc import AsyncIterator, Sequence
-from contextlib import asynccontextmanager, closing, suppress
+from collections.abc import AsyncIterator, Callable, Sequence
+from contextlib import AbstractAsyncContextManager, asynccontextmanager, closing, suppress
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +32,10 @@ from tests.settle import settle
 
 SHORT = {"attempts": 2, "prompts_per_attempt": 2}
 """Parameters of a short session."""
+OpenApp = Callable[..., AbstractAsyncContextManager["AppDriver"]]
+"""Opens the app on the test's data folder: `open_app` without its first two arguments."""
+OpenSession = Callable[..., AbstractAsyncContextManager["AppDriver"]]
+"""Opens the app for a short session of the keyboard task; takes what `plan` takes, and a size."""
 _NAMES = {"?": "question_mark", "-": "minus", "/": "slash", " ": "space"}
 _TYPED = {"space": " ", "enter": "\r", "tab": "\t"}
 _FRAMES = str.maketrans("│▌╭╮╰╯─", "       ")

@@ -1,16 +1,39 @@
 """Keep tests of the app independent of the developer's terminal and other sessions."""
 
+import functools
 import gc
 from collections.abc import Iterator
+from contextlib import AbstractAsyncContextManager
+from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
+from sar_tui.loop.task import Task
+from sar_tui.plugins import Catalogue
+from tests.app.app_driver import AppDriver, OpenApp, OpenSession, open_app, plan
 from tests.app.fake_voice import voice
 
 __all__ = ["voice"]
 
+_HOW = ("size", "link", "patient", "markers", "sync_flash")
+"""Arguments of `open_app`; the others are those of `plan`."""
 _SIGNS = ("SSH_CONNECTION", "SSH_TTY", "SSH_CLIENT", "TMUX", "STY", "ZELLIJ", "NO_COLOR")
+
+
+@pytest.fixture
+def opened(data: Path, catalogue: Catalogue) -> OpenApp:
+    return functools.partial(open_app, data, catalogue)
+
+
+@pytest.fixture
+def open_session(opened: OpenApp, catalogue: Catalogue, keyboard: type[Task]) -> OpenSession:
+    def open_planned(**given: Any) -> AbstractAsyncContextManager[AppDriver]:
+        how = {name: given.pop(name) for name in _HOW if name in given}
+        return opened(plan(catalogue, keyboard, **given), **how)
+
+    return open_planned
 
 
 @pytest.fixture(autouse=True)

@@ -5,12 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.loop.task import Task
 from sar_tui.model.messages import SessionCommand
-from sar_tui.plugins import Catalogue
 from sar_tui.store import passphrase
 from sar_tui.store.passphrase import Passphrase
-from tests.app.app_driver import AppDriver, open_app, plan
+from tests.app.app_driver import AppDriver, OpenSession
 from tests.examples import first
 
 RIGHT = "quiet river"
@@ -45,9 +43,9 @@ def cheap(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.slow
 async def test_the_goal_and_the_feedback_change_from_the_next_attempt_on(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession,
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=4)) as driver:
+    async with open_session(attempts=4) as driver:
         first = await driver.to_first_prompt()
         await open_changes(driver)
         assert driver.sees("Changes apply from the next attempt on.")
@@ -69,20 +67,13 @@ async def test_the_goal_and_the_feedback_change_from_the_next_attempt_on(
         ]
         assert [
             (act["name"], act["value"], act["actor"]) for act in driver.messages("operator/setting")
-        ] == [
-            ("threshold", 700.0, "therapist"),
-            ("feedback_every", 2, "therapist"),
-        ]
+        ] == [("threshold", 700.0, "therapist"), ("feedback_every", 2, "therapist")]
         assert first.attempt == 1
 
 
 @pytest.mark.slow
-async def test_the_level_goes_up_and_down_and_is_held(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(
-        data, catalogue, plan(catalogue, keyboard, attempts=4, max_level=3)
-    ) as driver:
+async def test_the_level_goes_up_and_down_and_is_held(open_session: OpenSession) -> None:
+    async with open_session(attempts=4, max_level=3) as driver:
         await driver.press("enter")
         await open_changes(driver)
         await choose(driver, "Level up")
@@ -106,10 +97,8 @@ async def test_the_level_goes_up_and_down_and_is_held(
         } == {"therapist"}
 
 
-async def test_a_note_is_stored_as_the_therapists(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+async def test_a_note_is_stored_as_the_therapists(open_session: OpenSession) -> None:
+    async with open_session() as driver:
         await open_changes(driver)
         await choose(driver, "Write a note")
         await driver.write(*"wore glasses?")
@@ -119,10 +108,8 @@ async def test_a_note_is_stored_as_the_therapists(
 
 
 @pytest.mark.slow
-async def test_a_goal_out_of_bounds_is_refused_in_a_sentence(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+async def test_a_goal_out_of_bounds_is_refused_in_a_sentence(open_session: OpenSession) -> None:
+    async with open_session() as driver:
         await open_changes(driver)
         await choose(driver, "Goal")
         for bad in ("700", "much", "nan"):
@@ -133,12 +120,8 @@ async def test_a_goal_out_of_bounds_is_refused_in_a_sentence(
         assert driver.messages("operator/setting") == []
 
 
-async def test_feedback_that_has_no_frequency_is_not_offered(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(
-        data, catalogue, plan(catalogue, keyboard, feedback_schedule="request")
-    ) as driver:
+async def test_feedback_that_has_no_frequency_is_not_offered(open_session: OpenSession) -> None:
+    async with open_session(feedback_schedule="request") as driver:
         await open_changes(driver)
         assert driver.sees("Goal: 1 second")
         assert not driver.sees("Feedback:")
@@ -146,10 +129,10 @@ async def test_feedback_that_has_no_frequency_is_not_offered(
 
 @pytest.mark.usefixtures("cheap")
 async def test_behind_the_passphrase_only_the_right_one_opens_it(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession, data: Path
 ) -> None:
     Passphrase(data).set(RIGHT)
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         await open_changes(driver)
         assert driver.sees("Please enter the passphrase.")
         await driver.write(*"quiet rivers")
@@ -171,7 +154,7 @@ async def test_behind_the_passphrase_only_the_right_one_opens_it(
 @pytest.mark.slow
 @pytest.mark.usefixtures("cheap")
 async def test_after_three_wrong_ones_it_says_how_long_to_wait(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession, data: Path
 ) -> None:
     moments = [time.time() - 155]
     stored = Passphrase(data, lambda: moments[-1])
@@ -179,7 +162,7 @@ async def test_after_three_wrong_ones_it_says_how_long_to_wait(
     for _ in range(8):
         stored.check("wrong one")
         moments.append(moments[-1] + stored.wait_s)
-    async with open_app(data, catalogue, plan(catalogue, keyboard, language="es")) as driver:
+    async with open_session(language="es") as driver:
         await open_changes(driver)
         assert driver.sees("Espere")
         await driver.write(*RIGHT)
@@ -190,9 +173,9 @@ async def test_after_three_wrong_ones_it_says_how_long_to_wait(
 
 @pytest.mark.slow
 async def test_when_an_operator_goes_on_the_participant_sees_the_session(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession,
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         await driver.to_first_prompt()
         await open_changes(driver)
         assert driver.app.live
@@ -202,10 +185,8 @@ async def test_when_an_operator_goes_on_the_participant_sees_the_session(
         assert (await driver.to_prompt()).text in driver.text
 
 
-async def test_all_of_it_is_in_the_sessions_language(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, language="es")) as driver:
+async def test_all_of_it_is_in_the_sessions_language(open_session: OpenSession) -> None:
+    async with open_session(language="es") as driver:
         await open_changes(driver)
         for words in (
             "Para el terapeuta",
@@ -218,10 +199,8 @@ async def test_all_of_it_is_in_the_sessions_language(
 
 
 @pytest.mark.parametrize("size", first(1, [(80, 24), (160, 50)]))
-async def test_the_list_and_its_field_fit(
-    size: tuple[int, int], data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard), size=size) as driver:
+async def test_the_list_and_its_field_fit(open_session: OpenSession, size: tuple[int, int]) -> None:
+    async with open_session(size=size) as driver:
         await open_changes(driver)
         await choose(driver, "Goal")
         await type_over(driver, "700")

@@ -2,18 +2,15 @@
 it.
 """
 
-from pathlib import Path
-
 import pytest
 from textual.color import Color
 
 from sar_tui.loop.phrase_keys import PERFORMANCE, PHRASE_KEYS
-from sar_tui.loop.task import Task
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS
 from sar_tui.plugins import Catalogue
 from sar_tui.widgets.agent import Agent
-from tests.app.app_driver import AppDriver, open_app, plan
+from tests.app.app_driver import AppDriver, OpenApp, OpenSession
 from tests.app.fake_voice import Voice
 from tests.app.test_quiet_screen import count_frames
 from tests.examples import first
@@ -48,9 +45,9 @@ def mouth(theme: Theme, face: str) -> str:
 
 
 async def test_the_mouth_moves_only_while_a_voice_sounds(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], calm: Theme, voice: Voice
+    open_session: OpenSession, calm: Theme, voice: Voice
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, **SPOKEN)) as driver:
+    async with open_session(**SPOKEN) as driver:
         await driver.wait(3000)
         assert voice.asked[0][1] == driver.said
         assert mouth(calm, "happy") in robot(driver)
@@ -65,9 +62,9 @@ async def test_the_mouth_moves_only_while_a_voice_sounds(
 
 
 async def test_a_trial_continues_when_the_agent_has_spoken_and_its_text_stays_until_then(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
+    open_session: OpenSession, voice: Voice
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, **SPOKEN)) as driver:
+    async with open_session(**SPOKEN) as driver:
         await voice.begin(driver)
         await driver.press("enter")
         await driver.wait(300)
@@ -87,13 +84,9 @@ async def test_a_trial_continues_when_the_agent_has_spoken_and_its_text_stays_un
 
 
 async def test_a_voice_that_continues_into_a_response_window_draws_nothing(
-    data: Path,
-    catalogue: Catalogue,
-    keyboard: type[Task],
-    voice: Voice,
-    monkeypatch: pytest.MonkeyPatch,
+    open_session: OpenSession, catalogue: Catalogue, voice: Voice, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, **SPOKEN)) as driver:
+    async with open_session(**SPOKEN) as driver:
         await voice.end(driver)
         prompt = await driver.to_first_prompt()
         agent = driver.app.screen.query_one(Agent)
@@ -110,11 +103,9 @@ async def test_a_voice_that_continues_into_a_response_window_draws_nothing(
 
 
 async def test_the_goodbye_is_spoken_on_the_summary_and_the_voice_released_afterwards(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
+    open_session: OpenSession, voice: Voice
 ) -> None:
-    async with open_app(
-        data, catalogue, plan(catalogue, keyboard, attempts=1, prompts_per_attempt=1, **SPOKEN)
-    ) as driver:
+    async with open_session(attempts=1, prompts_per_attempt=1, **SPOKEN) as driver:
         await voice.end(driver)
         await driver.do_attempt(await driver.to_first_prompt())
         await voice.end(driver)
@@ -134,9 +125,9 @@ async def test_the_goodbye_is_spoken_on_the_summary_and_the_voice_released_after
 
 
 async def test_a_failed_voice_is_reported_until_it_speaks_again(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
+    open_session: OpenSession, voice: Voice
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, **SPOKEN)) as driver:
+    async with open_session(**SPOKEN) as driver:
         assert "no voice" not in driver.text
         words = driver.said
         await driver.wait(3000)
@@ -152,9 +143,9 @@ async def test_a_failed_voice_is_reported_until_it_speaks_again(
 
 
 async def test_without_the_screen_output_the_agent_is_shown_only_while_its_text_must_be_read(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
+    open_session: OpenSession, voice: Voice
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, **UNSEEN)) as driver:
+    async with open_session(**UNSEEN) as driver:
         agent = driver.app.screen.query_one(Agent)
         await voice.begin(driver)
         await voice.end(driver)
@@ -176,9 +167,9 @@ async def test_without_the_screen_output_the_agent_is_shown_only_while_its_text_
 
 
 async def test_a_participant_who_holds_a_key_is_asked_to_release_it_even_without_an_agent(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
+    open_session: OpenSession, voice: Voice
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, **UNSEEN)) as driver:
+    async with open_session(**UNSEEN) as driver:
         agent = driver.app.screen.query_one(Agent)
         await voice.end(driver)
         await driver.press("enter")
@@ -193,13 +184,9 @@ async def test_a_participant_who_holds_a_key_is_asked_to_release_it_even_without
 
 
 async def test_a_voice_that_fails_in_a_trial_is_reported_after_it(
-    data: Path,
-    catalogue: Catalogue,
-    keyboard: type[Task],
-    voice: Voice,
-    monkeypatch: pytest.MonkeyPatch,
+    open_session: OpenSession, voice: Voice, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, **UNSEEN)) as driver:
+    async with open_session(**UNSEEN) as driver:
         await voice.end(driver)
         prompt = await driver.to_first_prompt()
         frames = count_frames(driver, monkeypatch)
@@ -217,11 +204,9 @@ async def test_a_voice_that_fails_in_a_trial_is_reported_after_it(
 
 
 async def test_delayed_feedback_is_awaited_with_a_thinking_face(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], calm: Theme
+    open_session: OpenSession, calm: Theme
 ) -> None:
-    async with open_app(
-        data, catalogue, plan(catalogue, keyboard, feedback_delay_ms=3000)
-    ) as driver:
+    async with open_session(feedback_delay_ms=3000) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         assert driver.sees("One moment…")
         assert mouth(calm, "thinking") in robot(driver)
@@ -235,7 +220,7 @@ async def test_delayed_feedback_is_awaited_with_a_thinking_face(
 
 
 async def test_the_agent_listens_again_if_it_has_nothing_to_say(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], calm: Theme
+    open_session: OpenSession, calm: Theme
 ) -> None:
     settings = {
         "feedback_delay_ms": 3000,
@@ -243,7 +228,7 @@ async def test_the_agent_listens_again_if_it_has_nothing_to_say(
         "attempts": 3,
         "encouragement": False,
     }
-    async with open_app(data, catalogue, plan(catalogue, keyboard, **settings)) as driver:
+    async with open_session(**settings) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.wait(3100)
         assert driver.sees("Press Enter for attempt 2 of 3.")
@@ -251,12 +236,8 @@ async def test_the_agent_listens_again_if_it_has_nothing_to_say(
         assert driver.said == ""
 
 
-async def test_tab_requests_feedback(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(
-        data, catalogue, plan(catalogue, keyboard, feedback_schedule="request", encouragement=False)
-    ) as driver:
+async def test_tab_requests_feedback(open_session: OpenSession) -> None:
+    async with open_session(feedback_schedule="request", encouragement=False) as driver:
         await driver.press("enter")
         assert "Tab" not in driver.text
         await driver.do_attempt(await driver.begin())
@@ -276,11 +257,9 @@ async def test_tab_requests_feedback(
     "where", first(2, ["trial", "too small", "summary", "instructions", "help", "palette", "pause"])
 )
 async def test_f2_stops_the_agent_on_every_screen_of_a_session(
-    where: str, data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
+    open_session: OpenSession, where: str, voice: Voice
 ) -> None:
-    async with open_app(
-        data, catalogue, plan(catalogue, keyboard, attempts=1, prompts_per_attempt=1, **SPOKEN)
-    ) as driver:
+    async with open_session(attempts=1, prompts_per_attempt=1, **SPOKEN) as driver:
         if where == "help":
             await driver.press("f1")
         elif where == "palette":
@@ -310,9 +289,9 @@ async def test_f2_stops_the_agent_on_every_screen_of_a_session(
 
 
 async def test_a_stop_is_immediate_and_the_latency_of_each_output_is_logged(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], calm: Theme, voice: Voice
+    open_session: OpenSession, calm: Theme, voice: Voice
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, **SPOKEN)) as driver:
+    async with open_session(**SPOKEN) as driver:
         await voice.begin(driver)
         await driver.wait(500)
         assert "●" in robot(driver).splitlines()[2][17:]  # it waves
@@ -329,13 +308,13 @@ async def test_a_stop_is_immediate_and_the_latency_of_each_output_is_logged(
 
 
 async def test_the_stop_key_is_shown_only_with_a_voice(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
+    open_session: OpenSession, voice: Voice
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, **SPOKEN)) as driver:
+    async with open_session(**SPOKEN) as driver:
         assert "F2 Stop robot" in driver.rows[-1], "the output of this test is a plug-in"
         await driver.press("f1")
         assert driver.sees("F2 Stop robot")
-    async with open_app(data, catalogue, plan(catalogue, keyboard, "P02")) as driver:
+    async with open_session(participant="P02") as driver:
         assert "F2 Stop" not in driver.text
         await driver.wait(500)
         assert driver.app.screen.query_one(Agent).is_moving
@@ -344,8 +323,8 @@ async def test_the_stop_key_is_shown_only_with_a_voice(
 
 
 @pytest.mark.slow
-async def test_outside_a_session_f2_belongs_to_the_screen(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue) as driver:
+async def test_outside_a_session_f2_belongs_to_the_screen(opened: OpenApp) -> None:
+    async with opened() as driver:
         await driver.press("enter")
         await driver.write(*"p01")
         await driver.press("enter", "f2")
@@ -357,9 +336,9 @@ async def test_outside_a_session_f2_belongs_to_the_screen(data: Path, catalogue:
 
 
 async def test_encouragement_replaces_feedback_once_that_could_be_read(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession,
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=3)) as driver:
+    async with open_session(attempts=3) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.wait(4000)
         feedback, encouragement = (said["text"] for said in driver.messages("arbiter/action")[-2:])
@@ -382,9 +361,9 @@ async def test_encouragement_replaces_feedback_once_that_could_be_read(
 
 
 async def test_encouragement_is_read_when_a_voice_says_it(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
+    open_session: OpenSession, voice: Voice
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, **SPOKEN)) as driver:
+    async with open_session(**SPOKEN) as driver:
         for _ in range(2):  # the greeting, and the instructions
             await voice.end(driver)
         await driver.do_attempt(await driver.to_first_prompt())
@@ -408,10 +387,10 @@ def longest(theme: Theme, among: list[str]) -> str:
 
 @pytest.mark.parametrize("name", first(1, ["calm", "high-contrast", "playful"]))
 async def test_text_has_the_colour_of_its_valence_and_joined_text_has_none(
-    name: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession, name: str, catalogue: Catalogue
 ) -> None:
     colors = catalogue.theme(name).colors
-    async with open_app(data, catalogue, plan(catalogue, keyboard, theme=name)) as driver:
+    async with open_session(theme=name) as driver:
         agent = driver.app.screen.query_one(Agent)
         for valence in ("positive", "neutral", "negative", None):
             agent.say("Well done.", "happy", valence)
@@ -429,7 +408,7 @@ async def test_text_has_the_colour_of_its_valence_and_joined_text_has_none(
 @pytest.mark.parametrize("language", ["en", "es"])
 @pytest.mark.parametrize("name", first(1, ["calm", "high-contrast", "playful"]))
 async def test_the_longest_text_fits_beside_the_agent_and_the_key_hints(
-    name: str, language: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession, name: str, language: str, catalogue: Catalogue
 ) -> None:
     theme = catalogue.theme(name, language)
     answers = [
@@ -440,9 +419,7 @@ async def test_the_longest_text_fits_beside_the_agent_and_the_key_hints(
     performance = [each for each in PERFORMANCE if each.endswith("figures")]
     words = " ".join(longest(theme, each) for each in (in_words, in_figures, performance))
     more = longest(theme, ["rest", "encouragement"])
-    async with open_app(
-        data, catalogue, plan(catalogue, keyboard, theme=name, language=language, attempts=200)
-    ) as driver:
+    async with open_session(theme=name, language=language, attempts=200) as driver:
         await driver.press("enter")
         at_foot, press = driver.rows[-2:], driver.app.screen.query_one("#enter").render()  # type: ignore[attr-defined]
         agent = driver.app.screen.query_one(Agent)

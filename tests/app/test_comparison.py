@@ -1,12 +1,8 @@
 """The summary tells a session beside the last one that can be compared with it."""
 
-from pathlib import Path
-
 import pytest
 
-from sar_tui.loop.task import Task
-from sar_tui.plugins import Catalogue
-from tests.app.app_driver import AppDriver, open_app, plan
+from tests.app.app_driver import AppDriver, OpenSession
 
 
 async def to_comparison(driver: AppDriver) -> None:
@@ -19,13 +15,11 @@ async def to_comparison(driver: AppDriver) -> None:
 
 @pytest.mark.slow
 async def test_only_a_later_session_with_the_same_settings_has_a_comparison(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession,
 ) -> None:
     compared = []
     for settings in ({}, {}, {"threshold": 900.0}):
-        async with open_app(
-            data, catalogue, plan(catalogue, keyboard, max_level=1, **settings)
-        ) as driver:
+        async with open_session(max_level=1, **settings) as driver:
             await to_comparison(driver)
             assert driver.sees("You did 2 attempts; goal reached in 2.")
             compared.append(driver.sees("Today 0.40 seconds, "))

@@ -14,14 +14,14 @@ from sar_tui.loop.task import Task
 from sar_tui.model.trial_types import Result, Trial
 from sar_tui.plugins import Catalogue
 from sar_tui.store.database import StoreError
-from tests.app.app_driver import AppDriver, known, open_app, plan, stored
+from tests.app.app_driver import AppDriver, OpenApp, OpenSession, known, open_app, plan, stored
 from tests.examples import first
 
 
 async def test_a_failed_write_asks_for_the_experimenter_and_the_session_continues_afterwards(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession,
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         prompt = await driver.to_first_prompt()
         await driver.disk(False)
         assert driver.sees("Please fetch the experimenter")
@@ -68,14 +68,14 @@ async def test_a_task_that_raises_asks_for_the_experimenter_and_the_app_fails(
 
 @pytest.mark.parametrize("member", first(1, ["instructions", "goal", "trials_per_attempt"]))
 async def test_a_task_that_raises_before_its_first_screen_asks_for_the_experimenter(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], member: str
+    opened: OpenApp, catalogue: Catalogue, keyboard: type[Task], member: str
 ) -> None:
     def fail(*_: object) -> str:
         raise RuntimeError("a wire is loose")
 
     body = {member: property(fail) if member == "trials_per_attempt" else fail}
     loose = type("Loose", (keyboard,), body | {"__module__": __name__})
-    async with open_app(data, catalogue, plan(catalogue, loose)) as driver:
+    async with opened(plan(catalogue, loose)) as driver:
         await driver.wait(1000)
         assert driver.sees("Please fetch the experimenter")
         assert driver.sees("Press Enter to close.")
@@ -100,9 +100,9 @@ async def test_a_task_that_cannot_be_set_up_is_reported_on_the_home_screen(
 
 
 async def test_a_session_that_cannot_be_resumed_ends_the_app_with_a_sentence(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp,
 ) -> None:
-    async with open_app(data, catalogue, "nosuchsession") as driver:
+    async with opened("nosuchsession") as driver:
         assert not driver.app.is_running
         assert driver.app.return_code == 1
         assert (
@@ -113,9 +113,9 @@ async def test_a_session_that_cannot_be_resumed_ends_the_app_with_a_sentence(
 
 @pytest.mark.parametrize("size", first(1, [(79, 24), (80, 23), (20, 5)]))
 async def test_a_window_that_is_too_small_from_the_start_says_so_and_recovers(
-    size: tuple[int, int], data: Path, catalogue: Catalogue
+    opened: OpenApp, size: tuple[int, int]
 ) -> None:
-    async with open_app(data, catalogue, size=size) as driver:
+    async with opened(size=size) as driver:
         assert driver.sees("This window is too small.")
         await driver.resize(60, 20)
         assert driver.sees("It has 60 by 20 characters; 80 by 24 are needed.")
@@ -131,19 +131,17 @@ async def test_a_window_that_is_too_small_from_the_start_says_so_and_recovers(
 
 @pytest.mark.parametrize("key", first(1, ["f1", "ctrl+p"]))
 async def test_a_window_enlarged_under_help_or_palette_recovers_when_they_close(
-    key: str, data: Path, catalogue: Catalogue
+    opened: OpenApp, key: str
 ) -> None:
-    async with open_app(data, catalogue, size=(70, 20)) as driver:
+    async with opened(size=(70, 20)) as driver:
         await driver.press(key)
         await driver.resize(100, 30)
         await driver.press("escape")
         assert driver.screen_name == "HomeScreen"
 
 
-async def test_a_window_that_shrinks_twice_under_the_help_is_covered_once(
-    data: Path, catalogue: Catalogue
-) -> None:
-    async with open_app(data, catalogue, size=(70, 20)) as driver:
+async def test_a_window_that_shrinks_twice_under_the_help_is_covered_once(opened: OpenApp) -> None:
+    async with opened(size=(70, 20)) as driver:
         await driver.press("f1")
         await driver.resize(60, 20)
         assert [type(screen).__name__ for screen in driver.app.screen_stack].count(
@@ -161,10 +159,10 @@ def _refuse(driver: AppDriver) -> None:
 
 
 async def test_a_failure_to_save_settings_is_reported_and_the_form_stays(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     known(data, "P01")
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("f2", "end", "7")
         _refuse(driver)
         await driver.press("ctrl+s", "x", "enter")
@@ -173,36 +171,34 @@ async def test_a_failure_to_save_settings_is_reported_and_the_form_stays(
         assert driver.sees("not saved")
 
 
-async def test_a_failed_write_is_reported_on_the_home_screen(
-    data: Path, catalogue: Catalogue
-) -> None:
+async def test_a_failed_write_is_reported_on_the_home_screen(opened: OpenApp, data: Path) -> None:
     known(data, "P01")
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         _refuse(driver)
         driver.app.screen.query_one("#theme", OptionList).highlighted = 2
         await driver.fail_to_start("is read-only")
 
 
 async def test_a_failure_to_store_a_new_session_is_reported_on_the_home_screen(
-    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+    opened: OpenApp, data: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse(*_: object, **__: object) -> None:
         raise sqlite3.OperationalError("disk I/O error")
 
     known(data, "P01")
     monkeypatch.setattr("sar_tui.store.sessions.create", refuse)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.fail_to_start("disk I/O error")
 
 
 async def test_a_failure_to_store_a_participant_is_reported_and_the_code_stays(
-    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+    opened: OpenApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse(*_: object) -> None:
         raise StoreError("The disk is full.")
 
     monkeypatch.setattr("sar_tui.store.participants.add", refuse)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("enter")
         await driver.write(*"P07")
         await driver.press("enter")
@@ -212,13 +208,13 @@ async def test_a_failure_to_store_a_participant_is_reported_and_the_code_stays(
 
 
 async def test_unsaved_messages_are_reported_when_the_session_is_left(
-    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+    opened: OpenApp, data: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse() -> None:
         raise StoreError("The disk is full.")
 
     known(data, "P01")
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("right", "right", "right", "enter")
         await driver.do_session()
         assert driver.app.live

@@ -4,16 +4,12 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.loop.task import Task
-from sar_tui.plugins import Catalogue
-from tests.app.app_driver import known, open_app, plan
+from tests.app.app_driver import OpenApp, OpenSession, known
 
 
 @pytest.mark.parametrize("key", ["f1", "?"])
-async def test_help_describes_a_screen_and_its_keys(
-    key: str, data: Path, catalogue: Catalogue
-) -> None:
-    async with open_app(data, catalogue) as driver:
+async def test_help_describes_a_screen_and_its_keys(opened: OpenApp, key: str) -> None:
+    async with opened() as driver:
         await driver.press(key)
         assert driver.sees("Choose who trains; Enter, and Enter again starts.")
         for words in ("F2 Settings", "Ctrl-Q Quit", "F1 Help", "Press Enter to close this."):
@@ -25,9 +21,9 @@ async def test_help_describes_a_screen_and_its_keys(
 
 
 async def test_the_footer_shows_pause_only_where_a_pause_is_possible(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession,
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         assert "Esc Pause" in driver.rows[-1]
         assert "Ctrl-Q Quit" in driver.rows[-1]
         assert "Ctrl-P palette" in driver.rows[-1]
@@ -35,11 +31,9 @@ async def test_the_footer_shows_pause_only_where_a_pause_is_possible(
         assert "Pause" not in driver.rows[-1]
 
 
-async def test_every_key_of_the_settings_fits_into_the_footer(
-    data: Path, catalogue: Catalogue
-) -> None:
+async def test_every_key_of_the_settings_fits_into_the_footer(opened: OpenApp, data: Path) -> None:
     known(data, "P01")
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("f2")
         for words in (
             "Ctrl-S Save",
@@ -52,8 +46,8 @@ async def test_every_key_of_the_settings_fits_into_the_footer(
             assert words in driver.rows[-1]
 
 
-async def test_the_palette_lists_help_themes_and_quit(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue) as driver:
+async def test_the_palette_lists_help_themes_and_quit(opened: OpenApp) -> None:
+    async with opened() as driver:
         await driver.press("ctrl+p")
         for words in ("Help", "Theme: Calm", "Theme: High contrast", "Quit"):
             assert driver.sees(words)

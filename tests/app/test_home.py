@@ -7,22 +7,21 @@ from pathlib import Path
 import pytest
 from textual.widgets import Button, OptionList
 
-from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.store import programmes, wellbeing
 from sar_tui.store.database import connect
 from sar_tui.store.locks import hold
 from sar_tui.store.programmes import Programme
 from sar_tui.widgets.marked_list import MarkedList, PickList
-from tests.app.app_driver import known, open_app, plan, stored
+from tests.app.app_driver import OpenApp, OpenSession, known, open_app, stored
 from tests.examples import first
 from tests.sides_task import write_sides
 
 
 async def test_arrows_enter_and_a_code_lead_from_a_fresh_start_to_a_session(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         assert driver.sees("+ New participant")
         await driver.press("enter")
         await driver.write(*"p01")
@@ -35,22 +34,22 @@ async def test_arrows_enter_and_a_code_lead_from_a_fresh_start_to_a_session(
 
 
 async def test_a_known_participant_needs_nothing_but_arrows_and_enter(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     known(data, "P02")
     known(data, "P01")
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("down", "enter", "enter")
         assert driver.sees("Welcome")
     assert stored(data, "SELECT participant FROM seats") == [("P02",)]
 
 
 async def test_escape_in_a_list_restores_what_was_chosen_before(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     known(data, "P02")
     known(data, "P01")
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         screen = driver.app.screen
         chosen = {}
         for name in ("participant", "task", "theme"):
@@ -80,11 +79,11 @@ async def test_escape_in_a_list_restores_what_was_chosen_before(
 
 @pytest.mark.slow
 async def test_a_part_of_a_code_finds_a_participant_and_escape_shows_all_again(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     for code in ("AB-7", "P17", "P02"):
         known(data, code)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("7")
         assert driver.sees("P17 · Keyboard reaction"), "the newest of those with a 7"
         assert not driver.sees("P02")
@@ -102,14 +101,14 @@ async def test_a_part_of_a_code_finds_a_participant_and_escape_shows_all_again(
 
 
 async def test_the_card_tells_how_a_participant_does(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    opened: OpenApp, open_session: OpenSession, data: Path
 ) -> None:
     known(data, "P02")
     known(data, "P01")
     for _ in range(2):
-        async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        async with open_session() as driver:
             await driver.do_session()
-    async with open_app(data, catalogue, plan(catalogue, keyboard, "P02")) as driver:
+    async with open_session(participant="P02") as driver:
         await driver.answer(await driver.to_first_prompt())
         session = driver.session_id
     (first_session,), (second_session,), _ = stored(data, "SELECT id FROM sessions ORDER BY rowid")
@@ -118,7 +117,7 @@ async def test_the_card_tells_how_a_participant_does(
     wellbeing.save(database, "P01", "after", "fatigue", "4", session=second_session)
     wellbeing.save(database, "P01", "after", "pain", "3", session=second_session)
     database.close()
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         assert driver.sees("P02 unfinished")
         assert driver.sees("P01 pain 3")
         assert driver.sees("Interrupted today after 0")
@@ -134,14 +133,14 @@ async def test_the_card_tells_how_a_participant_does(
 
 @pytest.mark.slow
 async def test_the_last_task_of_a_participant_is_chosen_and_one_chosen_by_hand_stays(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     known(data, "P02")
     known(data, "P01")
     database = connect(data)
     programmes.save(database, "P01", "reaching", Programme(), after=0)
     database.close()
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         assert driver.sees("P01 · Reaching")
         await driver.press("right")
         driver.app.screen.query_one("#task", PickList).choose("pairs")
@@ -156,9 +155,9 @@ async def test_the_last_task_of_a_participant_is_chosen_and_one_chosen_by_hand_s
 
 @pytest.mark.parametrize("code", first(1, ["Peter Maier", "-1", "P/01", "Jürgen"]))
 async def test_an_invalid_code_is_explained_and_refused(
-    code: str, data: Path, catalogue: Catalogue
+    opened: OpenApp, code: str, data: Path
 ) -> None:
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("enter")
         await driver.write(*code)
         assert driver.sees("1 to 32 letters, digits, - or _")
@@ -167,9 +166,9 @@ async def test_an_invalid_code_is_explained_and_refused(
     assert stored(data, "SELECT code FROM participants") == []
 
 
-async def test_an_existing_code_is_reported(data: Path, catalogue: Catalogue) -> None:
+async def test_an_existing_code_is_reported(opened: OpenApp, data: Path) -> None:
     known(data, "P01")
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("down", "enter")
         await driver.write(*"p01")
         assert driver.sees("This code is taken.")
@@ -211,8 +210,8 @@ async def test_a_task_that_is_removed_while_it_is_chosen_is_told_and_does_not_st
         assert driver.screen_name == "HomeScreen"
 
 
-async def test_nothing_starts_without_a_participant(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue) as driver:
+async def test_nothing_starts_without_a_participant(opened: OpenApp) -> None:
+    async with opened() as driver:
         assert driver.sees(
             "1. Press Enter, and give the first person a code, such as P01. Never a name."
         )
@@ -226,11 +225,11 @@ async def test_nothing_starts_without_a_participant(data: Path, catalogue: Catal
 
 @pytest.mark.slow
 async def test_a_theme_is_applied_when_chosen_and_stored_for_its_participant(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     known(data, "P01", attempts=1, prompts_per_attempt=1)
     known(data, "P02")
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         assert driver.app.theme == "sar-calm"
         await driver.press("right", "right", "down")
         assert driver.app.theme == "sar-high-contrast"
@@ -238,7 +237,7 @@ async def test_a_theme_is_applied_when_chosen_and_stored_for_its_participant(
         await driver.do_session()
         await driver.press("enter")
         assert driver.screen_name == "HomeScreen"
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         assert driver.app.theme == "sar-high-contrast"
         await driver.press("down")
         assert driver.app.theme == "sar-calm"
@@ -247,11 +246,9 @@ async def test_a_theme_is_applied_when_chosen_and_stored_for_its_participant(
 
 
 @pytest.mark.slow
-async def test_a_chosen_theme_survives_a_visit_to_the_settings(
-    data: Path, catalogue: Catalogue
-) -> None:
+async def test_a_chosen_theme_survives_a_visit_to_the_settings(opened: OpenApp, data: Path) -> None:
     known(data, "P01", attempts=1, prompts_per_attempt=1)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("right", "right", "down")
         await driver.press("f2")
         assert driver.screen_name == "SettingsScreen"
@@ -261,10 +258,10 @@ async def test_a_chosen_theme_survives_a_visit_to_the_settings(
 
 
 async def test_a_participants_settings_are_used_by_their_next_session(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     known(data, "P01", attempts=3, prompts_per_attempt=7)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("right", "right", "right", "enter")
         assert driver.sees("An attempt asks for 7 keys.")
         await driver.press("enter")
@@ -272,10 +269,10 @@ async def test_a_participants_settings_are_used_by_their_next_session(
 
 
 async def test_settings_that_became_invalid_are_told_and_a_second_press_begins_without_them(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     known(data, "P01", attempts=9999, tempo=3, prompts_per_attempt=7)
-    async with open_app(data, catalogue, size=(100, 30)) as driver:
+    async with opened(size=(100, 30)) as driver:
         await driver.fail_to_start("Version 1 of the programme of P01 is not used in full.")
         assert driver.sees("Attempts is a whole number, 1 to 200, not 9999.")
         assert driver.sees("The setting tempo does not exist any more.")
@@ -291,11 +288,11 @@ async def test_settings_that_became_invalid_are_told_and_a_second_press_begins_w
 
 
 async def test_a_session_names_the_version_of_the_programme_that_it_runs(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     known(data, "P01", attempts=3)
     known(data, "P01", attempts=4)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("right", "right", "right", "enter")
         assert driver.sees("An attempt asks for 2 keys.")
         assert driver.stored("SELECT programme FROM sessions") == [(2,)]
@@ -303,11 +300,11 @@ async def test_a_session_names_the_version_of_the_programme_that_it_runs(
 
 @pytest.mark.slow
 async def test_another_theme_is_saved_as_a_version_and_the_same_one_is_not(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     known(data, "P01")
     for _ in range(2):
-        async with open_app(data, catalogue) as driver:
+        async with opened() as driver:
             driver.app.screen.query_one("#theme", OptionList).highlighted = 2
             await driver.press("right", "right", "right", "enter")
             assert driver.sees("An attempt asks for 2 keys.")
@@ -319,15 +316,15 @@ async def test_another_theme_is_saved_as_a_version_and_the_same_one_is_not(
 
 
 async def test_sessions_are_listed_newest_first_and_enter_resumes_an_interrupted_one(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    opened: OpenApp, open_session: OpenSession, data: Path
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, "P01")) as driver:
+    async with open_session(participant="P01") as driver:
         await driver.answer(await driver.to_first_prompt())
         left_at = await driver.to_prompt()
         session = driver.session_id
-    async with open_app(data, catalogue, plan(catalogue, keyboard, "P02", attempts=1)) as driver:
+    async with open_session(participant="P02", attempts=1) as driver:
         await driver.do_session()
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("up")
         recent = [row for row in driver.rows if "Keyboard re…" in row]
         assert "P02" in recent[0]
@@ -356,13 +353,13 @@ async def test_sessions_are_listed_newest_first_and_enter_resumes_an_interrupted
 
 
 async def test_the_card_and_progress_call_a_session_interrupted_whose_program_was_killed(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    opened: OpenApp, open_session: OpenSession, data: Path
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, "P01", attempts=1)) as driver:
+    async with open_session(participant="P01", attempts=1) as driver:
         await driver.do_session()
     with closing(connect(data)) as database:
         database.execute("UPDATE sessions SET status='running', ended_at=NULL")
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         assert driver.sees("reached, interrupted")
         await driver.press("f4")
         assert driver.sees("· interrupted · 1/1 attempts")
@@ -370,16 +367,16 @@ async def test_the_card_and_progress_call_a_session_interrupted_whose_program_wa
 
 @pytest.mark.slow
 async def test_an_interrupted_session_is_dismissed_and_taken_back(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    opened: OpenApp, open_session: OpenSession, data: Path
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, "P01")) as driver:
+    async with open_session(participant="P01") as driver:
         await driver.answer(await driver.to_first_prompt())
         session = driver.session_id
-    async with open_app(data, catalogue, plan(catalogue, keyboard, "P02", attempts=1)) as driver:
+    async with open_session(participant="P02", attempts=1) as driver:
         await driver.do_session()
     tables = ("trials", "events", "runs", "seats")
     everything = [stored(data, f"SELECT * FROM {table}") for table in tables]
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         assert "Dismiss" not in driver.rows[-1]
         await driver.press("up")
         driver.app.screen.query_one("#recent").focus()
@@ -410,11 +407,11 @@ async def test_an_interrupted_session_is_dismissed_and_taken_back(
 
 @pytest.mark.slow
 async def test_a_session_that_another_program_goes_on_with_is_not_dismissed(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    opened: OpenApp, open_session: OpenSession, data: Path
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, "P01")) as driver:
+    async with open_session(participant="P01") as driver:
         session = driver.session_id
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         driver.app.screen.query_one("#recent").focus()
         await driver.settle()
         lock = hold(data, "session", session)
@@ -425,16 +422,16 @@ async def test_a_session_that_another_program_goes_on_with_is_not_dismissed(
 
 
 async def test_a_session_that_another_program_runs_is_shown_as_far_as_it_is(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    opened: OpenApp, open_session: OpenSession, data: Path
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, "P01")) as driver:
+    async with open_session(participant="P01") as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         session = driver.session_id
     database = connect(data)
     database.execute("UPDATE sessions SET status = 'running'")
     database.close()
     lock = hold(data, "session", session)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         driver.app.screen.query_one("#recent").focus()
         await driver.press("enter")
         assert driver.screen_name == "PastSessionScreen"
@@ -444,31 +441,31 @@ async def test_a_session_that_another_program_runs_is_shown_as_far_as_it_is(
 
 
 async def test_home_opens_on_the_participant_of_the_last_session(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    opened: OpenApp, open_session: OpenSession, data: Path
 ) -> None:
     for code in ("P01", "P02", "P03"):
         known(data, code)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         assert driver.sees("P03 · Keyboard reaction"), "nobody trained yet: the one added last"
-    async with open_app(data, catalogue, plan(catalogue, keyboard, "P02")) as driver:
+    async with open_session(participant="P02") as driver:
         resumed = driver.session_id
-    async with open_app(data, catalogue, plan(catalogue, keyboard, "P03")) as driver:
+    async with open_session(participant="P03") as driver:
         pass
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         assert driver.sees("P03 · Keyboard reaction")
-    async with open_app(data, catalogue, resumed) as driver:
+    async with opened(resumed) as driver:
         pass
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         assert driver.sees("P02 · Keyboard reaction")
 
 
 @pytest.mark.slow
 async def test_a_completed_session_is_shown_with_its_plot(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    opened: OpenApp, open_session: OpenSession
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         await driver.do_session()
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("f6", "enter")
         assert driver.screen_name == "PastSessionScreen"
         assert driver.sees("P01 · Keyboard reaction · today, ")
@@ -483,9 +480,9 @@ async def test_a_completed_session_is_shown_with_its_plot(
 
 @pytest.mark.slow
 async def test_a_session_of_a_removed_task_is_still_shown(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession, data: Path
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=1)) as driver:
+    async with open_session(attempts=1) as driver:
         await driver.do_session()
     nothing = Catalogue()
     nothing._tasks = ()
@@ -501,21 +498,18 @@ async def test_a_session_of_a_removed_task_is_still_shown(
 
 @pytest.mark.slow
 async def test_a_participant_cannot_have_two_sessions_at_once(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    opened: OpenApp, open_session: OpenSession
 ) -> None:
-    async with (
-        open_app(data, catalogue, plan(catalogue, keyboard)),
-        open_app(data, catalogue) as second,
-    ):
+    async with open_session(), opened() as second:
         await second.fail_to_start("in a live session already")
 
 
 async def test_a_terminal_with_imprecise_timing_is_reported(
-    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+    opened: OpenApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("SSH_CONNECTION", "somewhere")
     monkeypatch.setenv("TMUX", "some")
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         assert driver.sees("inside ssh and tmux: reaction times are less exact")
 
 
@@ -536,10 +530,10 @@ async def test_tasks_are_listed_by_what_they_train(data: Path, catalogue: Catalo
 
 
 async def test_the_open_list_says_what_is_done_in_the_chosen_task(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     known(data, "P01")
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         assert not driver.sees("Press the key that appears")
         await driver.press("right")
         assert driver.sees("Press the key that appears, as")

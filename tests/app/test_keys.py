@@ -5,9 +5,7 @@ from pathlib import Path
 import pytest
 from textual.events import AppBlur, AppFocus, Paste
 
-from sar_tui.loop.task import Task
-from sar_tui.plugins import Catalogue
-from tests.app.app_driver import AppDriver, known, open_app, plan, stored
+from tests.app.app_driver import AppDriver, OpenApp, OpenSession, known, stored
 from tests.examples import first
 
 
@@ -18,10 +16,8 @@ def flags_of_the_trial(driver: AppDriver) -> str:
 
 
 @pytest.mark.slow
-async def test_characters_typed_into_a_form_are_never_recorded(
-    data: Path, catalogue: Catalogue
-) -> None:
-    async with open_app(data, catalogue) as driver:
+async def test_characters_typed_into_a_form_are_never_recorded(opened: OpenApp) -> None:
+    async with opened() as driver:
         await driver.press("enter")
         await driver.write(*"secret7")
         await driver.press("enter", "f2", "end", "backspace", "backspace")
@@ -40,11 +36,9 @@ async def test_characters_typed_into_a_form_are_never_recorded(
         )
 
 
-async def test_nothing_is_recorded_after_a_session_is_left(
-    data: Path, catalogue: Catalogue
-) -> None:
+async def test_nothing_is_recorded_after_a_session_is_left(opened: OpenApp, data: Path) -> None:
     known(data, "P01", attempts=1, prompts_per_attempt=1)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("right", "right", "right", "enter")
         await driver.do_session()
         await driver.press("enter")
@@ -60,9 +54,9 @@ async def test_nothing_is_recorded_after_a_session_is_left(
 
 @pytest.mark.slow
 async def test_characters_typed_into_the_palette_are_never_recorded(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession,
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         await driver.to_first_prompt()
         await driver.press("ctrl+p")
         await driver.write(*"help")
@@ -70,10 +64,8 @@ async def test_characters_typed_into_the_palette_are_never_recorded(
         assert [press["key"] for press in driver.messages("input/key")] == ["enter", "enter"]
 
 
-async def test_a_question_mark_opens_help_except_in_a_trial(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, levels="?x")) as driver:
+async def test_a_question_mark_opens_help_except_in_a_trial(open_session: OpenSession) -> None:
+    async with open_session(levels="?x") as driver:
         await driver.press("?")
         assert driver.screen_name == "HelpScreen"
         assert driver.sees("Press that key as fast as you can, and then wait for the next one.")
@@ -89,9 +81,9 @@ async def test_a_question_mark_opens_help_except_in_a_trial(
 
 @pytest.mark.parametrize("key", first(2, ["q", "tab", "space", "left", "backspace"]))
 async def test_any_other_key_in_a_trial_is_only_a_response(
-    key: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession, key: str
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         await driver.to_first_prompt()
         await driver.wait(400)
         await driver.press(key)
@@ -101,9 +93,9 @@ async def test_any_other_key_in_a_trial_is_only_a_response(
 
 
 async def test_pasted_text_is_no_response_and_only_its_length_is_stored(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession,
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         prompt = await driver.to_first_prompt()
         await driver.send_event(Paste(prompt.expected + "ord7"))
         assert [paste["length"] for paste in driver.messages("input/paste")] == [5]
@@ -113,9 +105,9 @@ async def test_pasted_text_is_no_response_and_only_its_length_is_stored(
 
 
 async def test_a_window_that_loses_the_focus_is_an_event_and_flags_the_trial(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession,
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         prompt = await driver.to_first_prompt()
         await driver.send_event(AppBlur())
         await driver.send_event(AppFocus())
@@ -125,9 +117,9 @@ async def test_a_window_that_loses_the_focus_is_an_event_and_flags_the_trial(
 
 
 async def test_quitting_in_a_trial_leaves_a_resumable_session(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession, data: Path
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         await driver.answer(await driver.to_first_prompt())
         await driver.to_prompt()
         await driver.press("ctrl+q", "down", "enter")
@@ -137,12 +129,12 @@ async def test_quitting_in_a_trial_leaves_a_resumable_session(
 
 
 async def test_ctrl_c_stops_the_app_anywhere_with_its_own_exit_code(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    opened: OpenApp, open_session: OpenSession
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         await driver.to_first_prompt()
         await driver.press("ctrl+c")
         assert driver.app.return_code == 130
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("ctrl+c")
         assert driver.app.return_code == 130

@@ -26,7 +26,7 @@ from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.store.wellbeing import NOT_SAID
 from sar_tui.tui.base_app import BaseApp
 from sar_tui.tui.language import app_language, session_language
-from tests.app.app_driver import AppDriver, known, open_app
+from tests.app.app_driver import AppDriver, OpenApp, known
 from tests.untranslated import english_in, phrases
 
 APP = Path(sar_tui.app.__file__).parent
@@ -113,10 +113,10 @@ def test_an_untranslated_language_is_english() -> None:
 
 
 async def test_a_session_of_keys_is_in_spanish_from_the_welcome_to_the_summary(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, catalogue: Catalogue
 ) -> None:
     settings = {"prompts_per_attempt": 2, "practice_attempts": 1, "threshold": 850.0}
-    async with open_app(data, catalogue, plan(catalogue, "keyboard", **settings)) as driver:
+    async with opened(plan(catalogue, "keyboard", **settings)) as driver:
         tour = Tour(driver)
         tour.look(
             "Reacción con el teclado",
@@ -178,9 +178,9 @@ async def test_a_session_of_keys_is_in_spanish_from_the_welcome_to_the_summary(
 
 @pytest.mark.slow
 async def test_a_session_of_reaches_is_in_spanish_from_the_sensor_to_the_summary(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, catalogue: Catalogue
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, "reaching", imu="simulated")) as driver:
+    async with opened(plan(catalogue, "reaching", imu="simulated")) as driver:
         tour = Tour(driver)
         await driver.wait(2000)
         tour.look(
@@ -234,15 +234,13 @@ async def test_a_session_of_reaches_is_in_spanish_from_the_sensor_to_the_summary
 
 @pytest.mark.slow
 async def test_an_interrupted_session_is_resumed_in_its_language(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, catalogue: Catalogue
 ) -> None:
-    async with open_app(
-        data, catalogue, plan(catalogue, "keyboard", prompts_per_attempt=2)
-    ) as driver:
+    async with opened(plan(catalogue, "keyboard", prompts_per_attempt=2)) as driver:
         await driver.answer(await driver.to_first_prompt())
         await driver.wait(300)
         session = driver.session_id
-    async with open_app(data, catalogue, session) as driver:
+    async with opened(session) as driver:
         tour = Tour(driver)
         tour.look(
             "Nos alegra verle de nuevo",
@@ -269,10 +267,10 @@ def test_every_setting_has_a_title_and_a_meaning_in_spanish(
 
 
 async def test_settings_are_in_the_language_of_the_saved_sessions(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     known(data, "P01", language="es")
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("f2")
         assert driver.sees("Configuración de P01 para Reacción con el teclado: versión 1")
         assert driver.sees("Teclas por intento")
@@ -286,11 +284,9 @@ async def test_settings_are_in_the_language_of_the_saved_sessions(
 
 
 @pytest.mark.slow
-async def test_home_stays_english_after_a_session_in_spanish(
-    data: Path, catalogue: Catalogue
-) -> None:
+async def test_home_stays_english_after_a_session_in_spanish(opened: OpenApp, data: Path) -> None:
     known(data, "P01", language="es")
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("right", "right", "right", "enter")
         assert "F1 Ayuda" in driver.rows[-1]
         await driver.press("escape", "up", "up", "enter", "down", "enter")
@@ -305,14 +301,14 @@ async def test_home_stays_english_after_a_session_in_spanish(
 
 @pytest.mark.slow
 async def test_a_theme_may_replace_texts_of_the_app(
-    data: Path, tmp_path: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+    opened: OpenApp, tmp_path: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     theme = catalogue.theme("calm", "es")
     own = msgspec.structs.replace(
         theme, texts={"Welcome": "¡Hola!", "Your goal: less than {goal}.": "Meta: {goal}."}
     )
     monkeypatch.setattr(Catalogue, "theme", lambda self, name, language="en": own)
-    async with open_app(data, catalogue, plan(catalogue, "keyboard")) as driver:
+    async with opened(plan(catalogue, "keyboard")) as driver:
         assert driver.sees("¡Hola!")
         assert driver.sees("Pulse Enter para seguir.")
         assert driver.session.task.tr("Your goal: less than {goal}.", goal="5 s") == "Meta: 5 s."

@@ -1,12 +1,8 @@
 """Texts are larger where there is room, and complete everywhere."""
 
-from pathlib import Path
-
 from sar_tui.app.screens.message_panel import large_message
 from sar_tui.app.screens.waiting_text import WaitingText
-from sar_tui.loop.task import Task
-from sar_tui.plugins import Catalogue
-from tests.app.app_driver import open_app, plan
+from tests.app.app_driver import OpenSession
 
 TEXT = WaitingText(
     "Welcome", "A key appears.\nPress that key.\n\nYou may rest.", "Press Enter to go on.", "Enter"
@@ -30,10 +26,8 @@ def test_a_headline_of_several_words_or_without_large_letters_stays_as_it_is() -
         assert large_message(TEXT._replace(headline=headline), 88, 40).headline == headline
 
 
-async def test_only_a_large_window_draws_the_key(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+async def test_only_a_large_window_draws_the_key(open_session: OpenSession) -> None:
+    async with open_session() as driver:
         assert "█" not in driver.text
         await driver.resize(100, 30)
         assert "█" in driver.text

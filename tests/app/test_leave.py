@@ -5,11 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.loop.task import Task
-from sar_tui.plugins import Catalogue
 from sar_tui.store.database import connect
 from sar_tui.store.record_changes import BY_MISTAKE, why_discarded
-from tests.app.app_driver import known, open_app, plan, stored
+from tests.app.app_driver import OpenApp, OpenSession, known, stored
 from tests.examples import first
 
 QUESTION = "Leave now?"
@@ -17,9 +15,9 @@ QUESTION = "Leave now?"
 
 @pytest.mark.parametrize("go_on", first(1, ["enter", "escape"]))
 async def test_in_a_trial_it_asks_and_going_on_repeats_the_trial(
-    go_on: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession, go_on: str, data: Path
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=1)) as driver:
+    async with open_session(attempts=1) as driver:
         prompt = await driver.to_first_prompt()
         await driver.press("ctrl+q")
         assert driver.sees(QUESTION)
@@ -37,9 +35,9 @@ async def test_in_a_trial_it_asks_and_going_on_repeats_the_trial(
 
 
 async def test_only_the_second_choice_leaves_and_the_session_can_be_resumed(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession, data: Path
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         await driver.answer(await driver.to_first_prompt())
         await driver.press("ctrl+q", "down", "enter")
         assert not driver.app.is_running
@@ -48,10 +46,8 @@ async def test_only_the_second_choice_leaves_and_the_session_can_be_resumed(
     assert stored(data, "SELECT count(*) FROM trials") == [(1,)]
 
 
-async def test_keys_that_arrive_together_with_it_are_no_answers(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+async def test_keys_that_arrive_together_with_it_are_no_answers(open_session: OpenSession) -> None:
+    async with open_session() as driver:
         await driver.to_first_prompt()
         await driver.write("ctrl+q", "ctrl+q", "ctrl+q")
         assert [type(screen).__name__ for screen in driver.app.screen_stack].count(
@@ -65,10 +61,8 @@ async def test_keys_that_arrive_together_with_it_are_no_answers(
         assert not driver.app.is_running
 
 
-async def test_between_attempts_going_on_changes_nothing(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+async def test_between_attempts_going_on_changes_nothing(open_session: OpenSession) -> None:
+    async with open_session() as driver:
         await driver.press("enter")
         await driver.wait(1500)
         before = driver.text
@@ -80,10 +74,8 @@ async def test_between_attempts_going_on_changes_nothing(
 
 
 @pytest.mark.slow
-async def test_in_a_pause_going_on_returns_to_the_pause(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+async def test_in_a_pause_going_on_returns_to_the_pause(open_session: OpenSession) -> None:
+    async with open_session() as driver:
         await driver.to_first_prompt()
         await driver.press("escape", "down", "enter")
         before = driver.text
@@ -92,10 +84,8 @@ async def test_in_a_pause_going_on_returns_to_the_pause(
         assert driver.sees("Have a rest")
 
 
-async def test_the_palettes_quit_asks_too(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+async def test_the_palettes_quit_asks_too(open_session: OpenSession) -> None:
+    async with open_session() as driver:
         commands = {
             command.title: command for command in driver.app.get_system_commands(driver.app.screen)
         }
@@ -105,9 +95,9 @@ async def test_the_palettes_quit_asks_too(
 
 
 async def test_under_a_cover_it_asks_and_the_answer_is_read_when_the_window_is_large_again(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession,
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         await driver.to_first_prompt()
         await driver.press("ctrl+q")
         await driver.resize(1, 1)
@@ -118,9 +108,9 @@ async def test_under_a_cover_it_asks_and_the_answer_is_read_when_the_window_is_l
 
 
 async def test_while_the_disk_is_full_it_does_not_say_that_everything_is_kept(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession,
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         await driver.answer(await driver.to_first_prompt())
         await driver.disk(False)
         await driver.press("f1", "ctrl+q")
@@ -135,10 +125,8 @@ async def test_while_the_disk_is_full_it_does_not_say_that_everything_is_kept(
         assert driver.sees("What you did is kept. You can go on with this session later.")
 
 
-async def test_after_the_session_it_leaves_at_once(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=1)) as driver:
+async def test_after_the_session_it_leaves_at_once(open_session: OpenSession, data: Path) -> None:
+    async with open_session(attempts=1) as driver:
         await driver.do_session()
         await driver.press("ctrl+q")
         assert not driver.app.is_running
@@ -147,19 +135,19 @@ async def test_after_the_session_it_leaves_at_once(
 
 @pytest.mark.parametrize("keys", first(1, [("f2",), (), ("f1",)]))
 async def test_without_a_session_it_leaves_at_once(
-    keys: tuple[str, ...], data: Path, catalogue: Catalogue
+    opened: OpenApp, keys: tuple[str, ...], data: Path
 ) -> None:
     known(data)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press(*keys, "ctrl+q")
         assert not driver.app.is_running
 
 
 async def test_unsaved_settings_are_discarded_only_by_a_second_press(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     known(data)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("f2")
         await driver.write("7")
         await driver.press("ctrl+q")
@@ -169,10 +157,8 @@ async def test_unsaved_settings_are_discarded_only_by_a_second_press(
         assert not driver.app.is_running
 
 
-async def test_the_question_is_in_the_sessions_language(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, language="es")) as driver:
+async def test_the_question_is_in_the_sessions_language(open_session: OpenSession) -> None:
+    async with open_session(language="es") as driver:
         await driver.press("ctrl+q")
         assert driver.sees("¿Salir ahora?")
         assert driver.sees("Seguir")
@@ -180,10 +166,10 @@ async def test_the_question_is_in_the_sessions_language(
 
 
 async def test_a_session_that_was_started_by_mistake_is_discarded_and_can_be_restored(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    opened: OpenApp, open_session: OpenSession, data: Path
 ) -> None:
     known(data)
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         await driver.answer(await driver.to_first_prompt())
         session = driver.session_id
         await driver.press("ctrl+q")
@@ -200,7 +186,7 @@ async def test_a_session_that_was_started_by_mistake_is_discarded_and_can_be_res
         why = why_discarded(database, session)
         assert why is not None
         assert (why.actor, why.reason) == ("participant", BY_MISTAKE)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         assert driver.sees("No session yet. START begins the first one.")
         assert driver.sees("started by mistake")
         await driver.press("f6")
@@ -210,10 +196,8 @@ async def test_a_session_that_was_started_by_mistake_is_discarded_and_can_be_res
     assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
 
 
-async def test_only_the_first_attempt_can_be_a_mistake(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=2)) as driver:
+async def test_only_the_first_attempt_can_be_a_mistake(open_session: OpenSession) -> None:
+    async with open_session(attempts=2) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.press("ctrl+q")
         assert driver.sees(QUESTION)
@@ -221,9 +205,9 @@ async def test_only_the_first_attempt_can_be_a_mistake(
 
 
 async def test_a_mistake_can_be_said_at_the_end_that_is_chosen_in_a_pause(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession, data: Path
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+    async with open_session(ask_wellbeing=True) as driver:
         await driver.press("0", "1")
         await driver.to_first_prompt()
         await driver.press("escape", "down", "down", "down", "enter")

@@ -13,12 +13,10 @@ from sar_tui.link.errors import LinkError
 from sar_tui.link.listening import ListenOptions
 from sar_tui.link.peer import Frame
 from sar_tui.link.protocol import ActReceived, PeerJoined, SnapshotRequested
-from sar_tui.loop.task import Task
 from sar_tui.loop.topics import COMMAND, PROMPT, SHOWN, THEME
 from sar_tui.model import messages as m
 from sar_tui.operator.session_state import SessionState
-from sar_tui.plugins import Catalogue
-from tests.app.app_driver import known, open_app, plan, stored
+from tests.app.app_driver import OpenApp, OpenSession, known, stored
 from tests.link.test_node import ANNA, FakeChannel
 
 
@@ -28,9 +26,9 @@ def channel() -> FakeChannel:
 
 
 async def test_operator_gets_a_snapshot_and_sees_prompts(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], channel: FakeChannel
+    open_session: OpenSession, channel: FakeChannel
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard), link=channel) as driver:
+    async with open_session(link=channel) as driver:
         channel.notify(PeerJoined(ANNA))
         channel.notify(SnapshotRequested(ANNA))
         await driver.wait(100)
@@ -59,9 +57,9 @@ async def test_operator_gets_a_snapshot_and_sees_prompts(
 
 
 async def test_operator_who_ends_the_session_is_recorded_by_name(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], channel: FakeChannel
+    open_session: OpenSession, data: Path, channel: FakeChannel
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard), link=channel) as driver:
+    async with open_session(link=channel) as driver:
         channel.notify(PeerJoined(ANNA))
         channel.notify(
             ActReceived(
@@ -81,9 +79,9 @@ async def test_operator_who_ends_the_session_is_recorded_by_name(
 
 
 async def test_a_panel_knows_the_outputs_and_hears_that_they_are_still(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], channel: FakeChannel
+    open_session: OpenSession, channel: FakeChannel
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard), link=channel) as driver:
+    async with open_session(link=channel) as driver:
         channel.notify(PeerJoined(ANNA))
         channel.notify(SnapshotRequested(ANNA))
         await driver.wait(100)
@@ -144,11 +142,11 @@ def links(channel: FakeChannel, monkeypatch: pytest.MonkeyPatch) -> Links:
 
 
 async def test_a_session_that_is_begun_and_resumed_on_the_first_screen_can_be_joined_if_it_is_set(
-    data: Path, catalogue: Catalogue, links: Links
+    opened: OpenApp, data: Path, links: Links
 ) -> None:
     known(data, operator_joins=True, operator_lost_ms=700)
     here_only = ListenOptions(operator=True, end=None)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("enter", "enter")
         links.channel.notify(PeerJoined(ANNA))
         await driver.wait(100)
@@ -162,7 +160,7 @@ async def test_a_session_that_is_begun_and_resumed_on_the_first_screen_can_be_jo
         )
         driver.app.exit()
     assert links.closed == 1
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         driver.app.begin_session(session)
         await driver.settle()
         assert [opened[0] for opened in links.opened] == [session, session]
@@ -173,11 +171,11 @@ async def test_a_session_that_is_begun_and_resumed_on_the_first_screen_can_be_jo
 
 
 async def test_a_session_does_not_begin_if_the_operator_who_is_planned_cannot_join(
-    data: Path, catalogue: Catalogue, links: Links
+    opened: OpenApp, data: Path, links: Links
 ) -> None:
     known(data, operator_joins=True)
     links.error = "The link's process cannot be started."
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("enter", "enter")
         assert driver.screen_name == "HomeScreen"
         assert driver.sees("cannot be started")
@@ -186,10 +184,10 @@ async def test_a_session_does_not_begin_if_the_operator_who_is_planned_cannot_jo
 
 @pytest.mark.slow
 async def test_a_session_opens_no_link_of_its_own_unless_it_is_set(
-    data: Path, catalogue: Catalogue, links: Links
+    opened: OpenApp, data: Path, links: Links
 ) -> None:
     known(data)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("enter", "enter")
         assert driver.screen_name == "SessionScreen"
     assert links.opened == []

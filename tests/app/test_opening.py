@@ -17,7 +17,7 @@ from sar_tui.loop.clock import VirtualClock
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.store.database import StoreError
-from tests.app.app_driver import AppDriver, known, open_app, stored
+from tests.app.app_driver import AppDriver, OpenApp, known, stored
 from tests.settle import settle
 
 LATER = {
@@ -51,7 +51,7 @@ def test_modules_that_the_empty_home_screen_does_not_need_are_not_loaded_before_
 
 
 async def test_the_frame_of_the_home_screen_is_shown_before_it_is_filled(
-    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+    opened: OpenApp, data: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     known(data, "P01")
     seen: list[str] = []
@@ -63,7 +63,7 @@ async def test_the_frame_of_the_home_screen_is_shown_before_it_is_filled(
         await fill(home)
 
     monkeypatch.setattr(HomeScreen, "fill", see_and_fill)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         assert len(seen) == 1
         assert all(heading in seen[0] for heading in ("sar-tui", "Who", "Sessions"))
         assert "START" not in seen[0]
@@ -100,10 +100,10 @@ async def test_an_early_ctrl_q_ends_the_app(data: Path, catalogue: Catalogue) ->
 
 @pytest.mark.slow
 async def test_a_window_that_is_too_small_at_the_start_shows_the_lists_once_it_is_larger(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     known(data, "P01")
-    async with open_app(data, catalogue, size=(60, 20)) as driver:
+    async with opened(size=(60, 20)) as driver:
         assert driver.sees("This window is too small.")
         await driver.resize(80, 24)
         assert driver.sees("P01")
@@ -133,12 +133,12 @@ def test_a_database_that_cannot_be_opened_is_reported_before_the_screen_changes(
 
 
 async def test_garbage_is_collected_again_once_the_home_screen_is_filled(
-    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+    opened: OpenApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sar_tui.tui.gc_control.gc", gc)
     gc.disable()
     try:
-        async with open_app(data, catalogue):
+        async with opened():
             assert gc.isenabled()
     finally:
         gc.enable()

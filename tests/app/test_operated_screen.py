@@ -1,7 +1,5 @@
 """The participant sees the operator's decisions and nothing else of the panel."""
 
-from pathlib import Path
-
 import pytest
 
 from sar_tui.loop.task import Task
@@ -16,7 +14,7 @@ from sar_tui.loop.topics import (
 )
 from sar_tui.model import messages as m
 from sar_tui.plugins import Catalogue
-from tests.app.app_driver import AppDriver, open_app, plan
+from tests.app.app_driver import AppDriver, OpenApp, OpenSession, plan
 from tests.app.fake_voice import Voice
 
 APPROVE = {"operator_feedback": "approve", "operator_time_ms": 20_000, "encouragement": False}
@@ -43,9 +41,9 @@ async def decide(
 
 @pytest.mark.parametrize("verdict", ["accept", "veto"])
 async def test_a_filler_disappears_after_the_wait_and_only_the_decision_is_shown(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], verdict: str
+    open_session: OpenSession, catalogue: Catalogue, verdict: str
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, **APPROVE)) as driver:
+    async with open_session(**APPROVE) as driver:
         pending = await to_proposal(driver)
         assert driver.said in catalogue.theme("calm").phrases["filler"]
         assert "Press Enter" not in driver.text
@@ -55,9 +53,9 @@ async def test_a_filler_disappears_after_the_wait_and_only_the_decision_is_shown
 
 
 async def test_edited_feedback_is_shown_in_the_operators_words_only(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession,
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, **APPROVE)) as driver:
+    async with open_session(**APPROVE) as driver:
         pending = await to_proposal(driver)
         await decide(driver, pending, "edit", text="You held on [b]well[/b].")
         assert driver.said == "You held on [b]well[/b]."
@@ -100,9 +98,9 @@ async def to_goodbye(
 
 @pytest.mark.parametrize("ended_by", ["the participant", "the operator"])
 async def test_the_goodbye_is_given_before_the_summary_can_be_left(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], ended_by: str
+    open_session: OpenSession, ended_by: str
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, **VETO_GOODBYE)) as driver:
+    async with open_session(**VETO_GOODBYE) as driver:
         pending, said, _ = await to_goodbye(driver, ended_by=ended_by)
         assert pending.proposal.kind == "goodbye"
         assert "One moment…" in driver.text
@@ -118,10 +116,8 @@ async def test_the_goodbye_is_given_before_the_summary_can_be_left(
         assert driver.app.live.is_closed
 
 
-async def test_a_vetoed_goodbye_is_not_waited_for(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, **VETO_GOODBYE)) as driver:
+async def test_a_vetoed_goodbye_is_not_waited_for(open_session: OpenSession) -> None:
+    async with open_session(**VETO_GOODBYE) as driver:
         pending, said, dropped = await to_goodbye(driver, ended_by="the participant")
         await decide(driver, pending, "veto")
         assert dropped[-1] == pending.proposal.id
@@ -134,10 +130,10 @@ async def test_a_vetoed_goodbye_is_not_waited_for(
 
 
 async def test_a_goodbye_that_was_waited_for_is_heard_to_its_end(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
+    opened: OpenApp, catalogue: Catalogue, keyboard: type[Task], voice: Voice
 ) -> None:
     spoken = plan(catalogue, keyboard, outputs=["screen", "voice"], **VETO_GOODBYE)
-    async with open_app(data, catalogue, spoken) as driver:
+    async with opened(spoken) as driver:
         driver.session.bus.post(
             PRESENCE, m.OperatorChanged(actor=ANA, state="joined", operated=True)
         )

@@ -13,7 +13,7 @@ from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.store import participants
 from sar_tui.store.database import connect
 from sar_tui.widgets.agent import Agent
-from tests.app.app_driver import AppDriver, open_app
+from tests.app.app_driver import AppDriver, OpenApp
 from tests.app.test_agent import count_frames
 
 SHORT = {"attempts": 1, "prompts_per_attempt": 2}
@@ -56,9 +56,9 @@ async def press_theirs(
 
 
 async def test_in_turn_the_letter_is_in_the_half_of_the_participant_whose_turn_it_is(
-    data: Path, catalogue: Catalogue, play: Play
+    opened: OpenApp, play: Play
 ) -> None:
-    async with open_app(data, catalogue, play("alternate")) as driver:
+    async with opened(play("alternate")) as driver:
         prompt = await driver.to_first_prompt()
         assert "P01, P02" in driver.rows[0]
         left, right = halves(driver)
@@ -79,9 +79,9 @@ async def test_in_turn_the_letter_is_in_the_half_of_the_participant_whose_turn_i
 
 
 async def test_in_a_race_each_half_has_a_letter_and_shows_who_was_ahead(
-    data: Path, catalogue: Catalogue, play: Play
+    opened: OpenApp, play: Play
 ) -> None:
-    async with open_app(data, catalogue, play("race")) as driver:
+    async with opened(play("race")) as driver:
         prompt = await driver.to_first_prompt()
         left, right = halves(driver)
         assert "█" in left
@@ -107,11 +107,9 @@ async def test_in_a_race_each_half_has_a_letter_and_shows_who_was_ahead(
 
 
 async def test_the_agent_looks_to_a_side_in_one_frame_and_then_is_still(
-    data: Path, catalogue: Catalogue, play: Play, monkeypatch: pytest.MonkeyPatch
+    opened: OpenApp, play: Play, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with open_app(
-        data, catalogue, play("joint attention", cue_by="both", foreperiod_min_ms=900)
-    ) as driver:
+    async with opened(play("joint attention", cue_by="both", foreperiod_min_ms=900)) as driver:
         await driver.press("enter")
         await driver.wait(300)
         cues: list[object] = []
@@ -144,9 +142,9 @@ async def test_the_agent_looks_to_a_side_in_one_frame_and_then_is_still(
 
 
 async def test_only_the_agents_gaze_announces_the_side_of_a_prompt(
-    data: Path, catalogue: Catalogue, play: Play
+    opened: OpenApp, play: Play
 ) -> None:
-    async with open_app(data, catalogue, play("joint attention")) as driver:
+    async with opened(play("joint attention")) as driver:
         prompt = await driver.to_first_prompt()
         assert "your turn" in "".join(halves(driver))
         await press_theirs(driver, prompt)
@@ -154,8 +152,8 @@ async def test_only_the_agents_gaze_announces_the_side_of_a_prompt(
         assert "your turn" not in "".join(halves(driver))
 
 
-async def test_a_session_of_two_in_spanish(data: Path, catalogue: Catalogue, play: Play) -> None:
-    async with open_app(data, catalogue, play("alternate", language="es")) as driver:
+async def test_a_session_of_two_in_spanish(opened: OpenApp, play: Play) -> None:
+    async with opened(play("alternate", language="es")) as driver:
         assert driver.sees("Me alegra verles.") or driver.sees("Les doy la bienvenida.")
         prompt = await driver.to_first_prompt()
         assert "[ Izquierda: ahora ]" in halves(driver)[0]
@@ -163,13 +161,13 @@ async def test_a_session_of_two_in_spanish(data: Path, catalogue: Catalogue, pla
 
 
 async def test_home_asks_for_the_second_participant_and_lists_nobody_twice(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     database = connect(data)
     for code in ("P02", "P01"):
         participants.add(database, code)
     database.close()
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("right", "down")
         names = [option.id for option in driver.app.screen.query_one("#task").options]
         driver.app.screen.query_one("#task").highlighted = names.index("pairs")
@@ -195,15 +193,13 @@ async def test_home_asks_for_the_second_participant_and_lists_nobody_twice(
         ]
 
 
-async def test_a_past_session_of_two_shows_the_results_of_both(
-    data: Path, catalogue: Catalogue, play: Play
-) -> None:
-    async with open_app(data, catalogue, play("race")) as driver:
+async def test_a_past_session_of_two_shows_the_results_of_both(opened: OpenApp, play: Play) -> None:
+    async with opened(play("race")) as driver:
         await press_theirs(driver, await driver.to_first_prompt())
         await press_theirs(driver, await driver.to_prompt())
         await driver.see_the_summary()
         await driver.press("enter")
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         assert driver.sees("Sessions of P01")
         assert driver.sees("with P02")
         driver.app.screen.query_one("#recent").focus()
@@ -214,9 +210,9 @@ async def test_a_past_session_of_two_shows_the_results_of_both(
 
 
 async def test_participants_addressed_by_code_see_seat_and_code_over_their_half(
-    data: Path, catalogue: Catalogue, play: Play
+    opened: OpenApp, play: Play
 ) -> None:
-    async with open_app(data, catalogue, play("alternate", address="code")) as driver:
+    async with opened(play("alternate", address="code")) as driver:
         prompt = await driver.to_first_prompt()
         left, right = halves(driver)
         assert "[ Left · P01: your turn ]" in left
@@ -226,11 +222,11 @@ async def test_participants_addressed_by_code_see_seat_and_code_over_their_half(
 
 
 async def test_a_code_too_long_to_fit_beside_the_seat_is_shown_alone(
-    data: Path, catalogue: Catalogue, pairs: type[Task]
+    opened: OpenApp, catalogue: Catalogue, pairs: type[Task]
 ) -> None:
     code = "LONG-LONG-LONG-LONGER"
     plan = make_plan(catalogue, "pairs", [code, "P02"], SHORT | {"address": "code"}, seed=7)
-    async with open_app(data, catalogue, plan) as driver:
+    async with opened(plan) as driver:
         await driver.to_first_prompt()
         left, right = halves(driver)
         assert f"[ {code}: your turn ]" in left
@@ -239,9 +235,9 @@ async def test_a_code_too_long_to_fit_beside_the_seat_is_shown_alone(
 
 
 async def test_the_summary_of_synchrony_counts_the_joint_responses(
-    data: Path, catalogue: Catalogue, play: Play
+    opened: OpenApp, play: Play
 ) -> None:
-    async with open_app(data, catalogue, play("cooperative", window_ms=400)) as driver:
+    async with opened(play("cooperative", window_ms=400)) as driver:
         await press_theirs(driver, await driver.to_first_prompt(), 300, 500)
         await press_theirs(driver, await driver.to_prompt(), 300, 900)
         await driver.see_the_summary()
@@ -249,9 +245,9 @@ async def test_the_summary_of_synchrony_counts_the_joint_responses(
 
 
 async def test_the_plots_of_two_have_the_same_axis_and_are_separate(
-    data: Path, catalogue: Catalogue, play: Play
+    opened: OpenApp, play: Play
 ) -> None:
-    async with open_app(data, catalogue, play("race", response_timeout_ms=9000)) as driver:
+    async with opened(play("race", response_timeout_ms=9000)) as driver:
         await press_theirs(driver, await driver.to_first_prompt(), 300, 4500)
         await press_theirs(driver, await driver.to_prompt(), 300, 4500)
         await driver.see_the_summary()
@@ -267,10 +263,8 @@ async def test_the_plots_of_two_have_the_same_axis_and_are_separate(
         assert [left for left, _ in ticks] == [["1"], ["0"]]
 
 
-async def test_the_summary_reports_the_cost_of_an_invalid_cue(
-    data: Path, catalogue: Catalogue, play: Play
-) -> None:
-    async with open_app(data, catalogue, play("joint attention", prompts_per_attempt=12)) as driver:
+async def test_the_summary_reports_the_cost_of_an_invalid_cue(opened: OpenApp, play: Play) -> None:
+    async with opened(play("joint attention", prompts_per_attempt=12)) as driver:
         prompt = await driver.to_first_prompt()
         for number in range(12):
             await press_theirs(driver, prompt, 300, 300)

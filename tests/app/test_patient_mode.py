@@ -11,7 +11,7 @@ from sar_tui.reports import skipped_attempts
 from sar_tui.store import participants, passphrase, programmes
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.passphrase import Passphrase
-from tests.app.app_driver import SHORT, AppDriver, open_app, stored
+from tests.app.app_driver import SHORT, AppDriver, OpenApp, open_app, stored
 from tests.examples import first
 
 RIGHT = "quiet river"
@@ -45,9 +45,9 @@ async def end_mode(driver: AppDriver, text: str = RIGHT) -> None:
 
 
 async def test_enter_starts_the_first_exercise_and_the_next_one_follows_its_summary(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
-    async with open_app(data, catalogue, patient="P01") as driver:
+    async with opened(patient="P01") as driver:
         assert driver.sees("Exercise 1 of 2")
         assert driver.sees("Keyboard reaction 2 attempts")
         await driver.press("enter")
@@ -64,10 +64,10 @@ async def test_enter_starts_the_first_exercise_and_the_next_one_follows_its_summ
 
 @pytest.mark.slow
 async def test_after_the_limit_of_a_day_the_next_exercise_follows_and_then_a_rest(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     programme(data, "P01", "keyboard", attempts_a_day=1)
-    async with open_app(data, catalogue, patient="P01") as driver:
+    async with opened(patient="P01") as driver:
         await driver.press("enter")
         await driver.do_session()
         await driver.press("enter")
@@ -76,7 +76,7 @@ async def test_after_the_limit_of_a_day_the_next_exercise_follows_and_then_a_res
         assert driver.sees("Exercise 2 of 2")
         assert not driver.sees("Please call your therapist")
     programme(data, "P77", "keyboard", attempts_a_day=1)
-    async with open_app(data, catalogue, patient="P77") as driver:
+    async with opened(patient="P77") as driver:
         await driver.press("enter")
         await driver.do_session()
         await driver.press("enter", "enter", "enter")
@@ -88,10 +88,10 @@ async def test_after_the_limit_of_a_day_the_next_exercise_follows_and_then_a_res
 
 
 async def test_one_enter_never_begins_an_exercise_in_severe_pain(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     programme(data, "P01", "keyboard", ask_wellbeing=True)
-    async with open_app(data, catalogue, patient="P01") as driver:
+    async with opened(patient="P01") as driver:
         await driver.press("enter", "9", "3", "2")
         assert driver.sees("Please do not train now")
         await driver.press("enter")
@@ -110,10 +110,10 @@ async def test_one_enter_never_begins_an_exercise_in_severe_pain(
 
 
 async def test_after_too_much_pain_in_an_exercise_nothing_invites_to_the_next(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     programme(data, "P01", "keyboard", ask_wellbeing=True)
-    async with open_app(data, catalogue, patient="P01") as driver:
+    async with opened(patient="P01") as driver:
         await driver.press("enter", "3", "5", "1")
         await driver.do_session()
         await driver.press("enter", "6", "5", "4")
@@ -126,10 +126,10 @@ async def test_after_too_much_pain_in_an_exercise_nothing_invites_to_the_next(
 
 
 async def test_who_ends_an_exercise_in_too_much_pain_is_asked_to_rest(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     programme(data, "P77", "keyboard", ask_wellbeing=True)
-    async with open_app(data, catalogue, patient="P77") as driver:
+    async with opened(patient="P77") as driver:
         await driver.press(
             "enter", "0", "1", "enter", "escape", "down", "down", "enter", "8", "2", "enter"
         )
@@ -140,9 +140,9 @@ async def test_who_ends_an_exercise_in_too_much_pain_is_asked_to_rest(
 
 
 async def test_an_exercise_can_be_ended_and_the_next_one_follows(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
-    async with open_app(data, catalogue, patient="P01") as driver:
+    async with opened(patient="P01") as driver:
         await driver.press(
             "enter", "enter", "escape", "down", "down", "down", "down", "enter", "down", "enter"
         )
@@ -153,9 +153,9 @@ async def test_an_exercise_can_be_ended_and_the_next_one_follows(
 
 
 async def test_an_exercise_that_was_started_by_mistake_is_offered_again(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
-    async with open_app(data, catalogue, patient="P01") as driver:
+    async with opened(patient="P01") as driver:
         await driver.press(
             "enter",
             "enter",
@@ -177,10 +177,10 @@ async def test_an_exercise_that_was_started_by_mistake_is_offered_again(
 
 
 async def test_an_attempt_can_be_left_out_and_the_next_one_follows(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     programme(data, "P01", "keyboard", language="es")
-    async with open_app(data, catalogue, patient="P01") as driver:
+    async with opened(patient="P01") as driver:
         await driver.press("enter")
         await driver.answer(await driver.to_first_prompt())
         await driver.press("escape")
@@ -220,8 +220,8 @@ KEYS = [
 
 
 @pytest.mark.parametrize("key", first(2, KEYS))
-async def test_no_key_leads_out_of_it(key: str, data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue, patient="P01") as driver:
+async def test_no_key_leads_out_of_it(opened: OpenApp, key: str) -> None:
+    async with opened(patient="P01") as driver:
         await driver.press(key)
         assert driver.screen_name == "PatientScreen"
         await driver.press("enter")
@@ -235,10 +235,8 @@ async def test_no_key_leads_out_of_it(key: str, data: Path, catalogue: Catalogue
 
 
 @pytest.mark.parametrize("key", first(1, ["ctrl+q", "ctrl+c"]))
-async def test_the_keys_that_leave_pause_instead(
-    key: str, data: Path, catalogue: Catalogue
-) -> None:
-    async with open_app(data, catalogue, patient="P01") as driver:
+async def test_the_keys_that_leave_pause_instead(opened: OpenApp, key: str) -> None:
+    async with opened(patient="P01") as driver:
         await driver.press("enter")
         await driver.to_first_prompt()
         await driver.press(key)
@@ -249,10 +247,10 @@ async def test_the_keys_that_leave_pause_instead(
 
 
 async def test_screens_around_a_session_name_no_key_that_leaves(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     programme(data, "P01", "reaching", **REACHING, ask_wellbeing=True)
-    async with open_app(data, catalogue, patient="P01") as driver:
+    async with opened(patient="P01") as driver:
         await driver.press("down", "enter", "enter")
         assert driver.screen_name == "WellbeingScreen"
         assert not driver.sees("Quit")
@@ -261,10 +259,8 @@ async def test_screens_around_a_session_name_no_key_that_leaves(
         assert not driver.sees("Quit")
 
 
-async def test_the_help_of_the_sensor_check_names_no_way_to_the_settings(
-    data: Path, catalogue: Catalogue
-) -> None:
-    async with open_app(data, catalogue, patient="P01") as driver:
+async def test_the_help_of_the_sensor_check_names_no_way_to_the_settings(opened: OpenApp) -> None:
+    async with opened(patient="P01") as driver:
         await driver.press("down", "enter", "enter")
         assert driver.screen_name == "SensorCheckScreen"
         await driver.press("f1")
@@ -272,8 +268,8 @@ async def test_the_help_of_the_sensor_check_names_no_way_to_the_settings(
         assert not driver.sees("F2 on the first screen")
 
 
-async def test_the_help_names_no_way_out(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue, patient="P01") as driver:
+async def test_the_help_names_no_way_out(opened: OpenApp) -> None:
+    async with opened(patient="P01") as driver:
         for _ in range(2):
             await driver.press("f1")
             assert driver.screen_name == "HelpScreen"
@@ -283,9 +279,9 @@ async def test_the_help_names_no_way_out(data: Path, catalogue: Catalogue) -> No
         assert driver.screen_name == "SessionScreen"
 
 
-async def test_nobody_alone_can_mark_a_trial(data: Path, catalogue: Catalogue) -> None:
+async def test_nobody_alone_can_mark_a_trial(opened: OpenApp, data: Path) -> None:
     programme(data, "P88", "reaching", **REACHING)
-    async with open_app(data, catalogue, patient="P88") as driver:
+    async with opened(patient="P88") as driver:
         await driver.press("enter", "enter")
         await driver.wait(300)
         await driver.press("enter", "f1")
@@ -297,8 +293,8 @@ async def test_nobody_alone_can_mark_a_trial(data: Path, catalogue: Catalogue) -
         assert driver.messages("event_handler/marked") == []
 
 
-async def test_the_passphrase_ends_it_at_the_first_screen(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue, patient="P01") as driver:
+async def test_the_passphrase_ends_it_at_the_first_screen(opened: OpenApp, data: Path) -> None:
+    async with opened(patient="P01") as driver:
         await end_mode(driver, "wrong one")
         assert driver.sees("That is not the passphrase.")
         await driver.press("escape")
@@ -311,10 +307,8 @@ async def test_the_passphrase_ends_it_at_the_first_screen(data: Path, catalogue:
     assert [each.result for each in Passphrase(data).tries()] == ["wrong", "right"]
 
 
-async def test_it_begins_from_the_first_screen_and_ends_there_again(
-    data: Path, catalogue: Catalogue
-) -> None:
-    async with open_app(data, catalogue) as driver:
+async def test_it_begins_from_the_first_screen_and_ends_there_again(opened: OpenApp) -> None:
+    async with opened() as driver:
         await driver.press("f12")
         assert driver.screen_name == "PatientScreen"
         await driver.press("ctrl+q", "ctrl+p")
@@ -326,9 +320,9 @@ async def test_it_begins_from_the_first_screen_and_ends_there_again(
 
 
 async def test_ended_in_a_session_the_session_goes_on_and_the_first_screen_follows(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp,
 ) -> None:
-    async with open_app(data, catalogue, patient="P01") as driver:
+    async with opened(patient="P01") as driver:
         await driver.press("enter")
         await driver.to_first_prompt()
         await end_mode(driver)
@@ -343,9 +337,9 @@ async def test_ended_in_a_session_the_session_goes_on_and_the_first_screen_follo
 
 
 async def test_a_passphrase_that_is_removed_meanwhile_still_guards(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
-    async with open_app(data, catalogue, patient="P01") as driver:
+    async with opened(patient="P01") as driver:
         Passphrase(data).remove()
         await driver.press("enter", "enter", "escape", "up", "enter")
         assert driver.sees("Please enter the passphrase."), "the changes in a pause as well"
@@ -370,36 +364,36 @@ async def test_without_a_passphrase_or_an_exercise_it_does_not_begin(
         assert driver.sees("There is no passphrase. Set one: sar-tui passphrase.")
 
 
-async def test_an_interrupted_session_goes_on(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue, patient="P01") as driver:
+async def test_an_interrupted_session_goes_on(opened: OpenApp, data: Path) -> None:
+    async with opened(patient="P01") as driver:
         await driver.press("enter")
         await driver.answer(await driver.to_first_prompt())
-    async with open_app(data, catalogue, patient="P01") as driver:
+    async with opened(patient="P01") as driver:
         await driver.press("enter")
         assert driver.sees("Welcome back")
     assert stored(data, "SELECT count(*) FROM sessions") == [(1,)]
 
 
-async def test_one_of_days_ago_stays_for_the_therapist(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue, patient="P01") as driver:
+async def test_one_of_days_ago_stays_for_the_therapist(opened: OpenApp, data: Path) -> None:
+    async with opened(patient="P01") as driver:
         await driver.press("enter")
         await driver.answer(await driver.to_first_prompt())
     database = connect(data)
     database.execute("UPDATE sessions SET started_at='2026-01-01T10:00:00+00:00'")
     database.close()
-    async with open_app(data, catalogue, patient="P01") as driver:
+    async with opened(patient="P01") as driver:
         await driver.press("enter")
         assert driver.sees("Press Enter to go on.")
     assert stored(data, "SELECT count(*) FROM sessions") == [(2,)]
 
 
 async def test_an_exercise_that_cannot_begin_says_to_call_the_therapist_who_then_reads_why(
-    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+    opened: OpenApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fail(*_: object) -> None:
         raise StoreError("The disk is full.")
 
-    async with open_app(data, catalogue, patient="P01") as driver:
+    async with opened(patient="P01") as driver:
         with monkeypatch.context() as patch:
             patch.setattr("sar_tui.app.live.LiveSession.open", fail)
             await driver.press("enter")
@@ -411,9 +405,9 @@ async def test_an_exercise_that_cannot_begin_says_to_call_the_therapist_who_then
         assert driver.sees("The disk is full.")
 
 
-async def test_it_speaks_the_participants_language(data: Path, catalogue: Catalogue) -> None:
+async def test_it_speaks_the_participants_language(opened: OpenApp, data: Path) -> None:
     programme(data, "P01", "keyboard", language="es")
-    async with open_app(data, catalogue, patient="P01") as driver:
+    async with opened(patient="P01") as driver:
         for words in (
             "Ejercicio 1 de 2",
             "Empezar",
@@ -426,8 +420,8 @@ async def test_it_speaks_the_participants_language(data: Path, catalogue: Catalo
 
 
 @pytest.mark.parametrize("size", first(1, [(80, 24), (100, 30), (160, 50)]))
-async def test_all_of_it_fits(size: tuple[int, int], data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue, patient="P01", size=size) as driver:
+async def test_all_of_it_fits(opened: OpenApp, size: tuple[int, int]) -> None:
+    async with opened(patient="P01", size=size) as driver:
         for words in (
             "Exercise 1 of 2",
             "Keyboard reaction",
@@ -436,16 +430,14 @@ async def test_all_of_it_fits(size: tuple[int, int], data: Path, catalogue: Cata
             "Press Enter to start.",
         ):
             assert driver.sees(words), words
-    async with open_app(data, catalogue, patient="P77", size=size) as driver:
+    async with opened(patient="P77", size=size) as driver:
         assert driver.sees("Hello!")
         assert not driver.sees("Skip")
 
 
-async def test_the_signals_of_a_terminals_keys_do_nothing_until_it_ends(
-    data: Path, catalogue: Catalogue
-) -> None:
+async def test_the_signals_of_a_terminals_keys_do_nothing_until_it_ends(opened: OpenApp) -> None:
     before = signal.getsignal(signal.SIGTSTP), signal.getsignal(signal.SIGQUIT)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("f12")
         assert (
             signal.getsignal(signal.SIGTSTP) is signal.getsignal(signal.SIGQUIT) is signal.SIG_IGN
@@ -457,8 +449,8 @@ async def test_the_signals_of_a_terminals_keys_do_nothing_until_it_ends(
         assert (signal.getsignal(signal.SIGTSTP), signal.getsignal(signal.SIGQUIT)) == before
 
 
-async def test_without_the_focus_the_keys_still_work(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue, patient="P01") as driver:
+async def test_without_the_focus_the_keys_still_work(opened: OpenApp) -> None:
+    async with opened(patient="P01") as driver:
         driver.app.screen.set_focus(None)
         await driver.press("enter")
         assert driver.screen_name == "SessionScreen"
@@ -468,10 +460,8 @@ async def test_without_the_focus_the_keys_still_work(data: Path, catalogue: Cata
         assert driver.sees("Have a rest")
 
 
-async def test_enter_and_escape_in_one_burst_close_the_question_once(
-    data: Path, catalogue: Catalogue
-) -> None:
-    async with open_app(data, catalogue, patient="P01") as driver:
+async def test_enter_and_escape_in_one_burst_close_the_question_once(opened: OpenApp) -> None:
+    async with opened(patient="P01") as driver:
         await driver.write("f12", "enter", "escape", "escape")
         assert driver.screen_name == "PatientScreen"
         await driver.press("f12")
@@ -492,7 +482,7 @@ THERAPISTS_KEYS = (
 
 @pytest.mark.parametrize("task", ["keyboard", "reaching"])
 async def test_keys_of_therapists_do_nothing_on_any_screen(
-    data: Path, catalogue: Catalogue, task: str
+    opened: OpenApp, data: Path, task: str
 ) -> None:
     """The palette, settings, progress, sessions, marks, the operator's panel; F1 and F2 are a
     participant's, too.
@@ -504,7 +494,7 @@ async def test_keys_of_therapists_do_nothing_on_any_screen(
         ask_wellbeing=True,
         **(REACHING if task == "reaching" else {"attempts": 1}),
     )
-    async with open_app(data, catalogue, patient="P05") as driver:
+    async with opened(patient="P05") as driver:
         screens = []
 
         async def try_keys() -> None:

@@ -4,16 +4,14 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.loop.task import Task
-from sar_tui.plugins import Catalogue
-from tests.app.app_driver import open_app, plan, stored
+from tests.app.app_driver import OpenApp, OpenSession, stored
 from tests.examples import first
 
 
 async def test_escape_pauses_at_once_in_a_trial_and_the_trial_is_repeated(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession,
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         prompt = await driver.to_first_prompt()
         await driver.press("escape")
         assert driver.sees("Paused")
@@ -32,10 +30,8 @@ async def test_escape_pauses_at_once_in_a_trial_and_the_trial_is_repeated(
         assert driver.stored("SELECT trial, correct FROM trials") == [(1, 1)]
 
 
-async def test_escape_pauses_before_an_attempt_and_returns_there(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+async def test_escape_pauses_before_an_attempt_and_returns_there(open_session: OpenSession) -> None:
+    async with open_session() as driver:
         for words in ("Press Enter to go on.", "Press Enter to begin attempt 1 of 2."):
             assert driver.sees(words)
             await driver.press("escape")
@@ -45,10 +41,8 @@ async def test_escape_pauses_before_an_attempt_and_returns_there(
             await driver.press("enter")
 
 
-async def test_the_menu_is_used_with_arrows_and_enter(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+async def test_the_menu_is_used_with_arrows_and_enter(open_session: OpenSession) -> None:
+    async with open_session() as driver:
         await driver.to_first_prompt()
         await driver.press("escape")
         for choice in ("Go on", "I am tired", "I am in pain", "I am finished", "For the therapist"):
@@ -71,9 +65,9 @@ async def test_the_menu_is_used_with_arrows_and_enter(
 
 
 async def test_the_agent_rests_with_the_participant_and_is_silent_about_the_attempt(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession,
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         assert driver.said
         assert "you ━" in driver.text
@@ -89,19 +83,17 @@ async def test_the_agent_rests_with_the_participant_and_is_silent_about_the_atte
 
 
 async def test_pain_said_in_a_pause_is_in_the_sessions_row(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    opened: OpenApp, open_session: OpenSession
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         await driver.to_first_prompt()
         await driver.press("escape", "down", "down", "enter")
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         assert driver.sees("interrupted: Enter resumes, pain")
 
 
-async def test_a_second_escape_changes_nothing(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+async def test_a_second_escape_changes_nothing(open_session: OpenSession) -> None:
+    async with open_session() as driver:
         await driver.to_first_prompt()
         await driver.press("escape", "down", "enter", "escape")
         assert driver.sees("Have a rest")
@@ -109,9 +101,9 @@ async def test_a_second_escape_changes_nothing(
 
 @pytest.mark.parametrize(("keys", "goes_on"), [(["enter"], True), (["down", "enter"], False)])
 async def test_only_ending_asks_for_confirmation(
-    keys: list[str], goes_on: bool, data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession, keys: list[str], goes_on: bool, data: Path
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         await driver.answer(await driver.to_first_prompt())
         await driver.press("escape", "up", "up", "enter")
         assert driver.sees("End the session now?")
@@ -131,9 +123,9 @@ async def test_only_ending_asks_for_confirmation(
 
 @pytest.mark.parametrize("key", first(1, ["f1", "ctrl+p"]))
 async def test_help_or_the_palette_over_a_trial_pauses_it(
-    key: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession, key: str
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         await driver.to_first_prompt()
         await driver.press(key)
         assert "Press: " not in driver.text
@@ -145,9 +137,9 @@ async def test_help_or_the_palette_over_a_trial_pauses_it(
 
 
 async def test_a_window_made_too_small_pauses_a_trial_and_recovers(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession,
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         prompt = await driver.to_first_prompt()
         await driver.resize(79, 24)
         assert driver.sees("This window is too small.")
@@ -163,11 +155,9 @@ async def test_a_window_made_too_small_pauses_a_trial_and_recovers(
 
 @pytest.mark.parametrize("size", first(1, [(80, 24), (160, 50)]))
 async def test_in_a_pause_the_agent_is_silent_above_the_menu(
-    size: tuple[int, int], data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession, size: tuple[int, int]
 ) -> None:
-    async with open_app(
-        data, catalogue, plan(catalogue, keyboard, encouragement=False), size=size
-    ) as driver:
+    async with open_session(encouragement=False, size=size) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         said = driver.said
         await driver.press("escape")

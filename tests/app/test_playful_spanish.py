@@ -10,7 +10,7 @@ import sar_tui.loop
 from sar_tui.model.language import language, read_words, slot_problem
 from sar_tui.plugins import Catalogue, task_folder
 from sar_tui.runs.plan import make_plan
-from tests.app.app_driver import AppDriver, open_app
+from tests.app.app_driver import AppDriver, OpenApp
 
 TASKS = tuple(Catalogue().task_names())
 USTED = re.compile(
@@ -76,11 +76,11 @@ class Child:
 
 
 async def test_a_session_of_keys_uses_tu_from_the_welcome_to_the_summary(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, catalogue: Catalogue
 ) -> None:
     settings = {"language": "es", "attempts": 1, "prompts_per_attempt": 2}
     plan = make_plan(catalogue, "keyboard", ["P01"], settings, theme="playful", seed=7)
-    async with open_app(data, catalogue, plan) as driver:
+    async with opened(plan) as driver:
         child = Child(driver)
         child.look("¡Hola!", "Púlsala lo más rápido que puedas", "Pulsa Enter para seguir.")
         await child.press("f1", "Cuando la pantalla te lo pida, pulsa Enter.")

@@ -17,7 +17,7 @@ from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import adverse_events, instrument_scores, sessions
 from sar_tui.store.database import connect
-from tests.app.app_driver import AppDriver, known, open_app
+from tests.app.app_driver import AppDriver, OpenApp, known, open_app
 
 
 async def open_progress(driver: AppDriver, catalogue: Catalogue) -> None:
@@ -44,12 +44,12 @@ def trained(data: Path, catalogue: Catalogue, *thresholds: float) -> None:
 
 
 async def test_sessions_that_cannot_be_read_and_none_at_all_are_told(
-    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+    opened: OpenApp, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def unreadable(*_: object, **__: object) -> None:
         raise sqlite3.OperationalError("disk I/O error")
 
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         with monkeypatch.context() as context:
             context.setattr(progress_screen, "sessions_of", unreadable)
             await open_progress(driver, catalogue)

@@ -2,15 +2,12 @@
 
 import gc
 import re
-from pathlib import Path
 from typing import Any
 
 import pytest
 from textual.geometry import Region
 
-from sar_tui.loop.task import Task
-from sar_tui.plugins import Catalogue
-from tests.app.app_driver import AppDriver, open_app, plan
+from tests.app.app_driver import AppDriver, OpenApp, OpenSession
 
 _UNSTYLED = "c5c8c6"
 """Rich's name for no colour at all, in a picture."""
@@ -30,9 +27,9 @@ def count_frames(driver: AppDriver, monkeypatch: pytest.MonkeyPatch) -> list[obj
 
 
 async def test_no_frame_is_drawn_between_a_prompt_and_its_response(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
+    open_session: OpenSession, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         prompt = await driver.to_first_prompt()
         frames = count_frames(driver, monkeypatch)
         for _ in range(20):
@@ -43,9 +40,9 @@ async def test_no_frame_is_drawn_between_a_prompt_and_its_response(
 
 
 async def test_a_prompt_repaints_its_own_region_only(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
+    open_session: OpenSession, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         first = await driver.to_first_prompt()
         await driver.answer(first)
         frames = count_frames(driver, monkeypatch)
@@ -58,10 +55,8 @@ async def test_a_prompt_repaints_its_own_region_only(
         )
 
 
-async def test_no_widget_of_a_session_is_animated(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+async def test_no_widget_of_a_session_is_animated(open_session: OpenSession) -> None:
+    async with open_session() as driver:
         await driver.to_first_prompt()
         assert not driver.app.animator._animations
         for widget in driver.app.screen.walk_children(with_self=True):
@@ -70,11 +65,11 @@ async def test_no_widget_of_a_session_is_animated(
 
 
 async def test_no_garbage_is_collected_while_a_response_is_awaited(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
+    open_session: OpenSession, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sar_tui.tui.gc_control.gc", gc)
     gc.unfreeze()
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         prompt = await driver.to_first_prompt()
         assert not gc.isenabled()
         assert gc.get_freeze_count() > 0
@@ -90,10 +85,10 @@ async def test_no_garbage_is_collected_while_a_response_is_awaited(
 
 
 async def test_no_color_is_respected_and_the_text_stays_the_same(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
+    open_session: OpenSession, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("NO_COLOR", "1")
-    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=1)) as driver:
+    async with open_session(attempts=1) as driver:
         grey = [_is_grey(driver)]
         await driver.to_first_prompt()
         grey.append(_is_grey(driver))
@@ -107,8 +102,8 @@ async def test_no_color_is_respected_and_the_text_stays_the_same(
         assert grey == [True] * 4
 
 
-async def test_there_is_colour_without_no_color(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue) as driver:
+async def test_there_is_colour_without_no_color(opened: OpenApp) -> None:
+    async with opened() as driver:
         assert not _is_grey(driver)
 
 

@@ -21,7 +21,7 @@ from sar_tui.plugins import Catalogue
 from sar_tui.store import participants
 from sar_tui.store.database import FILE, connect, open_file
 from sar_tui.store.rescue import rescue_files
-from tests.app.app_driver import known, open_app, plan
+from tests.app.app_driver import OpenApp, OpenSession, known, plan
 
 posix = pytest.mark.skipif(os.name != "posix", reason="Windows does not remove a file that is open")
 WHERE = (
@@ -36,9 +36,9 @@ def delete(data: Path) -> None:
 
 
 async def test_a_session_that_goes_on_elsewhere_pauses_and_says_so(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession,
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         prompt = await driver.to_first_prompt()
         driver.session.bus.post(STORAGE, StorageChanged(working=True, reason=WHERE))
         await driver.settle()
@@ -49,10 +49,8 @@ async def test_a_session_that_goes_on_elsewhere_pauses_and_says_so(
         assert (await driver.to_prompt()).text == prompt.text
 
 
-async def test_a_pause_by_the_participant_gives_way_to_the_news(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+async def test_a_pause_by_the_participant_gives_way_to_the_news(open_session: OpenSession) -> None:
+    async with open_session() as driver:
         await driver.to_first_prompt()
         await driver.press("escape")
         driver.session.bus.post(STORAGE, StorageChanged(working=True, reason=WHERE))
@@ -136,7 +134,7 @@ async def test_a_session_that_is_left_while_the_database_is_locked_is_in_a_rescu
 
 
 async def test_the_screen_stays_until_the_session_is_written(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
+    open_session: OpenSession, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     is_written = asyncio.Event()
     loop = asyncio.get_running_loop()
@@ -148,7 +146,7 @@ async def test_the_screen_stays_until_the_session_is_written(
         return True
 
     monkeypatch.setattr(LiveSession, "is_written", wait)
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         await driver.press("ctrl+c")
         assert driver.sees("One moment… Your results are being saved.")
         await driver.press("ctrl+c", "enter")
@@ -179,10 +177,10 @@ def test_the_exit_code_reports_a_session_that_is_not_in_the_database(
 
 @posix
 async def test_the_home_screen_opens_a_database_anew_that_was_removed(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     known(data, "P01")
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("f2")
         delete(data)
         await driver.press("escape")
@@ -192,9 +190,7 @@ async def test_the_home_screen_opens_a_database_anew_that_was_removed(
             assert participants.codes(database) == ["P02"]
 
 
-async def test_the_home_screen_says_that_a_rescue_file_waits(
-    data: Path, catalogue: Catalogue
-) -> None:
+async def test_the_home_screen_says_that_a_rescue_file_waits(opened: OpenApp, data: Path) -> None:
     open_file(data / "sar-tui-rescue-0123456789.db").close()
-    async with open_app(data, catalogue, size=(120, 40)) as driver:
+    async with opened(size=(120, 40)) as driver:
         assert driver.sees("`sar-tui rescue` brings it back.")

@@ -1,19 +1,17 @@
 """A rest that must be taken, on the screen."""
 
-from pathlib import Path
-
 from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
-from tests.app.app_driver import open_app, plan
+from tests.app.app_driver import OpenApp, plan
 
 
 async def test_the_rest_tells_the_time_that_is_left_until_enter_helps_again(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    opened: OpenApp, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     resting = plan(
         catalogue, keyboard, attempts=3, rest_after_attempts=1, rest_seconds=65, encouragement=False
     )
-    async with open_app(data, catalogue, resting) as driver:
+    async with opened(resting) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         assert driver.sees("A short rest We go on in 1 minute 5 seconds.")
         await driver.wait(4000)
@@ -29,10 +27,10 @@ async def test_the_rest_tells_the_time_that_is_left_until_enter_helps_again(
 
 
 async def test_the_therapist_ends_the_rest_from_the_pause_menu(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    opened: OpenApp, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     resting = plan(catalogue, keyboard, rest_after_attempts=1)
-    async with open_app(data, catalogue, resting) as driver:
+    async with opened(resting) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.press("escape", "up", "enter")
         assert driver.sees("End the rest")

@@ -8,14 +8,13 @@ import pytest
 from textual.widget import Widget
 
 from sar_tui.app import session_start
-from sar_tui.plugins import Catalogue
-from tests.app.app_driver import open_app
+from tests.app.app_driver import OpenApp
 from tests.runs.test_resume import interrupted
 
 
 @pytest.mark.parametrize("seconds", [0.0, 60.0])
 async def test_the_progress_of_a_long_replay_is_painted(
-    seconds: float, data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+    opened: OpenApp, seconds: float, data: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     painted: list[str] = []
     paint = session_start.paint_now
@@ -27,7 +26,7 @@ async def test_the_progress_of_a_long_replay_is_painted(
     monkeypatch.setattr(session_start, "paint_now", watched)
     monkeypatch.setattr(session_start, "_SHOWN_AFTER_S", seconds)
     monkeypatch.setattr(session_start, "_PAINTED_EVERY_S", 0.0)
-    async with open_app(data, catalogue, interrupted(data, "long", 400)) as driver:
+    async with opened(interrupted(data, "long", 400)) as driver:
         assert driver.screen_name == "SessionScreen"
     if seconds:
         assert painted == []

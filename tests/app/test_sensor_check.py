@@ -16,7 +16,6 @@ from sar_tui.app.sensor_advice import FLAGS, INVALID, NO_REACH, finding_text, pl
 from sar_tui.inputs.imu import NOTHING, Info, Sample, Status
 from sar_tui.inputs.simulated import SimulatedSource
 from sar_tui.loop.clock import VirtualClock
-from sar_tui.loop.task import Task
 from sar_tui.model.units import SECOND
 from sar_tui.motion.analysis import Finding
 from sar_tui.motion.shapes import ReachShape
@@ -28,7 +27,7 @@ from sar_tui.store.database import connect
 from sar_tui.store.programmes import Programme
 from sar_tui.widgets.sensor_placement import DRAWN, bar
 from tests.album import Album
-from tests.app.app_driver import AppDriver, open_app, plan, stored
+from tests.app.app_driver import AppDriver, OpenApp, OpenSession, open_app, stored
 from tests.app.test_snapshots import THEMES
 from tests.examples import first, first_rows
 
@@ -159,10 +158,8 @@ async def test_the_session_takes_over_the_running_sensor(open_check: Callable[..
     assert not source.running
 
 
-async def test_a_task_without_a_sensor_has_no_sensor_check(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+async def test_a_task_without_a_sensor_has_no_sensor_check(open_session: OpenSession) -> None:
+    async with open_session() as driver:
         assert driver.screen_name == "SessionScreen"
 
 
@@ -179,7 +176,7 @@ async def test_escape_leaves_an_app_that_was_opened_for_one_session(
 
 
 async def test_escape_leads_home_and_the_check_can_be_opened_again(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     database = connect(data)
     participants.add(database, "P01")
@@ -187,7 +184,7 @@ async def test_escape_leads_home_and_the_check_can_be_opened_again(
         database, "P01", "reaching", Programme({"imu": "simulated"}, "high-contrast"), after=0
     )
     database.close()
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         driver.app.screen.query_one(
             "#start", Button
         ).active_effect_duration = 0  # it takes no second press meanwhile
@@ -245,11 +242,11 @@ async def test_an_unknown_sensor_is_refused_like_other_settings(
     assert stored(data, "SELECT id FROM sessions") == []
 
 
-async def test_a_resumed_session_has_no_sensor_check(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue, reaching_plan(catalogue)) as driver:
+async def test_a_resumed_session_has_no_sensor_check(opened: OpenApp, catalogue: Catalogue) -> None:
+    async with opened(reaching_plan(catalogue)) as driver:
         await driver.press("enter", "enter")
         session = driver.session_id
-    async with open_app(data, catalogue, session) as driver:
+    async with opened(session) as driver:
         assert driver.screen_name == "SessionScreen"
 
 
@@ -308,9 +305,7 @@ async def test_a_missing_sensor_is_reported_after_three_seconds_and_found_later(
         assert not driver.sees("Samples")
 
 
-async def test_messages_of_the_sensor_are_shown_literally(
-    open_check: Callable[..., Any],
-) -> None:
+async def test_messages_of_the_sensor_are_shown_literally(open_check: Callable[..., Any]) -> None:
     source = Plugged(at_once=False)
     async with open_check(source) as driver:
         source.report("detached", "Waiting for the sensor with the number 12.")
@@ -735,7 +730,7 @@ async def test_a_sensor_on_the_trunk_is_checked_after_that_on_the_hand(
 
 
 async def test_a_session_can_begin_without_the_sensor_on_the_trunk(
-    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+    opened: OpenApp, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sources = {"hand": Plugged(), "trunk": Plugged(at_once=False)}
 
@@ -745,9 +740,7 @@ async def test_a_session_can_begin_without_the_sensor_on_the_trunk(
         return source
 
     monkeypatch.setattr("sar_tui.runs.sensors.open_source", open_source)
-    async with open_app(
-        data, catalogue, reaching_plan(catalogue, imu="phidget:1", imu_trunk="phidget:2")
-    ) as driver:
+    async with opened(reaching_plan(catalogue, imu="phidget:1", imu_trunk="phidget:2")) as driver:
         await driver.wait(500)
         await driver.press("enter", "enter")
         assert driver.sees("There is no sensor on the trunk. Reaches count without it.")

@@ -4,16 +4,15 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
-from tests.app.app_driver import known, open_app, plan, stored
+from tests.app.app_driver import OpenApp, OpenSession, known, stored
 from tests.examples import first
 
 
 async def test_a_session_from_the_instructions_to_the_summary(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession, data: Path
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         assert driver.sees("Press that key as fast as you can, and then wait for the next one.")
         assert driver.sees("An attempt asks for 2 keys.")
         assert driver.sees("Press Enter to go on.")
@@ -59,12 +58,8 @@ async def test_a_session_from_the_instructions_to_the_summary(
     ) == [(4, 4, 400.0, 400.0)]
 
 
-async def test_the_plain_line_is_shown_only_with_a_prompt(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(
-        data, catalogue, plan(catalogue, keyboard, prompts_per_attempt=3)
-    ) as driver:
+async def test_the_plain_line_is_shown_only_with_a_prompt(open_session: OpenSession) -> None:
+    async with open_session(prompts_per_attempt=3) as driver:
         await driver.press("enter")
         await driver.wait(300)
         await driver.press("enter")
@@ -79,12 +74,8 @@ async def test_the_plain_line_is_shown_only_with_a_prompt(
         assert "Press: " not in driver.text
 
 
-async def test_a_prompt_without_a_response_times_out(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(
-        data, catalogue, plan(catalogue, keyboard, response_timeout_ms=2000)
-    ) as driver:
+async def test_a_prompt_without_a_response_times_out(open_session: OpenSession) -> None:
+    async with open_session(response_timeout_ms=2000) as driver:
         prompt = await driver.to_first_prompt()
         await driver.wait(1999)
         assert prompt.text in driver.text
@@ -95,12 +86,8 @@ async def test_a_prompt_without_a_response_times_out(
         ]
 
 
-async def test_every_screen_that_waits_for_enter_says_so(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(
-        data, catalogue, plan(catalogue, keyboard, attempts=1, practice_attempts=1)
-    ) as driver:
+async def test_every_screen_that_waits_for_enter_says_so(open_session: OpenSession) -> None:
+    async with open_session(attempts=1, practice_attempts=1) as driver:
         assert "Enter" in driver.text  # the instructions
         await driver.press("enter")
         assert "Enter" in driver.text  # before the practice attempt
@@ -129,9 +116,9 @@ async def test_every_screen_that_waits_for_enter_says_so(
 
 
 async def test_practice_comes_first_and_does_not_count(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession, data: Path
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, practice_attempts=1)) as driver:
+    async with open_session(practice_attempts=1) as driver:
         await driver.press("enter")
         assert driver.sees("Press Enter to begin practice 1 of 1.")
         assert driver.sees("Practice 0 of 1")
@@ -150,9 +137,9 @@ async def test_practice_comes_first_and_does_not_count(
 
 
 async def test_a_wrong_key_is_a_response_and_the_agent_mentions_accuracy(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession,
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=1)) as driver:
+    async with open_session(attempts=1) as driver:
         prompt = await driver.to_first_prompt()
         await driver.wait(300)
         await driver.press("j" if prompt.expected == "f" else "f")
@@ -166,30 +153,24 @@ async def test_a_wrong_key_is_a_response_and_the_agent_mentions_accuracy(
         assert not driver.sees("goals reached"), "none was"
 
 
-async def test_the_header_says_who_is_playing_until_the_end(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, "P-27", attempts=1)) as driver:
+async def test_the_header_says_who_is_playing_until_the_end(open_session: OpenSession) -> None:
+    async with open_session(participant="P-27", attempts=1) as driver:
         assert driver.rows[0].strip() == "Keyboard reaction · P-27"
         await driver.do_session()
         assert driver.rows[0].startswith(" Keyboard reaction · P-27 ")
 
 
-async def test_one_attempt_is_singular(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(
-        data, catalogue, plan(catalogue, keyboard, attempts=1, prompts_per_attempt=1)
-    ) as driver:
+async def test_one_attempt_is_singular(open_session: OpenSession) -> None:
+    async with open_session(attempts=1, prompts_per_attempt=1) as driver:
         assert driver.sees("An attempt asks for 1 key.")
         await driver.do_session()
         assert driver.sees("You did 1 attempt; goal reached in 1.")
 
 
 async def test_a_repeated_enter_after_the_last_response_does_not_close_the_summary(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession,
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=1)) as driver:
+    async with open_session(attempts=1) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.wait(300)
         await driver.press("enter")
@@ -202,10 +183,8 @@ async def test_a_repeated_enter_after_the_last_response_does_not_close_the_summa
         assert not driver.app.is_running
 
 
-async def test_an_enter_that_is_held_is_asked_to_be_let_go(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+async def test_an_enter_that_is_held_is_asked_to_be_let_go(open_session: OpenSession) -> None:
+    async with open_session() as driver:
         await driver.press("enter")
         for _ in range(2):
             await driver.wait(500)
@@ -222,10 +201,10 @@ async def test_an_enter_that_is_held_is_asked_to_be_let_go(
 
 
 async def test_an_enter_that_closes_the_summary_and_is_held_begins_no_other_session(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     known(data, "P01", attempts=1, prompts_per_attempt=1)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("enter", "enter")
         await driver.do_session()
         await driver.press("enter")
@@ -238,9 +217,9 @@ async def test_an_enter_that_closes_the_summary_and_is_held_begins_no_other_sess
 
 
 async def test_a_repeated_enter_after_ending_early_does_not_close_the_summary(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession,
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         await driver.to_first_prompt()
         await driver.press("escape", "down", "down", "down", "enter")
         await driver.wait(300)
@@ -256,9 +235,9 @@ async def test_a_repeated_enter_after_ending_early_does_not_close_the_summary(
 
 @pytest.mark.slow
 async def test_a_pause_after_the_last_attempt_returns_there_with_all_attempts_counted(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession,
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.do_attempt(await driver.begin())
         await driver.press("escape")
@@ -272,15 +251,15 @@ async def test_a_pause_after_the_last_attempt_returns_there_with_all_attempts_co
 
 
 async def test_a_session_left_after_its_last_attempt_is_resumed_there(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    opened: OpenApp, open_session: OpenSession, data: Path
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.do_attempt(await driver.begin())
         session = driver.session_id
         await driver.press("ctrl+q", "down", "enter")
     assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
-    async with open_app(data, catalogue, session) as driver:
+    async with opened(session) as driver:
         assert driver.sees("Press Enter to see how it went.")
         assert "level" not in driver.rows[0]
         assert driver.sees("Keys 2 of 2")
@@ -292,10 +271,10 @@ async def test_a_session_left_after_its_last_attempt_is_resumed_there(
 
 @pytest.mark.parametrize("theme", first(1, ["calm", "high-contrast", "playful"]))
 async def test_the_agent_is_silent_during_an_attempt(
-    theme: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession, theme: str, catalogue: Catalogue
 ) -> None:
     faces = catalogue.theme(theme).faces
-    async with open_app(data, catalogue, plan(catalogue, keyboard, theme=theme)) as driver:
+    async with open_session(theme=theme) as driver:
         assert faces["happy"].splitlines()[2] in driver.text
         assert driver.said != ""
         await driver.to_first_prompt()
@@ -304,9 +283,9 @@ async def test_the_agent_is_silent_during_an_attempt(
 
 
 async def test_a_key_that_waited_while_the_program_was_suspended_is_asked_for_again(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
+    open_session: OpenSession, data: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         prompt = await driver.to_first_prompt()
         with monkeypatch.context() as suspended:
             suspended.setattr(
@@ -326,9 +305,9 @@ async def test_a_key_that_waited_while_the_program_was_suspended_is_asked_for_ag
 @pytest.mark.slow
 @pytest.mark.parametrize("keys", first(1, [("enter", "space"), ("space", "enter")]))
 async def test_two_keys_in_one_burst_close_the_summary_once(
-    keys: tuple[str, ...], data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession, keys: tuple[str, ...]
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+    async with open_session() as driver:
         await driver.do_session()
         await driver.wait(500)
         await driver.write(*keys)

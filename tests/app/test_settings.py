@@ -18,7 +18,7 @@ from sar_tui.store.database import connect
 from sar_tui.store.programmes import Programme
 from sar_tui.widgets.choice import Choice
 from sar_tui.widgets.parameter_field import ParameterField
-from tests.app.app_driver import AppDriver, known, open_app, stored
+from tests.app.app_driver import AppDriver, OpenApp, known, open_app, stored
 from tests.examples import first
 
 
@@ -84,10 +84,8 @@ def a_participant(data: Path) -> None:
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_settings_of_a_rule_that_is_not_chosen_are_marked(
-    data: Path, catalogue: Catalogue
-) -> None:
-    async with open_app(data, catalogue) as driver:
+async def test_settings_of_a_rule_that_is_not_chosen_are_marked(opened: OpenApp) -> None:
+    async with opened() as driver:
         await driver.press("f2")
         await go_to(driver, "target_share")
         assert meaning(driver).startswith("Without effect now: only with target.")
@@ -99,9 +97,9 @@ async def test_settings_of_a_rule_that_is_not_chosen_are_marked(
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_there_is_one_field_for_each_declared_parameter(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    opened: OpenApp, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("f2")
         assert driver.sees("Settings of P01 for Keyboard reaction: version 1")
         for heading, declared in grouped(keyboard.Parameters).items():
@@ -120,10 +118,8 @@ async def test_there_is_one_field_for_each_declared_parameter(
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_tab_goes_from_the_groups_through_the_fields_to_the_buttons(
-    data: Path, catalogue: Catalogue
-) -> None:
-    async with open_app(data, catalogue) as driver:
+async def test_tab_goes_from_the_groups_through_the_fields_to_the_buttons(opened: OpenApp) -> None:
+    async with opened() as driver:
         await driver.press("f2")
         chain = [widget.id or type(widget).__name__ for widget in driver.app.screen.focus_chain]
         assert chain[0] == "groups"
@@ -133,7 +129,7 @@ async def test_tab_goes_from_the_groups_through_the_fields_to_the_buttons(
 
 @pytest.mark.usefixtures("a_participant")
 async def test_a_new_parameter_has_a_field_without_further_changes(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    opened: OpenApp, data: Path, keyboard: type[Task]
 ) -> None:
     class More(keyboard.Parameters, frozen=True, kw_only=True):  # type: ignore[name-defined, misc]
         tempo: Annotated[int, meta("Tempo", "beats", "How fast the drum beats.", ge=1, le=9)] = 3
@@ -142,7 +138,7 @@ async def test_a_new_parameter_has_a_field_without_further_changes(
     class Drummed(keyboard):  # type: ignore[valid-type, misc]
         Parameters = More
 
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         driver.app.push_screen(SettingsScreen("P01", Drummed))
         await driver.settle()
         assert len(every_field(driver)) == len(fields(keyboard.Parameters)) + 2
@@ -162,10 +158,8 @@ async def test_a_new_parameter_has_a_field_without_further_changes(
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
-async def test_values_are_checked_as_they_are_typed_alone_and_together(
-    data: Path, catalogue: Catalogue
-) -> None:
-    async with open_app(data, catalogue) as driver:
+async def test_values_are_checked_as_they_are_typed_alone_and_together(opened: OpenApp) -> None:
+    async with opened() as driver:
         await driver.press("f2")
         await fill(driver, "attempts", "2x")
         assert meaning(driver) == "Attempts is a whole number, 1 to 200, not 2x."
@@ -189,9 +183,9 @@ async def test_values_are_checked_as_they_are_typed_alone_and_together(
 
 @pytest.mark.usefixtures("a_participant")
 async def test_an_invalid_value_is_not_saved_and_gets_the_focus(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("f2")
         await fill(driver, "attempts", "0")
         await go_to(driver, "prompts_per_attempt")
@@ -202,8 +196,10 @@ async def test_an_invalid_value_is_not_saved_and_gets_the_focus(
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_an_unknown_sensor_is_reported_at_its_field(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue) as driver:
+async def test_an_unknown_sensor_is_reported_at_its_field(
+    opened: OpenApp, catalogue: Catalogue
+) -> None:
+    async with opened() as driver:
         driver.app.push_screen(SettingsScreen("P01", catalogue.task("reaching")))
         await driver.settle()
         await fill(driver, "imu", "fidget")
@@ -214,11 +210,9 @@ async def test_an_unknown_sensor_is_reported_at_its_field(data: Path, catalogue:
 
 
 @pytest.mark.slow
-async def test_a_dot_marks_values_that_differ_from_the_default(
-    data: Path, catalogue: Catalogue
-) -> None:
+async def test_a_dot_marks_values_that_differ_from_the_default(opened: OpenApp, data: Path) -> None:
     known(data, "P01", prompts_per_attempt=5)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("f2")
         assert driver.sees("● Prompts per attempt 5")
         assert not driver.sees("not saved")
@@ -229,8 +223,8 @@ async def test_a_dot_marks_values_that_differ_from_the_default(
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
-async def test_one_field_is_reset_or_all_of_them(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue) as driver:
+async def test_one_field_is_reset_or_all_of_them(opened: OpenApp) -> None:
+    async with opened() as driver:
         await driver.press("f2")
         await fill(driver, "prompts_per_attempt", "5")
         await fill(driver, "sequence_length", "6")
@@ -245,10 +239,8 @@ async def test_one_field_is_reset_or_all_of_them(data: Path, catalogue: Catalogu
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
-async def test_what_is_typed_after_a_reset_replaces_the_default(
-    data: Path, catalogue: Catalogue
-) -> None:
-    async with open_app(data, catalogue) as driver:
+async def test_what_is_typed_after_a_reset_replaces_the_default(opened: OpenApp) -> None:
+    async with opened() as driver:
         await driver.press("f2")
         await fill(driver, "attempts", "7")
         await driver.press("ctrl+r")
@@ -265,9 +257,9 @@ async def test_what_is_typed_after_a_reset_replaces_the_default(
     "sizes", first(1, [((30, 5), (80, 24)), ((80, 24),), ((80, 30), (79, 24), (80, 24))])
 )
 async def test_the_focused_field_stays_in_view_in_a_smaller_window(
-    sizes: tuple[tuple[int, int], ...], data: Path, catalogue: Catalogue
+    opened: OpenApp, sizes: tuple[tuple[int, int], ...]
 ) -> None:
-    async with open_app(data, catalogue, size=(80, 50)) as driver:
+    async with opened(size=(80, 50)) as driver:
         await driver.press("f2")
         await go_to(driver, "difficulty_policy")
         for size in sizes:
@@ -280,10 +272,10 @@ async def test_the_focused_field_stays_in_view_in_a_smaller_window(
 
 @pytest.mark.usefixtures("a_participant")
 async def test_saved_settings_apply_to_the_participants_next_session(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     known(data, "P02", attempts=2)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("down", "f2")
         await fill(driver, "attempts", "3")
         await go_to(driver, "choice_set")
@@ -306,8 +298,8 @@ async def test_saved_settings_apply_to_the_participants_next_session(
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
-async def test_leaving_with_unsaved_changes_asks_once(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue) as driver:
+async def test_leaving_with_unsaved_changes_asks_once(opened: OpenApp, data: Path) -> None:
+    async with opened() as driver:
         await driver.press("f2")
         await fill(driver, "attempts", "3")
         await driver.press("escape")
@@ -322,8 +314,8 @@ async def test_leaving_with_unsaved_changes_asks_once(data: Path, catalogue: Cat
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
-async def test_a_yes_or_no_field_is_reset_like_any_other(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue) as driver:
+async def test_a_yes_or_no_field_is_reset_like_any_other(opened: OpenApp) -> None:
+    async with opened() as driver:
         await driver.press("f2")
         await go_to(driver, "encouragement")
         await driver.press("enter", "down", "enter")
@@ -335,10 +327,10 @@ async def test_a_yes_or_no_field_is_reset_like_any_other(data: Path, catalogue: 
 
 
 async def test_a_language_that_the_theme_lacks_is_reported_and_those_it_has_are_offered(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     known(data, "P01", language="de")
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("f2")
         await go_to(driver, "language")
         assert meaning(driver) == (
@@ -352,9 +344,9 @@ async def test_a_language_that_the_theme_lacks_is_reported_and_those_it_has_are_
     assert stored_settings(data)["language"] == "es"
 
 
-async def test_a_language_can_be_set_with_a_missing_theme(data: Path, catalogue: Catalogue) -> None:
+async def test_a_language_can_be_set_with_a_missing_theme(opened: OpenApp, data: Path) -> None:
     known(data, "P01", theme="gone")
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("f2")
         await fill(driver, "language", "es")
         assert meaning(driver).endswith("Default: en.")
@@ -362,8 +354,8 @@ async def test_a_language_can_be_set_with_a_missing_theme(data: Path, catalogue:
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
-async def test_outputs_are_picked_from_a_list_or_typed(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue) as driver:
+async def test_outputs_are_picked_from_a_list_or_typed(opened: OpenApp) -> None:
+    async with opened() as driver:
         await driver.press("f2")
         await go_to(driver, "outputs")
         await driver.press("enter")
@@ -378,8 +370,8 @@ async def test_outputs_are_picked_from_a_list_or_typed(data: Path, catalogue: Ca
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
-async def test_titles_fit_beside_the_values(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue) as driver:
+async def test_titles_fit_beside_the_values(opened: OpenApp, catalogue: Catalogue) -> None:
+    async with opened() as driver:
         for name in ("keyboard", "reaching", "pairs"):
             driver.app.push_screen(SettingsScreen("P01", catalogue.task(name)))
             await driver.settle()
@@ -391,9 +383,7 @@ async def test_titles_fit_beside_the_values(data: Path, catalogue: Catalogue) ->
 
 
 @pytest.mark.slow
-async def test_groups_count_what_differs_and_the_count_follows(
-    data: Path, catalogue: Catalogue
-) -> None:
+async def test_groups_count_what_differs_and_the_count_follows(opened: OpenApp, data: Path) -> None:
     known(
         data,
         "P01",
@@ -402,7 +392,7 @@ async def test_groups_count_what_differs_and_the_count_follows(
         operator_feedback="approve",
         operator_time_ms=6000,
     )
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("f2")
         assert driver.sees("Keyboard reaction ● 1")
         assert driver.sees("Operator ● 2")
@@ -418,9 +408,9 @@ async def test_groups_count_what_differs_and_the_count_follows(
 
 @pytest.mark.usefixtures("a_participant")
 async def test_arrows_and_page_keys_move_between_groups_and_enter_goes_to_the_fields(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp,
 ) -> None:
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("f2")
         assert field(driver, "prompts_per_attempt").has_focus_within
         await driver.press("up", "down", "down")
@@ -437,8 +427,8 @@ async def test_arrows_and_page_keys_move_between_groups_and_enter_goes_to_the_fi
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
-async def test_a_group_opens_with_a_click(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue) as driver:
+async def test_a_group_opens_with_a_click(opened: OpenApp) -> None:
+    async with opened() as driver:
         await driver.press("f2")
         await driver.pilot.click("#groups", offset=(3, 3))
         await driver.settle()
@@ -446,10 +436,10 @@ async def test_a_group_opens_with_a_click(data: Path, catalogue: Catalogue) -> N
 
 
 async def test_settings_that_were_never_shown_are_saved_and_reset_too(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     known(data, "P01", attempts=20, prompts_per_attempt=20, quiet_ms=700, operator_lost_ms=3000)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("f2")
         await fill(driver, "attempts", "7")
         await save(driver)
@@ -482,10 +472,8 @@ async def test_the_help_of_a_level_says_what_it_is(data: Path, catalogue: Catalo
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
-async def test_a_setting_is_found_by_a_word_of_its_title_or_help(
-    data: Path, catalogue: Catalogue
-) -> None:
-    async with open_app(data, catalogue) as driver:
+async def test_a_setting_is_found_by_a_word_of_its_title_or_help(opened: OpenApp) -> None:
+    async with opened() as driver:
         await driver.press("f2", "/")
         assert driver.screen_name == "FindSettingScreen"
         await driver.write(*"held key")
@@ -510,8 +498,8 @@ async def test_a_setting_is_found_by_a_word_of_its_title_or_help(
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_saving_asks_for_a_reason_and_keeps_it(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue) as driver:
+async def test_saving_asks_for_a_reason_and_keeps_it(opened: OpenApp, data: Path) -> None:
+    async with opened() as driver:
         await driver.press("f2", "ctrl+s")
         assert driver.sees("nothing has changed")
         await fill(driver, "threshold", "900")
@@ -536,8 +524,8 @@ async def test_saving_asks_for_a_reason_and_keeps_it(data: Path, catalogue: Cata
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
-async def test_a_change_by_somebody_else_is_told_and_kept(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue, size=(100, 30)) as driver:
+async def test_a_change_by_somebody_else_is_told_and_kept(opened: OpenApp, data: Path) -> None:
+    async with opened(size=(100, 30)) as driver:
         await driver.press("f2")
         await fill(driver, "attempts", "9")
         with closing(connect(data)) as database:
@@ -559,19 +547,13 @@ async def test_a_change_by_somebody_else_is_told_and_kept(data: Path, catalogue:
         assert driver.sees("saved: version 3")
     assert stored(
         data, "SELECT json_extract(parameters, '$.attempts') FROM programmes ORDER BY version"
-    ) == [
-        (20,),
-        (5,),
-        (9,),
-    ]
+    ) == [(20,), (5,), (9,)]
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
-async def test_a_preset_fills_in_its_values_and_saves_nothing(
-    data: Path, catalogue: Catalogue
-) -> None:
-    async with open_app(data, catalogue) as driver:
+async def test_a_preset_fills_in_its_values_and_saves_nothing(opened: OpenApp, data: Path) -> None:
+    async with opened() as driver:
         await driver.press("f2")
         driver.app.screen.query_one("#preset").focus()
         await driver.press("enter")
@@ -584,7 +566,7 @@ async def test_a_preset_fills_in_its_values_and_saves_nothing(
     assert stored_settings(data)["threshold"] == 1500
 
 
-async def test_a_preset_leaves_nothing_of_the_one_before(data: Path, catalogue: Catalogue) -> None:
+async def test_a_preset_leaves_nothing_of_the_one_before(opened: OpenApp, data: Path) -> None:
     known(data, "P01", choice_set="left hand")
     folder = data / "presets" / "keyboard"
     folder.mkdir(parents=True)
@@ -592,7 +574,7 @@ async def test_a_preset_leaves_nothing_of_the_one_before(data: Path, catalogue: 
         'task = "keyboard"\n[parameters]\nfeedback_every = 3\nlanguage = "es"\n'
     )
     (folder / "b.toml").write_text('task = "keyboard"\n[parameters]\nthreshold = 700.0\n')
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("f2")
         for downs in (3, 4):  # a, then b, after those of the task
             driver.app.screen.query_one("#preset", Button).press()
@@ -603,11 +585,9 @@ async def test_a_preset_leaves_nothing_of_the_one_before(data: Path, catalogue: 
     assert stored_settings(data) == {"choice_set": "left hand", "threshold": 700.0}
 
 
-async def test_settings_that_do_not_exist_any_more_are_told(
-    data: Path, catalogue: Catalogue
-) -> None:
+async def test_settings_that_do_not_exist_any_more_are_told(opened: OpenApp, data: Path) -> None:
     known(data, "P01", tempo=3)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("f2")
         assert driver.sees("These settings do not exist any more: tempo.")
 
@@ -617,8 +597,8 @@ async def test_settings_that_do_not_exist_any_more_are_told(
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
-async def test_choices_open_in_a_list(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue) as driver:
+async def test_choices_open_in_a_list(opened: OpenApp) -> None:
+    async with opened() as driver:
         await driver.press("f2")
         await go_to(driver, "layout")
         choice = field(driver, "layout").query_one(Choice)
@@ -642,10 +622,10 @@ async def test_choices_open_in_a_list(data: Path, catalogue: Catalogue) -> None:
 
 
 async def test_a_choice_that_no_longer_exists_is_reported_and_can_be_changed(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path
 ) -> None:
     known(data, "P01", attempts=20, layout="sholes")
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("f2")
         assert driver.sees("Keyboard layout sholes ▼")
         assert field(driver, "layout").note.endswith(", not sholes.")

@@ -14,7 +14,7 @@ from sar_tui.model.theme import Theme
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.widgets.choice import Choice
-from tests.app.app_driver import SHORT, AppDriver, known, open_app, plan
+from tests.app.app_driver import SHORT, AppDriver, OpenApp, known, open_app, plan
 from tests.app.test_agent_view import Link
 from tests.examples import first
 from tests.sides_task import write_sides
@@ -170,10 +170,10 @@ async def test_a_screen_survives_any_size_of_the_window(
 
 @pytest.mark.parametrize("size", first(1, [(1, 1), (30, 5), (20, 200)]))
 async def test_the_app_may_open_in_a_window_of_any_size(
-    size: tuple[int, int], data: Path, catalogue: Catalogue
+    opened: OpenApp, size: tuple[int, int], data: Path
 ) -> None:
     known(data, "P01")
-    async with open_app(data, catalogue, size=size) as driver:
+    async with opened(size=size) as driver:
         for key in ("f1", "escape", "ctrl+p", "escape", "f2"):
             await driver.press(key)
         await driver.resize(80, 24)
@@ -182,11 +182,11 @@ async def test_the_app_may_open_in_a_window_of_any_size(
 
 @pytest.mark.parametrize("task", ["keyboard", "reaching"])
 async def test_a_session_opens_in_a_window_of_any_size(
-    task: str, data: Path, catalogue: Catalogue
+    opened: OpenApp, task: str, catalogue: Catalogue
 ) -> None:
     settings = {"imu": "simulated"} if task == "reaching" else SHORT
     planned = make_plan(catalogue, task, ["P01"], settings, seed=7)
-    async with open_app(data, catalogue, planned, size=(1, 1)) as driver:
+    async with opened(planned, size=(1, 1)) as driver:
         await driver.press("f1", "escape", "ctrl+p", "escape")
         await driver.resize(80, 24)
         assert driver.screen_name == (
@@ -196,12 +196,10 @@ async def test_a_session_opens_in_a_window_of_any_size(
 
 @pytest.mark.slow
 async def test_every_stage_of_a_session_survives_any_size_of_the_window(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, catalogue: Catalogue
 ) -> None:
     settings = SHORT | {"attempts": 1}
-    async with open_app(
-        data, catalogue, make_plan(catalogue, "keyboard", ["P01"], settings, seed=7)
-    ) as driver:
+    async with opened(make_plan(catalogue, "keyboard", ["P01"], settings, seed=7)) as driver:
         await driver.press("enter")
         await shrink_and_grow(driver)
         await driver.begin()
@@ -221,12 +219,10 @@ async def test_every_stage_of_a_session_survives_any_size_of_the_window(
 
 @pytest.mark.slow
 async def test_a_session_for_two_survives_any_size_of_the_window(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, catalogue: Catalogue
 ) -> None:
     settings = SHORT | {"policy": "alternate"}
-    async with open_app(
-        data, catalogue, make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=7)
-    ) as driver:
+    async with opened(make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=7)) as driver:
         await driver.to_first_prompt()
         await shrink_and_grow(driver)
         assert driver.sees("Paused")

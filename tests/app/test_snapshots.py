@@ -7,10 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.loop.task import Task
-from sar_tui.plugins import Catalogue
 from tests.album import Album
-from tests.app.app_driver import open_app, plan
+from tests.app.app_driver import OpenApp, OpenSession
 from tests.examples import first
 
 FOLDER = Path(__file__).parent / "snapshots"
@@ -43,9 +41,9 @@ SESSION = (
 
 
 @pytest.mark.parametrize("theme", first(1, THEMES))
-async def test_snapshots_of_home_and_settings(theme: str, data: Path, catalogue: Catalogue) -> None:
+async def test_snapshots_of_home_and_settings(opened: OpenApp, theme: str) -> None:
     album = Album(FOLDER, theme, (80, 24))
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         driver.app.screen.query_one("#theme").highlighted = THEMES.index(theme)  # type: ignore[attr-defined]
         await driver.settle()
         album.take("home", driver)
@@ -70,13 +68,9 @@ async def test_snapshots_of_home_and_settings(theme: str, data: Path, catalogue:
 
 
 @pytest.mark.parametrize("theme", first(1, THEMES))
-async def test_snapshots_of_a_session(
-    theme: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
+async def test_snapshots_of_a_session(open_session: OpenSession, theme: str) -> None:
     album = Album(FOLDER, theme, (80, 24))
-    async with open_app(
-        data, catalogue, plan(catalogue, keyboard, theme=theme, attempts=4, practice_attempts=1)
-    ) as driver:
+    async with open_session(theme=theme, attempts=4, practice_attempts=1) as driver:
         album.take("instructions", driver)
         await driver.press("enter")
         album.take("before-practice", driver)

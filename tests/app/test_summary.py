@@ -9,12 +9,11 @@ import pytest
 from textual.widgets import Static
 
 from sar_tui.app.screens.summary import Summary
-from sar_tui.loop.task import Task
 from sar_tui.model.messages import AttemptEnded
 from sar_tui.model.trial_types import Metric
 from sar_tui.plugins import Catalogue
 from sar_tui.store import sessions
-from tests.app.app_driver import open_app, plan
+from tests.app.app_driver import OpenSession, open_app
 
 TIME = Metric("reaction_time", "ms", "lower")
 
@@ -108,10 +107,8 @@ async def test_a_therapist_sees_results_and_levels_over_attempts(plot: Plot) -> 
     assert any("█" in line for line in lines)
 
 
-async def test_a_summary_without_its_parts_draws_nothing(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+async def test_a_summary_without_its_parts_draws_nothing(open_session: OpenSession) -> None:
+    async with open_session() as driver:
         await driver.do_session()
         summary = driver.app.screen.query_one(Summary)
         rows = sessions.rows(driver.app.database, "attempts", driver.session_id)

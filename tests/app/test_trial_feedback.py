@@ -2,11 +2,10 @@
 
 from pathlib import Path
 
-from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.parameters import build
 from sar_tui.runs.plan import Plan
-from tests.app.app_driver import AppDriver, open_app, plan
+from tests.app.app_driver import AppDriver, OpenSession, open_app
 from tests.documented import write_documented
 
 
@@ -15,12 +14,8 @@ def glyphs(driver: AppDriver) -> list[str]:
     return [character for character in driver.text if character in "✓✗"]
 
 
-async def test_a_tick_and_a_cross_are_shown_and_stamped(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(
-        data, catalogue, plan(catalogue, keyboard, trial_feedback_ms=700)
-    ) as driver:
+async def test_a_tick_and_a_cross_are_shown_and_stamped(open_session: OpenSession) -> None:
+    async with open_session(trial_feedback_ms=700) as driver:
         prompt = await driver.to_first_prompt()
         assert glyphs(driver) == []
         await driver.answer(prompt)
@@ -41,10 +36,8 @@ async def test_a_tick_and_a_cross_are_shown_and_stamped(
         ]
 
 
-async def test_a_pause_covers_it(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
-    async with open_app(
-        data, catalogue, plan(catalogue, keyboard, trial_feedback_ms=700)
-    ) as driver:
+async def test_a_pause_covers_it(open_session: OpenSession) -> None:
+    async with open_session(trial_feedback_ms=700) as driver:
         await driver.answer(await driver.to_first_prompt())
         await driver.press("escape")
         assert driver.waiting.stage == "paused"

@@ -13,7 +13,7 @@ from sar_tui.runs.plan import make_plan
 from sar_tui.store import adverse_events, wellbeing
 from sar_tui.store.database import connect
 from sar_tui.store.record_changes import change_status
-from tests.app.app_driver import AppDriver, known, open_app, plan, stored
+from tests.app.app_driver import AppDriver, OpenApp, OpenSession, known, open_app, plan, stored
 
 ALL = "SELECT session, moment, question, answer FROM wellbeing ORDER BY at"
 
@@ -23,10 +23,8 @@ def answers(driver: AppDriver) -> list[tuple[str, ...]]:
     return [row[1:] for row in driver.stored(ALL)]
 
 
-async def test_a_session_asks_before_and_after(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+async def test_a_session_asks_before_and_after(open_session: OpenSession) -> None:
+    async with open_session(ask_wellbeing=True) as driver:
         assert driver.sees("How much pain do you have now?")
         assert driver.sees("0 1 2 3 4 5 6 7 8 9 10 no pain worst pain imaginable")
         assert driver.sees(
@@ -59,9 +57,9 @@ async def test_a_session_asks_before_and_after(
 
 @pytest.mark.parametrize("parameters", [{}, {"ask_wellbeing": False}])
 async def test_a_session_asks_only_if_it_is_set(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], parameters: dict[str, object]
+    open_session: OpenSession, parameters: dict[str, object]
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, **parameters)) as driver:
+    async with open_session(**parameters) as driver:
         assert driver.screen_name == "SessionScreen"
         await driver.do_session()
         await driver.press("enter")
@@ -69,9 +67,9 @@ async def test_a_session_asks_only_if_it_is_set(
 
 
 async def test_an_answer_can_be_corrected_and_the_last_one_counts(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession,
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+    async with open_session(ask_wellbeing=True) as driver:
         await driver.press("9", "backspace", "0")
         assert driver.sees("How tired are you now?")
         await driver.press("3")
@@ -86,10 +84,8 @@ async def test_an_answer_can_be_corrected_and_the_last_one_counts(
 
 
 @pytest.mark.parametrize("ms", [120, 2_000])
-async def test_ten_can_be_typed_with_two_keys(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], ms: int
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+async def test_ten_can_be_typed_with_two_keys(open_session: OpenSession, ms: int) -> None:
+    async with open_session(ask_wellbeing=True) as driver:
         await driver.wait(700)
         await driver.write("1")
         await driver.wait(ms)
@@ -101,10 +97,8 @@ async def test_ten_can_be_typed_with_two_keys(
         assert [answer[2] for answer in answers(driver)] == ["1", "10", "1", "left shoulder", "2"]
 
 
-async def test_a_key_that_is_held_answers_one_question_only(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+async def test_a_key_that_is_held_answers_one_question_only(open_session: OpenSession) -> None:
+    async with open_session(ask_wellbeing=True) as driver:
         await driver.wait(700)
         await driver.write("0", "0", "0")
         assert driver.sees("How tired are you now?")
@@ -120,10 +114,10 @@ async def test_a_key_that_is_held_answers_one_question_only(
     ],
 )
 async def test_pain_above_the_limit_before_a_session_is_a_reason_not_to_begin(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], key: str, screen: str, advice: str
+    opened: OpenApp, data: Path, keyboard: type[Task], key: str, screen: str, advice: str
 ) -> None:
     known(data, ask_wellbeing=True)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("right", "right", "right", "enter")
         await driver.press("6", "3", "4")
         assert driver.sees(
@@ -159,9 +153,9 @@ async def test_pain_above_the_limit_before_a_session_is_a_reason_not_to_begin(
 
 
 async def test_questions_that_are_skipped_after_too_much_pain_lead_to_the_advice(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession,
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+    async with open_session(ask_wellbeing=True) as driver:
         await driver.press("9", "escape")
         assert driver.sees("Please do not train now")
         await driver.press("backspace", "backspace", "1", "escape")
@@ -170,10 +164,10 @@ async def test_questions_that_are_skipped_after_too_much_pain_lead_to_the_advice
 
 
 async def test_the_limits_of_pain_are_those_that_the_therapist_set(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession, data: Path
 ) -> None:
     settings = {"ask_wellbeing": True, "pain_limit": 8, "pain_rise": 3}
-    async with open_app(data, catalogue, plan(catalogue, keyboard, **settings)) as driver:
+    async with open_session(**settings) as driver:
         await driver.press("6", "1", "2")
         await driver.do_session()
         await driver.press("enter")
@@ -185,9 +179,9 @@ async def test_the_limits_of_pain_are_those_that_the_therapist_set(
 
 
 async def test_pain_that_rose_much_in_a_session_is_a_reason_to_stop(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession,
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+    async with open_session(ask_wellbeing=True) as driver:
         await driver.press("1", "2", "3")
         await driver.do_session()
         await driver.press("enter")
@@ -202,10 +196,8 @@ async def test_pain_that_rose_much_in_a_session_is_a_reason_to_stop(
         assert answers(driver)[-1] == ("after", "advice", "shown")
 
 
-async def test_pain_in_a_pause_is_asked_with_its_number(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+async def test_pain_in_a_pause_is_asked_with_its_number(open_session: OpenSession) -> None:
+    async with open_session(ask_wellbeing=True) as driver:
         await driver.press("2", "5", "1")
         prompt = await driver.to_first_prompt()
         await driver.press("escape", "down", "down", "enter")
@@ -231,9 +223,9 @@ async def test_pain_in_a_pause_is_asked_with_its_number(
 
 
 async def test_enter_ends_the_session_after_too_much_pain_in_a_pause(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession,
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+    async with open_session(ask_wellbeing=True) as driver:
         await driver.press("2", "5", "1")
         await driver.to_first_prompt()
         await driver.press("escape", "down", "down", "enter")
@@ -242,10 +234,8 @@ async def test_enter_ends_the_session_after_too_much_pain_in_a_pause(
         assert ("pause", "advice", "stopped") in answers(driver)
 
 
-async def test_pain_in_a_pause_is_only_asked_if_it_is_set(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+async def test_pain_in_a_pause_is_only_asked_if_it_is_set(open_session: OpenSession) -> None:
+    async with open_session() as driver:
         await driver.to_first_prompt()
         await driver.press("escape", "down", "down", "enter")
         assert driver.screen_name == "SessionScreen"
@@ -254,10 +244,8 @@ async def test_pain_in_a_pause_is_only_asked_if_it_is_set(
         )
 
 
-async def test_the_questions_can_be_skipped(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+async def test_the_questions_can_be_skipped(open_session: OpenSession) -> None:
+    async with open_session(ask_wellbeing=True) as driver:
         await driver.press("3", "escape")
         assert driver.screen_name == "SessionScreen"
         await driver.do_session()
@@ -267,13 +255,13 @@ async def test_the_questions_can_be_skipped(
 
 
 async def test_a_session_that_is_left_asks_when_it_has_been_resumed(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    opened: OpenApp, open_session: OpenSession, data: Path
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+    async with open_session(ask_wellbeing=True) as driver:
         await driver.press("0", "1")
         await driver.to_first_prompt()
         session = driver.session_id
-    async with open_app(data, catalogue, session) as driver:
+    async with opened(session) as driver:
         assert driver.screen_name == "SessionScreen"
         await driver.press("enter")
         await driver.do_attempt(await driver.to_prompt())
@@ -285,11 +273,9 @@ async def test_a_session_that_is_left_asks_when_it_has_been_resumed(
     assert stored(data, "SELECT DISTINCT session FROM wellbeing") == [(session,)]
 
 
-async def test_two_participants_are_asked_in_turn(data: Path, catalogue: Catalogue) -> None:
+async def test_two_participants_are_asked_in_turn(opened: OpenApp, catalogue: Catalogue) -> None:
     settings = {"attempts": 1, "prompts_per_attempt": 2, "ask_wellbeing": True}
-    async with open_app(
-        data, catalogue, make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=7)
-    ) as driver:
+    async with opened(make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=7)) as driver:
         assert driver.sees("Left (P01) How much pain")
         await driver.press("0", "1")
         assert driver.sees("Right (P02) How much pain")
@@ -308,10 +294,10 @@ async def test_two_participants_are_asked_in_turn(data: Path, catalogue: Catalog
 
 
 async def test_the_questions_are_in_the_sessions_language(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    opened: OpenApp, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     spanish = plan(catalogue, keyboard, ask_wellbeing=True, language="es")
-    async with open_app(data, catalogue, spanish) as driver:
+    async with opened(spanish) as driver:
         assert driver.sees("¿Cuánto dolor tiene ahora?")
         assert driver.sees("Para el 10, pulse D. Pulse N si prefiere no decirlo.")
         await driver.press("d")
@@ -327,10 +313,8 @@ async def test_the_questions_are_in_the_sessions_language(
         assert driver.stored(ALL)[1][2:] == ("place", "head"), "stored in English"
 
 
-async def test_the_questions_fit_a_small_window(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+async def test_the_questions_fit_a_small_window(open_session: OpenSession) -> None:
+    async with open_session(ask_wellbeing=True) as driver:
         assert max(map(len, driver.rows)) <= 80
         await driver.press("3")
         for place in ("1 left hand", "9 somewhere else", "Press N if you would rather not say."):
@@ -338,9 +322,9 @@ async def test_the_questions_fit_a_small_window(
 
 
 @pytest.mark.slow
-async def test_the_therapist_is_told_on_the_home_screen(data: Path, catalogue: Catalogue) -> None:
+async def test_the_therapist_is_told_on_the_home_screen(opened: OpenApp, data: Path) -> None:
     known(data, ask_wellbeing=True, attempts=1)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         for way in (("right", "right", "right", "enter"), ("enter",)):
             await driver.press(*way, "0", "1")
             await driver.do_session()
@@ -351,12 +335,8 @@ async def test_the_therapist_is_told_on_the_home_screen(data: Path, catalogue: C
         assert driver.sees("tired 8")
 
 
-async def test_a_participant_is_offered_help_but_no_theme(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(
-        data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True, language="es")
-    ) as driver:
+async def test_a_participant_is_offered_help_but_no_theme(open_session: OpenSession) -> None:
+    async with open_session(ask_wellbeing=True, language="es") as driver:
         commands = [command.title for command in driver.app.get_system_commands(driver.app.screen)]
         assert not [title for title in commands if title.startswith("Theme")]
         await driver.press("f1")
@@ -368,9 +348,9 @@ async def test_a_participant_is_offered_help_but_no_theme(
 
 @pytest.mark.slow
 async def test_a_past_session_shows_what_was_said(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    opened: OpenApp, open_session: OpenSession, data: Path
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+    async with open_session(ask_wellbeing=True) as driver:
         await driver.press("0", "1")
         await driver.do_session()
         await driver.press("enter")
@@ -379,7 +359,7 @@ async def test_a_past_session_shows_what_was_said(
     with closing(connect(data)) as database:
         what = {"onset": "2026-03-01", "what": "Dizzy", "severity": "mild"}
         adverse_events.report(database, "P01", session=session, **what)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("f6", "enter")
         assert driver.screen_name == "PastSessionScreen"
         assert driver.sees("Pain: 0 before, 2 after (left shoulder). Tiredness: 1 before, 8 after.")
@@ -388,12 +368,12 @@ async def test_a_past_session_shows_what_was_said(
 
 @pytest.mark.slow
 async def test_an_adverse_event_is_recorded_from_its_session(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    opened: OpenApp, open_session: OpenSession
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=1)) as driver:
+    async with open_session(attempts=1) as driver:
         await driver.do_session()
         session = driver.session_id
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("f6", "enter", "a")
         assert driver.sees("What happened")
         assert driver.sees("Enter goes on, and records after the last field.")
@@ -413,11 +393,11 @@ async def test_an_adverse_event_is_recorded_from_its_session(
 
 
 async def test_an_adverse_event_can_be_cancelled(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    opened: OpenApp, open_session: OpenSession
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=1)) as driver:
+    async with open_session(attempts=1) as driver:
         await driver.do_session()
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("f6", "enter", "a")
         await driver.write(*"Dizzy")
         await driver.press("escape")
