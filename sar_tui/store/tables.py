@@ -126,6 +126,7 @@ class Table(msgspec.Struct, frozen=True):
         options: what follows the columns in SQL.
         indexes: SQL of its indexes.
         since: version of the data that added it.
+        more: what the data dictionary adds about the table, in Markdown.
     """
 
     name: str
@@ -136,6 +137,7 @@ class Table(msgspec.Struct, frozen=True):
     options: str = ""
     indexes: tuple[str, ...] = ()
     since: int = FIRST_VERSION
+    more: str = ""
 
     def __getitem__(self, name: str) -> Column:
         """Return a column by its name. Raises KeyError."""
@@ -621,6 +623,9 @@ TRIALS = Table(
     "trials",
     "A trial at a seat",
     key=("session", "attempt", "trial", "seat"),
+    more="Trials of an attempt that ended early are kept, though the attempt has no row in "
+    "`attempts`. A prompt that a pause cancels has no row: it is shown again under the "
+    "same number.",
     columns=(
         _SESSION,
         Column(
@@ -765,6 +770,9 @@ ACTIONS = Table(
     "actions",
     "An action of the agent, or one that was proposed, and the decision on it",
     key=("session", "id"),
+    more="`proposed` and `final` also have `id`, `kind`, `seat`, `joins` (it adds to the "
+    "text on the screen), `priority` (higher comes first), `policy` (`queue`, "
+    "`interrupt`, `drop`) and `due` (earliest time, ns).",
     columns=(
         _SESSION,
         Column(
@@ -886,6 +894,7 @@ ANSWERS = Table(
     "answers",
     "An answer to a question between attempts, or another step there",
     key=("session", "number"),
+    more="[Steps between attempts](ask-questions.md).",
     columns=(
         _not_null(_SESSION),
         Column(
@@ -991,6 +1000,7 @@ MESSAGES = Table(
     "A message of `events`, as it is stored",
     key=("session_number", "seq"),
     options="WITHOUT ROWID",
+    more="Read them by the view [`events`](#events).",
     columns=(
         Column(
             "session_number",
@@ -1064,6 +1074,7 @@ LOG_HASHES = Table(
     "log_hashes",
     "A group of messages that was stored in one transaction, with its hash",
     key=("session", "number"),
+    more="[What the hashes prove](keep-data-safe.md#what-the-hashes-prove).",
     columns=(
         _not_null(_SESSION),
         Column(
@@ -1113,6 +1124,7 @@ IMU_STREAMS = Table(
     "imu_streams",
     "A motion sensor, from the moment it was attached",
     key=("session", "stream"),
+    more="One that was detached and attached again has two rows.",
     columns=(
         _SESSION,
         _STREAM,
@@ -1167,6 +1179,10 @@ IMU_CHUNKS = Table(
     "imu_chunks",
     "A block of a motion sensor's samples",
     key=("session", "stream", "seq"),
+    more="All samples of the session are stored, not only those of reaches. In `data`: `at` "
+    "(byte 0, int64), `host` (8, int64), `device_ms` (16, float64), and three float32 "
+    "each of `acceleration` (24), `rate` (36) and `field` (48); NaN is not measured. y "
+    "points along the fingers, z out of the back of the hand.",
     columns=(
         _SESSION,
         _STREAM,
@@ -1254,6 +1270,9 @@ PROGRAMMES = Table(
     "programmes",
     "A version of a participant's programme for a task",
     key=("participant", "task", "version"),
+    more="Added and never changed; the newest [applies](programmes.md) to the next session. "
+    "The view `settings` has the newest of each: `participant`, `task`, `parameters`, "
+    "`theme`, `updated_at`.",
     columns=(
         _not_null(_PARTICIPANT),
         Column("task", "string", "Name of the task.", required=True, form="task", sql="NOT NULL"),
@@ -1306,6 +1325,7 @@ WELLBEING = Table(
     "An answer about pain or tiredness",
     key=("participant", "question", "at"),
     indexes=("CREATE INDEX idx_wellbeing_session ON wellbeing (session)",),
+    more="Rows may be added to a session that has ended.",
     columns=(
         Column(
             "session",
@@ -1424,6 +1444,7 @@ INSTRUMENT_SCORES = Table(
     "instrument_scores",
     "A score of another instrument, as entered; of a day, the one recorded last counts",
     key=("participant", "instrument", "date", "recorded_at"),
+    more="Entered [by hand](progress.md#other-instruments).",
     columns=(
         _not_null(_PARTICIPANT),
         Column(
@@ -1495,6 +1516,8 @@ SAME_PEOPLE = Table(
     "same_people",
     "Codes of one person at two sites, as `sar-tui merge --same` noted them",
     key=("code", "same_as"),
+    more="All rows of the person have the code that this database uses, except `programmes`, "
+    "which keep their own.",
     columns=(
         Column(
             "code",
@@ -1521,6 +1544,7 @@ CONFLICTS = Table(
     "conflicts",
     "A version of a record that contradicts another one, which is in its table",
     key=("kind", "key", "digest"),
+    more="[What contradicts](merge-data.md#what-contradicts).",
     columns=(
         Column(
             "kind",
@@ -1560,6 +1584,7 @@ EXPORTS = Table(
     "exports",
     "An export of the [ledger](export-data.md#the-ledger)",
     key=("number",),
+    more="Append-only.",
     columns=(
         Column("number", "integer", "Number of the export.", privacy="inner"),
         Column(
