@@ -26,7 +26,7 @@ from sar_tui.loop.topics import (
 from sar_tui.model import messages as m
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS, SECOND
-from sar_tui.rules.key_guard import QUIET, UNREAD
+from sar_tui.rules.keys import QUIET, UNREAD
 from sar_tui.rules.parameters import build
 
 M = TypeVar("M", bound=m.Message)

@@ -1,4 +1,4 @@
-"""Which keys reach the screen that a participant sees: see `rules.key_guard` for the rule."""
+"""Which keys reach the screen that a participant sees: see `rules.keys` for the rule."""
 
 from collections.abc import Callable
 from typing import Any
@@ -8,8 +8,7 @@ from textual.screen import Screen
 from textual.widgets import Input
 
 from sar_tui.model.units import SECOND
-from sar_tui.rules.held_key import LONGEST_INTERVAL
-from sar_tui.rules.key_guard import KeyGuard
+from sar_tui.rules.keys import LONGEST_INTERVAL, KeyGuard
 
 _ALWAYS = frozenset(("ctrl+c", "ctrl+q", "f2"))
 """Keys that stop something, on any screen and at any time."""

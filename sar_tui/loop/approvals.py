@@ -5,8 +5,7 @@ from typing import NamedTuple
 
 from msgspec.structs import replace
 
-from sar_tui.loop.action_queue import ActionQueue
-from sar_tui.loop.actions import accepted, edited, gesture_of
+from sar_tui.loop.action_queue import ActionQueue, accepted, edited, gesture_of
 from sar_tui.loop.node import Node
 from sar_tui.loop.topics import DECIDED, DROPPED, LEVEL_DECIDED, PENDING_APPROVAL
 from sar_tui.model import messages as m

@@ -37,8 +37,7 @@ from sar_tui.loop.topics import (
     VOIDED,
     WAITING,
 )
-from sar_tui.loop.trial import OpenTrial
-from sar_tui.loop.trial_feedback import trial_feedback
+from sar_tui.loop.trial import OpenTrial, trial_feedback
 from sar_tui.model import frames
 from sar_tui.model import messages as m
 from sar_tui.model.step import TIMED, Step

@@ -7,8 +7,7 @@ from msgspec.structs import replace
 
 from sar_tui.loop.task import Task
 from sar_tui.model import messages as m
-from sar_tui.model.step import TIMED, Step, translated
-from sar_tui.model.step_entry import Answer, Entry, Given, press
+from sar_tui.model.step import TIMED, Answer, Entry, Given, Step, press, translated
 from sar_tui.model.units import SECOND
 from sar_tui.rules.questions import chosen
 

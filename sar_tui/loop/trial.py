@@ -1,11 +1,15 @@
-"""The open trial: from the foreperiod to its row in the database."""
+"""The open trial: from the foreperiod to its row in the database, and the answer to it that is
+shown. Checks what a task declares of a prompt.
+"""
 
 import math
+from collections.abc import Sequence
+from typing import Any
 
 import msgspec
 
-from sar_tui.loop import prompt_data, prompt_texts
 from sar_tui.model import frames, tone
+from sar_tui.model.frames import Frame
 from sar_tui.model.messages import (
     CueGiven,
     FrameDue,
@@ -19,13 +23,14 @@ from sar_tui.model.messages import (
     ToneBegan,
     ToneDue,
     TrialEnded,
+    TrialFeedback,
     Typed,
 )
 from sar_tui.model.tone import Tone
-from sar_tui.model.trial_types import Mark, Result, Situation, Stimulus, Trial
+from sar_tui.model.trial_types import Mark, Result, Results, Show, Situation, Stimulus, Trial
 from sar_tui.model.units import MS
 from sar_tui.rules import typed_text
-from sar_tui.rules.held_key import repeats
+from sar_tui.rules.keys import repeats
 from sar_tui.rules.typed_text import TypedText
 
 
@@ -452,7 +457,105 @@ def stimulus_problem(stimulus: Stimulus) -> str:
         return problem
     return (
         frames.problem(stimulus.frames)
-        or prompt_texts.problem(stimulus)
-        or prompt_data.problem(stimulus.data)
+        or problem_of_texts(stimulus)
+        or problem_of_data(stimulus.data)
         or typed_text.problem(stimulus)
     )
+
+
+# --- what a prompt may be
+
+
+_OF_BOTH = ("text", "glyph", "hint", "colour", "picture")
+_OF_PROMPT = ("name", "expected", "seat", *_OF_BOTH)
+
+
+def problem_of_texts(stimulus: Stimulus) -> str:
+    """Return a sentence that names what should be a text and is none; empty if all are texts."""
+    if found := _problem_of("prompt", stimulus, _OF_PROMPT):
+        return found
+    return next(
+        filter(None, (_problem_of("frame", frame, _OF_BOTH) for frame in stimulus.frames)), ""
+    )
+
+
+def _problem_of(what: str, shown: Stimulus | Frame, names: tuple[str, ...]) -> str:
+    for name in names:
+        if not isinstance(value := getattr(shown, name), str):
+            return f"The {name} of a {what} is a text, not {value!r:.80}."
+    halves = shown.halves
+    if (
+        isinstance(halves, tuple)
+        and len(halves) in (0, 2)
+        and all(isinstance(half, str) for half in halves)
+    ):
+        return ""
+    return f"The halves of a {what} are a pair of texts, not {halves!r:.80}."
+
+
+LONGEST_DATA = 10_000
+"""Most bytes that the data of one prompt take as JSON."""
+
+
+def problem_of_data(data: dict[str, Any]) -> str:
+    """Return a sentence that says why the data of a prompt cannot be stored as they are; empty if
+    they can.
+    """
+    if not isinstance(data, dict):
+        return f"The data of a prompt are a dictionary, not {data!r:.60}."
+    try:
+        stored = msgspec.json.encode(data)
+    except (TypeError, ValueError, RecursionError) as error:
+        return f"The data of a prompt cannot be stored as JSON: {error}."
+    if msgspec.json.decode(stored) != data:
+        return (
+            f"The data of a prompt would change in JSON: {data!r:.60}. Its keys are texts, its "
+            "values texts, finite "
+            "numbers, lists and dictionaries."
+        )
+    if len(stored) > LONGEST_DATA:
+        return (
+            f"The data of a prompt take {len(stored)} bytes as JSON; {LONGEST_DATA} are possible."
+        )
+    return ""
+
+
+# --- the answer to a trial
+
+
+RIGHT, WRONG = "✓", "✗"
+_UNJUDGED = ("skipped", "unmeasured")
+"""Flags of results that say nothing about the participant."""
+
+
+def trial_feedback(
+    situation: Situation, results: Results, seats: Sequence[str], sign_ms: int
+) -> TrialFeedback | None:
+    """Return the feedback on a trial; None if nothing is shown.
+
+    Args:
+        situation: of the trial.
+        results: of the trial, by seat.
+        seats: of the task: the first one sees its answer on the left if answers differ.
+        sign_ms: how long a tick or a cross is shown for a result of which the task shows nothing;
+            0: it is not.
+    """
+    shows = {seat: show for seat, result in results.items() if (show := _show(result, sign_ms))}
+    if not shows:
+        return None
+    texts = [shows[seat].text if seat in shows else "" for seat in seats]
+    differ = len(results) > 1 and len(set(texts)) > 1
+    return TrialFeedback(
+        seat=next(iter(results)) if len(results) == 1 else "",
+        attempt=situation.attempt,
+        trial=situation.trial,
+        text=" ".join(filter(None, texts)) if differ else next(iter(shows.values())).text,
+        halves=tuple(texts) if differ else (),
+        duration=max(show.ms for show in shows.values()) * MS,
+    )
+
+
+def _show(result: Result, sign_ms: int) -> Show | None:
+    if result.show or not sign_ms or set(_UNJUDGED) & set(result.flags):
+        return result.show
+    return Show(RIGHT if result.correct else WRONG, sign_ms)

@@ -3,9 +3,8 @@
 from typing import Any, ClassVar, NamedTuple, get_args
 
 from sar_tui.loop.bus import Bus, Topic
-from sar_tui.loop.clock import Handle, VirtualClock
+from sar_tui.loop.clock import Handle, PacedClock, VirtualClock
 from sar_tui.loop.node import Node, on
-from sar_tui.loop.paced_clock import PacedClock
 from sar_tui.loop.topics import (
     ACTION,
     ATTEMPT_ENDED,

@@ -40,7 +40,7 @@ from sar_tui.motion.trace import trace_of
 from sar_tui.perception.foreseen import STILL, Foreseen, Hand
 from sar_tui.perception.kept_samples import EVER, KeptSamples
 from sar_tui.perception.trunk import Trunk
-from sar_tui.rules.held_key import HeldKey
+from sar_tui.rules.keys import HeldKey
 
 REST = 3 * SECOND
 """Time before a reach from which samples are kept, since the reach before at the most: the hand at

@@ -3,9 +3,8 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.clock import PacedClock, VirtualClock
 from sar_tui.loop.node import Node
-from sar_tui.loop.paced_clock import PacedClock
 from sar_tui.loop.session import Parts, Session
 from sar_tui.loop.task import Task
 from sar_tui.loop.topics import ATTEMPT_ENDED

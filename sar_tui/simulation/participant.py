@@ -39,8 +39,7 @@ from sar_tui.model.messages import (
     Waiting,
 )
 from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.step import TIMED, Step, points
-from sar_tui.model.step_entry import DECLINE_KEY, FULL, Entry
+from sar_tui.model.step import DECLINE_KEY, FULL, TIMED, Entry, Step, points
 from sar_tui.model.trial_types import Act, Cue, Performance, Stimulus
 from sar_tui.model.units import MS
 

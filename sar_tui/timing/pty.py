@@ -15,7 +15,7 @@ from collections.abc import Mapping, Sequence
 from types import TracebackType
 
 from sar_tui.model.units import MS
-from sar_tui.rules.key_guard import QUIET, UNREAD
+from sar_tui.rules.keys import QUIET, UNREAD
 
 if sys.platform != "win32":
     import fcntl

@@ -23,7 +23,7 @@ from sar_tui.loop.topics import FRAME, PROMPT, STORAGE, WAITING
 from sar_tui.model.messages import FrameDue, Prompt, StorageChanged, Waiting
 from sar_tui.model.units import MS, SECOND
 from sar_tui.plugins import Catalogue
-from sar_tui.rules.key_guard import QUIET
+from sar_tui.rules.keys import QUIET
 from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.store import participants, programmes
 from sar_tui.store.database import connect

@@ -67,7 +67,7 @@ async def _settled(app: SarTui, is_so: Any) -> None:
 async def test_a_database_that_is_removed_in_a_session_costs_nothing(
     data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("sar_tui.rules.key_guard.UNREAD", 0)
+    monkeypatch.setattr("sar_tui.rules.keys.UNREAD", 0)
     app = SarTui(data, catalogue, plan(catalogue, keyboard))
     async with app.run_test() as pilot:
         await pilot.press("enter")
@@ -93,7 +93,7 @@ async def test_a_database_that_is_removed_in_a_session_costs_nothing(
 async def test_a_mistake_that_could_not_be_noted_is_told(
     data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("sar_tui.rules.key_guard.UNREAD", 0)
+    monkeypatch.setattr("sar_tui.rules.keys.UNREAD", 0)
     app = SarTui(data, catalogue, plan(catalogue, keyboard))
     async with app.run_test() as pilot:
         await pilot.press("enter")
@@ -115,7 +115,7 @@ async def test_a_session_that_is_left_while_the_database_is_locked_is_in_a_rescu
     data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sar_tui.runs.run._LAST_WAIT_MS", 1)
-    monkeypatch.setattr("sar_tui.rules.key_guard.UNREAD", 0)
+    monkeypatch.setattr("sar_tui.rules.keys.UNREAD", 0)
     app = SarTui(data, catalogue, plan(catalogue, keyboard))
     async with app.run_test() as pilot:
         await pilot.pause()

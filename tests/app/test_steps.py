@@ -10,8 +10,7 @@ from sar_tui.app.screens.waiting_text import decline_text, step_text
 from sar_tui.loop.task import Task
 from sar_tui.model.language import Language
 from sar_tui.model.messages import AskedStep
-from sar_tui.model.step import Step
-from sar_tui.model.step_entry import Entry
+from sar_tui.model.step import Entry, Step
 from sar_tui.plugins import Catalogue
 from sar_tui.replay.replay import replay
 from sar_tui.rules.questions import QUESTIONS

@@ -6,7 +6,8 @@ import threading
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.loop.clock import LiveClock, VirtualClock, host_now
+from sar_tui.loop.clock import LiveClock, PacedClock, VirtualClock, host_now
+from sar_tui.model.units import SECOND
 
 
 def test_the_virtual_clock_stands_still_until_stepped() -> None:
@@ -99,3 +100,53 @@ async def test_a_live_clock_runs_callbacks_where_its_run_is_awaited_and_not_befo
     await done.wait()
     running.cancel()
     assert ran == [("post", True), ("timer", True)]
+
+
+# --- a clock for devices
+
+
+def test_it_jumps_while_nothing_is_at_work() -> None:
+    clock = PacedClock()
+    clock.begin_work("arm")
+    clock.end_work("arm")
+    clock.call_at(3600 * SECOND, lambda: None)
+    assert clock.step()
+    assert clock.now() == 3600 * SECOND
+
+
+def test_it_waits_for_a_device_and_takes_its_callback_before_later_ones() -> None:
+    clock = PacedClock()
+    ran: list[tuple[str, bool]] = []
+    clock.call_at(3600 * SECOND, lambda: ran.append(("timer", clock.now() == 3600 * SECOND)))
+    clock.begin_work("arm")
+
+    def arrived() -> None:
+        clock.end_work("arm")
+        ran.append(("arm", 0 <= clock.now() < 3600 * SECOND))
+
+    device = threading.Thread(target=clock.call_soon, args=(arrived,))
+    device.start()
+    while clock.step():
+        pass
+    device.join()
+    assert ran == [("arm", True), ("timer", True)]
+
+
+def test_it_waits_no_longer_than_until_the_next_callback() -> None:
+    clock = PacedClock()
+    ran: list[str] = []
+    clock.call_at(2_000_000, lambda: ran.append("cancelled")).cancel()
+    clock.call_at(3_000_000, lambda: (ran.append("due"), clock.end_work("arm")))
+    clock.call_at(3600 * SECOND, lambda: ran.append("later"))
+    clock.begin_work("arm")
+    while clock.step():
+        pass
+    assert ran == ["due", "later"]
+
+
+def test_it_counts_callbacks_requested_for_later() -> None:
+    clock = PacedClock()
+    clock.call_soon(lambda: None)
+    assert clock.timers == 0
+    clock.call_at(1, lambda: None)
+    assert clock.timers == 1

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from sar_tui.loop.live_settings import adjustable, with_setting
+from sar_tui.loop.attempts import adjustable, with_setting
 from sar_tui.loop.task import Task
 from sar_tui.loop.topics import ATTEMPT_ENDED, FEEDBACK, LEVEL, SETTING
 from sar_tui.model import messages as m

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from sar_tui.loop.actions import accepted, edited
+from sar_tui.loop.action_queue import accepted, edited
 from sar_tui.loop.approvals import PendingApprovals
 from sar_tui.model.messages import Action, Decision, PendingApproval, Proposal
 from sar_tui.model.theme import Theme

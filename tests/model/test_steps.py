@@ -7,8 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.step import Step, points, problem, spoken
-from sar_tui.model.step_entry import DECLINE_KEY, Entry, Given, press
+from sar_tui.model.step import DECLINE_KEY, Entry, Given, Step, points, press, problem, spoken
 from sar_tui.rules.questions import QUESTIONS, chosen
 from sar_tui.rules.step_file import StepFileError, read_steps
 from sar_tui.simulation.participant import answer_keys

@@ -3,8 +3,7 @@
 from msgspec.structs import replace
 
 from sar_tui.model.messages import AskedStep
-from sar_tui.model.step import Step
-from sar_tui.model.step_entry import Entry
+from sar_tui.model.step import Entry, Step
 from sar_tui.operator.session_state import SessionState
 from sar_tui.operator.status_view import waiting_text
 from tests.operator.panel_driver import waiting

@@ -12,8 +12,7 @@ import msgspec
 import pytest
 
 from sar_tui.plugins import Catalogue
-from sar_tui.replay.fork import fork, summary
-from sar_tui.replay.played_again import play, read_responses
+from sar_tui.replay.fork import fork, play, read_responses, summary
 from sar_tui.replay.response_model import Counts, Response, ResponseModel
 from sar_tui.rules.parameters import build
 from sar_tui.runs.plan import make_plan

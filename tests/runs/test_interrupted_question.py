@@ -10,7 +10,7 @@ from sar_tui.loop.bus import FAULT
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.topics import STEP_ENDED, WAITING
 from sar_tui.model.messages import Fault, StepEnded
-from sar_tui.model.step_entry import Entry
+from sar_tui.model.step import Entry
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan

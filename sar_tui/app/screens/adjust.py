@@ -12,8 +12,8 @@ from textual.widgets.option_list import Option
 
 from sar_tui.app.live import LiveSession
 from sar_tui.app.screens.waiting_text import marks_text
+from sar_tui.loop.attempts import FEEDBACK_EVERY, GOAL, adjustable, with_setting
 from sar_tui.loop.bus import Record
-from sar_tui.loop.live_settings import FEEDBACK_EVERY, GOAL, adjustable, with_setting
 from sar_tui.loop.topics import COMMAND, NOTE_ADDED, SETTING
 from sar_tui.model.messages import NoteAdded, SessionCommand, SettingChanged, Waiting
 from sar_tui.model.results_for_people import goal_text

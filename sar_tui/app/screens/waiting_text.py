@@ -6,8 +6,7 @@ from sar_tui.loop.task import Task
 from sar_tui.model.language import Language
 from sar_tui.model.messages import AskedStep, Waiting
 from sar_tui.model.results_for_people import duration_text
-from sar_tui.model.step import TIMED, points
-from sar_tui.model.step_entry import FULL
+from sar_tui.model.step import FULL, TIMED, points
 from sar_tui.model.units import SECOND
 from sar_tui.tui.language import session_language
 

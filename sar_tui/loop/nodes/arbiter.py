@@ -4,8 +4,7 @@ from collections.abc import Callable
 
 from msgspec.structs import replace
 
-from sar_tui.loop.action_queue import LASTING, ActionQueue
-from sar_tui.loop.actions import edited, initiated
+from sar_tui.loop.action_queue import LASTING, ActionQueue, edited, initiated
 from sar_tui.loop.agent_state import AWAITED
 from sar_tui.loop.answers import OpenActs, Part, answer_to
 from sar_tui.loop.approvals import Approvals
@@ -43,7 +42,7 @@ from sar_tui.loop.topics import (
 )
 from sar_tui.model import messages as m
 from sar_tui.model.messages import Action, ActionPart, Dropped, Halt, Proposal, Utterance
-from sar_tui.model.step_entry import Entry
+from sar_tui.model.step import Entry
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS, SECOND
 from sar_tui.rules.settings.operator import OperatorSettings

@@ -6,7 +6,7 @@ from sar_tui.loop.node import Node, on
 from sar_tui.loop.topics import KEY, PERCEIVED, SESSION
 from sar_tui.model.messages import KeyPerceived, KeyPressed, SessionStarted
 from sar_tui.model.units import MS
-from sar_tui.rules.held_key import STREAM, is_stream
+from sar_tui.rules.keys import STREAM, is_stream
 from sar_tui.rules.settings.timing import TimingSettings
 
 

@@ -6,9 +6,8 @@ import msgspec
 
 from sar_tui.model.frames import Frame
 from sar_tui.model.messages.base import Degree, Form, Json, Message, Outcome, Reference, Valence
+from sar_tui.model.step import Answer, Entry, Step
 from sar_tui.model.step import Kind as StepKind
-from sar_tui.model.step import Step
-from sar_tui.model.step_entry import Answer, Entry
 from sar_tui.model.tone import Tone
 
 __all__ = [

@@ -58,7 +58,7 @@ class SessionCommand(OperatorAct, frozen=True, kw_only=True):
 
 class SettingChanged(OperatorAct, frozen=True, kw_only=True):
     """A therapist changes a setting, by its name, from the next attempt on (see
-    `loop.live_settings`).
+    `loop.attempts`).
     """
 
     name: str

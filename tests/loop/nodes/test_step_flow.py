@@ -8,10 +8,9 @@ from msgspec.structs import replace
 from sar_tui.loop.task import Task
 from sar_tui.loop.topics import PROPOSED, SESSION_ENDED, STEP_ENDED
 from sar_tui.model import messages as m
-from sar_tui.model.step import Step, points, problem
-from sar_tui.model.step_entry import Entry
+from sar_tui.model.step import Entry, Step, points, problem
 from sar_tui.plugins import Catalogue
-from sar_tui.rules.key_guard import UNREAD
+from sar_tui.rules.keys import UNREAD
 from tests.loop_driver import LoopDriver
 
 TWO = {"attempts": 2, "prompts_per_attempt": 1}

@@ -18,7 +18,7 @@ from sar_tui.loop.topics import (
     VOIDED,
     WAITING,
 )
-from sar_tui.loop.trial_feedback import trial_feedback
+from sar_tui.loop.trial import trial_feedback
 from sar_tui.model import messages as m
 from sar_tui.model.random_streams import RandomStreams
 from sar_tui.model.theme import Theme

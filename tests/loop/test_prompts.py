@@ -2,12 +2,13 @@
 read again.
 """
 
+import math
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from sar_tui.loop.trial import stimulus_problem
+from sar_tui.loop.trial import LONGEST_DATA, problem_of_data, stimulus_problem
 from sar_tui.model.trial_types import Frame, Stimulus
 
 
@@ -39,3 +40,40 @@ def test_texts_are_fine() -> None:
         )
         == ""
     )
+
+
+# --- data
+
+
+def test_json_is_stored_as_it_is() -> None:
+    assert (
+        problem_of_data(
+            {
+                "congruent": True,
+                "side": "left",
+                "soa_ms": 100,
+                "list": [1, 2.5, None],
+                "more": {"a": "b"},
+            }
+        )
+        == ""
+    )
+
+
+@pytest.mark.parametrize(
+    "value", [(1, 2), math.nan, math.inf, {1: "a"}, {"a", "b"}, object(), b"bytes"]
+)
+def test_anything_else_is_a_sentence(value: object) -> None:
+    said = problem_of_data({"value": value})
+    assert said.startswith("The data of a prompt ")
+    assert stimulus_problem(Stimulus("a", "a", "a", data={"value": value})) == said
+
+
+def test_a_structure_that_holds_itself_is_a_sentence() -> None:
+    endless: dict[str, object] = {}
+    endless["again"] = endless
+    assert "cannot be stored as JSON" in problem_of_data(endless)
+
+
+def test_no_more_than_a_page_is_kept_with_a_prompt() -> None:
+    assert str(LONGEST_DATA) in problem_of_data({"text": "x" * LONGEST_DATA})
