@@ -146,6 +146,14 @@ def inherited(function: F) -> F:
     return marked
 
 
+def marked_as(kind: Kind, name: str, function: F) -> F:
+    """Return a function of a plug-in with its mark; one of the framework as it is."""
+    if is_own(function.__module__):
+        return function
+    marked: F = _marked_function(function, kind, name)
+    return marked
+
+
 def is_own(module: str) -> bool:
     """Return True for a module of the framework."""
     return module.partition(".")[0] == "sar_tui"

@@ -6,7 +6,7 @@ from sar_tui.api._names import names_on_demand
 from sar_tui.model.messages import Outcome
 from sar_tui.model.trial_types import Score, Target
 from sar_tui.rules.declaration import Settings, meta
-from sar_tui.rules.difficulty.policy import (
+from sar_tui.rules.difficulty import (
     Bounds,
     Difficulty,
     DifficultyPolicy,
@@ -15,7 +15,7 @@ from sar_tui.rules.difficulty.policy import (
     start_at,
     stay,
 )
-from sar_tui.rules.feedback.policy import Decision, FeedbackPolicy, History, decide_every
+from sar_tui.rules.feedback import Decision, FeedbackPolicy, History, decide_every
 from sar_tui.rules.judgement import JudgedAttempt
 
 # fmt: off

@@ -21,7 +21,7 @@ from sar_tui.link.errors import LinkError
 from sar_tui.loop.clock import Clock, LiveClock
 from sar_tui.plugins import PluginError
 from sar_tui.rules.declaration import ParameterError
-from sar_tui.rules.settings.operator import OperatorSettings
+from sar_tui.rules.parameters import TaskParameters
 from sar_tui.runs.plan import EnoughToday, Failed, Plan, set_up
 from sar_tui.store import sessions, wellbeing
 from sar_tui.store.database import StoreError, explain
@@ -247,7 +247,7 @@ def _link_of(
         codes = what.participants
         lost_ms = what.parameters.operator_lost_ms
     else:
-        row, default = sessions.find(database, folder, what), OperatorSettings()
+        row, default = sessions.find(database, folder, what), TaskParameters()
         session, task, codes = row["id"], row["task"], sessions.codes(row)
         can_join = row["parameters"].get("operator_joins", default.operator_joins)
         lost_ms = row["parameters"].get("operator_lost_ms", default.operator_lost_ms)

@@ -8,8 +8,8 @@ from sar_tui.loop.task import Task
 from sar_tui.model.messages import StepEnded
 from sar_tui.model.theme import Theme
 from sar_tui.reports.wellbeing import advice
+from sar_tui.rules.parameters import pain_limits
 from sar_tui.rules.questions import PAIN
-from sar_tui.rules.settings.wellbeing import pain_limits
 from sar_tui.rules.wellbeing import Moment, stop_now, tell_therapist
 from sar_tui.store import wellbeing
 from sar_tui.store.database import StoreError

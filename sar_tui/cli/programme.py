@@ -26,7 +26,7 @@ from sar_tui.cli.errors import Refused
 
 if TYPE_CHECKING:
     from sar_tui.loop.task import Task
-    from sar_tui.rules.parameter_changes import Change
+    from sar_tui.rules.parameters import Change
     from sar_tui.store.programmes import Programme
 
 app = typer.Typer(rich_markup_mode=None)
@@ -69,8 +69,7 @@ def show(
     tasks: Tasks = None,
 ) -> None:
     """Show the programme that the next session runs: what differs from the defaults."""
-    from sar_tui.rules.parameter_changes import changes
-    from sar_tui.rules.parameters import usable
+    from sar_tui.rules.parameters import changes, usable
     from sar_tui.store import programmes
 
     home = Home.of(context, data, tasks)
@@ -143,7 +142,7 @@ def history(
     tasks: Tasks = None,
 ) -> None:
     """List the versions of a programme: who changed what, when, why."""
-    from sar_tui.rules.parameter_changes import changes
+    from sar_tui.rules.parameters import changes
     from sar_tui.store import programmes
 
     home = Home.of(context, data, tasks)

@@ -21,7 +21,7 @@ from sar_tui.model.messages import (
 )
 from sar_tui.model.theme import Theme
 from sar_tui.rules import arbitration
-from sar_tui.rules.settings.operator import OperatorSettings
+from sar_tui.rules.parameters import TaskParameters
 
 
 class Approvals:
@@ -37,7 +37,7 @@ class Approvals:
         rules: the modes that are set.
     """
 
-    def __init__(self, node: Node, queue: ActionQueue, parameters: OperatorSettings) -> None:
+    def __init__(self, node: Node, queue: ActionQueue, parameters: TaskParameters) -> None:
         self._node = node
         self._queue = queue
         self._parameters = parameters

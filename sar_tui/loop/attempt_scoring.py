@@ -13,7 +13,7 @@ from sar_tui.model.messages import AttemptEnded, Feedback, FeedbackChoice, Outco
 from sar_tui.model.trial_types import DOUBTFUL, PastAttempt, Result, Score, Target
 from sar_tui.model.units import MS
 from sar_tui.rules import feedback_choice
-from sar_tui.rules.feedback.policy import History
+from sar_tui.rules.feedback import History
 from sar_tui.rules.judgement import (
     RACED,
     JudgedAttempt,

@@ -18,8 +18,8 @@ from sar_tui.model.messages import (
 )
 from sar_tui.model.trial_types import PastAttempt, Result, Results
 from sar_tui.rules import feedback_choice, level_choice
-from sar_tui.rules.difficulty.policy import MOST_RESULTS, Difficulty, Goal, ScoredAttempt
-from sar_tui.rules.feedback.policy import History
+from sar_tui.rules.difficulty import MOST_RESULTS, Difficulty, Goal, ScoredAttempt
+from sar_tui.rules.feedback import History
 
 _BY_HAND = "Set by hand."
 

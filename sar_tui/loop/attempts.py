@@ -17,9 +17,9 @@ from sar_tui.model.random_streams import RandomStreams
 from sar_tui.model.trial_types import Results, Situation
 from sar_tui.plugin_calls import PLUGIN_ERRORS
 from sar_tui.rules.declaration import ParameterError
-from sar_tui.rules.feedback import POLICIES
 from sar_tui.rules.level_choice import moves_goal
 from sar_tui.rules.parameters import TaskParameters, build, changed
+from sar_tui.rules.policies import FEEDBACK
 
 
 class NextAttempt(NamedTuple):
@@ -291,7 +291,7 @@ NAMES = (GOAL, FEEDBACK_EVERY)
 
 def adjustable(task: Task) -> tuple[str, ...]:
     """Return the names of the settings that have an effect in this session, as it is set up."""
-    schedule = POLICIES[task.parameters.feedback_schedule]
+    schedule = FEEDBACK[task.parameters.feedback_schedule]
     has_effect = {
         GOAL: _goal_follows(task),
         FEEDBACK_EVERY: FEEDBACK_EVERY in schedule.settings.__struct_fields__,

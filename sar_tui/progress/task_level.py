@@ -10,10 +10,12 @@ import msgspec
 from sar_tui.loop.task import Task
 from sar_tui.progress.level_estimate import Attempt
 from sar_tui.rules.parameters import TaskParameters, fields
-from sar_tui.rules.settings.timing import TimingSettings
 
 _COMMON = {field.name for field in fields(TaskParameters)}
-_MEASURING = {"threshold", *(field.name for field in msgspec.structs.fields(TimingSettings))}
+_MEASURING = {
+    "threshold",
+    *(field.name for field in fields(TaskParameters) if field.group == "Timing"),
+}
 """Common settings that a result, or its distance from the goal, depends on."""
 
 

@@ -8,7 +8,7 @@ from sar_tui.model import messages as m
 from sar_tui.model.messages import ControlledKind, Mode
 from sar_tui.reports.logged_messages import LoggedMessage, spans
 from sar_tui.rules import arbitration
-from sar_tui.rules.settings.operator import OperatorSettings
+from sar_tui.rules.parameters import TaskParameters
 
 _NS = 1e9
 
@@ -93,7 +93,7 @@ class ModeTime(msgspec.Struct, frozen=True):
     unattended_s: float
 
 
-def mode_times(messages: Iterable[LoggedMessage], parameters: OperatorSettings) -> list[ModeTime]:
+def mode_times(messages: Iterable[LoggedMessage], parameters: TaskParameters) -> list[ModeTime]:
     """Return the time of each kind and mode over all runs, without modes that were never set."""
     messages = list(messages)
     known = spans(messages)

@@ -13,7 +13,7 @@ from sar_tui.progress.change import BASELINE, FAMILIARISATION
 from sar_tui.progress.instruments import Instrument, InstrumentChange, Published
 from sar_tui.reports.progress import AtGoal, LineProgress, Progress, SessionProgress
 from sar_tui.reports.wellbeing import advice, dated_event
-from sar_tui.rules.translated_settings import COMMON
+from sar_tui.rules.declaration import COMMON
 
 _ENGLISH = Language()
 _FOLDER = Path(__file__).parent

@@ -9,7 +9,7 @@ from sar_tui.model import messages as m
 from sar_tui.model.messages import ControlledKind, Mode, Valence
 from sar_tui.reports.logged_messages import LoggedMessage
 from sar_tui.rules import arbitration
-from sar_tui.rules.settings.operator import OperatorSettings
+from sar_tui.rules.parameters import TaskParameters
 
 Fate = Literal[
     "agent",
@@ -109,7 +109,7 @@ class ProposalLog:
         state: modes, and whether there is an operator, as the arbiter had them.
     """
 
-    def __init__(self, parameters: OperatorSettings) -> None:
+    def __init__(self, parameters: TaskParameters) -> None:
         self.records: dict[str, ProposalRecord] = {}
         self.state = arbitration.start(parameters)
         self._decisions: dict[str, tuple[int, m.Decision]] = {}
@@ -260,7 +260,7 @@ class ProposalLog:
 
 
 def proposal_records(
-    messages: Iterable[LoggedMessage], parameters: OperatorSettings
+    messages: Iterable[LoggedMessage], parameters: TaskParameters
 ) -> list[ProposalRecord]:
     """Return all proposals of a session, in order, with their outcomes."""
     log = ProposalLog(parameters)

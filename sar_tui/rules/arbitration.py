@@ -12,7 +12,7 @@ import msgspec
 
 from sar_tui.model.messages import ControlledKind, Ground, Kind, Mode, PendingApproval, Proposal
 from sar_tui.model.units import MS, SECOND
-from sar_tui.rules.settings.operator import OperatorSettings
+from sar_tui.rules.parameters import TaskParameters
 
 CONTROLLED: dict[Kind, ControlledKind] = {
     "greeting": "instruction",
@@ -54,7 +54,7 @@ class Verdict(msgspec.Struct, frozen=True):
     pending: PendingApproval | None = None
 
 
-def start(parameters: OperatorSettings) -> Arbitration:
+def start(parameters: TaskParameters) -> Arbitration:
     """Return the modes at the start of a session, without an operator."""
     return Arbitration(
         {
@@ -74,7 +74,7 @@ def set_mode(state: Arbitration, kind: ControlledKind, mode: Mode) -> Arbitratio
 
 def decide(
     state: Arbitration,
-    parameters: OperatorSettings,
+    parameters: TaskParameters,
     proposal: Proposal,
     now: int,
     level: int | None = None,
@@ -100,7 +100,7 @@ def decide(
     return Verdict("wait", pending=approval)
 
 
-def time_to_decide(parameters: OperatorSettings, proposals: Collection[Proposal]) -> int:
+def time_to_decide(parameters: TaskParameters, proposals: Collection[Proposal]) -> int:
     """Return the time (ns) to read proposals one after the other and decide on each; at least
     ``operator_time_ms``.
     """
@@ -111,9 +111,7 @@ def time_to_decide(parameters: OperatorSettings, proposals: Collection[Proposal]
     return max(least, words * parameters.operator_ms_per_word * MS + len(proposals) * CHOOSING)
 
 
-def is_gesture_separate(
-    state: Arbitration, parameters: OperatorSettings, proposal: Proposal
-) -> bool:
+def is_gesture_separate(state: Arbitration, parameters: TaskParameters, proposal: Proposal) -> bool:
     """Return True if a proposal's gesture is decided separately from its text: its mode is not
     autonomous.
     """

@@ -1,10 +1,19 @@
-"""Declares parameters: title, unit, bounds and help; reads and shows their values."""
+"""Declares parameters: title, unit, bounds and help; reads, shows and translates them."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
 from typing import Any, Literal
 
 import msgspec
 from msgspec import Meta, inspect
+
+from sar_tui.model.language import Language
+
+COMMON = Path(__file__).parent
+"""The folder of the translations of common settings and of those of policies. A task's own are in
+its folder.
+"""
 
 _LONG = 60
 """Largest number of characters of a value that an error message quotes."""
@@ -36,13 +45,13 @@ def meta(
             Those of a tuple's items stand in its type: ``tuple[Annotated[float, Meta(ge=0, le=1)],
             ...]``.
     """
-    extra = {
-        "unit": unit,
-        "takes": takes,
-        "group": group,
-        "personal": personal,
-    }
+    extra = {"unit": unit, "takes": takes, "group": group, "personal": personal}
     return Meta(title=title, description=help or None, extra=extra, **bounds)
+
+
+def in_group(group: str) -> Callable[..., Meta]:
+    """Return ``meta`` for settings under one heading."""
+    return partial(meta, group=group)
 
 
 class Settings(msgspec.Struct, frozen=True, kw_only=True):
@@ -135,25 +144,18 @@ class Field(msgspec.Struct, frozen=True):
 def declared_field(field: inspect.Field) -> Field:
     """Return what a field of a msgspec struct declares."""
     kind = field.type
-    title, help, unit, takes, group = field.name.replace("_", " ").capitalize(), "", "", "", ""
-    personal = False
-    while isinstance(kind, inspect.Metadata):
-        schema = kind.extra_json_schema or {}
-        title = schema.get("title", title)
-        help = schema.get("description", help)
-        unit = (kind.extra or {}).get("unit", unit)
-        takes = (kind.extra or {}).get("takes", takes)
-        group = (kind.extra or {}).get("group", group)
-        personal = (kind.extra or {}).get("personal", personal)
-        kind = kind.type
     declared: dict[str, Any] = {
         "name": field.name,
-        "title": title,
-        "unit": unit,
-        "help": help,
-        "group": group,
+        "title": field.name.replace("_", " ").capitalize(),
+        "unit": "",
+        "help": "",
     }
-    declared["personal"] = personal
+    while isinstance(kind, inspect.Metadata):
+        schema = kind.extra_json_schema or {}
+        declared["title"] = schema.get("title", declared["title"])
+        declared["help"] = schema.get("description", declared["help"])
+        declared |= kind.extra or {}
+        kind = kind.type
     declared["default"] = (
         field.default_factory() if field.default is msgspec.NODEFAULT else field.default
     )
@@ -192,7 +194,7 @@ def declared_field(field: inspect.Field) -> Field:
                 if isinstance(kind, inspect.StrType)
                 else (None, None)
             )
-            return Field(**declared, kind="text", takes=takes, least=lengths[0], most=lengths[1])
+            return Field(**declared, kind="text", least=lengths[0], most=lengths[1])
 
 
 def _in_order(field: inspect.Field, values: tuple[str, ...]) -> tuple[str, ...]:
@@ -226,3 +228,23 @@ def show(value: object) -> str:
     if isinstance(value, float) and value.is_integer():
         return str(int(value))
     return str(value)
+
+
+def translated(field: Field, tr: Language) -> Field:
+    """Return a setting in another language. What has no translation stays English; its name and
+    values are the same.
+    """
+    return msgspec.structs.replace(
+        field,
+        title=tr(field.title),
+        unit=tr(field.unit),
+        help="\n".join(map(tr, field.help.split("\n"))),
+        takes=tr(field.takes),
+        group=tr(field.group),
+        labels={choice: own for choice in field.choices if (own := tr(choice)) != choice},
+    )
+
+
+def texts(field: Field) -> set[str]:
+    """Return the texts of a setting that have a translation."""
+    return {field.title, field.unit, field.help, field.takes, field.group} - {""}

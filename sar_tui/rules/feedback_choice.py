@@ -5,19 +5,18 @@ from typing import Literal
 import msgspec
 
 from sar_tui.model.messages import FeedbackChoice
-from sar_tui.rules import registry
-from sar_tui.rules.feedback import POLICIES
-from sar_tui.rules.feedback.policy import History
+from sar_tui.rules.feedback import History
 from sar_tui.rules.judgement import JudgedAttempt, degree
 from sar_tui.rules.parameters import TaskParameters
+from sar_tui.rules.policies import FEEDBACK, own_settings
 
 Content = Literal["results", "performance", "both"]
 
 
 def remember(history: History, attempt: JudgedAttempt, parameters: TaskParameters) -> History:
     """Return the history with one more scored attempt."""
-    policy = POLICIES[parameters.feedback_schedule]
-    length = policy.recent(registry.own_settings(policy.settings, parameters))
+    policy = FEEDBACK[parameters.feedback_schedule]
+    length = policy.recent(own_settings(policy.settings, parameters))
     return History(
         since=history.since + 1,
         skill=max(0, history.skill + (1 if attempt.outcome == "success" else -1)),
@@ -46,8 +45,8 @@ def choose(
             those.
     """
     schedule = parameters.feedback_schedule
-    policy = POLICIES[schedule]
-    decision = policy.decide(history, attempt, registry.own_settings(policy.settings, parameters))
+    policy = FEEDBACK[schedule]
+    decision = policy.decide(history, attempt, own_settings(policy.settings, parameters))
     if practice and policy.feedback_on_practice:
         decision = decision._replace(
             due=True, why="Each practice attempt gets feedback.", tolerance=None, attempts=1

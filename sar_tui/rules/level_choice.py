@@ -4,16 +4,15 @@ from collections.abc import Sequence
 
 from sar_tui.model.messages import Outcome
 from sar_tui.model.trial_types import Metric
-from sar_tui.rules import registry
-from sar_tui.rules.difficulty import BY_OUTCOME, POLICIES
-from sar_tui.rules.difficulty.policy import Bounds, Difficulty, Goal, ScoredAttempt
+from sar_tui.rules.difficulty import BY_OUTCOME, Bounds, Difficulty, Goal, ScoredAttempt
 from sar_tui.rules.parameters import TaskParameters
+from sar_tui.rules.policies import DIFFICULTY, own_settings
 
 
 def start(parameters: TaskParameters, levels: int) -> Difficulty:
     """Return the difficulty of the first attempt; if the task has fewer levels, its last."""
-    policy = POLICIES[parameters.difficulty_policy]
-    settings = registry.own_settings(policy.settings, parameters)
+    policy = DIFFICULTY[parameters.difficulty_policy]
+    settings = own_settings(policy.settings, parameters)
     return Difficulty(
         level=policy.start(parameters.start_level, settings, bounds(parameters, levels))
     )
@@ -30,23 +29,23 @@ def step(
         parameters: of the session.
         levels: number of levels that the task has.
     """
-    policy = POLICIES[parameters.difficulty_policy]
+    policy = DIFFICULTY[parameters.difficulty_policy]
     return policy.step(
         state,
         attempt,
-        registry.own_settings(policy.settings, parameters),
+        own_settings(policy.settings, parameters),
         bounds(parameters, levels),
     )
 
 
 def moves_goal(parameters: TaskParameters) -> bool:
     """Return True if the policy that is set makes goals of its own."""
-    return POLICIES[parameters.difficulty_policy].goal is not None
+    return DIFFICULTY[parameters.difficulty_policy].goal is not None
 
 
 def moves_level(parameters: TaskParameters) -> bool:
     """Return True if the level follows the person, rather than an order of its own."""
-    return POLICIES[parameters.difficulty_policy].moves_level
+    return DIFFICULTY[parameters.difficulty_policy].moves_level
 
 
 def goal(
@@ -55,10 +54,10 @@ def goal(
     """Return the goal of the next attempt, from the results so far at its level; None: the task's
     own.
     """
-    policy = POLICIES[parameters.difficulty_policy]
+    policy = DIFFICULTY[parameters.difficulty_policy]
     if policy.goal is None:
         return None
-    return policy.goal(results, metric.better, registry.own_settings(policy.settings, parameters))
+    return policy.goal(results, metric.better, own_settings(policy.settings, parameters))
 
 
 def reason(parameters: TaskParameters, outcome: Outcome) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import msgspec
 
-from sar_tui.rules.settings.limits import LimitSettings
+from sar_tui.rules.parameters import TaskParameters
 
 OF_A_DAY = ("minutes_a_day", "attempts_a_day", "repetitions_a_day")
 """The settings that limit a day."""
@@ -41,12 +41,12 @@ class Dose(msgspec.Struct, frozen=True):
         )
 
 
-def limits_day(settings: LimitSettings) -> bool:
+def limits_day(settings: TaskParameters) -> bool:
     """Return True if the settings limit a day."""
     return any(getattr(settings, name) for name in OF_A_DAY)
 
 
-def reached_of_day(settings: LimitSettings, done: Dose) -> str:
+def reached_of_day(settings: TaskParameters, done: Dose) -> str:
     """Return the name of the first setting whose limit of a day is reached; empty for none."""
     for name, amount in zip(OF_A_DAY, (done.minutes, done.attempts, done.repetitions), strict=True):
         if 0 < getattr(settings, name) <= amount:
@@ -54,12 +54,12 @@ def reached_of_day(settings: LimitSettings, done: Dose) -> str:
     return ""
 
 
-def is_session_over(settings: LimitSettings, minutes: float) -> bool:
+def is_session_over(settings: TaskParameters, minutes: float) -> bool:
     """Return True if a session has lasted as long as it may."""
     return 0 < settings.session_minutes <= minutes
 
 
-def is_rest_due(settings: LimitSettings, attempts: int, minutes: float) -> bool:
+def is_rest_due(settings: TaskParameters, attempts: int, minutes: float) -> bool:
     """Return True if the participant must rest, after so many attempts and minutes since the last
     such rest.
     """

@@ -1,108 +1,608 @@
 """The parameters of a task: common settings and the task's own, built and checked in one place.
 
-The settings form, `--set`, the checks and the documentation are made from these declarations.
+The settings form, `--set`, the checks and the documentation are made from these declarations. A
+common setting is declared in ``TaskParameters``, by its heading on the form; a task's own in its
+``Parameters``; a policy's beside the policy.
 """
 
 import difflib
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, TypeVar, get_type_hints
+from typing import Annotated, Any, Literal, TypeVar, get_type_hints
 
 import msgspec
-from msgspec import inspect
+from msgspec import Meta, inspect
 
+from sar_tui.model.language import Language
+from sar_tui.model.messages import Mode
+from sar_tui.model.trial_types import LONGEST_SHOW_MS
 from sar_tui.plugin_calls import PLUGIN_ERRORS, calling, describe
-from sar_tui.rules import difficulty, feedback, registry
-from sar_tui.rules.declaration import Field, ParameterError, Settings, declared_field, read, show
-from sar_tui.rules.settings.agent import AgentSettings
-from sar_tui.rules.settings.difficulty import DifficultySettings
-from sar_tui.rules.settings.feedback import FeedbackSettings, ScheduleSettings
-from sar_tui.rules.settings.goal import GoalSettings
-from sar_tui.rules.settings.limits import LimitSettings
-from sar_tui.rules.settings.operator import OperatorSettings
-from sar_tui.rules.settings.questions import QuestionSettings
-from sar_tui.rules.settings.session import SessionSettings
-from sar_tui.rules.settings.timing import TimingSettings
-from sar_tui.rules.settings.wellbeing import WellbeingSettings
-
-_COMMON: tuple[type[Settings], ...] = (
-    SessionSettings,
-    WellbeingSettings,
-    QuestionSettings,
-    LimitSettings,
-    GoalSettings,
-    *registry.settings_types(difficulty.POLICIES),
-    DifficultySettings,
-    ScheduleSettings,
-    *registry.settings_types(feedback.POLICIES),
-    FeedbackSettings,
-    AgentSettings,
-    OperatorSettings,
-    TimingSettings,
+from sar_tui.rules import difficulty, feedback, policies
+from sar_tui.rules.declaration import (
+    Field,
+    ParameterError,
+    Settings,
+    declared_field,
+    in_group,
+    read,
+    show,
+    translated,
 )
-"""Settings that every task has, in the order of the settings form."""
+from sar_tui.rules.difficulty import BY_OUTCOME
+from sar_tui.rules.questions import QUESTIONS
+from sar_tui.rules.wellbeing import HIGHEST, PainLimits
+
+S = TypeVar("S", bound=Settings)
+P = TypeVar("P", bound="TaskParameters")
+
+_session = in_group("Session")
+_limits = in_group("Limits")
+_difficulty = in_group("Difficulty")
+_feedback = in_group("Feedback")
+_agent = in_group("Agent")
+_operator = in_group("Operator")
+_timing = in_group("Timing")
+_PAIN = PainLimits()
 
 
-class _Checked(Settings, frozen=True, kw_only=True):
+def _summaries(
+    included: Mapping[str, policies.Policy], found: Mapping[str, policies.Policy]
+) -> str:
+    """Return the names of policies with their summaries; those of others on a line of their own,
+    as they have no translation.
+    """
+    others = {name: policy for name, policy in found.items() if name not in included}
+    lines = (
+        " ".join(f"{name}: {policy.summary}" for name, policy in some.items())
+        for some in (included, others)
+    )
+    return "\n".join(filter(None, lines))
+
+
+def _with_policies(common: type[S]) -> type[S]:
+    """Return the class with the policies as choices, and with the settings that they read by
+    `policies.own_settings`.
+    """
+    policies.find_others(common.__struct_fields__)
+    hints = get_type_hints(common, include_extras=True)
+    included: dict[str, Mapping[str, policies.Policy]] = {
+        "difficulty_policy": difficulty.INCLUDED,
+        "feedback_schedule": feedback.INCLUDED,
+    }
+    own: list[tuple[str, Any, Any]] = []
+    for choice, found in policies.BY_CHOICE.items():
+        help = Meta(description=_summaries(included[choice], found))
+        names: Any = Literal[tuple(found)]
+        default = next(f.default for f in msgspec.structs.fields(common) if f.name == choice)
+        own.append((choice, Annotated[names, *hints[choice].__metadata__, help], default))
+    for kind in policies.settings_types():
+        hints = get_type_hints(kind, include_extras=True)
+        own += [(f.name, hints[f.name], f.default) for f in msgspec.structs.fields(kind)]
+    extended: Any = msgspec.defstruct(
+        common.__name__,
+        own,
+        bases=(common,),
+        module=common.__module__,
+        namespace={"__doc__": common.__doc__},
+        frozen=True,
+        kw_only=True,
+    )
+    return extended  # type: ignore[no-any-return]
+
+
+@_with_policies
+class TaskParameters(Settings, frozen=True, kw_only=True):
+    """Settings that every task has. A task adds its own in a subclass.
+
+    Build them with ``build``, which checks; the constructor does not.
+    """
+
+    # Session
+
+    attempts: Annotated[
+        int, _session("Attempts", help="Number of attempts in a session.", ge=1, le=200)
+    ] = 20
+    practice_attempts: Annotated[
+        int,
+        _session(
+            "Practice attempts",
+            help="Attempts before the first that counts. They do not change the level.",
+            ge=0,
+            le=20,
+        ),
+    ] = 0
+    rest_every: Annotated[
+        int,
+        _session(
+            "Rest reminder every", "attempts", "The agent suggests a rest; 0: never.", ge=0, le=200
+        ),
+    ] = 10
+    language: Annotated[
+        str,
+        _session(
+            "Language",
+            help="Language of all that the participant sees and hears: en, es, or another of the "
+            "theme.",
+            takes="a code in lower case, such as en, es or es-mx",
+            pattern="^[a-z]{2,3}(-[a-z]{2,4})?$",
+            personal=True,
+        ),
+    ] = "en"
+    ask_wellbeing: Annotated[
+        bool,
+        _session(
+            "Ask about pain",
+            help="Before and after a session, ask how much pain there is, where, and how tired "
+            "the participant is.",
+            personal=True,
+        ),
+    ] = False
+    pain_limit: Annotated[
+        int,
+        _session(
+            "Pain limit",
+            ge=0,
+            le=HIGHEST,
+            help="With more pain than this, of 10, the participant is advised not to train, and "
+            "you are told.",
+            personal=True,
+        ),
+    ] = _PAIN.highest
+    pain_rise: Annotated[
+        int,
+        _session(
+            "Pain rise",
+            ge=1,
+            le=HIGHEST,
+            help="So much more pain than before the session counts as too much, too.",
+            personal=True,
+        ),
+    ] = _PAIN.rise
+    questions: Annotated[
+        tuple[str, ...],
+        _session(
+            "Questions",
+            help=f"What to ask the participant: {', '.join(QUESTIONS)}. Empty: nothing.",
+            max_length=len(QUESTIONS),
+        ),
+    ] = ()
+    questions_every: Annotated[
+        int,
+        _session(
+            "Ask every",
+            "attempts",
+            "The questions come after each so many attempts; 0: after the last.",
+            ge=0,
+            le=200,
+        ),
+    ] = 0
+
+    # Limits
+
+    # Plan of a day, limits of a session and of a day, and forced rests. An attempt begun is always
+    # finished.
+
+    session_minutes: Annotated[
+        int,
+        _limits(
+            "Session length",
+            "min",
+            "After this time, rests and pauses included, the session ends with the attempt. 0: no "
+            "limit.",
+            ge=0,
+            le=480,
+            personal=True,
+        ),
+    ] = 0
+    minutes_a_day: Annotated[
+        int,
+        _limits(
+            "Minutes a day",
+            "min",
+            "Time in attempts of this task on a day, without the rests between them. 0: no limit.",
+            ge=0,
+            le=480,
+            personal=True,
+        ),
+    ] = 0
+    attempts_a_day: Annotated[
+        int,
+        _limits(
+            "Attempts a day",
+            help="Attempts of this task on a day, without practice. 0: no limit.",
+            ge=0,
+            le=1000,
+            personal=True,
+        ),
+    ] = 0
+    repetitions_a_day: Annotated[
+        int,
+        _limits(
+            "Repetitions a day",
+            help="Prompts or reaches of this task on a day, with practice. 0: no limit.",
+            ge=0,
+            le=10_000,
+            personal=True,
+        ),
+    ] = 0
+    planned_attempts_a_day: Annotated[
+        int,
+        _limits(
+            "Planned a day",
+            help="Attempts of this task planned for a day, in one session or several: progress "
+            "compares what was done "
+            "with it. 0: the attempts of the sessions begun.",
+            ge=0,
+            le=1000,
+            personal=True,
+        ),
+    ] = 0
+    days_between_visits: Annotated[
+        int,
+        _limits(
+            "Days between visits",
+            help="So many days after the last session of this task the participant is marked on "
+            "the first screen: a "
+            "visit is due. 0: never.",
+            ge=0,
+            le=365,
+            personal=True,
+        ),
+    ] = 0
+    rest_after_attempts: Annotated[
+        int,
+        _limits(
+            "Must rest (attempts)",
+            "attempts",
+            "A rest that Enter cannot skip follows after so many attempts, practice included. 0: "
+            "none.",
+            ge=0,
+            le=200,
+            personal=True,
+        ),
+    ] = 0
+    rest_after_minutes: Annotated[
+        int,
+        _limits(
+            "Must rest (minutes)",
+            "min",
+            "The same rest follows the attempt in which so much time has passed since the last "
+            "one. 0: none.",
+            ge=0,
+            le=480,
+            personal=True,
+        ),
+    ] = 0
+    rest_seconds: Annotated[
+        int,
+        _limits(
+            "Length of that rest",
+            "s",
+            "The participant may rest longer; a therapist can end it from the pause menu.",
+            ge=5,
+            le=3600,
+            personal=True,
+        ),
+    ] = 60
+
+    # Difficulty
+
+    threshold: Annotated[
+        float,
+        _difficulty(
+            "Goal",
+            help="The result of an attempt must be better than this; equal is not enough.",
+            ge=0,
+            le=1e6,
+        ),
+    ] = 1000.0
+    neutral_band: Annotated[
+        float,
+        _difficulty(
+            "Neutral band",
+            help="Feedback is neutral within this distance of the goal, on either side.",
+            ge=0,
+            le=1e6,
+        ),
+    ] = 10.0
+    min_accuracy: Annotated[
+        float,
+        _difficulty(
+            "Minimum accuracy",
+            help="Share of right responses that an attempt needs to succeed, 0 to 1.",
+            ge=0,
+            le=1,
+        ),
+    ] = 0.8
+    start_level: Annotated[
+        int,
+        _difficulty(
+            "Start level",
+            help="The level of the first attempt; of the first session only, unless it starts "
+            "from fixed.",
+            ge=1,
+            le=100,
+        ),
+    ] = 1
+    start_from: Annotated[
+        Literal["estimate", "last level", "fixed"],
+        _difficulty(
+            "Start from",
+            help="estimate: the level at which the last session's times just reached the goal. "
+            "last level: the one it "
+            "ended at. fixed: the start level, as it is.",
+        ),
+    ] = "estimate"
+    min_level: Annotated[
+        int, _difficulty("Lowest level", help="The level never falls below this.", ge=1, le=100)
+    ] = 1
+    max_level: Annotated[
+        int,
+        _difficulty(
+            "Highest level",
+            help="The level never rises above this or the last level of the task.",
+            ge=1,
+            le=100,
+        ),
+    ] = 10
+    # the choices, their meaning and the settings of each are those of `policies.BY_CHOICE`
+    difficulty_policy: Annotated[str, _difficulty("Difficulty")] = BY_OUTCOME
+
+    # Feedback
+
+    feedback_form: Annotated[
+        Literal["qualitative", "quantitative", "both"],
+        _feedback("Feedback form", help="In words, in figures, or both."),
+    ] = "both"
+    feedback_compared_with: Annotated[
+        Literal["last attempt", "best attempt", "session's mean", "goal"],
+        _feedback(
+            "Compared with",
+            help="Figures are compared with results at the same level, or with the goal.",
+        ),
+    ] = "last attempt"
+    feedback_delay_ms: Annotated[
+        int,
+        _feedback(
+            "Feedback delay",
+            "ms",
+            "Time from the end of an attempt to its feedback.",
+            ge=0,
+            le=60_000,
+        ),
+    ] = 0
+    trial_feedback_ms: Annotated[
+        int,
+        _feedback(
+            "Sign after each prompt",
+            "ms",
+            "A tick or a cross is shown this long after each prompt, unless the task shows "
+            "something else; 0: never.",
+            ge=0,
+            le=LONGEST_SHOW_MS,
+        ),
+    ] = 0
+    feedback_schedule: Annotated[str, _feedback("Feedback")] = "every"
+
+    # Agent
+
+    encouragement: Annotated[
+        bool,
+        _agent(
+            "Encouragement",
+            help="A kind word before an attempt that is harder than the earlier ones.",
+        ),
+    ] = True
+    outputs: Annotated[
+        tuple[str, ...],
+        _agent(
+            "Outputs",
+            help="Where the agent appears, speaks and moves: screen, speech, tones, servo, ros://HOST.",
+            max_length=8,
+            personal=True,
+        ),
+    ] = ("screen",)
+    speech: Annotated[
+        str,
+        _agent(
+            "Speech goes to",
+            help="sound: the loudspeaker. file:FOLDER: a WAV file for each utterance.",
+            max_length=500,
+            personal=True,
+        ),
+    ] = "sound"
+
+    # Operator
+
+    # Adults read English non-fiction silently at 238 words a minute, 252 ms a word (Brysbaert 2019).
+
+    operator_joins: Annotated[
+        bool,
+        _operator(
+            "Operators can join",
+            help="On this computer, with `sar-tui wizard`, from the beginning of a session to its "
+            "end.",
+            personal=True,
+        ),
+    ] = False
+    operator_feedback: Annotated[
+        Mode,
+        _operator(
+            "Feedback mode",
+            "With an operator: autonomous, the agent acts; veto, it acts unless stopped in time; "
+            "approve, it acts when a key is pressed; manual, only the operator acts.",
+        ),
+    ] = "autonomous"
+    operator_encouragement: Annotated[
+        Mode, _operator("Encouragement mode", "As for feedback; includes reminders of rest.")
+    ] = "autonomous"
+    operator_instruction: Annotated[
+        Mode, _operator("Instruction mode", "As for feedback; includes greeting and goodbye.")
+    ] = "autonomous"
+    operator_gesture: Annotated[
+        Mode, _operator("Gesture mode", "As for feedback; autonomous: gestures go with their text.")
+    ] = "autonomous"
+    operator_difficulty: Annotated[Mode, _operator("Level mode", "As for feedback.")] = "autonomous"
+    operator_time_ms: Annotated[
+        int,
+        _operator(
+            "Time to decide",
+            "ms",
+            "Shortest waiting time of veto and approve; more if there is more to read. For "
+            "feedback with a delay, that "
+            "delay.",
+            ge=200,
+            le=120_000,
+        ),
+    ] = 4000
+    operator_ms_per_word: Annotated[
+        int,
+        _operator(
+            "Reading time per word",
+            "ms",
+            "The operator has this time for each word, and 2 s to choose. 0: always the time "
+            "above.",
+            ge=0,
+            le=2000,
+        ),
+    ] = 250
+    operator_timeout: Annotated[
+        Literal["act", "drop"],
+        _operator(
+            "Timeout of approve",
+            help="If nobody decides in time. act: the agent acts as if it were alone. drop: "
+            "nothing is said.",
+        ),
+    ] = "act"
+    operator_lost: Annotated[
+        Literal["autonomous", "silent"],
+        _operator(
+            "Agent without operator",
+            help="If no operator is connected, or the connection is lost. silent: what needs an "
+            "operator is dropped.",
+        ),
+    ] = "autonomous"
+    operator_lost_ms: Annotated[
+        int,
+        _operator(
+            "Time until lost",
+            "ms",
+            "The operator counts as lost after this time without a sign of life from the panel or "
+            "its terminal.",
+            ge=500,
+            le=60_000,
+        ),
+    ] = 2000
+    filler: Annotated[
+        Literal["operator", "always", "never"],
+        _operator(
+            "Filler",
+            help="Said after one second of waiting for feedback. operator: while an operator "
+            "decides. always: "
+            "also during a feedback delay, so that the two cannot be told apart. never: nothing "
+            "is said.",
+        ),
+    ] = "operator"
+
+    # Timing
+
+    response_timeout_ms: Annotated[
+        int,
+        _timing(
+            "Response time-out",
+            "ms",
+            "A prompt without a response counts as missed after this time.",
+            ge=100,
+            le=600_000,
+        ),
+    ] = 5000
+    min_rt_ms: Annotated[
+        int,
+        _timing(
+            "Fastest real response",
+            "ms",
+            "A faster response is stored as an anticipation and left out of the result.",
+            ge=0,
+            le=1000,
+        ),
+    ] = 100
+    quiet_ms: Annotated[
+        int,
+        _timing(
+            "Quiet before a prompt",
+            "ms",
+            "The wait begins after this time without a key press.",
+            ge=0,
+            le=5000,
+        ),
+    ] = 500
+    foreperiod_min_ms: Annotated[
+        int,
+        _timing(
+            "Shortest wait",
+            "ms",
+            "The wait before a prompt is at least this long.",
+            ge=0,
+            le=60_000,
+        ),
+    ] = 500
+    foreperiod_max_ms: Annotated[
+        int,
+        _timing(
+            "Longest wait",
+            "ms",
+            "The wait before a prompt is random, at most this long.",
+            ge=0,
+            le=60_000,
+        ),
+    ] = 1500
+    repeat_interval_ms: Annotated[
+        int,
+        _timing(
+            "Key repeat interval",
+            "ms",
+            "The same key again within this time is a held key, not a press.",
+            ge=0,
+            le=1000,
+        ),
+    ] = 50
+
     def problems(self) -> dict[str, str]:
         """Return settings that do not fit together: parameter name to one clear sentence. Extend it
         in a subclass.
         """
-        return {name: problem for kind in _COMMON for name, problem in kind.problems(self).items()}
+        found = self._wrong_questions() | self._wrong_levels()
+        for kind in policies.settings_types():
+            found |= kind.problems(self)
+        if self.foreperiod_min_ms > self.foreperiod_max_ms:
+            found["foreperiod_min_ms"] = (
+                f"Shortest wait ({self.foreperiod_min_ms} ms) is above the longest "
+                f"({self.foreperiod_max_ms} ms)."
+            )
+        return found
+
+    def _wrong_questions(self) -> dict[str, str]:
+        for name in self.questions:
+            if name not in QUESTIONS:
+                known = ", ".join(QUESTIONS)
+                return {"questions": f'There is no question "{name}". Choose from: {known}.'}
+        if len(set(self.questions)) < len(self.questions):
+            return {"questions": "Each question can be asked once: name it once."}
+        return {}
+
+    def _wrong_levels(self) -> dict[str, str]:
+        lowest, highest, start = self.min_level, self.max_level, self.start_level
+        if lowest > highest:
+            return {"min_level": f"Lowest level ({lowest}) is above the highest ({highest})."}
+        if not lowest <= start <= highest:
+            problem = f"Start level ({start}) must be between {lowest} and {highest}."
+            return {"start_level": problem}
+        return {}
 
 
-if TYPE_CHECKING:
-    from sar_tui.rules.difficulty.one_up_one_down import OneUpOneDownSettings
-    from sar_tui.rules.difficulty.percentile import PercentileSettings
-    from sar_tui.rules.difficulty.sequence import SequenceSettings
-    from sar_tui.rules.difficulty.target import TargetSettings
-    from sar_tui.rules.feedback.bandwidth import BandwidthSettings
-    from sar_tui.rules.feedback.every import EverySettings
-    from sar_tui.rules.feedback.faded import FadedSettings
-
-    class TaskParameters(
-        SessionSettings,
-        WellbeingSettings,
-        QuestionSettings,
-        LimitSettings,
-        GoalSettings,
-        OneUpOneDownSettings,
-        SequenceSettings,
-        PercentileSettings,
-        TargetSettings,
-        DifficultySettings,
-        ScheduleSettings,
-        EverySettings,
-        FadedSettings,
-        BandwidthSettings,
-        FeedbackSettings,
-        AgentSettings,
-        OperatorSettings,
-        TimingSettings,
-        frozen=True,
-        kw_only=True,
-    ):
-        """Settings that every task has. A task adds its own in a subclass.
-
-        Build them with ``build``, which checks; the constructor does not.
-        """
-
-else:  # a msgspec struct cannot have several bases with fields, so the fields are collected here
-    TaskParameters = msgspec.defstruct(
-        "TaskParameters",
-        [
-            (field.name, get_type_hints(kind, include_extras=True)[field.name], field.default)
-            for kind in _COMMON
-            for field in msgspec.structs.fields(kind)
-        ],
-        bases=(_Checked,),
-        module=__name__,
-        namespace={"__doc__": "Settings that every task has. A task adds its own in a subclass."},
-        frozen=True,
-        kw_only=True,
-    )
-
-P = TypeVar("P", bound=TaskParameters)
+def pain_limits(settings: TaskParameters) -> PainLimits:
+    """Return the limits of pain that are set."""
+    return PainLimits(settings.pain_limit, settings.pain_rise)
 
 
 @lru_cache(maxsize=64)
@@ -141,7 +641,17 @@ def grouped(parameters: type[TaskParameters]) -> dict[str, tuple[Field, ...]]:
 def _declared(parameters: type[TaskParameters]) -> dict[str, Field]:
     info = inspect.type_info(parameters)
     assert isinstance(info, inspect.StructType)
-    return {field.name: declared_field(field) for field in info.fields}
+    return {field.name: _in_group(declared_field(field)) for field in info.fields}
+
+
+def _in_group(field: Field) -> Field:
+    """Return a setting of a policy under the heading of its policy, unless it has one."""
+    if field.group:
+        return field
+    for kind, heading in policies.settings_types().items():
+        if field.name in kind.__struct_fields__:
+            return msgspec.structs.replace(field, group=heading)
+    return field
 
 
 def build(parameters: type[P], values: Mapping[str, object]) -> P:
@@ -172,6 +682,8 @@ def build(parameters: type[P], values: Mapping[str, object]) -> P:
             good[name] = msgspec.convert(given, types[name], strict=not isinstance(value, str))
         except msgspec.ValidationError:
             problems[name] = declared[name].problem(value)
+    if gone := policies.missing(values):  # their own settings are unknown, too
+        raise ParameterError(gone)
     built = parameters(**good)
     if problems or (problems := _conflicts(built)):
         raise ParameterError(problems)
@@ -245,3 +757,52 @@ def changed(parameters: TaskParameters) -> dict[str, Any]:
         for field in fields(type(parameters))
         if getattr(parameters, field.name) != field.default
     }
+
+
+class Change(msgspec.Struct, frozen=True, omit_defaults=True):
+    """A parameter with two values. Its title is its name if it does not exist any more.
+
+    ``labels``: values as they are shown in another language.
+    """
+
+    name: str
+    title: str
+    unit: str
+    before: Any
+    after: Any
+    labels: Mapping[str, str] = {}
+
+    @property
+    def text(self) -> str:
+        """The change in words: "Goal 1000 → 900 ms"."""
+        values = [
+            self.labels.get(shown, shown) or "none"
+            for shown in (show(self.before), show(self.after))
+        ]
+        return " ".join(filter(None, (self.title, " → ".join(values), self.unit)))
+
+
+def changes(
+    parameters: type[TaskParameters],
+    before: Mapping[str, Any],
+    after: Mapping[str, Any],
+    tr: Language | None = None,
+) -> tuple[Change, ...]:
+    """Return what differs between two sets of values, in the order of the declaration; in a
+    language, or English.
+
+    A value that is missing is the default; of a parameter that does not exist any more it is None.
+    """
+    declared = {field.name: translated(field, tr or Language()) for field in fields(parameters)}
+    gone = [name for name in (*before, *after) if name not in declared]
+    found = []
+    for name in dict.fromkeys((*declared, *gone)):
+        field = declared.get(name)
+        default = field.default if field else None
+        old, new = before.get(name, default), after.get(name, default)
+        if show(old) != show(new):
+            title, unit, labels = (
+                (field.title, field.unit, field.labels) if field else (name, "", {})
+            )
+            found.append(Change(name, title, unit, old, new, labels))
+    return tuple(found)

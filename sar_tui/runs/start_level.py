@@ -11,8 +11,8 @@ import msgspec
 from sar_tui.loop.task import Task
 from sar_tui.progress.lines import Point, SessionResults, comparable
 from sar_tui.progress.task_level import AttemptResult
-from sar_tui.rules.difficulty import POLICIES
 from sar_tui.rules.parameters import TaskParameters
+from sar_tui.rules.policies import DIFFICULTY
 from sar_tui.store.results import newest_of
 
 LOOKED_AT = 16
@@ -41,7 +41,7 @@ def with_start_level(database: sqlite3.Connection, task: Task, participant: str)
 
 def _moves(task: Task) -> bool:
     given = task.parameters
-    is_moved = given.start_from != "fixed" and POLICIES[given.difficulty_policy].moves_level
+    is_moved = given.start_from != "fixed" and DIFFICULTY[given.difficulty_policy].moves_level
     return is_moved and len(task.seats) == 1
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from sar_tui.model.messages import Outcome
 from sar_tui.model.trial_types import Metric
 from sar_tui.rules import level_choice
-from sar_tui.rules.difficulty.policy import ScoredAttempt
+from sar_tui.rules.difficulty import ScoredAttempt
 from sar_tui.rules.parameters import build
 from sar_tui.simulation.participant_model import PEOPLE, Person
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row

@@ -20,8 +20,8 @@ from sar_tui.model.language import language, read_words, slot_problem
 from sar_tui.model.messages import SensorChanged, SensorState
 from sar_tui.plugins import Catalogue, task_folder
 from sar_tui.reports.attempts_plot import MARKERS
+from sar_tui.rules.declaration import COMMON, texts
 from sar_tui.rules.parameters import fields
-from sar_tui.rules.translated_settings import COMMON, texts
 from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.store.wellbeing import NOT_SAID
 from sar_tui.tui.base_app import BaseApp

@@ -8,7 +8,7 @@ from sar_tui.loop.attempt_scoring import AttemptFacts, score_seats
 from sar_tui.loop.task import Task
 from sar_tui.model.messages import AttemptEnded, Spread
 from sar_tui.model.trial_types import DOUBTFUL, Result
-from sar_tui.rules.feedback.policy import History
+from sar_tui.rules.feedback import History
 from sar_tui.rules.parameters import build
 from tests.lifting_task import Lift
 

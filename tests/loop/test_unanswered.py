@@ -7,7 +7,7 @@ from sar_tui.loop.replay_comparison import is_same
 from sar_tui.loop.task import Task
 from sar_tui.model.messages import Feedback
 from sar_tui.model.trial_types import Result
-from sar_tui.rules.feedback.policy import History
+from sar_tui.rules.feedback import History
 from sar_tui.rules.parameters import build
 
 RIGHT = Result(correct=True, response="f", response_at=1, value=400.0)

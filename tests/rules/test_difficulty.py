@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from sar_tui.model.messages import Outcome
 from sar_tui.rules import level_choice
-from sar_tui.rules.difficulty.policy import Difficulty, ScoredAttempt
+from sar_tui.rules.difficulty import Difficulty, ScoredAttempt
 from sar_tui.rules.parameters import TaskParameters, build
 
 OUTCOMES = st.lists(st.sampled_from(["success", "failure"]), max_size=80)

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from sar_tui.rules import level_choice
 from sar_tui.rules.declaration import ParameterError
-from sar_tui.rules.difficulty.percentile import PercentileSettings, goal, rank_among
-from sar_tui.rules.difficulty.policy import ScoredAttempt
+from sar_tui.rules.difficulty import PercentileSettings, ScoredAttempt, rank_among
+from sar_tui.rules.difficulty import percentile_goal as goal
 from sar_tui.rules.parameters import TaskParameters, build
 
 DEFAULT = PercentileSettings()

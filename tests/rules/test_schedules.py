@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from sar_tui.model.messages import FeedbackChoice
 from sar_tui.model.trial_types import Metric, Score, Target
 from sar_tui.rules import feedback_choice, judgement
-from sar_tui.rules.feedback.faded import RAREST
-from sar_tui.rules.feedback.policy import History
+from sar_tui.rules.feedback import RAREST, History
 from sar_tui.rules.judgement import JudgedAttempt
 from sar_tui.rules.parameters import TaskParameters, build
 

@@ -4,7 +4,7 @@ import pytest
 
 from sar_tui.rules import level_choice
 from sar_tui.rules.declaration import ParameterError
-from sar_tui.rules.difficulty.policy import Difficulty, ScoredAttempt
+from sar_tui.rules.difficulty import Difficulty, ScoredAttempt
 from sar_tui.rules.parameters import TaskParameters, build
 
 

@@ -6,10 +6,19 @@ from random import Random
 import numpy as np
 import pytest
 
-from sar_tui.rules.difficulty import one_up_one_down, target
-from sar_tui.rules.difficulty.one_up_one_down import OneUpOneDownSettings
-from sar_tui.rules.difficulty.policy import Bounds, Difficulty, DifficultyPolicy, ScoredAttempt
-from sar_tui.rules.difficulty.target import FIRST_STEP, Place, TargetSettings
+from sar_tui.rules.difficulty import (
+    FIRST_STEP,
+    INCLUDED,
+    Bounds,
+    Difficulty,
+    DifficultyPolicy,
+    OneUpOneDownSettings,
+    Place,
+    ScoredAttempt,
+    TargetSettings,
+)
+
+ONE_UP_ONE_DOWN, TARGET = INCLUDED["one-up-one-down"], INCLUDED["target"]
 
 BOUNDS = Bounds(1, 8)
 SUCCESS = (0.99, 0.95, 0.9, 0.75, 0.55, 0.3, 0.1, 0.02)
@@ -78,9 +87,9 @@ START = Difficulty(3, Place(3.0, 1, 100))
 @pytest.mark.parametrize(
     ("policy", "settings", "start"),
     [
-        (one_up_one_down.POLICY, ONE_EACH, Difficulty(3)),
-        (one_up_one_down.POLICY, TWO_UP, Difficulty(3)),
-        (target.POLICY, SEVENTY, START),
+        (ONE_UP_ONE_DOWN, ONE_EACH, Difficulty(3)),
+        (ONE_UP_ONE_DOWN, TWO_UP, Difficulty(3)),
+        (TARGET, SEVENTY, START),
     ],
     ids=["one up", "two up", "target"],
 )
@@ -93,7 +102,7 @@ def test_the_simulated_distribution_is_that_of_linear_algebra(
 
 
 def test_one_up_one_down_is_in_detailed_balance_and_succeeds_in_half_of_the_attempts() -> None:
-    shares = stationary(one_up_one_down.POLICY, ONE_EACH, Difficulty(3))
+    shares = stationary(ONE_UP_ONE_DOWN, ONE_EACH, Difficulty(3))
     for level in range(7):
         up, down = shares[level] * SUCCESS[level], shares[level + 1] * (1 - SUCCESS[level + 1])
         assert up == pytest.approx(down)
@@ -101,17 +110,17 @@ def test_one_up_one_down_is_in_detailed_balance_and_succeeds_in_half_of_the_atte
 
 
 def test_two_up_one_down_succeeds_in_seven_of_ten_attempts() -> None:
-    assert success(stationary(one_up_one_down.POLICY, TWO_UP, Difficulty(3))) == pytest.approx(
+    assert success(stationary(ONE_UP_ONE_DOWN, TWO_UP, Difficulty(3))) == pytest.approx(
         0.707, abs=0.03
     )
 
 
 def test_a_target_of_attempts_is_met_in_the_long_run() -> None:
-    assert success(stationary(target.POLICY, SEVENTY, START)) == pytest.approx(0.7, abs=0.005)
+    assert success(stationary(TARGET, SEVENTY, START)) == pytest.approx(0.7, abs=0.005)
 
 
 def test_a_target_of_half_with_steps_of_one_level_is_one_up_one_down() -> None:
     half = TargetSettings(target_of="attempts", target_share=50, target_step=2)
     assert FIRST_STEP / 101 < 2, "the step has shrunk to its floor"
-    expected = stationary(one_up_one_down.POLICY, ONE_EACH, Difficulty(3))
-    assert stationary(target.POLICY, half, START) == pytest.approx(expected)
+    expected = stationary(ONE_UP_ONE_DOWN, ONE_EACH, Difficulty(3))
+    assert stationary(TARGET, half, START) == pytest.approx(expected)

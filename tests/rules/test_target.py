@@ -4,8 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.rules import level_choice
-from sar_tui.rules.difficulty.policy import Bounds, Difficulty, ScoredAttempt
-from sar_tui.rules.difficulty.target import Place, TargetSettings, step
+from sar_tui.rules.difficulty import Bounds, Difficulty, Place, ScoredAttempt, TargetSettings
+from sar_tui.rules.difficulty import step_to_target as step
 from sar_tui.rules.parameters import TaskParameters, build
 
 BOUNDS = Bounds(1, 10)

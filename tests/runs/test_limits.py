@@ -13,7 +13,7 @@ from sar_tui.model.messages import Waiting
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.limits import Dose, is_session_over, reached_of_day
-from sar_tui.rules.settings.limits import LimitSettings
+from sar_tui.rules.parameters import TaskParameters
 from sar_tui.runs.plan import Failed, make_plan
 from sar_tui.runs.run import Run, start
 from sar_tui.simulation.participant import SimulatedParticipant
@@ -125,7 +125,7 @@ def test_the_dose_of_a_day_is_that_of_its_attempts(data: Path, catalogue: Catalo
 
 def test_a_limit_of_0_is_none() -> None:
     much = Dose(1e6, 10**6, 10**6)
-    assert reached_of_day(LimitSettings(), much) == ""
-    assert not is_session_over(LimitSettings(), 1e6)
-    assert reached_of_day(LimitSettings(minutes_a_day=30), Dose(30.0)) == "minutes_a_day"
-    assert reached_of_day(LimitSettings(minutes_a_day=30), Dose(29.9)) == ""
+    assert reached_of_day(TaskParameters(), much) == ""
+    assert not is_session_over(TaskParameters(), 1e6)
+    assert reached_of_day(TaskParameters(minutes_a_day=30), Dose(30.0)) == "minutes_a_day"
+    assert reached_of_day(TaskParameters(minutes_a_day=30), Dose(29.9)) == ""

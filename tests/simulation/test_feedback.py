@@ -10,7 +10,7 @@ import pytest
 from sar_tui.loop.session_phase import REQUEST_KEY
 from sar_tui.loop.topics import ALL, ATTEMPT_ENDED, FEEDBACK, KEY, PROPOSED
 from sar_tui.plugins import Catalogue
-from sar_tui.rules.feedback.faded import RAREST
+from sar_tui.rules.feedback import RAREST
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE

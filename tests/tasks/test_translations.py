@@ -15,8 +15,8 @@ from sar_tui.model.messages import Action, Feedback, Prompt, Waiting
 from sar_tui.model.random_streams import RandomStreams
 from sar_tui.model.trial_types import Situation, Stimulus
 from sar_tui.plugins import Catalogue, task_folder
+from sar_tui.rules.declaration import texts as setting_texts
 from sar_tui.rules.parameters import build, fields
-from sar_tui.rules.translated_settings import texts as setting_texts
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE

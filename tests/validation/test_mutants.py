@@ -22,7 +22,7 @@ from sar_tui.motion import repetitions
 from sar_tui.plugins import Catalogue
 from sar_tui.reports import intervention
 from sar_tui.rules import limits
-from sar_tui.rules.difficulty import POLICIES, one_up_one_down
+from sar_tui.rules.policies import DIFFICULTY
 from sar_tui.store import recorder
 from sar_tui.validation.registry import VALIDATIONS
 from sar_tui.validation.report import Conditions
@@ -78,14 +78,12 @@ def misses_are_no_prompts(patch: Patch) -> None:
 
 
 def level_moves_the_wrong_way(patch: Patch) -> None:
-    policy, turned = one_up_one_down.POLICY, {"success": "failure", "failure": "success"}
+    policy, turned = DIFFICULTY["one-up-one-down"], {"success": "failure", "failure": "success"}
 
     def step(state: Any, attempt: Any, *given: Any) -> Any:
-        return one_up_one_down.step(
-            state, attempt._replace(outcome=turned[attempt.outcome]), *given
-        )
+        return policy.step(state, attempt._replace(outcome=turned[attempt.outcome]), *given)
 
-    patch.setitem(POLICIES, "one-up-one-down", policy._replace(step=step))
+    patch.setitem(DIFFICULTY, "one-up-one-down", policy._replace(step=step))
 
 
 def feedback_praises_everything(patch: Patch) -> None:

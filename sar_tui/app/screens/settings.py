@@ -17,11 +17,15 @@ from sar_tui.loop.task import Task
 from sar_tui.model.language import Language, language
 from sar_tui.plugin_calls import PLUGIN_ERRORS
 from sar_tui.plugins import PluginError, task_folder
-from sar_tui.rules.declaration import ParameterError, show
-from sar_tui.rules.parameter_changes import changes
-from sar_tui.rules.parameters import TaskParameters, build, changed, grouped
-from sar_tui.rules.translated_settings import COMMON, translated
-from sar_tui.rules.unused_settings import without_effect
+from sar_tui.rules.declaration import COMMON, ParameterError, show, translated
+from sar_tui.rules.parameters import (
+    TaskParameters,
+    build,
+    changed,
+    changes,
+    grouped,
+)
+from sar_tui.rules.policies import without_effect
 from sar_tui.runs.plan import Failed, check_outputs, set_up
 from sar_tui.store import programmes
 from sar_tui.store.database import StoreError

@@ -6,7 +6,7 @@ from concurrent.futures import Executor, ThreadPoolExecutor
 from sar_tui.cli.common import Home
 from sar_tui.cli.doctor.data_in_git import examine_data_in_git
 from sar_tui.cli.doctor.finding import Finding
-from sar_tui.cli.doctor.installation import outputs, python, tasks, themes
+from sar_tui.cli.doctor.installation import outputs, policies, python, tasks, themes
 from sar_tui.cli.doctor.link import browser, invitations, operator_here
 from sar_tui.cli.doctor.markers import lsl_markers, serial_markers
 from sar_tui.cli.doctor.sensors import motion_sensor, sensor_driver
@@ -65,4 +65,5 @@ def _checks(home: Home, pool: Executor) -> Sequence[tuple[str, Check]]:
         ("Tasks", lambda: tasks(home)),
         ("Themes", lambda: themes(home)),
         ("Outputs", outputs),
+        ("Policies", policies),
     )

@@ -64,6 +64,18 @@ def outputs() -> Finding:
     return Finding("Outputs", "ok", ", ".join(output_names()))
 
 
+def policies() -> Finding:
+    """Name the policies of difficulty and feedback, and those that cannot be used."""
+    from sar_tui.rules.parameters import TaskParameters, fields
+    from sar_tui.rules.policies import BY_CHOICE, FAILED
+
+    choices = [field.choices for field in fields(TaskParameters) if field.name in BY_CHOICE]
+    if FAILED:
+        problems = " ".join(FAILED.values())
+        return Finding("Policies", "bad", problems, "Fix its file or its package, or remove it.")
+    return Finding("Policies", "ok", ", ".join(name for names in choices for name in names))
+
+
 def _loaded(name: str, names: list[str], load: Callable[[str], object], advice: str) -> Finding:
     from sar_tui.plugins import PluginError
 

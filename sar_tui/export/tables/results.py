@@ -28,12 +28,17 @@ from sar_tui.export.columns import (
 from sar_tui.export.damage import Damage
 from sar_tui.export.json_columns import Declared, columns, value_for
 from sar_tui.export.log import runs_of_starts
-from sar_tui.rules.feedback import POLICIES
+from sar_tui.rules.parameters import TaskParameters, fields
 from sar_tui.store import tables
 from sar_tui.store.tables import ATTEMPTS, TRIALS
 
+_SCHEDULES = next(
+    tuple(sorted(field.choices))
+    for field in fields(TaskParameters)
+    if field.name == "feedback_schedule"
+)
 _ATTEMPTS = Stored(
-    ATTEMPTS, objects=("qualities",), changed={"choice_schedule": {"levels": tuple(POLICIES)}}
+    ATTEMPTS, objects=("qualities",), changed={"choice_schedule": {"levels": _SCHEDULES}}
 )
 _TRIALS = Stored(TRIALS, objects=("details", "data"))
 _OF_SESSION = (MODE, TASK, PARTICIPANT)

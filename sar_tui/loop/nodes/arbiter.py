@@ -45,7 +45,7 @@ from sar_tui.model.messages import Action, ActionPart, Dropped, Halt, Proposal, 
 from sar_tui.model.step import Entry
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS, SECOND
-from sar_tui.rules.settings.operator import OperatorSettings
+from sar_tui.rules.parameters import TaskParameters
 
 ACTION_TIMEOUT = 40 * SECOND
 """An action that no output reports as over is halted after this time, so that no robot blocks a
@@ -84,7 +84,7 @@ class Arbiter(TimedNode):
         ANSWERED,
     )
 
-    def __init__(self, parameters: OperatorSettings, theme: Theme) -> None:
+    def __init__(self, parameters: TaskParameters, theme: Theme) -> None:
         super().__init__()
         self._parameters = parameters
         self._theme = theme

@@ -7,7 +7,7 @@ from sar_tui.loop.topics import KEY, PERCEIVED, SESSION
 from sar_tui.model.messages import KeyPerceived, KeyPressed, SessionStarted
 from sar_tui.model.units import MS
 from sar_tui.rules.keys import STREAM, is_stream
-from sar_tui.rules.settings.timing import TimingSettings
+from sar_tui.rules.parameters import TaskParameters
 
 
 class Perception(Node):
@@ -23,7 +23,7 @@ class Perception(Node):
     emits = (PERCEIVED,)
 
     def __init__(
-        self, parameters: TimingSettings, seat_of: Callable[[str], str] | None = None
+        self, parameters: TaskParameters, seat_of: Callable[[str], str] | None = None
     ) -> None:
         super().__init__()
         self._repeat_interval = parameters.repeat_interval_ms * MS

@@ -19,7 +19,7 @@ from sar_tui.model.messages import AttemptEnded, Feedback, Message, Proposal, Se
 from sar_tui.model.theme import Theme
 from sar_tui.model.trial_types import Score
 from sar_tui.rules import feedback_choice, judgement
-from sar_tui.rules.feedback.policy import History
+from sar_tui.rules.feedback import History
 from sar_tui.rules.parameters import build
 
 

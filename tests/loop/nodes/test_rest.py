@@ -10,7 +10,7 @@ from sar_tui.model import messages as m
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import SECOND
 from sar_tui.rules.limits import is_rest_due
-from sar_tui.rules.settings.limits import LimitSettings
+from sar_tui.rules.parameters import TaskParameters
 from tests.loop_driver import LoopDriver
 
 NewSession = Callable[..., LoopDriver]
@@ -47,7 +47,7 @@ def resting(new_session: NewSession) -> LoopDriver:
 def test_a_rest_is_due_after_so_many_attempts_or_minutes(
     settings: dict[str, int], attempts: int, minutes: float, due: bool
 ) -> None:
-    assert is_rest_due(LimitSettings(**settings), attempts, minutes) is due
+    assert is_rest_due(TaskParameters(**settings), attempts, minutes) is due
 
 
 def test_enter_does_not_skip_a_rest_and_may_lengthen_it(resting: LoopDriver) -> None:

@@ -1,0 +1,155 @@
+"""Policies of difficulty and feedback by name: included ones, the user's own, and those of packages.
+
+A policy of others is named ``POLICY`` in a module of the user's folder ``policies``, with the name
+of its file (hyphens for underscores), or is an entry point of the group ``sar_tui.policies``. Its
+settings become settings of every task (`parameters.TaskParameters`, which has them found).
+"""
+
+from collections.abc import Collection, Iterable, Mapping
+from pathlib import Path
+from typing import TypeVar
+
+import msgspec
+
+from sar_tui.plugin_calls import check_api, marked_as
+from sar_tui.plugin_loader import Group, PluginError, import_from, user_folder
+from sar_tui.rules import difficulty, feedback
+from sar_tui.rules.declaration import Settings
+from sar_tui.rules.difficulty import DifficultyPolicy
+from sar_tui.rules.feedback import FeedbackPolicy
+
+S = TypeVar("S", bound=Settings)
+Policy = DifficultyPolicy | FeedbackPolicy
+
+_GROUP = Group("sar_tui.policies", "policy")
+DIFFICULTY: dict[str, DifficultyPolicy] = dict(difficulty.INCLUDED)
+"""The choices of the setting ``difficulty_policy``."""
+FEEDBACK: dict[str, FeedbackPolicy] = dict(feedback.INCLUDED)
+"""The choices of the setting ``feedback_schedule``."""
+BY_CHOICE: Mapping[str, Mapping[str, Policy]] = {
+    "difficulty_policy": DIFFICULTY,
+    "feedback_schedule": FEEDBACK,
+}
+"""The policies among which a setting chooses."""
+HEADINGS = {"difficulty_policy": "Difficulty", "feedback_schedule": "Feedback"}
+"""The heading of the settings of those policies."""
+FAILED: dict[str, str] = {}
+"""Why a policy cannot be used, in one sentence, by its name."""
+
+
+def own_settings(kind: type[S], parameters: Settings) -> S:
+    """Return a policy's own settings out of all parameters of a session."""
+    return kind(**{name: getattr(parameters, name) for name in kind.__struct_fields__})
+
+
+def settings_types() -> dict[type[Settings], str]:
+    """Return each type of settings that policies read, in order of the policies' names, with its
+    heading.
+    """
+    return {
+        policy.settings: HEADINGS[choice]
+        for choice, policies in BY_CHOICE.items()
+        for policy in policies.values()
+        if policy.settings.__struct_fields__
+    }
+
+
+def without_effect(values: Mapping[str, object]) -> dict[str, str]:
+    """Return the settings that have no effect beside others, each with the policies that use it:
+    "target".
+
+    Args:
+        values: of the settings, by name. Those of a choice that is not known leave everything in
+            effect.
+    """
+    found: dict[str, str] = {}
+    for choice, policies in BY_CHOICE.items():
+        users: dict[str, list[str]] = {}
+        for name, policy in policies.items():
+            for field in policy.settings.__struct_fields__:
+                users.setdefault(field, []).append(name)
+        if (chosen := values.get(choice)) in policies:
+            found |= {name: " or ".join(of) for name, of in users.items() if chosen not in of}
+    return found
+
+
+def missing(values: Mapping[str, object]) -> dict[str, str]:
+    """Return the choices of policies that do not exist here, each with a sentence."""
+    found = {}
+    for choice, policies in BY_CHOICE.items():
+        name = values.get(choice)
+        if not isinstance(name, str) or name in policies:
+            continue
+        found[choice] = FAILED.get(name) or (
+            f"There is no {HEADINGS[choice].lower()} policy {name or 'with an empty name'} here: "
+            f"install the package that has it, or choose one of {', '.join(policies)}."
+        )
+    return found
+
+
+def find_others(common: Iterable[str]) -> None:
+    """Add the user's own policies and those of packages, or why they cannot be used.
+
+    Args:
+        common: names of the settings that every task has.
+    """
+    taken = set(common)
+    for kind in settings_types():
+        taken |= {*kind.__struct_fields__}
+    folder = user_folder() / "policies"
+    own = {path.stem.replace("_", "-"): path.stem for path in folder.glob("*.py")}
+    for name in sorted(own.keys() | _GROUP.names()):
+        try:
+            policy = _own_policy(folder, own[name]) if name in own else _GROUP.load(name)
+            taken |= _add(name, policy, taken)
+        except PluginError as error:
+            FAILED[name] = str(error)
+
+
+def _own_policy(folder: Path, stem: str) -> object:
+    """Return the policy of a file. Raises PluginError."""
+
+    def load() -> object:
+        module = import_from(folder, "sar_tui_policies", stem)
+        check_api("policy", stem, module)
+        return module.POLICY
+
+    return _GROUP.guarded(stem, stem, load)
+
+
+def _add(name: str, policy: object, taken: Collection[str]) -> set[str]:
+    """Add a policy of others, and return the names of its settings. Raises PluginError.
+
+    Args:
+        name: of the policy.
+        policy: as its author declared it.
+        taken: names of settings that it cannot have.
+    """
+    if not isinstance(policy, DifficultyPolicy | FeedbackPolicy):
+        raise PluginError(f"The policy {name} is neither a DifficultyPolicy nor a FeedbackPolicy.")
+    if name in DIFFICULTY or name in FEEDBACK:
+        raise PluginError(f"The policy {name} has the name of an included one: rename it.")
+    _GROUP.guarded(name, name, lambda: _check_settings(name, policy.settings, taken))
+    if isinstance(policy, DifficultyPolicy):
+        DIFFICULTY[name] = policy._replace(
+            step=marked_as("policy", name, policy.step),
+            goal=policy.goal and marked_as("policy", name, policy.goal),
+            start=marked_as("policy", name, policy.start),
+        )
+    else:
+        FEEDBACK[name] = policy._replace(
+            decide=marked_as("policy", name, policy.decide),
+            recent=marked_as("policy", name, policy.recent),
+        )
+    return {*policy.settings.__struct_fields__}
+
+
+def _check_settings(name: str, kind: type[Settings], taken: Collection[str]) -> None:
+    """Raise an error unless the settings of a policy can be settings of every task."""
+    check_api("policy", name, kind)
+    msgspec.convert(msgspec.to_builtins(kind()), kind)
+    if shared := [field for field in kind.__struct_fields__ if field in taken]:
+        raise PluginError(
+            f"The policy {name} declares {', '.join(shared)}, which is a setting of every task: "
+            "rename it."
+        )

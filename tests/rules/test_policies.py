@@ -1,0 +1,161 @@
+"""A policy is one file: it is found by its name, adds its own settings, and can be used in a
+session.
+"""
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from sar_tui.rules.declaration import ParameterError
+from sar_tui.rules.parameters import TaskParameters, build, fields
+from sar_tui.rules.policies import BY_CHOICE, without_effect
+
+CHOSEN = {"difficulty_policy": "target", "feedback_schedule": "every"}
+POLICIES = {
+    "stride.py": '''
+"""Each attempt raises the level by a stride."""
+
+from typing import Annotated
+
+from sar_tui.api.policy import Difficulty, DifficultyPolicy, Settings, meta
+
+
+class StrideSettings(Settings, frozen=True, kw_only=True):
+    stride: Annotated[int, meta("Stride", "levels", ge=1, le=5)] = 1
+
+
+def step(state, attempt, settings, bounds):
+    return Difficulty(min(state.level + settings.stride, bounds.highest))
+
+
+POLICY = DifficultyPolicy("Each attempt is harder.", StrideSettings, step)
+''',
+    "every_other.py": '''
+"""Feedback on every other attempt."""
+
+from sar_tui.api.policy import Decision, FeedbackPolicy
+
+
+def decide(history, attempt, settings):
+    return Decision(history.since == 2, "Every other attempt gets feedback.")
+
+
+POLICY = FeedbackPolicy(decide, summary="on every other attempt.")
+''',
+    "broken.py": "1 / 0\n",
+    "fixed.py": "from sar_tui.api.policy import DifficultyPolicy\nPOLICY = DifficultyPolicy('')\n",
+    "newer.py": "api = 2\nPOLICY = None\n",
+    "nothing.py": "POLICY = 3\n",
+    "taken.py": """
+from sar_tui.api.policy import DifficultyPolicy, Settings
+
+
+class Taken(Settings, frozen=True, kw_only=True):
+    target_share: float = 1.0
+
+
+POLICY = DifficultyPolicy("", Taken)
+""",
+    "common.py": """
+from sar_tui.api.policy import DifficultyPolicy, Settings
+
+
+class Common(Settings, frozen=True, kw_only=True):
+    threshold: float = 1.0
+
+
+POLICY = DifficultyPolicy("", Common)
+""",
+}
+Program = Callable[..., subprocess.CompletedProcess[str]]
+
+
+@pytest.fixture
+def program(tmp_path: Path) -> Program:
+    """Run a command as a user who has policies of their own."""
+    folder = tmp_path / "config" / "sar-tui" / "policies"
+    folder.mkdir(parents=True)
+    for name, source in POLICIES.items():
+        (folder / name).write_text(source, encoding="utf-8")
+
+    def run(*arguments: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [sys.executable, "-m", "sar_tui", *arguments, "--data", str(tmp_path / "data")],
+            env=os.environ | {"XDG_CONFIG_HOME": str(tmp_path / "config")},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+
+    return run
+
+
+def test_the_names_of_the_policies_are_the_choices_of_a_setting() -> None:
+    declared = {field.name: field for field in fields(TaskParameters)}
+    for choice, policies in BY_CHOICE.items():
+        assert set(declared[choice].choices) == set(policies)
+        assert declared[choice].default in policies
+
+
+def test_a_users_policies_run_a_session_that_replays(program: Program) -> None:
+    settings = (
+        "difficulty_policy=stride",
+        "stride=3",
+        "feedback_schedule=every-other",
+        "prompts_per_attempt=1",
+    )
+    chosen = [word for setting in settings for word in ("--set", setting)]
+    length = ("--user", "competent", "--attempts", "4", "--seed", "1")
+    assert program("simulate", "keyboard", *length, *chosen).returncode == 0
+    attempts = json.loads(program("show", "last", "--json").stdout)["attempts"]
+    assert [row["level"] for row in attempts] == [1, 4, 7, 10]
+    assert [row["feedback"] != "none" for row in attempts] == [False, True, False, True]
+    assert json.loads(program("replay", "last", "--json").stdout)["identical"]
+    shown = json.loads(program("tasks", "show", "keyboard", "--json").stdout)["parameters"]
+    stride = next(row for row in shown if row["name"] == "stride")
+    assert (stride["title"], stride["group"], stride["le"]) == ("Stride", "Difficulty", 5)
+
+
+def test_a_policy_that_cannot_be_used_is_named_with_the_reason(program: Program) -> None:
+    found = json.loads(program("doctor", "--json").stdout)["checks"]
+    (policies,) = [row for row in found if row["name"] == "Policies"]
+    assert policies["state"] == "bad"
+    for sentence in (
+        "The policy broken cannot be loaded: ZeroDivisionError: division by zero.",
+        "The policy fixed has the name of an included one: rename it.",
+        "The policy newer was written for API 2; this program has API 1. Update sar-tui.",
+        "The policy nothing is neither a DifficultyPolicy nor a FeedbackPolicy.",
+        "The policy taken declares target_share, which is a setting of every task: rename it.",
+        "The policy common declares threshold, which is a setting of every task: rename it.",
+    ):
+        assert sentence in policies["found"]
+    done = program(
+        "simulate", "keyboard", "--user", "competent", "--set", "difficulty_policy=broken"
+    )
+    assert done.returncode == 2
+    assert "The policy broken cannot be loaded: ZeroDivisionError" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_policy_that_is_not_there_is_one_problem_with_its_settings() -> None:
+    with pytest.raises(ParameterError) as refused:
+        build(TaskParameters, {"difficulty_policy": "stride", "stride": 3})
+    assert str(refused.value) == (
+        "There is no difficulty policy stride here: install the package that has it, or choose "
+        "one of fixed, one-up-one-down, percentile, sequence, target."
+    )
+
+
+def test_settings_of_policies_that_are_not_chosen_have_no_effect() -> None:
+    found = without_effect(CHOSEN)
+    assert found["percentile_rank"] == "percentile"
+    assert found["consecutive_successes"] == "one-up-one-down"
+    assert found["feedback_tolerance"] == "bandwidth"
+    assert not {"target_share", "target_of", "feedback_every", "threshold"} & found.keys()
+    assert without_effect({"feedback_schedule": "none"})["feedback_every"] == "every or summary"
+    assert not without_effect({"difficulty_policy": "mine", "feedback_schedule": "mine"})
