@@ -179,8 +179,7 @@ class TaskParameters(Settings, frozen=True, kw_only=True):
 
     # Limits
 
-    # Plan of a day, limits of a session and of a day, and forced rests. An attempt begun is always
-    # finished.
+    # An attempt begun is always finished.
 
     session_minutes: Annotated[
         int,
@@ -429,20 +428,23 @@ class TaskParameters(Settings, frozen=True, kw_only=True):
         Mode,
         _operator(
             "Feedback mode",
-            "With an operator: autonomous, the agent acts; veto, it acts unless stopped in time; "
+            help="With an operator: autonomous, the agent acts; veto, it acts unless stopped in time; "
             "approve, it acts when a key is pressed; manual, only the operator acts.",
         ),
     ] = "autonomous"
     operator_encouragement: Annotated[
-        Mode, _operator("Encouragement mode", "As for feedback; includes reminders of rest.")
+        Mode, _operator("Encouragement mode", help="As for feedback; includes reminders of rest.")
     ] = "autonomous"
     operator_instruction: Annotated[
-        Mode, _operator("Instruction mode", "As for feedback; includes greeting and goodbye.")
+        Mode, _operator("Instruction mode", help="As for feedback; includes greeting and goodbye.")
     ] = "autonomous"
     operator_gesture: Annotated[
-        Mode, _operator("Gesture mode", "As for feedback; autonomous: gestures go with their text.")
+        Mode,
+        _operator("Gesture mode", help="As for feedback; autonomous: gestures go with their text."),
     ] = "autonomous"
-    operator_difficulty: Annotated[Mode, _operator("Level mode", "As for feedback.")] = "autonomous"
+    operator_difficulty: Annotated[Mode, _operator("Level mode", help="As for feedback.")] = (
+        "autonomous"
+    )
     operator_time_ms: Annotated[
         int,
         _operator(

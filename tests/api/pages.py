@@ -14,6 +14,7 @@ KEPT = (
     "add-an-output.md",
     "export-data.md",
     "themes-and-words.md",
+    "write-a-policy.md",
     "write-a-node.md",
     "write-your-own-sensor.md",
     "write-your-own-task.md",

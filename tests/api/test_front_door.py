@@ -113,7 +113,7 @@ def loaded_by(statement: str) -> set[str]:
 
 
 def test_a_task_loads_little_and_its_settings_no_numbers_or_screens() -> None:
-    heavy = {"numpy", "textual", "rich", "asyncio", "sqlite3", "importlib.metadata", "platformdirs"}
+    heavy = {"numpy", "textual", "rich", "asyncio", "sqlite3", "importlib.metadata"}
     few = {*heavy, "pathlib", "hashlib", "statistics", "difflib", "random"}
     behind = {"sar_tui.loop.bus", "sar_tui.rules.parameters", "sar_tui.model.messages"}
     by_msgspec = loaded_by("import msgspec")
