@@ -1,4 +1,4 @@
-"""The home screen: participants, tasks and past sessions."""
+"""The home screen: participants, tasks and past sessions, also of other sites."""
 
 import shutil
 from contextlib import closing
@@ -7,15 +7,18 @@ from pathlib import Path
 import pytest
 from textual.widgets import Button, OptionList
 
+from sar_tui.app.screens.pause import PauseMenu
+from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.store import programmes, wellbeing
 from sar_tui.store.database import connect
 from sar_tui.store.locks import hold
 from sar_tui.store.programmes import Programme
 from sar_tui.widgets.marked_list import MarkedList, PickList
-from tests.app.app_driver import OpenApp, OpenSession, known, open_app, stored
+from tests.app.app_driver import OpenApp, OpenSession, known, open_app, plan, stored
 from tests.examples import first
 from tests.sides_task import write_sides
+from tests.store.merge.sites import change, merge, site
 
 
 async def test_arrows_enter_and_a_code_lead_from_a_fresh_start_to_a_session(
@@ -543,3 +546,43 @@ async def test_the_open_list_says_what_is_done_in_the_chosen_task(
         await driver.press("tab")
         assert driver.sees("P01 · Reaching")
         assert not driver.sees("Reach out to a marker")
+
+
+async def test_a_session_of_another_site_is_seen_and_left_as_it_is(
+    data: Path, tmp_path: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    bern = tmp_path / "bern"
+    async with open_app(bern, catalogue, plan(catalogue, keyboard, "P01")) as driver:
+        await driver.answer(await driver.to_first_prompt())
+    change(bern, "INSERT INTO site VALUES (1, 'BERN')")
+    merge(site(data, "ZURICH"), bern)
+    async with open_app(data, catalogue) as driver:
+        assert driver.sees("+ New participant"), "nobody of this site is known yet"
+        assert driver.sees("P01@BERN")
+        assert not driver.sees("Enter resumes")
+        driver.app.screen.query_one("#recent").focus()
+        await driver.settle()
+        assert "Dismiss" not in driver.rows[-1]
+        await driver.press("delete", "enter")
+        assert driver.sees("P01@BERN · Keyboard reaction")
+        await driver.press("escape", "escape", "enter")
+        await driver.write(*"p01@bern")
+        assert driver.sees("P01@BERN is a participant of BERN")
+        await driver.press("escape")
+    assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
+    assert stored(data, "SELECT code, site FROM participants") == [("P01@BERN", "BERN")]
+
+
+@pytest.mark.parametrize("key", ["pageup", "pagedown"])
+async def test_a_page_is_turned_in_a_list_that_is_not_laid_out(
+    open_session: OpenSession, key: str
+) -> None:
+    async with open_session() as driver:
+        await driver.to_first_prompt()
+        await driver.press("escape")
+        menu = driver.app.screen.query_one(PauseMenu)
+        menu._lines.clear()
+        menu._index_to_line.clear()
+        getattr(menu, f"action_{key[:4]}_{key[4:]}")()
+        await driver.settle()
+        assert driver.app.is_running

@@ -1,12 +1,22 @@
-"""A session as its participant sees it, from the instructions to the summary."""
+"""A session on its screen, from the instructions to the summary; rests, resuming, typed text and answers to trials."""
 
+from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
+from textual.widget import Widget
 
+from sar_tui.app import session_start
+from sar_tui.loop.task import Task
+from sar_tui.model.messages import SessionCommand
 from sar_tui.plugins import Catalogue
-from tests.app.app_driver import OpenApp, OpenSession, known, stored
+from sar_tui.rules.parameters import build
+from sar_tui.runs.plan import Plan
+from tests.app.app_driver import AppDriver, OpenApp, OpenSession, known, open_app, plan, stored
+from tests.documented import write_documented
 from tests.examples import first
+from tests.runs.test_resume import interrupted
+from tests.tasks.test_documented_tasks import documented
 
 
 async def test_a_session_from_the_instructions_to_the_summary(
@@ -313,3 +323,178 @@ async def test_two_keys_in_one_burst_close_the_summary_once(
         await driver.write(*keys)
         await driver.settle()
         assert (driver.app.failure, driver.app.return_code) == ("", 0)
+
+
+@pytest.fixture
+async def two_back(data: Path, tmp_path: Path) -> AsyncIterator[AppDriver]:
+    """A session of the documented task, on its first prompt."""
+    catalogue = documented(tmp_path / "mytasks", "twoback")
+    kind = catalogue.task("twoback")
+    parameters = build(kind.Parameters, {"attempts": 3, "feedback_schedule": "none"})
+    async with open_app(data, catalogue, Plan(kind, parameters, "calm", "P01", seed=7)) as driver:
+        await driver.to_first_prompt()
+        yield driver
+
+
+async def test_the_screen_says_that_the_next_attempt_begins_by_itself(two_back: AppDriver) -> None:
+    for _ in range(19):
+        await two_back.to_prompt()
+    await two_back.wait(2100)
+    assert two_back.waiting.stage == "attempt"
+    assert two_back.sees("The next one begins by itself.")
+    assert not two_back.sees("Press Enter")
+    assert (await two_back.to_prompt()).attempt == 2
+
+
+async def test_the_screen_says_that_an_attempt_begins_again_and_counts_it_once(
+    two_back: AppDriver,
+) -> None:
+    await two_back.to_prompt()
+    await two_back.press("escape")
+    assert two_back.app.live
+    two_back.app.live.operate(SessionCommand(command="resume"))
+    await two_back.settle()
+    assert two_back.sees("This attempt begins again.")
+    assert two_back.sees("Attempts 0 of 3")
+    assert (await two_back.begin()).attempt == 2
+    assert two_back.sees("Attempt 1 of 3")
+
+
+async def test_the_rest_tells_the_time_that_is_left_until_enter_helps_again(
+    opened: OpenApp, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    resting = plan(
+        catalogue, keyboard, attempts=3, rest_after_attempts=1, rest_seconds=65, encouragement=False
+    )
+    async with opened(resting) as driver:
+        await driver.do_attempt(await driver.to_first_prompt())
+        assert driver.sees("A short rest We go on in 1 minute 5 seconds.")
+        await driver.wait(4000)
+        assert "Now a rest. Put your hands down for a while." in driver.said
+        assert driver.app.screen.stage.agent.widget.face == "sleeping"  # type: ignore[attr-defined]
+        await driver.press("enter")
+        await driver.wait(56_400)
+        assert driver.sees("We go on in 5 seconds.")
+        await driver.wait(5000)
+        assert driver.sees("Press Enter for attempt 2 of 3.")
+        assert driver.said == "Start when you are ready."
+        assert not driver.sees("you ━"), "the agent speaks of something else"
+
+
+async def test_the_therapist_ends_the_rest_from_the_pause_menu(
+    opened: OpenApp, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    resting = plan(catalogue, keyboard, rest_after_attempts=1)
+    async with opened(resting) as driver:
+        await driver.do_attempt(await driver.to_first_prompt())
+        await driver.press("escape", "up", "enter")
+        assert driver.sees("End the rest")
+        await driver.press("enter")
+        assert driver.sees("Press Enter for attempt 2 of 2.")
+        ended = [act for act in driver.messages("operator/act") if act["command"] == "skip"]
+        assert [(act["actor"], act["reason"]) for act in ended] == [("therapist", "rest")]
+
+
+@pytest.mark.parametrize("seconds", [0.0, 60.0])
+async def test_the_progress_of_a_long_replay_is_painted(
+    opened: OpenApp, seconds: float, data: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    painted: list[str] = []
+    paint = session_start.paint_now
+
+    def watched(widget: Widget, *, in_place: bool) -> None:
+        painted.append(str(widget.render()))
+        paint(widget, in_place=in_place)
+
+    monkeypatch.setattr(session_start, "paint_now", watched)
+    monkeypatch.setattr(session_start, "_SHOWN_AFTER_S", seconds)
+    monkeypatch.setattr(session_start, "_PAINTED_EVERY_S", 0.0)
+    async with opened(interrupted(data, "long", 400)) as driver:
+        assert driver.screen_name == "SessionScreen"
+    if seconds:
+        assert painted == []
+    else:
+        assert painted[0].startswith("The session goes on where it stopped: ")
+        shares = [int(text.split()[-2]) for text in painted]
+        assert len(set(shares)) > 5
+        assert shares == sorted(shares)
+
+
+async def test_digits_are_echoed_as_they_are_typed_and_sent_with_enter(
+    data: Path, tmp_path: Path
+) -> None:
+    folder = write_documented(tmp_path / "mytasks", "digitspan")
+    catalogue = Catalogue(tasks=(folder.parent,))
+    task = catalogue.task("digitspan")
+    plan = Plan(task, build(task.Parameters, {"attempts": 1}), "calm", "P01", seed=7)
+    async with open_app(data, catalogue, plan) as driver:
+        prompt = await driver.to_first_prompt()
+        for _ in prompt.expected:
+            await driver.wait(800)
+        assert driver.sees("Type the digits.")
+        await driver.press("4", "a")
+        assert driver.sees("4_")
+        await driver.press("7")
+        assert driver.sees("47_")
+        await driver.press("backspace")
+        assert driver.sees("4_")
+        assert not driver.sees("47_")
+        assert driver.stored("SELECT count(*) FROM trials") == [(0,)]
+        await driver.press("enter")
+        await driver.wait(100)
+        assert not driver.sees("4_")
+        assert driver.stored("SELECT response, correct FROM trials") == [("4", 0)]
+
+
+def glyphs(driver: AppDriver) -> list[str]:
+    """The signs on the screen, each as often as it stands there."""
+    return [character for character in driver.text if character in "✓✗"]
+
+
+async def test_a_tick_and_a_cross_are_shown_and_stamped(open_session: OpenSession) -> None:
+    async with open_session(trial_feedback_ms=700) as driver:
+        prompt = await driver.to_first_prompt()
+        assert glyphs(driver) == []
+        await driver.answer(prompt)
+        assert "✓" in glyphs(driver)
+        assert not driver.sees(prompt.text)
+        assert driver.waiting.what == "result"
+        await driver.wait(800)
+        assert glyphs(driver) == []
+        await driver.wait(1500)
+        await driver.press("#")
+        assert "✗" in glyphs(driver)
+        await driver.wait(800)
+        assert glyphs(driver) == []
+        shown = driver.messages("screen/trial_feedback")
+        assert [(one["attempt"], one["trial"], one["source"]) for one in shown] == [
+            (1, 1, "refresh"),
+            (1, 2, "refresh"),
+        ]
+
+
+async def test_a_pause_covers_it(open_session: OpenSession) -> None:
+    async with open_session(trial_feedback_ms=700) as driver:
+        await driver.answer(await driver.to_first_prompt())
+        await driver.press("escape")
+        assert driver.waiting.stage == "paused"
+        assert glyphs(driver) == []
+
+
+async def test_a_prompt_that_follows_at_once_takes_its_place(data: Path, tmp_path: Path) -> None:
+    file = write_documented(tmp_path / "mytasks", "harvest") / "task.py"
+    source = file.read_text("utf-8")
+    file.write_text(
+        source.replace("class Harvest(Task):", "class Harvest(Task):\n    has_foreperiod = False"),
+        "utf-8",
+    )
+    catalogue = Catalogue(tasks=(tmp_path / "mytasks",))
+    kind = catalogue.task("harvest")
+    async with open_app(
+        data, catalogue, Plan(kind, build(kind.Parameters, {}), "calm", "P01", seed=7)
+    ) as driver:
+        await driver.answer(await driver.to_first_prompt())
+        assert driver.sees("0")
+        assert not driver.sees("Left or right?")
+        assert (await driver.to_prompt()).trial == 2
+        assert driver.sees("Left or right?")

@@ -1,6 +1,4 @@
-"""The app keeps running in a window of any size, on every screen, and draws again what was
-there.
-"""
+"""Screens in windows of several sizes; texts are larger where there is room."""
 
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
@@ -10,11 +8,13 @@ import pytest
 from textual.widgets import OptionList
 
 from sar_tui.app.agent.app import AgentApp
+from sar_tui.app.screens.message_panel import large_message
+from sar_tui.app.screens.waiting_text import WaitingText
 from sar_tui.model.theme import Theme
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.widgets.choice import Choice
-from tests.app.app_driver import SHORT, AppDriver, OpenApp, known, open_app, plan
+from tests.app.app_driver import SHORT, AppDriver, OpenApp, OpenSession, known, open_app, plan
 from tests.app.test_agent_view import Link
 from tests.examples import first
 from tests.sides_task import write_sides
@@ -252,3 +252,36 @@ async def test_the_agent_in_a_window_of_its_own_survives_any_size(calm: Theme) -
         for size in SIZES:
             await pilot.resize_terminal(*size)
         assert app.is_running
+
+
+TEXT = WaitingText(
+    "Welcome", "A key appears.\nPress that key.\n\nYou may rest.", "Press Enter to go on.", "Enter"
+)
+
+
+def test_the_key_comes_first_then_air_then_the_headline() -> None:
+    def larger(height: int) -> tuple[bool, bool, bool]:
+        message = large_message(TEXT, 88, height)
+        assert message.press == TEXT.press
+        return bool(message.key), message.text != TEXT.text, message.headline != TEXT.headline
+
+    assert larger(10) == (False, False, False)
+    assert larger(15) == (True, False, False)
+    assert larger(17) == (True, True, False)
+    assert larger(30) == (True, True, True)
+
+
+def test_a_headline_of_several_words_or_without_large_letters_stays_as_it_is() -> None:
+    for headline in ("Now level 2.", "Bienvenidísimos", "続き"):
+        assert large_message(TEXT._replace(headline=headline), 88, 40).headline == headline
+
+
+async def test_only_a_large_window_draws_the_key(open_session: OpenSession) -> None:
+    async with open_session() as driver:
+        assert "█" not in driver.text
+        await driver.resize(100, 30)
+        assert "█" in driver.text
+        assert driver.sees("Press that key as fast as you can, and then wait for the next one.")
+        assert driver.sees("Press Enter to go on.")
+        await driver.resize(80, 24)
+        assert "█" not in driver.text

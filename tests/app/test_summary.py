@@ -1,6 +1,4 @@
-"""The summary of a session: its plot never falls for the participant, and it may be removed before
-it is drawn.
-"""
+"""The summary of a session: its facts, its plot, and the earlier session beside it."""
 
 from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from pathlib import Path
@@ -12,8 +10,11 @@ from sar_tui.app.screens.summary import Summary
 from sar_tui.model.messages import AttemptEnded
 from sar_tui.model.trial_types import Metric
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import build
+from sar_tui.runs.plan import Plan
 from sar_tui.store import sessions
-from tests.app.app_driver import OpenSession, open_app
+from tests.app.app_driver import AppDriver, OpenSession, open_app
+from tests.tasks.test_documented_tasks import documented
 
 TIME = Metric("reaction_time", "ms", "lower")
 
@@ -118,3 +119,64 @@ async def test_a_summary_without_its_parts_draws_nothing(open_session: OpenSessi
         await driver.settle()
         summary.on_resize()
         assert driver.app.is_running
+
+
+async def to_comparison(driver: AppDriver) -> None:
+    await driver.do_session()
+    await driver.app.workers.wait_for_complete(
+        [each for each in driver.app.workers if each.name == "comparison"]
+    )
+    await driver.settle()
+
+
+@pytest.mark.slow
+async def test_only_a_later_session_with_the_same_settings_has_a_comparison(
+    open_session: OpenSession,
+) -> None:
+    compared = []
+    for settings in ({}, {}, {"threshold": 900.0}):
+        async with open_session(max_level=1, **settings) as driver:
+            await to_comparison(driver)
+            assert driver.sees("You did 2 attempts; goal reached in 2.")
+            compared.append(driver.sees("Today 0.40 seconds, "))
+    assert compared == [False, True, False]
+
+
+@pytest.mark.slow
+async def test_a_session_is_played_and_its_screens_show_no_result(
+    data: Path, tmp_path: Path
+) -> None:
+    catalogue = documented(tmp_path / "mytasks", "pleasant")
+    kind = catalogue.task("pleasant")
+    plan = Plan(kind, build(kind.Parameters, {"attempts": 2}), "calm", "P01", seed=7)
+    async with open_app(data, catalogue, plan) as driver:
+        await driver.press("enter")
+        assert not driver.sees("goal")
+        for _ in range(2):
+            await driver.begin()
+            for trial in range(4):
+                if trial:
+                    await driver.to_prompt()
+                await driver.wait(500)
+                await driver.press("7")
+        assert driver.waiting.stage == "review"
+        await driver.see_the_summary()
+        assert driver.sees("You did 2 attempts.")
+        assert "goal" not in driver.text
+        assert [fault.error for fault in driver.session.faults] == []
+        rows = driver.stored(
+            "SELECT metric, goal, outcome, json_extract(qualities, '$.mean_rating') FROM attempts"
+        )
+        assert rows == [(None, None, "none", 7.0)] * 2
+    async with open_app(data, catalogue) as driver:
+        assert driver.sees("20 × 4 · start level 1")
+        assert driver.sees("Today: 2 attempts")
+        assert "of 2 reached" not in driver.text
+        await driver.press("f4")
+        assert driver.sees("How pleasant?")
+        assert "level at goal is not known" not in driver.text
+        for _ in range(6):
+            await driver.press("right")
+        await driver.press("escape", "f6", "enter")
+        assert driver.screen_name == "PastSessionScreen"
+        assert driver.sees("You did 2 attempts.")

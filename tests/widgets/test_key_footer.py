@@ -1,12 +1,15 @@
-"""The footer: it lists the keys that work, and keeps its widgets while the focus moves."""
+"""The footer is composed only when its keys change; lists turn over by pages at any time."""
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
+from rich.style import Style
+from textual import events
 from textual.app import App, ComposeResult
 from textual.binding import Binding, BindingType
 from textual.widgets import Button
 
 from sar_tui.widgets.key_footer import KeyFooter
+from sar_tui.widgets.option_list import OptionList
 
 
 class Saving(App[None]):
@@ -84,3 +87,25 @@ async def test_without_other_keys_the_palette_is_shown() -> None:
         await pilot.pause()
         await pilot.pause()
         assert "palette" in [key.description for key in app.query("FooterKey")]  # type: ignore[attr-defined]
+
+
+class OneList(App[Any]):
+    selected = 0
+
+    def compose(self) -> ComposeResult:
+        yield OptionList("one", "two", "three")
+
+    def on_option_list_option_selected(self) -> None:
+        self.selected += 1
+
+
+async def test_a_click_at_an_option_that_has_been_taken_away_selects_nothing() -> None:
+    app = OneList()
+    async with app.run_test() as pilot:
+        options = app.query_one(OptionList)
+        options.clear_options().add_option("another")
+        for index in (2, 0):
+            how = {"screen_x": 1, "screen_y": 1, "style": Style(meta={"option": index})}
+            options.post_message(events.Click(options, 1, 1, 0, 0, 1, False, False, False, **how))
+        await pilot.pause()
+        assert app.selected == 1

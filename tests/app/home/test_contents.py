@@ -1,20 +1,36 @@
-"""Contents of a participant's card: the verdict is that of the progress screen, however long the
-history.
-"""
+"""The contents of the home screen: a participant's card, the list of sessions, and their words."""
 
+from collections.abc import Sequence
 from contextlib import closing
-from datetime import date
+from datetime import UTC, date, datetime
 from pathlib import Path
 
 import pytest
 
 from sar_tui.app.home import contents
-from sar_tui.app.home.words import progress_words
+from sar_tui.app.home.session_list import Line, Table
+from sar_tui.app.home.words import (
+    Programme,
+    bars,
+    day_words,
+    last_words,
+    offer_words,
+    programme_words,
+    progress_words,
+    short,
+    waits_words,
+)
 from sar_tui.loop.task import Task
+from sar_tui.model.language import Language
+from sar_tui.model.results_for_people import short_goal
+from sar_tui.model.trial_types import Metric
 from sar_tui.plugins import Catalogue
+from sar_tui.progress.lines import SessionResults
+from sar_tui.progress.task_level import AttemptResult
+from sar_tui.reports import progress_words as report_words
 from sar_tui.reports.progress import progress
 from sar_tui.store.database import connect
-from tests.progress.session_results import adapted, session
+from tests.progress.session_results import adapted, at_one_level, session
 
 
 @pytest.mark.parametrize("last", [300.0, 450.0, 600.0])
@@ -40,3 +56,171 @@ def test_the_card_and_the_progress_screen_give_one_verdict_after_many_sessions(
     assert line.verdict == {300.0: "more", 450.0: "noise", 600.0: "less"}[last]
     assert card.progress == progress_words(line, 1)
     assert len(card.chart.bars) == 25
+
+
+TODAY = date(2026, 11, 22)
+
+
+def line(
+    task: str = "Keyboard reaction", note: str = "", levels: tuple[int, ...] = (1, 2, 3)
+) -> Line:
+    return Line(date(2026, 11, 17), "14:05", "P01", task, levels, "0.95 s", "2 of 3", 14, note)
+
+
+def test_a_session_is_a_line_of_results() -> None:
+    table = Table([line()], 72, TODAY, names_who=False)
+    assert table.heading == "Date        Level Result Reached  Levels"
+    assert (
+        table.draw(line(note="tired 3")).plain
+        == "Tue 17 Nov  1→3   0.95 s 2 of 3   ▁▂▃     tired 3"
+    )
+
+
+def test_tasks_are_named_if_they_differ_and_people_if_there_are_several() -> None:
+    assert "Task" in Table([line(), line("Pairs")], 72, TODAY, names_who=False).heading
+    assert Table([line()], 72, TODAY, names_who=True).heading.split() == [
+        "Date",
+        "Who",
+        "Task",
+        "Reached",
+        "Levels",
+    ]
+
+
+def test_a_note_that_needs_room_takes_that_of_the_levels() -> None:
+    table = Table([line(), line("Pairs")], 72, TODAY, names_who=True)
+    drawn = table.draw(line(note="interrupted: Enter resumes")).plain
+    assert drawn == "Tue 17 Nov  P01      Keyboard re… 2 of 3   interrupted: Enter resumes"
+
+
+def test_more_room_shows_more() -> None:
+    table = Table([line()], 130, TODAY, names_who=False)
+    assert table.heading.split() == [
+        "Date",
+        "Time",
+        "Level",
+        "Result",
+        "Reached",
+        "Levels",
+        "Minutes",
+    ]
+    assert "14 min" in table.draw(line()).plain
+
+
+@pytest.mark.parametrize("width", [20, 72, 90, 152])
+@pytest.mark.parametrize("names_who", [True, False])
+def test_no_line_is_longer_than_its_room(width: int, names_who: bool) -> None:
+    lines = [
+        line(note="interrupted: Enter resumes, pain 6, tired 7", levels=tuple(range(1, 60))),
+        line("Pairs"),
+    ]
+    table = Table(lines, width, TODAY, names_who=names_who)
+    assert all(len(table.draw(each).plain) <= width for each in lines)
+
+
+TODAY = date(2026, 11, 22)
+TIME = Metric("reaction_time", "ms", "lower")
+TAPS = Metric("taps", "taps", "higher")
+
+
+@pytest.mark.parametrize(
+    ("day", "said"),
+    [
+        (date(2026, 11, 22), "today"),
+        (date(2026, 11, 21), "yesterday"),
+        (date(2026, 11, 17), "Tue 17 Nov"),
+        (date(2025, 11, 3), "3 Nov 2025"),
+    ],
+)
+def test_a_date_is_said_as_people_say_it(day: date, said: str) -> None:
+    assert day_words(day, TODAY) == said
+
+
+def test_people_read_seconds_and_other_units_as_they_are() -> None:
+    assert (short(TIME, 953.4), short_goal(TIME, 1000), short_goal(TIME, 850)) == (
+        "0.95 s",
+        "1.0 s",
+        "0.85 s",
+    )
+    assert (short(TAPS, 12), short_goal(TAPS, 12)) == ("12 taps", "12 taps")
+
+
+def test_a_programme_is_said_in_a_line_that_fits() -> None:
+    programme = Programme(version=3, attempts=10, prompts=20, goal="1.0 s", level=4)
+    assert programme_words(programme, is_roomy=False) == "v3: 10 × 20 · goal 1.0 s · start level 4"
+    assert (
+        programme_words(programme, is_roomy=True)
+        == "version 3: 10 attempts of 20 · goal 1.0 s · start level 4"
+    )
+    never_saved = Programme(version=0, attempts=1, prompts=1, goal="", level=1)
+    assert (
+        programme_words(never_saved, is_roomy=True) == "none saved: 1 attempt of 1 · start level 1"
+    )
+
+
+@pytest.mark.parametrize("base", [50.0, 450.0, 750.0])
+def test_the_card_and_the_note_give_one_verdict(keyboard: type[Task], base: float) -> None:
+    played = [
+        *(session(number, adapted(number)) for number in range(5)),
+        session(9, adapted(9, base=base)),
+    ]
+    (line,) = progress("P01", played, {"keyboard": keyboard}.get).lines
+    note = report_words.note("P01", line, Language())
+    card, sentence = {
+        50.0: (
+            "better than noise and practice explain",
+            "is better than that: a change that noise and practice do",
+        ),
+        450.0: ("no change can be shown", "no change can be shown"),
+        750.0: ("worse than noise explains", "is worse than that: a change that noise does not"),
+    }[base]
+    assert sentence in note
+    assert line.sessions[-1].at_goal is not None
+    assert progress_words(line, 0) == f"Level {line.sessions[-1].at_goal.level:.1f} at goal: {card}"
+    assert progress_words(line, 5).endswith(f"{card} (5 with other settings)")
+
+
+def test_the_card_says_which_session_the_verdict_is_on(keyboard: type[Task]) -> None:
+    played = [session(number, adapted(number)) for number in range(5)]
+    easy = [session(9, at_one_level(9, 400.0))]
+
+    def said(sessions: Sequence[SessionResults]) -> str:
+        return progress_words(progress("P01", sessions, {"keyboard": keyboard}.get).lines[-1], 0)
+
+    assert said(played[:3]).endswith("at goal: change not yet known")
+    assert said([*played, *easy]) == (
+        "Last session all too easy. 2026-03-03: Level 3.2 at goal, no change can be shown"
+    )
+    assert (
+        said([session(1, [AttemptResult(level, 400.0, 20) for level in (1, 2, 3)])])
+        == "Last session all too easy"
+    )
+    assert said(easy) == "Mean 0.41 s at level 3: change not yet known"
+
+
+def test_the_last_session_is_a_sentence() -> None:
+    last = session(
+        0, at_one_level(0, 900.0), began=datetime(2026, 11, 17, 10, tzinfo=UTC), reached=7
+    )
+    assert last_words(last, "tired 3", TODAY) == "Tue 17 Nov: 7 of 12 reached, tired 3"
+    nothing = session(0, [], began=datetime(2026, 11, 21, 10, tzinfo=UTC), status="aborted")
+    assert last_words(nothing, "", TODAY) == "Yesterday: no attempt was finished, ended early"
+
+
+def test_an_interrupted_session_is_offered_with_its_keys() -> None:
+    assert offer_words(TODAY, 3, 20, TODAY) == (
+        "Interrupted today after 3 of 20. F6 and Enter go on with it, Del dismisses it."
+    )
+
+
+def test_pain_marks_a_participant_before_all_else() -> None:
+    assert waits_words(is_interrupted=True, pain="pain 6") == "pain 6"
+    assert waits_words(is_interrupted=True, pain="", is_due=True) == "unfinished"
+    assert waits_words(is_interrupted=False, pain="", is_due=True) == "due"
+    assert waits_words(is_interrupted=False, pain="") == ""
+
+
+def test_a_bar_is_as_high_as_its_level() -> None:
+    assert bars([1, 2, 8], 3, 10) == "▁▂█"
+    assert bars([1, 8, 16], 16, 10) == "▁▄█"
+    assert bars([1, 2, 3], 3, 2) == "▂▃", "the newest remain"
