@@ -49,7 +49,7 @@ def check(
     Without --repair nothing is changed, and a session may go on meanwhile.
     """
     from sar_tui.store.database import FILE
-    from sar_tui.store.integrity import counts, flaws, interrupted, without_hashes
+    from sar_tui.store.integrity import counts, flaws, interrupted
     from sar_tui.store.repair import repair
     from sar_tui.store.troubles import may_have_any, troubles
 
@@ -65,7 +65,6 @@ def check(
         is_readable = not any(flaw.kind == "file" for flaw in found)
         number = counts(database) if is_readable else {}
         stopped = interrupted(database, home.folder) if is_readable else []
-        unhashed = without_hashes(database) if is_readable else 0
     if as_json:
         print_json(
             {
@@ -74,7 +73,6 @@ def check(
                 "troubles": waiting,
                 "rows": number,
                 "interrupted": stopped,
-                "without_hashes": unhashed,
             }
         )
     else:
@@ -83,11 +81,6 @@ def check(
         _print(found, waiting, number, home.folder)
         for session in stopped:
             print(f"· {session}: This session was interrupted; what was recorded is here.")
-        if unhashed:
-            print(
-                f"· Sessions recorded before data version 22: {unhashed}. A change of their log "
-                "would not show."
-            )
     if found or waiting:
         raise typer.Exit(FAILED)
 

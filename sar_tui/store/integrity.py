@@ -175,17 +175,6 @@ def _changed(database: sqlite3.Connection, progress: Progress) -> Iterator[Flaw]
         yield from (Flaw("rows", session, fault) for fault in examined.rows)
 
 
-def without_hashes(database: sqlite3.Connection) -> int:
-    """Return the number of sessions that were recorded before there were hashes: no change of their
-    log is found.
-    """
-    (count,) = database.execute(
-        "SELECT count(*) FROM sessions WHERE log_hash='' AND id NOT IN (SELECT session FROM "
-        "log_hashes)"
-    ).fetchone()
-    return int(count)
-
-
 def _lost_trials(database: sqlite3.Connection) -> Iterator[Flaw]:
     """Yield attempts and trials that lack each other. Only the last attempt may have trials and no
     row: it stopped.

@@ -3,7 +3,7 @@
 import json
 import sqlite3
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import closing
 from itertools import product
 from typing import Any, NamedTuple
@@ -34,14 +34,10 @@ class Examined(NamedTuple):
     """A session, examined.
 
     Attributes:
-        is_hashed: False if it, or its beginning, was recorded before there were hashes: nothing
-            shows a change of the log then, and rows are compared with the log as far as the program
-            kept them at that time.
         log: what was changed in its log and what is stored with it, in sentences.
         rows: what was changed in the rows that follow from the log.
     """
 
-    is_hashed: bool
     log: tuple[str, ...] = ()
     rows: tuple[str, ...] = ()
 
@@ -59,11 +55,7 @@ def altered(database: sqlite3.Connection) -> list[str]:
     """Return the sessions whose rows are not as they follow from their log, where the log is as it
     was recorded.
     """
-    return [
-        session
-        for session, found in examine(database)
-        if found.is_hashed and found.rows and not found.log
-    ]
+    return [session for session, found in examine(database) if found.rows and not found.log]
 
 
 def _examined(
@@ -74,11 +66,10 @@ def _examined(
         "SELECT status, ended_at, log_hash FROM sessions WHERE id=?", (session,)
     ).fetchone()
     if found is None:  # its id is damaged, which is told elsewhere
-        return Examined(False)
+        return Examined()
     status, ended_at, last = found
     if not groups:
-        log = ["The hashes of its log were removed."] if last else []
-        return _with_rows(Examined(False, tuple(log)), session, derivation)
+        return _with_rows(Examined((_REMOVED,)), session, derivation)
     listed = [entry for group in groups for entry in group.beside]
     log = [
         *_changed_groups(database, session, people, groups),
@@ -86,13 +77,14 @@ def _examined(
     ]
     if groups[-1].hash != last:
         log.append("The last hash of its log is not the one in the row of the session.")
-    if ["adopted"] in listed:
-        return _with_rows(Examined(False, tuple(log)), session, derivation)
     # what follows is lost, too
     if log and messages.count(database, session, groups[-1].until) < groups[-1].until:
-        return Examined(True, tuple(log))
+        return Examined(tuple(log))
     ends = _changed_end(database, session, status, ended_at, listed)
-    return _with_rows(Examined(True, tuple(log), tuple(ends)), session, derivation)
+    return _with_rows(Examined(tuple(log), tuple(ends)), session, derivation)
+
+
+_REMOVED = "The hashes of its log were removed."
 
 
 def _with_rows(found: Examined, session: str, derivation: "Derivation") -> Examined:
@@ -104,10 +96,8 @@ def _with_rows(found: Examined, session: str, derivation: "Derivation") -> Exami
             "Messages of it cannot be read by this version of sar-tui, so that its rows "
             "cannot be compared."
         )
-        return found._replace(log=(*found.log, unread)) if found.is_hashed else found
-    return found._replace(
-        rows=(*found.rows, *derivation.differences(session, as_kept=not found.is_hashed))
-    )
+        return found._replace(log=(*found.log, unread))
+    return found._replace(rows=(*found.rows, *derivation.differences(session)))
 
 
 # --- the log
@@ -278,8 +268,7 @@ class Derivation:
     def derive(self, session: str) -> bool:
         """Derive the rows of a session. Return False if a message cannot be read.
 
-        Without hashes nothing tells the groups: all messages of a run are taken for one. Then a
-        topic that is not known here is not passed over, either.
+        Without hashes nothing tells the groups: all messages of a run are taken for one.
         """
         for table in DERIVED:
             self._memory.execute(f"DELETE FROM {table}")
@@ -288,8 +277,6 @@ class Derivation:
         number = 0
         waiting: list[Record] = []
         run = 0
-        if not ends and not self._knows_topics(session):  # rows may have followed from one once
-            return False
         for row in messages.stored_rows(self._database, session, topics=_TOPICS):
             while number < len(ends) and row.seq > ends[number]:
                 self._store(session, run, waiting)
@@ -304,13 +291,6 @@ class Derivation:
         self._store(session, run, waiting)
         return True
 
-    def _knows_topics(self, session: str) -> bool:
-        """Return True if this version knows all topics of a session's messages."""
-        found = self._database.execute(
-            "SELECT DISTINCT topic FROM events WHERE session=?", (session,)
-        )
-        return all(topic in ALL for (topic,) in found)
-
     def _store(self, session: str, run: int, records: list[Record]) -> None:
         if not records:
             return
@@ -320,17 +300,10 @@ class Derivation:
             if found[kind]:
                 self._memory.executemany(statement, found[kind])
 
-    def differences(self, session: str, *, as_kept: bool = False) -> Iterator[str]:
-        """Yield how the rows of a session differ from those that were derived.
-
-        Args:
-            as_kept: compare only columns, and fields of JSON, that are filled in some row of the
-                session: an earlier version of the program kept no others.
-        """
+    def differences(self, session: str) -> Iterator[str]:
+        """Yield how the rows of a session differ from those that were derived."""
         for table in DERIVED:
-            yield from self._difference(table, session, as_kept)
-        if as_kept:
-            return
+            yield from self._difference(table, session)
         said = Counter((seat, question) for _, seat, question, _ in self._pauses)
         stored = Counter(
             self._database.execute(
@@ -342,7 +315,7 @@ class Derivation:
         if said != stored:
             yield "Its pauses for pain or tiredness are not those of its log."
 
-    def _difference(self, table: str, session: str, as_kept: bool) -> Iterator[str]:
+    def _difference(self, table: str, session: str) -> Iterator[str]:
         stored, derived = (
             self._rows(database, table, session) for database in (self._database, self._memory)
         )
@@ -350,9 +323,9 @@ class Derivation:
         here, there = here - there, there - here
         if not here and not there:
             return
-        kept = [_kept(values) for values in zip(*stored, strict=True)] if as_kept else []
         more_rows, fewer_rows = (
-            Counter(_comparable_row(row, kept) for row in each.elements()) for each in (here, there)
+            Counter(repr(tuple(map(_comparable, row))) for row in each.elements())
+            for each in (here, there)
         )
         more, less = (more_rows - fewer_rows).total(), (fewer_rows - more_rows).total()
         if not more and not less:
@@ -393,29 +366,6 @@ class Derivation:
             "UPDATE sessions SET status=?, ended_at=? WHERE id=?",
             (status, _end(listed_beside), session),
         )
-
-
-def _kept(stored: Sequence[Any]) -> Callable[[Any], Any]:
-    """Return what remains of a value of a column to compare it, by what rows of an earlier version
-    have in it.
-    """
-    values = [_comparable(value) for value in stored]
-    if all(value in (None, "", {}) for value in values):
-        return lambda value: None
-    fields = {name for value in values if isinstance(value, dict) for name in value}
-    return lambda value: (
-        {name: part for name, part in value.items() if name in fields}
-        if isinstance(value, dict)
-        else value
-    )
-
-
-def _comparable_row(row: tuple[Any, ...], kept: Sequence[Callable[[Any], Any]]) -> str:
-    """Return a row as a text that is the same for rows that agree."""
-    values = map(_comparable, row)
-    return repr(
-        [one(value) for one, value in zip(kept, values, strict=True)] if kept else list(values)
-    )
 
 
 def _comparable(value: Any) -> Any:

@@ -25,8 +25,7 @@ SET_LAST = "UPDATE sessions SET log_hash=? WHERE id=?"
 
 Entry = list[Any]
 """A row beside the messages, by kind and key: ``["facts"]``, ``["run", 1]``, ``["stream", 1]``,
-``["chunk", 1, 2]``; or ``["ended", time]``; or ``["adopted"]``, if what was before was not hashed
-as it was recorded.
+``["chunk", 1, 2]``; or ``["ended", time]``.
 """
 
 _FACTS = "id, task, theme, started_at, seed, parameters, software, machine, mode, programme"
@@ -51,7 +50,7 @@ class Last(NamedTuple):
 
 
 def last(database: sqlite3.Connection, session: str) -> Last | None:
-    """Return the last group of a session; None if it was recorded before there were hashes."""
+    """Return the last group of a session; None if its hashes were removed."""
     found = database.execute(
         "SELECT number, seq, hash FROM log_hashes WHERE session=? ORDER BY number DESC LIMIT 1",
         (session,),
@@ -83,26 +82,20 @@ def begin(connection: sqlite3.Connection, session: str) -> None:
 def extend(connection: sqlite3.Connection, session: str, *beside: Entry) -> None:
     """Store a group with all messages that are in none yet, in a transaction of the caller.
 
-    A session without hashes stays so, unless a run begins on it: what is there then is hashed as it
-    is.
+    A session whose hashes were removed gets none, so that this shows.
     """
-    before = last(connection, session)
-    if before is None and beside and beside[0][0] == "run":
-        known = [entry for entry in entries_there(connection, session) if entry != beside[0]]
-        before = _store(connection, session, Last(0, 0, ""), [["adopted"], ["facts"], *known])
-    if before:
+    if before := last(connection, session):
         _store(connection, session, before, beside)
 
 
 def _store(
     connection: sqlite3.Connection, session: str, before: Last, beside: Iterable[Entry]
-) -> Last:
+) -> None:
     hashed = [(entry, entry_hash(connection, session, entry)) for entry in beside]
     stored = list(messages.stored_rows(connection, session, before.seq))
     group, row = next_group(before, session, stored, hashed)
     connection.execute(LOG_HASHES.insert(), row)
     connection.execute(SET_LAST, (group.hash, session))
-    return group
 
 
 # --- hashes
@@ -202,7 +195,7 @@ def entries_there(database: sqlite3.Connection, session: str) -> Iterator[Entry]
 
 
 _KEY_TYPES: dict[str, tuple[type, ...]] = {
-    "facts": (), "adopted": (), "ended": (str,), "run": (int,), "stream": (int,), "chunk": (int, int),
+    "facts": (), "ended": (str,), "run": (int,), "stream": (int,), "chunk": (int, int),
 }  # fmt: skip
 
 

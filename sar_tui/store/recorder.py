@@ -263,7 +263,7 @@ class Recorder:
         """Add the hash of a group of messages to its rows, with the samples and the end that are
         stored with them.
         """
-        if self._last_group is None:  # the session was recorded before there were hashes
+        if self._last_group is None:  # they were removed, which `check` tells
             return None
         stored = [
             StoredRow(one.seq, self._run, one.at, one.topic.name, layout(one.topic), row[-1])

@@ -72,7 +72,8 @@ class Column(msgspec.Struct, frozen=True):
             stored from, if that has another name.
         form: of a text that another database may bring.
         sql: constraints and default value, in SQL.
-        since: version of the data that added it, for a table that is older.
+        since: version of the data that added it, for a table that is older. If it is a field of a
+            message, ``sql`` has the default of the field: rows of earlier releases get it.
         parts: of JSON, those that are known.
         more: what the data dictionary adds to the meaning, in Markdown.
     """
@@ -396,8 +397,7 @@ SESSIONS = Table(
         Column(
             "log_hash",
             "string",
-            "The last hash of the session's log, a running SHA-256; missing: it was recorded "
-            "before there were hashes.",
+            "The last hash of the session's log, a running SHA-256.",
             privacy="hash",
             exported="log_sha256",
             form="any",
@@ -1100,8 +1100,7 @@ LOG_HASHES = Table(
             sql="NOT NULL",
             more='`["facts"]` (the session\'s row and seats), `["run", 1]`, `["stream", 1]` (of '
             '`imu_streams`), `["chunk", 1, 2]` (stream and `seq` of `imu_chunks`), `["ended", '
-            'time]`; `["adopted"]` if what was before was hashed only when the session was '
-            "resumed; empty if nothing.",
+            "time]`; empty if nothing.",
         ),
         Column(
             "hash",

@@ -34,6 +34,8 @@ from sar_tui.store import (
 )
 from sar_tui.store.database import FILE, connect, transaction
 from sar_tui.store.instrument_scores import Score
+from sar_tui.store.merge import conflicts
+from sar_tui.store.tables import PROGRAMMES
 
 GOLDEN = Path(__file__).parent / "golden"
 FEW = {"prompts_per_attempt": 4}
@@ -73,7 +75,17 @@ def make(folder: Path) -> None:
         sites.set_own(database, "ZURICH")
         with transaction(database) as connection:
             connection.execute("INSERT INTO same_people VALUES ('P01@BERN', 'P02')")
-            connection.execute("INSERT INTO conflicts VALUES ('participant', 'P01', 'abc', x'00')")
+            _contradict(connection)
+
+
+def _contradict(connection: sqlite3.Connection) -> None:
+    """Keep another version of the programme aside, as if it came from another database."""
+    listed = ", ".join(PROGRAMMES.names)
+    (row,) = connection.execute(f"SELECT {listed} FROM programmes").fetchall()
+    other = dict(zip(PROGRAMMES.names, row, strict=True))
+    other |= {"participant": "P01@ZURICH", "reason": "Longer.", "site": "ZURICH"}
+    content = {"programmes": [other]}
+    conflicts.keep(connection, "main", "programme", conflicts.key_of("programme", content), content)
 
 
 def _play_sessions(folder: Path) -> None:

@@ -2,7 +2,6 @@
 the session.
 """
 
-import gzip
 import shutil
 import sqlite3
 import zlib
@@ -12,7 +11,6 @@ from typing import Any
 
 import pytest
 
-import tests.replay
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.node import Node
 from sar_tui.loop.topics import COMMAND, NOTE_ADDED
@@ -25,15 +23,15 @@ from sar_tui.runs.sensors import simulated_nodes
 from sar_tui.simulation.operator import PROFILES, SimulatedOperator
 from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
-from sar_tui.store import log_hashes, messages, sessions
+from sar_tui.store import messages, sessions
 from sar_tui.store.backup import back_up, rehearse
 from sar_tui.store.database import FILE, connect, transaction
-from sar_tui.store.integrity import Flaw, flaws, without_hashes
+from sar_tui.store.integrity import Flaw, flaws
 from sar_tui.store.record_changes import change_status, erase_note, log
 from sar_tui.store.repair import repair
 from sar_tui.store.session_copy import copy_session
 from tests.program import Call
-from tests.runs.test_resume import go_on, interrupted
+from tests.runs.test_resume import interrupted
 
 SETTINGS: dict[str, Any] = {
     "attempts": 3,
@@ -194,7 +192,6 @@ ALTERATIONS: dict[str, tuple[int, str]] = {
 def test_sessions_as_they_were_recorded_are_whole(recorded: tuple[str, str], data: Path) -> None:
     assert found(data) == []
     with closing(connect(data)) as database:
-        assert without_hashes(database) == 0
         tables = (
             "trials",
             "attempts",
@@ -448,29 +445,6 @@ def test_a_session_that_was_discarded_and_restored_is_whole(
     assert [flaw.kind for flaw in found(data)] == ["rows"]
 
 
-def test_a_session_of_an_earlier_version_is_whole_and_counted(data: Path, call: Call) -> None:
-    """It has no hashes; from when it is resumed, its log is hashed as it is then."""
-    session = interrupted(data)
-    with closing(connect(data)) as database:
-        database.execute("DELETE FROM log_hashes")
-        database.execute("UPDATE sessions SET log_hash=''")
-        assert (list(flaws(database)), without_hashes(database)) == ([], 1)
-        assert change_status(database, data, session, "dismissed", actor="ana")
-        assert change_status(database, data, session, "restored", actor="ana")
-        assert log_hashes.last(database, session) is None
-    assert "Sessions recorded before data version 22: 1." in call("check").out
-    go_on(data, session)
-    with closing(connect(data)) as database:
-        assert (list(flaws(database)), without_hashes(database)) == ([], 0)
-    alter(
-        data,
-        f"UPDATE messages SET message=replace(message, '1', '2') WHERE session_number={_LOG} AND "
-        "seq=9",
-        session,
-    )
-    assert [flaw.kind for flaw in found(data)] == ["log", "rows"]
-
-
 def test_the_same_messages_have_the_same_hash_whatever_the_numbers_of_topics(
     data: Path, tmp_path: Path
 ) -> None:
@@ -483,42 +457,6 @@ def test_the_same_messages_have_the_same_hash_whatever_the_numbers_of_topics(
         target.execute("INSERT INTO topics (name, fields) VALUES ('x', '')")
         copy_session(database, target, session)
         assert [flaw for flaw in flaws(target) if flaw.where == session] == []
-
-
-# --- sessions that were recorded before there were hashes
-
-EARLIER = sorted(Path(tests.replay.__file__).with_name("golden").glob("rules-*.db.gz"))
-OF_EARLIER = (
-    *(name for name in OF_ROWS if name != "an answer"),
-    "a result of an attempt",
-    "a decision on a proposal",
-)
-
-
-@pytest.mark.parametrize("packed", EARLIER, ids=lambda path: path.name)
-def test_results_of_earlier_versions_follow_from_their_logs(packed: Path, data: Path) -> None:
-    data.mkdir(parents=True)
-    (data / FILE).write_bytes(gzip.decompress(packed.read_bytes()))
-    assert found(data) == []
-    alter(data, "UPDATE trials SET reaction_time_ms=reaction_time_ms-50 WHERE trial=1", "")
-    assert {flaw.kind for flaw in found(data)} == {"rows"}
-
-
-@pytest.mark.parametrize("name", OF_EARLIER)
-def test_altered_results_are_found_also_without_hashes(
-    name: str, recorded: tuple[str, str], data: Path, call: Call
-) -> None:
-    alter(
-        data,
-        "DELETE FROM log_hashes WHERE session=:s;UPDATE sessions SET log_hash='' WHERE id=:s",
-        recorded[KEYS],
-    )
-    assert found(data) == []
-    alter(data, ALTERATIONS[name][1], recorded[KEYS])
-    assert {(flaw.kind, flaw.where) for flaw in found(data)} == {("rows", recorded[KEYS])}
-    before = contents(data)
-    assert repair(data).rebuilt == [], "nothing proves that the log is as it was recorded"
-    assert contents(data) == before
 
 
 # --- views and triggers
