@@ -29,9 +29,8 @@ SAVED = "saved"
 """Folder of the notes of what was saved. See `store.last_saved`."""
 _LOCK_TIMEOUT_S = 10
 _NOT_OURS = (
-    "{path} is not a SQLite database. If it was one, `sar-tui check --repair` saves what can be "
-    "read. Else move it "
-    "away, or choose another --data folder."
+    "{path} is not a SQLite database. If it was one, restore a backup. Else move it away, or choose "
+    "another --data folder."
 )
 _NOT_TEXT = "Could not decode to UTF-8"
 """Part of the message of Python's module, without an error code of SQLite, if a text is damaged."""
@@ -158,6 +157,19 @@ def open_file(path: Path) -> StoreConnection:
         database = sqlite3.connect(
             path, timeout=10, isolation_level=None, check_same_thread=False, factory=StoreConnection
         )
+    except sqlite3.Error as error:
+        raise explain(error, path) from error
+    try:
+        _prepare(database, path)
+    except BaseException:
+        database.close()
+        raise
+    return database
+
+
+def _prepare(database: StoreConnection, path: Path) -> None:
+    """Bring an open database up to date, and set how it is written to. Raises StoreError."""
+    try:
         if version_of(database, path) == VERSION:
             database.execute("PRAGMA journal_mode=WAL")
         else:
@@ -166,14 +178,11 @@ def open_file(path: Path) -> StoreConnection:
         database.execute("PRAGMA synchronous=FULL")
         database.watch(path)
     except OSError as error:
-        raise _unwritable(folder, error) from error
+        raise _unwritable(path.parent, error) from error
     except sqlite3.Error as error:
         raise explain(error, path) from error
-    except (
-        UnicodeDecodeError
-    ) as error:  # the words of SQLite about a damaged schema, which quote it
+    except UnicodeDecodeError as error:  # SQLite's words about a damaged schema, which quote it
         raise damaged(path) from error
-    return database
 
 
 def connect_to_read(folder: Path) -> sqlite3.Connection:

@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 from sar_tui.drivers.new_file import unused
 from sar_tui.store.backup import FOLDER, copy_database
-from sar_tui.store.damaged_file import is_refused, open_wary, readable_copy
 from sar_tui.store.damaged_rows import Damage, damages
 from sar_tui.store.database import (
     FILE,
@@ -26,8 +25,7 @@ from sar_tui.store.database import (
 )
 from sar_tui.store.integrity import Flaw, changed_schema, damaged_pages, flaws
 from sar_tui.store.log_examination import DERIVED, Derivation, altered
-from sar_tui.store.missing_rows import Missing, missing_rows
-from sar_tui.store.salvage import Unread, salvage
+from sar_tui.store.salvage import Missing, Unread, missing_rows, open_wary, salvage
 from sar_tui.store.tables import VERSION
 
 _WAIT_S = 0.5
@@ -112,16 +110,13 @@ def readable(path: Path) -> Iterator[tuple[sqlite3.Connection, list[Missing]]]:
         StoreError: nothing can be read, or the copy cannot be written.
     """
     try:
-        database = None if is_refused(path) else open_file(path)
-    except StoreError as error:
-        if not error.unreadable:
-            raise
-        database = None
-    if database is not None:
-        with closing(database):
+        with closing(open_file(path)) as database:
             if not any(damaged_pages(database)):
                 yield database, []
                 return
+    except StoreError as error:
+        if not error.unreadable:
+            raise
     new = path.with_name(f".{path.stem}-salvaged.part")
     try:
         with _readable(path) as damaged:
@@ -136,15 +131,40 @@ def readable(path: Path) -> Iterator[tuple[sqlite3.Connection, list[Missing]]]:
 
 @contextmanager
 def _readable(path: Path) -> Iterator[sqlite3.Connection]:
-    """Open a database that may be damaged; a copy of it if SQLite would refuse, or change, the file
-    itself.
+    """Open a database that may be damaged; of a file that was cut short a copy, as SQLite would
+    write to it.
     """
-    if not is_refused(path):
+    if not _is_cut_short(path):
         with _exclusive(path, open_wary) as database:
             yield database
         return
-    with readable_copy(path) as copy, _exclusive(copy, open_wary) as database:
-        yield database
+    copy = path.with_name(f".{path.stem}-readable.part")
+    try:
+        _remove(copy)
+        create_file(copy)
+        shutil.copyfile(path, copy)
+        with _exclusive(copy, open_wary) as database:
+            yield database
+    finally:
+        _remove(copy)
+
+
+def _is_cut_short(path: Path) -> bool:
+    """Return True if a file has less pages than its header says
+    (https://www.sqlite.org/fileformat.html).
+    """
+    log, _ = sidecars(path)
+    if log.exists() and log.stat().st_size:  # it may hold the pages that are missing
+        return False
+    with path.open("rb") as file:
+        header = file.read(_HEADER)
+    page_size = int.from_bytes(header[16:18], "big")
+    page_size = 65536 if page_size == 1 else page_size
+    return path.stat().st_size < page_size * int.from_bytes(header[28:32], "big")
+
+
+_HEADER = 100
+"""Bytes of the header."""
 
 
 Open = Callable[[Path, float], sqlite3.Connection]
@@ -189,7 +209,7 @@ def _renew(path: Path, stamp: str) -> tuple[Path | None, list[Unread]]:
     try:
         with _readable(path) as database:
             is_whole = not any(damaged_pages(database)) and not any(changed_schema(database))
-            if is_whole and not is_refused(path):
+            if is_whole and not _is_cut_short(path):
                 return None, []
             _remove(new)
             create_file(new)

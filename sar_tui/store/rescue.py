@@ -30,8 +30,8 @@ from sar_tui.store.database import (
     transaction,
 )
 from sar_tui.store.locks import is_held
-from sar_tui.store.missing_rows import Missing
 from sar_tui.store.repair import readable
+from sar_tui.store.salvage import Missing
 from sar_tui.store.session_copy import copy_rows, copy_session
 
 _FACTS = {

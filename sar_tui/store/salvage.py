@@ -1,11 +1,15 @@
-"""Rows of a database whose pages are damaged, read as far as they can be, into a new file."""
+"""Rescue of a database whose pages are damaged, or whose file was cut short: all rows that SQLite
+still reads go into a new file; and what is missing from it, as far as other rows know.
+"""
 
 import contextlib
 import sqlite3
+from collections import Counter
 from contextlib import closing
 from pathlib import Path
 from typing import NamedTuple
 
+from sar_tui.store import log_hashes, messages
 from sar_tui.store.database import create_tables, damaged, explain, unreleased, version_of
 
 _MOST_FAILURES = 20_000
@@ -16,6 +20,17 @@ _MOST_IN_ALL = 1_000_000
 """The same for all messages: their root is damaged."""
 _AFTER = 2**16
 """Row numbers that are tried beyond the last one that can be seen."""
+
+
+def open_wary(path: Path, timeout: float = 0) -> sqlite3.Connection:
+    """Open a damaged database so that SQLite reads what it can, and runs nothing that is in its
+    schema.
+    """
+    database = sqlite3.connect(path, timeout=timeout, isolation_level=None)
+    # tolerates pages that are missing, and a schema that is read in part
+    database.execute("PRAGMA writable_schema=ON")
+    database.execute("PRAGMA trusted_schema=OFF")
+    return database
 
 
 class Unread(NamedTuple):
@@ -38,8 +53,7 @@ def salvage(database: sqlite3.Connection, file: Path, new: Path) -> list[Unread]
     not copied.
 
     Args:
-        database: the damaged database, opened by `damaged_file.open_wary`. Nothing is written to
-            it.
+        database: the damaged database, opened by `open_wary`. Nothing is written to it.
         file: its path, for messages.
         new: the file to fill.
 
@@ -222,3 +236,90 @@ def _is_damage(error: sqlite3.DatabaseError) -> bool:
         sqlite3.SQLITE_CORRUPT,
         sqlite3.SQLITE_NOTADB,
     )
+
+
+# --- what is missing
+
+_KNOWN_BY = (
+    "log_hashes",
+    "seats",
+    "runs",
+    "attempts",
+    "trials",
+    "actions",
+    "imu_streams",
+    "imu_chunks",
+)
+"""Tables that may know a session whose own row is lost."""
+_TABLES = {"run": "runs", "stream": "imu_streams", "chunk": "imu_chunks"}
+
+
+class Missing(NamedTuple):
+    """Rows of a table that are missing from a session, and their number."""
+
+    session: str
+    table: str
+    rows: int
+
+
+def missing_rows(database: sqlite3.Connection) -> list[Missing]:
+    """Return the rows that are missing, as far as others tell: a session of which nothing is left
+    is not among them.
+    """
+    found: list[Missing] = []
+    for session in _sessions(database):
+        counts = Counter[str]()
+        if not _one(database, "SELECT count(*) FROM sessions WHERE id=?", session):
+            counts["sessions"] = 1
+        if not _one(database, "SELECT count(*) FROM seats WHERE session=?", session):
+            counts["seats"] = 1
+        _count_log(database, session, counts)
+        counts["trials"] = _one(
+            database,
+            "SELECT coalesce(sum(max(0, trials - (SELECT count(*) FROM trials WHERE "
+            "session=attempts.session"
+            " AND attempt=attempts.attempt AND seat=attempts.seat))), 0) FROM attempts WHERE "
+            "session=?",
+            session,
+        )
+        counts["attempts"] = _one(
+            database,
+            "WITH given (session) AS (VALUES (?)) SELECT count(*) FROM (SELECT DISTINCT attempt, "
+            "seat FROM trials"
+            " JOIN given USING (session) WHERE attempt<(SELECT max(attempt) FROM trials JOIN "
+            "given USING (session))"
+            " EXCEPT SELECT attempt, seat FROM attempts JOIN given USING (session))",
+            session,
+        )
+        found += [Missing(session, table, count) for table, count in counts.items() if count]
+    return found
+
+
+def _sessions(database: sqlite3.Connection) -> list[str]:
+    queries = ["SELECT id FROM sessions", "SELECT id FROM session_numbers"]
+    queries += [f"SELECT session FROM {table}" for table in _KNOWN_BY]
+    return [str(name) for (name,) in database.execute(" UNION ".join(queries)) if name is not None]
+
+
+def _count_log(database: sqlite3.Connection, session: str, counts: Counter[str]) -> None:
+    """Count what the hashes of a session's log know of, and is not there."""
+    groups = database.execute(
+        "SELECT number, seq, beside FROM log_hashes WHERE session=? AND typeof(number)='integer' "
+        "AND"
+        " typeof(seq)='integer' ORDER BY number",
+        (session,),
+    ).fetchall()
+    if not groups:
+        return
+    last, until, _ = groups[-1]
+    counts["log_hashes"] = last - len(groups)
+    counts["messages"] = max(0, until - messages.count(database, session, until))
+    stored = {tuple(entry) for entry in log_hashes.entries_there(database, session)}
+    for _, _, beside in groups:
+        for kind, *key in log_hashes.entries(beside):
+            if kind in _TABLES and (kind, *key) not in stored:
+                counts[_TABLES[kind]] += 1
+
+
+def _one(database: sqlite3.Connection, query: str, session: str) -> int:
+    return int(database.execute(query, (session,)).fetchone()[0])
