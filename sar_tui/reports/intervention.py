@@ -20,7 +20,7 @@ from sar_tui.reports.dose import planned_attempts
 from sar_tui.rules.wellbeing import SEVERE
 from sar_tui.store.adverse_events import AdverseEvent
 from sar_tui.store.programmes import Programme
-from sar_tui.store.trained_at import trained_at
+from sar_tui.store.training_days import trained_at
 
 _WEEK = 7
 _CHALLENGE = (

@@ -16,7 +16,6 @@ import sar_tui
 from sar_tui.loop.task import Task
 from sar_tui.loop.task_pictures import pictures_in
 from sar_tui.model.trial_types import NO_METRIC, Metric
-from sar_tui.store import connection
 
 _PACKAGES = ("textual", "rich", "msgspec", "sqlite-utils", "numpy")
 
@@ -109,7 +108,30 @@ def machine() -> dict[str, Any]:
         "cores": os.cpu_count(),
         "clock": "perf_counter" if sys.platform == "win32" else "monotonic",
         "terminal": os.environ.get("TERM_PROGRAM") or os.environ.get("TERM", ""),
-        "ssh": connection.is_ssh(),
-        "multiplexer": connection.multiplexer(),
-        "flags": connection.timing_flags(),
+        "ssh": is_ssh(),
+        "multiplexer": multiplexer(),
+        "flags": timing_flags(),
     }
+
+
+# --- the way from the terminal to this machine: SSH and multiplexers make timing less exact
+
+
+_MULTIPLEXERS = {"tmux": "TMUX", "screen": "STY", "zellij": "ZELLIJ"}
+
+
+def is_ssh() -> bool:
+    """Return True if the terminal is connected through SSH."""
+    return any(name in os.environ for name in ("SSH_CONNECTION", "SSH_TTY", "SSH_CLIENT"))
+
+
+def multiplexer() -> str | None:
+    """Return the name of the terminal multiplexer that the program runs in; None if there is
+    none.
+    """
+    return next((name for name, sign in _MULTIPLEXERS.items() if sign in os.environ), None)
+
+
+def timing_flags() -> list[str]:
+    """Return the parts of the connection that are known to make timing less exact."""
+    return [*(["ssh"] if is_ssh() else []), *filter(None, [multiplexer()])]

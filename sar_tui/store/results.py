@@ -14,7 +14,7 @@ from sar_tui.progress.task_level import AttemptResult
 from sar_tui.store import provenance, wellbeing
 from sar_tui.store.counted import COUNTS, KEPT
 from sar_tui.store.sessions import FINITE_METRIC, status_now
-from sar_tui.store.trained_at import UTC_OFFSET, trained_at
+from sar_tui.store.training_days import UTC_OFFSET, trained_at
 
 _SESSIONS = (
     "SELECT id, started_at, sessions.task, mode, status, seat, parameters, json_extract(software, "

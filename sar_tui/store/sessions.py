@@ -25,7 +25,7 @@ from sar_tui.store.database import StoreError, transaction
 from sar_tui.store.locks import is_held
 from sar_tui.store.stored_json import read_json
 from sar_tui.store.tables import TABLES, Type
-from sar_tui.store.trained_at import UTC_OFFSET, trained_at, utc_offset_s
+from sar_tui.store.training_days import UTC_OFFSET, trained_at, utc_offset_s
 
 Mode = Literal["live", "simulated", "replayed"]
 Row = dict[str, Any]

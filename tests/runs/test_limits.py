@@ -20,7 +20,7 @@ from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
-from sar_tui.store.dose import done_on_day
+from sar_tui.store.training_days import done_on_day
 
 NOON = datetime(2026, 11, 22, 12, tzinfo=UTC)
 ENOUGH = "That is enough for today. Well done."

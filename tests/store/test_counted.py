@@ -23,11 +23,11 @@ from sar_tui.runs.plan import make_plan, set_up
 from sar_tui.runs.run import start
 from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
-from sar_tui.store import programmes, results, sessions, visits
+from sar_tui.store import programmes, results, sessions, training_days
 from sar_tui.store.database import StoreError, connect
-from sar_tui.store.dose import done_on_day
 from sar_tui.store.record_changes import BY_MISTAKE, change_status
 from sar_tui.store.selection import Request, select
+from sar_tui.store.training_days import done_on_day
 
 SETTINGS = {"attempts": 2, "prompts_per_attempt": 3}
 PACKAGE = Path(sar_tui.__file__).parent
@@ -75,7 +75,7 @@ def counted(database: sqlite3.Connection, data: Path, catalogue: Catalogue) -> d
         "dose": bool(days_of(every)),
         "start level": bool(results.newest_of(database, "P01", "keyboard", 5)),
         "best results": bool(sessions.best(database, "P01", task)),
-        "visit": "P01" not in visits.due(database, now.date()),
+        "visit": "P01" not in training_days.visits_due(database, now.date()),
         "report": reported,
     }
 

@@ -17,12 +17,11 @@ from sar_tui.rules.limits import Dose
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
-from sar_tui.store import programmes, sessions, visits
+from sar_tui.store import programmes, sessions, training_days
 from sar_tui.store.database import connect
-from sar_tui.store.dose import done_on_day
 from sar_tui.store.programmes import Programme
 from sar_tui.store.results import sessions_of
-from sar_tui.store.trained_at import trained_at, utc_offset_s
+from sar_tui.store.training_days import done_on_day, trained_at, utc_offset_s
 
 LATE = "2026-03-01T23:30:00+00:00"
 TOKYO = 9 * 3600
@@ -71,8 +70,8 @@ def test_what_was_done_on_a_day_is_counted_where_it_was_done(played: sqlite3.Con
 
 def test_a_visit_is_due_from_the_day_where_the_person_trained(played: sqlite3.Connection) -> None:
     programmes.save(played, "P01", "keyboard", Programme({"days_between_visits": 3}), after=0)
-    assert visits.due(played, date(2026, 3, 4)) == set()
-    assert visits.due(played, date(2026, 3, 5)) == {"P01"}
+    assert training_days.visits_due(played, date(2026, 3, 4)) == set()
+    assert training_days.visits_due(played, date(2026, 3, 5)) == {"P01"}
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.store import participants, programmes, visits
+from sar_tui.store import participants, programmes, training_days
 from sar_tui.store.database import connect
 from sar_tui.store.programmes import Programme
 
@@ -42,7 +42,7 @@ def trained(
 
 
 def due(database: sqlite3.Connection, day: int) -> set[str]:
-    return visits.due(database, date(2026, 11, day))
+    return training_days.visits_due(database, date(2026, 11, day))
 
 
 def test_the_first_visit_is_due_after_the_programme_was_saved(database: sqlite3.Connection) -> None:

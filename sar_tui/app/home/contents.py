@@ -25,8 +25,16 @@ from sar_tui.rules.parameters import build, usable
 from sar_tui.rules.wellbeing import tell_therapist
 from sar_tui.runs.plan import Failed, set_up
 from sar_tui.runs.start_level import LOOKED_AT, start_after
-from sar_tui.store import participants, programmes, provenance, results, sessions, visits, wellbeing
-from sar_tui.store.trained_at import trained_at
+from sar_tui.store import (
+    participants,
+    programmes,
+    provenance,
+    results,
+    sessions,
+    training_days,
+    wellbeing,
+)
+from sar_tui.store.training_days import trained_at
 
 _LISTED = 30
 
@@ -118,7 +126,7 @@ def read_participants(database: sqlite3.Connection, folder: Path, today: date) -
     known = participants.newest_first(database, folder)
     felt = wellbeing.by_session(database, [each.session for each in known if each.session])
     not_begun = wellbeing.newest_without_session(database)
-    due = visits.due(database, today)
+    due = training_days.visits_due(database, today)
 
     def pain(each: participants.Known) -> str:
         rows = [*felt.get(each.session or "", ()), *not_begun.get(each.code, ())]

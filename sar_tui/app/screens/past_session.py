@@ -11,7 +11,7 @@ from sar_tui.app.screens.summary import Summary
 from sar_tui.plugins import PluginError
 from sar_tui.reports.wellbeing import session_lines
 from sar_tui.store import adverse_events, provenance, sessions, wellbeing
-from sar_tui.store.trained_at import trained_at
+from sar_tui.store.training_days import trained_at
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.language import language_of
