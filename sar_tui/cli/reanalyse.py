@@ -92,7 +92,7 @@ class _StoredSamples(NamedTuple):
 
 
 def _events(database: "sqlite3.Connection", session: str, topic: str) -> Iterator[tuple[int, Row]]:
-    from sar_tui.store.stored_json import read_json
+    from sar_tui.store.database import read_json
 
     for seq, message in database.execute(
         "SELECT seq, message FROM events WHERE session=? AND topic=? ORDER BY seq", (session, topic)

@@ -7,8 +7,7 @@ from itertools import islice
 from typing import Any, TypeVar
 
 from sar_tui.export.columns import Table, Values
-from sar_tui.store.database import StoreError, is_not_text
-from sar_tui.store.stored_json import read_json
+from sar_tui.store.database import StoreError, is_not_text, read_json
 
 T = TypeVar("T")
 _NO_JSON = "malformed JSON"

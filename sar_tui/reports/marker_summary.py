@@ -5,7 +5,7 @@ import sqlite3
 import msgspec
 
 from sar_tui.loop.topics import MARKERS
-from sar_tui.store.stored_json import read_json
+from sar_tui.store.database import read_json
 
 
 class MarkerSummary(msgspec.Struct):

@@ -7,7 +7,7 @@ from typing import Any
 import msgspec
 
 from sar_tui.outputs.node import CLOSE
-from sar_tui.store.stored_json import read_json
+from sar_tui.store.database import read_json
 
 _OVER = ("done", "aborted", "failed")
 _REPORTS = """SELECT topic, message FROM events

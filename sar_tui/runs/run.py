@@ -25,10 +25,10 @@ from sar_tui.runs.plan import EnoughToday, Failed, Plan, set_up
 from sar_tui.runs.start_level import with_start_level
 from sar_tui.store import locks, messages, participants, sessions
 from sar_tui.store.database import StoreError, connect, open_file
-from sar_tui.store.last_saved import forget
 from sar_tui.store.provenance import machine, measured_timing, software
 from sar_tui.store.recorder import Recorder
-from sar_tui.store.rescue import Safeguard, rescue_files
+from sar_tui.store.rescue import rescue_files
+from sar_tui.store.safeguard import Safeguard, forget
 from sar_tui.store.training_days import done_on_day
 
 _LAST_WAIT_MS = 1000

@@ -10,12 +10,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 from urllib.parse import quote
 
+import msgspec
 import platformdirs
 
 from sar_tui.drivers.file_limit import largest_file
 from sar_tui.drivers.private_folder import make_private
+from sar_tui.store import schema
 from sar_tui.store.tables import FIRST_VERSION, VERSION
 
 FILE = "sar-tui.db"
@@ -26,7 +29,7 @@ RESCUE, RESCUED = "sar-tui-rescue-", "sar-tui-rescued-"
 `store.rescue`.
 """
 SAVED = "saved"
-"""Folder of the notes of what was saved. See `store.last_saved`."""
+"""Folder of the notes of what was saved. See `store.safeguard`."""
 _LOCK_TIMEOUT_S = 10
 _NOT_OURS = (
     "{path} is not a SQLite database. If it was one, restore a backup. Else move it away, or choose "
@@ -295,6 +298,16 @@ def damaged(path: Path | str = FILE) -> StoreError:
     return StoreError(said, bad_input=True, unreadable=True)
 
 
+def read_json(text: str) -> Any:
+    """Return the value of a JSON column. Raises StoreError if it is no JSON: a byte of the file has
+    changed.
+    """
+    try:
+        return msgspec.json.decode(text)
+    except (msgspec.DecodeError, TypeError) as error:
+        raise damaged() from error
+
+
 @contextmanager
 def transaction(database: sqlite3.Connection) -> Iterator[sqlite3.Connection]:
     """Run a block as one transaction, committed and on the disk when the block ends.
@@ -372,20 +385,9 @@ def _bring_up_to_date(database: sqlite3.Connection, path: Path) -> None:
         _back_up(database, path, version)
     database.execute("PRAGMA journal_mode=WAL")
     if not version:
-        create_tables(database)
+        schema.create(database)
     elif version < VERSION:
-        from sar_tui.store import schema
-
         schema.upgrade(database, version)
-
-
-def create_tables(database: sqlite3.Connection) -> None:
-    """Give an empty database all tables and views. sqlite-utils, which loads slowly, is imported
-    only here and for an upgrade.
-    """
-    from sar_tui.store import schema
-
-    schema.create(database)
 
 
 def _announce(path: Path) -> None:

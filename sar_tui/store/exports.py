@@ -7,8 +7,7 @@ from typing import Any
 
 import msgspec
 
-from sar_tui.store.database import transaction
-from sar_tui.store.stored_json import read_json
+from sar_tui.store.database import read_json, transaction
 
 
 class LedgerEntry(msgspec.Struct, frozen=True, kw_only=True):

@@ -9,9 +9,10 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
+from sar_tui.store import schema
 from sar_tui.store.counted import LIVE
 from sar_tui.store.damaged_rows import Kind, damages
-from sar_tui.store.database import create_tables, explain
+from sar_tui.store.database import explain
 from sar_tui.store.locks import is_held
 from sar_tui.store.log_examination import examine
 from sar_tui.store.tables import VERSION
@@ -140,7 +141,7 @@ def _schema(database: sqlite3.Connection) -> dict[str, tuple[str, str]]:
 @cache
 def _own_schema() -> dict[str, tuple[str, str]]:
     with closing(sqlite3.connect(":memory:", isolation_level=None)) as database:
-        create_tables(database)
+        schema.create(database)
         return _schema(database)
 
 

@@ -8,9 +8,8 @@ from typing import Any
 
 import msgspec
 
-from sar_tui.store.database import StoreError, transaction
+from sar_tui.store.database import StoreError, read_json, transaction
 from sar_tui.store.participants import check_own
-from sar_tui.store.stored_json import read_json
 from sar_tui.store.texts import check_text
 
 LONGEST_TEXT = 500

@@ -13,8 +13,8 @@ from sar_tui.model import messages as m
 from sar_tui.store import imu, log_hashes
 from sar_tui.store.database import StoreConnection, StoreError, transaction
 from sar_tui.store.messages import Numbers, StoredRow, layout, numbers
-from sar_tui.store.rescue import Safeguard
 from sar_tui.store.rows import SQL, Rows, rows_of
+from sar_tui.store.safeguard import Safeguard
 
 BATCH_SECONDS = 0.1
 """Longest time until a message that is not a trial is written."""

@@ -9,8 +9,8 @@ from contextlib import closing
 from pathlib import Path
 from typing import NamedTuple
 
-from sar_tui.store import log_hashes, messages
-from sar_tui.store.database import create_tables, damaged, explain, unreleased, version_of
+from sar_tui.store import log_hashes, messages, schema
+from sar_tui.store.database import damaged, explain, unreleased, version_of
 
 _MOST_FAILURES = 20_000
 """Largest number of ranges of a table, or of a session's messages, that fail before the rest of it
@@ -67,7 +67,7 @@ def salvage(database: sqlite3.Connection, file: Path, new: Path) -> list[Unread]
     _check_version(database, file, there)
     with closing(sqlite3.connect(new, isolation_level=None)) as opened:
         try:
-            create_tables(opened)
+            schema.create(opened)
             ours = [name for (name,) in opened.execute(_OURS)]
         except sqlite3.Error as error:
             raise explain(error, new) from error

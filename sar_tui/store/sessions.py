@@ -21,9 +21,8 @@ from sar_tui.model.messages import AttemptEnded
 from sar_tui.rules.parameters import TaskParameters, fields
 from sar_tui.store import imu, log_hashes, messages
 from sar_tui.store.counted import COUNTS
-from sar_tui.store.database import StoreError, transaction
+from sar_tui.store.database import StoreError, read_json, transaction
 from sar_tui.store.locks import is_held
-from sar_tui.store.stored_json import read_json
 from sar_tui.store.tables import TABLES, Type
 from sar_tui.store.training_days import UTC_OFFSET, trained_at, utc_offset_s
 

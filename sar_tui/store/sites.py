@@ -4,8 +4,8 @@ import re
 import sqlite3
 
 from sar_tui.store.database import StoreError, transaction
+from sar_tui.store.schema import SITE
 from sar_tui.store.tables import with_column
-from sar_tui.store.views import SITE
 
 _CODE = re.compile(r"[A-Za-z0-9][A-Za-z0-9-]{0,15}")
 OF_SITES = with_column("site")

@@ -13,8 +13,8 @@ def troubles(database: sqlite3.Connection, folder: Path) -> list[str]:
     """Return a sentence or two for each trouble."""
     if not may_have_any(folder):
         return []
-    from sar_tui.store.last_saved import losses
     from sar_tui.store.rescue import rescue_files
+    from sar_tui.store.safeguard import losses
 
     return [
         *(

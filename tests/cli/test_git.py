@@ -11,7 +11,7 @@ import pytest
 
 from sar_tui.cli.doctor.data_in_git import data_in_git
 from sar_tui.store.database import FILE, RESCUE
-from sar_tui.store.last_saved import LastSaved
+from sar_tui.store.safeguard import LastSaved
 from tests.program import Call
 
 REPOSITORY = Path(__file__).parents[2]

@@ -18,8 +18,8 @@ import pytest
 from sar_tui.model.random_streams import RandomStreams
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
-from sar_tui.store.last_saved import losses
 from sar_tui.store.rescue import bring_back, rescue_files
+from sar_tui.store.safeguard import losses
 from tests.examples import first
 from tests.store.test_rescue import rescued
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from sar_tui.store.database import FILE, SAVED, connect
-from sar_tui.store.last_saved import forget, losses
 from sar_tui.store.locks import hold
+from sar_tui.store.safeguard import forget, losses
 from sar_tui.store.troubles import troubles
 from tests.store.test_rescue import Safe
 

@@ -26,7 +26,8 @@ from sar_tui.store.database import (
 )
 from sar_tui.store.integrity import flaws
 from sar_tui.store.programmes import Programme
-from sar_tui.store.rescue import Safeguard, bring_back, rescue_files
+from sar_tui.store.rescue import bring_back, rescue_files
+from sar_tui.store.safeguard import Safeguard
 from tests.store.test_recorder import Recorded
 
 pytestmark = pytest.mark.skipif(

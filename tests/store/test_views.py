@@ -13,7 +13,7 @@ from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
-from sar_tui.store import sites, views
+from sar_tui.store import schema, sites
 
 ATTEMPT = ("practice", "level", "goal", "outcome")
 PAGE = (Path(__file__).parents[2] / "docs" / "data-dictionary.md").read_text(encoding="utf-8")
@@ -115,4 +115,4 @@ def test_the_data_dictionary_names_every_column(database: sqlite3.Connection) ->
 
 
 def test_old_versions_of_sqlite_can_read_them() -> None:
-    assert "->" not in " ".join(views.VIEWS.values())
+    assert "->" not in " ".join(schema.VIEWS.values())

@@ -38,8 +38,8 @@ def database(home: Home) -> Finding:
 def saved_data(folder: Path) -> Finding:
     """Check that the database has all that was saved."""
     from sar_tui.store.database import FILE, SAVED, StoreError, connect_to_read
-    from sar_tui.store.last_saved import losses
     from sar_tui.store.rescue import rescue_files
+    from sar_tui.store.safeguard import losses
 
     if files := rescue_files(folder):
         found = f"{', '.join(map(str, files))}: holds data that is not in the database."

@@ -11,11 +11,11 @@ from typing import NamedTuple
 from urllib.parse import quote
 
 from sar_tui.drivers.private_folder import make_private
+from sar_tui.store import schema
 from sar_tui.store.database import (
     FILE,
     StoreError,
     create_file,
-    create_tables,
     explain,
     sidecars,
     version_of,
@@ -175,7 +175,7 @@ def copy_tables(source: Path, copy: Path, path: Path) -> None:
         version = version_of(database, path, "source")
         if not version or not _kind(database, "sessions"):
             raise StoreError(f"{path} is no database of sar-tui.", bad_input=True)
-        create_tables(database)
+        schema.create(database)
         for setting in _WARY:
             database.execute(f"PRAGMA {setting}")
         columns = {
