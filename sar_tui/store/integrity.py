@@ -14,7 +14,7 @@ from sar_tui.store.counted import LIVE
 from sar_tui.store.damaged_rows import Kind, damages
 from sar_tui.store.database import explain
 from sar_tui.store.locks import is_held
-from sar_tui.store.log_examination import examine
+from sar_tui.store.log_examination import REMOVED, examine
 from sar_tui.store.tables import VERSION
 
 _MOST_FAULTS = 20
@@ -85,6 +85,7 @@ def flaws(
                 if gaps:
                     yield from _gaps(database)
                     yield from _lost_trials(database)
+                    yield from _without_hashes(database)
                 yield from _changed(database, progress)
         finally:
             database.text_factory = texts
@@ -174,6 +175,16 @@ def _changed(database: sqlite3.Connection, progress: Progress) -> Iterator[Flaw]
         progress(done, of)
         yield from (Flaw("log", session, fault) for fault in examined.log)
         yield from (Flaw("rows", session, fault) for fault in examined.rows)
+
+
+def _without_hashes(database: sqlite3.Connection) -> Iterator[Flaw]:
+    """Yield the sessions that lack even the last hash of their log."""
+    for (session,) in database.execute(
+        "SELECT id FROM sessions JOIN session_numbers USING (id) WHERE log_hash=''"
+        " AND id NOT IN (SELECT session FROM log_hashes)"
+        " AND number IN (SELECT session_number FROM messages)"
+    ):
+        yield Flaw("log", session, REMOVED)
 
 
 def _lost_trials(database: sqlite3.Connection) -> Iterator[Flaw]:

@@ -26,6 +26,7 @@ _STATEMENTS = {
 }
 _TOPICS = frozenset(name for name, topic in ALL.items() if topic.type in rows.KINDS)
 """Topics whose messages become more than a row of ``messages``."""
+REMOVED = "The hashes of its log were removed."
 _RUNNING = ("running", "interrupted")
 """Statuses of a session that has not ended: a program that was killed leaves the first one."""
 
@@ -62,14 +63,14 @@ def _examined(
     database: sqlite3.Connection, session: str, people: People, derivation: "Derivation"
 ) -> Examined:
     groups = _groups(database, session)
-    found = database.execute(
+    row = database.execute(
         "SELECT status, ended_at, log_hash FROM sessions WHERE id=?", (session,)
     ).fetchone()
-    if found is None:  # its id is damaged, which is told elsewhere
+    if row is None:  # its id is damaged, which is told elsewhere
         return Examined()
-    status, ended_at, last = found
+    status, ended_at, last = row
     if not groups:
-        return _with_rows(Examined((_REMOVED,)), session, derivation)
+        return Examined((REMOVED,) if last else ())
     listed = [entry for group in groups for entry in group.beside]
     log = [
         *_changed_groups(database, session, people, groups),
@@ -82,9 +83,6 @@ def _examined(
         return Examined(tuple(log))
     ends = _changed_end(database, session, status, ended_at, listed)
     return _with_rows(Examined(tuple(log), tuple(ends)), session, derivation)
-
-
-_REMOVED = "The hashes of its log were removed."
 
 
 def _with_rows(found: Examined, session: str, derivation: "Derivation") -> Examined:

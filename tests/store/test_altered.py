@@ -182,6 +182,8 @@ ALTERATIONS: dict[str, tuple[int, str]] = {
     "the versions": (KEYS, "UPDATE sessions SET software=json_set(software, '$.sar_tui', '9') WHERE id=:s"),
     "a simulation that becomes a person": (KEYS, "UPDATE sessions SET mode='simulated' WHERE id=:s"),
     "hashes removed": (KEYS, "DELETE FROM log_hashes WHERE session=:s"),
+    "all hashes removed": (KEYS, "DELETE FROM log_hashes WHERE session=:s;"
+                           "UPDATE sessions SET log_hash='' WHERE id=:s"),
     "the last hash removed": (KEYS, f"DELETE FROM messages WHERE session_number={_LOG} AND seq="
                               f"(SELECT max(seq) FROM messages WHERE session_number={_LOG});"
                               "DELETE FROM log_hashes WHERE rowid="
