@@ -335,7 +335,6 @@ def replayed(history: list[Record], driver: ReachingDriver) -> list[Record]:
         {"go_signal": True},
         {"sensor": "patient"},
         {"detector": "fixed-threshold"},
-        {"detector": "thesis"},
     ],
 )
 def test_a_session_with_a_sensor_is_derived_again_from_the_database(
