@@ -14,6 +14,7 @@ import pytest
 from sar_tui.rules.declaration import ParameterError
 from sar_tui.rules.parameters import TaskParameters, build, fields
 from sar_tui.rules.policies import BY_CHOICE, without_effect
+from tests.api.pages import DOCS, python_blocks
 
 CHOSEN = {"difficulty_policy": "target", "feedback_schedule": "every"}
 POLICIES = {
@@ -34,18 +35,6 @@ def step(state, attempt, settings, bounds):
 
 
 POLICY = DifficultyPolicy("Each attempt is harder.", StrideSettings, step)
-''',
-    "every_other.py": '''
-"""Feedback on every other attempt."""
-
-from sar_tui.api.policy import Decision, FeedbackPolicy
-
-
-def decide(history, attempt, settings):
-    return Decision(history.since == 2, "Every other attempt gets feedback.")
-
-
-POLICY = FeedbackPolicy(decide, summary="on every other attempt.")
 ''',
     "broken.py": "1 / 0\n",
     "fixed.py": "from sar_tui.api.policy import DifficultyPolicy\nPOLICY = DifficultyPolicy('')\n",
@@ -72,6 +61,7 @@ class Common(Settings, frozen=True, kw_only=True):
 POLICY = DifficultyPolicy("", Common)
 """,
 }
+PAGE = python_blocks((DOCS / "write-a-policy.md").read_text(encoding="utf-8"))
 Program = Callable[..., subprocess.CompletedProcess[str]]
 
 
@@ -80,7 +70,8 @@ def program(tmp_path: Path) -> Program:
     """Run a command as a user who has policies of their own."""
     folder = tmp_path / "config" / "sar-tui" / "policies"
     folder.mkdir(parents=True)
-    for name, source in POLICIES.items():
+    page = dict(zip(("two_thresholds.py", "after_failure.py"), PAGE, strict=True))
+    for name, source in {**POLICIES, **page}.items():
         (folder / name).write_text(source, encoding="utf-8")
 
     def run(*arguments: str) -> subprocess.CompletedProcess[str]:
@@ -106,7 +97,8 @@ def test_a_users_policies_run_a_session_that_replays(program: Program) -> None:
     settings = (
         "difficulty_policy=stride",
         "stride=3",
-        "feedback_schedule=every-other",
+        "feedback_schedule=after-failure",
+        "threshold=450",
         "prompts_per_attempt=1",
     )
     chosen = [word for setting in settings for word in ("--set", setting)]
@@ -114,7 +106,9 @@ def test_a_users_policies_run_a_session_that_replays(program: Program) -> None:
     assert program("simulate", "keyboard", *length, *chosen).returncode == 0
     attempts = json.loads(program("show", "last", "--json").stdout)["attempts"]
     assert [row["level"] for row in attempts] == [1, 4, 7, 10]
-    assert [row["feedback"] != "none" for row in attempts] == [False, True, False, True]
+    assert {row["outcome"] for row in attempts} == {"success", "failure"}
+    for row in attempts:
+        assert (row["feedback"] == "none") == (row["outcome"] == "success")
     assert json.loads(program("replay", "last", "--json").stdout)["identical"]
     shown = json.loads(program("tasks", "show", "keyboard", "--json").stdout)["parameters"]
     stride = next(row for row in shown if row["name"] == "stride")
