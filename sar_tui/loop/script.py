@@ -4,7 +4,7 @@ A session shows its instructions, runs its attempts and ends. An attempt runs it
 goes through (start) → quiet → foreperiod → (storing) → onset → response → (result). Each of these
 waits with ``yield`` for the kinds of events that mean something to it, and is sent one of them;
 `nodes.event_handler` feeds it. What can happen at any moment is thrown in as an `Interruption`
-where the script waits, and is caught at the level that it concerns: see "interruptions" below.
+where the script waits, and is caught at the level that it concerns.
 """
 
 from collections.abc import Callable, Generator
@@ -139,6 +139,11 @@ class SessionScript:
         node: publishes its messages, and keeps its timers.
         task: built with its parameters.
         seed: of the session.
+
+    Attributes:
+        is_all_done: True after the last attempt.
+        rest_until: end of the rest (ns); 0 without one.
+        feedback_due_at: when feedback on the last attempt is given (ns).
     """
 
     def __init__(self, node: TimedNode, task: Task, seed: int) -> None:
@@ -153,13 +158,14 @@ class SessionScript:
         self.is_all_done = False
         self.rest_until = 0
         self.feedback_due_at = 0
-        self._has_feedback = False
+        self._has_feedback = False  # on the last attempt
         self._continues_at = 0
-        self._limit = ""
+        self._limit = ""  # text, once a limit is reached
         self._is_restarted = False
         self._is_sensor_checked = False
+        # after a question or a limit, Enter does not wait for a decision that is pending
         self._ignores_decision = False
-        self._unmeasured = 0
+        self._unmeasured = 0  # presentations of the open trial
 
     # --- the session
 
@@ -212,77 +218,7 @@ class SessionScript:
                 self.attempts.restart()
                 self._is_restarted = True
 
-    def last_trial_stored(self) -> Script[None]:
-        """Wait until the last trial is on disk, where another run would find it."""
-        if not self.status.is_last_trial_stored:
-            self.announce(Phase.CLOSING)
-        while not self.status.is_last_trial_stored:
-            yield (m.Stored, m.SessionStarted)
-
-    # --- interruptions
-
-    def through_pauses(self, wait: Callable[[], Script[T]]) -> Script[T]:
-        """Wait for something. If a pause interrupts that, begin to wait for it anew afterwards."""
-        while True:
-            try:
-                return (yield from wait())
-            except Pause as why:
-                reason = why.reason
-            # outside the handler, so that what interrupts the pause is not taken for its cause
-            yield from self.paused(reason)
-
-    def paused(self, reason: str) -> Script[None]:
-        """Wait until nothing blocks the session. Another reason to pause replaces the first."""
-        status = self.status
-        self.node.cancel_timers()
-        status.paused_from, status.pause_reason = status.phase, reason
-        self.announce(Phase.PAUSED)
-        while True:
-            try:
-                event = yield (Resume, m.KeyPerceived, m.SensorChanged)
-            except Pause as another:
-                status.pause_reason = another.reason
-                self.announce(Phase.PAUSED)
-                continue
-            match event:
-                case m.KeyPerceived(key=key):
-                    resumes = key == "enter" and status.reason in ENTER_RESUMES
-                case m.SensorChanged():
-                    resumes = status.pause_reason == "sensor"
-                case _:
-                    resumes = True
-            if not resumes:
-                continue
-            if status.blockers.is_sensor_lost and self.needs_sensor:
-                status.pause_reason = "sensor"
-            elif status.blockers.has_disk_failed:
-                status.pause_reason = "restored"
-            else:
-                return
-            self.announce(Phase.PAUSED)
-
-    @property
-    def needs_sensor(self) -> bool:
-        """True if movements follow: not in the instructions, and not after the last attempt."""
-        return not (self.is_all_done or self.status.place is Phase.INSTRUCTIONS)
-
-    def _check_sensor(self) -> None:
-        """Pause if the sensor was lost before the first attempt, where it was not needed."""
-        if not self._is_sensor_checked:
-            self._is_sensor_checked = True
-            if self.status.blockers.is_sensor_lost:
-                raise Pause("sensor")
-
-    def void(self, reason: str) -> None:
-        """Void the presentation of the open trial, so that the trial is presented again."""
-        self.node.cancel_timers()
-        trial = self.presenter.trial
-        if trial.mark:
-            self.scores.mark_open_trial(trial, None)
-        self.node.emit(VOIDED, trial.voided(reason))
-        self.presenter.trial = trial.repeated()
-
-    # --- between attempts
+    # --- before an attempt
 
     def enter_pressed(self, phase: Phase) -> Script[None]:
         """Wait for Enter, before an attempt or at the end: first for an operator's decision."""
@@ -305,78 +241,6 @@ class SessionScript:
                     return
                 case event:
                     may_await_decision = isinstance(event, m.AgentActing)
-
-    def after_attempt(self) -> Script[None]:
-        """Wait for feedback, ask what is due, and rest if that must be."""
-        must_rest = not self.is_all_done and self.dose.is_rest_due(self.node.now)
-        yield from self.feedback_given()
-        yield from self.steps_due()
-        if must_rest:
-            self._ignores_decision = False
-            self.dose.begin_rest()
-            yield from self.rest()
-        else:
-            self._let_continue(Phase.REVIEW if self.is_all_done else Phase.READY)
-
-    def feedback_given(self) -> Script[None]:
-        """Wait for delayed feedback, and for an operator's decision on it."""
-        return self.through_pauses(self._feedback_given)
-
-    def _feedback_given(self) -> Script[None]:
-        while self.feedback_due_at > self.node.now or self.status.awaits_operator:
-            self.announce(Phase.FEEDBACK)
-            if self.feedback_due_at > self.node.now:
-                self.node.set_timer("answer", self.feedback_due_at)
-            self._check_sensor()
-            is_over = False
-            while not is_over:
-                event = yield (TimeUp, Decided)
-                is_over = isinstance(event, Decided) or event.name == "answer"
-
-    def steps_due(self) -> Script[None]:
-        """Ask what is due now, one step after the other."""
-        for step in self.steps.due(is_last=self.is_all_done):
-            try:
-                ended = yield from self.through_pauses(partial(self.step, step))
-            except Skip:
-                ended = Ended("skipped", None, self.node.now)
-            self.node.cancel_timer("step")
-            self.node.emit(STEP_ENDED, self.steps.end(ended))
-            if is_refusal(step, ended.answer):
-                raise Refused
-            self._ignores_decision = self.steps.attempts_done > 0
-
-    def step(self, step: Step) -> Script[Ended]:
-        """Show a step until it is answered, read or over."""
-        self.steps.show(self.node.now)
-        if step.kind in TIMED:
-            self.node.set_timer("step", self.steps.until)
-            self.announce(Phase.STEP)
-            yield from time_up("step")
-            return Ended("done", None, self.node.now)
-        self.announce(Phase.STEP)
-        while True:
-            given = self.steps.press((yield (m.KeyPerceived,)))
-            if isinstance(given, Ended):
-                return given
-            if given:
-                self.announce(Phase.STEP)
-
-    def rest(self) -> Script[None]:
-        """Rest as long as the settings say, or until somebody ends the rest."""
-        self.rest_until = self.node.now + self.task.parameters.rest_seconds * SECOND
-        try:
-            yield from self.through_pauses(self._rested)
-        except Skip:
-            self.node.cancel_timer("rest")
-        self.dose.end_rest(self.node.now)
-        self.rest_until = 0
-
-    def _rested(self) -> Script[None]:
-        if self.rest_until > self.node.now:
-            self.announce(Phase.REST)
-            self.node.set_timer("rest", self.rest_until)
-            yield from time_up("rest")
 
     def _let_continue(self, phase: Phase) -> None:
         """Let the next attempt of a continuous task begin by itself, unless it is the first."""
@@ -479,17 +343,6 @@ class SessionScript:
             self.announce(Phase.RESULT)
             yield from self.result_seen(shown.duration)
 
-    def result_seen(self, duration: int) -> Script[None]:
-        """Wait while the answer to a trial is shown, from when it reached the terminal."""
-        while True:
-            match (yield (TimeUp, m.TrialFeedbackShown)):
-                case TimeUp():
-                    self.node.cancel_timer("result")
-                    return
-                case m.TrialFeedbackShown() as shown:
-                    if (shown.attempt, shown.trial) == self.status.last_trial:
-                        self.node.set_timer("result", shown.at + duration)
-
     def _by_seat(self, trial: OpenTrial, judged: Judged) -> Results:
         """Return the result of each seat of a trial. Raises ValueError if they are for others."""
         results = judged if isinstance(judged, dict) else dict.fromkeys(trial.seats, judged)
@@ -506,6 +359,163 @@ class SessionScript:
         if latency is None or latency >= self.task.parameters.min_rt_ms:
             return result
         return replace(result, flags=(*result.flags, "anticipation"))
+
+    def result_seen(self, duration: int) -> Script[None]:
+        """Wait while the answer to a trial is shown, from when it reached the terminal."""
+        while True:
+            match (yield (TimeUp, m.TrialFeedbackShown)):
+                case TimeUp():
+                    self.node.cancel_timer("result")
+                    return
+                case m.TrialFeedbackShown() as shown:
+                    if (shown.attempt, shown.trial) == self.status.last_trial:
+                        self.node.set_timer("result", shown.at + duration)
+
+    # --- after an attempt
+
+    def after_attempt(self) -> Script[None]:
+        """Wait for feedback, ask what is due, and rest if that must be."""
+        must_rest = not self.is_all_done and self.dose.is_rest_due(self.node.now)
+        yield from self.feedback_given()
+        yield from self.steps_due()
+        if must_rest:
+            self._ignores_decision = False
+            self.dose.begin_rest()
+            yield from self.rest()
+        else:
+            self._let_continue(Phase.REVIEW if self.is_all_done else Phase.READY)
+
+    def feedback_given(self) -> Script[None]:
+        """Wait for delayed feedback, and for an operator's decision on it."""
+        return self.through_pauses(self._feedback_given)
+
+    def _feedback_given(self) -> Script[None]:
+        while self.feedback_due_at > self.node.now or self.status.awaits_operator:
+            self.announce(Phase.FEEDBACK)
+            if self.feedback_due_at > self.node.now:
+                self.node.set_timer("answer", self.feedback_due_at)
+            self._check_sensor()
+            is_over = False
+            while not is_over:
+                event = yield (TimeUp, Decided)
+                is_over = isinstance(event, Decided) or event.name == "answer"
+
+    def steps_due(self) -> Script[None]:
+        """Ask what is due now, one step after the other."""
+        for step in self.steps.due(is_last=self.is_all_done):
+            try:
+                ended = yield from self.through_pauses(partial(self.step, step))
+            except Skip:
+                ended = Ended("skipped", None, self.node.now)
+            self.node.cancel_timer("step")
+            self.node.emit(STEP_ENDED, self.steps.end(ended))
+            if is_refusal(step, ended.answer):
+                raise Refused
+            self._ignores_decision = self.steps.attempts_done > 0
+
+    def step(self, step: Step) -> Script[Ended]:
+        """Show a step until it is answered, read or over."""
+        self.steps.show(self.node.now)
+        if step.kind in TIMED:
+            self.node.set_timer("step", self.steps.until)
+            self.announce(Phase.STEP)
+            yield from time_up("step")
+            return Ended("done", None, self.node.now)
+        self.announce(Phase.STEP)
+        while True:
+            given = self.steps.press((yield (m.KeyPerceived,)))
+            if isinstance(given, Ended):
+                return given
+            if given:
+                self.announce(Phase.STEP)
+
+    def rest(self) -> Script[None]:
+        """Rest as long as the settings say, or until somebody ends the rest."""
+        self.rest_until = self.node.now + self.task.parameters.rest_seconds * SECOND
+        try:
+            yield from self.through_pauses(self._rested)
+        except Skip:
+            self.node.cancel_timer("rest")
+        self.dose.end_rest(self.node.now)
+        self.rest_until = 0
+
+    def _rested(self) -> Script[None]:
+        if self.rest_until > self.node.now:
+            self.announce(Phase.REST)
+            self.node.set_timer("rest", self.rest_until)
+            yield from time_up("rest")
+
+    # --- the end
+
+    def last_trial_stored(self) -> Script[None]:
+        """Wait until the last trial is on disk, where another run would find it."""
+        if not self.status.is_last_trial_stored:
+            self.announce(Phase.CLOSING)
+        while not self.status.is_last_trial_stored:
+            yield (m.Stored, m.SessionStarted)
+
+    # --- interruptions
+
+    def through_pauses(self, wait: Callable[[], Script[T]]) -> Script[T]:
+        """Wait for something. If a pause interrupts that, begin to wait for it anew afterwards."""
+        while True:
+            try:
+                return (yield from wait())
+            except Pause as why:
+                reason = why.reason
+            # outside the handler, so that what interrupts the pause is not taken for its cause
+            yield from self.paused(reason)
+
+    def paused(self, reason: str) -> Script[None]:
+        """Wait until nothing blocks the session. Another reason to pause replaces the first."""
+        status = self.status
+        self.node.cancel_timers()
+        status.paused_from, status.pause_reason = status.phase, reason
+        self.announce(Phase.PAUSED)
+        while True:
+            try:
+                event = yield (Resume, m.KeyPerceived, m.SensorChanged)
+            except Pause as another:
+                status.pause_reason = another.reason
+                self.announce(Phase.PAUSED)
+                continue
+            match event:
+                case m.KeyPerceived(key=key):
+                    resumes = key == "enter" and status.reason in ENTER_RESUMES
+                case m.SensorChanged():
+                    resumes = status.pause_reason == "sensor"
+                case _:
+                    resumes = True
+            if not resumes:
+                continue
+            if status.blockers.is_sensor_lost and self.needs_sensor:
+                status.pause_reason = "sensor"
+            elif status.blockers.has_disk_failed:
+                status.pause_reason = "restored"
+            else:
+                return
+            self.announce(Phase.PAUSED)
+
+    @property
+    def needs_sensor(self) -> bool:
+        """True if movements follow: not in the instructions, and not after the last attempt."""
+        return not (self.is_all_done or self.status.place is Phase.INSTRUCTIONS)
+
+    def _check_sensor(self) -> None:
+        """Pause if the sensor was lost before the first attempt, where it was not needed."""
+        if not self._is_sensor_checked:
+            self._is_sensor_checked = True
+            if self.status.blockers.is_sensor_lost:
+                raise Pause("sensor")
+
+    def void(self, reason: str) -> None:
+        """Void the presentation of the open trial, so that the trial is presented again."""
+        self.node.cancel_timers()
+        trial = self.presenter.trial
+        if trial.mark:
+            self.scores.mark_open_trial(trial, None)
+        self.node.emit(VOIDED, trial.voided(reason))
+        self.presenter.trial = trial.repeated()
 
     # --- what the session waits for
 

@@ -12,20 +12,14 @@ import msgspec
 import numpy as np
 
 from sar_tui.loop.clock import VirtualClock
-from sar_tui.loop.node import on
+from sar_tui.loop.node import Node, on
 from sar_tui.loop.session import Session
 from sar_tui.loop.task import Task
 from sar_tui.loop.topics import (
     ATTEMPT_ENDED,
-    KEY,
-    REPORT,
-    SHOWN,
     STORED,
-    TONE_BEGAN,
     TRIAL,
-    TRIAL_FEEDBACK_SHOWN,
 )
-from sar_tui.model.frames import planned, timed
 from sar_tui.model.messages import (
     AttemptEnded,
     Decision,
@@ -56,6 +50,7 @@ from sar_tui.replay.response_model import (
 from sar_tui.rules.parameters import build
 from sar_tui.runs.plan import Failed, without_outputs
 from sar_tui.simulation.participant import Person, SimulatedParticipant
+from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 
 RUNS = 200
@@ -367,54 +362,52 @@ def _acted_on(row: sessions.Row) -> Failed:
     )
 
 
-class _Participant(SimulatedParticipant):
-    """Gives the recorded responses up to the first prompt that is not the recorded one, then those
-    of a person.
+class _Recorded:
+    """The recorded responses, up to the first prompt that is not the recorded one.
+
+    Args:
+        record: None: there are none.
+        is_alone: True if nothing comes after them.
 
     Attributes:
         forked_at: the attempt of that prompt; None before it.
     """
 
-    emits = (KEY, SHOWN, TRIAL_FEEDBACK_SHOWN, REPORT, TONE_BEGAN, STORED)
-
-    def __init__(
-        self, person: Person | None, task: Task, seed: int, record: Responses | None
-    ) -> None:
-        super().__init__(person, task, seed)  # type: ignore[arg-type]
-        self._modelled = person is not None
+    def __init__(self, record: Responses | None, *, is_alone: bool) -> None:
         self._record = record
+        self._is_alone = is_alone
         self.forked_at: int | None = None
+
+    def covers(self, prompt: Prompt) -> bool:
+        was = self._record and self._record.prompts.get((prompt.attempt, prompt.trial))
+        if self.forked_at is None and not (was and _is_same_prompt(was, prompt)):
+            self.forked_at = prompt.attempt
+        return self.forked_at is None or self._is_alone
+
+    def response_to(self, prompt: Prompt) -> tuple[str, int] | None:
+        if self._record is None or self.forked_at is not None:
+            return None
+        trial = self._record.trials.get((prompt.attempt, prompt.trial))
+        if not trial or trial.response is None or trial.response_at is None or trial.onset is None:
+            return None
+        return trial.response, trial.response_at - trial.onset
+
+    def wants_feedback(self, waiting: Waiting) -> bool | None:
+        if self._record is None or self.forked_at is not None:
+            return False if self._is_alone else None
+        return waiting.attempt in self._record.asked
+
+
+class _Acknowledger(Node):
+    """Acknowledges trials as the recorder does: nothing is stored."""
+
+    name = "acknowledger"
+    emits = (STORED,)
 
     @on(TRIAL)
     def trial_ended(self, ended: TrialEnded) -> None:
-        """Acknowledge the trial as the recorder does: nothing is stored."""
         stored = Stored(seat=ended.seat, attempt=ended.attempt, trial=ended.trial)
         self.bus.clock.call_soon(lambda: self.emit(STORED, stored))
-
-    def _perform(self, prompt: Prompt, shown: int) -> None:
-        key = prompt.attempt, prompt.trial
-        was = self._record and self._record.prompts.get(key)
-        if self.forked_at is None and not (was and _is_same_prompt(was, prompt)):
-            self.forked_at = prompt.attempt
-        if self.forked_at is not None:
-            if self._modelled:
-                super()._perform(prompt, shown)
-            return
-        assert self._record
-        trial = self._record.trials.get(key)
-        if (
-            trial
-            and trial.response is not None
-            and trial.response_at is not None
-            and trial.onset is not None
-        ):
-            onset = shown + planned(prompt.frames, timed(prompt.frames))
-            self._press(trial.response, onset + trial.response_at - trial.onset)
-
-    def _wants_feedback(self, waiting: Waiting) -> bool:
-        if self.forked_at is not None or not self._record:
-            return self._modelled and super()._wants_feedback(waiting)
-        return waiting.attempt in self._record.asked
 
 
 def _is_same_prompt(was: Prompt, now: Prompt) -> bool:
@@ -458,14 +451,17 @@ def play(
     """
     task = without_outputs(kind, parameters)
     clock = VirtualClock()
-    participant = _Participant(person, task, person_seed, kept)
+    recorded = _Recorded(kept, is_alone=person is None)
+    # without a person, all responses are known
+    model = person or PEOPLE["average"]
+    participant = SimulatedParticipant(model, task, person_seed, known=recorded)
     started = record.started
     session = Session(
         task,
         record.theme,
         clock,
         seed,
-        [participant],
+        [participant, _Acknowledger()],
         best=started.best,
         others_best=started.others_best,
         names=started.names,
@@ -476,8 +472,8 @@ def play(
     session.bus.subscribe(ATTEMPT_ENDED, ended.append)
     session.begin()
     while not session.ended and session.broken is None and clock.step():
-        if person is None and participant.forked_at is not None:
+        if person is None and recorded.forked_at is not None:
             break
     if fault := session.broken:
         raise Failed(f"The task {task.name} failed ({fault.error}, {fault.place}).")
-    return Played(ended, participant.forked_at)
+    return Played(ended, recorded.forked_at)

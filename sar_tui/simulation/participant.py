@@ -140,9 +140,27 @@ class _Performer(Node):
         return self.bus.clock.call_at(at, lambda: self.emit(KEY, KeyPressed(key=key, at=at)))
 
 
+class Known(Protocol):
+    """Responses that are known already, so that the person's model gives only the others."""
+
+    def covers(self, prompt: Prompt) -> bool:
+        """Return True if the response to a prompt, or that there was none, is known."""
+        ...
+
+    def response_to(self, prompt: Prompt) -> tuple[str, int] | None:
+        """Return the key, and its time from the onset (ns); None if there was none."""
+        ...
+
+    def wants_feedback(self, waiting: Waiting) -> bool | None:
+        """Return True if feedback was requested; None if that is not known."""
+        ...
+
+
 class SimulatedParticipant(_Performer):
     """Presses Enter when the session waits for it, and responds to each prompt as its person
     would.
+
+    ``known``: responses that come before the person's.
     """
 
     name = "participant"
@@ -150,6 +168,18 @@ class SimulatedParticipant(_Performer):
     _next: Handle | None = None
     _asked = (0, 0)
     _keys: tuple[str, ...] = ()
+
+    def __init__(
+        self,
+        person: Person,
+        task: Task,
+        seed: int,
+        move: Callable[[int, Any], None] | None = None,
+        *,
+        known: Known | None = None,
+    ) -> None:
+        super().__init__(person, task, seed, move)
+        self._known = known
 
     @on(WAITING)
     def waiting(self, waiting: Waiting) -> None:
@@ -193,13 +223,20 @@ class SimulatedParticipant(_Performer):
         self._keys = self._keys[1:]
 
     def _wants_feedback(self, waiting: Waiting) -> bool:
+        if self._known and (wanted := self._known.wants_feedback(waiting)) is not None:
+            return wanted
         return self._person.wants_feedback(
             RandomStreams(self._seed, "person", waiting.attempt, waiting.stage)
         )
 
     @on(PROMPT)
     def prompted(self, prompt: Prompt) -> None:
-        self._perform(prompt, self._show(prompt))
+        shown = self._show(prompt)
+        if not (self._known and self._known.covers(prompt)):
+            self._perform(prompt, shown)
+        elif response := self._known.response_to(prompt):
+            key, after = response
+            self._press(key, shown + planned(prompt.frames, timed(prompt.frames)) + after)
 
     @on(FRAME)
     def frame_due(self, due: FrameDue) -> None:
