@@ -94,7 +94,7 @@ def name_at_session(name: str | None, link: Path | None, *, observe: bool) -> st
     from sar_tui.link.invitation import NAME
 
     if name is None:
-        from sar_tui.operator.session_picker import own_name
+        from sar_tui.operator.app import own_name
 
         return f"{own_name()[:20]}-{os.getpid()}" if observe else own_name()
     if link is not None:

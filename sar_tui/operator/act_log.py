@@ -22,8 +22,7 @@ from sar_tui.model.messages import (
     SessionCommand,
 )
 from sar_tui.model.units import MS
-from sar_tui.operator.event_log import MAX_LINES, Line
-from sar_tui.operator.event_text import in_brackets, short_name
+from sar_tui.operator.event_text import MAX_LINES, Line, in_brackets, short_name
 from sar_tui.operator.text_charts import cut
 
 _ACTS = (COMMAND, DECISION, REMARK, MODE, NOTE_ADDED)

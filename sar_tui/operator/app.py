@@ -1,19 +1,39 @@
-"""The operator's panel as an app: in another terminal, on another machine, in a browser."""
+"""The operator's panel as an app, in another terminal, on another machine or in a browser; and the
+choice of the session to join.
+"""
 
+import asyncio
 import contextlib
+import functools
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any, ClassVar
 
 from textual import on
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.screen import Screen
+from textual.widgets import Static
+from textual.widgets.option_list import Option
 
+from sar_tui.drivers.login_name import login_name
+from sar_tui.link import discovery
+from sar_tui.link.client import connect
 from sar_tui.link.discovery import JoinableSession
+from sar_tui.link.errors import LinkError
 from sar_tui.link.invitation import Invitation
 from sar_tui.model.messages import Role
 from sar_tui.model.theme import Theme
-from sar_tui.operator.layout import PanelLayout
 from sar_tui.operator.screen import PanelScreen
-from sar_tui.operator.session_picker import ChooseScreen, panel
 from sar_tui.tui.base_app import BaseApp
+from sar_tui.widgets.key_footer import KeyFooter
+from sar_tui.widgets.option_list import OptionList
+
+LOOK_SECONDS = 1.0
+HOW_TO_START = (
+    "No session of this data folder can be joined. Start one with: sar-tui run TASK -p "
+    "CODE --operator"
+)
 
 
 class WizardApp(BaseApp):
@@ -68,8 +88,8 @@ class WizardApp(BaseApp):
         """Return the panel of a session."""
         return panel(where, self._user_name, self._role, self._theme, self._folder)
 
-    @on(PanelLayout.Themed)
-    def use_session_theme(self, event: PanelLayout.Themed) -> None:
+    @on(PanelScreen.Themed)
+    def use_session_theme(self, event: PanelScreen.Themed) -> None:
         """Apply the colours that the participant sees."""
         self.apply_theme(event.theme)
 
@@ -83,3 +103,95 @@ def run_wizard(app: WizardApp, report: Callable[[str], object]) -> int:
         with contextlib.suppress(OSError):  # the terminal may be gone
             report(app.failure)
     return code
+
+
+def own_name() -> str:
+    """Return the default name of this user at a session."""
+    return login_name() or "operator"
+
+
+def panel(
+    where: JoinableSession | Invitation, name: str, role: Role, theme: Theme, folder: Path
+) -> PanelScreen:
+    """Return the panel of a session. Called on the event loop that runs it."""
+    join = functools.partial(connect, where, name, role, loop=asyncio.get_running_loop())
+    return PanelScreen(join, theme, folder)
+
+
+class ChooseScreen(Screen[JoinableSession | None]):
+    """List of a data folder's sessions that can be joined, updated every second.
+
+    Args:
+        folder: the data folder.
+        waits: join the first session that appears.
+    """
+
+    CSS = """
+    ChooseScreen { align: center middle; }
+    ChooseScreen #box { width: 70; height: auto; max-height: 80%; border: round $accent; padding: 0 1; }
+    ChooseScreen #hint { width: 70; height: auto; margin: 1 0; color: $text-muted; }
+    """
+    help_text = "The sessions of this data folder that an operator can join.\n"
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "leave", "Back")]
+
+    app: Any
+
+    def __init__(self, folder: Path, *, waits: bool = False) -> None:
+        super().__init__()
+        self._folder, self._waits = folder, waits
+        self._others: list[str] = []
+        self._found: dict[str, JoinableSession] = {}
+
+    def compose(self) -> ComposeResult:
+        box = OptionList(id="box", markup=False)
+        box.border_title = "Sessions to join"
+        yield box
+        yield Static("", id="hint", markup=False)
+        yield KeyFooter()
+
+    def on_mount(self) -> None:
+        self.look_again()
+        self.set_interval(LOOK_SECONDS, self.look_again)
+
+    def look_again(self) -> None:
+        try:
+            found = {live.session: live for live in discovery.joinable_sessions(self._folder)}
+            others = discovery.other_folders(self._folder)
+        except LinkError as error:
+            self.query_one("#hint", Static).update(str(error))
+            return
+        if self._waits and len(found) == 1 and not self._found and self.is_active:
+            self.dismiss(next(iter(found.values())))
+            return
+        if found != self._found or not found:
+            self._found, self._others = found, others
+            self._list()
+
+    def _list(self) -> None:
+        box = self.query_one("#box", OptionList)
+        chosen = box.highlighted or 0
+        box.clear_options()
+        box.add_options(
+            [
+                Option(f"{live.description}   {live.session}", id=live.session)
+                for live in self._found.values()
+            ]
+        )
+        if self._found:
+            box.highlighted = min(chosen, len(self._found) - 1)
+        box.display = bool(self._found)
+        elsewhere = (
+            f"\n\nThere is a session of another data folder: {self._others[0]}"
+            if self._others
+            else ""
+        )
+        self.query_one("#hint", Static).update(
+            "Enter joins." if self._found else f"{HOW_TO_START}{elsewhere}\n\nWaiting for one …"
+        )
+
+    @on(OptionList.OptionSelected, "#box")
+    def _selected(self, event: OptionList.OptionSelected) -> None:
+        self.dismiss(self._found[event.option.id or ""])
+
+    def action_leave(self) -> None:
+        self.dismiss(None)

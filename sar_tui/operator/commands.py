@@ -24,7 +24,6 @@ from sar_tui.model.messages import (
     Valence,
 )
 from sar_tui.model.units import MS, SECOND
-from sar_tui.operator import proposal_view
 from sar_tui.operator.act_log import ActLog
 from sar_tui.operator.event_text import short_name
 from sar_tui.operator.palette import MODES, Item
@@ -36,6 +35,15 @@ TOO_SOON = 150 * MS
 
 CONFIRM_SECONDS = 3
 """Time for the second key that ends a pause made by the participant."""
+_RANKS: dict[str, int] = {
+    "feedback": 0,
+    "encouragement": 1,
+    "instruction": 2,
+    "difficulty": 3,
+    "gesture": 4,
+}
+_TOGETHER = SECOND // 2
+"""Proposals whose deadlines are this close were made together."""
 
 
 class Commands:
@@ -82,11 +90,7 @@ class Commands:
     def pending(self) -> tuple[PendingApproval, ...]:
         """Proposals that wait for an operator, most urgent first; none while the link is down."""
         state = self.state
-        return (
-            proposal_view.by_urgency(state.arbiter.pending)
-            if state.arbiter and state.is_connected
-            else ()
-        )
+        return by_urgency(state.arbiter.pending) if state.arbiter and state.is_connected else ()
 
     def refusal(self, act: Message | None = None) -> str:
         """Return why an act would be refused; empty if it would be accepted. Without one, any that
@@ -366,3 +370,18 @@ def editable(approval: PendingApproval, state: SessionState) -> str:
         return str(approval.level)
     name = addressed(state, approval.proposal.seat, "")
     return approval.proposal.text.removeprefix(name) or approval.proposal.gesture.replace("_", " ")
+
+
+def by_urgency(pending: tuple[PendingApproval, ...]) -> tuple[PendingApproval, ...]:
+    """Sort proposals by deadline; of those due together, put first what takes longest to read."""
+    timed = sorted(
+        (each for each in pending if each.deadline is not None), key=lambda each: each.deadline or 0
+    )
+    ranks: dict[str, tuple[int, int]] = {}
+    group, begins = 0, 0
+    for approval in timed:
+        if (approval.deadline or 0) - begins > _TOGETHER:
+            group, begins = group + 1, approval.deadline or 0
+        ranks[approval.proposal.id] = (group, _RANKS.get(approval.proposal.kind, len(_RANKS)))
+    last = (group + 1, 0)
+    return tuple(sorted(pending, key=lambda approval: ranks.get(approval.proposal.id, last)))

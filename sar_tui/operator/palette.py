@@ -1,8 +1,10 @@
-"""Pages of the palette, and the act of each of their numbers."""
+"""The palette: its pages, the act of each of their numbers, and the page that is open."""
 
 from typing import Any, Literal, NamedTuple
 
 import msgspec
+from rich.cells import set_cell_size
+from textual.content import Content
 
 from sar_tui.loop.bus import Topic
 from sar_tui.loop.topics import COMMAND, DECISION, MODE, REMARK
@@ -19,6 +21,7 @@ from sar_tui.model.messages import (
 from sar_tui.operator.keymap import KeymapFile
 from sar_tui.operator.phrases import Filled, addressed, addressee, fill, slot_values, theme_phrases
 from sar_tui.operator.session_state import SessionState
+from sar_tui.operator.text_charts import Piece, cut
 
 PER_PAGE = 10
 CONTROLLED_KINDS: tuple[ControlledKind, ...] = (
@@ -171,3 +174,77 @@ def _action(action: Action) -> str:
         else action.gesture or action.tone
     )
     return f"{action.kind} {said}"
+
+
+class Palette:
+    """The open page of the palette, and the participant that its acts are for.
+
+    Args:
+        file: the operator's own phrases.
+    """
+
+    def __init__(self, file: KeymapFile) -> None:
+        self._file = file
+        self._book = PhraseBook({})
+        self._open: tuple[str, str] = ("", "")
+        self.seat = "A"
+
+    def use_theme(self, state: SessionState) -> None:
+        """Take over the phrases of the session's theme."""
+        self._book = PhraseBook.of(state, self._file)
+
+    def find(self, state: SessionState) -> tuple[Page, int, int]:
+        """Return the open page, its index and the number of pages."""
+        found = pages(state, self._book, self.seat)
+        names = [(page.kind, page.title) for page in found]
+        index = names.index(self._open) if self._open in names else 0
+        return found[index], index, len(found)
+
+    def turn(self, state: SessionState, step: int) -> None:
+        """Open another page, so many pages further."""
+        found = pages(state, self._book, self.seat)
+        page = found[(self.find(state)[1] + step) % len(found)]
+        self._open = (page.kind, page.title)
+
+    def open(self, state: SessionState, kind: str) -> None:
+        """Open the first page of a kind."""
+        page = next(p for p in pages(state, self._book, self.seat) if p.kind == kind)
+        self._open = (page.kind, page.title)
+
+    def close(self) -> None:
+        """Go back to the first page."""
+        self._open = ("", "")
+
+    def take_next_seat(self, state: SessionState) -> None:
+        """Turn to the next participant."""
+        names = sorted(state.welcome.participants if state.welcome else ())
+        if self.seat in names:
+            self.seat = names[(names.index(self.seat) + 1) % len(names)]
+        elif names:
+            self.seat = names[0]
+
+
+def palette_page(page: Page, width: int, rows: int) -> Content:
+    """Return a page of the palette, in two columns if one is too short."""
+    if not page.items:
+        return Content.assemble((page.empty, "$text-muted"))
+    is_wide = len(page.items) > rows
+    column = width // 2 - 1 if is_wide else width
+    parts: list[Piece] = []
+    for row in range(min(rows, len(page.items))):
+        for index in (row, row + rows) if is_wide else (row,):
+            if index < len(page.items):
+                parts += _item(
+                    page.items[index], (index + 1) % 10, column, pads=is_wide and index == row
+                )
+        parts.append(("\n", ""))
+    return Content.assemble(*parts[:-1])
+
+
+def _item(item: Item, number: int, width: int, *, pads: bool) -> list[Piece]:
+    text = cut(f"{'▶ ' if item.is_current else ''}{item.text}", width - 3)
+    style = "$text-muted" if item.topic is None else ""
+    return [
+        (f"{number} ", "$accent bold"),
+        (f"{set_cell_size(text, width - 1)} " if pads else text, style),
+    ]

@@ -1,18 +1,28 @@
 """Strip of the panel with the proposal to decide on, or the text that the operator types."""
 
+from collections.abc import Callable
+
+from textual import events
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
 from textual.content import Content, Span
 
-from sar_tui.model.messages import PendingApproval
-from sar_tui.operator import key_help, proposal_view
+from sar_tui.model.messages import Action, PendingApproval, Proposal
+from sar_tui.model.units import SECOND
+from sar_tui.operator import status_view
 from sar_tui.operator.act_log import doing
 from sar_tui.operator.commands import Commands, takes_valence
-from sar_tui.operator.keymap import KeymapFile
-from sar_tui.operator.phrases import addressee
+from sar_tui.operator.event_text import short_name
+from sar_tui.operator.keymap import KEY_COMMANDS, KeymapFile, key_label, key_name
+from sar_tui.operator.palette import CONTROLLED_KINDS, MODES
+from sar_tui.operator.phrases import MAX_TEXT, addressee
 from sar_tui.operator.session_state import SessionState
-from sar_tui.operator.text_charts import cut
+from sar_tui.operator.text_charts import Piece, bar, cut, two_lines
 from sar_tui.operator.widgets import CachedStatic, TypedInput
+
+_TONES = {"positive": "$success", "neutral": "$neutral", "negative": "$warning"}
+_SIMPLE = ("approve", "veto", "edit")
+_DECISION_KEYS = ("approve", "veto", "edit", "positive", "neutral", "negative")
 
 
 class ProposalStrip(Vertical):
@@ -21,6 +31,9 @@ class ProposalStrip(Vertical):
 
     Args:
         file: the operator's keys.
+
+    Attributes:
+        edited: the proposal whose text is typed, if one is edited.
     """
 
     def __init__(self, file: KeymapFile) -> None:
@@ -28,6 +41,8 @@ class ProposalStrip(Vertical):
         self._file = file
         self._is_tall = False
         self._label = ""
+        self._then: Callable[[str, int], bool] | None = None
+        self.edited: PendingApproval | None = None
         self._time_given: dict[str, int] = {}
         self._titles = ("", "")
 
@@ -39,45 +54,116 @@ class ProposalStrip(Vertical):
             yield TypedInput(id="entry-text", compact=True, select_on_focus=False)
         yield CachedStatic("others")
 
+    # --- typing
+
     @property
-    def entry(self) -> TypedInput:
-        """The text field."""
-        return self.query_one(TypedInput)
+    def is_typing(self) -> bool:
+        """True while the text field is open."""
+        return self._then is not None
+
+    @property
+    def typed(self) -> str:
+        """What has been typed."""
+        return self._entry.value
 
     @property
     def overflows(self) -> bool:
         """True if the typed text is longer than the text field."""
-        return len(self.entry.value) >= self.entry.content_size.width
+        return self.is_typing and len(self.typed) >= self._entry.content_size.width
+
+    def open_entry(
+        self,
+        label: str,
+        text: str,
+        then: Callable[[str, int], bool],
+        max_length: int = MAX_TEXT,
+        edited: PendingApproval | None = None,
+    ) -> None:
+        """Open the text field.
+
+        Args:
+            label: text in front of it.
+            text: initial content.
+            then: called with the text and the time stamp of Enter; returns True if the field can be
+                closed.
+            max_length: longest text, in characters.
+            edited: the proposal that is edited.
+        """
+        self._then, self.edited, self._label = then, edited, label
+        self.add_class("typing")
+        entry = self._entry
+        entry.max_length, entry.value = max_length, text
+        entry.cursor_position = len(text)
+        self.screen.set_focus(entry)  # now, because the next key may have been read already
+
+    def close_entry(self) -> None:
+        """Close the text field."""
+        self._then, self.edited, self._label = None, None, ""
+        self.remove_class("typing")
+        self.screen.set_focus(None)
+
+    def type(self, event: events.Key | events.Paste) -> bool:
+        """Type a key or pasted text; return False if the key types nothing."""
+        if isinstance(event, events.Paste):
+            self._entry.put(next(iter(event.text.splitlines()), ""))
+        elif event.is_printable and event.character:
+            self._entry.put(event.character)
+        else:
+            return False
+        return True
+
+    def submit(self, at: int) -> None:
+        """Hand on what was typed. ``at``: time stamp of Enter."""
+        then, text = self._then, self.typed.strip()
+        if then and text and then(text, at):
+            self.close_entry()
+
+    @property
+    def _entry(self) -> TypedInput:
+        return self.query_one(TypedInput)
+
+    # --- drawing
+
+    def draw(
+        self, chosen: PendingApproval | None, commands: Commands, now: int, *, is_tall: bool
+    ) -> bool:
+        """Draw the proposal that keys apply to, or why there is none. Return False while a text is
+        edited whose proposal no longer waits: it is not meant for the next.
+
+        Args:
+            chosen: the proposal that keys apply to.
+            commands: the operator's.
+            now: session clock (ns).
+            is_tall: the window has a line for the other proposals.
+        """
+        loss = status_view.link_loss(commands.state)
+        self.set_class(chosen is not None, "pending")
+        self.set_class(bool(loss), "alarm")
+        self._is_tall = is_tall
+        edited = self.edited
+        if edited and edited.proposal.id not in {each.proposal.id for each in commands.pending}:
+            self._draw_expired_edit(edited, commands, now)
+            return False
+        if chosen is None:
+            self._draw_empty(commands.state, loss, now)
+        else:
+            self._draw_proposal(chosen, commands, now)
+        return True
 
     @property
     def _width(self) -> int:
         return self.query_one("#proposal").content_size.width
 
-    def configure(self, label: str, *, is_pending: bool, is_alarm: bool, is_tall: bool) -> None:
-        """Set what all drawings share.
-
-        Args:
-            label: text in front of the text field; empty while nothing is typed.
-            is_pending: a proposal waits.
-            is_alarm: the link is down.
-            is_tall: the window has a line for the other proposals.
-        """
-        self.set_class(is_pending, "pending")
-        self.set_class(is_alarm, "alarm")
-        self._label, self._is_tall = label, is_tall
-
-    def draw_empty(self, state: SessionState, loss: str, now: int) -> None:
+    def _draw_empty(self, state: SessionState, loss: str, now: int) -> None:
         """Draw why nothing waits. ``loss``: the notice while the link is down."""
-        leave_key = key_help.key_label("close", self._file)
-        self._put(
-            "proposal", proposal_view.nothing_pending(state, loss, now, self._width, leave_key)
-        )
+        leave_key = key_label("close", self._file)
+        self._put("proposal", nothing_pending(state, loss, now, self._width, leave_key))
         self._put("decision-keys", Content(""))
         self._put("entry-label", Content(self._label))
         self._put("others", Content(""))
         self._frame("Connection" if loss else "Proposals", self._subtitle(state))
 
-    def draw_proposal(self, approval: PendingApproval, commands: Commands, now: int) -> None:
+    def _draw_proposal(self, approval: PendingApproval, commands: Commands, now: int) -> None:
         """Draw a proposal that waits."""
         state, pending, width, id = (
             commands.state,
@@ -90,26 +176,24 @@ class ProposalStrip(Vertical):
             for each in pending
             if each.deadline is not None
         }
-        self._put("proposal", proposal_view.body(approval, now, self._time_given.get(id), width))
-        keys = proposal_view.decision_keys(self._file, has_words=takes_valence(approval))
-        keys = proposal_view.control_hint(state, self._file) if commands.refusal() else keys
+        self._put("proposal", body(approval, now, self._time_given.get(id), width))
+        keys = decision_keys(self._file, has_words=takes_valence(approval))
+        keys = control_hint(state, self._file) if commands.refusal() else keys
         sent = commands.log.deciding(id)
         self._put("decision-keys", Content(f"{doing(sent)} …") if sent else keys)
         self._put("entry-label", Content(self._label))
-        others = proposal_view.other_proposals(pending, approval, now, width)
+        others = other_proposals(pending, approval, now, width)
         self._put("others", Content(others))
         to = addressee(state, approval.proposal.seat) if approval.level is None else ""
-        title = proposal_view.title(approval, pending.index(approval) + 1, len(pending), to)
-        self._frame(title, self._subtitle(state, "" if self._label else others))
+        heading = title(approval, pending.index(approval) + 1, len(pending), to)
+        self._frame(heading, self._subtitle(state, "" if self._label else others))
 
-    def draw_expired_edit(self, edited: PendingApproval, commands: Commands, now: int) -> None:
-        """Draw the proposal that is being edited although it no longer waits: the text is not meant
-        for the next.
-        """
+    def _draw_expired_edit(self, edited: PendingApproval, commands: Commands, now: int) -> None:
+        """Draw the proposal whose text is edited although it no longer waits."""
         is_late = edited.deadline is not None and edited.deadline <= now
         why = "Time is up" if is_late else "No longer pending"
-        others = proposal_view.other_proposals(commands.pending, None, now, self._width)
-        self._put("proposal", proposal_view.expired_edit(edited, self._width))
+        others = other_proposals(commands.pending, None, now, self._width)
+        self._put("proposal", expired_edit(edited, self._width))
         self._put("entry-label", Content(f"{why}:", [Span(0, len(why) + 1, "$warning bold")]))
         self._put("others", Content(others))
         self._frame(
@@ -123,11 +207,7 @@ class ProposalStrip(Vertical):
         """
         if others and not self._is_tall:
             return cut(others, self._width - 4)
-        return (
-            "Enter sends, Esc cancels"
-            if self._label
-            else proposal_view.mode_summary(state, self._width - 4)
-        )
+        return "Enter sends, Esc cancels" if self._label else mode_summary(state, self._width - 4)
 
     def _frame(self, title: str, subtitle: str) -> None:
         """Set the border's texts; as `Content`, because they may hold brackets."""
@@ -137,3 +217,159 @@ class ProposalStrip(Vertical):
 
     def _put(self, name: str, content: Content) -> None:
         self.query_one(f"#{name}", CachedStatic).show(content)
+
+
+def title(approval: PendingApproval, number: int, count: int, to: str) -> str:
+    """Return a proposal's title: kind, addressee, valence, mode, changes, and its number if there
+    are several.
+    """
+    proposal = approval.proposal
+    parts = [
+        proposal.kind.upper() + to,
+        *filter(None, (proposal.valence, proposal.degree)),
+        approval.mode,
+    ]
+    parts += [proposal.evidence] if proposal.evidence else []
+    return " · ".join(parts) + (f" · {number} of {count}" if count > 1 else "")
+
+
+def proposal_text(proposal: Proposal | Action, level: int | None) -> str:
+    """Return a proposal as it would be said or done."""
+    if level is not None:
+        return f"{proposal.text or f'Level {level}'}, from the next attempt on"
+    text = proposal.text or proposal.spoken
+    return (
+        f"“{text}”"
+        if text
+        else f"[{(proposal.gesture or proposal.tone or proposal.face).replace('_', ' ')}]"
+    )
+
+
+def time_left(approval: PendingApproval, now: int) -> str:
+    """Return the time left to decide, and what happens then."""
+    if approval.deadline is None:
+        return "waits for you until the next attempt begins"
+    seconds = max(0, approval.deadline - now) / SECOND
+    if seconds == 0:
+        return "time is up"
+    return f"{'acts by itself' if approval.otherwise == 'act' else 'is dropped'} in {seconds:.1f} s"
+
+
+def body(approval: PendingApproval, now: int, given: int | None, width: int) -> Content:
+    """Return the text and the remaining time.
+
+    Args:
+        approval: the proposal.
+        now: session clock (ns).
+        given: time to decide when it was first seen (ns).
+        width: length of a line, in characters.
+    """
+    words = two_lines(proposal_text(approval.proposal, approval.level), width)
+    time = time_left(approval, now)
+    style = f"{_TONES.get(approval.proposal.valence or '', '$foreground')} bold"
+    parts: list[Piece] = [(words, style), ("\n", "")]
+    if approval.deadline is None or not given:
+        return Content.assemble(*parts, (time, "$accent bold"))
+    full, empty = bar((approval.deadline - now) / given, width - 27)
+    urgent = "$warning" if approval.deadline - now < SECOND else "$accent"
+    return Content.assemble(
+        *parts, (full, urgent), (empty, "$text-muted"), (f"  {time}", f"{urgent} bold")
+    )
+
+
+def decision_keys(file: KeymapFile, *, has_words: bool) -> Content:
+    """Return the keys that decide."""
+    parts: list[Piece] = []
+    for command in KEY_COMMANDS:
+        if command.id in _DECISION_KEYS and (has_words or command.id in _SIMPLE):
+            style = "bold reverse" if command.id == "approve" else "bold"
+            key = key_name(file.keys_of(command)[0])
+            parts += [
+                (f" {key} ", f"$accent {style}"),
+                (f" {command.label.lower()} " if command.id in _SIMPLE else "", ""),
+            ]
+    parts.append((" other face, same words", "") if has_words else ("", ""))
+    return Content.assemble(*parts)
+
+
+def control_hint(state: SessionState, file: KeymapFile) -> Content:
+    """Return the text shown instead of those keys to an operator without control, or an
+    observer.
+    """
+    if state.welcome and state.welcome.role == "observer":
+        return Content.assemble(("You are an observer.", "$text-muted"))
+    control = next(command for command in KEY_COMMANDS if command.id == "control")
+    key = key_name(file.keys_of(control)[0])
+    return Content.assemble(
+        (f"{short_name(state.holder)} decides; {key} takes control.", "$text-muted")
+    )
+
+
+def expired_edit(approval: PendingApproval, width: int) -> Content:
+    """Return a proposal that is edited but no longer pending, and what can be done with the
+    text.
+    """
+    has_words = approval.level is None and approval.proposal.text
+    what = "Enter twice says it anyway, Esc discards it." if has_words else "Esc discards it."
+    words = two_lines(proposal_text(approval.proposal, approval.level), width)
+    return Content.assemble(
+        (words, "$text-muted"),
+        ("\n", ""),
+        (cut(f"Nothing was sent. {what}", width), "$warning bold"),
+    )
+
+
+def nothing_pending(
+    state: SessionState, loss: str, now: int, width: int, leave_key: str
+) -> Content:
+    """Return why nothing is pending: no proposal, no link, or the end of the session."""
+    if state.ended:
+        report = " For the report: sar-tui report wizard last"
+        return Content.assemble(
+            (f"The session is over. {leave_key} leaves.", "bold"), (report, "$text-muted")
+        )
+    if loss:
+        return Content.assemble((two_lines(loss, width), "$warning bold"))
+    if state.arbiter is None:
+        return Content.assemble(("Proposals are not known yet.", "$text-muted"))
+    if (action := state.scheduled) and action.due > now:
+        words = two_lines(
+            f"Nothing is pending. The {action.kind} is decided: {proposal_text(action, None)}",
+            width,
+        )
+        return Content.assemble(
+            (words, ""), (f"\ngoes out in {(action.due - now) / SECOND:.1f} s", "$accent bold")
+        )
+    if all(mode == "autonomous" for mode in state.arbiter.modes.values()):
+        return Content.assemble(
+            ("Nothing is pending: the agent decides everything by itself.", "$text-muted")
+        )
+    who = "you" if state.has_control else short_name(state.holder) or "an operator"
+    return Content.assemble((f"Nothing is pending for {who}.", "$text-muted"))
+
+
+def other_proposals(
+    pending: tuple[PendingApproval, ...], chosen: PendingApproval | None, now: int, width: int
+) -> str:
+    """Return the other proposals with their times, on one line."""
+    others = [
+        f"{_time(each, now)}{each.proposal.kind} {proposal_text(each.proposal, each.level)}"
+        for each in pending
+        if each is not chosen
+    ]
+    return cut(f"Also pending: {' · '.join(others)}", width) if others else ""
+
+
+def _time(approval: PendingApproval, now: int) -> str:
+    return "" if approval.deadline is None else f"{max(0, approval.deadline - now) / SECOND:.0f} s "
+
+
+def mode_summary(state: SessionState, width: int) -> str:
+    """Return the kinds of action by mode, without those that the agent decides by itself."""
+    if state.arbiter is None:
+        return "modes not known yet"
+    of = state.arbiter.modes
+    kinds = {mode: [kind for kind in CONTROLLED_KINDS if of.get(kind) == mode] for mode in MODES}
+    listed = [f"{mode}: {', '.join(kinds[mode])}" for mode in MODES[1:] if kinds[mode]]
+    rest = ["the rest: autonomous" if listed else "all: autonomous"] if kinds["autonomous"] else []
+    return cut(" · ".join((*listed, *rest)), width)

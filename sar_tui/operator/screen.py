@@ -1,22 +1,57 @@
-"""Screen of the operator's panel: its keys."""
+"""Screen of the operator's panel: agent, participant, proposals, palette, log, and its keys."""
 
+import asyncio
+import time
 from collections.abc import Callable
+from datetime import datetime
+from functools import partial
+from pathlib import Path
 from typing import Any, ClassVar
 
+from rich.cells import cell_len
 from textual import events
+from textual.app import ComposeResult
 from textual.binding import BindingType
+from textual.containers import Horizontal, Vertical
+from textual.content import Content
+from textual.message import Message
+from textual.widgets import Static
 
-from sar_tui.loop.clock import host_now
+from sar_tui.link.errors import LinkError
+from sar_tui.link.peer import Peer, PeerEvent, PeerListener, Welcome
+from sar_tui.loop.clock import Clock, LiveClock, host_now
 from sar_tui.loop.topics import DECISION, NOTE_ADDED, REMARK
 from sar_tui.model.messages import PendingApproval, Valence
+from sar_tui.model.theme import Theme
 from sar_tui.model.units import SECOND
-from sar_tui.operator import palette
-from sar_tui.operator.commands import CONFIRM_SECONDS, editable, takes_valence
+from sar_tui.operator import keymap, status_view
+from sar_tui.operator.agent_mirror import AgentMirror
+from sar_tui.operator.commands import CONFIRM_SECONDS, Commands, editable, takes_valence
+from sar_tui.operator.event_text import Line
 from sar_tui.operator.keymap import KEY_COMMANDS, bindings
-from sar_tui.operator.layout import PanelLayout
+from sar_tui.operator.palette import Palette, palette_page
 from sar_tui.operator.phrases import MAX_TEXT, addressee
 from sar_tui.operator.proposal_strip import ProposalStrip
+from sar_tui.operator.text_charts import trend, wrap
+from sar_tui.operator.widgets import CachedStatic, TooSmallNotice
+from sar_tui.tui.base_app import OrderedScreen
+from sar_tui.tui.terminal_probe import INTERVAL_S as PROBE_INTERVAL_S
 
+FRAME_SECONDS = 1 / 15
+"""Shortest time between two drawings."""
+_TALL, _WIDE = 27, 92
+"""Lines from which the log is longer, and columns from which the agent's text is wider."""
+_BROAD = 120
+"""Columns from which the attempts are plotted beside palette and log."""
+_PALETTE_ROWS = 5
+_GAP, _LINK_SHARE = 2, 0.6
+"""Columns between the session and the link in the header, and the largest share of the link (see
+`operator.tcss`).
+"""
+_SHORTEST_ABSENCE_S = 1.0
+"""Shorter silences of the terminal are not worth a line in the log."""
+_JUST_NOW_S = 10
+"""Time for which the line on an absence stays the newest of the log."""
 _ACTIONS = {command.action.partition("(")[0] for command in KEY_COMMANDS}
 _FOR_ALL = {command.action.partition("(")[0] for command in KEY_COMMANDS if not command.acts}
 _WHILE_TYPING = ("stop", "leave", "keys", "event")
@@ -25,14 +60,310 @@ _WHILE_COVERED = ("stop", "leave", "keys")
 _MAX_NOTE = 4000
 
 
-class PanelScreen(PanelLayout):
-    """Panel of an operator or an observer."""
+class PanelScreen(OrderedScreen[str]):
+    """Panel of an operator or an observer. The result is an error message if no link can be made.
+
+    Args:
+        connect: makes the link, given the function that receives what comes over it.
+        theme: applied until the session's theme is known.
+        folder: holds the operator's own file.
+        clock: drives the agent's motion, and withdraws questions; given by tests.
+        wall_time: returns the local date and time.
+
+    Attributes:
+        commands: acts of this operator, and the session as it is known here.
+        palette: the open page of the palette.
+        strip: the proposal to decide on, and the text field.
+    """
+
+    CSS_PATH = "operator.tcss"
+    AUTO_FOCUS = ""
 
     BINDINGS: ClassVar[list[BindingType]] = [*bindings()]
 
-    def __init__(self, *args: Any, **options: Any) -> None:
-        super().__init__(*args, **options)
-        self._typing: Callable[[str, int], bool] | None = None
+    app: Any
+
+    class Themed(Message):
+        """The session's theme is known, or has changed."""
+
+        def __init__(self, theme: Theme) -> None:
+            super().__init__()
+            self.theme = theme
+
+    def __init__(
+        self,
+        connect: Callable[[PeerListener], Peer],
+        theme: Theme,
+        folder: Path,
+        clock: Clock | None = None,
+        wall_time: Callable[[], datetime] = datetime.now,
+    ) -> None:
+        super().__init__()
+        self._wall_time = wall_time
+        self._connect = connect
+        self.file, self._file_problem = keymap.read(folder)
+        self._clock = clock or LiveClock(asyncio.get_running_loop())
+        self._agent = AgentMirror(theme, self._clock)
+        self.commands = Commands()
+        self.commands.control_key = keymap.key_label("control", self.file)
+        self.palette = Palette(self.file)
+        self.strip = ProposalStrip(self.file)
+        self._selected = ""
+        self._question = ""
+        self._is_stale = True
+        self._absence: Line | None = None
+        self._drawn_at = 0.0
+
+    # --- beginning and ending
+
+    def compose(self) -> ComposeResult:
+        with Horizontal(id="header"):
+            yield CachedStatic("session")
+            yield CachedStatic("link", fits_content=True)
+        with Horizontal(id="participant"):
+            with Vertical(id="agent-frame"):
+                yield self._agent.widget
+            activity = CachedStatic("activity")
+            activity.border_title = "What they do"
+            yield activity
+        yield self.strip
+        with Horizontal(id="lower"):
+            with Vertical(id="palette-and-log"):
+                with Horizontal(id="palette-header"):
+                    yield CachedStatic("palette-title")
+                    yield Static(keymap.palette_keys(self.file), id="palette-keys", markup=False)
+                yield CachedStatic("palette")
+                log = CachedStatic("log")
+                log.border_title = "Log"
+                yield log
+            yield CachedStatic("trend")
+        yield CachedStatic("footer")
+        help_sheet = CachedStatic("key-help")
+        help_sheet.border_title = "Keys"
+        yield help_sheet
+        yield TooSmallNotice(keymap.key_label("stop", self.file))
+
+    def on_mount(self) -> None:
+        if isinstance(self._clock, LiveClock):
+            self.run_worker(self._clock.run(), name="motion", group="motion")
+        self.app.set_keymap(self.file.keymap)
+        try:
+            self.commands.peer = self._connect(self._on_link)
+        except LinkError as error:
+            self.dismiss(str(error))
+            return
+        self.commands.peer.watch_terminal(self.app.terminal_probe.state)
+        self.app.terminal_probe.ask()
+        self.set_interval(PROBE_INTERVAL_S, self.app.terminal_probe.ask)
+        if self._file_problem:
+            self.commands.log.report(self.commands.peer.now(), self._file_problem)
+        self.set_interval(FRAME_SECONDS, self._tick)
+        self.draw()
+
+    def on_unmount(self) -> None:
+        if self.commands.peer:
+            self.commands.peer.close(says_goodbye=not self.app.has_lost_terminal)
+
+    def _on_link(self, event: PeerEvent) -> None:
+        """Receive from the link, which knows no app: an exception here must end the app with a
+        message.
+        """
+        try:
+            self.receive(event)
+        except Exception as error:
+            self.app._handle_exception(error)
+
+    def receive(self, event: PeerEvent) -> None:
+        """Handle an event of the link. Draw at once, or with the next frame if the last drawing was
+        too recent.
+        """
+        theme = self.commands.state.theme
+        self.commands.receive(event)
+        if isinstance(event, Welcome):
+            self._report_absence()
+        if self.commands.state.theme is not theme:
+            self.palette.use_theme(self.commands.state)
+            if self.commands.state.theme:
+                self.post_message(self.Themed(self.commands.state.theme))
+        self._is_stale = True
+        if time.monotonic() - self._drawn_at > FRAME_SECONDS:
+            self.call_later(self._tick)
+
+    def _report_absence(self) -> None:
+        """Say in the log that this terminal was away, once it is back; the session may not have
+        told it of its loss.
+        """
+        if self.commands.peer is None or not self.commands.state.is_connected:
+            return
+        seconds = self.app.terminal_probe.take_longest_silence() / SECOND
+        if seconds >= _SHORTEST_ABSENCE_S:
+            text = (
+                f"This terminal did not answer for {seconds:.0f} s. Meanwhile the session may "
+                "have gone on without it."
+            )
+            self._absence = self.commands.log.report(self.commands.peer.now(), text)
+            self._is_stale = True
+
+    def on_resize(self, event: events.Resize) -> None:
+        self.set_class(event.size.height >= _TALL, "tall")
+        self.set_class(event.size.width >= _WIDE, "wide")
+        self.set_class(event.size.width >= _BROAD, "broad")
+        self.query_one(TooSmallNotice).fit(event.size)
+        self._is_stale = True
+        self.call_after_refresh(self.draw)
+
+    @property
+    def is_covered(self) -> bool:
+        """True if something hides the panel, so that the operator cannot see what a key would
+        do.
+        """
+        return self.query_one("#key-help").display or self.query_one(TooSmallNotice).display
+
+    @property
+    def is_over(self) -> bool:
+        """True if nothing more can come from the session."""
+        return bool(self.commands.state.ended) or self.commands.state.connection.state == "ended"
+
+    @property
+    def is_observer(self) -> bool:
+        """True if this panel only watches."""
+        welcome = self.commands.state.welcome
+        return bool(welcome and welcome.role == "observer")
+
+    def ask_for(self, seconds: float, question: str) -> None:
+        """Ask a question that is withdrawn after some seconds."""
+
+        def withdraw() -> None:
+            if self._question == question:
+                self._question = ""
+                self.draw()
+
+        self._question = question
+        self._clock.call_at(self._clock.now() + round(seconds * SECOND), withdraw)
+        self.draw()
+
+    @property
+    def chosen(self) -> PendingApproval | None:
+        """The proposal that keys apply to: the shown or selected one while it waits, then the most
+        urgent.
+
+        A new proposal does not take its place, because a key that is on its way is not meant for
+        it.
+        """
+        pending = self.commands.pending
+        undecided = [
+            each for each in pending if not self.commands.log.deciding(each.proposal.id)
+        ] or list(pending)
+        selected = (each for each in undecided if each.proposal.id == self._selected)
+        return next(selected, undecided[0] if undecided else None)
+
+    # --- drawing
+
+    def _tick(self) -> None:
+        """Draw if something has changed, a countdown is shown, or a stop may turn out not to have
+        happened.
+        """
+        if not self.is_mounted or time.monotonic() - self._drawn_at < FRAME_SECONDS / 2:
+            return
+        self._report_absence()
+        counts_down = any(each.deadline is not None for each in self.commands.pending)
+        if self._is_stale or counts_down or self._awaits_stop or self.commands.state.scheduled:
+            self.draw()
+
+    @property
+    def _awaits_stop(self) -> bool:
+        peer, stops = self.commands.peer, self.commands.state.stops
+        return peer is not None and any(stop.is_awaited(peer.now()) for stop in stops)
+
+    def draw(self) -> None:
+        """Bring the screen up to date."""
+        peer, state = self.commands.peer, self.commands.state
+        if peer is None or not self.is_mounted:
+            return
+        self._is_stale, self._drawn_at = False, time.monotonic()
+        now = peer.now()
+        self._agent.show(state, now)
+        title = "What they see and hear"
+        self.query_one("#agent-frame").border_title = (
+            title if state.theme else f"{title}: {status_view.UNKNOWN}"
+        )
+        link = status_view.link_status(state, self.commands.control_key)
+        width = self._width("header")
+        room = width - min(cell_len(link.plain), round(_LINK_SHARE * width)) - _GAP
+        self._put("session", Content(status_view.session_line(state, room)))
+        self._put("link", link)
+        self._put("activity", status_view.activity(state, self._width("activity"), now))
+        self._draw_proposals(now)
+        self._draw_palette()
+        log = self.query_one("#log")
+        stops = [stop.line(now) for stop in state.stops]
+        lines = sorted(
+            [*state.log, *stops, *self.commands.log.lines],
+            key=partial(self._place_in_log, now),
+        )
+        wall = self._wall_time()
+        times = partial(status_view.time_of_day, now=now, wall=wall)
+        self._put(
+            "log", status_view.log_lines(lines, self._width("log"), log.content_size.height, times)
+        )
+        self._draw_trend()
+        question = keymap.question(self._question, state, self.file)
+        footer = keymap.footer(
+            self.file, question, self._width("footer"), is_observer=self.is_observer
+        )
+        self._put("footer", footer)
+        self._put("key-help", keymap.help_sheet(self.file, is_observer=self.is_observer))
+
+    def _place_in_log(self, now: int, line: Line) -> tuple[bool, int]:
+        """Return what lines are ordered by: their time, but what was just told of an absence stays
+        the newest.
+
+        The lines of joining again come after it, and a low log shows no more than those.
+        """
+        is_news = line is self._absence and now - line.at < _JUST_NOW_S * SECOND
+        return is_news, line.at
+
+    def _draw_proposals(self, now: int) -> None:
+        approval = self.chosen
+        if self.strip.draw(approval, self.commands, now, is_tall=self.has_class("tall")):
+            self._selected = approval.proposal.id if approval else ""
+            if approval and self._selected != self.commands.shown[0]:
+                self.call_after_refresh(self._painted, approval)
+
+    def _painted(self, approval: PendingApproval) -> None:
+        if self.commands.peer:
+            self.commands.report_seen(approval, self.commands.peer.now())
+
+    def _draw_palette(self) -> None:
+        self.set_class(self.is_observer, "observer")
+        state, width = self.commands.state, self._width("palette")
+        if self.strip.overflows:
+            self._put("palette-title", Content("What you type, in full"))
+            typed = wrap(self.strip.typed, width, _PALETTE_ROWS)
+            self._put("palette", Content("\n".join(typed)))
+            return
+        page, number, count = self.palette.find(state)
+        title = f"{page.title} {number + 1}/{count}"
+        is_for_one = page.kind in ("phrases", "gestures")
+        if to := addressee(state, self.palette.seat) if is_for_one else "":
+            title += f" ·{to} ({keymap.key_label('seat', self.file)})"
+        self._put("palette-title", Content(title))
+        self._put("palette", palette_page(page, width, _PALETTE_ROWS))
+
+    def _draw_trend(self) -> None:
+        plot, state = self.query_one("#trend", CachedStatic), self.commands.state
+        if not plot.display or state.welcome is None:
+            return
+        seat, names = self.palette.seat, state.welcome.participants
+        plot.border_title = f"Attempts of {names.get(seat, seat)}" if len(names) > 1 else "Attempts"
+        size = plot.content_size
+        plot.show(trend(state.seat(seat).attempts, state.welcome.metric, size.width, size.height))
+
+    def _width(self, name: str) -> int:
+        return self.query_one(f"#{name}").content_size.width
+
+    def _put(self, name: str, content: Content) -> None:
+        self.query_one(f"#{name}", CachedStatic).show(content)
 
     # --- proposals
 
@@ -53,24 +384,27 @@ class PanelScreen(PanelLayout):
             return True
         if self.is_covered:
             return action in _WHILE_COVERED
-        return action in _WHILE_TYPING if self._typing else True
+        return action in _WHILE_TYPING if self.strip.is_typing else True
 
     def action_approve(self) -> None:
         if approval := self.chosen:
-            self._show_result(self.commands.decide(approval, "accept", self._at))
+            self.commands.decide(approval, "accept", self._at)
+            self.draw()
 
     def action_veto(self) -> None:
         if approval := self.chosen:
-            self._show_result(self.commands.decide(approval, "veto", self._at))
+            self.commands.decide(approval, "veto", self._at)
+            self.draw()
 
     def action_valence(self, valence: Valence) -> None:
         if (approval := self.chosen) and takes_valence(approval):
-            self._show_result(self.commands.change_valence(approval, valence, self._at))
+            self.commands.change_valence(approval, valence, self._at)
+            self.draw()
 
     def action_select(self, step: int) -> None:
         waiting = self.commands.pending
         if approval := self.chosen:
-            self.selected = waiting[(waiting.index(approval) + step) % len(waiting)].proposal.id
+            self._selected = waiting[(waiting.index(approval) + step) % len(waiting)].proposal.id
             self.draw()
 
     def action_edit(self) -> None:
@@ -78,7 +412,7 @@ class PanelScreen(PanelLayout):
         not act as keys.
         """
         if approval := self.chosen:
-            self.selected = approval.proposal.id
+            self._selected = approval.proposal.id
             unused = self.commands.log.unused_text(DECISION, approval.proposal.id)
             text = unused or editable(approval, self.commands.state)
             self._open_entry(
@@ -105,30 +439,37 @@ class PanelScreen(PanelLayout):
     # --- the session
 
     def action_stop(self) -> None:
-        self._show_result(self.commands.command("Stopped", "stop", self._at))
+        self.commands.command("Stopped", "stop", self._at)
+        self.draw()
 
     def action_pause(self) -> None:
         if self.commands.may_resume(self._at):
-            self.question = ""
-            self._show_result(self.commands.pause(self._at))
+            self._question = ""
+            self.commands.pause(self._at)
+            self.draw()
         else:
             self.ask_for(CONFIRM_SECONDS, "resume")
 
     def action_skip(self) -> None:
-        self._show_result(self.commands.prompt_command("Skipped the prompt", "skip", self._at))
+        self.commands.prompt_command("Skipped the prompt", "skip", self._at)
+        self.draw()
 
     def action_repeat(self) -> None:
-        self._show_result(self.commands.prompt_command("Repeated the prompt", "repeat", self._at))
+        self.commands.prompt_command("Repeated the prompt", "repeat", self._at)
+        self.draw()
 
     def action_level(self, step: int) -> None:
-        self._show_result(self.commands.level(step, self._at))
+        self.commands.level(step, self._at)
+        self.draw()
 
     def action_hold(self) -> None:
-        self._show_result(self.commands.hold(self._at))
+        self.commands.hold(self._at)
+        self.draw()
 
     def action_end(self) -> None:
         if self._confirm("end"):
-            self._show_result(self.commands.command("Ended the session", "end", self._at))
+            self.commands.command("Ended the session", "end", self._at)
+            self.draw()
 
     def action_close(self) -> None:
         if self.may_quit():
@@ -140,9 +481,9 @@ class PanelScreen(PanelLayout):
 
     def _confirm(self, question: str) -> bool:
         """Ask a question, or return True if it was asked already."""
-        was_asked, self.question = (
-            self.question == question,
-            "" if self.question == question else question,
+        was_asked, self._question = (
+            self._question == question,
+            "" if self._question == question else question,
         )
         self.draw()
         return was_asked
@@ -150,35 +491,25 @@ class PanelScreen(PanelLayout):
     # --- palette, speech, notes
 
     def action_pick(self, index: int) -> None:
-        items = self.find_page()[0].items
+        items = self.palette.find(self.commands.state)[0].items
         if index < len(items):
-            self._show_result(self.commands.pick(items[index], self._at))
+            self.commands.pick(items[index], self._at)
+            self.draw()
 
     def action_page(self, step: int) -> None:
-        pages = palette.pages(self.commands.state, self.phrase_book, self.seat)
-        page = pages[(self.find_page()[1] + step) % len(pages)]
-        self.page = (page.kind, page.title)
+        self.palette.turn(self.commands.state, step)
         self.draw()
 
     def action_show(self, kind: str) -> None:
-        page = next(
-            p
-            for p in palette.pages(self.commands.state, self.phrase_book, self.seat)
-            if p.kind == kind
-        )
-        self.page = (page.kind, page.title)
+        self.palette.open(self.commands.state, kind)
         self.draw()
 
     def action_seat(self) -> None:
-        welcome = self.commands.state.welcome
-        if names := sorted(welcome.participants if welcome else ()):
-            self.seat = (
-                names[(names.index(self.seat) + 1) % len(names)] if self.seat in names else names[0]
-            )
-            self.draw()
+        self.palette.take_next_seat(self.commands.state)
+        self.draw()
 
     def action_say(self) -> None:
-        seat = self.seat
+        seat = self.palette.seat
         to = addressee(self.commands.state, seat)
         unused = self.commands.log.unused_text(REMARK)
         self._open_entry(f"Say{to}:", unused, lambda text, at: self.commands.say(text, seat, at))
@@ -192,7 +523,8 @@ class PanelScreen(PanelLayout):
 
     def action_event(self, index: int) -> None:
         if index < len(self.file.events):
-            self._show_result(self.commands.event(self.file.events[index], self._at))
+            self.commands.event(self.file.events[index], self._at)
+            self.draw()
 
     def action_take_control(self) -> None:
         if self.commands.peer and self.commands.state.is_connected:
@@ -205,36 +537,27 @@ class PanelScreen(PanelLayout):
     def action_leave(self) -> None:
         """Close one thing: the text field, the key help, the question, or the palette's page."""
         keys = self.query_one("#key-help")
-        if self._typing:
-            self._close_entry()
+        if self.strip.is_typing:
+            self.strip.close_entry()
         elif keys.display:
             keys.display = False
-        elif self.question:
-            self.question = ""
+        elif self._question:
+            self._question = ""
         else:
-            self.page = ("", "")
-        self.draw()
-
-    def _show_result(self, _: bool) -> None:
-        """Draw the act of a key, or the log line that says why none was sent."""
-        self.is_stale = True
+            self.palette.close()
         self.draw()
 
     # --- typing
 
     def takes(self, event: events.Key | events.Paste) -> bool:
-        if not self._typing or self.is_covered:
+        if not self.strip.is_typing or self.is_covered:
             return False
-        typed = self.query_one(ProposalStrip).entry
-        if isinstance(event, events.Paste):
-            typed.put(next(iter(event.text.splitlines()), ""))
-        elif event.key == "enter":
-            self._submit(typed.value.strip())
-        elif event.is_printable and event.character:
-            typed.put(event.character)
-        else:
+        if isinstance(event, events.Key) and event.key == "enter":
+            self.strip.submit(self._at)
+            self.draw()
+        elif not self.strip.type(event):
             return False
-        self.is_stale = True
+        self._is_stale = True
         return True
 
     def _open_entry(
@@ -245,35 +568,9 @@ class PanelScreen(PanelLayout):
         max_length: int = MAX_TEXT,
         edited: PendingApproval | None = None,
     ) -> None:
-        """Open the text field.
-
-        Args:
-            label: text in front of it.
-            text: initial content.
-            then: called with the text and the time stamp of Enter; returns True if the field can be
-                closed.
-            max_length: longest text, in characters.
-            edited: the proposal that is edited.
-        """
+        """Open the text field (see `ProposalStrip.open_entry`), unless nothing can be sent."""
         if reason := self.commands.refusal():
             self.commands.log.report(self._at, f"{reason} Nothing can be sent.")
-            self.draw()
-            return
-        self._typing, self.edited, self.entry_label = then, edited, label
-        self.query_one(ProposalStrip).add_class("typing")
-        typed = self.query_one(ProposalStrip).entry
-        typed.max_length, typed.value = max_length, text
-        typed.cursor_position = len(text)
-        self.set_focus(typed)  # now, because the next key may have been read already
-        self.draw()
-
-    def _close_entry(self) -> None:
-        self._typing, self.edited, self.entry_label = None, None, ""
-        self.query_one(ProposalStrip).remove_class("typing")
-        self.set_focus(None)
-
-    def _submit(self, text: str) -> None:
-        then = self._typing
-        if then and text and then(text, self._at):
-            self._close_entry()
+        else:
+            self.strip.open_entry(label, text, then, max_length, edited)
         self.draw()

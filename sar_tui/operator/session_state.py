@@ -3,7 +3,7 @@ no clock.
 """
 
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import Any, NamedTuple
 
 import msgspec
 from msgspec.structs import replace
@@ -54,10 +54,8 @@ from sar_tui.model.messages import (
     Waiting,
 )
 from sar_tui.model.theme import Theme
-from sar_tui.operator import event_log
-from sar_tui.operator.event_log import Line
-from sar_tui.operator.event_text import PAUSE_REASONS, event_line, stopper
-from sar_tui.operator.stop import Stop
+from sar_tui.model.units import MS, SECOND
+from sar_tui.operator.event_text import PAUSE_REASONS, Line, Tone, append, event_line, stopper
 
 PARTICIPANT = "participant"
 """Actor of a participant's acts."""
@@ -85,6 +83,66 @@ class Seat(msgspec.Struct, frozen=True):
     def attempt(self) -> AttemptEnded | None:
         """The last attempt."""
         return self.attempts[-1] if self.attempts else None
+
+
+UNCONFIRMED = 3 * SECOND
+"""An output that has not reported by then is named. Outputs give up earlier (see
+`outputs.node.STOP_TIMEOUT`).
+"""
+
+
+class Stop(NamedTuple):
+    """A stop of the agent, from the key until every output has reported that it is still.
+
+    Attributes:
+        at: when it was requested (ns, session clock).
+        by: who pressed the key, for the log.
+        awaited: outputs that have not reported.
+        failed: outputs that could not stop, with the reason.
+        still_at: when the last output was still (ns).
+        is_past: the agent has acted since.
+    """
+
+    at: int
+    by: str
+    awaited: frozenset[str] = frozenset()
+    failed: tuple[tuple[str, str], ...] = ()
+    still_at: int = 0
+    is_past: bool = False
+
+    def reported(self, stopped: OutputStopped) -> "Stop":
+        """Return the stop after an output has reported."""
+        if stopped.output not in self.awaited:
+            return self
+        failed = (*self.failed, (stopped.output, stopped.detail)) if stopped.detail else self.failed
+        awaited = self.awaited - {stopped.output}
+        return self._replace(
+            awaited=awaited, failed=failed, still_at=max(self.still_at, stopped.at)
+        )
+
+    def is_awaited(self, now: int) -> bool:
+        """Return True while the outcome may change without a message of the session."""
+        return bool(self.awaited) and now - self.at <= 2 * UNCONFIRMED
+
+    def outcome(self, now: int) -> tuple[str, Tone]:
+        """Return what is known at ``now`` (ns): stopping, stopped, or which output has not
+        confirmed it.
+        """
+        late = sorted(self.awaited) if now - self.at > UNCONFIRMED else []
+        names = [*(name for name, _ in self.failed), *late]
+        if names:
+            why = " ".join(detail for _, detail in self.failed)
+            return f"not confirmed: {', '.join(names)}{f' ({why})' if why else ''}", "bad"
+        if self.awaited:
+            return f"stopping {', '.join(sorted(self.awaited))} …", "plain"
+        if not self.still_at:
+            return "no output is open", "plain"
+        return f"stopped after {max(0, self.still_at - self.at) / MS:.0f} ms", "good"
+
+    def line(self, now: int) -> Line:
+        """Return its line of the log."""
+        text, tone = self.outcome(now)
+        return Line(self.at, f"{self.by}: {text}", tone)
 
 
 class SessionState(msgspec.Struct, frozen=True):
@@ -127,6 +185,12 @@ class SessionState(msgspec.Struct, frozen=True):
     pauser: str = ""
     ended: str = ""
     log: tuple[Line, ...] = ()
+
+    @property
+    def scheduled(self) -> Action | None:
+        """The decided action that is held back until it is due, if any."""
+        queued = self.arbiter.queued if self.arbiter and self.is_connected else ()
+        return next((each for each in queued if each.due), None)
 
     def receive(self, event: PeerEvent) -> "SessionState":
         """Return the state after an event of the link."""
@@ -197,7 +261,7 @@ class SessionState(msgspec.Struct, frozen=True):
             if handler := _HANDLERS.get(frame.topic.name):
                 state = handler(state, frame.message)
             if line := event_line(frame, self.welcome, before):
-                state = replace(state, log=event_log.append(state.log, line))
+                state = replace(state, log=append(state.log, line))
         return state
 
     def _add_motion(self, trace: MotionTrace) -> "SessionState":

@@ -7,11 +7,9 @@ from rich.cells import cell_len
 from textual.content import Content
 
 from sar_tui.operator import text_charts
-from sar_tui.operator.event_log import Line
-from sar_tui.operator.event_text import PAUSE_REASONS, participant_name, short_name
+from sar_tui.operator.event_text import PAUSE_REASONS, Line, participant_name, short_name
 from sar_tui.operator.phrases import metric_text
-from sar_tui.operator.session_state import PARTICIPANT, Seat, SessionState
-from sar_tui.operator.stop import Stop
+from sar_tui.operator.session_state import PARTICIPANT, Seat, SessionState, Stop
 from sar_tui.operator.text_charts import Piece, cut
 
 UNKNOWN = "not known yet"

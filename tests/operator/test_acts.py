@@ -29,8 +29,8 @@ from sar_tui.model.theme import Theme
 from sar_tui.model.units import SECOND
 from sar_tui.operator import status_view
 from sar_tui.operator.commands import Commands
-from sar_tui.operator.event_log import Line
-from sar_tui.operator.stop import UNCONFIRMED, Stop
+from sar_tui.operator.event_text import Line
+from sar_tui.operator.session_state import UNCONFIRMED, Stop
 from sar_tui.outputs.node import OutputNode
 from sar_tui.outputs.output import Output
 from sar_tui.plugins import Catalogue

@@ -436,7 +436,7 @@ async def test_a_text_that_the_session_refuses_is_offered_again(
         await driver.burst("t", "enter")
         assert [remark.text for remark in driver.sent(t.REMARK)] == ["Well held.", "Well held."]
         await driver.press("t")
-        assert driver.panel.query_one(ProposalStrip).entry.value == ""
+        assert driver.panel.strip.typed == ""
 
 
 async def test_the_skip_key_ends_a_rest_that_must_be_taken(

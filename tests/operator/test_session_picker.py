@@ -14,10 +14,9 @@ from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.errors import LinkError
 from sar_tui.link.invitation import NAME
 from sar_tui.link.peer import PeerListener
-from sar_tui.operator import session_picker
-from sar_tui.operator.app import WizardApp
+from sar_tui.operator import app as operator_app
+from sar_tui.operator.app import HOW_TO_START, ChooseScreen, WizardApp, own_name
 from sar_tui.operator.screen import PanelScreen
-from sar_tui.operator.session_picker import HOW_TO_START, ChooseScreen, own_name
 from sar_tui.plugins import Catalogue
 from sar_tui.widgets.option_list import OptionList
 from tests.app.app_driver import open_app
@@ -36,7 +35,7 @@ def joined(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
         found.append((where, name, role))
         return FakePeer(listener, role)
 
-    monkeypatch.setattr(session_picker, "connect", connect)
+    monkeypatch.setattr(operator_app, "connect", connect)
     return found
 
 
@@ -128,7 +127,7 @@ async def test_a_failed_link_ends_the_app_with_a_message(
     def refuse(*_: Any, **__: Any) -> Any:
         raise LinkError("The link needs Python packages that are not installed here.")
 
-    monkeypatch.setattr(session_picker, "connect", refuse)
+    monkeypatch.setattr(operator_app, "connect", refuse)
     app = WizardApp(catalogue.theme("calm"), tmp_path, "anna", where=ONE)
     async with app.run_test() as pilot:
         await pilot.pause()
@@ -146,7 +145,7 @@ async def test_home_offers_the_panel_while_a_session_can_be_joined(
         await driver.press("f3")
         there += [here(OTHER, data / "other"), here(ONE, data)]
         assert isinstance(driver.app.screen, home.HomeScreen)
-        driver.app.screen.look_for_sessions()
+        driver.app.screen._look_for_sessions()
         await driver.settle()
         assert driver.sees("Operator's panel")
         await driver.press("f3")

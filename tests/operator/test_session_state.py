@@ -16,9 +16,10 @@ from sar_tui.loop.bus import Topic
 from sar_tui.loop.marks import TrialMark
 from sar_tui.model import messages as m
 from sar_tui.model.units import SECOND
-from sar_tui.operator import proposal_view, status_view
+from sar_tui.operator import proposal_strip, status_view
 from sar_tui.operator.act_log import Act
-from sar_tui.operator.event_log import Line
+from sar_tui.operator.commands import by_urgency
+from sar_tui.operator.event_text import Line
 from sar_tui.operator.session_state import MAX_ATTEMPTS, MAX_TRIALS, SessionState
 from sar_tui.operator.text_charts import cut, motion, responses, sparkline, two_lines, wrap
 from tests.operator import panel_driver as b
@@ -419,15 +420,15 @@ def test_proposals_are_sorted_by_deadline_and_then_by_reading_time() -> None:
     level, feedback = b.approval("l1", 4000, level=5), b.approval("f1", 4001)
     gesture = b.approval("g1", 4002, kind="gesture", text="")
     soon, free = b.approval("e1", 2000, kind="encouragement"), b.approval("m1", None)
-    order = proposal_view.by_urgency((free, level, gesture, feedback, soon))
+    order = by_urgency((free, level, gesture, feedback, soon))
     assert [approval.proposal.id for approval in order] == ["e1", "f1", "l1", "g1", "m1"]
 
 
 def test_a_reported_change_stands_beside_its_mdc95_in_the_title() -> None:
     evidence = "reach time -0.421 s (MDC95 0.380 s)"
     approval = b.approval("f1", 4000, evidence=evidence)
-    assert evidence in proposal_view.title(approval, 1, 1, "")
-    assert "MDC95" not in proposal_view.proposal_text(approval.proposal, None)
+    assert evidence in proposal_strip.title(approval, 1, 1, "")
+    assert "MDC95" not in proposal_strip.proposal_text(approval.proposal, None)
 
 
 @given(
@@ -441,7 +442,7 @@ def test_sorting_loses_none_and_puts_those_without_deadline_last(
     waiting: list[tuple[int | None, str]],
 ) -> None:
     given_ = tuple(b.approval(f"p{n}", ms, kind=kind) for n, (ms, kind) in enumerate(waiting))
-    order = proposal_view.by_urgency(given_)
+    order = by_urgency(given_)
     assert sorted(order, key=given_.index) == list(given_)
     is_free = [approval.deadline is None for approval in order]
     assert is_free == sorted(is_free)

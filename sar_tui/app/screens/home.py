@@ -329,7 +329,7 @@ class HomeScreen(Screen[None]):
     def action_operate(self) -> None:
         """Choose a session, and open its panel."""
         from sar_tui.link.discovery import JoinableSession, joinable_sessions
-        from sar_tui.operator.session_picker import ChooseScreen, own_name, panel
+        from sar_tui.operator.app import ChooseScreen, own_name, panel
 
         folder = self.app.folder
 
