@@ -16,7 +16,6 @@ from sar_tui.model.messages import Role
 from sar_tui.model.units import MS, SECOND
 from sar_tui.operator.commands import Commands
 from sar_tui.operator.keymap import FILE
-from sar_tui.operator.proposal_strip import ProposalStrip
 from sar_tui.plugins import Catalogue
 from sar_tui.widgets.agent import Agent
 from tests.examples import first
