@@ -63,7 +63,7 @@ class ProposalStrip(Vertical):
 
     @property
     def typed(self) -> str:
-        """What has been typed."""
+        """The text in the field."""
         return self._entry.value
 
     @property
