@@ -278,7 +278,7 @@ class SarTui(BaseApp):
         elif notice:  # waits for the therapist, until the participant has left
             self.themes.pending_notice = notice
         self.clear_notifications()
-        session = live.run.session
+        session = live.session
         self.themes.use(session.theme, session.task.parameters.language)
         self.push_screen(screen, self._session_left)
 
@@ -393,7 +393,7 @@ class SarTui(BaseApp):
         if live.trouble:
             note(live.trouble)
         self.check_database()
-        ended = live.run.session.ended
+        ended = live.session.ended
         self.patient_mode.exercise_left(ended=ended, is_mistake=live.is_mistake)
         from sar_tui.app import wellbeing
 

@@ -56,7 +56,7 @@ class Leaving:
         Returns False if there is nothing to ask: no session is under way.
         """
         app, live = self._app, self._app.open_session
-        session = live.run.session if live else None
+        session = live.session if live else None
         if live is None or session is None or session.ended or session.broken:
             return False
         if not any(isinstance(screen, LeaveScreen) for screen in app.screen_stack):
@@ -156,7 +156,7 @@ class Leaving:
                 "The session does not count, as it was started by mistake. It is kept: in sar-tui, "
                 "F6 and Del restore it."
             )
-        elif live and not live.run.session.ended and not live.run.session.broken:
+        elif live and not live.session.ended and not live.session.broken:
             yield f"The session is kept. Resume it: {self._command('resume', live.run.id)}"
         elif live and self._app.is_for_one_session:
             yield f"The session is kept. Look at it: {self._command('show', live.run.id)}"

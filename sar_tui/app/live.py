@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal
 from msgspec.structs import replace
 
 from sar_tui.app.guarded_view import GuardedView
-from sar_tui.app.screen_output import ScreenOutput, Stage
+from sar_tui.app.screen_output import ScreenOutput
 from sar_tui.inputs.keyboard import Keyboard
 from sar_tui.loop.bus import FAULT
 from sar_tui.loop.clock import Clock, LiveClock
@@ -38,6 +38,7 @@ from sar_tui.store.database import StoreError, connect
 if TYPE_CHECKING:
     from textual.app import App
 
+    from sar_tui.app.screens.session_stage import SessionStage
     from sar_tui.inputs.imu_feed import ImuFeed
     from sar_tui.link.broker_process import BrokerProcess
     from sar_tui.link.node import LinkNode
@@ -93,7 +94,9 @@ class LiveSession:
         self._closed = False
         self.is_mistake = False
 
-    def open(self, stage: Stage, what: Plan | str, progress: Progress | None = None) -> None:
+    def open(
+        self, stage: "SessionStage", what: Plan | str, progress: Progress | None = None
+    ) -> None:
         """Open a new session (a plan) or an interrupted one (its id). Raises like `runs.run.start`
         and `resume`.
         """

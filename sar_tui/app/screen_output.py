@@ -3,9 +3,9 @@ began and ended.
 """
 
 import functools
-from typing import Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from sar_tui.app.agent.output import AgentStage, DrawnAgent
+from sar_tui.app.agent.output import DrawnAgent
 from sar_tui.loop.bus import Topic
 from sar_tui.loop.clock import Handle
 from sar_tui.loop.node import on
@@ -52,65 +52,8 @@ from sar_tui.model.messages import (
 from sar_tui.model.theme import Theme
 from sar_tui.outputs.node import OutputNode
 
-
-class Stage(Protocol):
-    """The part of a session's screen that the output uses."""
-
-    @property
-    def agent(self) -> AgentStage:
-        """The agent on the screen."""
-        ...
-
-    def voiceless(self, action: Action) -> None:
-        """Show the words of an action that could not be spoken, and that there is no voice."""
-
-    def show_prompt(self, prompt: Prompt) -> None:
-        """Show a prompt, and report its onset with ``ScreenOutput.shown``."""
-
-    @property
-    def holds_frames(self) -> bool:
-        """True if a frame that is drawn early is not seen before it is due."""
-        ...
-
-    def show_frame(self, prompt: Prompt, frame: int, due: int) -> None:
-        """Show a later frame of a prompt when it is ``due`` (ns), in a moment, and report its onset
-        in the same way.
-        """
-
-    def show_typed(self, prompt: Prompt, text: str) -> None:
-        """Show the text that the participant has typed so far in answer to a prompt."""
-
-    def clear_prompt(self) -> None:
-        """Remove the prompt."""
-
-    def show_trial_feedback(self, feedback: TrialFeedback) -> None:
-        """Show the answer to a trial, and report its onset with
-        ``ScreenOutput.trial_feedback_shown``.
-        """
-
-    def begin_attempt(self, started: AttemptStarted) -> None:
-        """Begin an attempt."""
-
-    def marked(self, marked: TrialMarked) -> None:
-        """Show the mark that a therapist gave a trial."""
-
-    def progress(self, done: int) -> None:
-        """Show the number of trials done in this attempt."""
-
-    def end_attempt(self, ended: AttemptEnded) -> None:
-        """End an attempt, which is scored."""
-
-    def feedback_given(self, feedback: Feedback) -> None:
-        """Show the result of an attempt, while the agent gives feedback on it."""
-
-    def feedback_over(self) -> None:
-        """Remove the results, because the agent says something else."""
-
-    def wait(self, waiting: Waiting) -> None:
-        """Show what the session waits for: Enter, a response, or a person."""
-
-    def end(self, ended: SessionEnded) -> None:
-        """Show the summary of an ended session."""
+if TYPE_CHECKING:
+    from sar_tui.app.screens.session_stage import SessionStage
 
 
 class ScreenOutput(OutputNode):
@@ -119,7 +62,7 @@ class ScreenOutput(OutputNode):
     emits: ClassVar[tuple[Topic[Any], ...]] = (SHOWN, TRIAL_FEEDBACK_SHOWN, *OutputNode.emits)
     name = "screen"
 
-    def __init__(self, stage: Stage, theme: Theme, *, shows_agent: bool = True) -> None:
+    def __init__(self, stage: "SessionStage", theme: Theme, *, shows_agent: bool = True) -> None:
         self._agent = DrawnAgent(stage.agent, is_shown=shows_agent)
         super().__init__(self._agent, "screen", theme)
         self._stage = stage
@@ -222,7 +165,7 @@ class ScreenOutput(OutputNode):
             and report.state == "failed"
             and report.action == self._agent.action.id
         ):
-            self._stage.voiceless(self._agent.action)
+            self._stage.agent.voiceless(self._agent.action)
 
     @on(ACTING)
     def acting(self, acting: AgentActing) -> None:

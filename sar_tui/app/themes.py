@@ -112,8 +112,8 @@ class Themes:
         self.known[theme.name] = theme
         self._app.apply_theme(theme)
         live = self._app.open_session
-        if live and live.run.session.theme.name == theme.name:
-            live.run.session.apply_theme(theme)
+        if live and live.session.theme.name == theme.name:
+            live.session.apply_theme(theme)
 
     def _notify_editor(self, text: str) -> None:
         """Notify the editor of a theme; during a session, wait until the participant has left."""

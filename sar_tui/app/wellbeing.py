@@ -42,7 +42,7 @@ def advise(app: "SarTui", live: "LiveSession", ended: StepEnded) -> WellbeingScr
         return None
     (person,) = (each for each in _people_of(app, live) if each.seat == ended.seat)
     if (
-        stop_now(person.pain_before, ended.answer, pain_limits(live.run.session.task.parameters))
+        stop_now(person.pain_before, ended.answer, pain_limits(live.session.task.parameters))
         is None
     ):
         return None
@@ -56,7 +56,7 @@ def had_better_rest(app: "SarTui", live: "LiveSession") -> bool:
     """
     rows, limits = (
         wellbeing.of_session(app.database, live.run.id),
-        pain_limits(live.run.session.task.parameters),
+        pain_limits(live.session.task.parameters),
     )
     said = [wellbeing.ratings(rows, seat, limits) for seat in live.codes]
     return any(each.is_reason_to_stop and each.advice in ("shown", "stopped") for each in said)
@@ -65,7 +65,7 @@ def had_better_rest(app: "SarTui", live: "LiveSession") -> bool:
 def _people_of(app: "SarTui", live: "LiveSession") -> list[Person]:
     """Return the participants of a session, with their pain before it."""
     rows = wellbeing.of_session(app.database, live.run.id)
-    people = _people(live.run.session.task, dict(live.codes))
+    people = _people(live.session.task, dict(live.codes))
     return [
         person._replace(pain_before=wellbeing.ratings(rows, person.seat).pain_before)
         for person in people
@@ -79,7 +79,7 @@ def _screen(
     people: Sequence[Person],
     told: int | None = None,
 ) -> WellbeingScreen:
-    session = live.run.session
+    session = live.session
     tr = session_language(session.task).including(session.theme.texts)
     limits = pain_limits(session.task.parameters)
     return WellbeingScreen(moment, people, limits, _saving(app, moment, live.run.id), tr, told)

@@ -192,7 +192,7 @@ async def test_a_voice_that_fails_in_a_trial_is_reported_after_it(
         frames = count_frames(driver, monkeypatch)
         assert driver.app.live
         stage = driver.app.live.screen._stage
-        stage.voiceless(driver.app.live.screen._agent.action)
+        stage.agent.voiceless(driver.app.live.screen._agent.action)
         await driver.wait(300)
         assert frames == []
         assert "no voice" not in driver.text

@@ -42,14 +42,14 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
         self._live = live
         self._asked = ""
         self._has_gone_on = False
-        self._settings = adjustable(live.run.session.task)
+        self._settings = adjustable(live.session.task)
 
     def compose(self) -> ComposeResult:
         self.tr = language_of(self.app)
         with Vertical(id="adjust"):
             yield Static(self.tr("For the therapist"), classes="headline", markup=False)
             yield Static(self.tr("Changes apply from the next attempt on."), markup=False)
-            if not self.app.patient and (marks := marks_text(self._live.run.session.task, self.tr)):
+            if not self.app.patient and (marks := marks_text(self._live.session.task, self.tr)):
                 yield Static(marks, classes="muted", markup=False)
             choices = OptionList(id="changes", markup=False)
             yield choices
@@ -60,10 +60,10 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
     def on_mount(self) -> None:
         self.query_one(Input).display = False
         self._list_changes()
-        self._live.run.session.bus.tap(self._heard)
+        self._live.session.bus.tap(self._heard)
 
     def on_unmount(self) -> None:
-        self._live.run.session.bus.untap(self._heard)
+        self._live.session.bus.untap(self._heard)
 
     def on_screen_resume(self) -> None:
         """Close after another screen covered this one while the session went on."""
@@ -86,15 +86,13 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
         choices, tr, next_ = (
             self.query_one("#changes", OptionList),
             self.tr,
-            self._live.run.session.next_attempt,
+            self._live.session.next_attempt,
         )
         chosen = choices.highlighted_option.id if choices.highlighted_option else None
         choices.border_title = tr("level {level}", level=next_.level).capitalize()
         if next_.is_level_held:
             choices.border_title += f" · {tr('held')}"
-        rest = (
-            [Option(tr("End the rest"), id="end rest")] if self._live.run.session.is_resting else []
-        )
+        rest = [Option(tr("End the rest"), id="end rest")] if self._live.session.is_resting else []
         choices.clear_options()
         choices.add_options(
             [
@@ -128,7 +126,7 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
     @on(OptionList.OptionSelected, "#changes")
     def _chosen(self, event: OptionList.OptionSelected) -> None:
         event.stop()
-        level = self._live.run.session.next_attempt.level
+        level = self._live.session.next_attempt.level
         match event.option.id:
             case "up" | "down" as way:
                 self._command("level", level + (1 if way == "up" else -1))
@@ -149,23 +147,19 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
     @property
     def _goal(self) -> Field:
         return next(
-            field for field in fields(self._live.run.session.task.Parameters) if field.name == GOAL
+            field for field in fields(self._live.session.task.Parameters) if field.name == GOAL
         )
 
     @property
     def _is_goal_time(self) -> bool:
-        return (self._goal.unit or self._live.run.session.task.metric.unit) == "ms"
+        return (self._goal.unit or self._live.session.task.metric.unit) == "ms"
 
     @property
     def _goal_unit(self) -> str:
-        return (
-            "s"
-            if self._is_goal_time
-            else self._goal.unit or self._live.run.session.task.metric.unit
-        )
+        return "s" if self._is_goal_time else self._goal.unit or self._live.session.task.metric.unit
 
     def _goal_text(self, value: float) -> str:
-        metric = self._live.run.session.task.metric
+        metric = self._live.session.task.metric
         if self._is_goal_time and metric.unit == "ms":
             return goal_text(metric, value, self.tr)
         return self.tr.figures(f"{value / self._stored_size(GOAL):g} {self._goal_unit}".rstrip())
@@ -213,7 +207,7 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
         }
         unit = f" ({self._goal_unit})" if what == GOAL else ""
         self.query_one("#asked", Static).update(f"{self.tr(texts[what])}{unit}")
-        now = self._live.run.session.next_attempt.settings
+        now = self._live.session.next_attempt.settings
         value = self.query_one(Input)
         value.value = f"{now[what] / self._stored_size(what):g}" if what in now else ""
         value.display = True
@@ -222,7 +216,7 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
     @on(Input.Submitted)
     def _entered(self, event: Input.Submitted) -> None:
         event.stop()
-        text, bus = event.value.strip(), self._live.run.session.bus
+        text, bus = event.value.strip(), self._live.session.bus
         if text and self._asked == "note":
             bus.post(
                 NOTE_ADDED, NoteAdded(text=visible(text), actor=ACTOR, at=self._live.clock.now())
@@ -230,7 +224,7 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
         elif text:
             try:
                 changed = with_setting(
-                    self._live.run.session.task.parameters, self._asked, self._stored(text)
+                    self._live.session.task.parameters, self._asked, self._stored(text)
                 )
             except ParameterError as error:
                 self.query_one("#problem", Static).update(self._problem(str(error)))

@@ -31,7 +31,6 @@ from sar_tui.loop.session import Session
 from sar_tui.loop.topics import RECALL
 from sar_tui.model.language import Language
 from sar_tui.model.messages import (
-    Action,
     AttemptEnded,
     AttemptStarted,
     Feedback,
@@ -74,10 +73,10 @@ class StagedSession(Protocol):
 
 
 class SessionStage(Vertical):
-    """The stage of a session (see `screen_output.Stage`): its top line, the widgets in the middle,
-    the agent, and the progress below.
+    """The top line of a session's screen, the widgets in the middle, the agent, and the progress
+    below.
 
-    Nothing moves while a response is awaited.
+    `screen_output.ScreenOutput` passes it each message. Nothing moves while a response is awaited.
 
     Args:
         staged: the session, which may be opened later, but before the stage is composed.
@@ -185,7 +184,7 @@ class SessionStage(Vertical):
     # --- a prompt
 
     def show_prompt(self, prompt: Prompt) -> None:
-        """Show the prompt, and report when it reached the terminal."""
+        """Show the prompt, and report its onset with ``ScreenOutput.shown``."""
         onset = report_onset(self.screen, self._reported_to, prompt) if self._reported_to else None
         if self.shown != "prompt":
             self._switch_to("prompt")
@@ -218,6 +217,7 @@ class SessionStage(Vertical):
         self._prompt.show(prompt.shown(len(prompt.frames) - 1, text))
 
     def clear_prompt(self) -> None:
+        """Remove the prompt."""
         self._prompt.clear()
 
     def show_trial_feedback(self, feedback: TrialFeedback) -> None:
@@ -229,18 +229,22 @@ class SessionStage(Vertical):
     # --- an attempt
 
     def begin_attempt(self, started: AttemptStarted) -> None:
+        """Forget the results of the attempt before, but not its goal."""
         self._forget_results()
         self._goal = self.waiting.goal if self.waiting else ""
 
     def progress(self, done: int) -> None:
+        """Show the number of trials done in this attempt."""
         self._show_trials(done)
 
     def marked(self, marked: TrialMarked) -> None:
+        """Show the mark that a therapist gave a trial."""
         self.marks.marked()
         if self.waiting:
             self.show_position(self.waiting)
 
     def end_attempt(self, ended: AttemptEnded) -> None:
+        """Show the number of attempts done."""
         self._show_attempts(ended.attempt)
 
     def feedback_given(self, feedback: Feedback) -> None:
@@ -258,15 +262,13 @@ class SessionStage(Vertical):
         self._forget_results()
         self._show_again()
 
-    def voiceless(self, action: Action) -> None:
-        self.agent.voiceless(action)
-
     def _forget_results(self) -> None:
         self._bars = {}
 
     # --- a wait
 
     def wait(self, waiting: Waiting) -> None:
+        """Show what the session waits for: Enter, a response, or a person."""
         before, self.waiting = self.waiting, waiting
         self._stop_countdown()
         is_skipped = (

@@ -39,7 +39,7 @@ class SyncScreen(DismissedOnce[None]):
     def __init__(self, live: LiveSession) -> None:
         super().__init__()
         self._live = live
-        self._sound = Sound(live.run.session.task.parameters.speech)
+        self._sound = Sound(live.session.task.parameters.speech)
         self._state = "ready"
         self._is_flash_over = self._is_tone_over = False
         self._problem = ""

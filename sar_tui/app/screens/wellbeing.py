@@ -145,7 +145,7 @@ class WellbeingScreen(DismissedOnce[bool]):
         The stop key is there only if there is an output to stop.
         """
         live = self.app.live  # type: ignore[attr-defined]
-        is_silent = live is None or set(live.run.session.task.parameters.outputs) <= {"screen"}
+        is_silent = live is None or set(live.session.task.parameters.outputs) <= {"screen"}
         names = {"back": self.tr("Backspace")}
         return {
             key: active._replace(
