@@ -1,10 +1,8 @@
 """Help, the footer and the palette name the available keys."""
 
-from pathlib import Path
-
 import pytest
 
-from tests.app.app_driver import OpenApp, OpenSession, known
+from tests.app.app_driver import OpenApp, OpenSession
 
 
 @pytest.mark.parametrize("key", ["f1", "?"])
@@ -29,21 +27,6 @@ async def test_the_footer_shows_pause_only_where_a_pause_is_possible(
         assert "Ctrl-P palette" in driver.rows[-1]
         await driver.press("escape")
         assert "Pause" not in driver.rows[-1]
-
-
-async def test_every_key_of_the_settings_fits_into_the_footer(opened: OpenApp, data: Path) -> None:
-    known(data, "P01")
-    async with opened() as driver:
-        await driver.press("f2")
-        for words in (
-            "Ctrl-S Save",
-            "/ Find",
-            "Ctrl-R Reset",
-            "Ctrl-Q Quit",
-            "F1 Help",
-            "Ctrl-P palette",
-        ):
-            assert words in driver.rows[-1]
 
 
 async def test_the_palette_lists_help_themes_and_quit(opened: OpenApp) -> None:

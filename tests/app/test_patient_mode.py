@@ -257,12 +257,6 @@ async def test_screens_around_a_session_name_no_key_that_leaves(
         await driver.press("0", "1")
         assert driver.screen_name == "SensorCheckScreen"
         assert not driver.sees("Quit")
-
-
-async def test_the_help_of_the_sensor_check_names_no_way_to_the_settings(opened: OpenApp) -> None:
-    async with opened(patient="P01") as driver:
-        await driver.press("down", "enter", "enter")
-        assert driver.screen_name == "SensorCheckScreen"
         await driver.press("f1")
         assert driver.sees("without a sensor it waits for one.")
         assert not driver.sees("F2 on the first screen")

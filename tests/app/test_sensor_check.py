@@ -11,7 +11,6 @@ import pytest
 from textual.widgets import Button
 
 from sar_tui.app.app import SarTui
-from sar_tui.app.screens.sensor_check import SensorCheckScreen
 from sar_tui.app.sensor_advice import FLAGS, INVALID, NO_REACH, finding_text, placing, signed
 from sar_tui.inputs.imu import NOTHING, Info, Sample, Status
 from sar_tui.inputs.simulated import SimulatedSource
@@ -27,7 +26,7 @@ from sar_tui.store.database import connect
 from sar_tui.store.programmes import Programme
 from sar_tui.widgets.sensor_placement import DRAWN, bar
 from tests.album import Album
-from tests.app.app_driver import AppDriver, OpenApp, OpenSession, open_app, stored
+from tests.app.app_driver import AppDriver, OpenApp, open_app, stored
 from tests.app.test_snapshots import THEMES
 from tests.examples import first, first_rows
 
@@ -156,11 +155,6 @@ async def test_the_session_takes_over_the_running_sensor(open_check: Callable[..
         assert feed.received > 450
         assert feed.lost == 0
     assert not source.running
-
-
-async def test_a_task_without_a_sensor_has_no_sensor_check(open_session: OpenSession) -> None:
-    async with open_session() as driver:
-        assert driver.screen_name == "SessionScreen"
 
 
 async def test_escape_leaves_an_app_that_was_opened_for_one_session(
@@ -596,26 +590,22 @@ async def test_saturation_is_not_attributed_to_the_cable(open_check: Callable[..
         assert not driver.sees("Trouble")
 
 
-async def test_a_hand_that_does_not_return_ends_the_test(open_check: Callable[..., Any]) -> None:
+@pytest.mark.parametrize(
+    ("shape", "seconds"),
+    [(None, 16), (ReachShape(out_s=0.8, back_s=0.1, peak_out=2.0, peak_back=-0.001), 5)],
+    ids=["never reaches", "does not return"],
+)
+async def test_a_test_without_a_whole_reach_ends_with_a_message(
+    open_check: Callable[..., Any], shape: ReachShape | None, seconds: int
+) -> None:
     source = Plugged()
     async with open_check(source) as driver:
         await driver.wait(1500)
         await driver.press("t")
         await driver.wait(500)
-        source.inner.move(
-            driver.clock.now(), ReachShape(out_s=0.8, back_s=0.1, peak_out=2.0, peak_back=-0.001)
-        )
-        await driver.wait(4000)
-        assert driver.sees(f"! {NO_REACH}")
-
-
-async def test_a_hand_that_never_reaches_ends_the_test_with_a_message(
-    open_check: Callable[..., Any],
-) -> None:
-    async with open_check(Plugged()) as driver:
-        await driver.wait(1500)
-        await driver.press("t")
-        await driver.wait(16_000)
+        if shape:
+            source.inner.move(driver.clock.now(), shape)
+        await driver.wait(1000 * seconds)
         assert driver.sees(f"! {NO_REACH}")
 
 
@@ -657,25 +647,17 @@ def test_every_flag_has_a_description(flag: str) -> None:
     assert "{" not in said[1]
 
 
-@pytest.mark.parametrize("invalid", ["", *INVALID])
-def test_the_reason_for_no_reach_is_shown(invalid: str) -> None:
-    ((mark, words),) = finding_text(Finding(details={}, invalid=invalid), "right")
-    assert mark == "wrong"
-    assert words == INVALID.get(invalid, NO_REACH)
+@pytest.mark.parametrize(
+    ("invalid", "flags", "says"),
+    [("", (), NO_REACH), ("", ("too_far",), FLAGS["too_far"])]
+    + [(name, (), words) for name, words in INVALID.items()],
+)
+def test_the_reason_for_no_reach_is_shown(invalid: str, flags: tuple[str, ...], says: str) -> None:
+    found = Finding(details={}, invalid=invalid, flags=flags)
+    assert finding_text(found, "right") == [("wrong", says)]
 
 
 # --- how it looks
-
-
-async def test_help_describes_the_check(open_check: Callable[..., Any]) -> None:
-    async with open_check(Plugged()) as driver:
-        for words in ("T Test", "Z Zero", "Enter Begin", "Esc Back", "Ctrl-Q Quit", "F1 Help"):
-            assert words in driver.rows[-1]
-        await driver.press("f1")
-        assert driver.sees("y along the fingers, z out of the hand.")
-        await driver.wait(500)
-        await driver.press("escape")
-        assert isinstance(driver.app.screen, SensorCheckScreen)
 
 
 @pytest.mark.parametrize("theme", first(1, THEMES))
@@ -695,11 +677,6 @@ async def test_snapshot_of_the_check(theme: str, open_check: Callable[..., Any])
         path.name for path in SNAPSHOTS.glob(f"*.{theme}.txt")
     }
     album.check()
-
-
-def test_a_sensor_in_degrees_is_named_where_no_reach_can_be_seen() -> None:
-    ((mark, words),) = finding_text(Finding(details={}, flags=("too_far",)), "right")
-    assert (mark, words) == ("wrong", FLAGS["too_far"])
 
 
 # --- a sensor on the trunk

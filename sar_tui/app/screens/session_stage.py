@@ -229,7 +229,7 @@ class SessionStage(Vertical):
     # --- an attempt
 
     def begin_attempt(self, started: AttemptStarted) -> None:
-        """Forget the results of the attempt before, but not its goal."""
+        """Forget the results before it, and note its goal."""
         self._forget_results()
         self._goal = self.waiting.goal if self.waiting else ""
 
