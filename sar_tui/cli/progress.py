@@ -129,7 +129,7 @@ def _write_page(found: "Progress", path: Path, find: "Find", language: str) -> N
     cannot be drawn.
     """
     from sar_tui.drivers.new_file import write_private
-    from sar_tui.reports.html_page import ChartsMissing
+    from sar_tui.reports.charts import ChartsMissing
     from sar_tui.reports.progress_page import page
 
     if path.exists():
@@ -185,7 +185,7 @@ def _print_chart(out: "Console", line: "LineProgress", tr: "Language") -> None:
     """
     from rich.text import Text
 
-    from sar_tui.reports.progress_figures import (
+    from sar_tui.reports.progress_charts import (
         has_levels,
         has_results,
         level_figure,

@@ -279,7 +279,7 @@ def _print_plot(out: "Console", attempts: Sequence[Row], seat: str, metric: "Met
     """Print the plot of a seat's attempts (thesis, Figure 4.4); two seats have the same axis."""
     from rich.text import Text
 
-    from sar_tui.reports.attempts_plot import attempts_figure, result_name
+    from sar_tui.reports.charts import attempts_figure, result_name
 
     counted = [row for row in attempts if not row["practice"]]
     scored = [row for row in counted if row["seat"] == seat]

@@ -9,7 +9,7 @@ from rich.text import Text
 
 from sar_tui.model.language import Language
 from sar_tui.model.visible_text import visible
-from sar_tui.reports.attempts_plot import MARKERS, result_name
+from sar_tui.reports.charts import MARKERS, result_name
 
 if TYPE_CHECKING:
     from sar_tui.model.measure import Measure

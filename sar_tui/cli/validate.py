@@ -168,7 +168,7 @@ def _store(folder: Path, name: str, title: str, report: "Report") -> None:
     with (folder / f"{name}.txt").open("w", encoding="utf-8") as file:
         _print(Console(file=file, width=_PAGE), title, report)
     if report.chart is not None:
-        from sar_tui.reports.html_page import ChartsMissing, drawn
+        from sar_tui.reports.charts import ChartsMissing, drawn
 
         with suppress(ChartsMissing):  # said once, with the page
             (folder / f"{name}.svg").write_text(drawn(report.chart), encoding="utf-8")
@@ -187,7 +187,7 @@ def _store_page(
         for name, (_, report) in reports.items()
     )
     if lacking:
-        from sar_tui.reports.html_page import no_package
+        from sar_tui.reports.charts import no_package
 
         console(error=True).print(
             f"! {no_package()}. Everything but NAME.svg is written.", soft_wrap=True

@@ -11,6 +11,7 @@ from sar_tui.operator.event_text import PAUSE_REASONS, Line, participant_name, s
 from sar_tui.operator.phrases import metric_text
 from sar_tui.operator.session_state import PARTICIPANT, Seat, SessionState, Stop
 from sar_tui.operator.text_charts import Piece, cut
+from sar_tui.reports.charts import sparkline
 
 UNKNOWN = "not known yet"
 _LABEL = 8
@@ -245,7 +246,7 @@ def _times(state: SessionState, seat: Seat, width: int) -> list[Piece]:
     values = [text_charts.trial_value(trial) for trial in seat.trials]
     last = [f"{value:.{decimals}f}" if value is not None else "–" for value in values[-4:]]
     text = f"{' '.join(last)} {unit}".rstrip()
-    line = text_charts.sparkline(values, min(20, width - len(text) - 1))
+    line = sparkline(values, min(20, width - len(text) - 1))
     return [(line, "$accent"), (" ", ""), (text, "")]
 
 

@@ -8,9 +8,8 @@ from textual.content import Content
 
 from sar_tui.model.messages import AttemptEnded, TrialEnded
 from sar_tui.model.trial_types import Metric
-from sar_tui.reports.attempts_plot import BARS, MARKERS, attempts_figure, result_name
+from sar_tui.reports.charts import BARS, MARKERS, attempts_figure, result_name
 
-_STEPS = "▁▂▃▄▅▆▇█"
 _RIGHT, _WRONG, _MISSED = "✓", "✗", "–"
 Piece = tuple[str, str]
 """Text and its style."""
@@ -42,19 +41,6 @@ def trial_value(trial: TrialEnded) -> float | None:
     return trial.value if trial.value is not None else trial.reaction_time_ms
 
 
-def sparkline(values: Sequence[float | None], width: int) -> str:
-    """Draw values as columns between the least and the greatest; a dot for None."""
-    shown = values[-width:] if width > 0 else []
-    known = [value for value in shown if value is not None]
-    if not known:
-        return "·" * len(shown)
-    least, span = min(known), (max(known) - min(known)) or 1.0
-    return "".join(
-        "·" if value is None else _STEPS[round((value - least) / span * (len(_STEPS) - 1))]
-        for value in shown
-    )
-
-
 def motion(rates: Sequence[float], width: int) -> str:
     """Draw how fast a hand turned in either direction, on a scale of at least 1 rad/s."""
     if not rates or width <= 0:
@@ -65,7 +51,7 @@ def motion(rates: Sequence[float], width: int) -> str:
         for begin in range(0, len(rates), size)
     ]
     scale = max(1.0, *tops)
-    return "".join(_STEPS[round(top / scale * (len(_STEPS) - 1))] for top in tops[-width:])
+    return "".join(BARS[round(top / scale * (len(BARS) - 1))] for top in tops[-width:])
 
 
 def trend(

@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from datetime import date, timedelta
 
 from sar_tui.model.language import Language
+from sar_tui.reports.charts import EVENT
 from sar_tui.reports.dose import Day, Dose
 from sar_tui.reports.progress import Progress
-from sar_tui.reports.session_chart import EVENT
 
 MARKS: tuple[tuple[str, str, Callable[[Day], bool]], ...] = (
     ("■", "all planned attempts done", lambda day: day.done >= day.planned),

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Sequence
 from html import escape
 from typing import Any
 
-from sar_tui.drivers.installation import pip_install_extra
+from sar_tui.reports import charts
 
 _STYLE = """
 body { font: 15px/1.5 sans-serif; color: #111; background: #fff;
@@ -24,16 +24,6 @@ pre { font-size: 1rem; line-height: 1.6; }
 .foot { font-size: .85rem; color: #333; margin-top: 2rem; }
 @media print { body { margin: 0; max-width: none; } figure, table, tr { break-inside: avoid; } }
 """
-
-
-def no_package() -> str:
-    """Return the sentence that says how to install what draws charts."""
-    how = pip_install_extra("report")
-    return f"The charts need the Python package vl-convert-python. Install it with: {how}"
-
-
-class ChartsMissing(Exception):
-    """The package that draws charts is not installed. The message is one clear sentence."""
 
 
 def document(title: str, body: Iterable[str], *, language: str = "en", foot: str = "") -> str:
@@ -81,15 +71,6 @@ def figure(spec: dict[str, Any], caption: str, more: str = "", *, is_captioned: 
         ChartsMissing: the extra ``report`` is not installed.
     """
     label = escape(f"{caption} {more}".strip(), quote=True)
-    drawing = drawn(spec).replace("<svg ", f'<svg role="img" aria-label="{label}" ', 1)
+    drawing = charts.drawn(spec).replace("<svg ", f'<svg role="img" aria-label="{label}" ', 1)
     shown = f"<figcaption>{escape(caption)}</figcaption>" if is_captioned else ""
     return f"<figure>{drawing}{shown}</figure>"
-
-
-def drawn(spec: dict[str, Any]) -> str:
-    """Return a chart as SVG. Raises ChartsMissing if the extra ``report`` is not installed."""
-    try:
-        import vl_convert
-    except ImportError:
-        raise ChartsMissing(no_package()) from None
-    return str(vl_convert.vegalite_to_svg(spec))

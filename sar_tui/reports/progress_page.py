@@ -59,7 +59,7 @@ def _line(line: LineProgress, events: Sequence[AdverseEvent], tr: Language) -> I
             most=str(most),
         )
         yield f"<p>{escape(rule)}</p>"
-    if spec := progress_charts.measure_chart(line, tr):
+    if spec := progress_charts.level_picture(line, tr):
         yield figure(
             spec,
             tr(
@@ -68,12 +68,12 @@ def _line(line: LineProgress, events: Sequence[AdverseEvent], tr: Language) -> I
             ),
             _range(line, tr),
         )
-    if spec := progress_charts.result_chart(line, tr):
+    if spec := progress_charts.result_picture(line, tr):
         caption = tr("Mean result of each session, with the SD between its attempts.")
         yield figure(
             spec, caption if line.goal is None else f"{caption} {tr('Dashed: the goal.')}", ""
         )
-    if spec := progress_charts.felt_chart(line, tr):
+    if spec := progress_charts.felt_picture(line, tr):
         caption = tr(
             "The worst pain (dots) and tiredness (squares, dashed) of each session, 0 to 10."
         )
@@ -83,7 +83,7 @@ def _line(line: LineProgress, events: Sequence[AdverseEvent], tr: Language) -> I
         yield figure(
             spec, f"{caption} {tr('!: an adverse event.')}" if told else caption, " ".join(more)
         )
-    for name, chart in progress_charts.quality_charts(line, tr).items():
+    for name, chart in progress_charts.quality_pictures(line, tr).items():
         yield figure(
             chart,
             tr("Mean of each session: {name}.", name=progress_words.quality(line, name, tr)),
@@ -128,7 +128,7 @@ def _dose(found: Progress, tr: Language) -> Iterator[str]:
         return
     yield f"<h2>{escape(tr('Dose'))}</h2>"
     yield f"<p>{escape(dose_words.recent_text(found.recent, tr))}</p>"
-    if spec := progress_charts.attempts_chart(days, tr):
+    if spec := progress_charts.attempts_picture(days, tr):
         done = tr(
             "{done} of {planned} attempts.",
             done=str(sum(d.done for d in days)),
@@ -140,7 +140,7 @@ def _dose(found: Progress, tr: Language) -> Iterator[str]:
             "month": tr("Attempts of each month. Line: planned."),
         }[span_of(days)]
         yield figure(spec, caption, done)
-    if spec := progress_charts.dose_chart(days, tr):
+    if spec := progress_charts.dose_picture(days, tr):
         total = tr(
             "{repetitions} repetitions on {days}.",
             repetitions=str(sum(day.repetitions for day in days)),

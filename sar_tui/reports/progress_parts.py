@@ -6,15 +6,15 @@ from collections.abc import Sequence
 from sar_tui.model.language import Language
 from sar_tui.progress.change import BASELINE, FAMILIARISATION, baseline
 from sar_tui.reports import dose_words, progress_words
+from sar_tui.reports.charts import MARKED
 from sar_tui.reports.progress import LineProgress, Progress, SessionProgress
-from sar_tui.reports.progress_figures import (
+from sar_tui.reports.progress_charts import (
     has_levels,
     has_results,
     level_figure,
     qualities,
     result_figure,
 )
-from sar_tui.reports.session_chart import MARKED
 
 CURSOR = "▸"
 _FEWEST_OF_A_CHART = 10

@@ -2,58 +2,38 @@
 
 from collections.abc import Mapping, Sequence
 
-from sar_tui.reports.attempts_plot import MARKERS, attempts_figure
+from sar_tui.reports.charts import (
+    ACCENT,
+    ALARM,
+    DIM,
+    INK,
+    MARKERS,
+    SOFT,
+    attempts_figure,
+    channel,
+    curve,
+    mark,
+    picture,
+)
 from sar_tui.validation.report import Row
 
 RESULT = "reaction time (ms)"
-_INK, _SOFT, _GOAL = "#1f4e79", "#8a4b08", "#777777"
 _FEEDBACK = {
     "positive": ("triangle-up", "#1f6f3a"),
     "neutral": ("square", "#8a6d08"),
-    "negative": ("triangle-down", "#a01010"),
-    "none": ("cross", "#777777"),
-}
-_CONFIG: Row = {
-    "aria": False,  # the page names each chart as a whole
-    "font": "sans-serif",
-    "axis": {"labelFontSize": 11, "titleFontSize": 11, "titleFontWeight": "normal"},
-    "view": {"stroke": "#ccc"},
+    "negative": ("triangle-down", ALARM),
+    "none": ("cross", DIM),
 }
 _WIDTH = 560
-_ATTEMPT: Row = {
-    "field": "attempt",
-    "type": "ordinal",
-    "title": "attempt",
-    "axis": {"labelAngle": 0},
-}
-
-
-def _whole(**parts: object) -> Row:
-    return {
-        "$schema": "https://vega.github.io/schema/vega-lite/v5.json",
-        "config": _CONFIG,
-        **parts,
-    }
+_ATTEMPT = channel("attempt", "ordinal", title="attempt", axis={"labelAngle": 0})
 
 
 def _times(rows: Sequence[Row], label: str) -> list[Row]:
     """Return the layers of results over attempts, and of the goal."""
-    times: Row = {
-        "field": "reaction_time_ms",
-        "type": "quantitative",
-        "title": label,
-        "scale": {"zero": False},
-    }
-    goal: Row = {"field": "goal_ms", "type": "quantitative"}
+    times = channel("reaction_time_ms", title=label, scale={"zero": False})
     return [
-        {
-            "mark": {"type": "line", "color": _GOAL, "strokeDash": [5, 4]},
-            "encoding": {"x": _ATTEMPT, "y": goal},
-        },
-        {
-            "mark": {"type": "line", "color": _INK, "point": {"color": _INK}},
-            "encoding": {"x": _ATTEMPT, "y": times},
-        },
+        mark("line", {"x": _ATTEMPT, "y": channel("goal_ms")}, color=DIM, strokeDash=[5, 4]),
+        mark("line", {"x": _ATTEMPT, "y": times}, color=INK, point={"color": INK}),
     ]
 
 
@@ -61,20 +41,16 @@ def adaptation(rows: Sequence[Row], label: str = RESULT) -> Row:
     """Chart the results of a session's attempts, and the level below them. ``label``: name and unit
     of the result.
     """
-    level: Row = {
-        "field": "level",
-        "type": "quantitative",
-        "title": "level",
-        "axis": {"tickMinStep": 1},
-    }
-    steps = {
-        "mark": {"type": "line", "color": _SOFT, "interpolate": "step", "point": {"color": _SOFT}},
-        "encoding": {"x": _ATTEMPT, "y": level},
-        "width": _WIDTH,
-        "height": 110,
-    }
+    level = channel("level", title="level", axis={"tickMinStep": 1})
+    steps = mark(
+        "line",
+        {"x": _ATTEMPT, "y": level},
+        color=ACCENT,
+        interpolate="step",
+        point={"color": ACCENT},
+    )
     above = {"layer": _times(rows, label), "width": _WIDTH, "height": 170}
-    return _whole(data={"values": list(rows)}, vconcat=[above, steps])
+    return picture(rows, vconcat=[above, {**steps, "width": _WIDTH, "height": 110}])
 
 
 def feedback(groups: Sequence[tuple[str, Sequence[Row]]], label: str = RESULT) -> Row:
@@ -82,18 +58,15 @@ def feedback(groups: Sequence[tuple[str, Sequence[Row]]], label: str = RESULT) -
     titles.
     """
     names = list(_FEEDBACK)
-    scale = {"domain": names, "range": [_FEEDBACK[name][0] for name in names]}
-    colours = {"domain": names, "range": [_FEEDBACK[name][1] for name in names]}
-    kind: Row = {"field": "feedback", "type": "nominal", "title": "feedback"}
-    marks = {
-        "mark": {"type": "point", "filled": True, "size": 90},
-        "encoding": {
-            "x": _ATTEMPT,
-            "y": {"field": "reaction_time_ms", "type": "quantitative"},
-            "shape": {**kind, "scale": scale},
-            "color": {**kind, "scale": colours},
-        },
+    shapes, colours = ([_FEEDBACK[name][index] for name in names] for index in (0, 1))
+    kind = channel("feedback", "nominal", title="feedback")
+    encoding = {
+        "x": _ATTEMPT,
+        "y": channel("reaction_time_ms"),
+        "shape": {**kind, "scale": {"domain": names, "range": shapes}},
+        "color": {**kind, "scale": {"domain": names, "range": colours}},
     }
+    marks = mark("point", encoding, filled=True, size=90)
     charts = [
         {
             "title": title,
@@ -104,45 +77,24 @@ def feedback(groups: Sequence[tuple[str, Sequence[Row]]], label: str = RESULT) -
         }
         for title, rows in groups
     ]
-    return _whole(vconcat=charts)
+    return picture(vconcat=charts)
 
 
 def angular_velocity(rows: Sequence[Row], title: str) -> Row:
     """Chart the angular velocity about z over time."""
     encoding = {
-        "x": {"field": "time_s", "type": "quantitative", "title": "time, s"},
-        "y": {
-            "field": "rate_z_rad_s",
-            "type": "quantitative",
-            "title": "angular velocity about z, rad/s",
-        },
+        "x": channel("time_s", title="time, s"),
+        "y": channel("rate_z_rad_s", title="angular velocity about z, rad/s"),
     }
-    return _whole(
-        data={"values": list(rows)},
-        title=title,
-        mark={"type": "line", "color": _INK, "strokeWidth": 1},
-        encoding=encoding,
-        width=_WIDTH,
-        height=220,
-    )
+    line = mark("line", encoding, color=INK, strokeWidth=1)
+    return picture(rows, title=title, width=_WIDTH, height=220, **line)
 
 
 def parts(rows: Sequence[Row]) -> Row:
     """Chart the parts of two loops: those of both, and those that one has alone."""
-    marks = {
-        "x": {
-            "field": "task",
-            "type": "nominal",
-            "title": None,
-            "axis": {"labelAngle": 0, "orient": "top"},
-        },
-        "y": {
-            "field": "part",
-            "type": "nominal",
-            "title": None,
-            "sort": None,
-            "axis": {"minExtent": 120},
-        },
+    places = {
+        "x": channel("task", "nominal", title=None, axis={"labelAngle": 0, "orient": "top"}),
+        "y": channel("part", "nominal", title=None, sort=None, axis={"minExtent": 120}),
     }
     shown = [
         {"part": row["part"], "task": task, "state": row["state"]}
@@ -150,37 +102,18 @@ def parts(rows: Sequence[Row]) -> Row:
         for task in ("keyboard", "reaching")
         if row[task]
     ]
-    colour = {
-        "field": "state",
-        "type": "nominal",
-        "title": None,
-        "scale": {
-            "domain": ["the same", "changed", "added", "removed"],
-            "range": ["#b9c7d6", "#8a4b08", "#1f6f3a", "#a01010"],
-        },
+    states = {
+        "domain": ["the same", "changed", "added", "removed"],
+        "range": [SOFT, ACCENT, "#1f6f3a", ALARM],
     }
-    return _whole(
-        data={"values": shown},
-        layer=[
-            {
-                "mark": {"type": "rect", "stroke": "#ffffff"},
-                "encoding": {**marks, "color": {**colour, "legend": None}},
-            },
-            {
-                "mark": {"type": "text", "fontSize": 11},
-                "encoding": {
-                    **marks,
-                    "text": {"field": "state", "type": "nominal"},
-                    "color": {
-                        "condition": {"test": "datum.state == 'the same'", "value": "#111"},
-                        "value": "#fff",
-                    },
-                },
-            },
-        ],
-        width=260,
-        height={"step": 22},
-    )
+    colour = channel("state", "nominal", title=None, scale=states, legend=None)
+    is_same = {"test": "datum.state == 'the same'", "value": "#111"}
+    text = {"text": channel("state", "nominal"), "color": {"condition": is_same, "value": "#fff"}}
+    layers = [
+        mark("rect", {**places, "color": colour}, stroke="#ffffff"),
+        mark("text", {**places, **text}, fontSize=11),
+    ]
+    return picture(shown, layers, width=260, height={"step": 22})
 
 
 def sentences(rows: Sequence[Row], kind: str) -> Row:
@@ -189,15 +122,18 @@ def sentences(rows: Sequence[Row], kind: str) -> Row:
         {"line": number, "kind": row[kind] or "", "text": row["text"]}
         for number, row in enumerate(rows)
     ]
-    y: Row = {"field": "line", "type": "ordinal", "axis": None}
+    y = channel("line", "ordinal", axis=None)
     layers = [
-        {"mark": {"type": "text", "align": "left", "color": colour, "fontSize": 12},
-         "encoding": {"x": {"value": x}, "y": y, "text": {"field": field}}}
-        for field, x, colour in (("kind", 0, _SOFT), ("text", 90, "#111111"))
-    ]  # fmt: skip
-    return _whole(
-        data={"values": values}, layer=layers, width=640, height={"step": 20}, view={"stroke": None}
-    )
+        mark(
+            "text",
+            {"x": {"value": x}, "y": y, "text": {"field": field}},
+            align="left",
+            color=colour,
+            fontSize=12,
+        )
+        for field, x, colour in (("kind", 0, ACCENT), ("text", 90, "#111111"))
+    ]
+    return picture(values, layers, width=640, height={"step": 20}, view={"stroke": None})
 
 
 _COLUMNS, _ROWS, _CURVE_ROWS = 78, 20, 14
@@ -251,17 +187,4 @@ def _attempts(
 
 def draw_curve(x: Sequence[float], y: Sequence[float], title: str, axes: str) -> str:
     """Draw a curve. ``axes``: says what is drawn over what."""
-    import plotext
-
-    plotext.clear_figure()
-    try:
-        plotext.limit_size(False, False)
-        plotext.theme("clear")
-        plotext.plotsize(_COLUMNS, _CURVE_ROWS)
-        plotext.xlim(min(x), max(x))
-        plotext.plot(list(x), list(y), marker="braille")
-        body = plotext.uncolorize(str(plotext.build()))
-    finally:
-        plotext.clear_figure()
-    lines = [line.rstrip() for line in body.rstrip("\n").split("\n")]
-    return "\n".join([title, axes, *lines])
+    return "\n".join([title, axes, *curve(x, y, _COLUMNS, _CURVE_ROWS)])

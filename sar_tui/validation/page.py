@@ -5,7 +5,8 @@ claims.
 from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 
-from sar_tui.reports.html_page import ChartsMissing, document, figure, table
+from sar_tui.reports.charts import ChartsMissing
+from sar_tui.reports.html_page import document, figure, table
 from sar_tui.validation.report import Column, Report
 
 _LISTED = 60

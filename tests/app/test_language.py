@@ -19,7 +19,7 @@ from sar_tui.loop.topics import SENSOR
 from sar_tui.model.language import language, read_words, slot_problem
 from sar_tui.model.messages import SensorChanged, SensorState
 from sar_tui.plugins import Catalogue, task_folder
-from sar_tui.reports.attempts_plot import MARKERS
+from sar_tui.reports.charts import MARKERS
 from sar_tui.rules.declaration import COMMON, texts
 from sar_tui.rules.parameters import fields
 from sar_tui.runs.plan import Plan, make_plan
@@ -77,7 +77,7 @@ def test_every_text_of_the_app_is_translated_and_no_translation_is_obsolete() ->
     rooms = (APP, package / "widgets", package / "tui")
     code = [
         *(path for room in rooms for path in room.rglob("*.py")),
-        package / "reports" / "attempts_plot.py",
+        package / "reports" / "charts.py",
     ]
     bindings = [
         *BaseApp.BINDINGS,

@@ -109,7 +109,7 @@ async def test_a_note_is_copied_and_a_page_is_written_and_never_over_another(
     data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     trained(data, catalogue, 1000)
-    monkeypatch.setattr("sar_tui.reports.html_page.drawn", lambda spec: "<svg ></svg>")
+    monkeypatch.setattr("sar_tui.reports.charts.drawn", lambda spec: "<svg ></svg>")
     async with open_app(data, catalogue) as driver:
         copied: list[str] = []
         monkeypatch.setattr(driver.app, "copy_to_clipboard", copied.append)

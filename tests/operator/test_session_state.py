@@ -21,7 +21,8 @@ from sar_tui.operator.act_log import Act
 from sar_tui.operator.commands import by_urgency
 from sar_tui.operator.event_text import Line
 from sar_tui.operator.session_state import MAX_ATTEMPTS, MAX_TRIALS, SessionState
-from sar_tui.operator.text_charts import cut, motion, responses, sparkline, two_lines, wrap
+from sar_tui.operator.text_charts import cut, motion, responses, two_lines, wrap
+from sar_tui.reports.charts import sparkline
 from tests.operator import panel_driver as b
 
 

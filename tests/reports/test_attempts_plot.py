@@ -4,7 +4,7 @@ import pytest
 
 from sar_tui.model.messages import Outcome
 from sar_tui.model.trial_types import Metric
-from sar_tui.reports.attempts_plot import (
+from sar_tui.reports.charts import (
     BARS,
     ResultName,
     attempts_figure,

@@ -14,12 +14,11 @@ from sar_tui.model.trial_types import Metric
 from sar_tui.progress.lines import SessionResults
 from sar_tui.progress.task_level import AttemptResult
 from sar_tui.reports import comparison_words, dose_words, progress_words
+from sar_tui.reports.charts import Columns
 from sar_tui.reports.dose import days_of, recent
 from sar_tui.reports.progress import Progress, compare, progress
-from sar_tui.reports.progress_charts import result_chart
-from sar_tui.reports.progress_figures import level_figure, result_figure
+from sar_tui.reports.progress_charts import level_figure, result_figure, result_picture
 from sar_tui.reports.progress_parts import level_part, results_part
-from sar_tui.reports.session_chart import Columns
 from sar_tui.rules.wellbeing import SessionRatings
 from sar_tui.store.adverse_events import AdverseEvent
 from tests.progress.session_results import adapted, at_one_level, session
@@ -408,7 +407,6 @@ def test_every_sentence_is_spoken_in_spanish(
 def test_every_text_of_charts_parts_and_dose_has_a_translation() -> None:
     folder = Path(progress_words.__file__).parent
     names = (
-        "progress_figures",
         "progress_parts",
         "progress_words",
         "progress_page",
@@ -475,7 +473,7 @@ def test_a_better_result_is_higher_up_whichever_way_is_better(
     assert (second[1] < first[1]) == (better == "lower"), "rows count from above"
     ticks = [float(row.split("┤")[0]) for row in drawn if "┤" in row]
     assert ticks == sorted(ticks, reverse=better == "higher")
-    spec = result_chart(line, tr)
+    spec = result_picture(line, tr)
     assert spec is not None
     assert spec["layer"][0]["encoding"]["y"]["scale"]["reverse"] == (better == "lower")
     assert ("better is up" in drawn[0]) == (better == "lower")

@@ -13,7 +13,7 @@ import pytest
 from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.progress.lines import SessionResults
-from sar_tui.reports import html_page, progress_charts, progress_page, progress_words
+from sar_tui.reports import charts, progress_charts, progress_page, progress_words
 from sar_tui.reports.progress import progress
 from sar_tui.rules.wellbeing import SessionRatings
 from tests.progress.session_results import adapted, at_one_level, session
@@ -175,7 +175,7 @@ def test_without_the_package_one_sentence_says_so(
     keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "vl_convert", None)
-    with pytest.raises(html_page.ChartsMissing, match=r"pip install -e '\.\[report\]'"):
+    with pytest.raises(charts.ChartsMissing, match=r"pip install -e '\.\[report\]'"):
         page(keyboard, steady(1))
 
 
@@ -189,12 +189,12 @@ def test_every_chart_can_be_drawn(keyboard: type[Task]) -> None:
     tr = progress_words.words("es", keyboard)
     (line,) = found.lines
     charts = [
-        progress_charts.measure_chart(line, tr),
-        progress_charts.result_chart(line, tr),
-        *progress_charts.quality_charts(line, tr).values(),
-        progress_charts.felt_chart(line, tr),
-        progress_charts.attempts_chart(found.days, tr),
-        progress_charts.dose_chart(found.days, tr),
+        progress_charts.level_picture(line, tr),
+        progress_charts.result_picture(line, tr),
+        *progress_charts.quality_pictures(line, tr).values(),
+        progress_charts.felt_picture(line, tr),
+        progress_charts.attempts_picture(found.days, tr),
+        progress_charts.dose_picture(found.days, tr),
     ]
     for chart in charts:
         drawn = converter.vegalite_to_svg(chart)

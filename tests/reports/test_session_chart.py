@@ -1,6 +1,6 @@
 """Text charts of sessions: of one, of more than there are columns, and of those without a value."""
 
-from sar_tui.reports.session_chart import (
+from sar_tui.reports.charts import (
     ABOVE,
     BELOW,
     POINT,

@@ -15,8 +15,8 @@ from sar_tui.app.screens.progress_records import RECORDS, Records
 from sar_tui.loop.task import Task
 from sar_tui.reports import comparison_words, progress_words
 from sar_tui.reports import progress_parts as parts
+from sar_tui.reports.charts import AREA, BAND, CHOSEN, POINT, RULE
 from sar_tui.reports.progress import LineProgress, Progress, compare, progress
-from sar_tui.reports.session_chart import AREA, BAND, CHOSEN, POINT, RULE
 from sar_tui.reports.wellbeing import advice
 from sar_tui.store import adverse_events, wellbeing
 from sar_tui.store.database import StoreError, explain
@@ -358,7 +358,7 @@ class ProgressScreen(DismissedOnce[None]):
     @work(thread=True, exclusive=True, group="page")
     def _write_page(self, found: Progress) -> None:
         from sar_tui.drivers.new_file import unused, write_private
-        from sar_tui.reports.html_page import ChartsMissing
+        from sar_tui.reports.charts import ChartsMissing
         from sar_tui.reports.progress_page import page
 
         find: Callable[[str], type[Task] | None] = {self._motor_task.name: self._motor_task}.get

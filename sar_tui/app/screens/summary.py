@@ -17,7 +17,7 @@ from sar_tui.model.trial_types import Metric
 from sar_tui.widgets.language import language_of
 
 if TYPE_CHECKING:  # loaded when a session ends
-    from sar_tui.reports.attempts_plot import ResultName
+    from sar_tui.reports.charts import ResultName
 
 _GAP = 3
 """Columns between the plots of two participants."""
@@ -139,7 +139,7 @@ class Summary(Vertical):
         return f"{facts}{more}"
 
     def _draw(self) -> None:
-        from sar_tui.reports.attempts_plot import BARS, MARKERS
+        from sar_tui.reports.charts import BARS, MARKERS
 
         plots = list(self.query("#plot").results(Static))
         # none any more if it was removed before the refresh that was waited for
@@ -168,14 +168,14 @@ class Summary(Vertical):
         """Return the legend of both participants' plots, which has no room beside either
         heading.
         """
-        from sar_tui.reports.attempts_plot import legend
+        from sar_tui.reports.charts import legend
 
         results = [self._result(attempt) for each in self._attempts for attempt in each]
         goals = [goal for each in self._attempts for goal in self._plotted(each)[1]]
         return "  ".join(legend(goals, results, language_of(self.app)))
 
     def _result(self, attempt: AttemptEnded) -> "ResultName":
-        from sar_tui.reports.attempts_plot import result_name
+        from sar_tui.reports.charts import result_name
 
         found = result_name(attempt.outcome, attempt.metric, attempt.goal, self._metric)
         return "missed" if found == "no result" and self._for_participant else found
@@ -186,7 +186,7 @@ class Summary(Vertical):
 
         The plots of two participants share the scale of their left axis.
         """
-        from sar_tui.reports.attempts_plot import attempts_figure
+        from sar_tui.reports.charts import attempts_figure
 
         tr = language_of(self.app)
         has_goals = any(attempt.outcome == "success" for each in self._attempts for attempt in each)

@@ -1,0 +1,710 @@
+"""Charts, drawn as text or as a picture: attempts of a session, sessions over time, curves."""
+
+import math
+import statistics
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from datetime import date
+from itertools import groupby
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import msgspec
+
+from sar_tui.drivers.installation import pip_install_extra
+from sar_tui.model.language import Language
+
+if TYPE_CHECKING:
+    from sar_tui.model.messages import Outcome
+    from sar_tui.model.trial_types import Metric
+
+
+ResultName = Literal["reached", "missed", "inaccurate", "no result", "no goal"]
+MARKERS: dict[str, str] = {
+    "reached": "●",
+    "missed": "○",
+    "inaccurate": "◇",
+    "no result": "×",
+    "no goal": "•",
+}
+
+
+def result_name(
+    outcome: "Outcome", value: float | None, goal: float | None, metric: "Metric"
+) -> ResultName:
+    """Return the result of an attempt.
+
+    A failure whose value is better than the goal is ``inaccurate``: too few of its responses were
+    right.
+
+    Args:
+        outcome: of the attempt.
+        value: its metric; None if no response could be timed.
+        goal: of the attempt; None if it had none, and in data of early versions.
+        metric: of the task.
+    """
+    if outcome == "none" and (value is not None or metric.is_none):
+        return "no goal"
+    if value is None:
+        return "no result"
+    if outcome == "success":
+        return "reached"
+    return "inaccurate" if goal is not None and metric.is_better(value, goal) else "missed"
+
+
+GOAL = "╌"
+BARS = "▁▂▃▄▅▆▇█"
+"""Characters of bars, by height."""
+_COLORS: dict[str, str] = {
+    "reached": "green",
+    "missed": "red",
+    "inaccurate": "red",
+    "no result": "red",
+    "no goal": "cyan",
+}
+
+_ENGLISH = Language()
+_MARGIN = 7
+"""Columns for the numbers of the left axis and the name of the lower one."""
+_SMALLEST = (30, 7)
+"""Least width and height."""
+_FOR_BARS, _FOR_TALL_BARS = 9, 16
+"""Height from which levels have bars beside their numbers, and bars of two lines."""
+_FOR_LEGEND = 9
+"""Height from which a legend that does not fit beside the heading has a line of its own."""
+
+
+def attempts_figure(
+    levels: Sequence[int],
+    metrics: Sequence[float | None],
+    *,
+    metric: str,
+    goals: Sequence[float | None],
+    width: int,
+    height: int,
+    color: bool = True,
+    results: Sequence[str] = (),
+    markers: Mapping[str, str] = MARKERS,
+    beside: Sequence[float | None] = (),
+    has_legend: bool = True,
+    has_bars: bool = True,
+    tr: Language = _ENGLISH,
+) -> str:
+    """Draw the metric over attempts, with the goal as a line, and the levels below.
+
+    Attempts without a result have their markers below the axis, where no value is read from them.
+
+    Args:
+        levels: of each attempt.
+        metrics: of each attempt; None without a result.
+        metric: name and unit, the heading of the left axis.
+        goals: of each attempt; they may differ by level; None for an attempt without one.
+        width, height: in characters, including heading and axes.
+        color: use ANSI colours.
+        results: of each attempt; if empty, all that have a metric have the same marker. One
+            without a metric has ``no result``.
+        markers: of these results; those of the goal, unless they are others.
+        beside: metrics and goals of a figure shown beside this one, so that both have the same
+            axes.
+        has_legend: False if the legend is shown elsewhere (`legend`).
+        has_bars: False for levels in figures alone.
+        tr: the language of the other words.
+
+    Returns:
+        ``height`` lines of ``width`` characters, a plot of at least 30 by 7.
+    """
+    if not levels:
+        return tr("There are no attempts to show yet.")
+    import plotext
+
+    width, height = max(width, _SMALLEST[0]), max(height, _SMALLEST[1])
+    names = results or ["no result" if value is None else "reached" for value in metrics]
+    has_empty = None in (*metrics, *beside)
+    bar_lines = (height >= _FOR_BARS) + (height >= _FOR_TALL_BARS) if has_bars else 0
+    explained = legend(
+        goals, results or [name for name in names if name == "no result"], tr, markers
+    )
+    heading = _heading(
+        metric, explained if has_legend else [], width, may_have_two=height >= _FOR_LEGEND
+    )
+    plotext.clear_figure()
+    try:
+        size = width, height - len(heading) - has_empty - 1 - bar_lines
+        body = _body(plotext, metrics, goals, size, names, markers, beside, tr)
+    finally:
+        plotext.clear_figure()
+    lines = [line.rstrip() for line in body.rstrip("\n").split("\n")]
+    lines[-1] = tr("attempt")[:_MARGIN].ljust(_MARGIN) + lines[-1][_MARGIN:]
+    columns = _Columns.of_axis(plotext.uncolorize(lines[-2]), len(levels))
+    below = []
+    if has_empty:
+        marker = plotext.colorize(MARKERS["no result"], _COLORS["no result"], "bold")
+        below.append(columns.line({n: marker for n, value in enumerate(metrics) if value is None}))
+    below.append(tr("level")[:_MARGIN].ljust(_MARGIN) + columns.numbers(levels)[_MARGIN:])
+    below += [plotext.colorize(line, "blue") for line in columns.bars(levels, bar_lines)]
+    text = "\n".join([*heading, *lines[:-1], *below, lines[-1]])
+    return text if color else plotext.uncolorize(text)
+
+
+def _body(
+    plt: Any,
+    metrics: Sequence[float | None],
+    goals: Sequence[float | None],
+    size: tuple[int, int],
+    results: Sequence[str],
+    markers: Mapping[str, str],
+    beside: Sequence[float | None],
+    tr: Language,
+) -> str:
+    """Draw the axes and the data, on a canvas two lines lower than the height."""
+    count, rows = len(metrics), size[1] - 2
+    attempts = range(1, count + 1)
+    plt.limit_size(False, False)
+    plt.theme("clear")
+    plt.plotsize(*size)
+    plt.xaxes(True, False)
+    plt.xlim(0.5, count + 0.5)
+    values = [value for value in (*metrics, *goals, *beside) if value is not None]
+    low, high = _limits(values)
+    plt.ylim(low, high, yside="left")
+    for goal, alike in groupby(enumerate(goals, start=1), key=lambda item: item[1]):
+        same = [attempt for attempt, _ in alike]
+        if goal is None:
+            continue
+        plt.plot([same[0] - 0.5, same[-1] + 0.5], [goal] * 2, marker=GOAL)
+    for run in _runs(metrics):
+        plt.plot([attempt for attempt, _ in run], [value for _, value in run], marker="braille")
+    for name, marker in markers.items():
+        found = [
+            attempt
+            for attempt, its in zip(attempts, results, strict=True)
+            if its == name != "no result"
+        ]
+        if found:
+            plt.scatter(
+                found,
+                [metrics[attempt - 1] for attempt in found],
+                marker=marker,
+                color=_COLORS.get(name, "blue"),
+                style="bold",
+            )
+
+    ticks = _possible(round_numbers(low, high, max(2, rows // 2)), values)
+    plt.yticks(ticks, [tr.figures(f"{tick:g}").rjust(_MARGIN) for tick in ticks], yside="left")
+    room = count * (len(str(count)) + 1) / (size[0] - _MARGIN - 6)
+    every = next(
+        step
+        for power in (1, 10, 100, 1000, 10_000)
+        for m in (1, 2, 5)
+        if (step := m * power) >= room
+    )
+    labelled = [
+        attempt for attempt in attempts if every == 1 or attempt == 1 or attempt % every == 0
+    ]
+    plt.xticks(labelled, [str(attempt) for attempt in labelled])
+    return str(plt.build())
+
+
+class _Columns(NamedTuple):
+    """The columns of the screen that attempts are drawn in."""
+
+    first: int
+    last: int
+    attempts: int
+
+    @classmethod
+    def of_axis(cls, axis: str, count: int) -> "_Columns":
+        """Return the columns between the ends of an axis that plotext drew."""
+        return cls(axis.index("└") + 1, axis.index("┘") - 1, count)
+
+    def column(self, attempt: int) -> int:
+        """Return the column in which plotext draws the value of an attempt (0, 1, …)."""
+        return self.first + math.floor(
+            0.5 + round((self.last - self.first) * (attempt + 0.5) / self.attempts, 8)
+        )
+
+    def line(self, characters: dict[int, str]) -> str:
+        """Return a line with a character in the columns of some attempts."""
+        line = [" "] * (self.last + 1)
+        for attempt, character in characters.items():
+            line[self.column(attempt)] = character
+        return "".join(line).rstrip()
+
+    def numbers(self, levels: Sequence[int]) -> str:
+        """Return a line with the level of each attempt if there is room, else where it changes."""
+        line = [" "] * (self.last + 1)
+        wide = len(str(max(levels))) + 1
+        changes = [n for n, level in enumerate(levels) if n == 0 or level != levels[n - 1]]
+        free_from = 0
+        for attempt in (
+            range(self.attempts) if self.attempts * wide <= self.last - self.first else changes
+        ):
+            text, column = str(levels[attempt]), self.column(attempt)
+            if free_from <= column <= self.last + 1 - len(text):
+                line[column : column + len(text)] = text
+                free_from = column + wide
+        return "".join(line).rstrip()
+
+    def bars(self, levels: Sequence[int], lines: int) -> list[str]:
+        """Return lines of bars, as high as the levels."""
+        highest, steps, width = max(*levels, 1), len(BARS), self.last - self.first + 1
+        shown = [max(levels[column * self.attempts // width], 0) for column in range(width)]
+        heights = [max(1, round(level / highest * steps * lines)) for level in shown]
+        return [
+            " " * self.first + "".join(_part_of_bar(height - below * steps) for height in heights)
+            for below in reversed(range(lines))
+        ]
+
+
+def _part_of_bar(height: int) -> str:
+    """Return the character of one line of a bar; a blank above its end."""
+    return BARS[min(height, len(BARS)) - 1] if height > 0 else " "
+
+
+def legend(
+    goals: Sequence[float | None],
+    results: Collection[str],
+    tr: Language = _ENGLISH,
+    markers: Mapping[str, str] = MARKERS,
+) -> list[str]:
+    """Return the parts of the legend: the markers of these results, and the goal, with its value if
+    it is one.
+    """
+    known = {goal for goal in goals if goal is not None}
+    value = tr.figures(f" {goals[0]:g}") if len(known) == 1 and len(set(goals)) == 1 else ""
+    return [
+        *(
+            f"{marker} {tr(name)}"
+            for name, marker in {**MARKERS, **markers}.items()
+            if name in results
+        ),
+        *([f"{GOAL} {tr('goal')}{value}"] if known else []),
+    ]
+
+
+def _heading(metric: str, explained: Sequence[str], width: int, *, may_have_two: bool) -> list[str]:
+    """Return the name of the axis, and as much of the legend as fits: at its right, else on a line
+    of its own.
+    """
+    left, parts = metric[:width], list(explained)
+    if may_have_two and len("  ".join([left, *parts])) > width:
+        return [left, *_heading("", parts, width, may_have_two=False)]
+    while parts and len("  ".join([left, *parts] if left else parts)) > width:
+        parts.pop()
+    return [left + "  ".join(parts).rjust(width - len(left))]
+
+
+def _runs(metrics: Sequence[float | None]) -> Iterator[list[tuple[int, float]]]:
+    """Yield runs of consecutive attempts with a result, to be joined by a line."""
+    for has_result, run in groupby(
+        enumerate(metrics, start=1), key=lambda item: item[1] is not None
+    ):
+        if has_result:
+            yield [(attempt, value) for attempt, value in run if value is not None]
+
+
+def _limits(values: Sequence[float]) -> tuple[float, float]:
+    """Return the axis limits, with a margin around the values."""
+    low, high = min(values, default=0.0), max(values, default=0.0)
+    room = 0.06 * (high - low) or 0.1 * abs(high) or 1.0
+    return low - room, high + room
+
+
+def _possible(ticks: Sequence[float], values: Sequence[float]) -> list[float]:
+    """Return the ticks that a value may have: whole ones if all values are, and none below zero if
+    no value is.
+    """
+    is_whole, is_positive = (
+        all(value == int(value) for value in values),
+        min(values, default=0.0) >= 0,
+    )
+    return [
+        tick
+        for tick in ticks
+        if (tick == int(tick) or not is_whole) and (tick >= 0 or not is_positive)
+    ]
+
+
+def round_numbers(low: float, high: float, most: int) -> list[float]:
+    """Return at most ``most`` round numbers between two bounds, and at least one, in round
+    steps.
+    """
+    power = 10 ** math.floor(math.log10((high - low) / most))
+    step = next(s for m in (1, 2, 5, 10, 20) if (high - low) / (s := m * power) <= most)
+    # it leaps over both bounds: the next smaller of 1, 2 and 5
+    if math.ceil(low / step) > math.floor(high / step):
+        step /= 2.5 if f"{step:e}".startswith("5") else 2
+    first = math.ceil(low / step)
+    return [round(n * step, 10) for n in range(first, math.floor(high / step) + 1)][:most]
+
+
+POINT, BAND, AREA, RULE, CHOSEN = "●", "│", "░", "╌", "▲"
+TEN = "X"
+"""Stands for 10 where there is room for one character."""
+ABOVE, BELOW, UNKNOWN = "^", "v", "?"
+"""Stand for a session without a value: it lies above or below what could be measured, or is not
+known.
+"""
+MARKED = "◆"
+"""Stands for the session that another one is compared with."""
+EVENT = "!"
+"""Stands for an adverse event."""
+_WIDEST = 10
+"""Most columns that a session has, so that a few sessions stay together."""
+_GAP = 2
+"""Least number of blanks between two dates."""
+_LONG_DAYS = 300
+"""From this time on, dates below the axis have years instead of days."""
+_ROOM = 1.2
+"""Room beyond the outermost values, in bands: one session with a very wide band must not flatten
+all others.
+"""
+
+
+_ROUNDING = 1e-9
+"""Share of a value below which a difference is an error of rounding."""
+
+
+class Value(msgspec.Struct, frozen=True):
+    """A session's value and its band, or the character that stands for one without a value."""
+
+    value: float | None = None
+    low: float | None = None
+    high: float | None = None
+    without: str = ""
+
+
+class Columns(msgspec.Struct, frozen=True):
+    """Columns of sessions in a chart; a column holds several sessions if there are more sessions
+    than columns.
+    """
+
+    count: int
+    width: int
+
+    @property
+    def step(self) -> float:
+        """Columns from one session to the next."""
+        return min(_WIDEST, self.width / max(1, self.count))
+
+    @property
+    def most(self) -> int:
+        """Largest number of sessions in a column."""
+        return max(1, math.ceil(1 / self.step))
+
+    def column(self, session: int) -> int:
+        """Return the column of a session (0, 1, …)."""
+        return min(self.width - 1, int((session + 0.5) * self.step))
+
+    def groups(self) -> Iterator[tuple[int, range]]:
+        """Yield each column that has sessions, with them."""
+        first = 0
+        for session in range(1, self.count + 1):
+            if session == self.count or self.column(session) != self.column(first):
+                yield self.column(first), range(first, session)
+                first = session
+
+    def figures(self, values: Sequence[int | None]) -> str:
+        """Return a row with the greatest number of each column, or ``·``; `TEN` is 10 where there
+        is no room.
+        """
+        line = [" "] * self.width
+        for column, sessions in self.groups():
+            known = [value for session in sessions if (value := values[session]) is not None]
+            text = str(max(known)) if known else "·"
+            if len(text) > 1 and self.step < len(text) + 1:
+                text = TEN
+            line[column : column + len(text)] = text
+        return "".join(line).rstrip()
+
+    def signs(self, marked: Sequence[bool], sign: str) -> str:
+        """Return a row with a sign in each column that has a marked session."""
+        line = [" "] * self.width
+        for column, sessions in self.groups():
+            if any(marked[session] for session in sessions):
+                line[column] = sign
+        return "".join(line).rstrip()
+
+    def numbers(self, values: Sequence[float | None], form: str) -> str:
+        """Return a row of numbers, formatted by ``form``, where they have room; else of bars."""
+        texts = [form.format(value) if value is not None else "·" for value in values]
+        if max(map(len, texts), default=0) >= self.step:
+            return self.bars(values)
+        line = [" "] * self.width
+        for session, text in enumerate(texts):
+            begin = min(self.column(session), self.width - len(text))
+            line[begin : begin + len(text)] = text
+        return "".join(line).rstrip()
+
+    def bars(self, values: Sequence[float | None]) -> str:
+        """Return a row of bars between the least and the greatest value; ``·`` where there is
+        none.
+        """
+        line = [" "] * self.width
+        means = [
+            (column, _mean([values[session] for session in sessions]))
+            for column, sessions in self.groups()
+        ]
+        known = [mean for _, mean in means if mean is not None]
+        for column, mean in means:
+            line[column] = (
+                "·" if mean is None else BARS[_part(mean, min(known), max(known), len(BARS) - 1)]
+            )
+        return "".join(line).rstrip()
+
+    def dates(self, days: Sequence[str], months: Sequence[str]) -> str:
+        """Return a row of dates as far as there is room; the last one is always there.
+
+        Args:
+            days: of each session ("2026-03-02"); at least one.
+            months: short names of the months.
+        """
+        is_long = _days(days[0], days[-1]) > _LONG_DAYS
+        texts = [
+            day[:7] if is_long else f"{int(day[8:])} {months[int(day[5:7]) - 1]}" for day in days
+        ]
+        line = [" "] * self.width
+        last = min(self.column(len(days) - 1), self.width - len(texts[-1]))
+        line[last:] = texts[-1]
+        free, before = 0, texts[-1]
+        for column, sessions in self.groups():
+            shown = texts[sessions[0]]
+            if free <= column <= last - len(shown) - _GAP and shown != before:
+                line[column : column + len(shown)] = shown
+                free, before = column + len(shown) + _GAP, shown
+        return "".join(line)
+
+
+def limits(values: Sequence[Value], more: Sequence[float] = ()) -> tuple[float, float]:
+    """Return the lowest and the highest value of an axis, with room for most of the bands.
+
+    Args:
+        values: at least one has a value.
+        more: values that must be on the axis as well.
+    """
+    known = [*(each.value for each in values if each.value is not None), *more]
+    halves = [
+        (each.high - each.low) / 2
+        for each in values
+        if each.high is not None and each.low is not None
+    ]
+    room = _ROOM * statistics.median(halves) if halves else 0.0
+    low, high = min(known) - room, max(known) + room
+    if low == high:
+        room = 0.1 * abs(high) or 1.0
+        return low - room, high + room
+    return low, high
+
+
+def session_chart(
+    values: Sequence[Value],
+    columns: Columns,
+    *,
+    axis: tuple[float, float],
+    ticks: Sequence[tuple[float, str]],
+    rows: int,
+    margin: int,
+    area: tuple[float, float] | None = None,
+    rule: float | None = None,
+    chosen: int | None = None,
+    marked: int | None = None,
+) -> list[str]:
+    """Draw values over sessions. Those without a value have a row of their own above or below the
+    others.
+
+    Args:
+        values: of each session; of several in a column, the means are drawn.
+        columns: where the sessions are.
+        axis: lowest and highest value.
+        ticks: values with their labels.
+        rows: number of rows above the axis.
+        margin: columns for the labels and the axis.
+        area: values between which all is shaded.
+        rule: value at which a dashed line is drawn.
+        chosen, marked: sessions with a sign of their own on the axis.
+
+    Returns:
+        ``rows`` + 1 lines.
+    """
+    low, high = axis
+    above, below = (_signs(values, columns, signs) for signs in (ABOVE, BELOW + UNKNOWN))
+    rows -= bool(above) + bool(below)
+
+    def row(value: float) -> int:
+        return rows - 1 - _part(value, low, high, rows - 1)
+
+    grid = [[" "] * columns.width for _ in range(rows)]
+    if area and area[0] <= high and area[1] >= low:
+        for line in range(row(min(area[1], high)), row(max(area[0], low)) + 1):
+            grid[line] = [AREA] * columns.width
+    if rule is not None and low <= rule <= high:
+        grid[row(rule)] = [RULE] * columns.width
+    for column, sessions in columns.groups():
+        _draw([values[session] for session in sessions], column, grid, row)
+    labels: dict[int, str] = {}
+    for value, label in sorted(
+        ticks, key=lambda tick: -abs(low + (high - low) * _share(row(tick[0]), rows) - tick[0])
+    ):
+        if low <= value <= high:
+            labels[row(value)] = label  # of several, the one next to the middle of the row
+    lines = []
+    for number, cells in enumerate(grid):
+        axis_line = "┤" if number in labels else "│"
+        label = f"{labels.get(number, ''):>{margin - 1}}"
+        lines.append(f"{label}{axis_line}{''.join(cells)}".rstrip())
+    edge = f"{'│':>{margin}}"
+    lines = [*([edge + above] if above else []), *lines, *([edge + below] if below else [])]
+    foot = ["─"] * columns.width
+    for session, sign in ((marked, MARKED), (chosen, CHOSEN)):
+        if session is not None:
+            foot[columns.column(session)] = sign
+    return [*lines, f"{'└':>{margin}}{''.join(foot)}"]
+
+
+def _draw(
+    values: Sequence[Value], column: int, grid: list[list[str]], row: Callable[[float], int]
+) -> None:
+    value = _mean([each.value for each in values])
+    low = _mean([each.low for each in values])
+    high = _mean([each.high for each in values])
+    if value is None:
+        return
+    if low is not None and high is not None:
+        for line in range(row(high), row(low) + 1):
+            grid[line][column] = BAND
+    grid[row(value)][column] = POINT
+
+
+def _signs(values: Sequence[Value], columns: Columns, wanted: str) -> str:
+    """Return a row with the signs of columns that have no value, as far as they are wanted; empty
+    for none.
+    """
+    line = [" "] * columns.width
+    for column, sessions in columns.groups():
+        found = [values[session] for session in sessions]
+        if all(each.value is None for each in found):
+            line[column] = next(
+                (each.without for each in found if each.without and each.without in wanted), " "
+            )
+    return "".join(line).rstrip()
+
+
+def _mean(values: Sequence[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return statistics.fmean(known) if known else None
+
+
+def _part(value: float, low: float, high: float, steps: int) -> int:
+    """Return the step of a value between two others, 0 to ``steps``; those beyond are at the
+    ends.
+    """
+    if high - low <= _ROUNDING * max(abs(low), abs(high)):
+        return steps // 2
+    return max(0, min(steps, round((value - low) / (high - low) * steps)))
+
+
+def _share(row: int, rows: int) -> float:
+    """Return the height of the middle of a row on the axis, 0 to 1."""
+    return (rows - 1 - row) / max(1, rows - 1)
+
+
+def _days(first: str, last: str) -> int:
+    return (date.fromisoformat(last) - date.fromisoformat(first)).days
+
+
+def sparkline(values: Sequence[float | None], width: int) -> str:
+    """Draw the last values as columns between the least and the greatest; a dot for None."""
+    shown = values[-width:] if width > 0 else []
+    known = [value for value in shown if value is not None]
+    if not known:
+        return "·" * len(shown)
+    least, span = min(known), (max(known) - min(known)) or 1.0
+    return "".join(
+        "·" if value is None else BARS[round((value - least) / span * (len(BARS) - 1))]
+        for value in shown
+    )
+
+
+def curve(x: Sequence[float], y: Sequence[float], width: int, height: int) -> list[str]:
+    """Draw a curve with its axes."""
+    import plotext
+
+    plotext.clear_figure()
+    try:
+        plotext.limit_size(False, False)
+        plotext.theme("clear")
+        plotext.plotsize(width, height)
+        plotext.xlim(min(x), max(x))
+        plotext.plot(list(x), list(y), marker="braille")
+        body = plotext.uncolorize(str(plotext.build()))
+    finally:
+        plotext.clear_figure()
+    return [line.rstrip() for line in body.rstrip("\n").split("\n")]
+
+
+# --- pictures
+# --------------------------------------------------------------------------------------------------
+
+Spec = dict[str, Any]
+"""A chart in Vega-Lite (version 5), or a part of one, without a remote reference."""
+INK, SOFT, ACCENT, ALARM, DIM = "#1f4e79", "#b9c7d6", "#8a4b08", "#a01010", "#777777"
+"""Colours of pictures."""
+WIDTH = 620
+"""Width of a picture in pixels."""
+_CONFIG: Spec = {
+    "aria": False,  # the page names each chart as a whole
+    "font": "sans-serif",
+    "axis": {"labelFontSize": 11, "titleFontSize": 11, "titleFontWeight": "normal"},
+    "axisY": {"format": ".6~r", "minExtent": 40},
+    "view": {"stroke": "#ccc"},
+}
+
+
+def picture(values: Sequence[Spec] = (), layers: Sequence[Spec] = (), **more: Any) -> Spec:
+    """Return a chart of values.
+
+    Args:
+        layers: made by `mark`; empty if ``more`` has other parts.
+        more: further parts of the chart, such as its height.
+    """
+    made: Spec = {"$schema": "https://vega.github.io/schema/vega-lite/v5.json", "config": _CONFIG}
+    if values:
+        made["data"] = {"values": list(values)}
+    if layers:
+        made |= {"width": WIDTH, "layer": list(layers)}
+    return made | more
+
+
+def mark(kind: str, encoding: Spec, values: Sequence[Spec] | None = None, **look: Any) -> Spec:
+    """Return a layer of a chart.
+
+    Args:
+        kind: of mark: line, rule, point, bar, …
+        encoding: its channels, each made by `channel`.
+        values: its own, if they are others than those of the chart.
+        look: colour, dash and other properties of the mark.
+    """
+    layer: Spec = {"mark": {"type": kind, **look}, "encoding": encoding}
+    return layer if values is None else {"data": {"values": list(values)}, **layer}
+
+
+def channel(field: str, type: str = "quantitative", **more: Any) -> Spec:
+    """Return the channel that shows a field."""
+    return {"field": field, "type": type, **more}
+
+
+class ChartsMissing(Exception):
+    """The package that draws pictures is not installed. The message is one clear sentence."""
+
+
+def no_package() -> str:
+    """Return the sentence that says how to install what draws pictures."""
+    how = pip_install_extra("report")
+    return f"The charts need the Python package vl-convert-python. Install it with: {how}"
+
+
+def drawn(spec: Spec) -> str:
+    """Return a chart as SVG. Raises ChartsMissing if the extra ``report`` is not installed."""
+    try:
+        import vl_convert
+    except ImportError:
+        raise ChartsMissing(no_package()) from None
+    return str(vl_convert.vegalite_to_svg(spec))
