@@ -23,7 +23,6 @@ from sar_tui.store.tables import (
     MESSAGES,
     NOTES,
     TRIALS,
-    Column,
     Table,
 )
 
@@ -72,15 +71,15 @@ def rows_beside(session: str, run: int, records: list[Record]) -> Rows:
     """
     rows: Rows = {name: [] for name in SQL}
     now = datetime.now(UTC).isoformat()
-    for record in records:
-        for name, projection in _BY_KIND.get(type(record.message), ()):
-            row = projection.row(Origin(session, run, record.at, now), record.message)
+    for _, at, _, message in records:
+        for name, projection in _BY_KIND.get(type(message), ()):
+            row = projection.row(Origin(session, run, at, now), message)
             if row is not None:
                 rows[name].append(row)
-        if type(trial := record.message) is m.TrialEnded:
-            # earlier marks are in the trial's row already
-            here = (session, trial.attempt, trial.trial, trial.seat)
-            rows["marks"] = [mark for mark in rows["marks"] if mark[-len(here) :] != here]
+            if rows["marks"] and isinstance(message, m.TrialEnded):
+                # earlier marks are in the trial's row already
+                here = (session, message.attempt, message.trial, message.seat)
+                rows["marks"] = [mark for mark in rows["marks"] if mark[-len(here) :] != here]
     return rows
 
 
@@ -106,22 +105,21 @@ def _declared(
 
     ``others``: columns that are made in another way.
     """
-    makers = [others.get(column.name) or _value(column) for column in table.columns]
+    of_origin = [name for name in _OF_ORIGIN if name in table.names]
+    first = (*of_origin, *others)
+    columns = [column for column in table.columns if column.name not in first]
+    as_json = [place for place, column in enumerate(columns) if column.type == "json"]
+    fields = attrgetter(*(column.field or column.name for column in columns))
 
     def row(origin: Origin, message: Any) -> Row:
-        return tuple([make(origin, message) for make in makers])
+        values = list(fields(message))
+        for place in as_json:
+            values[place] = _text(values[place])
+        made = [make(origin, message) for make in others.values()]
+        return (*origin[: len(of_origin)], *made, *values)
 
-    return Projection(table.name, kind, table.insert(how=how), row)
-
-
-def _value(column: Column) -> Callable[[Origin, Any], object]:
-    if column.name in _OF_ORIGIN:
-        of_origin = attrgetter(column.name)
-        return lambda origin, message: of_origin(origin)
-    field = attrgetter(column.field or column.name)
-    if column.type == "json":
-        return lambda origin, message: _text(field(message))
-    return lambda origin, message: field(message)
+    statement = table.insert(*first, *(column.name for column in columns), how=how)
+    return Projection(table.name, kind, statement, row)
 
 
 # --- actions: proposed, decided on and carried out, each by a message of its own
