@@ -147,9 +147,7 @@ def inherited(function: F) -> F:
 
 
 def marked_as(kind: Kind, name: str, function: F) -> F:
-    """Return a function of a plug-in with its mark; one of the framework as it is."""
-    if is_own(function.__module__):
-        return function
+    """Return a function of a plug-in with its mark."""
     marked: F = _marked_function(function, kind, name)
     return marked
 

@@ -5,20 +5,21 @@ of its file (hyphens for underscores), or is an entry point of the group ``sar_t
 settings become settings of every task (`parameters.TaskParameters`, which has them found).
 """
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import msgspec
 
-from sar_tui.plugin_calls import check_api, marked_as
+from sar_tui.plugin_calls import check_api, is_own, marked_as
 from sar_tui.plugin_loader import Group, PluginError, import_from, user_folder
 from sar_tui.rules import difficulty, feedback
 from sar_tui.rules.declaration import Settings
-from sar_tui.rules.difficulty import DifficultyPolicy
-from sar_tui.rules.feedback import FeedbackPolicy
+from sar_tui.rules.difficulty import Difficulty, DifficultyPolicy, Goal
+from sar_tui.rules.feedback import Decision, FeedbackPolicy
 
 S = TypeVar("S", bound=Settings)
+F = TypeVar("F", bound=Callable[..., Any])
 Policy = DifficultyPolicy | FeedbackPolicy
 
 _GROUP = Group("sar_tui.policies", "policy")
@@ -132,16 +133,35 @@ def _add(name: str, policy: object, taken: Collection[str]) -> set[str]:
     _GROUP.guarded(name, name, lambda: _check_settings(name, policy.settings, taken))
     if isinstance(policy, DifficultyPolicy):
         DIFFICULTY[name] = policy._replace(
-            step=marked_as("policy", name, policy.step),
-            goal=policy.goal and marked_as("policy", name, policy.goal),
-            start=marked_as("policy", name, policy.start),
+            step=_checked(name, policy.step, Difficulty),
+            goal=policy.goal and _checked(name, policy.goal, Goal, type(None)),
+            start=_checked(name, policy.start, int),
         )
     else:
         FEEDBACK[name] = policy._replace(
-            decide=marked_as("policy", name, policy.decide),
-            recent=marked_as("policy", name, policy.recent),
+            decide=_checked(name, policy.decide, Decision),
+            recent=_checked(name, policy.recent, int),
         )
     return {*policy.settings.__struct_fields__}
+
+
+def _checked(name: str, function: F, *kinds: type) -> F:
+    """Return a function of a policy with its mark as a plug-in's, and with its result checked. One
+    of the program stays as it is.
+    """
+    if is_own(function.__module__):
+        return function
+    marked = marked_as("policy", name, function)
+
+    def call(*given: Any) -> Any:
+        found = marked(*given)
+        if not isinstance(found, kinds):
+            raise TypeError(f"the policy {name} returned {found!r}, not a {kinds[0].__name__}")
+        if isinstance(found, Difficulty):  # the bounds are the last argument of its step
+            return msgspec.structs.replace(found, level=given[-1].nearest(found.level))
+        return found
+
+    return call  # type: ignore[return-value]
 
 
 def _check_settings(name: str, kind: type[Settings], taken: Collection[str]) -> None:

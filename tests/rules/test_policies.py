@@ -36,6 +36,16 @@ def step(state, attempt, settings, bounds):
 
 POLICY = DifficultyPolicy("Each attempt is harder.", StrideSettings, step)
 ''',
+    "astray.py": """
+from sar_tui.api.policy import Difficulty, DifficultyPolicy
+
+
+def step(state, attempt, settings, bounds):
+    return Difficulty(1000) if attempt.number < 3 else 3
+
+
+POLICY = DifficultyPolicy("", step=step)
+""",
     "broken.py": "1 / 0\n",
     "fixed.py": "from sar_tui.api.policy import DifficultyPolicy\nPOLICY = DifficultyPolicy('')\n",
     "newer.py": "api = 2\nPOLICY = None\n",
@@ -134,6 +144,18 @@ def test_a_policy_that_cannot_be_used_is_named_with_the_reason(program: Program)
     assert done.returncode == 2
     assert "The policy broken cannot be loaded: ZeroDivisionError" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_a_result_that_cannot_be_one_is_told_and_levels_stay_within_bounds(
+    program: Program,
+) -> None:
+    done = program(
+        *("simulate", "keyboard", "--user", "competent", "--attempts", "4"),
+        *("--set", "difficulty_policy=astray", "--set", "max_level=4"),
+    )
+    assert "the policy astray returned 3, not a Difficulty" in done.stderr
+    attempts = json.loads(program("show", "last", "--json").stdout)["attempts"]
+    assert [row["level"] for row in attempts] == [1, 4]
 
 
 def test_a_policy_that_is_not_there_is_one_problem_with_its_settings() -> None:
