@@ -32,7 +32,7 @@ from sar_tui.plugin_loader import CURRENT_NAMES
 from sar_tui.plugins import Catalogue, PluginError, load_task
 from sar_tui.rules.declaration import Field, ParameterError
 from sar_tui.rules.parameters import TaskParameters, build, changed, fields
-from sar_tui.rules.step_file import problem_of
+from sar_tui.rules.questions import problem_of
 from sar_tui.runs.plan import Failed, make_plan
 from sar_tui.runs.sensors import sensor_parameter
 from sar_tui.runs.simulate import simulate

@@ -8,8 +8,7 @@ import msgspec
 from sar_tui.checks.check import Check
 from sar_tui.model.contrast import cut
 from sar_tui.model.theme import ENGLISH, ThemeError
-from sar_tui.theme_folder import Reading, languages, read
-from sar_tui.theme_folder.screen_texts import read_texts, screen_texts
+from sar_tui.theme_folder import Reading, languages, read, read_texts, screen_texts
 
 _LOOKS = {
     "settings": "has a title, a summary, and dark = true or false",

@@ -309,7 +309,7 @@ def steps_of(file: Path | None) -> "tuple[Step, ...]":
     """Return the steps of a file, if one is given. Raises Refused."""
     if file is None:
         return ()
-    from sar_tui.rules.step_file import StepFileError, read_steps
+    from sar_tui.rules.questions import StepFileError, read_steps
 
     try:
         return read_steps(file)

@@ -15,8 +15,7 @@ from sar_tui.plugin_calls import PLUGIN_ERRORS, describe
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.declaration import ParameterError
 from sar_tui.rules.parameters import TaskParameters, build, usable
-from sar_tui.rules.questions import chosen
-from sar_tui.rules.step_file import problem_of
+from sar_tui.rules.questions import chosen, problem_of
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError
 from sar_tui.store.participants import check_own

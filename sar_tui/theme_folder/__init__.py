@@ -9,10 +9,11 @@ from pathlib import Path
 
 import msgspec
 
+from sar_tui.model.language import slot_problem, words_files
 from sar_tui.model.theme import ENGLISH, Theme, ThemeError
-from sar_tui.theme_folder.appearance import read_look
+from sar_tui.model.visible_text import control_problem
+from sar_tui.theme_folder.appearance import read_look, read_toml
 from sar_tui.theme_folder.phrases import read_phrases
-from sar_tui.theme_folder.screen_texts import screen_texts
 
 Problems = dict[str, list[str]]
 
@@ -93,3 +94,35 @@ def _read(folder: Path, language: str, base: Theme | None) -> Reading:
         **look.parts,
     )
     return Reading(theme, {**look.problems, **words.problems, "texts": problems}, words.english)
+
+
+def screen_texts(folder: Path, language: str) -> tuple[dict[str, str], list[str]]:
+    """Return the usable wordings for a language by their English, and the problems of the others.
+
+    Raises:
+        ThemeError: a file is not TOML.
+    """
+    texts: dict[str, str] = {}
+    problems: list[str] = []
+    for path in words_files(folder, language):
+        if path.is_file():
+            own, wrong = read_texts(path)
+            texts.update(own)
+            problems += wrong
+    return texts, problems
+
+
+def read_texts(path: Path) -> tuple[dict[str, str], list[str]]:
+    """Return the usable wordings in one file, and the problems of the others. Raises ThemeError."""
+    texts: dict[str, str] = {}
+    problems = []
+    for english, own in read_toml(path).items():
+        if not isinstance(own, str):
+            problems.append(f"The wording of {english!r} in {path.name} is not a text.")
+        elif problem := slot_problem(english, own):
+            problems.append(f"The wording of {english!r} in {path.name} {problem}.")
+        elif problem := control_problem(f"The wording of {english!r} in {path.name}", own):
+            problems.append(problem)
+        else:
+            texts[english] = own
+    return texts, problems

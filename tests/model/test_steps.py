@@ -8,8 +8,7 @@ from hypothesis import strategies as st
 
 from sar_tui.model.random_streams import RandomStreams
 from sar_tui.model.step import DECLINE_KEY, Entry, Given, Step, points, press, problem, spoken
-from sar_tui.rules.questions import QUESTIONS, chosen
-from sar_tui.rules.step_file import StepFileError, read_steps
+from sar_tui.rules.questions import QUESTIONS, StepFileError, chosen, read_steps
 from sar_tui.simulation.participant import answer_keys
 from tests.examples import examples
 
