@@ -11,10 +11,13 @@ from typing import Any
 
 import pytest
 
+from sar_tui.cli.common import Home
 from sar_tui.cli.doctor.data_in_git import examine_data_in_git
+from sar_tui.cli.doctor.finding import Machine
 from sar_tui.loop.task import Task
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS
+from sar_tui.outputs.sound.protocol import Examined
 from sar_tui.plugins import Catalogue
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.validation.simulated_sessions import SessionRunner, Simulated
@@ -91,7 +94,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     for reason, number in reasons.items():
         tests = "1 test was" if number == 1 else f"{number} tests were"
         terminalreporter.write_line(f"{tests} not run: {reason}", yellow=True)
-    found = examine_data_in_git(Path(__file__).parents[1] / "data")
+    found = examine_data_in_git(Machine(Home(Path(__file__).parents[1] / "data"), Examined))
     if found.state != "ok":
         terminalreporter.write_line(f"! {found.found}. {found.advice}", yellow=True)
 

@@ -30,7 +30,9 @@ Call = Callable[..., Called]
 def call(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> Call:
-    """``call("simulate", "keyboard", ...)``; its data is in ``tmp_path / "data"``."""
+    """``call("simulate keyboard --user poor", "-p", code)``: the first argument is split into words.
+    The data is in ``tmp_path / "data"``.
+    """
     monkeypatch.setenv("SAR_TUI_DATA", str(tmp_path / "data"))
     monkeypatch.setenv("COLUMNS", "160")
     monkeypatch.setenv("TERM", "xterm-256color")
@@ -46,8 +48,9 @@ def call(
     ):
         monkeypatch.delenv(name, raising=False)
 
-    def program(*arguments: object) -> Called:
-        monkeypatch.setattr(sys, "argv", ["sar-tui", *map(str, arguments)])
+    def program(command: object = "", *arguments: object) -> Called:
+        words = [*str(command).split(), *map(str, arguments)]
+        monkeypatch.setattr(sys, "argv", ["sar-tui", *words])
         capsys.readouterr()
         with pytest.raises(SystemExit) as ended:
             main()

@@ -23,13 +23,10 @@ from sar_tui.simulation.operator import PROFILES
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store.database import connect
 from sar_tui.validation.adaptation import average
-from sar_tui.validation.angular_velocity import run as angular_velocity
-from sar_tui.validation.changed_parts import run as changed_parts
 from sar_tui.validation.feedback import competent, examples, frequency
-from sar_tui.validation.policies import SCHEDULES
-from sar_tui.validation.policies import run as policies
-from sar_tui.validation.progress import run as progress
+from sar_tui.validation.modularity import added_parts
 from sar_tui.validation.report import Conditions, Report
+from sar_tui.validation.table_4_1 import simulated_velocity
 from tests import data_dictionary
 
 PAGE = data_dictionary.PAGE.read_text(encoding="utf-8")
@@ -81,27 +78,19 @@ def test_every_part_and_state_of_a_report_is_documented() -> None:
     ("name", "validate"),
     [
         ("figure-4.4", average),
-        ("figure-4.8", angular_velocity),
+        ("figure-4.8", simulated_velocity),
         ("figure-4.12", competent),
         ("figure-4.13", examples),
         ("figure-4.14", frequency),
-        ("figure-4.15", changed_parts),
-        ("policies", policies),
-        ("progress", progress),
+        ("figure-4.15", added_parts),
     ],
 )
 def test_every_field_of_a_validation_is_documented(
     name: str,
     validate: Callable[[Conditions], Report],
-    request: pytest.FixtureRequest,
-    monkeypatch: pytest.MonkeyPatch,
+    catalogue: Catalogue,
 ) -> None:
-    monkeypatch.setattr("sar_tui.validation.progress.HISTORIES", 2)
-    monkeypatch.setattr("sar_tui.validation.progress.OTHER_HISTORIES", 2)
-    monkeypatch.setattr("sar_tui.validation.policies.SCHEDULES", {"every": SCHEDULES["every"]})
-    fields = set(
-        validate(Conditions(request.getfixturevalue("catalogue"), seeds=range(1, 2))).rows[0]
-    )
+    fields = set(validate(Conditions(catalogue, seeds=range(1, 2))).rows[0])
     lines = [
         line for line in PAGE.splitlines() if line.startswith((f"- `{name}`", "- `figure-4.11`"))
     ]

@@ -18,6 +18,7 @@ from sar_tui.cli.common import (
     Markers,
     SyncFlash,
     Tasks,
+    at_home,
     checked_markers,
     need_screen,
     need_terminal,
@@ -44,16 +45,16 @@ COMMANDS = {
     "validate": "validate:validate",
     "graph": "graph:graph",
     "serve": "serve:serve",
-    "backup": "backup:backup",
-    "check": "check:check",
-    "site": "site:site",
+    "backup": "maintenance:backup",
+    "check": "maintenance:check",
+    "site": "merge:site",
     "merge": "merge:merge",
-    "rescue": "rescue:rescue",
+    "rescue": "maintenance:rescue",
     "passphrase": "passphrase:passphrase",
     "doctor": "doctor.command:doctor",
-    "timing": "measure_timing:measure_timing",
+    "timing": "timing:timing",
     "markers": "markers:markers",
-    "agent": "agent_view:follow_agent",
+    "agent": "wizard:agent",
     "link": "link:app",
     "instrument": "instrument:app",
     "report": "report:app",
@@ -73,10 +74,13 @@ def load(name: str) -> Any:
     declared = getattr(import_module(f"{__package__}.{module}"), attribute)
     alone = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
     if isinstance(declared, typer.Typer):
+        declarations: list[Any] = [declared.registered_callback, *declared.registered_commands]
+        for each in filter(None, declarations):
+            each.callback = at_home(each.callback)
         alone.add_typer(declared, name=name)
         group: Any = typer.main.get_command(alone)
         return group.commands[name]
-    alone.command(name)(declared)
+    alone.command(name)(at_home(declared))
     return typer.main.get_command(alone)
 
 

@@ -1,8 +1,9 @@
 """Options and helpers that the commands share."""
 
+import inspect
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
@@ -71,6 +72,25 @@ TaskName = Annotated[
         metavar="TASK", help="The task's name; `sar-tui tasks` lists them.", show_default=False
     ),
 ]
+Sessions = Annotated[
+    list[str] | None,
+    typer.Argument(metavar="[SESSION|last]…", help="Ids, or their beginnings.", show_default=False),
+]
+SessionsOf = Annotated[
+    str | None,
+    typer.Option(
+        "-p",
+        "--participant",
+        metavar="CODE",
+        show_default=False,
+        help="Sessions of this participant.",
+    ),
+]
+Everything = Annotated[bool, typer.Option("--all", help="All sessions.")]
+Simulated = Annotated[
+    bool, typer.Option("--simulated", help="Simulated sessions instead of live ones.")
+]
+Mixed = Annotated[bool, typer.Option("--mixed", help="Live and simulated sessions.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 Pairs = Annotated[
     list[str] | None,
@@ -212,6 +232,32 @@ class Home(NamedTuple):
             yield database, find(database, self.folder, name)
 
 
+def at_home(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command its parameter ``home``, if it has one, from the options --data and --tasks,
+    which are added to its own.
+    """
+    own = dict(inspect.signature(command, eval_str=True).parameters)
+    if own.pop("home", None) is None:
+        return command
+    takes_context = own.pop("context", None) is not None
+
+    def run(context: typer.Context, data: Data = None, tasks: Tasks = None, **given: Any) -> Any:
+        context.obj = home = Home.of(context, data, tasks)
+        if takes_context:
+            given["context"] = context
+        return command(home=home, **given)
+
+    context, data, tasks, _ = inspect.signature(run).parameters.values()
+    parameters = [context, *own.values(), data, tasks]
+    options: Any = run
+    options.__signature__ = inspect.Signature(
+        [each.replace(kind=each.KEYWORD_ONLY) for each in parameters]
+    )
+    options.__annotations__ = {each.name: each.annotation for each in parameters}
+    options.__name__, options.__doc__ = command.__name__, command.__doc__
+    return run
+
+
 def watch_plugins(context: typer.Context) -> None:
     """End calls of a task's code that do not return, until the command is over."""
     from sar_tui.runs.plugin_watchdog import PluginWatchdog
@@ -232,7 +278,7 @@ def console(*, error: bool = False) -> "Console":
 
     It shows texts as they are, without markup and names of emoji.
     """
-    from sar_tui.cli.visible_console import VisibleConsole
+    from sar_tui.cli.tables import VisibleConsole
 
     return VisibleConsole(stderr=error, highlight=False, soft_wrap=False, markup=False, emoji=False)
 
@@ -248,6 +294,23 @@ def warn_of_git(path: Path) -> None:
             f"! git would add {path}: add it to .gitignore, or move it out of this work tree.",
             file=sys.stderr,
         )
+
+
+def write_new(path: Path, text: str) -> None:
+    """Write a file that only its owner can read, and warn of git. Raises Refused if it exists, or
+    cannot be written.
+    """
+    from sar_tui.drivers.new_file import write_private
+
+    try:
+        write_private(path, text)
+    except FileExistsError:
+        raise Refused(
+            f"{path} exists already, and is not overwritten. Name another file."
+        ) from None
+    except OSError as error:
+        raise Refused(f"{path} cannot be written: {error.strerror}.") from error
+    warn_of_git(path)
 
 
 def print_json(value: object) -> None:
@@ -291,8 +354,11 @@ def checked_markers(given: Sequence[str] | None) -> tuple[str, ...]:
     return addresses
 
 
-def read_settings(pairs: Sequence[str] | None, **options: str | None) -> dict[str, object]:
-    """Return the task settings given as NAME=VALUE pairs and as options of their own.
+def read_settings(
+    pairs: Sequence[str] | None, example: str = "--set attempts=10", **options: str | None
+) -> dict[str, object]:
+    """Return the task settings given as NAME=VALUE pairs and as options of their own. ``example``
+    is one of the pairs' option.
 
     The last value of a name counts, and an option overrides a pair. Raises Refused.
     """
@@ -300,7 +366,9 @@ def read_settings(pairs: Sequence[str] | None, **options: str | None) -> dict[st
     for pair in pairs or ():
         name, sign, value = pair.partition("=")
         if not sign or not name.strip():
-            raise Refused(f"--set takes NAME=VALUE, such as --set attempts=10, not {pair!r}.")
+            raise Refused(
+                f"{example.split(maxsplit=1)[0]} takes NAME=VALUE, such as {example}, not {pair!r}."
+            )
         found[name.strip()] = value
     return found | {name: value for name, value in options.items() if value is not None}
 

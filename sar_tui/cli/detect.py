@@ -256,7 +256,7 @@ def _report_repetitions(file: Path, units: "Units", as_json: bool) -> None:
 
 
 def _print(found: "LongDetection", detector: str, one_way: bool) -> None:
-    from sar_tui.cli.long_table import print_table
+    from sar_tui.cli.tables import print_table
 
     out, reaches = console(), found.reaches
     if reaches:

@@ -1,7 +1,7 @@
 """``sar-tui export``: sessions as files that other programs read."""
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from itertools import count
 from pathlib import Path
 from typing import Annotated
@@ -10,15 +10,19 @@ import typer
 
 from sar_tui.cli.common import (
     AsJson,
-    Data,
+    Everything,
     Home,
-    Tasks,
+    Mixed,
+    Sessions,
+    SessionsOf,
+    Simulated,
     console,
     named_path,
     print_json,
     warn_of_git,
     watch_plugins,
 )
+from sar_tui.cli.listing import Column, Listing, print_listing
 from sar_tui.cli.progress_line import progress_line
 from sar_tui.export.registry import names
 from sar_tui.tui.exit_codes import FAILED
@@ -26,6 +30,7 @@ from sar_tui.tui.exit_codes import FAILED
 
 def export(
     context: typer.Context,
+    home: Home,
     to: Annotated[
         Path | None,
         typer.Option(
@@ -38,31 +43,17 @@ def export(
             "Default: a new one in the folder exports of the data folder.",
         ),
     ] = None,
-    sessions: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="[SESSION|last]…", help="Ids, or their beginnings."),
-    ] = None,
-    participant: Annotated[
-        str | None,
-        typer.Option(
-            "-p",
-            "--participant",
-            metavar="CODE",
-            show_default=False,
-            help="Sessions of this participant.",
-        ),
-    ] = None,
-    everything: Annotated[bool, typer.Option("--all", help="All sessions.")] = False,
+    sessions: Sessions = None,
+    participant: SessionsOf = None,
+    everything: Everything = False,
     format: Annotated[
         str,
         typer.Option(
             "--format", metavar="NAME", help=f"The form of the files: {', '.join(names())}."
         ),
     ] = "csv",
-    simulated: Annotated[
-        bool, typer.Option("--simulated", help="Simulated sessions instead of live ones.")
-    ] = False,
-    mixed: Annotated[bool, typer.Option("--mixed", help="Live and simulated sessions.")] = False,
+    simulated: Simulated = False,
+    mixed: Mixed = False,
     with_notes: Annotated[
         bool,
         typer.Option(
@@ -94,12 +85,9 @@ def export(
         bool, typer.Option("--ledger", help="List all exports instead: when, what, for whom.")
     ] = False,
     as_json: AsJson = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """Export sessions as files for other programs."""
     watch_plugins(context)
-    home = Home.of(context, data, tasks)
     if show_ledger:
         _print_ledger(home, as_json)
         return
@@ -161,34 +149,28 @@ def export(
 def _print_ledger(home: Home, as_json: bool) -> None:
     """Print all exports, the newest first."""
     from sar_tui.store.exports import ledger
+    from sar_tui.store.sessions import local_time
 
     with home.database() as database:
         entries = ledger(database)
-    if as_json:
-        print_json({"exports": entries})
-        return
-    from sar_tui.cli.long_table import print_table
-    from sar_tui.store.sessions import local_time
-
-    out = console()
-    if not entries:
-        out.print("Nothing was exported yet.")
-        return
-    rows = [
-        (
-            local_time(entry.exported_at),
-            entry.exported_by,
-            entry.recipient,
-            entry.format,
-            len(entry.sessions),
-            ", ".join(name.replace("_", " ") for name, given in entry.options.items() if given),
-            entry.manifest[:12],
-        )
-        for entry in entries
-    ]
-    print_table(
-        out,
-        ("when", "by", "for", "format", "sessions", "with", "manifest"),
-        rows,
-        right=("sessions",),
+    print_listing(
+        Listing(
+            "exports",
+            empty="Nothing was exported yet.",
+            columns=(
+                Column("when", lambda entry: local_time(entry.exported_at)),
+                Column("by", lambda entry: entry.exported_by),
+                Column("for", lambda entry: entry.recipient),
+                Column("format", lambda entry: entry.format),
+                Column("sessions", lambda entry: len(entry.sessions), is_number=True),
+                Column("with", lambda entry: _given(entry.options)),
+                Column("manifest", lambda entry: entry.manifest[:12]),
+            ),
+        ),
+        entries,
+        as_json,
     )
+
+
+def _given(options: Mapping[str, object]) -> str:
+    return ", ".join(name.replace("_", " ") for name, given in options.items() if given)

@@ -8,29 +8,27 @@ import typer
 
 from sar_tui.cli.common import (
     AsJson,
-    Data,
     Home,
-    Tasks,
     console,
     named_path,
     print_json,
     warn_of_git,
 )
 from sar_tui.cli.errors import Refused
+from sar_tui.cli.listing import Column, Listing, print_listing
 from sar_tui.tui.exit_codes import FAILED
 
 app = typer.Typer(rich_markup_mode=None, no_args_is_help=True)
 
 
 @app.callback()
-def link(context: typer.Context, data: Data = None, tasks: Tasks = None) -> None:
+def link(home: Home) -> None:
     """Invite an operator or observer on another machine; list, revoke and check invitations."""
-    context.obj = Home.of(context, data, tasks)
 
 
 @app.command()
 def invite(
-    context: typer.Context,
+    home: Home,
     role: Annotated[
         str,
         typer.Argument(
@@ -71,8 +69,6 @@ def invite(
         ),
     ] = None,
     as_json: AsJson = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """Create an invitation: a file that lets a person join sessions from another machine.
 
@@ -95,7 +91,7 @@ def invite(
     if not path.resolve().parent.is_dir():
         raise Refused(f"{path} cannot be created: there is no folder {path.parent}.")
     where = [parse_endpoint(text) for text in host]
-    authority = Authority.open_or_create(Home.of(context, data, tasks).folder)
+    authority = Authority.open_or_create(home.folder)
     invitation = authority.invite(guest, where, days)
     try:
         write(invitation, path)
@@ -126,13 +122,11 @@ def invite(
 
 
 @app.command("list")
-def list_invitations(
-    context: typer.Context, as_json: AsJson = False, data: Data = None, tasks: Tasks = None
-) -> None:
+def list_invitations(home: Home, as_json: AsJson = False) -> None:
     """List all invitations."""
     from sar_tui.link.authority import Authority
 
-    folder = Home.of(context, data, tasks).folder
+    folder = home.folder
     invitations = Authority.open(folder).invitations if Authority.exists(folder) else ()
     now = datetime.now(UTC)
     rows: list[dict[str, Any]] = [
@@ -148,45 +142,38 @@ def list_invitations(
         }
         for issued in invitations
     ]
-    if as_json:
-        print_json({"invitations": rows})
-        return
-    if not rows:
-        console().print(
-            "Nobody is invited. To invite someone: sar-tui link invite operator --name NAME "
-            "--host HOST"
-        )
-        return
-
-    from sar_tui.cli.tables import add, table
-
-    listed = table("name", "role", "state", "expires", "host", whole=("name", "role", "state"))
-    for row in rows:
-        add(
-            listed,
-            row["name"],
-            row["role"],
-            row["state"],
-            f"{row['expires']:%Y-%m-%d}",
-            ", ".join(row["endpoints"]),
-        )
-    console().print(listed)
+    print_listing(
+        Listing(
+            "invitations",
+            empty="Nobody is invited. To invite someone: sar-tui link invite operator --name NAME "
+            "--host HOST",
+            columns=(
+                Column("name", lambda row: row["name"]),
+                Column("role", lambda row: row["role"]),
+                Column("state", lambda row: row["state"]),
+                Column("expires", lambda row: f"{row['expires']:%Y-%m-%d}"),
+                Column("host", lambda row: ", ".join(row["endpoints"])),
+            ),
+            folds=True,
+            whole=("name", "role", "state"),
+        ),
+        rows,
+        as_json,
+    )
 
 
 @app.command()
 def revoke(
-    context: typer.Context,
+    home: Home,
     name: Annotated[
         str, typer.Argument(metavar="NAME", help="Name of the guest.", show_default=False)
     ],
     as_json: AsJson = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """Revoke an invitation, for sessions that start from now on."""
     from sar_tui.link.authority import Authority
 
-    revoked = Authority.open(Home.of(context, data, tasks).folder).revoke(name)
+    revoked = Authority.open(home.folder).revoke(name)
     if as_json:
         print_json({"name": revoked.name, "role": revoked.role, "revoked": revoked.revoked})
         return
@@ -200,6 +187,7 @@ def revoke(
 
 @app.command()
 def check(
+    home: Home,
     file: Annotated[
         Path,
         typer.Argument(
@@ -207,8 +195,6 @@ def check(
         ),
     ],
     as_json: AsJson = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """Check whether an invitation is valid, and whether a session accepts it now.
 

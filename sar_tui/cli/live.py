@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from sar_tui.cli.common import (
-    Data,
     Home,
     Language,
     Markers,
@@ -20,7 +19,6 @@ from sar_tui.cli.common import (
     Steps,
     SyncFlash,
     TaskName,
-    Tasks,
     are_new,
     checked_markers,
     checked_settings,
@@ -54,7 +52,7 @@ Listen = Annotated[
 
 
 def run(
-    context: typer.Context,
+    home: Home,
     task: TaskName,
     participant: Annotated[
         list[str],
@@ -101,15 +99,12 @@ def run(
     markers: Markers = None,
     sync_flash: SyncFlash = False,
     new: New = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """Start a session.
 
     It starts from the participant's programme; --set, --imu, --imu-trunk, --theme, --outputs,
     --speech and --language apply to this session only.
     """
-    home = Home.of(context, data, tasks)
     catalogue = home.catalogue()
     kind = catalogue.task(task)
     if imu is not None:
@@ -218,7 +213,7 @@ def _check_sensor(plan: "Plan", home: Home) -> None:
 
 
 def resume(
-    context: typer.Context,
+    home: Home,
     session: Annotated[
         str | None,
         typer.Argument(
@@ -232,14 +227,11 @@ def resume(
     listen: Listen = None,
     markers: Markers = None,
     sync_flash: SyncFlash = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """Resume an interrupted session.
 
     Without an id, or with "last", it names the latest one and whose it is, and asks.
     """
-    home = Home.of(context, data, tasks)
     catalogue = home.catalogue()
 
     from sar_tui.rules.parameters import TaskParameters

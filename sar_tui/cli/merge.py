@@ -1,4 +1,4 @@
-"""``sar-tui merge``: bring in what another database has."""
+"""``sar-tui merge`` and ``sar-tui site``: data of several sites in one database."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, named_path, print_json
+from sar_tui.cli.common import AsJson, Home, named_path, print_json
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.progress_line import progress_line
 from sar_tui.tui.exit_codes import FAILED
@@ -27,7 +27,7 @@ _WORDS = {
 
 
 def merge(
-    context: typer.Context,
+    home: Home,
     other: Annotated[
         Path | None,
         typer.Argument(
@@ -62,8 +62,6 @@ def merge(
         ),
     ] = False,
     as_json: AsJson = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """Bring what another database has into this one; without one, list what contradicts and who is
     the same person.
@@ -77,7 +75,6 @@ def merge(
             "--site and --one-site are about another database: name it, such as sar-tui merge "
             "bern.db."
         )
-    home = Home.of(context, data, tasks)
     with progress_line("Merging") as show:
 
         def start(step: str) -> Callable[[int, int], None]:
@@ -131,3 +128,34 @@ def _print(merged: "Merged", other: Path | None) -> None:
 def _count(number: int, words: tuple[str, str]) -> str:
     """Return "2 new sessions", or "1 new session"; empty for none."""
     return f"{number} {words[number != 1]}" if number else ""
+
+
+def site(
+    home: Home,
+    code: Annotated[
+        str | None,
+        typer.Argument(metavar="CODE", help="The site's code, such as BERN.", show_default=False),
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Show the code of this site, or set it. All that was recorded here belongs to it."""
+    from sar_tui.store import sites
+
+    if code is not None:
+        code = sites.check_site(code)
+        with home.writable_database() as database:
+            before, now = sites.own(database), sites.set_own(database, code)
+    else:
+        with home.database() as database:
+            before = now = sites.own(database)
+    if as_json:
+        print_json({"site": now})
+    elif not now:
+        print("This site has no code. Set it, for example to BERN: sar-tui site BERN")
+    else:
+        print(f"All that was recorded in {home.folder} belongs to the site {now}.")
+        if before not in ("", now):
+            print(
+                f"It was {before}: whoever has data of {before} already must get it again, and "
+                "remove the earlier."
+            )

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, is_interactive, print_json
+from sar_tui.cli.common import AsJson, Home, console, is_interactive, print_json
 from sar_tui.cli.errors import Refused
 
 if TYPE_CHECKING:
@@ -14,14 +14,12 @@ if TYPE_CHECKING:
 
 
 def passphrase(
-    context: typer.Context,
+    home: Home,
     remove: Annotated[bool, typer.Option("--remove", help="Remove the passphrase.")] = False,
     tries: Annotated[
         bool, typer.Option("--tries", help="List when it was entered, right or wrong.")
     ] = False,
     as_json: AsJson = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """Set the therapist's passphrase.
 
@@ -30,7 +28,6 @@ def passphrase(
     """
     from sar_tui.store.passphrase import Passphrase
 
-    home = Home.of(context, data, tasks)
     stored = Passphrase(home.folder)
     if remove and tries:
         raise Refused("Give either --remove or --tries.")

@@ -11,16 +11,14 @@ import typer
 
 from sar_tui.cli.common import (
     AsJson,
-    Data,
     Home,
     New,
     TaskName,
-    Tasks,
     are_new,
     console,
     named_path,
     print_json,
-    warn_of_git,
+    write_new,
 )
 from sar_tui.cli.errors import Refused
 
@@ -53,26 +51,22 @@ Version = Annotated[
 
 
 @app.callback()
-def programme(context: typer.Context, data: Data = None, tasks: Tasks = None) -> None:
+def programme(home: Home) -> None:
     """Show, export, import a participant's programme: its settings, as versions."""
-    context.obj = Home.of(context, data, tasks)
 
 
 @app.command()
 def show(
-    context: typer.Context,
+    home: Home,
     participant: Code,
     task: AnyTask = None,
     version: Version = None,
     as_json: AsJson = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """Show the programme that the next session runs: what differs from the defaults."""
     from sar_tui.rules.parameters import changes, usable
     from sar_tui.store import programmes
 
-    home = Home.of(context, data, tasks)
     found = []
     with home.database() as database:
         code, names = _tasks(database, participant, task)
@@ -134,18 +128,15 @@ def _print(
 
 @app.command()
 def history(
-    context: typer.Context,
+    home: Home,
     participant: Code,
     task: AnyTask = None,
     as_json: AsJson = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """List the versions of a programme: who changed what, when, why."""
     from sar_tui.rules.parameters import changes
     from sar_tui.store import programmes
 
-    home = Home.of(context, data, tasks)
     with home.database() as database:
         code, names = _tasks(database, participant, task)
         found = {name: programmes.versions(database, code, name) for name in names}
@@ -194,7 +185,7 @@ def history(
 
 @app.command("export")
 def export_programme(
-    context: typer.Context,
+    home: Home,
     participant: Code,
     task: TaskName,
     version: Version = None,
@@ -215,8 +206,6 @@ def export_programme(
         ),
     ] = None,
     as_json: AsJson = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """Write a programme as TOML, with the meaning of every setting."""
     import msgspec
@@ -225,7 +214,6 @@ def export_programme(
     from sar_tui.runs.programme_file import write, write_preset
     from sar_tui.store import programmes
 
-    home = Home.of(context, data, tasks)
     kind = home.catalogue().task(task)
     with home.database() as database:
         code, _ = _tasks(database, participant, task)
@@ -245,14 +233,13 @@ def export_programme(
     if to is None:
         print(text, end="")
         return
-    _write_new(to, text)
-    warn_of_git(to)
+    write_new(to, text)
     console().print(f"Wrote {to}.", soft_wrap=True)
 
 
 @app.command("import")
 def import_programme(
-    context: typer.Context,
+    home: Home,
     participant: Code,
     task: TaskName,
     file: Annotated[
@@ -300,8 +287,6 @@ def import_programme(
         ),
     ] = False,
     as_json: AsJson = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """Save a file or a preset as the next version of a programme."""
     import msgspec
@@ -320,7 +305,6 @@ def import_programme(
         )
     if not reason.strip():
         raise Refused('Say why the programme changes: --reason "Reached the goal four times".')
-    home = Home.of(context, data, tasks)
     catalogue = home.catalogue()
     kind = catalogue.task(task)
     code = participants.check_own(participant)
@@ -371,18 +355,15 @@ def import_programme(
 
 @app.command()
 def presets(
-    context: typer.Context,
+    home: Home,
     task: TaskName,
     as_json: AsJson = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """List the presets of a task."""
     from sar_tui.runs.presets import files
     from sar_tui.runs.programme_file import read
     from sar_tui.store.database import StoreError
 
-    home = Home.of(context, data, tasks)
     rows: list[dict[str, Any]] = []
     for name, path in files(home.folder, home.catalogue().task(task)).items():
         try:
@@ -465,14 +446,3 @@ def _preset_file(home: Home, kind: "type[Task]", name: str) -> Path:
     folder = own_folder(home.folder, kind)
     make_private(folder)
     return folder / f"{name}.toml"
-
-
-def _write_new(path: Path, text: str) -> None:
-    from sar_tui.drivers.new_file import write_private
-
-    try:
-        write_private(path, text)
-    except FileExistsError:
-        raise Refused(f"{path} exists already. Choose another name, or delete it.") from None
-    except OSError as error:
-        raise Refused(f"{path} cannot be written: {error.strerror}.") from error

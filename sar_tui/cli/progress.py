@@ -9,14 +9,12 @@ import typer
 
 from sar_tui.cli.common import (
     AsJson,
-    Data,
     Home,
-    Tasks,
     console,
     named_path,
     print_json,
-    warn_of_git,
     watch_plugins,
+    write_new,
 )
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.progress_line import progress_line
@@ -42,6 +40,7 @@ _ID = 6
 
 def progress(
     context: typer.Context,
+    home: Home,
     participant: Annotated[
         str, typer.Argument(metavar="CODE", help="The participant's code.", show_default=False)
     ],
@@ -75,8 +74,6 @@ def progress(
         str, typer.Option("--language", metavar="CODE", help="Language of the sentences: en, es.")
     ] = "en",
     as_json: AsJson = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """Show a participant's progress over sessions: the level at goal, noise, practice and dose."""
     from sar_tui.reports.progress import progress as make_progress
@@ -89,7 +86,6 @@ def progress(
         named = language or "an empty language"
         raise Refused(f"There are no sentences in {named}. Choose one of: {', '.join(LANGUAGES)}.")
     watch_plugins(context)
-    home = Home.of(context, data, tasks)
     find = _finder(home)
     with home.database() as database, progress_line("Computing"):
         code = check_known(database, participant)
@@ -125,22 +121,16 @@ def progress(
 
 
 def _write_page(found: "Progress", path: Path, find: "Find", language: str) -> None:
-    """Write the page, readable by its owner alone. Raises Refused if the file exists, or charts
-    cannot be drawn.
-    """
-    from sar_tui.drivers.new_file import write_private
+    """Write the page. Raises Refused if the file exists, or charts cannot be drawn."""
     from sar_tui.reports.charts import ChartsMissing
     from sar_tui.reports.progress_page import page
 
-    if path.exists():
-        raise Refused(f"{path} exists already, and is not overwritten. Name another file.")
     try:
         with progress_line("Drawing"):
             text = page(found, find, language)
     except ChartsMissing as error:
         raise Refused(str(error)) from error
-    write_private(path, text)
-    warn_of_git(path)
+    write_new(path, text)
     print(f"{path} is written. Open it in a browser, which can also print it.")
 
 
@@ -201,7 +191,7 @@ def _print_chart(out: "Console", line: "LineProgress", tr: "Language") -> None:
 
 
 def _print_sessions(out: "Console", line: "LineProgress", tr: "Language") -> None:
-    from sar_tui.cli.long_table import print_table
+    from sar_tui.cli.tables import print_table
     from sar_tui.reports import progress_words
 
     heads = [

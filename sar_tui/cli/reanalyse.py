@@ -3,9 +3,7 @@
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
-import typer
-
-from sar_tui.cli.common import AsJson, Data, Home, RecordedSession, Tasks, console, print_json
+from sar_tui.cli.common import AsJson, Home, RecordedSession, console, print_json
 from sar_tui.cli.detect import detector_option, explain_flags
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.progress_line import progress_line
@@ -109,7 +107,7 @@ class _Trial(NamedTuple):
 
 
 def reanalyse(
-    context: typer.Context,
+    home: Home,
     session: RecordedSession,
     detector: Annotated[
         DetectorName | None,
@@ -119,8 +117,6 @@ def reanalyse(
         ),
     ] = None,
     as_json: AsJson = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """Find the reaches of a session again, in its stored samples.
 
@@ -128,7 +124,7 @@ def reanalyse(
     """
     from sar_tui.store import sessions as store
 
-    with Home.of(context, data, tasks).session(session) as (database, found):
+    with home.session(session) as (database, found):
         stored_trials = [
             row for row in store.rows(database, "trials", found["id"]) if _has_window(row)
         ]

@@ -7,13 +7,12 @@ import typer
 
 from sar_tui.cli.common import (
     AsJson,
-    Data,
     Home,
     RecordedSession,
-    Tasks,
     console,
     need_screen,
     print_json,
+    read_settings,
     watch_plugins,
 )
 from sar_tui.cli.errors import Refused
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
 
 def replay(
     context: typer.Context,
+    home: Home,
     session: RecordedSession,
     what_if: Annotated[
         list[str] | None,
@@ -82,8 +82,6 @@ def replay(
         ),
     ] = None,
     as_json: AsJson = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """Run a recorded session again from its inputs, and compare it with its record."""
     from sar_tui.replay.replay import replay as run_again
@@ -91,8 +89,7 @@ def replay(
     from sar_tui.replay.words import sentences
 
     watch_plugins(context)
-    home = Home.of(context, data, tasks)
-    changed = _read(what_if or [])
+    changed = read_settings(what_if, "--what-if threshold=900")
     if fork and not changed:
         raise Refused("--fork needs --what-if NAME=VALUE: another setting to go on with.")
     if runs is not None and not fork:
@@ -133,19 +130,6 @@ def replay(
             console().print(sentence, soft_wrap=True)
     if not replayed.identical:
         raise typer.Exit(FAILED)
-
-
-def _read(pairs: list[str]) -> dict[str, object]:
-    """Return the settings given as NAME=VALUE. Raises Refused."""
-    found: dict[str, object] = {}
-    for pair in pairs:
-        name, sign, value = pair.partition("=")
-        if not sign or not name.strip():
-            raise Refused(
-                f"--what-if takes NAME=VALUE, such as --what-if threshold=900, not {pair!r}."
-            )
-        found[name.strip()] = value
-    return found
 
 
 def _watch(home: Home, session: str, speed: float) -> None:

@@ -1,6 +1,6 @@
 """``sar-tui report``: statistics of sessions for a paper."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -9,13 +9,16 @@ import typer
 
 from sar_tui.cli.common import (
     AsJson,
-    Data,
+    Everything,
     Home,
-    Tasks,
+    Mixed,
+    Sessions,
+    SessionsOf,
+    Simulated,
     console,
     named_path,
     print_json,
-    warn_of_git,
+    write_new,
 )
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.progress_line import progress_line
@@ -23,6 +26,8 @@ from sar_tui.tui.exit_codes import FAILED
 
 if TYPE_CHECKING:
     import sqlite3
+
+    from rich.console import Console
 
     from sar_tui.reports.sections import Section
     from sar_tui.reports.wizard_study import OperatedSession, WizardStudy
@@ -33,25 +38,6 @@ app = typer.Typer(rich_markup_mode=None, no_args_is_help=True)
 _WIDTH = 76
 """Largest width of a histogram."""
 
-Sessions = Annotated[
-    list[str] | None,
-    typer.Argument(metavar="[SESSION|last]…", help="Ids, or their beginnings.", show_default=False),
-]
-Participant = Annotated[
-    str | None,
-    typer.Option(
-        "-p",
-        "--participant",
-        metavar="CODE",
-        show_default=False,
-        help="Sessions of this participant.",
-    ),
-]
-Everything = Annotated[bool, typer.Option("--all", help="All sessions.")]
-Simulated = Annotated[
-    bool, typer.Option("--simulated", help="Simulated sessions instead of live ones.")
-]
-Mixed = Annotated[bool, typer.Option("--mixed", help="Live and simulated sessions.")]
 AsPage = Annotated[
     Path | None,
     typer.Option(
@@ -71,9 +57,9 @@ def report() -> None:
 
 @app.command("wizard")
 def wizard(
-    context: typer.Context,
+    home: Home,
     sessions: Sessions = None,
-    participant: Participant = None,
+    participant: SessionsOf = None,
     everything: Everything = False,
     simulated: Simulated = False,
     mixed: Mixed = False,
@@ -88,8 +74,6 @@ def wizard(
     ] = None,
     html: AsPage = None,
     as_json: AsJson = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """Report what the operators of sessions did, how fast, and how far they agreed with the agent.
 
@@ -97,7 +81,6 @@ def wizard(
     condition, exclusions, and drift.
     """
     names = list(sessions or ())
-    home = Home.of(context, data, tasks)
     if len(names) == 1 and not (participant or everything or exclude):
         _one_session(home, names[0], html, as_json)
         return
@@ -118,16 +101,14 @@ def wizard(
 
 @app.command("intervention")
 def intervention(
-    context: typer.Context,
+    home: Home,
     sessions: Sessions = None,
-    participant: Participant = None,
+    participant: SessionsOf = None,
     everything: Everything = False,
     simulated: Simulated = False,
     mixed: Mixed = False,
     html: AsPage = None,
     as_json: AsJson = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """Report the training that was given: dose, challenge and how it progressed, deviations, harms.
 
@@ -138,7 +119,6 @@ def intervention(
     from sar_tui.reports.intervention_words import sections
     from sar_tui.store.selection import select
 
-    home = Home.of(context, data, tasks)
     request = _request(list(sessions or ()), participant, everything, simulated, mixed)
     with home.database() as database, progress_line("Reading") as show:
         selection = select(database, home.folder, request, only_counted=True)
@@ -151,7 +131,6 @@ def intervention(
 
 
 def _one_session(home: Home, name: str, html: Path | None, as_json: bool) -> None:
-    from sar_tui.cli.sections import print_sections
     from sar_tui.reports import logged_messages, wizard_words
     from sar_tui.reports.wizard import report as make_report
 
@@ -168,7 +147,7 @@ def _one_session(home: Home, name: str, html: Path | None, as_json: bool) -> Non
         return
     if found.operated:
         out.print(title, markup=False, soft_wrap=True)
-    print_sections(out, sections, titled=False)
+    _print_sections(out, sections, titled=False)
 
 
 def _study(
@@ -234,22 +213,47 @@ def _put_out(
     """Print a report, as JSON if asked, or write it as a page. Raises Refused if the file
     exists.
     """
-    from sar_tui.cli.sections import print_sections
 
     if html is not None:
-        from sar_tui.drivers.new_file import write_private
         from sar_tui.reports.sections import page
 
-        if html.exists():
-            raise Refused(f"{html} exists already, and is not overwritten. Name another file.")
-        write_private(html, page(title, sections))
-        warn_of_git(html)
+        write_new(html, page(title, sections))
     if as_json:
         print_json(found)
     elif html is not None:
         print(f"{html} is written. Open it in a browser, which can also print it.")
     else:
-        print_sections(console(), sections)
+        _print_sections(console(), sections)
+
+
+def _print_sections(out: "Console", sections: Iterable["Section"], *, titled: bool = True) -> None:
+    """Print sections with an empty line between their parts. ``titled``: with their titles."""
+    from rich.text import Text
+
+    from sar_tui.cli.tables import add, table
+    from sar_tui.model.visible_text import visible
+    from sar_tui.reports.sections import Drawing, Table
+
+    is_first = True
+    for section in sections:
+        for index, part in enumerate(section.parts):
+            if not is_first:
+                out.print()
+            is_first = False
+            if titled and not index:
+                out.print(Text(section.title, style="bold"), soft_wrap=True)
+            match part:
+                case Table():
+                    shown = table(*part.heads, right=part.right, whole=part.whole)
+                    for row in part.rows:
+                        add(shown, *row)
+                    out.print(shown)
+                    if part.more:
+                        out.print(part.more, markup=False, soft_wrap=True)
+                case Drawing():
+                    out.print("\n".join([part.caption, *part.lines]), markup=False, soft_wrap=True)
+                case _:
+                    out.print(visible(part, "\n"), markup=False, soft_wrap=True)
 
 
 def _tell_left_out(selection: "Selection") -> None:

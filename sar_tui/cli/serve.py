@@ -9,9 +9,9 @@ from typing import Annotated, Literal
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, named_path, print_json
+from sar_tui.cli.common import AsJson, Home, named_path, print_json
 from sar_tui.cli.errors import Refused
-from sar_tui.cli.session_choice import Link
+from sar_tui.cli.wizard import Link, name_at_session, session_to_show
 from sar_tui.drivers import child_process
 from sar_tui.drivers.installation import pip_install_extra
 
@@ -23,7 +23,7 @@ _UNENCRYPTED = (
 
 
 def serve(
-    context: typer.Context,
+    home: Home,
     view: Annotated[
         Literal["operator", "observer", "agent"],
         typer.Argument(
@@ -71,18 +71,14 @@ def serve(
         ),
     ] = None,
     as_json: AsJson = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """Show a session in a browser, while the task stays in its terminal.
 
     Prints the address to open, including the token, and serves until Ctrl-C.
     """
-    from sar_tui.cli.wizard import name_at_session, session_to_show
     from sar_tui.link.errors import need_packages
     from sar_tui.runs.plan import Failed
 
-    home = Home.of(context, data, tasks)
     if link is not None and not link.is_file():
         why = f"{link} is not a file." if link.exists() else f"There is no file {link}."
         raise Refused(f"{why} Create an invitation with `sar-tui link invite`.")

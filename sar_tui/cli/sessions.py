@@ -4,20 +4,20 @@ from collections import Counter
 from collections.abc import Sequence
 from functools import partial
 from statistics import median
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from sar_tui.cli.common import (
     AsJson,
-    Data,
     Home,
     RecordedSession,
-    Tasks,
+    SessionsOf,
     console,
     print_json,
     watch_plugins,
 )
+from sar_tui.cli.listing import Column, Listing, print_listing
 
 if TYPE_CHECKING:
     import sqlite3
@@ -36,27 +36,15 @@ _PLOT_SIZE = (100, 14)
 
 
 def sessions(
-    context: typer.Context,
-    participant: Annotated[
-        str | None,
-        typer.Option(
-            "-p",
-            "--participant",
-            metavar="CODE",
-            show_default=False,
-            help="Sessions of this participant.",
-        ),
-    ] = None,
+    home: Home,
+    participant: SessionsOf = None,
     as_json: AsJson = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """List the recorded sessions, the newest first."""
     from sar_tui.store import participants, sites, wellbeing
     from sar_tui.store.merge.people import other_code
-    from sar_tui.store.sessions import listing, operators
+    from sar_tui.store.sessions import listing, local_time, operators, participant_codes
 
-    home = Home.of(context, data, tasks)
     code = participants.check_code(participant) if participant is not None else None
     with home.database() as database:
         known = operators(database)
@@ -75,43 +63,46 @@ def sessions(
         }
         for row in listed
     ]
-    if as_json:
-        print_json({"sessions": rows})
+    if not rows and stored and not as_json:
+        console().print(f"{code} is {stored} here: sar-tui sessions -p {stored}", soft_wrap=True)
         return
-    out = console()
-    if not rows and stored:
-        out.print(f"{code} is {stored} here: sar-tui sessions -p {stored}", soft_wrap=True)
-        return
-    if not rows:
-        whose = f" of {code}" if code else ""
-        out.print(
-            f"There are no sessions{whose} yet. `sar-tui simulate keyboard --user average` makes "
-            "one.",
-            soft_wrap=True,
-        )
-        return
+    whose = f" of {code}" if code else ""
+    print_listing(
+        Listing(
+            "sessions",
+            empty=f"There are no sessions{whose} yet. `sar-tui simulate keyboard --user average` "
+            "makes one.",
+            columns=(
+                Column("session", lambda row: row["id"]),
+                Column("began", lambda row: local_time(row["started_at"], row["utc_offset_s"])),
+                Column("who", participant_codes),
+                Column("task", lambda row: row["task"]),
+                Column("status", _status),
+                Column("attempts", lambda row: row["attempts"], is_number=True),
+            ),
+        ),
+        rows,
+        as_json,
+    )
 
-    from sar_tui.cli.long_table import print_table
+
+def _status(row: Row) -> str:
     from sar_tui.reports.wellbeing import marks
-    from sar_tui.store.sessions import local_time, participant_codes
 
-    def cells(row: Row) -> tuple[object, ...]:
-        status = row["status"] if row["mode"] == "live" else f"{row['status']}, {row['mode']}"
-        status += ", operator" if row["operators"] else ""
-        status += f", {felt}" if (felt := marks(row["wellbeing"])) else ""
-        began = local_time(row["started_at"], row["utc_offset_s"])
-        return row["id"], began, participant_codes(row), row["task"], status, row["attempts"]
-
-    columns = ("session", "began", "who", "task", "status", "attempts")
-    print_table(out, columns, [cells(row) for row in rows], right=("attempts",))
+    parts = [
+        row["status"],
+        "" if row["mode"] == "live" else row["mode"],
+        "operator" if row["operators"] else "",
+        marks(row["wellbeing"]),
+    ]
+    return ", ".join(filter(None, parts))
 
 
 def show(
     context: typer.Context,
+    home: Home,
     session: RecordedSession,
     as_json: AsJson = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """Show a session: attempts, plot, timing."""
     from sar_tui.reports import difficulty_changes, reported_changes, rests, skipped_attempts
@@ -121,7 +112,6 @@ def show(
     from sar_tui.store import sessions as store
 
     watch_plugins(context)
-    home = Home.of(context, data, tasks)
     with home.session(session) as (database, found):
         programme = _programme(database, found)
         found["operators"] = store.operators(database, found["id"]).get(found["id"], [])

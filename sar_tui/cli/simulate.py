@@ -8,7 +8,6 @@ import typer
 
 from sar_tui.cli.common import (
     AsJson,
-    Data,
     Home,
     Language,
     Outputs,
@@ -17,7 +16,6 @@ from sar_tui.cli.common import (
     Speech,
     Steps,
     TaskName,
-    Tasks,
     checked_settings,
     console,
     print_json,
@@ -50,6 +48,7 @@ class OperatorName(StrEnum):
 
 def simulate(
     context: typer.Context,
+    home: Home,
     task: TaskName,
     user: Annotated[
         list[User],
@@ -112,8 +111,6 @@ def simulate(
         ),
     ] = None,
     as_json: AsJson = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """Run a session with a simulated participant, or two in a task for two.
 
@@ -121,7 +118,6 @@ def simulate(
     the database.
     """
     watch_plugins(context)
-    home = Home.of(context, data, tasks)
     catalogue = home.catalogue()
     kind = catalogue.task(task)
     values = read_settings(settings, outputs=outputs, language=language)
@@ -171,7 +167,7 @@ def simulate(
     from sar_tui.cli.tables import attempts_table, summary
     from sar_tui.widgets.task_view import stored_findings
 
-    given = "".join(f" --tasks {folder}" for folder in tasks or ())
+    given = "".join(f" --tasks {folder}" for folder in home.tasks)
     out = console()
     out.print(attempts_table(rows, kind.metric, kind.measured))
     said = summary(rows, kind.metric, partial(stored_findings, kind))

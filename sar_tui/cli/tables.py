@@ -1,15 +1,17 @@
-"""Tables on standard output."""
+"""Console and tables for people, on standard output."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, Literal
 
 from rich import box
+from rich.console import Console, ConsoleOptions, RenderableType
+from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
 
-from sar_tui.model.language import Language
+from sar_tui.cli.visible_output import KEPT
 from sar_tui.model.visible_text import visible
-from sar_tui.reports.charts import MARKERS, result_name
 
 if TYPE_CHECKING:
     from sar_tui.model.measure import Measure
@@ -19,6 +21,27 @@ if TYPE_CHECKING:
 Row = dict[str, Any]
 Findings = Callable[[Sequence["AttemptEnded"], "Metric"], Sequence[str]]
 """Sentences that a task's view adds to a summary (`task_view.stored_findings`)."""
+
+
+_GAP = "   "
+_ROWS = 1000
+"""Number of rows that are printed at once."""
+
+
+class VisibleConsole(Console):
+    """Console for texts from anywhere. Only what rich itself sends to the terminal are commands."""
+
+    def render_str(self, text: str, **how: Any) -> Text:
+        """Return a string as text. Done here, before its length is measured."""
+        return super().render_str(visible(text, KEPT), **how)
+
+    def render(
+        self, renderable: RenderableType, options: ConsoleOptions | None = None
+    ) -> Iterable[Segment]:
+        for segment in super().render(renderable, options):
+            yield (
+                segment if segment.control else Segment(visible(segment.text, KEPT), segment.style)
+            )
 
 
 def table(*columns: str, right: Sequence[str] = (), whole: Sequence[str] = ()) -> Table:
@@ -43,12 +66,46 @@ def head(made: Table, heading: str) -> None:
     made.add_row(Text(heading, style="bold"))
 
 
+def print_table(
+    out: Console,
+    columns: Sequence[str],
+    rows: Sequence[Sequence[object]],
+    *,
+    right: Sequence[str] = (),
+) -> None:
+    """Print a table. Columns in ``right`` are right-aligned; an empty cell is a dash; a long line
+    is not folded.
+
+    The name of a column may have several lines.
+    """
+    cells = [["–" if cell in (None, "") else str(cell) for cell in row] for row in rows]
+    heads = list(zip_longest(*(column.split("\n") for column in columns), fillvalue=""))
+    widths = [max(map(len, column)) for column in zip(*heads, *cells, strict=True)]
+
+    def line(row: Sequence[str]) -> str:
+        aligned = (
+            cell.rjust(width) if name in right else cell.ljust(width)
+            for name, cell, width in zip(columns, row, widths, strict=True)
+        )
+        return _GAP.join(aligned).rstrip()
+
+    rule = "─" * (sum(widths) + len(_GAP) * (len(columns) - 1))
+    lines = [*map(line, heads), rule, *map(line, cells)]
+    for first in range(0, len(lines), _ROWS):
+        out.print(
+            "\n".join(lines[first : first + _ROWS]), markup=False, highlight=False, soft_wrap=True
+        )
+
+
 def attempts_table(
     rows: Sequence[Row], metric: "Metric", measured: Sequence["Measure"] = ()
 ) -> Table:
     """Return a table of attempts, one row for each seat, with the declared measures that some of
     them have.
     """
+    from sar_tui.model.language import Language
+    from sar_tui.reports.charts import MARKERS, result_name
+
     result = metric.name.replace("_", " ") or "result"
     seat = ("seat",) if len(seats(rows)) > 1 else ()
     tr = Language()

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json
+from sar_tui.cli.common import AsJson, Home, console, named_path, print_json
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.progress_line import progress_line
 from sar_tui.tui.exit_codes import FAILED
@@ -26,15 +26,15 @@ _REACHES = {False: 20, True: 200}
 
 
 def validate(
-    context: typer.Context,
+    home: Home,
     only: Annotated[
         str | None,
         typer.Option(
             metavar="NAME,NAME",
             show_default=False,
             help="figure-4.4, figure-4.8, figure-4.9, figure-4.10, figure-4.11, figure-4.12, "
-            "figure-4.13, figure-4.14, figure-4.15, table-4.1, table-4.2, exports, reach, "
-            "policies, progress, difficulty, effects, modularity; default: all.",
+            "figure-4.13, figure-4.14, figure-4.15, table-4.1, table-4.2, reach, "
+            "difficulty, effects, modularity; default: all.",
         ),
     ] = None,
     to: Annotated[
@@ -74,14 +74,11 @@ def validate(
         ),
     ] = None,
     as_json: AsJson = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """Check the claims of the thesis and of this project by simulation.
 
     Exits with 1 if a claim does not hold.
     """
-    home = Home.of(context, data, tasks)
     if session is not None:
         if only is not None or full:
             raise Refused(

@@ -1,24 +1,50 @@
-"""``sar-tui wizard``: the operator's panel of a session that runs in another terminal, or on
+"""``sar-tui wizard`` and ``sar-tui agent``: views of a session that runs in another terminal, or on
 another machine.
 """
 
+import os
+import re
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import Data, Home, Tasks, need_screen
+from sar_tui.cli.common import Home, named_path, need_screen
 from sar_tui.cli.errors import Refused
-from sar_tui.cli.session_choice import Joined, Link
 
 if TYPE_CHECKING:
+    import asyncio
+
     from sar_tui.link.discovery import JoinableSession
     from sar_tui.link.invitation import Invitation
+    from sar_tui.link.peer import Peer, PeerListener
+
+
+Joined = Annotated[
+    str | None,
+    typer.Argument(
+        metavar="SESSION", help="The session's id, or its beginning.", show_default=False
+    ),
+]
+Link = Annotated[
+    Path | None,
+    typer.Option(
+        "--link",
+        parser=named_path,
+        metavar="FILE",
+        show_default=False,
+        help="Invitation to a session on another machine.",
+    ),
+]
+
+
+_NAME = "agent"
+"""Name of the view in the session's log; the process id is appended, as there can be several."""
 
 
 def wizard(
-    context: typer.Context,
+    home: Home,
     session: Joined = None,
     link: Link = None,
     name: Annotated[
@@ -31,15 +57,12 @@ def wizard(
     ] = None,
     observe: Annotated[bool, typer.Option("--observe", help="Only watch.")] = False,
     wait: Annotated[bool, typer.Option("--wait", help="Wait for a session to join.")] = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """Open the operator's panel: watch a session and control it.
 
     The session runs in another terminal with --operator, or on another machine with --listen. F1
     shows all keys.
     """
-    home = Home.of(context, data, tasks)
     where = session_to_show(session, link, home.folder, wait=wait, observe=observe)
     name = name_at_session(name, link, observe=observe)
     need_screen()
@@ -53,6 +76,32 @@ def wizard(
     raise typer.Exit(run_wizard(app, lambda text: print(text, file=sys.stderr)))
 
 
+def agent(
+    home: Home,
+    session: Joined = None,
+    link: Link = None,
+) -> None:
+    """Show the agent alone: its face, speech and gestures.
+
+    It follows a session that was started with --operator or --listen, and cannot act.
+    """
+    catalogue = home.catalogue()
+    where = session_to_join(session, link, home.folder)
+    need_screen()
+    from sar_tui.app.agent.app import AgentApp
+    from sar_tui.link.client import connect
+    from sar_tui.plugins import DEFAULT_THEME
+
+    def join(listener: "PeerListener", loop: "asyncio.AbstractEventLoop") -> "Peer":
+        return connect(where, f"{_NAME}-{os.getpid()}", "observer", listener, loop)
+
+    app = AgentApp(catalogue.theme(DEFAULT_THEME), join)
+    code = app.run_here()
+    if app.failure:
+        print(app.failure, file=sys.stderr)
+    raise typer.Exit(code)
+
+
 def session_to_show(
     session: str | None, link: Path | None, data: Path, *, wait: bool, observe: bool
 ) -> "JoinableSession | Invitation | None":
@@ -62,7 +111,6 @@ def session_to_show(
         Refused: there is no such session.
         LinkError: it cannot be joined from here.
     """
-    from sar_tui.cli.session_choice import session_to_join
     from sar_tui.link.discovery import joinable_sessions
     from sar_tui.link.errors import need_packages
 
@@ -88,9 +136,6 @@ def name_at_session(name: str | None, link: Path | None, *, observe: bool) -> st
     """Return the user's name at the session. An observer's default is unique, because a user may
     open several.
     """
-    import os
-    import re
-
     from sar_tui.link.invitation import NAME
 
     if name is None:
@@ -102,3 +147,48 @@ def name_at_session(name: str | None, link: Path | None, *, observe: bool) -> st
     if not re.fullmatch(NAME, name):
         raise Refused(f"{name!r} is not a valid name: use at most 32 letters, digits, - and _.")
     return name
+
+
+def session_to_join(
+    session: str | None, link: Path | None, data: Path
+) -> "JoinableSession | Invitation":
+    """Return the session of a data folder given by its id or the start of it, the only one there,
+    or an invitation's.
+
+    Raises:
+        Refused: there is no such session, or there are several.
+        LinkError: the invitation cannot be used, or packages of the link are not installed.
+    """
+    from sar_tui.link.errors import need_packages
+    from sar_tui.link.invitation import read
+
+    need_packages()
+    return _one(data, session) if link is None else read(link)
+
+
+def _one(data: Path, session: str | None) -> "JoinableSession":
+    from sar_tui.link.discovery import joinable_sessions, other_folders
+
+    live = joinable_sessions(data)
+    if session == "":
+        raise Refused("The session's id is missing: it is empty.")
+    meant = [each for each in live if each.session.startswith(session or "")]
+    if not live and (others := other_folders(data)):
+        raise Refused(
+            f"No session of {data} can be joined. There is one of another data folder: to join "
+            "it, add --data "
+            f"{others[0]}."
+        )
+    if not live:
+        raise Refused(
+            "No session on this machine can be joined. Start one with --operator, as in "
+            "`sar-tui run keyboard -p P01 --operator`. Sessions of other users, or with another "
+            "XDG_RUNTIME_DIR, are "
+            "not found."
+        )
+    there = "; ".join(f"{each.session} ({each.description})" for each in live)
+    if not meant:
+        raise Refused(f"No session that can be joined begins with {session}. These can: {there}.")
+    if len(meant) > 1:
+        raise Refused(f"Several sessions can be joined: {there}. Give the id of one.")
+    return meant[0]

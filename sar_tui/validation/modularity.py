@@ -1,6 +1,8 @@
-"""The share of common code in a task's session (the fourth requirement of the thesis: 70 to 80 %).
+"""Modular flexibility, the fourth requirement of the thesis: the share of common code in a task's
+session (70 to 80 %), and Figure 4.15, the parts of the loop that the reaching task adds to those of
+the keyboard task.
 
-It compares the lines of code in the modules that a session of the task loads: those of the
+The share compares the lines of code in the modules that a session of the task loads: those of the
 framework, inputs, outputs and movement science with those in the task's own folder. The app, the
 database and the simulated participant are left out: all tasks share them, and they would only raise
 the figure.
@@ -10,19 +12,33 @@ import ast
 import io
 import subprocess
 import tokenize
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import msgspec
 
+from sar_tui.app.loop_graph import loop_graph
 from sar_tui.drivers import child_process
+from sar_tui.loop.graph import Graph
+from sar_tui.loop.session import OWN_PARTS, Parts, core_nodes
+from sar_tui.loop.task import Task
+from sar_tui.model.theme import Theme
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import build
+from sar_tui.runs.plan import set_up
+from sar_tui.validation import charts
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 
 SHARED_PACKAGES = tuple(
     f"sar_tui.{room}" for room in ("loop", "rules", "model", "inputs", "outputs", "motion")
 )
 LEAST = 0.75
+TASKS = ("keyboard", "reaching")
+FOR_A_SENSOR = {"imu", "trunk_imu", "reach_perception", "view"}
+"""Parts that a task with a motion sensor needs: the sensor, what finds reaches in its samples, and
+the view of them.
+"""
 
 
 class Loaded(msgspec.Struct, frozen=True):
@@ -150,3 +166,82 @@ def count(source: str) -> int:
             case ast.Expr(value=ast.Constant(value=str())):
                 lines.difference_update(range(node.lineno, (node.end_lineno or node.lineno) + 1))
     return len(lines)
+
+
+# --- the parts of the loop
+
+
+def added_parts(conditions: Conditions) -> Report:
+    """Return Figure 4.15: one row per part of the two loops: in which of them it is, and whether it is the same
+    there.
+    """
+    theme = conditions.catalogue.theme("calm")
+    kinds = {task: conditions.catalogue.task(task) for task in TASKS}
+    return compared_loops(
+        {task: loop_graph(kind, theme) for task, kind in kinds.items()},
+        {task: node_classes(kind, theme) for task, kind in kinds.items()},
+    )
+
+
+def node_classes(kind: type[Task], theme: Theme, parts: Parts = OWN_PARTS) -> dict[str, str]:
+    """Return the module and class of each node of a task's loop, by the node's name."""
+    nodes = core_nodes(set_up(kind, build(kind.Parameters, {})), theme, 0, parts)
+    return {node.name: f"{type(node).__module__}.{type(node).__name__}" for node in nodes}
+
+
+def compared_loops(graphs: Mapping[str, Graph], nodes: Mapping[str, Mapping[str, str]]) -> Report:
+    """Compare the loops of the two tasks, and the classes of their nodes."""
+    rows = _part_rows(graphs, nodes)
+    changed = [row["part"] for row in rows if row["state"] == "changed"]
+    removed = [row["part"] for row in rows if not row["reaching"]]
+    claims = [
+        Claim("The reaching task has all parts of the keyboard task's loop.", ", ".join(removed)),
+        Claim("Each of these parts is the same code in both.", ", ".join(changed)),
+        Claim("It adds only parts for its sensors.", ", ".join(_needless(rows))),
+    ]
+    return Report(rows, [_PART_COLUMNS], claims, chart=charts.parts(rows))
+
+
+def _part_rows(graphs: Mapping[str, Graph], nodes: Mapping[str, Mapping[str, str]]) -> list[Row]:
+    one, other = (
+        {part.name for part in graphs[task].nodes if part.kind not in ("tap", "outside")}
+        for task in TASKS
+    )
+    names = [part.name for part in graphs["reaching"].nodes if part.name in other]
+    names += sorted(one - other)
+    return [
+        {
+            "part": name,
+            "keyboard": name in one,
+            "reaching": name in other,
+            "state": _state(name, one, other, nodes),
+        }
+        for name in names
+    ]
+
+
+def _state(
+    name: str, one: set[str], other: set[str], nodes: Mapping[str, Mapping[str, str]]
+) -> str:
+    if name not in other:
+        return "removed"
+    if name not in one:
+        return "added"
+    return "the same" if nodes["keyboard"].get(name) == nodes["reaching"].get(name) else "changed"
+
+
+def _needless(rows: Sequence[Row]) -> list[str]:
+    return [
+        row["part"] for row in rows if row["state"] == "added" and row["part"] not in FOR_A_SENSOR
+    ]
+
+
+def _mark(task: str) -> Column:
+    return Column(task, lambda row: "●" if row[task] else "", is_number=False)
+
+
+_PART_COLUMNS = (
+    Column("part", lambda row: str(row["part"]), is_number=False),
+    *map(_mark, TASKS),
+    Column("in the reaching task", lambda row: str(row["state"]), is_number=False),
+)

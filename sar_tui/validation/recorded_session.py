@@ -142,7 +142,7 @@ def _said(database: sqlite3.Connection, row: Mapping[str, Any]) -> Report | None
 
 
 def _velocity(database: sqlite3.Connection, row: Mapping[str, Any]) -> Report | None:
-    from sar_tui.validation.angular_velocity import figure, velocity_rows
+    from sar_tui.validation.table_4_1 import velocity_figure, velocity_rows
 
     (run,) = database.execute(
         "SELECT min(run) FROM imu_streams WHERE session=?", (row["id"],)
@@ -151,7 +151,7 @@ def _velocity(database: sqlite3.Connection, row: Mapping[str, Any]) -> Report | 
     if not len(samples):
         return None
     times = (samples["at"] - samples["at"][0]) / 1e9
-    return figure(velocity_rows(times, samples["rate"][:, 2]), _title(row), [])
+    return velocity_figure(velocity_rows(times, samples["rate"][:, 2]), _title(row), [])
 
 
 def _reaches(database: sqlite3.Connection, row: Mapping[str, Any]) -> Report | None:

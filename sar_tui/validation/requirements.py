@@ -1,29 +1,106 @@
-"""The four requirements of the thesis (its Table 4.2), and systems with one thing broken that must
-fail them.
+"""The four requirements of the thesis (its Table 4.2): claims on sessions of simulated users, and on
+the code of two tasks.
 """
 
-import shutil
-import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from itertools import count
-from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, get_args
 
 import msgspec
 
-from sar_tui import loop
 from sar_tui.app.loop_graph import loop_graph
+from sar_tui.loop.graph import Graph
 from sar_tui.loop.session import Parts
-from sar_tui.validation import adaptation, broken_parts, feedback
-from sar_tui.validation.bodies import PARTS, tablet_alone
-from sar_tui.validation.changed_parts import TASKS, node_classes
-from sar_tui.validation.changed_parts import report as changed_parts
-from sar_tui.validation.evidence import EVERY, Evidence, System, collect, sessions
-from sar_tui.validation.modularity import LEAST, Code, Loaded, code, load
+from sar_tui.model.messages import ActionPart
+from sar_tui.outputs import output
+from sar_tui.outputs.output import Output
+from sar_tui.validation import adaptation, feedback
+from sar_tui.validation.modularity import (
+    LEAST,
+    TASKS,
+    Code,
+    Loaded,
+    code,
+    compared_loops,
+    load,
+    node_classes,
+)
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
+from sar_tui.validation.simulated_sessions import SessionRunner, Simulated, session_runner
 
+USERS = ("poor", "average", "competent")
+EVERY = 3
+"""Number of attempts per feedback, where not each attempt is to have it."""
 CLOSE_MS = 0.01
 """Largest difference of a result from the mean of the times that it is made of: rounding."""
+PARTS: tuple[ActionPart, ...] = get_args(ActionPart)
+
+
+class Body(Output):
+    """A body that performs some parts of actions.
+
+    Attributes:
+        performed: its parts, each with the id of the action.
+    """
+
+    def __init__(self, name: str, can: tuple[ActionPart, ...]) -> None:
+        self.name = name
+        self.can = frozenset(can)
+        self.performed: list[tuple[str, ActionPart]] = []
+
+    def say(self, action: str, text: str) -> None:
+        self._perform(action, "say")
+
+    def show(self, action: str, text: str, face: str) -> None:
+        self._perform(action, "show")
+
+    def gesture(self, action: str, name: str) -> None:
+        self._perform(action, "gesture")
+
+    def gaze(self, action: str, where: str) -> None:
+        self._perform(action, "gaze")
+
+    def tone(self, action: str, name: str) -> None:
+        self._perform(action, "tone")
+
+    def _perform(self, action: str, part: ActionPart) -> None:
+        self.performed.append((action, part))
+        self._send_report(output.Report(action, part, "done", self.clock.now()))
+
+
+def every_body() -> tuple[Body, ...]:
+    """Return a loudspeaker, a tablet and a robot that moves: together they perform every part."""
+    return Body("loudspeaker", ("say", "tone")), *tablet_alone(), Body("robot", ("gesture", "gaze"))
+
+
+def tablet_alone() -> tuple[Body, ...]:
+    """Return a tablet that shows, and does nothing else."""
+    return (Body("tablet", ("show",)),)
+
+
+class Evidence(msgspec.Struct, frozen=True):
+    """Evidence on one system.
+
+    Attributes:
+        sessions: of twenty attempts with feedback after each, by user and seed.
+        rare: those of competent users with feedback after every three attempts, by seed.
+        worded: sessions of an average user by the form of feedback that was asked for, and seed.
+        bare: a session without other bodies than the screen; ``embodied``: the same one with
+            ``bodies``.
+        code: lines of each task's session; ``graphs``: the loops of the keyboard and the reaching
+            task; ``nodes``: the classes of the nodes in them, by name.
+    """
+
+    sessions: Mapping[tuple[str, int], Simulated]
+    rare: Mapping[int, Simulated]
+    worded: Mapping[tuple[str, int], Simulated]
+    bare: Simulated
+    embodied: Simulated
+    bodies: tuple[Body, ...]
+    code: Mapping[str, Code]
+    graphs: Mapping[str, Graph]
+    nodes: Mapping[str, Mapping[str, str]]
 
 
 class Requirement(NamedTuple):
@@ -37,18 +114,120 @@ class Requirement(NamedTuple):
     claims: Callable[[Evidence], Sequence[Claim]]
 
 
-class Control(NamedTuple):
-    """A system with one thing broken, which must fail one requirement and meet the others.
+class System(msgspec.Struct, frozen=True):
+    """A system that evidence is collected on: the program as it is, or with one thing broken by a
+    test.
 
-    ``reaching``: counts the code of the reaching task; ``parts_of_reaching``: classes of the nodes
-    in its loop.
+    Attributes:
+        settings: of every session. ``rare``, ``worded``: more of them, for sessions in which
+            feedback is to be rare, or has a form; they come last.
+        bodies: returns the agent's bodies.
+        parts: the classes of the framework's nodes.
+        reaching: counts the code of the reaching task.
+        parts_of_reaching: the classes of the nodes in its loop.
     """
 
-    name: str
-    fails: str
-    system: System = System()
+    settings: Mapping[str, object] = {}
+    rare: Mapping[str, object] = {}
+    worded: Mapping[str, object] = {}
+    bodies: Callable[[], tuple[Body, ...]] = every_body
+    parts: Parts = Parts()
     reaching: Callable[[Loaded], Code] = code
     parts_of_reaching: Parts = Parts()
+
+
+def run(conditions: Conditions, system: System | None = None) -> Report:
+    """Return Table 4.2: one row per requirement, for the program as it is or for another system."""
+    evidence = collect(conditions, system or System())
+    rows = [_row(requirement, evidence) for requirement in REQUIREMENTS]
+    claims = [
+        Claim(
+            f"The program meets the requirement of {row['requirement']}. {row['reasons']}",
+            row["against"],
+        )
+        for row in rows
+    ]
+    return Report(rows, [_COLUMNS], claims)
+
+
+def _row(requirement: Requirement, evidence: Evidence) -> Row:
+    claims = requirement.claims(evidence)
+    return {
+        "requirement": requirement.name,
+        "motivation": requirement.motivation,
+        "validation": requirement.validation,
+        "met": all(claim.holds for claim in claims),
+        "reasons": " ".join(claim.sentence for claim in claims if claim.holds),
+        "against": " ".join(
+            f"Not so: {claim.sentence} But {claim.against}." for claim in claims if not claim.holds
+        ),
+    }
+
+
+_COLUMNS = (
+    Column("requirement", lambda row: str(row["requirement"]), is_number=False),
+    Column("verdict", lambda row: "✓ met" if row["met"] else "✗ not met", is_number=False),
+    Column("why not", lambda row: str(row["against"]), is_number=False),
+)
+
+
+def collect(conditions: Conditions, system: System) -> Evidence:
+    """Run the sessions of a system, and count the code of the tasks."""
+    seeds, catalogue = conditions.seeds, conditions.catalogue
+    theme = catalogue.theme("calm")
+    loaded = {task: load(task, catalogue) for task in TASKS}
+    graphs = {task: loop_graph(catalogue.task(task), theme) for task in TASKS}
+    nodes = {
+        task: node_classes(catalogue.task(task), theme, parts)
+        for task, parts in zip(TASKS, (Parts(), system.parts_of_reaching), strict=True)
+    }
+    bodies = system.bodies()
+    with session_runner(catalogue, conditions.known) as runner:
+        run = partial(_run, runner, system.parts, _progress(conditions))
+        rare = {**system.settings, "feedback_every": EVERY, **system.rare}
+        return Evidence(
+            sessions={
+                (user, seed): run(user, seed, system.settings) for user in USERS for seed in seeds
+            },
+            rare={seed: run("competent", seed, rare) for seed in seeds},
+            worded={
+                (form, seed): run(
+                    "average", seed, {**system.settings, "feedback_form": form, **system.worded}
+                )
+                for form in ("qualitative", "quantitative")
+                for seed in seeds[:2]
+            },
+            bare=run("average", seeds[0], system.settings),
+            embodied=run("average", seeds[0], system.settings, bodies),
+            bodies=bodies,
+            code={
+                "keyboard": code(loaded["keyboard"]),
+                "reaching": system.reaching(loaded["reaching"]),
+            },
+            graphs=graphs,
+            nodes=nodes,
+        )
+
+
+def _run(
+    runner: SessionRunner,
+    parts: Parts,
+    done: Callable[[], None],
+    user: str,
+    seed: int,
+    settings: Mapping[str, object],
+    bodies: tuple[Body, ...] = (),
+) -> Simulated:
+    found = runner.run(user, seed, bodies=bodies, parts=parts, **settings)
+    done()
+    return found
+
+
+def _progress(conditions: Conditions) -> Callable[[], None]:
+    """Return a function that is called after each session."""
+    sessions = (len(USERS) + 1) * len(conditions.seeds) + 2 * len(conditions.seeds[:2]) + 2
+    numbers = count(1)
+    return lambda: conditions.progress("table-4.2", next(numbers), sessions)
 
 
 def _training(evidence: Evidence) -> Sequence[Claim]:
@@ -185,7 +364,7 @@ def _modularity(evidence: Evidence) -> Sequence[Claim]:
             f"At least {LEAST:.0%} of the code that each task runs is shared ({counted}).",
             ", ".join(short),
         ),
-        *changed_parts(evidence.graphs, evidence.nodes).claims,
+        *compared_loops(evidence.graphs, evidence.nodes).claims,
     )
 
 
@@ -216,178 +395,4 @@ REQUIREMENTS = (
         "code and loop of the reaching task beside those of the keyboard task",
         _modularity,
     ),
-)
-
-
-def _with_own_framework(loaded: Loaded) -> Code:
-    """Count the code of a task whose folder holds a copy of the framework."""
-    with tempfile.TemporaryDirectory(prefix="sar-tui-validate-") as place:
-        folder = Path(place) / "task"
-        shutil.copytree(loaded.folder, folder)
-        shutil.copytree(Path(loop.__file__).parent, folder / "own_framework")
-        return code(msgspec.structs.replace(loaded, folder=str(folder)))
-
-
-CONTROLS = (
-    Control(
-        "a rule that never adapts",
-        "task-oriented training",
-        System({"difficulty_policy": "fixed", "start_level": 5}),
-    ),
-    Control(
-        "a rule that ignores the result",
-        "task-oriented training",
-        System({"difficulty_policy": "sequence", "level_sequence": (1, 2, 3, 4, 5, 6, 5, 4, 3, 2)}),
-    ),
-    Control(
-        f"keys that are perceived {broken_parts.LATE_MS} ms late",
-        "task-oriented training",
-        System(parts=Parts(perception=broken_parts.LatePerception)),
-    ),
-    Control(
-        "praise whatever the result",
-        "augmented feedback",
-        System(parts=Parts(event_handler=broken_parts.PraisingEventHandler)),
-    ),
-    Control(
-        "a neutral word whatever the result", "augmented feedback", System({"neutral_band": 5000.0})
-    ),
-    Control(
-        f"figures that are {broken_parts.WRONG_BY_MS:g} ms off",
-        "augmented feedback",
-        System(parts=Parts(event_handler=broken_parts.MisinformedEventHandler)),
-    ),
-    Control(
-        "feedback after each attempt, although it is to be rare",
-        "augmented feedback",
-        System(rare={"feedback_schedule": "every", "feedback_every": 1}),
-    ),
-    Control(
-        "feedback with figures, although none are wanted",
-        "augmented feedback",
-        System(worded={"feedback_form": "quantitative"}),
-    ),
-    Control(
-        "an agent without a voice and without a body", "embodiment", System(bodies=tablet_alone)
-    ),
-    Control(
-        "a level that falls when a robot moves",
-        "embodiment",
-        System(parts=Parts(event_handler=broken_parts.DistractedEventHandler)),
-    ),
-    Control(
-        "a task with a framework of its own", "modular flexibility", reaching=_with_own_framework
-    ),
-    Control(
-        "a task that needs a memory of its own",
-        "modular flexibility",
-        parts_of_reaching=Parts(memory=broken_parts.OwnMemory),
-    ),
-)
-"""Each is a system that runs, set up or built wrongly on purpose."""
-
-
-def run(conditions: Conditions) -> Report:
-    """Return Table 4.2: one row per requirement, for the program as it is and for each control."""
-    theme = conditions.catalogue.theme("calm")
-    graphs = {task: loop_graph(conditions.catalogue.task(task), theme) for task in TASKS}
-    nodes = {task: node_classes(conditions.catalogue.task(task), theme) for task in TASKS}
-    loaded = {task: load(task, conditions.catalogue) for task in TASKS}
-    counted = {task: code(one) for task, one in loaded.items()}
-    systems = [Control("the program as it is", ""), *CONTROLS]
-    steps = sessions(conditions) * sum(
-        control.fails != "modular flexibility" for control in systems
-    )
-    step = count()
-    rows: list[Row] = []
-    whole: Evidence | None = None
-    for control in systems:
-
-        def done(name: str = control.name) -> None:
-            conditions.progress(f"table-4.2: {name}", next(step), steps)
-
-        if whole is None or control.fails != "modular flexibility":
-            evidence = collect(conditions, control.system, counted, graphs, nodes, done)
-            whole = whole or evidence
-        else:
-            changed = {**counted, "reaching": control.reaching(loaded["reaching"])}
-            other = node_classes(
-                conditions.catalogue.task("reaching"), theme, control.parts_of_reaching
-            )
-            evidence = msgspec.structs.replace(
-                whole, code=changed, nodes={**nodes, "reaching": other}
-            )
-        rows += [_row(control, requirement, evidence) for requirement in REQUIREMENTS]
-    return Report(
-        rows, [_COLUMNS], [*_met(rows), *_failed(rows)], seen=[row for row in rows if _is_told(row)]
-    )
-
-
-def _row(control: Control, requirement: Requirement, evidence: Evidence) -> Row:
-    claims = requirement.claims(evidence)
-    return {
-        "system": control.name,
-        "must_fail": control.fails,
-        "requirement": requirement.name,
-        "motivation": requirement.motivation,
-        "validation": requirement.validation,
-        "met": all(claim.holds for claim in claims),
-        "reasons": " ".join(claim.sentence for claim in claims if claim.holds),
-        "against": " ".join(
-            f"Not so: {claim.sentence} But {claim.against}." for claim in claims if not claim.holds
-        ),
-    }
-
-
-def _is_told(row: Row) -> bool:
-    """Return True for the program, for what a control must fail, and for what is not as it must
-    be.
-    """
-    return row["must_fail"] in ("", row["requirement"]) or not row["met"]
-
-
-def _met(rows: Sequence[Row]) -> list[Claim]:
-    """Return a claim for each requirement: the program meets it."""
-    return [
-        Claim(
-            f"The program meets the requirement of {row['requirement']}. {row['reasons']}",
-            row["against"],
-        )
-        for row in rows
-        if not row["must_fail"]
-    ]
-
-
-def _failed(rows: Sequence[Row]) -> list[Claim]:
-    """Return a claim for each control: it fails its own requirement, and no other."""
-    claims = []
-    for control in CONTROLS:
-        own = {row["requirement"]: row["met"] for row in rows if row["system"] == control.name}
-        others = [name for name, met in own.items() if not met and name != control.fails]
-        against = (
-            "it meets it"
-            if own[control.fails]
-            else f"it fails {', '.join(others)} as well"
-            if others
-            else ""
-        )
-        claims.append(
-            Claim(
-                f"Broken on purpose: {control.name} fails {control.fails}, and that alone.", against
-            )
-        )
-    return claims
-
-
-def _verdict(row: Row) -> str:
-    if row["must_fail"] == row["requirement"]:
-        return "✗ meets it, and must not" if row["met"] else "✓ fails, as it must"
-    return "✓ met" if row["met"] else "✗ not met"
-
-
-_COLUMNS = (
-    Column("system", lambda row: str(row["system"]), is_number=False),
-    Column("requirement", lambda row: str(row["requirement"]), is_number=False),
-    Column("verdict", _verdict, is_number=False),
-    Column("why not", lambda row: str(row["against"]), is_number=False),
 )

@@ -1,12 +1,14 @@
-"""Table 4.1 of the thesis: its eight reaches, simulated and measured, and the definition that they
-were measured by.
-"""
+"""Figure 4.8 and Table 4.1 of the thesis: its eight reaches, simulated and measured."""
+
+from collections.abc import Sequence
 
 from sar_tui.motion.detection import detect
 from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
 from sar_tui.motion.reach import Reach
+from sar_tui.motion.samples import Floats
 from sar_tui.motion.synthesis import TABLE_4_1, Simulation, TableRow, table_4_1_recording
-from sar_tui.validation import threshold_definition
+from sar_tui.validation import charts
+from sar_tui.validation.charts import draw_curve
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 
 RATE_HZ = 250.0
@@ -25,18 +27,56 @@ _HEADS: dict[DetectorName, str] = {
     "single-axis": "single\naxis",
     "orientation": "orien-\ntation",
 }
+POINTS_A_SECOND = 50
+"""Points of the drawn curve; the file has all samples."""
 PEAKS = ("peak_extension", "peak_return")
 NOTE = (
     "The thesis measured the times of its table with the fixed-threshold detector, and these "
     "reaches are simulated\n"
-    "from them. So the table shows what that detector cuts off, not how long people reach. The "
-    "first two claims test\n"
-    "the detector itself, on movements whose crossings of its threshold are known."
+    "from them. So the table shows what that detector cuts off, not how long people reach."
 )
 
 
+def simulated_velocity(_: Conditions) -> Report:
+    """Return Figure 4.8: the angular velocity about z, one row per sample."""
+    simulation = table_4_1_recording(RATE_HZ)
+    times, rates = simulation.recording.time_s, simulation.recording.rate[:, 2]
+    wrong = []
+    for line, (onset, end) in zip(TABLE_4_1, simulation.truth, strict=True):
+        inside = rates[(times >= onset) & (times <= end)]
+        if not (inside.argmax() < inside.argmin() and inside.max() > 0 > inside.min()):
+            wrong.append(line.type)
+    rows = velocity_rows(times, rates)
+    title = "The eight reaches of Table 4.1, simulated"
+    sentence = "Each reach is one large positive spike, followed by one large negative spike."
+    return velocity_figure(rows, title, [Claim(sentence, ", ".join(wrong))])
+
+
+def velocity_rows(times: Floats, rates: Floats) -> list[Row]:
+    """Return one row for each sample: time in s, angular velocity in rad/s."""
+    return [
+        {"time_s": round(float(at), 6), "rate_z_rad_s": float(rate)}
+        for at, rate in zip(times, rates, strict=True)
+    ]
+
+
+def velocity_figure(rows: Sequence[Row], title: str, claims: Sequence[Claim]) -> Report:
+    """Return a report that draws an angular velocity."""
+    step = max(
+        1, round(len(rows) / max(1.0, rows[-1]["time_s"] - rows[0]["time_s"]) / POINTS_A_SECOND)
+    )
+    thinned = rows[::step]
+    drawn = draw_curve(
+        [row["time_s"] for row in thinned],
+        [row["rate_z_rad_s"] for row in thinned],
+        title,
+        "rad/s about z over s",
+    )
+    return Report(rows, [], claims, [drawn], chart=charts.angular_velocity(thinned, title))
+
+
 def run(_: Conditions) -> Report:
-    """Return one row per reach: the table's values, and each detector's."""
+    """Return Table 4.1: one row per reach: the table's values, and each detector's."""
     simulation = table_4_1_recording(RATE_HZ)
     found = {name: detect(simulation.recording, name) for name in TIME_MS}
     matched = {name: _matched(simulation, reaches) for name, reaches in found.items()}
@@ -45,7 +85,6 @@ def run(_: Conditions) -> Report:
         for index, line in enumerate(TABLE_4_1)
     ]
     claims = [
-        *threshold_definition.claims(),
         *(_finds_all(name, len(reaches), rows) for name, reaches in found.items()),
         *(_times(name, rows) for name in TIME_MS),
         *(_peaks(name, rows) for name in TIME_MS),

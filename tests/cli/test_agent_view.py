@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from sar_tui.cli.errors import Refused
-from sar_tui.cli.session_choice import session_to_join
+from sar_tui.cli.wizard import session_to_join
 from sar_tui.link import discovery
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.errors import LinkError

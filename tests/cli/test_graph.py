@@ -12,7 +12,7 @@ from tests.program import Call
 
 @pytest.fixture
 def edges(call: Call) -> set[tuple[str, str, str, str]]:
-    found = call("graph", "keyboard", "--json").json["edges"]
+    found = call("graph keyboard --json").json["edges"]
     return {(edge["from"], edge["to"], edge["name"], edge["kind"]) for edge in found}
 
 
@@ -44,7 +44,7 @@ def test_no_node_is_shown_to_talk_to_itself(edges: set[tuple[str, str, str, str]
 
 
 def test_json_has_the_nodes_and_what_each_declares(call: Call) -> None:
-    printed = call("graph", "keyboard", "--json").json
+    printed = call("graph keyboard --json").json
     assert set(printed) == {"task", "nodes", "edges"}
     nodes = {node["name"]: node for node in printed["nodes"]}
     kinds = {name: node["kind"] for name, node in nodes.items()}
@@ -58,7 +58,7 @@ def test_json_has_the_nodes_and_what_each_declares(call: Call) -> None:
 
 
 def test_the_drawing_goes_down_the_loop(call: Call) -> None:
-    called = call("graph", "keyboard")
+    called = call("graph keyboard")
     assert called.code == 0
     way = ["keyboard", "perception", "event_handler", "action_center", "arbiter", "screen"]
     boxes = [
@@ -71,16 +71,10 @@ def test_the_drawing_goes_down_the_loop(call: Call) -> None:
 
 
 def test_a_view_that_listens_is_shown_beside_the_screen(call: Call) -> None:
-    nodes = {node["name"]: node for node in call("graph", "pairs", "--json").json["nodes"]}
+    nodes = {node["name"]: node for node in call("graph pairs --json").json["nodes"]}
     assert (nodes["view"]["kind"], nodes["screen"]["kind"]) == ("output", "output")
     assert "event_handler/prompt" in nodes["view"]["hears"]
-    assert "view" not in [
-        node["name"] for node in call("graph", "keyboard", "--json").json["nodes"]
-    ]
-
-
-def test_an_unknown_task_has_no_graph(call: Call) -> None:
-    assert call("graph", "juggling").code == 2
+    assert "view" not in [node["name"] for node in call("graph keyboard --json").json["nodes"]]
 
 
 class Eye(Node):

@@ -15,7 +15,7 @@ def looping(call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path
     """The folder of a task that loops for ever when it is asked for a prompt."""
     quick = partial(plugin_watchdog.PluginWatchdog, limit_s=0.3, period_s=0.1)
     monkeypatch.setattr(plugin_watchdog, "PluginWatchdog", quick)
-    call("tasks", "new", "looping", "--to", tmp_path)
+    call("tasks new looping --to", tmp_path)
     folder = tmp_path / "looping"
     edit(
         folder / "task.py",
@@ -26,14 +26,14 @@ def looping(call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path
 
 
 def test_a_simulation_ends_with_a_sentence(call: Call, looping: Path) -> None:
-    called = call("simulate", "looping", "--user", "average", "--tasks", looping.parent)
+    called = call("simulate looping --user average --tasks", looping.parent)
     assert (called.code, called.out) == (1, "")
     assert "The task looping failed (NotResponding: it took longer than 10 s, line " in called.err
-    assert [row["status"] for row in call("sessions", "--json").json["sessions"]] == ["interrupted"]
+    assert [row["status"] for row in call("sessions --json").json["sessions"]] == ["interrupted"]
 
 
 def test_the_check_names_what_does_not_return(call: Call, looping: Path) -> None:
-    called = call("tasks", "check", looping)
+    called = call("tasks check", looping)
     assert called.code == 1
     assert (
         "✗ makes the same one-line prompts when asked twice. It raised NotResponding: it took "

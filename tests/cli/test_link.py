@@ -28,7 +28,7 @@ def invited(
     role: str = "operator",
     host: str = "lab-pc.local",
 ) -> Called:
-    return call("link", "invite", role, "--name", name, "--host", host, *more)
+    return call("link invite", role, "--name", name, "--host", host, *more)
 
 
 def test_invite_creates_one_private_file(call: Call, here: Path) -> None:
@@ -93,38 +93,38 @@ def test_name_is_unique(call: Call, here: Path) -> None:
 
 
 def test_list(call: Call) -> None:
-    assert "Nobody is invited" in call("link", "list").out
-    assert call("link", "list", "--json").json == {"invitations": []}
+    assert "Nobody is invited" in call("link list").out
+    assert call("link list --json").json == {"invitations": []}
     invited(call)
     invited(call, role="observer", name="eve")
-    call("link", "revoke", "eve")
-    listed = call("link", "list").out
+    call("link revoke eve")
+    listed = call("link list").out
     for part in ("anna", "operator", "good", "eve", "observer", "revoked", "lab-pc.local:7447"):
         assert part in listed
-    rows = call("link", "list", "--json").json["invitations"]
+    rows = call("link list --json").json["invitations"]
     assert [(row["name"], row["state"]) for row in rows] == [("anna", "good"), ("eve", "revoked")]
     assert len(rows[0]["fingerprint"]) == 64
 
 
 def test_revoke(call: Call, tmp_path: Path) -> None:
     invited(call)
-    called = call("link", "revoke", "anna")
+    called = call("link revoke anna")
     assert called.code == 0
     assert "Revoked" in called.out
     assert Authority.open(tmp_path / "data").guests() == ()
-    again = call("link", "revoke", "anna")
+    again = call("link revoke anna")
     assert (again.code, "no valid invitation for anna" in again.err) == (2, True)
 
 
 def test_revoke_without_invitations_is_refused(call: Call) -> None:
-    called = call("link", "revoke", "anna")
+    called = call("link revoke anna")
     assert (called.code, "Nobody has been invited" in called.err) == (2, True)
 
 
 def test_check_against_a_running_session(call: Call, here: Path) -> None:
     where = Endpoint("127.0.0.1", free_port())
     invited(call, host=str(where))
-    alone = call("link", "check", "operator-anna.sar-link")
+    alone = call("link check operator-anna.sar-link")
     assert alone.code == 1
     assert "Nothing listens there" in alone.out
     authority = Authority.open(here / "data")
@@ -134,15 +134,15 @@ def test_check_against_a_running_session(call: Call, here: Path) -> None:
         zenoh.open(config(settings)) as session,
         session.liveliness().declare_token(LinkKeys(authority.link).broadcast),
     ):
-        assert "✓" in call("link", "check", "operator-anna.sar-link").out
-        checked = call("link", "check", "operator-anna.sar-link", "--json")
+        assert "✓" in call("link check operator-anna.sar-link").out
+        checked = call("link check operator-anna.sar-link --json")
     assert checked.code == 0
     assert checked.json["endpoints"] == [{"endpoint": str(where), "error": ""}]
 
 
 def test_check_of_another_file_is_refused(call: Call, here: Path) -> None:
     (here / "x.sar-link").write_text("hello")
-    called = call("link", "check", "x.sar-link")
+    called = call("link check x.sar-link")
     assert (called.code, "is not an invitation" in called.err) == (2, True)
 
 

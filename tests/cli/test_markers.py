@@ -67,21 +67,9 @@ def test_the_app_and_a_session_can_begin_with_a_flash(
     assert call(*command, "--sync-flash").code == 0
     assert call(*command).code == 0
     assert flashes == [True, False]
-    called = call("--sync-flash", "sessions")
+    called = call("--sync-flash sessions")
     assert called.code == 2
     assert "--sync-flash goes after the command" in called.err
-
-
-def test_an_invalid_address_is_bad_usage(call: Call, opened: list[Sequence[str]]) -> None:
-    called = call(*RUN, "--markers", "mqtt://broker")
-    assert (called.code, opened) == (2, [])
-    assert "use lsl, udp://HOST:PORT or serial:PORT" in called.err
-
-
-def test_markers_go_after_a_command(call: Call, opened: list[Sequence[str]]) -> None:
-    called = call("--markers", "lsl", "sessions")
-    assert (called.code, opened) == (2, [])
-    assert "--markers goes after the command" in called.err
 
 
 @pytest.mark.parametrize(

@@ -26,25 +26,23 @@ def test_a_measure_has_its_title_unit_and_decimals_in_show_the_summary_and_progr
     call: Call, steady: Path
 ) -> None:
     where = ("--tasks", steady.parent)
-    simulated = call(
-        "simulate", "steady", "--user", "average", "--attempts", 3, "--seed", 1, "-p", "P01", *where
-    )
+    simulated = call("simulate steady --user average --attempts 3 --seed 1 -p P01", *where)
     assert simulated.code == 0
     assert "variability" in simulated.out
 
-    found = call("show", "last", "--json", *where).json
+    found = call("show last --json", *where).json
     values = [attempt["qualities"]["variability_ms"] for attempt in found["attempts"]]
-    shown = call("show", "last", *where).out
+    shown = call("show last", *where).out
     assert all(f" {value:.0f} ms" in shown for value in values)
     mean = f"Variability: {fmean(values):.0f} ms."
     assert mean in shown
     assert mean in simulated.out
 
-    (line,) = call("progress", "P01", "--json", *where).json["lines"]
+    (line,) = call("progress P01 --json", *where).json["lines"]
     assert line["measured"] == [
         {"name": "variability_ms", "title": "variability", "unit": "ms", "decimals": 0}
     ]
-    told = call("progress", "P01", *where).out
+    told = call("progress P01", *where).out
     assert "variability (ms)" in told
     assert f" {fmean(values):.0f}\n" in told
 
@@ -61,18 +59,18 @@ def test_an_undeclared_measure_is_stored_and_has_its_name_in_progress(
     where = ("--tasks", steady.parent)
     simulate = ("simulate", "steady", "--user", "average", "--attempts", 2, "-p", "P01", *where)
     assert [call(*simulate, "--seed", seed).code for seed in (1, 2)] == [0, 0]
-    assert "ariability" not in call("show", "last", *where).out
-    assert "variability ms" in call("progress", "P01", *where).out
+    assert "ariability" not in call("show last", *where).out
+    assert "variability ms" in call("progress P01", *where).out
 
 
 def test_tasks_show_lists_details_and_measures(call: Call, steady: Path) -> None:
-    out = call("tasks", "show", "keyboard").out
+    out = call("tasks show keyboard").out
     assert "key_gap_ms" in out
     assert "Time since the key before this response, in ms." in out
     assert "Measures of an attempt" not in out
-    shown = call("tasks", "show", "steady", "--tasks", steady.parent)
+    shown = call("tasks show steady --tasks", steady.parent)
     assert "variability_ms" in shown.out
-    found = call("tasks", "show", "keyboard", "--json").json
+    found = call("tasks show keyboard --json").json
     assert found["details"][0] == {
         "name": "choices",
         "type": "integer",
@@ -86,7 +84,7 @@ def test_a_declaration_of_another_type_is_a_sentence(call: Call, steady: Path) -
         '(Measure("variability_ms", "variability", unit="ms", decimals=0),)',
         '("variability",)',
     )
-    said = call("tasks", "check", steady)
+    said = call("tasks check", steady)
     assert said.code == 1
     assert "its measured are not a tuple of Measure" in said.out
 

@@ -20,8 +20,8 @@ from tests.store.merge.sites import copy, play, site
 @pytest.fixture
 def zurich(call: Call, tmp_path: Path) -> Path:
     """The data folder that ``call`` uses, with a simulated session of P01."""
-    call("simulate", "keyboard", "--user", "average", "--seed", 2, "--attempts", 3, "-p", "P01")
-    call("site", "ZURICH")
+    call("simulate keyboard --user average --seed 2 --attempts 3 -p P01")
+    call("site ZURICH")
     return tmp_path / "data"
 
 
@@ -31,23 +31,10 @@ def bern(call: Call, tmp_path: Path, zurich: Path) -> Path:
     their codes.
     """
     folder = tmp_path / "bern"
-    call(
-        "simulate",
-        "keyboard",
-        "--user",
-        "poor",
-        "--attempts",
-        4,
-        "-p",
-        "P01",
-        "--seed",
-        1,
-        "--data",
-        folder,
-    )
-    call("simulate", "pairs", "--user", "average", "--attempts", 1, "-p", "P01", "-p", "P02", "--data", folder,
+    call("simulate keyboard --user poor --attempts 4 -p P01 --seed 1 --data", folder)
+    call("simulate pairs --user average --attempts 1 -p P01 -p P02 --data", folder,
          "--set", "address=code")  # fmt: skip
-    call("site", "BERN", "--data", folder)
+    call("site BERN --data", folder)
     return folder
 
 
@@ -57,11 +44,11 @@ def test_sessions_of_both_are_listed_and_those_of_a_code_stay_apart(
     called = call("merge", bern / "sar-tui.db")
     assert (called.code, called.err) == (0, "")
     assert called.out.startswith("From BERN: 2 new sessions.\nAs it was before: ")
-    rows = call("sessions", "--json").json["sessions"]
+    rows = call("sessions --json").json["sessions"]
     assert sorted((row["participant"], row["site"]) for row in rows) == [
         ("P01", "ZURICH"), ("P01@BERN", "BERN"), ("P01@BERN", "BERN"),
     ]  # fmt: skip
-    assert len(call("sessions", "-p", "P01", "--json").json["sessions"]) == 1
+    assert len(call("sessions -p P01 --json").json["sessions"]) == 1
     assert call("check").code == 0
     assert call("merge", bern).out == "From BERN: nothing that this database did not have.\n"
     if os.name == "posix":
@@ -74,7 +61,7 @@ def test_sessions_of_both_are_listed_and_those_of_a_code_stay_apart(
 def test_a_session_that_was_merged_is_shown_replayed_and_exported(
     call: Call, bern: Path, tmp_path: Path
 ) -> None:
-    there = {row["id"] for row in call("sessions", "--data", bern, "--json").json["sessions"]}
+    there = {row["id"] for row in call("sessions --data", bern, "--json").json["sessions"]}
     call("merge", bern)
     for session in there:
         here = call("show", session, "--json").json
@@ -84,18 +71,15 @@ def test_a_session_that_was_merged_is_shown_replayed_and_exported(
         ]
         assert "P01@BERN" in call("show", session).out
         assert call("replay", session, "--json").json["identical"]
-    assert call("progress", "p01@bern").out.startswith("P01@BERN · ")
+    assert call("progress p01@bern").out.startswith("P01@BERN · ")
     to = tmp_path / "out"
-    assert call("export", "-p", "P01@BERN", "--simulated", "--to", to).code == 0
+    assert call("export -p P01@BERN --simulated --to", to).code == 0
     with (to / "sessions.csv").open(encoding="utf-8", newline="") as file:
         assert {(row["participant"], row["site"]) for row in csv.DictReader(file)} == {
             ("P01@BERN", "BERN")
         }
     recoded = tmp_path / "recoded"
-    assert (
-        call("export", "--all", "--mixed", "--recode", tmp_path / "map.csv", "--to", recoded).code
-        == 0
-    )
+    assert call("export --all --mixed --recode", tmp_path / "map.csv", "--to", recoded).code == 0
     texts = [path.read_text(encoding="utf-8") for path in recoded.glob("*.csv")]
     assert not any("P01" in text for text in texts)
 
@@ -132,8 +116,8 @@ def test_what_another_site_recorded_is_changed_only_there(
         assert (called.code, called.out) == (2, ""), command
         assert "BERN" in called.err, command
         assert "only there" in called.err, command
-    assert "no interrupted session" in call("resume", "last").err
-    assert f"{event}@BERN" in call("adverse", "list").out
+    assert "no interrupted session" in call("resume last").err
+    assert f"{event}@BERN" in call("adverse list").out
 
 
 def test_a_session_that_runs_is_left_out_and_named(call: Call, zurich: Path, bern: Path) -> None:
@@ -143,7 +127,7 @@ def test_a_session_that_runs_is_left_out_and_named(call: Call, zurich: Path, ber
     held.release()
     assert called.code == 1
     assert "! Session abcdef0123 is running there" in called.out
-    assert len(call("sessions", "--json").json["sessions"]) == 3
+    assert len(call("sessions --json").json["sessions"]) == 3
     assert call("check").code == 0
     assert call("merge", bern).out.startswith("From BERN: 1 new session")
 
@@ -237,7 +221,7 @@ def test_two_databases_of_one_site_are_merged_only_if_that_is_said(
     play(laptop, "abcdef0123")
     assert "add --one-site" in call("merge", laptop).err
     assert call("merge", laptop, "--one-site").code == 0
-    assert len(call("sessions", "-p", "P01", "--json").json["sessions"]) == 2
+    assert len(call("sessions -p P01 --json").json["sessions"]) == 2
     assert (
         "leave out --one-site" in call("merge", site(tmp_path / "basel", "BASEL"), "--one-site").err
     )
@@ -256,16 +240,16 @@ def test_the_code_of_a_site_stays_once_data_was_merged(
     call: Call, zurich: Path, bern: Path
 ) -> None:
     call("merge", bern)
-    called = call("site", "GENF")
+    called = call("site GENF")
     assert called.code == 2
     assert "data of other sites was merged" in called.err
 
 
 def test_a_person_with_two_codes_is_listed(call: Call, zurich: Path, bern: Path) -> None:
-    assert call("merge", "--same", "p01@bern=P01").out.splitlines()[-1] == "P01@BERN is P01@ZURICH."
+    assert call("merge --same p01@bern=P01").out.splitlines()[-1] == "P01@BERN is P01@ZURICH."
     call("merge", bern)
-    assert len(call("sessions", "-p", "P01", "--json").json["sessions"]) == 3
-    assert call("merge", "--json").json["same"] == [["P01@BERN", "P01@ZURICH"]]
+    assert len(call("sessions -p P01 --json").json["sessions"]) == 3
+    assert call("merge --json").json["same"] == [["P01@BERN", "P01@ZURICH"]]
 
 
 def test_without_another_database_it_says_so_if_there_is_nothing_to_list(
@@ -274,26 +258,13 @@ def test_without_another_database_it_says_so_if_there_is_nothing_to_list(
     assert call("merge") == (0, "Nothing contradicts, and nobody has two codes.\n", "")
 
 
-@pytest.mark.parametrize("option", [("--site", "BERN"), ("--one-site",)])
-def test_options_about_another_database_need_one(call: Call, option: tuple[str, ...]) -> None:
-    refused = call("merge", *option)
-    assert refused.code == 2
-    assert (
-        refused.err
-        == "--site and --one-site are about another database: name it, such as sar-tui merge "
-        "bern.db.\n"
-    )
-
-
 def test_of_a_person_with_two_codes_the_other_one_is_told(
     call: Call, bern: Path, tmp_path: Path
 ) -> None:
     call("merge", bern, "--same", "P01@BERN=P01")
-    assert len(call("sessions", "-p", "P01", "--json").json["sessions"]) == 3
-    assert (
-        call("sessions", "-p", "P01@BERN").out == "P01@BERN is P01 here: sar-tui sessions -p P01\n"
-    )
-    refused = call("export", "-p", "P01@BERN", "--simulated", "--to", tmp_path / "out")
+    assert len(call("sessions -p P01 --json").json["sessions"]) == 3
+    assert call("sessions -p P01@BERN").out == "P01@BERN is P01 here: sar-tui sessions -p P01\n"
+    refused = call("export -p P01@BERN --simulated --to", tmp_path / "out")
     assert (refused.code, refused.err) == (
         2,
         "P01@BERN is P01 here: ask for the sessions of P01.\n",

@@ -13,8 +13,8 @@ from sar_tui.store.participants import UnknownParticipant, admit
 from tests.app.app_driver import known
 from tests.program import Call
 
-SCORE = ("FMA-UE", 34, "--on", "2026-03-01")
-FALL = ("--what", "Fell", "--onset", "2026-03-01", "--severity", "mild")
+SCORE = "FMA-UE 34 --on 2026-03-01".split()
+FALL = "--what Fell --onset 2026-03-01 --severity mild".split()
 REASON = ("--preset", "mild", "--reason", "First visit")
 RECORDS = {
     "instrument": lambda code: ("instrument", "add", code, *SCORE),
@@ -48,7 +48,7 @@ def test_a_typing_error_is_refused_with_the_nearest_code(
         "There is no participant P0L: give P01 if that is meant, or add --new for a new "
         "participant.\n"
     )
-    assert call("instrument", "remove", "P0L", "FMA-UE", "--on", "2026-03-01").code == 2
+    assert call("instrument remove P0L FMA-UE --on 2026-03-01").code == 2
     assert call("check").code == 0
 
 
@@ -57,7 +57,7 @@ def test_a_record_of_a_new_participant_without_a_session_is_whole(call: Call, re
     assert call(*RECORDS[record]("P09"), "--new").code == 0
     assert call(*RECORDS[record]("p09")).code == 0
     assert call("check").code == 0
-    assert call("backup", "--verify").code == 0
+    assert call("backup --verify").code == 0
     taken = call(*RECORDS[record]("P09"), "--new")
     assert (taken.code, taken.out) == (2, "")
     assert taken.err.startswith("P09 is known here already: leave out --new")
@@ -65,24 +65,24 @@ def test_a_record_of_a_new_participant_without_a_session_is_whole(call: Call, re
 
 def test_on_a_terminal_it_is_asked(call: Call, data: Path, on_a_terminal: list[str]) -> None:
     known(data, "P01")
-    refused = call("instrument", "add", "P0l", *SCORE)
+    refused = call("instrument add P0l", *SCORE)
     assert (refused.code, refused.err) == (1, "Nothing was done.\n")
-    assert call("instrument", "add", "P77", *SCORE).code == 0
+    assert call("instrument add P77", *SCORE).code == 0
     assert on_a_terminal == [
         "There is no participant P0L. Is it P01? Is P0L a new participant?",
         "There is no participant P77. Is P77 a new participant?",
     ]
-    assert "P0L" not in call("progress", "P77").out
+    assert "P0L" not in call("progress P77").out
 
 
 def test_a_value_that_cannot_be_makes_no_participant(call: Call) -> None:
-    assert call("instrument", "add", "P09", "FMA-UE", 900, "--on", "2026-03-01", "--new").code == 2
-    assert call("progress", "P09").code == 2
+    assert call("instrument add P09 FMA-UE 900 --on 2026-03-01 --new").code == 2
+    assert call("progress P09").code == 2
 
 
 def test_people_who_are_only_simulated_are_not_known(call: Call, simulated: str) -> None:
-    assert "add --new" in call("instrument", "add", "P01", *SCORE).err
-    assert call("instrument", "add", "P01", *SCORE, "--new").code == 0
+    assert "add --new" in call("instrument add P01", *SCORE).err
+    assert call("instrument add P01", *SCORE, "--new").code == 0
     assert call("check").code == 0
 
 

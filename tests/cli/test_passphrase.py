@@ -31,8 +31,8 @@ def test_it_is_set_from_standard_input_and_removed_again(
     assert (called.code, called.err) == (0, "")
     assert "The passphrase is set." in called.out
     assert Passphrase(folder).check("quiet river", "pause")
-    assert call("passphrase", "--remove").code == 0
-    assert call("passphrase", "--tries", "--json").json["is_set"] is False
+    assert call("passphrase --remove").code == 0
+    assert call("passphrase --tries --json").json["is_set"] is False
 
 
 def test_the_tries_are_listed(call: Call, folder: Path) -> None:
@@ -40,12 +40,12 @@ def test_the_tries_are_listed(call: Call, folder: Path) -> None:
     stored.set("quiet river")
     stored.check("wrong", "patient mode")
     stored.check("quiet river", "pause")
-    called = call("passphrase", "--tries")
+    called = call("passphrase --tries")
     assert [line.split()[2:] for line in called.out.splitlines()[1:]] == [
         ["wrong", "patient", "mode"],
         ["right", "pause"],
     ]
-    found = call("passphrase", "--tries", "--json").json
+    found = call("passphrase --tries --json").json
     assert found["is_set"] is True
     assert [each["result"] for each in found["tries"]] == ["wrong", "right"]
 
@@ -64,7 +64,7 @@ def test_none_or_a_short_one_is_refused(
 
 
 def test_two_options_that_exclude_each_other_are_refused(call: Call, folder: Path) -> None:
-    assert call("passphrase", "--remove", "--tries").code == 2
+    assert call("passphrase --remove --tries").code == 2
 
 
 @pytest.mark.skipif(os.name != "posix", reason="there are no pseudo-terminals")

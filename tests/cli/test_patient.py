@@ -38,6 +38,6 @@ def test_what_cannot_be_used_is_refused(
 
 
 def test_without_a_passphrase_it_says_how_to_set_one(call: Call, folder: Path) -> None:
-    called = call("--patient", "P01")
+    called = call("--patient P01")
     assert called.code == 2
     assert "sar-tui passphrase" in called.err

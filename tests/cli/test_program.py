@@ -124,55 +124,6 @@ def test_every_command_takes_the_data_and_tasks_folders_and_has_help(
     assert "--tasks DIR" in called.out
 
 
-@pytest.mark.parametrize(
-    ("arguments", "says"),
-    [
-        (["sessions", "-p", ""], "A participant code has 1 to 32 letters"),
-        (["adverse", "list", "-p", ""], "A participant code has 1 to 32 letters"),
-        (["progress", ""], "A participant code has 1 to 32 letters"),
-        (["show", ""], "There is no session with an empty name."),
-        (["wizard", ""], "The session's id is missing: it is empty."),
-        (
-            ["simulate", "keyboard", "--user", "average", "--theme", ""],
-            "There is no theme with an empty name.",
-        ),
-        (["simulate", "", "--user", "average"], "There is no task with an empty name."),
-        (["tasks", "check", ""], "a name is missing: it is empty."),
-        (["themes", "check", ""], "a name is missing: it is empty."),
-        (["link", "check", ""], "a name is missing: it is empty."),
-    ],
-)
-def test_an_empty_value_as_of_a_variable_that_is_not_set_is_bad_input(
-    call: Call, monkeypatch: pytest.MonkeyPatch, arguments: list[str], says: str
-) -> None:
-    monkeypatch.setattr("sar_tui.link.discovery.live_sessions", list)
-    called = call(*arguments)
-    assert (called.code, called.out) == (2, "")
-    assert says in called.err
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ["nonsense"],
-        ["--nonsense"],
-        ["simulate"],
-        ["tasks", "nonsense"],
-        ["run", "keyboard"],
-        ["show"],
-        ["graph"],
-    ],
-    ids=" ".join,
-)
-def test_bad_usage_is_reported_plainly(call: Call, arguments: list[str]) -> None:
-    called = call(*arguments)
-    assert called.code == 2
-    assert called.out == ""
-    assert called.err.startswith("Usage: sar-tui")
-    assert "Error: " in called.err
-    assert "╭" not in called.err
-
-
 @pytest.mark.parametrize("before", [True, False], ids=["before the command", "after it"])
 def test_the_data_folder_may_be_named_before_or_after_the_command(
     call: Call, tmp_path: Path, before: bool
@@ -202,14 +153,6 @@ def test_a_folder_without_a_name_is_bad_usage_and_not_the_present_folder(
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize(
-    "arguments", [["--tasks", "/no/such", "tasks"], ["tasks", "--tasks", "/no/such"]]
-)
-def test_a_tasks_folder_that_is_not_there_is_bad_input(call: Call, arguments: list[str]) -> None:
-    called = call(*arguments)
-    assert (called.code, called.err) == (2, "There is no folder /no/such for tasks.\n")
-
-
 def test_a_file_that_is_no_database_is_bad_input(call: Call, tmp_path: Path) -> None:
     (tmp_path / "data").mkdir()
     (tmp_path / "data" / "sar-tui.db").write_text("Dear diary, today I was a text file.")
@@ -228,7 +171,7 @@ def test_a_newer_database_is_bad_input(call: Call, tmp_path: Path, simulated: st
 
 def test_a_folder_that_cannot_be_made_is_a_failure(call: Call, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    called = call("sessions", "--data", tmp_path / "file" / "data")
+    called = call("sessions --data", tmp_path / "file" / "data")
     assert called.code == 1
     assert "cannot be written to" in called.err
     assert called.err.count("\n") == 1
@@ -301,10 +244,7 @@ def test_ctrl_c_while_the_program_is_loaded_is_130_and_a_word() -> None:
 @pytest.mark.skipif(os.name != "posix", reason="pipes of POSIX systems")
 @pytest.mark.parametrize("how", ["--json", "table"])
 def test_a_reader_that_goes_away_is_no_error(call: Call, tmp_path: Path, how: str) -> None:
-    assert (
-        call("simulate", "keyboard", "--user", "poor", "--attempts", 4, "--data", tmp_path).code
-        == 0
-    )
+    assert call("simulate keyboard --user poor --attempts 4 --data", tmp_path).code == 0
     reading, writing = os.pipe()
     os.close(reading)
     done = subprocess.run(
@@ -439,7 +379,7 @@ def test_a_name_that_is_too_long_is_bad_input(
 def test_an_argument_that_is_not_text_is_bad_input(
     call: Call, tmp_path: Path, arguments: list[str]
 ) -> None:
-    called = call("simulate", "keyboard", "--user", "poor", *arguments)
+    called = call("simulate keyboard --user poor", *arguments)
     assert called.code == 2
     assert "unexpected" not in called.err
     assert NOT_TEXT not in called.err
@@ -451,10 +391,10 @@ def test_a_theme_whose_name_is_not_text_is_bad_input(
 ) -> None:
     monkeypatch.setattr("sar_tui.plugin_loader.user_folder", lambda: tmp_path)
     shutil.copytree(Catalogue().theme_folder("calm"), tmp_path / "themes" / NOT_TEXT)
-    called = call("simulate", "keyboard", "--user", "poor", "--theme", NOT_TEXT)
+    called = call("simulate keyboard --user poor --theme", NOT_TEXT)
     assert called.code == 2
     assert called.err == "The theme � cannot be read: the name of its folder is not UTF-8.\n"
-    assert call("themes", "--json").json["themes"][-1]["name"] == NOT_TEXT
+    assert call("themes --json").json["themes"][-1]["name"] == NOT_TEXT
 
 
 def test_with_redirected_streams_the_app_is_refused(tmp_path: Path) -> None:

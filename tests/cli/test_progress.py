@@ -14,14 +14,14 @@ from tests.program import Call
 def trained(call: Call) -> list[str]:
     """The ids of two short simulated sessions of P01."""
     return [
-        call("simulate", "keyboard", "--user", "average", "--seed", seed, "-p", "P01", "--json",
+        call("simulate keyboard --user average --seed", seed, "-p", "P01", "--json",
              "--set", "prompts_per_attempt=5", "--attempts", 12).json["session"]
         for seed in (1, 2)
     ]  # fmt: skip
 
 
 def test_progress_shows_the_sessions_and_what_can_be_said(call: Call, trained: list[str]) -> None:
-    called = call("progress", "p01")
+    called = call("progress p01")
     assert called.code == 0
     assert all(session[:6] in called.out for session in trained)
     assert "P01 · Keyboard reaction · goal 1.0 s · simulated · Prompts per attempt 5" in called.out
@@ -31,7 +31,7 @@ def test_progress_shows_the_sessions_and_what_can_be_said(call: Call, trained: l
 
 
 def test_json_has_every_line_and_session(call: Call, trained: list[str]) -> None:
-    found = call("progress", "P01", "--json").json
+    found = call("progress P01 --json").json
     assert found["participant"] == "P01"
     (line,) = found["lines"]
     assert [each["session"] for each in line["sessions"]] == trained
@@ -43,8 +43,8 @@ def test_json_has_every_line_and_session(call: Call, trained: list[str]) -> None
 
 @pytest.mark.usefixtures("trained")
 def test_a_note_is_one_paragraph_in_either_language(call: Call) -> None:
-    english = call("progress", "P01", "--note").out.strip()
-    spanish = call("progress", "P01", "--note", "--language", "es").out.strip()
+    english = call("progress P01 --note").out.strip()
+    spanish = call("progress P01 --note --language es").out.strip()
     assert english.startswith("P01, Keyboard reaction · goal 1.0 s")
     assert spanish.startswith("P01, Reacción con el teclado · meta 1,0 s")
     assert "\n" not in english + spanish
@@ -54,37 +54,15 @@ def test_a_note_is_one_paragraph_in_either_language(call: Call) -> None:
 
 def test_two_sessions_are_compared(call: Call, trained: list[str]) -> None:
     named = f"{trained[0][:6]},last"
-    assert "How much is noise is not yet known" in call("progress", "P01", "--compare", named).out
-    compared = call("progress", "P01", "--compare", named, "--json").json
+    assert "How much is noise is not yet known" in call("progress P01 --compare", named).out
+    compared = call("progress P01 --compare", named, "--json").json
     assert (compared["earlier"]["session"], compared["later"]["session"]) == tuple(trained)
     assert compared["verdict"] == "not yet known"
 
 
-@pytest.mark.usefixtures("trained")
-@pytest.mark.parametrize(
-    ("arguments", "says"),
-    [
-        (("P1",), "There is no participant P1. Is it P01?"),
-        (("P99", "--json"), "There is no participant P99."),
-        (("P01", "--task", "reaching"), "P01 has no finished attempts of the task reaching yet."),
-        (("not a code",), "A participant code has 1 to 32 letters"),
-        (("P01", "--language", "fr"), "Choose one of: en, es."),
-        (("P01", "--compare", "last"), "--compare takes two sessions"),
-        (
-            ("P01", "--compare", "last,zz"),
-            "No session with a finished attempt of P01 begins with zz.",
-        ),
-    ],
-)
-def test_bad_input_is_told_in_a_sentence(call: Call, arguments: tuple[str, ...], says: str) -> None:
-    called = call("progress", *arguments)
-    assert (called.code, called.out) == (2, "")
-    assert says in called.err
-
-
 def test_a_participant_without_sessions_has_no_lines_in_json(call: Call) -> None:
-    call("instrument", "add", "P09", "BBT", 30, "--on", "2026-03-01", "--new")
-    found = call("progress", "P09", "--json").json
+    call("instrument add P09 BBT 30 --on 2026-03-01 --new")
+    found = call("progress P09 --json").json
     assert (found["participant"], found["lines"], found["days"], len(found["instruments"])) == (
         "P09",
         [],
@@ -102,11 +80,11 @@ def test_a_page_is_written_for_its_owner_alone_and_never_overwritten(
         sys.modules, "vl_convert", SimpleNamespace(vegalite_to_svg=lambda spec: "<svg ></svg>")
     )
     file = tmp_path / "p01.html"
-    assert call("progress", "P01", "--html", file).code == 0
+    assert call("progress P01 --html", file).code == 0
     assert "<h1>P01 · Progress</h1>" in file.read_text(encoding="utf-8")
     if os.name == "posix":
         assert file.stat().st_mode & 0o777 == 0o600
-    again = call("progress", "P01", "--html", file)
+    again = call("progress P01 --html", file)
     assert (again.code, "is not overwritten" in again.err) == (2, True)
 
 
@@ -115,7 +93,7 @@ def test_without_the_package_no_page_is_left(
     call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "vl_convert", None)
-    called = call("progress", "P01", "--html", tmp_path / "p01.html")
+    called = call("progress P01 --html", tmp_path / "p01.html")
     assert called.code == 2
     assert ".[report]" in called.err
     assert not (tmp_path / "p01.html").exists()

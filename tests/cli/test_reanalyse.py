@@ -72,15 +72,15 @@ def test_the_same_detector_gives_exactly_what_was_recorded(call: Call, reached: 
 )
 def test_the_results_are_the_same_for_any_settings(call: Call, settings: tuple[str, ...]) -> None:
     options = [word for setting in settings for word in ("--set", setting)]
-    call("simulate", "reaching", "--user", "average", "--seed", 5, "--attempts", 2, *options)
-    trials = call("reanalyse", "last", "--json").json["trials"]
+    call("simulate reaching --user average --seed 5 --attempts 2", *options)
+    trials = call("reanalyse last --json").json["trials"]
     assert all(row["equal"] for row in trials)
     assert any(row["reach_time_ms"] for row in trials)
 
 
 def test_another_detector_can_be_asked_for(call: Call) -> None:
-    call("simulate", "reaching", "--user", "average", "--seed", 5, "--attempts", 2)
-    printed = call("reanalyse", "last", "--detector", "fixed-threshold", "--json").json
+    call("simulate reaching --user average --seed 5 --attempts 2")
+    printed = call("reanalyse last --detector fixed-threshold --json").json
     assert printed["detector"] == "fixed-threshold"
     trials = recorded(call, "last")
     assert [row["reach_time_ms"] for row in printed["trials"]] == [
@@ -97,18 +97,18 @@ def test_a_reach_is_measured_by_the_version_it_was_recorded_with(
     call: Call, tmp_path: Path
 ) -> None:
     settings = ("--seed", 5, "--attempts", 2, "--set", "detector=single-axis")
-    call("simulate", "reaching", "--user", "average", *settings)
+    call("simulate reaching --user average", *settings)
     change(
         tmp_path,
         "UPDATE trials SET details = json_remove(details, '$.measures_version') WHERE attempt = 2",
     )
-    first, second = call("reanalyse", "last", "--json").json["trials"]
+    first, second = call("reanalyse last --json").json["trials"]
     assert first["details"]["measures_version"] == 2
     assert "measures_version" not in second["details"]
 
 
 def test_people_read_a_table_and_a_sentence(call: Call, reached: str) -> None:
-    called = call("reanalyse", "last")
+    called = call("reanalyse last")
     assert (called.code, called.err) == (0, "")
     assert "difference, ms" in called.out
     assert called.out.endswith(
@@ -169,9 +169,7 @@ def test_sessions_of_two_are_refused_with_a_reason(call: Call) -> None:
         1,
         "--json",
     )
-    session = call("simulate", "pairs", "--user", "average", "--user", "average", *few).json[
-        "session"
-    ]
+    session = call("simulate pairs --user average --user average", *few).json["session"]
     called = call("reanalyse", session)
     assert (called.code, called.out) == (2, "")
     assert called.err == (
@@ -197,7 +195,3 @@ def test_a_detector_that_no_longer_exists_is_bad_input(
     assert called.code == 2
     assert "Attempt 1, trial 1 was found by the detector clairvoyant" in called.err
     assert call("reanalyse", reached, "--detector", "single-axis").code == 0
-
-
-def test_an_unknown_session_is_bad_input(call: Call) -> None:
-    assert call("reanalyse", "zzz").code == 2

@@ -10,7 +10,10 @@ from typing import Any
 
 import pytest
 
-from sar_tui.cli.doctor.storage import saved_data
+from sar_tui.cli.common import Home
+from sar_tui.cli.doctor import machine
+from sar_tui.cli.doctor.finding import Finding, Machine
+from sar_tui.outputs.sound.protocol import Examined
 from sar_tui.store import sessions
 from sar_tui.store.database import FILE, connect
 from sar_tui.store.rescue import rescue_files
@@ -27,10 +30,14 @@ def waiting(tmp_path: Path) -> str:
     return rescued(tmp_path / "data").id
 
 
+def saved_data(folder: Path) -> Finding:
+    return machine.saved_data(Machine(Home(folder), Examined))
+
+
 def test_without_rescue_files_there_is_nothing_to_do(call: Call, tmp_path: Path) -> None:
     called = call("rescue")
     assert (called.code, called.out) == (0, f"There are no rescue files in {tmp_path / 'data'}.\n")
-    assert call("rescue", "--json").json == {"sessions": []}
+    assert call("rescue --json").json == {"sessions": []}
 
 
 def test_a_rescue_file_is_brought_back(call: Call, waiting: str) -> None:
@@ -39,7 +46,7 @@ def test_a_rescue_file_is_brought_back(call: Call, waiting: str) -> None:
         0,
         f"Session {waiting} of P01 (keyboard) is in the database again.\n",
     )
-    listed = call("sessions", "--json")
+    listed = call("sessions --json")
     assert [row["id"] for row in listed.json["sessions"]] == [waiting]
     assert listed.err == ""
     assert call("rescue").out.startswith("There are no rescue files")
@@ -158,7 +165,7 @@ def test_a_session_is_not_resumed_while_its_last_messages_are_in_a_rescue_file(
 
 def test_commands_and_doctor_say_that_data_was_lost(call: Call, crashed: Path) -> None:
     (crashed / f"{FILE}-wal").unlink()
-    assert call("sessions", "--data", crashed).err.startswith("! Data was lost: session ")
+    assert call("sessions --data", crashed).err.startswith("! Data was lost: session ")
     finding = saved_data(crashed)
     assert finding.state == "bad"
     assert "was saved up to attempt 2, trial 1" in finding.found

@@ -12,7 +12,7 @@ import pytest
 from sar_tui.reports.answers import lines
 
 Call = Callable[..., Any]
-KEYBOARD = ("simulate", "keyboard", "--user", "average", "--attempts", "2", "--seed", "2")
+KEYBOARD = "simulate keyboard --user average --attempts 2 --seed 2".split()
 SHORT = ("--set", "prompts_per_attempt=2")
 STEPS = """
 [[steps]]
@@ -65,7 +65,7 @@ def test_answers_are_stored_apart_from_trials_and_scores(asked: Path) -> None:
 
 
 def test_a_session_with_questions_replays_identically(call: Call, asked: Path) -> None:
-    replayed = call("replay", "last", "--data", asked)
+    replayed = call("replay last --data", asked)
     assert (replayed.code, "identical" in replayed.out) == (0, True)
 
 
@@ -74,9 +74,7 @@ def test_typed_words_leave_only_with_notes(call: Call, asked: Path, tmp_path: Pa
     assert typed[1] == "answered"
     for more, has_words in (((), False), (("--with-notes",), True)):
         folder = tmp_path / f"export{has_words}"
-        assert (
-            call("export", "--all", "--simulated", *more, "--data", asked, "--to", folder).code == 0
-        )
+        assert call("export --all --simulated", *more, "--data", asked, "--to", folder).code == 0
         with (folder / "answers.csv").open() as file:
             table = list(csv.DictReader(file))
         assert ("words" in table[0]) is has_words
@@ -97,11 +95,11 @@ def test_steps_that_cannot_be_used_are_refused(call: Call, tmp_path: Path) -> No
 
 
 def test_answers_are_shown_with_the_session(call: Call, asked: Path) -> None:
-    shown = call("show", "last", "--data", asked).out
+    shown = call("show last --data", asked).out
     assert "After attempt 1: How do you feel? " in shown
     assert "After attempt 2: How hard was that for you? " in shown
     assert "Next comes the harder part." not in shown
-    rows = call("show", "last", "--data", asked, "--json").json["answers"]
+    rows = call("show last --data", asked, "--json").json["answers"]
     assert [row["step"] for row in rows] == ["read", "mood", "effort", "mood", "words"]
     assert rows[1]["labels"] == ["very bad", "very good"]
 

@@ -16,7 +16,7 @@ def rated(call: Call, tmp_path: Path) -> tuple[Path, str]:
     documented(tmp_path / "mytasks", "pleasant")
     tasks = tmp_path / "mytasks"
     who = ("--user", "average", "-p", "P01", "--attempts", 3, "--seed", 1)
-    done = call("simulate", "pleasant", *who, "--tasks", tasks, "--json")
+    done = call("simulate pleasant", *who, "--tasks", tasks, "--json")
     return tasks, str(done.json["session"])
 
 
@@ -24,14 +24,12 @@ def test_it_is_listed_without_a_metric(call: Call, rated: tuple[Path, str]) -> N
     tasks, _ = rated
     (listed,) = [
         row
-        for row in call("tasks", "--json", "--tasks", tasks).json["tasks"]
+        for row in call("tasks --json --tasks", tasks).json["tasks"]
         if row["name"] == "pleasant"
     ]
     assert listed["metric"] is None
-    assert (
-        call("tasks", "show", "pleasant", "--json", "--tasks", tasks).json["task"]["metric"] is None
-    )
-    assert "How pleasant?" in call("tasks", "--tasks", tasks).out
+    assert call("tasks show pleasant --json --tasks", tasks).json["task"]["metric"] is None
+    assert "How pleasant?" in call("tasks --tasks", tasks).out
 
 
 def test_a_session_is_shown_without_results_goals_and_plot(
@@ -53,13 +51,13 @@ def test_progress_has_its_sessions_and_says_nothing_of_a_goal(
     call: Call, rated: tuple[Path, str]
 ) -> None:
     tasks, _ = rated
-    told = call("progress", "P01", "--tasks", tasks)
+    told = call("progress P01 --tasks", tasks)
     assert (told.code, "100%" in told.out, "level at goal is not known" in told.out) == (
         0,
         True,
         False,
     )
-    (line,) = call("progress", "P01", "--json", "--tasks", tasks).json["lines"]
+    (line,) = call("progress P01 --json --tasks", tasks).json["lines"]
     assert [(each["attempts"], each["reached"], each["mean"]) for each in line["sessions"]] == [
         (3, None, None)
     ]
@@ -103,4 +101,4 @@ def test_it_is_exported(call: Call, rated: tuple[Path, str], tmp_path: Path, kin
 @pytest.mark.slow
 def test_it_passes_its_check(call: Call, rated: tuple[Path, str]) -> None:
     tasks, _ = rated
-    assert call("tasks", "check", tasks / "pleasant").code == 0
+    assert call("tasks check", tasks / "pleasant").code == 0

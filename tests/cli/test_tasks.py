@@ -11,7 +11,9 @@ import pytest
 
 from sar_tui.checks.task import check
 from sar_tui.cli.common import Home
-from sar_tui.cli.doctor.installation import tasks
+from sar_tui.cli.doctor.finding import Machine
+from sar_tui.cli.doctor.machine import tasks
+from sar_tui.outputs.sound.protocol import Examined
 from sar_tui.plugins import Catalogue, task_folder
 from tests.edit import edit
 from tests.examples import first
@@ -25,7 +27,7 @@ BUNDLED = sorted(set(Catalogue().task_names()) - {"flanker"})
 @pytest.fixture
 def tapping(call: Call, tmp_path: Path) -> Path:
     """The folder of a new task, in which people tap."""
-    assert call("tasks", "new", "drumming", "--to", tmp_path / "mine").code == 0
+    assert call("tasks new drumming --to", tmp_path / "mine").code == 0
     folder = tmp_path / "mine" / "drumming"
     shutil.copyfile(TESTS / "drumming_task.py", folder / "task.py")
     return folder
@@ -58,7 +60,7 @@ def test_tasks_are_listed_with_title_summary_and_metric(call: Call) -> None:
 
 
 def test_tasks_json(call: Call) -> None:
-    tasks = {task["name"]: task for task in call("tasks", "--json").json["tasks"]}
+    tasks = {task["name"]: task for task in call("tasks --json").json["tasks"]}
     assert list(tasks) == sorted(tasks)
     assert (tasks["keyboard"]["title"], tasks["keyboard"]["trains"]) == (
         "Keyboard reaction",
@@ -75,28 +77,28 @@ def test_a_task_that_replaces_a_built_in_one_is_named_and_its_sessions_say_so(
     own = tmp_path / "own" / "keyboard"
     shutil.copytree(task_folder(Catalogue().task("keyboard")), own)
     says = f"keyboard: your own in {own} replaces the built-in one."
-    assert f"! {says}" in call("tasks", "--tasks", own.parent).out
+    assert f"! {says}" in call("tasks --tasks", own.parent).out
     assert says not in call("tasks").out
-    found = tasks(Home(tmp_path, (own.parent,)))
+    found = tasks(Machine(Home(tmp_path, (own.parent,)), Examined))
     assert (found.state, found.found) == ("care", says)
-    call("simulate", "keyboard", "--user", "average", "--attempts", 1, "--tasks", own.parent)
-    session = call("sessions", "--json").json["sessions"][0]
+    call("simulate keyboard --user average --attempts 1 --tasks", own.parent)
+    session = call("sessions --json").json["sessions"][0]
     assert session["software"]["task"]["source"] == "own"
 
 
 def test_a_task_that_fails_to_load_is_listed_with_its_reason(call: Call, change: Change) -> None:
     folder = change("import msgspec", "import no_such_library").parent
-    called = call("tasks", "--tasks", folder)
+    called = call("tasks --tasks", folder)
     assert called.code == 0
     assert "✗ drumming: The task drumming cannot be loaded: ModuleNotFoundError" in called.out
     assert "keyboard" in called.out
-    broken = call("tasks", "--tasks", folder, "--json").json["tasks"][-1]
+    broken = call("tasks --tasks", folder, "--json").json["tasks"][-1]
     assert set(broken) == {"name", "error"}
-    assert call("simulate", "drumming", "--user", "poor", "--tasks", folder).code == 2
+    assert call("simulate drumming --user poor --tasks", folder).code == 2
 
 
 def test_a_task_shows_its_parameters(call: Call) -> None:
-    called = call("tasks", "show", "keyboard")
+    called = call("tasks show keyboard")
     assert called.code == 0
     for part in (
         "prompts_per_attempt",
@@ -115,44 +117,34 @@ def test_a_task_shows_its_parameters(call: Call) -> None:
 
 
 def test_parameters_as_json(call: Call) -> None:
-    printed = call("tasks", "show", "keyboard", "--json").json
+    printed = call("tasks show keyboard --json").json
     assert printed["task"]["name"] == "keyboard"
     prompts = next(row for row in printed["parameters"] if row["name"] == "prompts_per_attempt")
     assert (prompts["default"], prompts["ge"], prompts["le"]) == (20, 1, 200)
 
 
 def test_showing_an_unknown_task_is_bad_input(call: Call) -> None:
-    assert call("tasks", "show", "juggling").code == 2
+    assert call("tasks show juggling").code == 2
 
 
 # --- created
 
 
 def test_a_new_task_passes_its_check_and_runs(call: Call, tapping: Path) -> None:
-    called = call("tasks", "check", tapping)
+    called = call("tasks check", tapping)
     assert called.code == 0
     assert "✗" not in called.out
     rows = call(
-        "simulate",
-        "drumming",
-        "--user",
-        "competent",
-        "--seed",
-        1,
-        "--tasks",
-        tapping.parent,
-        "--json",
+        "simulate drumming --user competent --seed 1 --tasks", tapping.parent, "--json"
     ).json
     assert {row["metric_unit"] for row in rows["attempts"]} == {"taps/s"}
     assert len({row["level"] for row in rows["attempts"]}) > 1
 
 
 def test_without_a_model_a_new_task_has_one_prompt_and_one_key(call: Call, tmp_path: Path) -> None:
-    assert call("tasks", "new", "pressing", "--to", tmp_path).code == 0
+    assert call("tasks new pressing --to", tmp_path).code == 0
     assert "Choice reaction" in (tmp_path / "pressing" / "README.md").read_text()
-    called = call(
-        "simulate", "pressing", "--user", "average", "--attempts", 2, "--tasks", tmp_path, "--json"
-    )
+    called = call("simulate pressing --user average --attempts 2 --tasks", tmp_path, "--json")
     assert {row["metric_unit"] for row in called.json["attempts"]} == {"ms"}
 
 
@@ -161,14 +153,14 @@ def test_a_new_task_works_and_has_a_test_beside_it(
     call: Call, tmp_path: Path, model: str | None
 ) -> None:
     chosen = ["--from", model] if model else []
-    assert call("tasks", "new", "mine", *chosen, "--to", tmp_path).code == 0
+    assert call("tasks new mine", *chosen, "--to", tmp_path).code == 0
     assert "xample" not in (tmp_path / "mine" / "task.py").read_text()
     test = runpy.run_path(str(tmp_path / "mine" / "test_task.py"))
     test["test_it_keeps_the_contract_of_tasks_and_simulated_people_can_do_it"]()
 
 
 def test_an_unknown_model_is_bad_input(call: Call, tmp_path: Path) -> None:
-    called = call("tasks", "new", "mine", "--from", "chess", "--to", tmp_path)
+    called = call("tasks new mine --from chess --to", tmp_path)
     assert called.code == 2
     assert "chess" in called.err
     assert not (tmp_path / "mine").exists()
@@ -194,7 +186,7 @@ def test_people_tap_at_their_own_rate(call: Call, tapping: Path) -> None:
             "--tasks",
             tapping.parent,
         )
-        rows = call("simulate", "drumming", "--user", user, *fixed, "--json").json["attempts"]
+        rows = call("simulate drumming --user", user, *fixed, "--json").json["attempts"]
         return float(sum(row["metric"] for row in rows))
 
     assert rate("poor") < rate("average") < rate("competent")
@@ -202,7 +194,7 @@ def test_people_tap_at_their_own_rate(call: Call, tapping: Path) -> None:
 
 @pytest.mark.parametrize("name", ["Two words", "1st", "Tapping", "../up"])
 def test_an_invalid_name_is_bad_input(call: Call, tmp_path: Path, name: str) -> None:
-    called = call("tasks", "new", name, "--to", tmp_path / "mine")
+    called = call("tasks new", name, "--to", tmp_path / "mine")
     assert called.code == 2
     assert "small letters" in called.err
     assert not (tmp_path / "mine").exists()
@@ -210,7 +202,7 @@ def test_an_invalid_name_is_bad_input(call: Call, tmp_path: Path, name: str) -> 
 
 def test_an_existing_folder_is_never_overwritten(call: Call, tapping: Path) -> None:
     (tapping / "task.py").write_text("mine")
-    called = call("tasks", "new", "drumming", "--to", tapping.parent)
+    called = call("tasks new drumming --to", tapping.parent)
     assert called.code == 2
     assert "exists already" in called.err
     assert (tapping / "task.py").read_text() == "mine"
@@ -222,13 +214,13 @@ def test_an_existing_folder_is_never_overwritten(call: Call, tapping: Path) -> N
 def test_the_bundled_task_passes_its_check(call: Call) -> None:
     from sar_tui.plugins import Catalogue, task_folder
 
-    called = call("tasks", "check", task_folder(Catalogue().task("keyboard")))
+    called = call("tasks check", task_folder(Catalogue().task("keyboard")))
     assert called.code == 0
     assert "keyboard passes all checks." in called.out
 
 
 def test_checks_as_json_leave_no_data_behind(call: Call, tapping: Path, tmp_path: Path) -> None:
-    printed = call("tasks", "check", tapping, "--json").json
+    printed = call("tasks check", tapping, "--json").json
     assert (printed["task"], printed["passed"]) == ("drumming", True)
     assert all(
         set(row) == {"check", "ok", "problem", "warning"} and row["ok"] for row in printed["checks"]
@@ -263,7 +255,7 @@ def test_checks_as_json_leave_no_data_behind(call: Call, tapping: Path, tmp_path
 def test_each_breach_of_the_contract_is_named(
     call: Call, change: Change, old: str, new: str, says: str
 ) -> None:
-    called = call("tasks", "check", change(old, new))
+    called = call("tasks check", change(old, new))
     assert called.code == 1
     assert says in called.out
     assert called.err == ""
@@ -291,35 +283,24 @@ def test_a_task_whose_sensor_cannot_be_named_is_told_so(call: Call, tmp_path: Pa
 
 def test_a_task_in_a_folder_of_another_name_is_named(call: Call, tapping: Path) -> None:
     folder = Path(shutil.copytree(tapping, tapping.parent / "other"))
-    called = call("tasks", "check", folder)
+    called = call("tasks check", folder)
     assert called.code == 1
     assert "has the name drumming" in called.out
 
 
 def test_checking_a_missing_folder_is_bad_input(call: Call, tmp_path: Path) -> None:
-    assert call("tasks", "check", tmp_path / "nowhere").code == 2
+    assert call("tasks check", tmp_path / "nowhere").code == 2
 
 
 def test_a_session_of_a_task_that_is_not_found_says_what_is_missing(
     call: Call, tapping: Path
 ) -> None:
-    done = call(
-        "simulate",
-        "drumming",
-        "--user",
-        "poor",
-        "--attempts",
-        1,
-        "--seed",
-        1,
-        "--tasks",
-        tapping.parent,
-    )
+    done = call("simulate drumming --user poor --attempts 1 --seed 1 --tasks", tapping.parent)
     assert f"--tasks {tapping.parent}` shows more" in done.out
-    shown = call("show", "last")
+    shown = call("show last")
     assert shown.code == 0
     assert "! There is no task drumming." in shown.out
-    assert "There is no task" not in call("show", "last", "--tasks", tapping.parent).out
+    assert "There is no task" not in call("show last --tasks", tapping.parent).out
 
 
 def test_meanings_of_details_are_told_however_they_are_annotated(call: Call, tapping: Path) -> None:
@@ -327,7 +308,7 @@ def test_meanings_of_details_are_told_however_they_are_annotated(call: Call, tap
     old = re.search(r'msgspec\.Meta\(description=("[^"]+")\)', task.read_text())
     assert old
     task.write_text(task.read_text().replace(old[0], old[1]))
-    told = call("tasks", "show", "drumming", "--json", "--tasks", tapping.parent).json["details"]
+    told = call("tasks show drumming --json --tasks", tapping.parent).json["details"]
     assert all(detail["description"] for detail in told)
 
 

@@ -59,7 +59,7 @@ def test_themes_are_listed_with_title_languages_and_summary(call: Call) -> None:
 
 
 def test_themes_json(call: Call) -> None:
-    rows = call("themes", "--json").json["themes"]
+    rows = call("themes --json").json["themes"]
     assert [row["name"] for row in rows] == ["calm", "high-contrast", "playful"]
     assert rows[0] == {
         "name": "calm",
@@ -78,7 +78,7 @@ def test_an_incomplete_theme_is_listed_with_what_to_do(
         "! evening has problems, so replacements are used: sar-tui themes check evening"
         in call("themes").out
     )
-    row = next(row for row in call("themes", "--json").json["themes"] if row["name"] == "evening")
+    row = next(row for row in call("themes --json").json["themes"] if row["name"] == "evening")
     assert "There is no face for sleeping." in row["repairs"]
 
 
@@ -91,7 +91,7 @@ def test_a_theme_that_cannot_be_read_is_listed_with_its_reason(
     assert called.code == 0
     assert "✗ The theme evening cannot be read: There is no phrases.en.toml." in called.out
     assert "calm" in called.out
-    assert set(call("themes", "--json").json["themes"][-1]) == {"name", "error"}
+    assert set(call("themes --json").json["themes"][-1]) == {"name", "error"}
 
 
 # --- created
@@ -99,10 +99,10 @@ def test_a_theme_that_cannot_be_read_is_listed_with_its_reason(
 
 @pytest.mark.parametrize("model", ["calm", "high-contrast", "playful"])
 def test_a_new_theme_passes_its_check(call: Call, tmp_path: Path, model: str) -> None:
-    called = call("themes", "new", "warm-light", "--from", model, "--to", tmp_path)
+    called = call("themes new warm-light --from", model, "--to", tmp_path)
     assert called.code == 0
     assert f"Created {tmp_path / 'warm-light'}, a copy of {model}" in called.out
-    checked = call("themes", "check", tmp_path / "warm-light")
+    checked = call("themes check", tmp_path / "warm-light")
     assert checked.code == 0
     assert "✗" not in checked.out
     assert (
@@ -126,17 +126,17 @@ def test_a_new_theme_keeps_the_comments_of_its_template(
 def test_a_new_theme_is_created_in_the_users_folder_by_default(
     call: Call, own_themes: Path
 ) -> None:
-    called = call("themes", "new", "evening")
+    called = call("themes new evening")
     assert called.code == 0
     assert "sar-tui themes check evening" in called.out
-    assert call("themes", "check", "evening").code == 0
+    assert call("themes check evening").code == 0
     assert "Evening" in call("themes").out
     assert Catalogue().theme("evening", "es").phrases == Catalogue().theme("calm", "es").phrases
     assert (own_themes / "evening" / "theme.toml").is_file()
 
 
 def test_creating_a_theme_elsewhere_prints_how_to_use_it(call: Call, tmp_path: Path) -> None:
-    called = call("themes", "new", "dusk", "--to", tmp_path)
+    called = call("themes new dusk --to", tmp_path)
     assert f"sar-tui themes check {tmp_path / 'dusk'}" in called.out
     assert f"To choose it in a session, move it to {user_folder() / 'themes'}." in called.out
 
@@ -150,15 +150,15 @@ def test_images_and_folders_of_the_template_are_copied_and_can_be_edited(
     for file in model.glob("*.toml"):
         file.chmod(0o444)
     shutil.copytree(model, own_themes / "evening")
-    assert call("themes", "new", "night", "--from", "evening", "--to", tmp_path).code == 0
+    assert call("themes new night --from evening --to", tmp_path).code == 0
     assert (tmp_path / "night" / "faces" / "happy.png").read_bytes() == b"\x89PNG"
     assert (tmp_path / "night" / "theme.toml").stat().st_mode & 0o200
-    assert call("themes", "check", tmp_path / "night").code == 0
+    assert call("themes check", tmp_path / "night").code == 0
 
 
 @pytest.mark.parametrize("name", ["Two words", "1st", "Evening", "../up", "a--b", "évening", ""])
 def test_an_invalid_name_is_bad_input(call: Call, tmp_path: Path, name: str) -> None:
-    called = call("themes", "new", name, "--to", tmp_path / "mine")
+    called = call("themes new", name, "--to", tmp_path / "mine")
     assert called.code == 2
     assert "small letters" in called.err
     assert not (tmp_path / "mine").exists()
@@ -166,7 +166,7 @@ def test_an_invalid_name_is_bad_input(call: Call, tmp_path: Path, name: str) -> 
 
 def test_an_existing_folder_is_never_overwritten(call: Call, evening: Path) -> None:
     (evening / "theme.toml").write_text("mine", encoding="utf-8")
-    called = call("themes", "new", "evening", "--to", evening.parent)
+    called = call("themes new evening --to", evening.parent)
     assert called.code == 2
     assert "exists already" in called.err
     assert (evening / "theme.toml").read_text(encoding="utf-8") == "mine"
@@ -180,27 +180,27 @@ def test_a_new_theme_that_does_not_fit_on_the_disk_leaves_nothing_behind(
 
     with monkeypatch.context() as patch:
         patch.setattr(Path, "write_bytes", full)
-        called = call("themes", "new", "evening", "--to", tmp_path)
+        called = call("themes new evening --to", tmp_path)
     assert (called.code, called.err.startswith("The disk is full: ")) == (1, True)
-    assert call("themes", "new", "evening", "--to", tmp_path).code == 0
+    assert call("themes new evening --to", tmp_path).code == 0
 
 
 def test_a_new_theme_does_not_replace_another(call: Call, tmp_path: Path) -> None:
-    called = call("themes", "new", "calm", "--to", tmp_path)
+    called = call("themes new calm --to", tmp_path)
     assert called.code == 2
     assert called.err == "There is a theme calm already. Choose another name.\n"
     assert not (tmp_path / "calm").exists()
 
 
 def test_an_unknown_template_is_bad_input(call: Call, tmp_path: Path) -> None:
-    called = call("themes", "new", "evening", "--from", "noon", "--to", tmp_path)
+    called = call("themes new evening --from noon --to", tmp_path)
     assert called.code == 2
     assert called.err == "There is no theme noon. Choose one of: calm, high-contrast, playful.\n"
 
 
 def test_an_unwritable_place_is_reported(call: Call, tmp_path: Path) -> None:
     (tmp_path / "file").touch()
-    called = call("themes", "new", "evening", "--to", tmp_path / "file")
+    called = call("themes new evening --to", tmp_path / "file")
     assert called.code == 1
     assert "cannot be used: Not a directory." in called.err
 
@@ -210,7 +210,7 @@ def test_an_unwritable_place_is_reported(call: Call, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["calm", "high-contrast", "playful"])
 def test_the_bundled_themes_pass_their_check(call: Call, name: str) -> None:
-    called = call("themes", "check", name)
+    called = call("themes check", name)
     assert called.code == 0
     assert f"{name} passes all checks." in called.out
     assert "has every phrase in en" in called.out
@@ -220,14 +220,14 @@ def test_the_bundled_themes_pass_their_check(call: Call, name: str) -> None:
 def test_contrast_is_measured_and_printed(call: Call) -> None:
     assert (
         "✓ has a contrast of at least 7 (text 21.00, muted 13.61, accent 16.12,"
-        in call("themes", "check", "high-contrast").out
+        in call("themes check high-contrast").out
     )
-    least = call("themes", "check", "playful", "--json").json["contrasts"]
+    least = call("themes check playful --json").json["contrasts"]
     assert least[0] == {"color": "text", "ground": "surface", "ratio": 12.34}
 
 
 def test_checks_as_json(call: Call, evening: Path) -> None:
-    printed = call("themes", "check", evening, "--json").json
+    printed = call("themes check", evening, "--json").json
     assert (printed["theme"], printed["passed"], printed["languages"]) == (
         "evening",
         True,
@@ -244,12 +244,12 @@ def test_checks_as_json(call: Call, evening: Path) -> None:
 
 def test_phrases_that_fall_back_to_english_are_named(call: Call, change: Change) -> None:
     folder = change("phrases.es.toml", "\nrest = [", "\nbreak = [")
-    called = call("themes", "check", folder)
+    called = call("themes check", folder)
     assert called.code == 1
     assert "✓ has every phrase in en" in called.out
     assert re.search(r"✗ has every phrase in es \(\d+ wordings\)", called.out)
     assert "    There is no wording for rest (es); English is used." in called.out
-    printed = call("themes", "check", folder, "--json").json
+    printed = call("themes check", folder, "--json").json
     assert (printed["passed"], printed["english"]) == (False, {"es": ["rest"]})
 
 
@@ -278,7 +278,7 @@ def test_each_breach_of_the_contract_is_named(
     call: Call, change: Change, file: str, old: str, new: str, says: str
 ) -> None:
     folder = change(file, old, new)
-    called = call("themes", "check", folder)
+    called = call("themes check", folder)
     assert called.code == 1
     assert says in called.out
     assert "passes all checks" not in called.out
@@ -288,7 +288,7 @@ def test_screen_texts_of_a_theme_are_checked_in_every_language(call: Call, eveni
     (evening / "words.es.toml").write_text(
         '"Press: {key}" = "¡Pulsa {key}!"\n"Help" = "¿Qué es esto?"\n', "utf-8"
     )
-    called = call("themes", "check", evening)
+    called = call("themes check", evening)
     assert (called.code, "✓ has valid texts for the screens in es (2 texts)" in called.out) == (
         0,
         True,
@@ -297,7 +297,7 @@ def test_screen_texts_of_a_theme_are_checked_in_every_language(call: Call, eveni
         '"level {level}" = "{nivel}"\n"Halp" = "Ayuda"\n"Quit" = 3', "utf-8"
     )
     (evening / "words.fr.toml").write_text('"Help = ', "utf-8")
-    called = call("themes", "check", evening)
+    called = call("themes check", evening)
     assert called.code == 1
     for expected in (
         "✗ has valid texts for the screens in es (1 texts)",
@@ -313,7 +313,7 @@ def test_each_language_is_checked_even_if_another_cannot_be_read(
     call: Call, change: Change
 ) -> None:
     folder = change("phrases.es.toml", "greeting = [", "greeting = ")
-    assert "✓ has every phrase in en" in call("themes", "check", folder).out
+    assert "✓ has every phrase in en" in call("themes check", folder).out
 
 
 def test_a_name_or_a_folder_may_be_checked(
@@ -321,19 +321,19 @@ def test_a_name_or_a_folder_may_be_checked(
 ) -> None:
     monkeypatch.chdir(evening.parent)
     (evening.parent / "calm").mkdir()
-    assert "calm passes all checks." in call("themes", "check", "calm").out
-    assert "evening passes all checks." in call("themes", "check", "evening").out
-    assert "evening passes all checks." in call("themes", "check", f"{evening}/").out
+    assert "calm passes all checks." in call("themes check calm").out
+    assert "evening passes all checks." in call("themes check evening").out
+    assert "evening passes all checks." in call("themes check", f"{evening}/").out
 
 
 def test_a_folder_without_a_theme_fails_its_check(call: Call, tmp_path: Path) -> None:
-    called = call("themes", "check", tmp_path)
+    called = call("themes check", tmp_path)
     assert called.code == 1
     assert called.out == "✗ can be read\n    There is no theme.toml.\n"
 
 
 def test_checking_an_unknown_theme_is_bad_input(call: Call) -> None:
-    called = call("themes", "check", "noon")
+    called = call("themes check noon")
     assert called.code == 2
     assert (
         called.err
@@ -343,5 +343,5 @@ def test_checking_an_unknown_theme_is_bad_input(call: Call) -> None:
 
 def test_slots_and_markup_are_printed_literally(call: Call, change: Change) -> None:
     folder = change("phrases.en.toml", '"You got there!"', '"[bold]Two {value}[/bold]"')
-    out = call("themes", "check", folder).out
+    out = call("themes check", folder).out
     assert "holds a number: '[bold]Two {value}[/bold]'." in out

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.cli import timing
-from sar_tui.cli.timing import Circumstances, judge
+from sar_tui.timing import verdict
 from sar_tui.timing.closed_loop import BASELINE, SAR_TUI, Program, Trial
 from sar_tui.timing.error_statistics import ErrorStatistics, error_statistics
 from sar_tui.timing.scripted_participant import NoPrompt
+from sar_tui.timing.verdict import Circumstances, judge
 from tests.program import Call
 
 GOOD = error_statistics([0.2, 0.3, 0.25, 0.3, 0.2])
@@ -52,7 +52,7 @@ def measures(
 @pytest.fixture
 def fine(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        timing, "take_turns", measures({SAR_TUI.name: [0.2, 0.3, 0.4], BASELINE.name: [0.1, 0.2]})
+        verdict, "take_turns", measures({SAR_TUI.name: [0.2, 0.3, 0.4], BASELINE.name: [0.1, 0.2]})
     )
 
 
@@ -64,7 +64,7 @@ def test_small_errors_at_a_local_terminal_are_fit() -> None:
 
 
 @pytest.mark.parametrize(
-    ("measured", "verdict", "word"),
+    ("measured", "expected", "word"),
     [
         (figures(robust=1.0, median=1.0, p99=5.0), "fit", ""),
         (figures(robust=1.1), "fit with care", "scatter by 1.1 ms"),
@@ -76,15 +76,15 @@ def test_small_errors_at_a_local_terminal_are_fit() -> None:
     ],
 )
 def test_the_worst_figure_decides_and_is_named(
-    measured: ErrorStatistics, verdict: str, word: str
+    measured: ErrorStatistics, expected: str, word: str
 ) -> None:
     found, reasons = judge(measured, GOOD, Circumstances())
-    assert found == verdict
+    assert found == expected
     assert word in " ".join(reasons)
 
 
 @pytest.mark.parametrize(
-    ("here", "verdict", "word"),
+    ("here", "expected", "word"),
     [
         (Circumstances(ssh=True), "not fit", "SSH"),
         (Circumstances(multiplexer="tmux"), "fit with care", "tmux"),
@@ -93,10 +93,10 @@ def test_the_worst_figure_decides_and_is_named(
     ],
 )
 def test_circumstances_that_no_figure_shows_affect_the_verdict(
-    here: Circumstances, verdict: str, word: str
+    here: Circumstances, expected: str, word: str
 ) -> None:
     found, reasons = judge(figures(), GOOD, here)
-    assert found == verdict
+    assert found == expected
     assert word in " ".join(reasons)
 
 
@@ -125,7 +125,7 @@ def test_it_says_in_words_whether_the_machine_is_fit(call: Call) -> None:
 
 @pytest.mark.usefixtures("fine")
 def test_json_holds_the_figures_the_reasons_and_the_bare_loop(call: Call) -> None:
-    found = call("timing", "--trials", 30, "--json").json["timing"]
+    found = call("timing --trials 30 --json").json["timing"]
     assert set(found) == KEPT | {"reasons", "bare"}
     assert (found["trials"], found["median_ms"], found["verdict"], found["reasons"]) == (
         30,
@@ -141,7 +141,7 @@ def test_the_figures_are_stored_for_later_sessions_and_readable_only_by_the_user
     call: Call, tmp_path: Path
 ) -> None:
     call("timing")
-    call("timing", "--trials", 12)
+    call("timing --trials 12")
     path = tmp_path / "data" / "timing.json"
     assert stat.S_IMODE(path.stat().st_mode) == 0o600
     kept = json.loads(path.read_text())
@@ -154,11 +154,11 @@ def test_onsets_not_stamped_at_flush_are_reported(
     call: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(
-        timing,
+        verdict,
         "take_turns",
         measures({SAR_TUI.name: [0.2, 0.3], BASELINE.name: [0.2, 0.1]}, "refresh"),
     )
-    assert call("timing", "--json").json["timing"]["verdict"] == "fit with care"
+    assert call("timing --json").json["timing"]["verdict"] == "fit with care"
 
 
 @pytest.mark.usefixtures("fine")
@@ -173,7 +173,7 @@ def test_a_measurement_that_fails_is_1_and_a_sentence(
     def fails(*_: object) -> None:
         raise NoPrompt("No prompt has come.")
 
-    monkeypatch.setattr(timing, "take_turns", fails)
+    monkeypatch.setattr(verdict, "take_turns", fails)
     called = call("timing")
     assert (called.code, called.out) == (1, "")
     assert called.err == "Timing could not be measured. No prompt has come.\n"

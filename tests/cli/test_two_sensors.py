@@ -8,7 +8,7 @@ from tests.program import Call
 
 __all__ = ["opened"]
 
-RUN = ("run", "pairs", "-p", "P01", "-p", "P02", "--new")
+RUN = "run pairs -p P01 -p P02 --new".split()
 REACHES = ("--set", "respond_with=reaches")
 
 
@@ -50,8 +50,7 @@ def test_invalid_sensor_options_are_refused(
 def test_two_who_reach_are_simulated_at_the_command_line_too(call: Call) -> None:
     few = ("--attempts", 1, "--set", "prompts_per_attempt=2", "--seed", 1, "--json")
     reported = call(
-        "simulate",
-        "pairs",
+        "simulate pairs",
         *REACHES,
         "--set",
         "policy=cooperative",

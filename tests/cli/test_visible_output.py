@@ -14,7 +14,7 @@ from rich.table import Table
 from rich.text import Text
 
 from sar_tui.cli.scaffold import new_theme
-from sar_tui.cli.visible_console import VisibleConsole
+from sar_tui.cli.tables import VisibleConsole
 from sar_tui.cli.visible_output import VisibleStream
 from sar_tui.plugins import Catalogue
 from tests.edit import edit
@@ -98,10 +98,10 @@ def test_texts_of_a_theme_are_printed_visibly(
     listed = call("themes")
     assert leaks(listed.out) == []
     assert SHOWN in listed.out
-    as_json = call("themes", "--json")
+    as_json = call("themes --json")
     assert leaks(as_json.out) == []
     assert HOSTILE in [row["title"] for row in as_json.json["themes"]]
-    checked = call("themes", "check", evening)
+    checked = call("themes check", evening)
     assert checked.code == 1
     assert leaks(checked.out) == []
     assert (
@@ -122,14 +122,14 @@ def test_stored_notes_are_printed_visibly(call: Call, data: Path) -> None:
         1,
         "--json",
     )
-    session = call("simulate", "keyboard", "--user", "average", *words).json["session"]
+    session = call("simulate keyboard --user average", *words).json["session"]
     with closing(sqlite3.connect(data / "sar-tui.db")) as database, database:
         seq, at = database.execute("SELECT max(seq) + 1, max(at_ns) FROM events").fetchone()
         note = json.dumps({"text": HOSTILE, "actor": "operator.simulated", "at": at})
         database.execute(
             "INSERT INTO events VALUES (?, ?, 1, ?, 'operator/noted', ?)", (session, seq, at, note)
         )
-    called = call("report", "wizard", session)
+    called = call("report wizard", session)
     assert leaks(called.out) == []
     assert SHOWN in called.out
 
@@ -192,5 +192,5 @@ def test_a_console_sends_its_own_commands_and_nobody_elses() -> None:
 
 
 def test_output_shows_names_in_brackets_and_colons_as_they_are(call: Call) -> None:
-    called = call("simulate", "keyboard", "--user", "poor", "--theme", "[red]:warning:[/x]")
+    called = call("simulate keyboard --user poor --theme [red]:warning:[/x]")
     assert "There is no theme [red]:warning:[/x]." in called.err

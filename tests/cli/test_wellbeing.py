@@ -55,12 +55,12 @@ def test_a_list_of_sessions_marks_pain_and_tiredness(
     call: Call, data: Path, simulated: str
 ) -> None:
     assert "completed, simulated, pain 5, tired 10" in call("sessions").out
-    (row,) = call("sessions", "--json").json["sessions"]
+    (row,) = call("sessions --json").json["sessions"]
     assert {each["question"] for each in row["wellbeing"]} == {"pain", "place", "fatigue"}
 
 
 def test_the_answers_of_a_participant_are_listed(call: Call, data: Path, simulated: str) -> None:
-    said = " ".join(call("wellbeing", "p01").out.split())
+    said = " ".join(call("wellbeing p01").out.split())
     assert (
         'Pain: 2 before, 5 after (left shoulder), "in pain" in a pause. Tiredness: would rather '
         "not say" in said
@@ -68,13 +68,13 @@ def test_the_answers_of_a_participant_are_listed(call: Call, data: Path, simulat
     assert [
         word for word in ("fatigue", "moment", "answer", wellbeing.NOT_SAID) if word in said
     ] == []
-    found = call("wellbeing", "P01", "--json").json
+    found = call("wellbeing P01 --json").json
     assert (found["participant"], len(found["wellbeing"]), found["tell_therapist"]) == (
         "P01",
         6,
         [],
     )
-    assert call("wellbeing", "P1") == (2, "", "There is no participant P1. Is it P01?\n")
+    assert call("wellbeing P1") == (2, "", "There is no participant P1. Is it P01?\n")
     assert call("wellbeing", "Jane Doe").code == 2
 
 
@@ -92,36 +92,32 @@ def test_the_therapist_is_told_of_pain_that_is_new_over_four_sessions(
             wellbeing.save(database, "P01", "after", "pain", pain, session=str(number))
     assert (
         "! Pain is new: some in each of the last four sessions, and none before."
-        in call("wellbeing", "P01").out
+        in call("wellbeing P01").out
     )
-    assert call("wellbeing", "P01", "--json").json["tell_therapist"] == ["new pain"]
+    assert call("wellbeing P01 --json").json["tell_therapist"] == ["new pain"]
 
 
 # --- adverse events
 
 
 def test_an_adverse_event_is_recorded_and_amended(call: Call, data: Path, simulated: str) -> None:
-    added = call("adverse", "add", "p01", *FALL, "--session", simulated, "--json").json[
-        "adverse_event"
-    ]
+    added = call("adverse add p01", *FALL, "--session", simulated, "--json").json["adverse_event"]
     assert (added["version"], added["onset"], added["session"]) == (
         1,
         "2026-03-01 14:30",
         simulated,
     )
-    amended = call(
-        "adverse", "amend", added["event"], "--action", "Rested", "--outcome", "No injury"
-    )
+    amended = call("adverse amend", added["event"], "--action", "Rested", "--outcome", "No injury")
     assert amended.code == 0
-    (now,) = call("adverse", "list", "-p", "P01", "--json").json["adverse_events"]
+    (now,) = call("adverse list -p P01 --json").json["adverse_events"]
     assert (now["version"], now["what"], now["action"], now["outcome"]) == (
         2, "Fell from the chair", "Rested", "No injury",
     )  # fmt: skip
-    versions = call("adverse", "show", added["event"], "--json").json["versions"]
+    versions = call("adverse show", added["event"], "--json").json["versions"]
     assert [(one["version"], one["outcome"]) for one in versions] == [(1, ""), (2, "No injury")]
     assert (
         "! Adverse event 2026-03-01 14:30, moderate: Fell from the chair."
-        in call("wellbeing", "P01").out
+        in call("wellbeing P01").out
     )
     shown = call("show", simulated).out
     assert (
@@ -134,21 +130,21 @@ def test_an_adverse_event_is_recorded_and_amended(call: Call, data: Path, simula
 def test_people_are_told_what_is_still_missing(call: Call, data: Path) -> None:
     with closing(connect(data)) as database:
         participants.add(database, "P02")
-    said = call("adverse", "add", "P01", *FALL, "--action", "Rested").out
+    said = call("adverse add P01", *FALL, "--action", "Rested").out
     assert said.endswith("--outcome …`.\n")
     assert "--action" not in said
-    assert "Fell from the chair" in call("adverse", "list").out
-    assert call("adverse", "list", "-p", "P02").out == "There are no adverse events of P02.\n"
+    assert "Fell from the chair" in call("adverse list").out
+    assert call("adverse list -p P02").out == "There are no adverse events of P02.\n"
 
 
 def test_the_advice_not_to_train_and_what_came_of_it_are_told(call: Call, tmp_path: Path) -> None:
     with closing(connect(tmp_path / "data")) as database:
         for question, answer in (("pain", "9"), ("advice", "shown"), ("advice", "stopped")):
             wellbeing.save(database, "P01", "before", question, answer)  # type: ignore[arg-type]
-    said = " ".join(call("wellbeing", "P01").out.split())
+    said = " ".join(call("wellbeing P01").out.split())
     assert "! Pain was above the limit when it was last told. Tell the therapist." in said
     assert "Advised before the session not to train. They stopped." in said
-    assert call("wellbeing", "P01", "--json").json["tell_therapist"] == ["stop", "stopped"]
+    assert call("wellbeing P01 --json").json["tell_therapist"] == ["stop", "stopped"]
 
 
 @pytest.mark.parametrize(
@@ -169,18 +165,18 @@ def test_the_advice_not_to_train_and_what_came_of_it_are_told(call: Call, tmp_pa
 def test_bad_input_is_refused_in_a_sentence(
     call: Call, data: Path, arguments: tuple[str, ...], says: str
 ) -> None:
-    called = call("adverse", "add", *arguments)
+    called = call("adverse add", *arguments)
     assert called.code == 2
     assert says in called.err
-    assert call("adverse", "list", "--json").json == {"adverse_events": []}
+    assert call("adverse list --json").json == {"adverse_events": []}
 
 
 def test_an_amendment_must_change_something_that_exists(call: Call, data: Path) -> None:
-    event = call("adverse", "add", "P01", *FALL, "--json").json["adverse_event"]["event"]
+    event = call("adverse add P01", *FALL, "--json").json["adverse_event"]["event"]
     for arguments in ((event,), (event, "--severity", "moderate"), ("ffffff", "--outcome", "well")):
-        assert call("adverse", "amend", *arguments).code == 2
-    assert len(call("adverse", "show", event, "--json").json["versions"]) == 1
-    assert call("adverse", "show", "ffffff").code == 2
+        assert call("adverse amend", *arguments).code == 2
+    assert len(call("adverse show", event, "--json").json["versions"]) == 1
+    assert call("adverse show ffffff").code == 2
 
 
 def test_the_session_of_an_event_must_be_the_participants(
@@ -188,5 +184,5 @@ def test_the_session_of_an_event_must_be_the_participants(
 ) -> None:
     with closing(connect(data)) as database:
         participants.add(database, "P02")
-    called = call("adverse", "add", "P02", *FALL, "--session", simulated)
+    called = call("adverse add P02", *FALL, "--session", simulated)
     assert (called.code, f"The session {simulated} is not one of P02." in called.err) == (2, True)

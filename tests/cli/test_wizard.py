@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from sar_tui.cli import session_choice
+from sar_tui.cli import wizard
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.wizard import name_at_session, session_to_show
 from sar_tui.link import discovery, invitation
@@ -68,7 +68,7 @@ def test_the_only_session_is_joined_and_several_are_offered_on_the_screen(
 def test_an_expired_invitation_is_refused(call: Call, data: Path, tmp_path: Path) -> None:
     path = tmp_path / "late.sar-link"
     invitation.write(invite_guests(data).late, path)
-    called = call("wizard", "--link", path)
+    called = call("wizard --link", path)
     assert (called.code, called.out) == (2, "")
     assert called.err.startswith(f"The invitation {path} expired on ")
 
@@ -84,7 +84,7 @@ def test_an_operators_invitation_cannot_be_used_to_observe(monkeypatch: pytest.M
             credentials=Credentials("", "", ""),
         )
 
-    monkeypatch.setattr(session_choice, "session_to_join", read)
+    monkeypatch.setattr(wizard, "session_to_join", read)
     with pytest.raises(Refused, match="ask for an observer's invitation"):
         session_to_show(None, Path("anna.sar-link"), HERE, wait=False, observe=True)
     with pytest.raises(Refused, match="leave out --name"):

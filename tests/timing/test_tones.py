@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from sar_tui.cli import timing_of_tones
 from sar_tui.outputs.sound.protocol import SoundError
+from sar_tui.timing import tones
 from sar_tui.timing.error_statistics import error_statistics
 from sar_tui.timing.tones import ToneDelays, measure_tones
 from tests.outputs.voice_fixtures import NOBODY
@@ -28,7 +28,7 @@ def delays(monkeypatch: pytest.MonkeyPatch) -> None:
     found = ToneDelays(
         "ALSA", 30.0, error_statistics([31.0, 35.0, 33.0]), error_statistics([0.01, 0.02, 0.03])
     )
-    monkeypatch.setattr(timing_of_tones, "measure_tones", lambda count, on_tone: found)
+    monkeypatch.setattr(tones, "measure_tones", lambda count, on_tone: found)
 
 
 @pytest.mark.usefixtures("delays")
@@ -46,7 +46,7 @@ def test_the_command_fails_with_a_sentence(call: Call, monkeypatch: pytest.Monke
     def fail(count: int, on_tone: object) -> None:
         raise SoundError("There is no sound card.")
 
-    monkeypatch.setattr(timing_of_tones, "measure_tones", fail)
+    monkeypatch.setattr(tones, "measure_tones", fail)
     called = call("timing", "--sound")
     assert (called.code, called.out) == (1, "")
     assert (

@@ -4,10 +4,23 @@ from pathlib import Path
 
 import pytest
 
+from sar_tui.app.loop_graph import loop_graph
+from sar_tui.loop.session import Parts
 from sar_tui.plugins import Catalogue
 from sar_tui.validation import modularity
-from sar_tui.validation.modularity import Loaded, NotLoaded, code, load
+from sar_tui.validation.modularity import (
+    TASKS,
+    Loaded,
+    NotLoaded,
+    code,
+    compared_loops,
+    count,
+    load,
+    node_classes,
+    source_lines,
+)
 from sar_tui.validation.report import Conditions
+from tests.claims.broken_parts import OwnMemory
 
 
 def file(folder: Path, name: str, lines: int) -> str:
@@ -112,3 +125,38 @@ def test_a_task_that_cannot_be_loaded_is_reported(tmp_path: Path) -> None:
     (tmp_path / "broken" / "task.py").write_text("this is no Python")
     with pytest.raises(NotLoaded, match="The task broken cannot be loaded: line 1 of"):
         load("broken", Catalogue((tmp_path,)))
+
+
+def test_a_part_that_a_task_lacks_or_replaces_under_its_name_is_told(catalogue: Catalogue) -> None:
+    theme = catalogue.theme("calm")
+    graphs = {task: loop_graph(catalogue.task(task), theme) for task in TASKS}
+    nodes = {task: node_classes(catalogue.task(task), theme) for task in TASKS}
+    swapped = {"keyboard": graphs["reaching"], "reaching": graphs["keyboard"]}
+    assert "imu" in compared_loops(swapped, nodes).claims[0].against
+    own = node_classes(catalogue.task("reaching"), theme, Parts(memory=OwnMemory))
+    report = compared_loops(graphs, {**nodes, "reaching": own})
+    assert [claim.against for claim in report.claims] == ["", "memory", ""]
+    assert [row["part"] for row in report.rows if row["state"] == "changed"] == ["memory"]
+
+
+@pytest.mark.parametrize(
+    ("source", "lines"),
+    [
+        ("\n\n# a comment\n", 0),
+        ('"""Documentation\nof a module."""\n', 0),
+        ("a = 1  # with a comment\n\nb = 2\n", 2),
+        ("f(\n    1,\n\n    # why\n    2,\n)\n", 4),
+        ('a = """one\ntwo\nthree"""\n', 3),
+        ('LIMIT = 3\n"""What it is."""\n', 1),
+        ('def f():\n    """Does\n    it."""\n', 1),
+        ("a = 1; b = 2\n", 1),
+    ],
+)
+def test_only_code_is_counted(source: str, lines: int) -> None:
+    assert count(source) == lines
+
+
+def test_a_file_is_read_in_its_own_encoding(tmp_path: Path) -> None:
+    path = tmp_path / "old.py"
+    path.write_bytes("# -*- coding: latin-1 -*-\nname = 'Gr\xfc\xdfe'\n".encode("latin-1"))
+    assert source_lines(path) == 1

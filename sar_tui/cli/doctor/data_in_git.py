@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import sar_tui
-from sar_tui.cli.doctor.finding import Finding
+from sar_tui.cli.doctor.finding import Finding, Machine, care, ok
 
 _LISTED = 3
 _SAMPLE = ("README.md", "make_recording.py", "table-4.1.csv")
@@ -34,12 +34,11 @@ class DataInGit(NamedTuple):
     would_add: tuple[Path, ...] = ()
 
 
-def examine_data_in_git(folder: Path) -> Finding:
+def examine_data_in_git(here: Machine) -> Finding:
     """Check that git neither tracks people's data nor would add it."""
-    name = "Data and git"
-    found = data_in_git(checkout(), folder)
+    found = data_in_git(checkout(), here.home.folder)
     if not (found.tracked or found.would_add):
-        return Finding(name, "ok", "git neither tracks data of people here, nor would add it")
+        return ok("git neither tracks data of people here, nor would add it")
     said = [
         f"git {does} {_listed(paths)}"
         for does, paths in (("tracks", found.tracked), ("would add", found.would_add))
@@ -52,7 +51,7 @@ def examine_data_in_git(folder: Path) -> Finding:
             "a file and takes it "
             "out of the next commit; earlier commits still hold it."
         )
-    return Finding(name, "care", f"{', and '.join(said)}: data of people", advice)
+    return care(f"{', and '.join(said)}: data of people", advice)
 
 
 def _listed(paths: Sequence[Path]) -> str:

@@ -6,8 +6,10 @@ import math
 import random
 from collections.abc import Sequence
 from statistics import fmean
+from typing import Any
 
 import msgspec
+import pytest
 
 from sar_tui.progress import change
 from sar_tui.progress.level_estimate import (
@@ -20,11 +22,10 @@ from sar_tui.progress.level_estimate import (
     slope_of,
 )
 from sar_tui.simulation.participant_model import PEOPLE, Person
-from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 
+Row = dict[str, Any]
 HISTORIES = 700
 """Histories of each user; three users make more than 2,000."""
-OTHER_HISTORIES, QUICK_HISTORIES = 200, 350
 SESSIONS, ATTEMPTS, PROMPTS = 8, 20, 20
 GOAL_MS = 1000.0
 CHOICES = (2, 4, 6, 8, 12, 19, 26, 36, 46, 56)
@@ -62,6 +63,7 @@ MODELS: dict[str, Model] = {
     "slow practice": Model(is_fitted=False, practice=(0.1, 4.0)),
     "20 % faster": Model(is_fitted=False, recovery=0.2),
 }
+FITTED = tuple(name for name, model in MODELS.items() if model.is_fitted)
 
 
 class _Day(msgspec.Struct, frozen=True):
@@ -74,38 +76,41 @@ class _Day(msgspec.Struct, frozen=True):
     last: int
 
 
-def run(conditions: Conditions) -> Report:
-    """Return one row for each model and user."""
-    rows: list[Row] = []
-    cases = [(name, user) for name in MODELS for user in PEOPLE]
-    for number, (name, user) in enumerate(cases):
-        conditions.progress(f"progress: {name}", number, len(cases))
-        rows.append(_row(name, user, conditions.is_quick))
-    fitted = [row for row in rows if MODELS[row["model"]].is_fitted]
-    estimates = sum(row["estimates"] for row in fitted)
-    coverage = sum(row["coverage"] * row["estimates"] for row in fitted) / estimates
+@pytest.mark.slow
+def test_bands_hold_the_truth_and_practice_is_no_change_in_over_two_thousand_histories() -> None:
+    rows = [row_of(name, user, HISTORIES) for name in FITTED for user in PEOPLE]
+    assert sum(row["histories"] for row in rows) >= 2000
     low, high = COVERAGE
-    claims = [
-        Claim(
-            f"The 95 % band holds the true level at goal in {low:.0%} to {high:.0%} of sessions.",
-            "" if low <= coverage <= high else f"it was {coverage:.1%}",
-        ),
-        Claim(
-            f"If nothing but practice happened, at most {MOST_CHANGED:.0%} of last sessions are "
-            "called a change.",
-            "; ".join(
-                f"{row['user']} {row['changed']:.1%}"
-                for row in fitted
-                if (row["changed"] or 0.0) > MOST_CHANGED
-            ),
-        ),
-    ]
-    return Report(rows, [_COLUMNS], claims)
+    assert low <= covered(rows) <= high
+    assert max(row["changed"] for row in rows) <= MOST_CHANGED
 
 
-def _row(name: str, user: str, is_quick: bool) -> Row:
+@pytest.mark.parametrize("model", MODELS)
+def test_bands_hold_the_truth_in_a_few_histories_of_every_world(model: str) -> None:
+    row = row_of(model, "average", 12)
+    assert row["coverage"] > 0.85
+    assert abs(row["bias_bits"]) < 0.15
+
+
+def test_a_band_that_is_too_narrow_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sar_tui.progress.level_estimate.t95", lambda df: 0.5)
+    assert covered([row_of("only practice", "average", 12)]) < COVERAGE[0]
+
+
+def test_a_verdict_without_students_t_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sar_tui.progress.change.t95", lambda df: 0.5)
+    assert max(row_of("only practice", user, 12)["changed"] for user in PEOPLE) > MOST_CHANGED
+
+
+def covered(rows: Sequence[Row]) -> float:
+    """Return the share of estimates whose band holds the true level at goal."""
+    estimates = sum(row["estimates"] for row in rows)
+    return sum(row["coverage"] * row["estimates"] for row in rows) / estimates
+
+
+def row_of(name: str, user: str, count: int) -> Row:
+    """Return the figures of some histories of a user in a world."""
     model, rng = MODELS[name], random.Random(f"{name} {user}")
-    count = (QUICK_HISTORIES if is_quick else HISTORIES) if model.is_fitted else OTHER_HISTORIES
     histories = [_history(rng, model, PEOPLE[user]) for _ in range(count)]
     found = [_estimates(days) for days in histories]
     pairs = [
@@ -192,16 +197,3 @@ def _truth(model: Model, person: Person, goal_ms: float) -> float:
         middle = (low + high) / 2
         low, high = (middle, high) if _unslowed(model, person, middle) < goal_ms else (low, middle)
     return (low + high) / 2
-
-
-_COLUMNS = [
-    Column("model", lambda row: str(row["model"]), is_number=False),
-    Column("user", lambda row: str(row["user"]), is_number=False),
-    Column("n", lambda row: str(row["histories"])),
-    Column("one side", lambda row: f"{row['one_sided']:.0%}"),
-    Column("in band", lambda row: f"{row['coverage']:.1%}"),
-    Column("bias", lambda row: f"{row['bias_bits']:+.3f}"),
-    Column("width", lambda row: f"{row['width_bits']:.2f}"),
-    Column("judged", lambda row: str(row["judged"])),
-    Column("changed", lambda row: None if row["changed"] is None else f"{row['changed']:.1%}"),
-]

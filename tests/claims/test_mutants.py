@@ -26,7 +26,7 @@ from sar_tui.rules.policies import DIFFICULTY
 from sar_tui.store import recorder
 from sar_tui.validation.registry import VALIDATIONS
 from sar_tui.validation.report import Conditions
-from tests.claims import measures, smoothness
+from tests.claims import exported_tables, measures, smoothness
 from tests.examples import first
 
 Patch = pytest.MonkeyPatch
@@ -189,7 +189,7 @@ MUTANTS = [
 ]
 
 RUNS = {name: validation.run for name, validation in VALIDATIONS.items()}
-RUNS |= {"measures": measures.run, "smoothness": smoothness.run}
+RUNS |= {"exports": exported_tables.run, "measures": measures.run, "smoothness": smoothness.run}
 
 
 def failed(catalogue: Catalogue, name: str, reaches: int = 1) -> list[str]:

@@ -1,0 +1,561 @@
+"""``sar-tui doctor``: what works here, and what does not."""
+
+import importlib.util
+import json
+import shutil
+import sys
+import tempfile
+from collections import namedtuple
+from collections.abc import Callable, Iterator
+from datetime import UTC, datetime, timedelta
+from functools import partial
+from pathlib import Path
+from threading import Barrier
+from typing import Any
+
+import pytest
+
+from sar_tui.cli.common import Home
+from sar_tui.cli.doctor import command, devices, link, machine
+from sar_tui.cli.doctor.command import Check, examine
+from sar_tui.cli.doctor.finding import Finding, Machine, ok
+from sar_tui.drivers import phidget as driver
+from sar_tui.drivers.installation import pip_install, pip_install_extra
+from sar_tui.inputs import phidget
+from sar_tui.inputs.imu import Info, Status
+from sar_tui.link.authority import FOLDER, Authority
+from sar_tui.link.discovery import JoinableSession, announce
+from sar_tui.link.zenoh_settings import Guest, parse_endpoint
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.outputs.sound.protocol import Examined
+from tests.needs_speech import needs_speech
+from tests.outputs.servo_fixtures import UNSUPPORTED, FakeServo
+from tests.outputs.voice_fixtures import ENGINE, NOBODY, program_with
+from tests.plugged_in import offer
+from tests.program import Call
+
+NOW = datetime.now(UTC)
+Patch = pytest.MonkeyPatch
+
+
+@pytest.fixture(autouse=True)
+def known_machine(monkeypatch: Patch) -> None:
+    """A terminal, and no devices: the doctor waits neither for a sensor nor for the voice."""
+    monkeypatch.setenv("TERM", "xterm-256color")
+    monkeypatch.setenv("LINES", "30")
+    monkeypatch.setattr(driver, "new_channel", lambda _kind: None)
+    monkeypatch.setattr(driver, "usb_denied", lambda: False)
+    monkeypatch.setattr(driver, "plugged_in", lambda: False)
+    monkeypatch.setattr(devices, "_SENSOR_S", 0.001)
+    monkeypatch.setattr(devices, "_SERVO_S", 0.001)
+    monkeypatch.setattr(devices, "motion_sensor", lambda _: ok("none plugged in"))
+    monkeypatch.setattr(devices, "examine_voice", lambda: Examined(card="Null"))
+
+
+motion_sensor = devices.motion_sensor
+examine_voice = devices.examine_voice
+
+
+@pytest.fixture
+def here(tmp_path: Path) -> Machine:
+    return Machine(Home(tmp_path / "data"), lambda: Examined(card="Null"))
+
+
+# --- the command
+
+
+def test_without_problems_the_exit_code_is_0(call: Call) -> None:
+    called = call("doctor")
+    assert (called.code, called.err, "✗" in called.out) == (0, "", False)
+    as_json = call("doctor --json")
+    rows = as_json.json["checks"]
+    assert all(list(row) == ["name", "state", "found", "mend"] for row in rows)
+    assert [row["name"] for row in rows] == [check.name for check in command.checks()]
+    assert all(row["name"] in called.out for row in rows)
+
+
+def test_a_problem_exits_with_1_and_says_how_to_fix_it(call: Call, tmp_path: Path) -> None:
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data" / "sar-tui.db").write_text("no database at all")
+    called = call("doctor")
+    assert called.code == 1
+    assert "✗ Data" in called.out
+    assert "→ Choose another folder" in called.out
+
+
+def test_checks_that_wait_wait_side_by_side_and_keep_their_order(tmp_path: Path) -> None:
+    together = Barrier(3)
+
+    def meets(_: Machine) -> Finding:
+        together.wait(timeout=60)
+        return ok("met the others")
+
+    names = ("one", "two", "three")
+    found = examine(Home(tmp_path), [Check(name, meets, waits=True) for name in names])
+    assert [(each.name, each.found) for each in found] == [
+        (name, "met the others") for name in names
+    ]
+
+
+@pytest.mark.parametrize("waits", [False, True])
+def test_a_check_that_fails_is_a_finding(tmp_path: Path, waits: bool) -> None:
+    def fails(_: Machine) -> Finding:
+        raise ZeroDivisionError("a plain mistake")
+
+    (found,) = examine(Home(tmp_path), [Check("Clock", fails, waits)])
+    text = "This check failed (ZeroDivisionError: a plain mistake)."
+    assert found == Finding("Clock", "bad", text)
+
+
+# --- the machine
+
+
+@pytest.mark.parametrize(
+    ("look", "variables", "state", "says"),
+    [
+        (machine.terminal, {"TERM": "dumb"}, "bad", "TERM=dumb"),
+        (machine.terminal, {}, "care", "redirected"),
+        (machine.size, {"COLUMNS": "60"}, "care", "60×30"),
+        (machine.size, {"COLUMNS": "90"}, "ok", "90×30"),
+        (machine.colours, {"NO_COLOR": "1"}, "ok", "off"),
+        (machine.connection, {}, "ok", "directly"),
+        (
+            machine.connection,
+            {"SSH_CONNECTION": "10.0.0.1 22", "TMUX": "/tmp/tmux"},
+            "care",
+            "SSH and tmux",
+        ),
+    ],
+)
+@pytest.mark.usefixtures("call")
+def test_the_terminal_is_judged(
+    here: Machine,
+    monkeypatch: Patch,
+    look: Callable[[Machine], Finding],
+    variables: dict[str, str],
+    state: str,
+    says: str,
+) -> None:
+    for name, value in variables.items():
+        monkeypatch.setenv(name, value)
+    found = look(here)
+    assert (found.state, says in found.found) == (state, True)
+
+
+@pytest.mark.parametrize(
+    ("way", "found"),
+    [("kitty", "by kitty's graphics"), ("half blocks", "in half blocks"), (None, "not installed.")],
+)
+def test_the_way_of_showing_pictures_is_told(
+    here: Machine, monkeypatch: Patch, way: str | None, found: str
+) -> None:
+    monkeypatch.setattr("sar_tui.widgets.prompt_pictures.find_way", lambda: way)
+    told = machine.pictures(here)
+    assert (told.state, told.found.startswith(found)) == ("ok", True)
+    assert (".[images]" in told.advice) == (way is None)
+
+
+@pytest.mark.parametrize(("free", "state"), [(10, "bad"), (100, "care"), (10_000, "ok")])
+def test_a_full_disk_is_noticed(here: Machine, monkeypatch: Patch, free: int, state: str) -> None:
+    usage = namedtuple("usage", "total used free")
+    monkeypatch.setattr("shutil.disk_usage", lambda _: usage(10**12, 0, free * 1_000_000))
+    assert machine.disk_space(here).state == state
+
+
+FIGURES = {"measured_at": "2026-01-02T03:04", "median_ms": 0.3, "robust_sd_ms": 0.1, "p99_ms": 0.9}
+
+
+@pytest.mark.parametrize(
+    ("text", "state", "says"),
+    [
+        (None, "care", "sar-tui timing"),
+        ("{", "care", "sar-tui timing"),
+        (json.dumps({"verdict": "fit"}), "care", "sar-tui timing"),
+        (json.dumps({**FIGURES, "verdict": "fit"}), "ok", ""),
+        (json.dumps({**FIGURES, "verdict": "not fit"}), "care", "says why"),
+    ],
+    ids=["none", "broken", "incomplete", "fit", "not fit"],
+)
+def test_measured_timing_is_reported(
+    here: Machine, text: str | None, state: str, says: str
+) -> None:
+    if text is not None:
+        here.home.folder.mkdir()
+        (here.home.folder / "timing.json").write_text(text)
+    found = machine.measured_timing(here)
+    assert (found.state, says in found.advice) == (state, True)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the driver of POSIX systems")
+def test_a_textual_without_the_expected_file_is_noticed(here: Machine, monkeypatch: Patch) -> None:
+    from textual.drivers.linux_driver import LinuxDriver
+
+    assert machine.onset_stamps(here).state == "ok"
+    monkeypatch.setattr(LinuxDriver, "__init__", lambda self: None)
+    assert machine.onset_stamps(here).state == "care"
+
+
+def test_tasks_that_do_not_load_and_folders_that_are_missing_are_noticed(tmp_path: Path) -> None:
+    (tmp_path / "mine" / "broken").mkdir(parents=True)
+    (tmp_path / "mine" / "broken" / "task.py").write_text("this is no Python")
+    for folder in (tmp_path / "mine", tmp_path / "none"):
+        here = Machine(Home(tmp_path, (folder,)), Examined)
+        assert machine.tasks(here).state == "bad"
+        assert machine.themes(here).state == "ok"
+
+
+class Plugin:
+    """An entry point of an output."""
+
+    name, value = "lamp", "lamp:Lamp"
+
+    def __init__(self, error: Exception | None = None) -> None:
+        self.error = error
+
+    def load(self) -> object:
+        if self.error:
+            raise self.error
+        return object
+
+
+@pytest.mark.parametrize("error", [None, ImportError("no lamp here")])
+def test_outputs_of_plug_ins_are_loaded(
+    here: Machine, monkeypatch: Patch, error: Exception | None
+) -> None:
+    plugin = Plugin(error)
+    offer(monkeypatch, "sar_tui.outputs", [plugin])
+    found = machine.outputs(here)
+    assert found.state == ("bad" if error else "ok")
+    if error:
+        assert "The output lamp (lamp:Lamp) cannot be loaded: ImportError" in found.found
+    else:
+        assert {"lamp", "ros", "screen", "servo", "speech"} <= set(found.found.split(", "))
+
+
+# --- devices
+
+
+class Plugged:
+    """Fake PhidgetSpatial that reports its statuses at once."""
+
+    stopped = False
+
+    def __init__(self, *statuses: Status) -> None:
+        self.statuses = statuses
+        self.info = Info(source="USB", model="Spatial 3/3/3", serial="629001", rate_hz=250.0)
+
+    def start(self, sink: object, on_status: Callable[[Status], None]) -> None:
+        for status in self.statuses:
+            on_status(status)
+
+    def stop(self) -> None:
+        self.stopped = True
+
+
+@pytest.mark.parametrize(
+    ("status", "state", "says"),
+    [
+        (Status(state="detached", at=0), "ok", "none plugged in"),
+        (
+            Status(state="attached", at=1),
+            "ok",
+            "Spatial 3/3/3, serial 629001, 250 samples a second",
+        ),
+        (Status(state="error", at=0, detail="It has no gyroscope."), "care", "no gyroscope"),
+    ],
+)
+def test_a_motion_sensor_is_looked_for(
+    here: Machine, monkeypatch: Patch, status: Status, state: str, says: str
+) -> None:
+    sensor = Plugged(status)
+    monkeypatch.setattr(phidget, "PhidgetSource", lambda: sensor)
+    found = motion_sensor(here)
+    assert (found.state, says in found.found, sensor.stopped) == (state, True, True)
+
+
+def test_missing_permission_for_a_motion_sensor_shows_the_udev_rule(
+    here: Machine, monkeypatch: Patch
+) -> None:
+    monkeypatch.setattr(driver, "usb_denied", lambda: True)
+    found = motion_sensor(here)
+    assert found.state == "bad"
+    assert 'SUBSYSTEM=="usb", ATTRS{idVendor}=="06c2", TAG+="uaccess"' in found.advice
+
+
+@pytest.mark.parametrize(
+    ("system", "rule", "says"),
+    [
+        ("linux", False, "To be allowed to use one, write the line"),
+        ("linux", True, ""),
+        ("win32", False, ""),
+    ],
+)
+def test_without_a_sensor_the_doctor_says_what_one_needs(
+    here: Machine, monkeypatch: Patch, system: str, rule: bool, says: str
+) -> None:
+    monkeypatch.setattr(phidget, "PhidgetSource", Plugged)
+    monkeypatch.setattr("os.geteuid", lambda: 1000)
+    monkeypatch.setattr(devices, "_has_udev_rule", lambda: rule)
+    monkeypatch.setattr(sys, "platform", system)
+    found = motion_sensor(here)
+    assert (found.state, bool(found.advice), found.advice.startswith(says)) == (
+        "ok",
+        bool(says),
+        True,
+    )
+
+
+def test_a_udev_rule_is_known_by_its_vendor(tmp_path: Path) -> None:
+    (tmp_path / "50-other.rules").write_text('ATTRS{idVendor}=="1234"')
+    assert not devices._has_udev_rule((tmp_path, tmp_path / "none"))
+    (tmp_path / "99-lab.rules").write_text('SUBSYSTEM=="usb", ATTRS{idVendor}=="06C2", MODE="0666"')
+    assert devices._has_udev_rule((tmp_path,))
+
+
+@pytest.mark.parametrize(
+    ("error", "found", "advice"),
+    [
+        (ImportError("Phidget22"), "Phidget22 is missing", pip_install("phidget22")),
+        (OSError("libusb-1.0.so.0: none"), "libusb-1.0.so.0: none", "pip install phidget22"),
+    ],
+)
+def test_a_missing_driver_is_reported_with_its_fix(
+    here: Machine, monkeypatch: Patch, error: Exception, found: str, advice: str
+) -> None:
+    def fail(_kind: str) -> None:
+        raise error
+
+    monkeypatch.setattr(driver, "new_channel", fail)
+    told = devices.sensor_driver(here)
+    assert (told.state, found in told.found, advice in told.advice) == ("care", True, True)
+
+
+def use(motor: FakeServo, call: str, then: Callable[[], None]) -> None:
+    motor.during[call] = then
+
+
+@pytest.mark.parametrize(
+    ("prepare", "state", "says", "advice"),
+    [
+        (lambda m: use(m, "open", m.plug_in), "ok", "makes its motors limp 1000 ms", ""),
+        (
+            lambda m: (use(m, "open", m.plug_in), m.failing.update(enableFailsafe=UNSUPPORTED)),
+            "care",
+            "has no failsafe",
+            "limp",
+        ),
+        (lambda m: None, "ok", "none plugged in, or another program uses it.", ""),
+        (
+            lambda m: use(m, "open", lambda: m.err(2, "Channel is in use.")),
+            "ok",
+            "Close the other program",
+            "",
+        ),
+    ],
+    ids=["failsafe", "no failsafe", "none", "in use"],
+)
+def test_a_servo_controller_is_looked_for(
+    here: Machine,
+    monkeypatch: Patch,
+    prepare: Callable[[FakeServo], Any],
+    state: str,
+    says: str,
+    advice: str,
+) -> None:
+    motor = FakeServo(VirtualClock())
+    monkeypatch.setattr(driver, "new_channel", lambda _kind: motor)
+    monkeypatch.setattr(driver, "plugged_in", lambda: None)
+    prepare(motor)
+    found = devices.servo_controller(here)
+    assert (found.state, says in found.found, advice in found.advice) == (state, True, True)
+    assert (motor.sent("setEngaged"), motor.sent("close")) == ([], [None])
+
+
+def test_a_servo_controller_that_cannot_be_used_names_the_check_that_says_why(
+    here: Machine, monkeypatch: Patch
+) -> None:
+    def fail(_kind: str) -> Any:
+        raise OSError("libusb-1.0.so.0: cannot open shared object file")
+
+    assert devices.servo_controller(here).state == "ok", "the system lists none"
+    monkeypatch.setattr(driver, "plugged_in", lambda: None)
+    monkeypatch.setattr(driver, "new_channel", fail)
+    assert "Sensor driver" in devices.servo_controller(here).advice
+    monkeypatch.setattr(driver, "usb_denied", lambda: True)
+    assert devices.servo_controller(here).advice == "See: Motion sensor."
+
+
+@pytest.mark.parametrize(("vendor", "found"), [("06c2", True), ("046d", False)])
+def test_an_attached_phidget_is_known_by_its_vendor(
+    tmp_path: Path, vendor: str, found: bool, monkeypatch: Patch
+) -> None:
+    monkeypatch.undo()
+    (tmp_path / "1-2").mkdir()
+    assert driver.plugged_in(tmp_path) is False
+    (tmp_path / "1-2" / "idVendor").write_text(f"{vendor}\n")
+    assert driver.plugged_in(tmp_path) is found
+    assert driver.plugged_in(tmp_path / "none") is None
+
+
+@needs_speech
+def test_an_engine_with_voices_for_each_language_is_ok(here: Machine) -> None:
+    found = devices.speech_engine(here._replace(voice=examine_voice))
+    assert (found.state, found.advice) == ("ok", "")
+    assert found.found.endswith("voices, including English and Spanish")
+
+
+@pytest.mark.parametrize(
+    ("look", "voice", "state", "says", "advice"),
+    [
+        (
+            devices.speech_engine,
+            partial(examine_voice, program_with(ENGINE)),
+            "care",
+            "1 voice, but none for Spanish",
+            "espeak-ng",
+        ),
+        (
+            devices.speech_engine,
+            partial(examine_voice, program_with("def init(): raise RuntimeError")),
+            "care",
+            "speech engine",
+            "Install espeak-ng",
+        ),
+        (devices.sound_card, partial(examine_voice, backends=NOBODY), "ok", "by Null", ""),
+        (
+            devices.sound_card,
+            partial(examine_voice, backends=("WASAPI",)),
+            "care",
+            "no sound card",
+            "Connect loudspeakers",
+        ),
+        (
+            devices.sound_card,
+            partial(examine_voice, [sys.executable, "-c", ""]),
+            "care",
+            "stopped working",
+            "Restart",
+        ),
+    ],
+)
+def test_speech_and_sound_are_looked_for(
+    here: Machine,
+    look: Callable[[Machine], Finding],
+    voice: Callable[[], Examined],
+    state: str,
+    says: str,
+    advice: str,
+) -> None:
+    found = look(here._replace(voice=voice))
+    assert (found.state, says in found.found, advice in found.advice) == (state, True, True)
+
+
+def test_markers_name_their_clock_and_their_ports(here: Machine, monkeypatch: Patch) -> None:
+    pytest.importorskip("pylsl")
+    pytest.importorskip("serial")
+    assert "its clock is " in devices.lsl_markers(here).found
+    port = type("Port", (), {"device": "/dev/ttyUSB0"})
+    for ports, found in (([port], "ports: /dev/ttyUSB0"), ([], "installed; there is no serial")):
+        monkeypatch.setattr("serial.tools.list_ports.comports", lambda ports=ports: ports)
+        assert devices.serial_markers(here).found.startswith(found)
+
+
+# --- the link
+
+
+@pytest.fixture
+def runtime(monkeypatch: Patch) -> Iterator[Path]:
+    """Runtime folder with a short path."""
+    folder = Path(tempfile.mkdtemp(prefix="sar-"))
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(folder))
+    yield folder
+    shutil.rmtree(folder)
+
+
+def test_operators_can_join_through_a_folder_of_ones_own(here: Machine, runtime: Path) -> None:
+    found = link.operator_here(here)
+    assert (found.state, found.advice) == ("ok", "")
+    assert found.found == f"through {runtime}/sar-tui, private to you; no session can be joined now"
+    assert list((runtime / "sar-tui").iterdir()) == []
+    with announce(JoinableSession(session="a1", task="keyboard", link="a1", pid=1)):
+        assert link.operator_here(here).found.endswith("; 1 session can be joined now")
+    (runtime / "sar-tui").chmod(0o755)
+    found = link.operator_here(here)
+    assert (found.state, "is accessible to others" in found.found) == ("care", True)
+
+
+@pytest.mark.usefixtures("runtime")
+def test_a_folder_without_sockets_is_noticed(here: Machine, monkeypatch: Patch) -> None:
+    class Refused:
+        def __init__(self, family: int) -> None: ...
+
+        def __enter__(self) -> "Refused":
+            return self
+
+        def __exit__(self, *_: object) -> None: ...
+
+        def bind(self, path: str) -> None:
+            raise OSError(95, "Operation not supported")
+
+    monkeypatch.setattr("socket.socket", Refused)
+    found = link.operator_here(here)
+    assert (found.state, "XDG_RUNTIME_DIR" in found.advice) == ("care", True)
+
+
+@pytest.mark.parametrize(
+    ("look", "missing", "extra"),
+    [
+        (link.operator_here, ("zenoh",), "link"),
+        (link.browser, ("aiohttp",), "serve"),
+        (link.browser, ("zenoh",), "link"),
+        (devices.lsl_markers, ("pylsl",), "lsl"),
+        (devices.serial_markers, ("serial",), "serial"),
+    ],
+)
+@pytest.mark.usefixtures("runtime")
+def test_missing_packages_are_no_fault_and_named_with_the_command(
+    here: Machine,
+    monkeypatch: Patch,
+    look: Callable[[Machine], Finding],
+    missing: tuple[str, ...],
+    extra: str,
+) -> None:
+    find = importlib.util.find_spec
+    for place in ("importlib.util.find_spec", "sar_tui.cli.doctor.link.find_spec"):
+        monkeypatch.setattr(place, lambda name: None if name in missing else find(name))
+    found = look(here)
+    assert (found.state, found.advice) == ("ok", f"To install it: {pip_install_extra(extra)}")
+    assert found.found.startswith("not installed. ")
+
+
+@pytest.mark.parametrize(
+    ("days_ago", "state", "says"),
+    [
+        (3, "ok", "2 valid: operator.anna, observer.eva"),
+        (24, "care", "2 valid: operator.anna, observer.eva; expiring soon: anna on "),
+        (40, "ok", "1 valid: observer.eva"),
+        (70, "ok", "none is valid now, so nobody can join over the network"),
+    ],
+)
+def test_expiry_of_invitations(here: Machine, days_ago: int, state: str, says: str) -> None:
+    began = NOW - timedelta(days=days_ago)
+    authority = Authority.open_or_create(here.home.folder)
+    authority.invite(Guest("anna", "operator"), [parse_endpoint("lab")], 30, began)
+    authority.invite(Guest("eva", "observer"), [parse_endpoint("lab")], 60, began)
+    found = link.invitations(here)
+    assert (found.state, found.found.startswith(says)) == (state, True)
+
+
+def test_invitations_that_are_revoked_readable_by_others_or_damaged(here: Machine) -> None:
+    keys = here.home.folder / FOLDER
+    assert link.invitations(here).found.startswith("nobody is invited")
+    assert not keys.exists()
+    authority = Authority.open_or_create(here.home.folder)
+    authority.invite(Guest("anna", "operator"), [parse_endpoint("lab")], 30, NOW)
+    authority.revoke("anna", NOW)
+    assert link.invitations(here).found.startswith("none is valid")
+    keys.chmod(0o755)
+    assert f"chmod 700 {keys}" in link.invitations(here).advice
+    keys.chmod(0o700)
+    (keys / "invitations.json").write_text("{")
+    assert link.invitations(here).state == "bad"
