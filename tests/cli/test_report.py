@@ -1,6 +1,5 @@
 """``sar-tui report wizard`` on simulated sessions, printed and as JSON."""
 
-import json
 import re
 import sqlite3
 from pathlib import Path
@@ -15,6 +14,7 @@ from sar_tui.reports.wizard import WizardReport
 from sar_tui.reports.wizard_study import WizardStudy
 from sar_tui.simulation.operator import PROFILES
 from tests.program import Call
+from tests.store.by_hand import add_message
 
 PAGE = (Path(__file__).parents[2] / "docs" / "data-dictionary.md").read_text(encoding="utf-8")
 SHORT = "simulate keyboard --user average --set prompts_per_attempt=3 --seed 1 --json".split()
@@ -91,11 +91,8 @@ def test_notes_marks_and_pauses_are_printed_with_their_times(call: Call, tmp_pat
             ("operator/noted", {"label": "yawn", "actor": who, "at": began + 28_500_000_000}),
             ("operator/act", {"command": "pause", "reason": "pain"}),
         ):
-            connection.execute(
-                "INSERT INTO events (session, seq, run, at_ns, topic, message)"
-                " SELECT session, max(seq) + 1, 1, ?, ?, ? FROM events",
-                (last, topic, json.dumps(message)),
-            )
+            (seq,) = connection.execute("SELECT max(seq) + 1 FROM events").fetchone()
+            add_message(connection, session, seq, last, topic, message)
     out = call("report wizard", session).out
     assert "1 note, 1 event mark." in out
     assert re.search(rf"27\.0 +{who} +Tired today\.", out)

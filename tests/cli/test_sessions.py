@@ -2,12 +2,14 @@
 
 import json
 import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
 from sar_tui.model.trial_types import Metric
 from tests.program import Call
+from tests.store.by_hand import add_message
 
 
 def change(folder: Path, statement: str, *values: object) -> None:
@@ -166,14 +168,11 @@ def test_a_metric_is_labelled_with_its_unit_if_it_has_one(unit: str, label: str)
 
 def record(folder: Path, session: str, topic: str, **message: object) -> None:
     """Append a message to a session."""
-    change(
-        folder,
-        "INSERT INTO events (session, seq, run, at_ns, topic, message) "
-        "SELECT session, max(seq) + 1, 1, 0, ?, ? FROM events WHERE session=?",
-        topic,
-        json.dumps(message),
-        session,
-    )
+    with closing(sqlite3.connect(folder / "data" / "sar-tui.db")) as database, database:
+        (seq,) = database.execute(
+            "SELECT max(seq) + 1 FROM events WHERE session=?", (session,)
+        ).fetchone()
+        add_message(database, session, seq, 0, topic, message)
 
 
 def test_show_ends_with_a_line_for_each_output_that_failed(

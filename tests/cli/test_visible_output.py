@@ -20,6 +20,7 @@ from sar_tui.plugins import Catalogue
 from tests.edit import edit
 from tests.hostile import HOSTILE, SHOWN, leaks
 from tests.program import Call
+from tests.store.by_hand import add_message
 
 ARGUMENTS = [
     [HOSTILE],
@@ -111,24 +112,15 @@ def test_texts_of_a_theme_are_printed_visibly(
 
 
 def test_stored_notes_are_printed_visibly(call: Call, data: Path) -> None:
-    words = (
-        "--attempts",
-        2,
-        "--set",
-        "prompts_per_attempt=3",
-        "--operator",
-        "careful",
-        "--seed",
-        1,
-        "--json",
+    played = call(
+        "simulate keyboard --user average --attempts 2 --set prompts_per_attempt=3",
+        *"--operator careful --seed 1 --json".split(),
     )
-    session = call("simulate keyboard --user average", *words).json["session"]
+    session = played.json["session"]
     with closing(sqlite3.connect(data / "sar-tui.db")) as database, database:
         seq, at = database.execute("SELECT max(seq) + 1, max(at_ns) FROM events").fetchone()
-        note = json.dumps({"text": HOSTILE, "actor": "operator.simulated", "at": at})
-        database.execute(
-            "INSERT INTO events VALUES (?, ?, 1, ?, 'operator/noted', ?)", (session, seq, at, note)
-        )
+        note = {"text": HOSTILE, "actor": "operator.simulated", "at": at}
+        add_message(database, session, seq, at, "operator/noted", note)
     called = call("report wizard", session)
     assert leaks(called.out) == []
     assert SHOWN in called.out
