@@ -33,19 +33,6 @@ _NOBODY = 65534
 """User id of ``nobody``, who owns no files."""
 posix = pytest.mark.skipif(os.name != "posix", reason="permissions are those of POSIX")
 
-TABLES = {
-    "participants",
-    "settings",
-    "sessions",
-    "seats",
-    "runs",
-    "attempts",
-    "trials",
-    "actions",
-    "events",
-    "notes",
-}
-
 
 def mode(path: Path) -> int:
     return stat.S_IMODE(path.stat().st_mode)
@@ -62,35 +49,6 @@ def pragma(database: sqlite3.Connection, name: str) -> object:
     return database.execute(f"PRAGMA {name}").fetchone()[0]
 
 
-def test_a_new_database_has_the_tables_of_the_contract(database: sqlite3.Connection) -> None:
-    assert {*Database(database).table_names(), *Database(database).view_names()} >= TABLES
-    assert pragma(database, "user_version") == VERSION
-    columns = {
-        table: {column.name for column in Database(database)[table].columns} for table in TABLES
-    }
-    assert columns["sessions"] >= set(
-        "id task status started_at ended_at seed parameters software machine mode".split()
-    )
-    assert columns["attempts"] >= set(
-        "session attempt seat practice level metric metric_unit accuracy outcome feedback "
-        "started_ns ended_ns".split()
-    )
-    assert columns["trials"] >= set(
-        "session attempt trial seat run stimulus response correct onset_ns response_ns "
-        "reaction_time_ms timing "
-        "details".split()
-    )
-    assert columns["actions"] >= set(
-        "session id kind proposed final decision actor proposed_ns decided_ns started_ns "
-        "ended_ns".split()
-    )
-    assert columns["events"] == set("session seq run at_ns topic message".split())
-    assert columns["runs"] >= set("session run clock_anchor boot_id pid software machine".split())
-    assert columns["notes"] >= set("session at_ns author text".split())
-    assert columns["seats"] >= set("session seat participant".split())
-    assert columns["participants"] >= set("code created_at".split())
-
-
 def schema_of(database: sqlite3.Connection) -> tuple[object, ...]:
     """Return all columns of each table in any order, and the text of all views and triggers."""
     tables = Database(database).table_names()
@@ -101,12 +59,6 @@ def schema_of(database: sqlite3.Connection) -> tuple[object, ...]:
     others = "SELECT type, name, sql FROM sqlite_master WHERE type IN ('view', 'trigger')"
     indexes = "SELECT name, tbl_name FROM sqlite_master WHERE type='index'"
     return (columns, *(set(database.execute(query)) for query in (others, indexes)))
-
-
-def test_the_keys_are_those_of_the_contract(database: sqlite3.Connection) -> None:
-    assert Database(database)["messages"].pks == ["session_number", "seq"]
-    assert Database(database)["trials"].pks == ["session", "attempt", "trial", "seat"]
-    assert Database(database)["attempts"].pks == ["session", "attempt", "seat"]
 
 
 def test_every_commit_is_synced_to_the_disk(database: sqlite3.Connection) -> None:

@@ -35,6 +35,7 @@ from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.messages import numbers
 from sar_tui.store.recorder import GROUP, Recorder
+from sar_tui.store.tables import ATTEMPTS, TRIALS, Table
 from tests.outputs.fake_outputs import FakeOutput, Speaker
 
 A_TRIAL = TrialEnded(
@@ -146,46 +147,26 @@ def test_a_whole_session_is_in_the_tables_as_it_was_on_the_bus(data: Path) -> No
     recorded.recorder.write()
     assert recorded.history == recorded.records
     assert recorded.recorder.pending == 0
-    assert {
+    runs = {
         row["run"] for table in ("events", "trials", "attempts") for row in recorded.stored(table)
-    } == {1}
+    }
+    assert runs == {1}
+    (row,) = Database(recorded.reader).query("SELECT status, ended_at FROM sessions")
+    assert (row["status"], row["ended_at"] is not None) == ("completed", True)
 
 
-def test_a_trials_row_is_its_message(data: Path) -> None:
+@pytest.mark.parametrize(("table", "topic"), [(TRIALS, TRIAL), (ATTEMPTS, ATTEMPT_ENDED)])
+def test_a_row_has_the_fields_of_its_message(data: Path, table: Table, topic: Topic[Any]) -> None:
     recorded = Recorded(data)
     recorded.session.begin()
     recorded.finish()
-    rows = sessions.rows(recorded.reader, "trials", recorded.id)
-    trials = recorded.all(TRIAL)
-    assert len(rows) == len(trials) == 6
-    for row, trial in zip(rows, trials, strict=True):
-        assert (row["attempt"], row["trial"], row["seat"]) == (trial.attempt, trial.trial, "A")
-        assert (row["stimulus"], row["response"], row["correct"]) == (
-            trial.stimulus,
-            trial.response,
-            trial.correct,
-        )
-        assert (row["onset_ns"], row["response_ns"]) == (trial.onset, trial.response_at)
-        assert row["reaction_time_ms"] == trial.reaction_time_ms
-        assert row["timing"] == msgspec.to_builtins(trial.timing) | {
-            "flags": list(trial.timing.flags)
-        }
-        assert row["details"] == trial.details
-
-
-def test_an_attempts_row_is_its_message(data: Path) -> None:
-    recorded = Recorded(data)
-    recorded.session.begin()
-    recorded.finish()
-    rows = sessions.rows(recorded.reader, "attempts", recorded.id)
-    for row, attempt in zip(rows, recorded.all(ATTEMPT_ENDED), strict=True):
-        expected = msgspec.to_builtins(attempt)
-        assert expected.pop("spreads"), "of the trials, which have rows of their own"
-        expected["started_ns"], expected["ended_ns"] = (
-            expected.pop("started"),
-            expected.pop("ended"),
-        )
-        assert {name: row[name] for name in expected} == expected
+    rows = sessions.rows(recorded.reader, table.name, recorded.id)  # type: ignore[arg-type]
+    columns = [column for column in table.columns if column.name not in ("session", "run")]
+    for row, message in zip(rows, recorded.all(topic), strict=True):
+        fields = msgspec.json.decode(msgspec.json.encode(message))
+        assert [row[column.name] for column in columns] == [
+            fields[column.field or column.name] for column in columns
+        ]
 
 
 def test_an_action_has_its_proposal_its_decision_and_each_moment(data: Path) -> None:
@@ -251,15 +232,6 @@ def test_an_action_begins_with_its_first_part_and_ends_with_its_last_in_any_orde
     recorded.recorder.write()
     greeting = sessions.rows(recorded.reader, "actions", recorded.id)[0]
     assert (greeting["started_ns"], greeting["ended_ns"]) == (0, 2 * SECOND)
-
-
-def test_the_last_trial_closes_the_session(data: Path) -> None:
-    recorded = Recorded(data)
-    recorded.session.begin()
-    recorded.finish()
-    (row,) = Database(recorded.reader).query("SELECT status, ended_at FROM sessions")
-    assert row["status"] == "completed"
-    assert row["ended_at"] is not None
 
 
 def test_on_a_virtual_clock_each_trial_is_acknowledged_at_once_and_many_are_one_transaction(
