@@ -19,7 +19,7 @@ import platformdirs
 from sar_tui.drivers.file_limit import largest_file
 from sar_tui.drivers.private_folder import make_private
 from sar_tui.store import schema
-from sar_tui.store.tables import FIRST_VERSION, VERSION
+from sar_tui.store.tables import FIRST_VERSION, VERSION, Table
 
 FILE = "sar-tui.db"
 LOCK = "sar-tui.lock"
@@ -306,6 +306,17 @@ def read_json(text: str) -> Any:
         return msgspec.json.decode(text)
     except (msgspec.DecodeError, TypeError) as error:
         raise damaged() from error
+
+
+def store(connection: sqlite3.Connection, table: Table, **values: Any) -> None:
+    """Store a row of some columns, in a transaction of the caller; values of JSON columns are
+    encoded.
+    """
+    row = [
+        msgspec.json.encode(value).decode() if table[name].type == "json" else value
+        for name, value in values.items()
+    ]
+    connection.execute(table.insert(*values), row)
 
 
 @contextmanager

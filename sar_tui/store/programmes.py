@@ -8,8 +8,9 @@ from typing import Any
 
 import msgspec
 
-from sar_tui.store.database import StoreError, read_json, transaction
+from sar_tui.store.database import StoreError, read_json, store, transaction
 from sar_tui.store.participants import check_own
+from sar_tui.store.tables import PROGRAMMES
 from sar_tui.store.texts import check_text
 
 LONGEST_TEXT = 500
@@ -132,18 +133,12 @@ def save(
             author=author,
             reason=reason,
         )
-        connection.execute(
-            f"INSERT INTO programmes (participant, task, {_COLUMNS}) VALUES (?,?,?,?,?,?,?,?)",
-            (
-                participant,
-                task,
-                parameters.decode(),
-                saved.theme,
-                saved.version,
-                saved.created_at,
-                saved.author,
-                saved.reason,
-            ),
+        store(
+            connection,
+            PROGRAMMES,
+            participant=participant,
+            task=task,
+            **msgspec.structs.asdict(saved),
         )
     return saved
 

@@ -21,9 +21,9 @@ from sar_tui.model.messages import AttemptEnded
 from sar_tui.rules.parameters import TaskParameters, fields
 from sar_tui.store import imu, log_hashes, messages
 from sar_tui.store.counted import COUNTS
-from sar_tui.store.database import StoreError, read_json, transaction
+from sar_tui.store.database import StoreError, read_json, store, transaction
 from sar_tui.store.locks import is_held
-from sar_tui.store.tables import TABLES, Type
+from sar_tui.store.tables import RUNS, SEATS, SESSIONS, TABLES, Type
 from sar_tui.store.training_days import UTC_OFFSET, trained_at, utc_offset_s
 
 Mode = Literal["live", "simulated", "replayed"]
@@ -65,26 +65,24 @@ def create(
         programme: the version of the participant's programme; None if there is none.
     """
     with transaction(db) as connection:
-        connection.execute(
-            "INSERT INTO sessions (id, task, theme, status, started_at, seed, parameters, "
-            "software, machine, mode,"
-            " programme) VALUES (?,?,?,'running',?,?,?,?,?,?,?)",
-            (
-                session,
-                task,
-                theme,
-                _utc(),
-                seed,
-                _dump(parameters),
-                _dump(software),
-                _dump(machine),
-                mode,
-                programme,
-            ),
+        store(
+            connection,
+            SESSIONS,
+            id=session,
+            task=task,
+            theme=theme,
+            status="running",
+            started_at=_utc(),
+            seed=seed,
+            parameters=parameters,
+            software=software,
+            machine=machine,
+            mode=mode,
+            programme=programme,
         )
-        connection.execute("INSERT INTO seats VALUES (?,'A',?)", (session, participant))
+        store(connection, SEATS, session=session, seat="A", participant=participant)
         if partner:
-            connection.execute("INSERT INTO seats VALUES (?,'B',?)", (session, partner))
+            store(connection, SEATS, session=session, seat="B", participant=partner)
         log_hashes.begin(connection, session)
 
 
@@ -107,10 +105,16 @@ def begin_run(
         (run,) = connection.execute(
             "SELECT coalesce(max(run), 0) + 1 FROM runs WHERE session=?", (session,)
         ).fetchone()
-        connection.execute(
-            "INSERT INTO runs (session, run, clock_anchor, boot_id, pid, software, machine) "
-            "VALUES (?,?,?,?,?,?,?)",
-            (session, run, _dump(anchor), _boot_id(), os.getpid(), _dump(software), _dump(machine)),
+        store(
+            connection,
+            RUNS,
+            session=session,
+            run=run,
+            clock_anchor=anchor,
+            boot_id=_boot_id(),
+            pid=os.getpid(),
+            software=software,
+            machine=machine,
         )
         connection.execute(
             "UPDATE sessions SET status='running', ended_at=NULL WHERE id=?", (session,)
