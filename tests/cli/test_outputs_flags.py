@@ -20,16 +20,7 @@ from tests.needs_speech import needs_speech
 from tests.program import Call
 
 SIMULATE = (
-    "simulate",
-    "keyboard",
-    "--user",
-    "average",
-    "--seed",
-    1,
-    "--attempts",
-    1,
-    "--set",
-    "prompts_per_attempt=2",
+    "simulate keyboard --user average --seed 1 --attempts 1 --set prompts_per_attempt=2".split()
 )
 RUN = ("run", "keyboard", "-p", "P01")
 
@@ -106,40 +97,6 @@ def test_options_override_saved_settings_and_keep_the_rest(
     assert found == [(("screen", "tones"), "es", 3), (("screen", "tones", "speech"), "en", 3)]
 
 
-@pytest.mark.parametrize(
-    ("options", "says"),
-    [
-        (("--outputs", "screen,sceen"), 'There is no output "sceen". Did you mean screen?'),
-        (("--outputs", "tones:bang"), 'There is no tone "bang".'),
-        (("--outputs", "screen,tones,tones:go"), "The output tones is named twice."),
-        (("--outputs", "servo:not-a-number"), "servo"),
-        (("--speech", "nowhere"), "nowhere"),
-        (("--speech", "file:"), "file:"),
-        (
-            ("--language", "English"),
-            "Language takes a code in lower case, such as en, es or es-mx, not English.",
-        ),
-    ],
-)
-@pytest.mark.parametrize("command", [RUN, SIMULATE], ids=["run", "simulate"])
-def test_invalid_options_are_refused_before_the_session_begins(
-    call: Call,
-    opened: list[Plan],
-    tmp_path: Path,
-    command: tuple[str, ...],
-    options: tuple[str, str],
-    says: str,
-) -> None:
-    called = call(*command, *options)
-    assert (called.code, called.out) == (2, "")
-    assert says in called.err
-    assert called.err.count("\n") == 1
-    assert opened == []
-    if (tmp_path / "data" / "sar-tui.db").exists():
-        with sqlite3.connect(tmp_path / "data" / "sar-tui.db") as connection:
-            assert connection.execute("SELECT count(*) FROM sessions").fetchone() == (0,)
-
-
 @needs_speech
 def test_a_simulated_session_speaks_into_files_and_says_so(call: Call, tmp_path: Path) -> None:
     to = tmp_path / "said"
@@ -167,11 +124,3 @@ def test_a_simulated_session_speaks_the_language_it_is_given(call: Call, tmp_pat
     assert "Thank you" in said[0]
     assert "racias" in said[1]
     assert stored(tmp_path)["language"] == "es"
-
-
-def test_the_options_are_in_the_help(call: Call) -> None:
-    for command in ("run", "simulate"):
-        help_text = call(command, "--help").out
-        assert [
-            option for option in ("--outputs", "--speech", "--language") if option not in help_text
-        ] == []

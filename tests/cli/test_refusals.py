@@ -64,7 +64,19 @@ run pairs -p P01 -p P02 --imu-trunk simulated -> The task pairs uses no sensor o
 run keyboard -p P01 --imu-trunk simulated -> The task keyboard uses no sensor on the trunk
 run reaching -p P01 --imu-trunk nothing -> There is no sensor "nothing"
 run reaching -p P01 --imu phidget:7 --imu-trunk phidget:7 -> Both sensors are named phidget:7
+run pairs -p P01 -p P02 --imu simulated -> uses no motion sensor with these settings
+run pairs -p P01 -p P02 --set respond_with=reaches -> Both sensors are named phidget.
+run pairs -p P01 -p P02 --set respond_with=reaches --imu simulated:unheard -> There is no simulated hand
 run pairs -p p01 -> for two: name the participant on the left, and then the one on the right.
+run keyboard -p P01 --outputs screen,sceen -> There is no output "sceen". Did you mean screen?
+run keyboard -p P01 --speech nowhere -> nowhere
+simulate keyboard --user poor --outputs screen,sceen -> There is no output "sceen".
+simulate keyboard --user poor --outputs tones:bang -> There is no tone "bang".
+simulate keyboard --user poor --outputs screen,tones,tones:go -> tones is named twice.
+simulate keyboard --user poor --outputs servo:not-a-number -> servo
+simulate keyboard --user poor --speech nowhere -> nowhere
+simulate keyboard --user poor --speech file: -> file:
+simulate keyboard --user poor --language English -> Language takes a code in lower case
 run keyboard -p P01 --markers mqtt://broker -> use lsl, udp://HOST:PORT or serial:PORT
 --markers lsl sessions -> --markers goes after the command
 --sync-flash sessions -> --sync-flash goes after the command

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.validation import reach, table_4_1
+from sar_tui.validation import table_4_1
 from sar_tui.validation.registry import VALIDATIONS
 from sar_tui.validation.report import Conditions, Report
 from tests.program import Call
@@ -76,33 +76,6 @@ def test_modularity_is_counted_for_each_task(call: Call) -> None:
 
 
 @pytest.mark.slow
-def test_the_feedback_of_the_thesis_is_plotted_counted_and_judged(call: Call) -> None:
-    called = call("validate --only figure-4.14")
-    assert (called.code, called.err) == (0, "")
-    assert called.out.count("reaction time (ms)") == 2
-    assert (
-        "✓ With feedback after every three, the attempts 3, 6, 9 … have it, and no others."
-        in called.out
-    )
-    rows = call("validate --only figure-4.14 --json").json["figure-4.14"]
-    assert {(row["every"], row["attempt"]) for row in rows if row["feedback"] == "none"} == {
-        (3, attempt) for attempt in range(1, 21) if attempt % 3
-    }
-
-
-@pytest.mark.slow
-def test_people_see_one_example_of_each_kind_and_programs_see_all(call: Call) -> None:
-    rows = call("validate --only figure-4.13 --json").json["figure-4.13"]
-    assert len(rows) == 120
-    printed = call("validate --only figure-4.13").out
-    kinds = {(row["form"], row["feedback"], row["degree"]) for row in rows}
-    lines = [
-        line for line in printed.splitlines() if line.startswith(("qualitative ", "quantitative "))
-    ]
-    assert len(lines) == len(kinds)
-
-
-@pytest.mark.slow
 def test_several_validations_can_be_named_in_any_order(call: Call) -> None:
     printed = call("validate --only", "reach, table-4.1", "--reaches", 1, "--json").json
     assert list(printed) == ["table-4.1", "reach"]
@@ -122,17 +95,6 @@ def test_a_failed_claim_is_reported_and_exits_with_1(
     assert as_json.code == 1
     assert len(as_json.json["table-4.1"]) == 8
     assert as_json.err.startswith("✗ The fixed-threshold detector's reach times")
-
-
-@pytest.mark.slow
-def test_the_difficulty_in_which_a_claim_fails_is_named(
-    call: Call, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(reach, "DURATION_MS", 10.0)
-    called = call("validate --only reach --reaches 2")
-    assert called.code == 1
-    assert "✗ The median error of its durations is within 10 ms. But " in called.out
-    assert "But clean: -" in called.out
 
 
 def test_a_detector_that_finds_too_few_fails_its_claim(
