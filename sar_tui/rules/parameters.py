@@ -8,16 +8,16 @@ common setting is declared in ``TaskParameters``, by its heading on the form; a 
 import difflib
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import Annotated, Any, Literal, TypeVar, get_type_hints
+from typing import Annotated, Any, Literal, TypeVar
 
 import msgspec
-from msgspec import Meta, inspect
+from msgspec import inspect
 
 from sar_tui.model.language import Language
 from sar_tui.model.messages import Mode
 from sar_tui.model.trial_types import LONGEST_SHOW_MS
 from sar_tui.plugin_calls import PLUGIN_ERRORS, calling, describe
-from sar_tui.rules import difficulty, feedback, policies
+from sar_tui.rules import policies
 from sar_tui.rules.declaration import (
     Field,
     ParameterError,
@@ -32,7 +32,6 @@ from sar_tui.rules.difficulty import BY_OUTCOME
 from sar_tui.rules.questions import QUESTIONS
 from sar_tui.rules.wellbeing import HIGHEST, PainLimits
 
-S = TypeVar("S", bound=Settings)
 P = TypeVar("P", bound="TaskParameters")
 
 _session = in_group("Session")
@@ -45,52 +44,7 @@ _timing = in_group("Timing")
 _PAIN = PainLimits()
 
 
-def _summaries(
-    included: Mapping[str, policies.Policy], found: Mapping[str, policies.Policy]
-) -> str:
-    """Return the names of policies with their summaries; those of others on a line of their own,
-    as they have no translation.
-    """
-    others = {name: policy for name, policy in found.items() if name not in included}
-    lines = (
-        " ".join(f"{name}: {policy.summary}" for name, policy in some.items())
-        for some in (included, others)
-    )
-    return "\n".join(filter(None, lines))
-
-
-def _with_policies(common: type[S]) -> type[S]:
-    """Return the class with the policies as choices, and with the settings that they read by
-    `policies.own_settings`.
-    """
-    policies.find_others(common.__struct_fields__)
-    hints = get_type_hints(common, include_extras=True)
-    included: dict[str, Mapping[str, policies.Policy]] = {
-        "difficulty_policy": difficulty.INCLUDED,
-        "feedback_schedule": feedback.INCLUDED,
-    }
-    own: list[tuple[str, Any, Any]] = []
-    for choice, found in policies.BY_CHOICE.items():
-        help = Meta(description=_summaries(included[choice], found))
-        names: Any = Literal[tuple(found)]
-        default = next(f.default for f in msgspec.structs.fields(common) if f.name == choice)
-        own.append((choice, Annotated[names, *hints[choice].__metadata__, help], default))
-    for kind in policies.settings_types():
-        hints = get_type_hints(kind, include_extras=True)
-        own += [(f.name, hints[f.name], f.default) for f in msgspec.structs.fields(kind)]
-    extended: Any = msgspec.defstruct(
-        common.__name__,
-        own,
-        bases=(common,),
-        module=common.__module__,
-        namespace={"__doc__": common.__doc__},
-        frozen=True,
-        kw_only=True,
-    )
-    return extended  # type: ignore[no-any-return]
-
-
-@_with_policies
+@policies.with_policies
 class TaskParameters(Settings, frozen=True, kw_only=True):
     """Settings that every task has. A task adds its own in a subclass.
 

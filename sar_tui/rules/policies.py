@@ -7,9 +7,10 @@ settings become settings of every task (`parameters.TaskParameters`, which has t
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Annotated, Any, Literal, TypeVar, get_type_hints
 
 import msgspec
+from msgspec import Meta
 
 from sar_tui.plugin_calls import check_api, is_own, marked_as
 from sar_tui.plugin_loader import Group, PluginError, import_from, user_folder
@@ -36,6 +37,33 @@ HEADINGS = {"difficulty_policy": "Difficulty", "feedback_schedule": "Feedback"}
 """The heading of the settings of those policies."""
 FAILED: dict[str, str] = {}
 """Why a policy cannot be used, in one sentence, by its name."""
+
+
+def with_policies(common: type[S]) -> type[S]:
+    """Return the class of common settings with all policies: as choices, and with the settings that
+    they read by `own_settings`.
+    """
+    _find_others(common.__struct_fields__)
+    hints = get_type_hints(common, include_extras=True)
+    own: list[tuple[str, Any, Any]] = []
+    for choice, found in BY_CHOICE.items():
+        help = Meta(description=_summaries(found))
+        names: Any = Literal[tuple(found)]
+        default = next(f.default for f in msgspec.structs.fields(common) if f.name == choice)
+        own.append((choice, Annotated[names, *hints[choice].__metadata__, help], default))
+    for kind in settings_types():
+        hints = get_type_hints(kind, include_extras=True)
+        own += [(f.name, hints[f.name], f.default) for f in msgspec.structs.fields(kind)]
+    extended: Any = msgspec.defstruct(
+        common.__name__,
+        own,
+        bases=(common,),
+        module=common.__module__,
+        namespace={"__doc__": common.__doc__},
+        frozen=True,
+        kw_only=True,
+    )
+    return extended  # type: ignore[no-any-return]
 
 
 def own_settings(kind: type[S], parameters: Settings) -> S:
@@ -88,7 +116,23 @@ def missing(values: Mapping[str, object]) -> dict[str, str]:
     return found
 
 
-def find_others(common: Iterable[str]) -> None:
+def _summaries(found: Mapping[str, Policy]) -> str:
+    """Return the names of policies with their summaries; those of others on a line of their own,
+    as they have no translation.
+    """
+    included = {*difficulty.INCLUDED, *feedback.INCLUDED}
+    lines = (
+        " ".join(
+            f"{name}: {policy.summary}"
+            for name, policy in found.items()
+            if (name in included) is is_included
+        )
+        for is_included in (True, False)
+    )
+    return "\n".join(filter(None, lines))
+
+
+def _find_others(common: Iterable[str]) -> None:
     """Add the user's own policies and those of packages, or why they cannot be used.
 
     Args:
@@ -149,7 +193,7 @@ def _checked(name: str, function: F, *kinds: type) -> F:
     """Return a function of a policy with its mark as a plug-in's, and with its result checked. One
     of the program stays as it is.
     """
-    if is_own(function.__module__):
+    if is_own(getattr(function, "__module__", None) or ""):
         return function
     marked = marked_as("policy", name, function)
 
