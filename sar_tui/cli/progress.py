@@ -271,7 +271,7 @@ def _print_dose(out: "Console", found: "Progress", tr: "Language") -> None:
 
 
 def _compare(found: "Progress", named: str, find: "Find", language: str, as_json: bool) -> None:
-    from sar_tui.reports import comparison_words, progress_words
+    from sar_tui.reports import progress_words
     from sar_tui.reports.progress import compare as make_comparison
 
     names = [name.strip() for name in named.split(",")]
@@ -285,7 +285,7 @@ def _compare(found: "Progress", named: str, find: "Find", language: str, as_json
         return
     line = next(line for line in found.lines if any(each.session == one for each in line.sessions))
     tr = progress_words.words(language, find(line.task))
-    console().print(comparison_words.compared(line, comparison, tr), soft_wrap=True)
+    console().print(progress_words.compared(line, comparison, tr), soft_wrap=True)
 
 
 def _session(found: "Progress", name: str) -> str:

@@ -115,7 +115,7 @@ def intervention(
     By the items of TIDieR and TIDieR-Rehab that the record knows.
     """
     from sar_tui.reports.intervention import intervention as make_report
-    from sar_tui.reports.intervention_record import read
+    from sar_tui.reports.intervention import read
     from sar_tui.reports.intervention_words import sections
     from sar_tui.store.selection import select
 

@@ -1,8 +1,7 @@
-"""Progress in words: sentences for the screen, the printed page, and a paragraph for a person's
-record.
-"""
+"""Progress in words: sentences for the screen, the printed page, and a person's record."""
 
 import inspect
+from collections.abc import Sequence
 from pathlib import Path
 
 from sar_tui.loop.task import Task
@@ -11,7 +10,8 @@ from sar_tui.model.measure import Measure
 from sar_tui.model.results_for_people import metric_for_people, short_goal
 from sar_tui.progress.change import BASELINE, FAMILIARISATION
 from sar_tui.progress.instruments import Instrument, InstrumentChange, Published
-from sar_tui.reports.progress import AtGoal, LineProgress, Progress, SessionProgress
+from sar_tui.progress.lines import Side
+from sar_tui.reports.progress import AtGoal, Comparison, LineProgress, Progress, SessionProgress
 from sar_tui.reports.wellbeing import advice, dated_event
 from sar_tui.rules.declaration import COMMON
 
@@ -123,6 +123,16 @@ def sentences(line: LineProgress, tr: Language) -> list[str]:
     return [sentence for sentence in said if sentence]
 
 
+_NOW = {
+    "easier": "In the last session every result was better than the goal: harder levels can be "
+    "tried.",
+    "harder": "In the last session no result reached the goal: easier levels can be tried.",
+    "": "The level at goal is not known yet: these results do not tell how they grow with the "
+    "level. More sessions may.",
+}
+"""Sentences on the last session, by the side that its level at goal lies on if it is not known."""
+
+
 def _now(line: LineProgress, tr: Language) -> str:
     last = line.sessions[-1]
     if line.measure == "result" and last.mean is not None:
@@ -131,18 +141,9 @@ def _now(line: LineProgress, tr: Language) -> str:
             level=str(last.last_level),
             value=result(line, last.mean, tr),
         )
-    if last.side == "easier":
-        return tr(
-            "In the last session every result was better than the goal: harder levels can be tried."
-        )
-    if last.side == "harder":
-        return tr("In the last session no result reached the goal: easier levels can be tried.")
-    if last.at_goal:
+    if last.at_goal and not last.side:
         return tr("Level at goal in the last session: {level}.", level=at_goal(line, last, tr))
-    return tr(
-        "The level at goal is not known yet: these results do not tell how they grow with the "
-        "level. More sessions may."
-    )
+    return tr(_NOW[last.side])
 
 
 _QUALITIES = {
@@ -280,6 +281,14 @@ def _noise(line: LineProgress, tr: Language) -> str:
     )
 
 
+_VERDICTS = {
+    "more": "{session} is better than that: a change that noise and practice do not explain.",
+    "less": "{session} is worse than that: a change that noise does not explain.",
+    "noise": "{session} is within that: no change can be shown.",
+    "not yet known": "Whether there is a change is not yet known.",
+}
+
+
 def _verdict(line: LineProgress, tr: Language) -> str:
     if line.baseline is None:
         return ""
@@ -287,17 +296,20 @@ def _verdict(line: LineProgress, tr: Language) -> str:
     if line.judged != line.sessions[-1].session:
         began = next(each.began for each in line.sessions if each.session == line.judged)
         session = tr("The last session with a known value, of {day},", day=day(began))
-    return {
-        "more": tr(
-            "{session} is better than that: a change that noise and practice do not explain.",
-            session=session,
-        ),
-        "less": tr(
-            "{session} is worse than that: a change that noise does not explain.", session=session
-        ),
-        "noise": tr("{session} is within that: no change can be shown.", session=session),
-        "not yet known": tr("Whether there is a change is not yet known."),
-    }[line.verdict]
+    return tr(_VERDICTS[line.verdict], session=session)
+
+
+_SHORT_VERDICTS = {
+    "more": "better than noise and practice explain",
+    "less": "worse than noise explains",
+    "noise": "no change can be shown",
+    "not yet known": "change not yet known",
+}
+_SHORT_SIDES = {
+    "easier": "Last session all too easy",
+    "harder": "Last session all too hard",
+    "": "Level at goal not yet known",
+}
 
 
 def standing(line: LineProgress, tr: Language) -> str:
@@ -307,20 +319,11 @@ def standing(line: LineProgress, tr: Language) -> str:
     If the last session has no known value it says so first, and names the day of the one that has.
     """
     last = line.sessions[-1]
-    unknown = {
-        "easier": tr("Last session all too easy"),
-        "harder": tr("Last session all too hard"),
-        "": tr("Level at goal not yet known"),
-    }[last.side]
+    unknown = tr(_SHORT_SIDES[last.side])
     judged = next((each for each in line.sessions if each.session == line.judged), None)
     if judged is None:
         return unknown
-    verdict = {
-        "more": tr("better than noise and practice explain"),
-        "less": tr("worse than noise explains"),
-        "noise": tr("no change can be shown"),
-        "not yet known": tr("change not yet known"),
-    }[line.verdict]
+    verdict = tr(_SHORT_VERDICTS[line.verdict])
     if judged is last:
         return f"{_standing_value(line, judged, tr)}: {verdict}"
     return f"{unknown}. {day(judged.began)}: {_standing_value(line, judged, tr)}, {verdict}"
@@ -470,3 +473,105 @@ def instrument_change(found: InstrumentChange, tr: Language) -> str:
     if not found.reached:
         said.append(tr("No change of it that could be compared is published."))
     return " ".join(said)
+
+
+_REASONS: dict[Side, str] = {
+    "easier": "every result was better than the goal",
+    "harder": "no result reached the goal",
+    "": "the results do not tell how they grow with the level",
+}
+_REMEDIES: dict[Side, str] = {
+    "easier": "Harder levels would make it known.",
+    "harder": "Easier levels would make it known.",
+    "": "More attempts, at several levels, would make it known.",
+}
+
+
+_DIFFERENCES = {
+    "more": "That is better; from {low} to {high} would be no more than noise (MDC95).",
+    "less": "That is worse; from {low} to {high} would be no more than noise (MDC95).",
+    "noise": "That is no more than noise, which goes from {low} to {high} (MDC95).",
+}
+
+
+def compared(line: LineProgress | None, found: Comparison, tr: Language) -> str:
+    """Return the comparison of two sessions in words. ``line`` is theirs, if they share one."""
+    if line is None or not found.comparable:
+        return tr(
+            "These sessions had other settings, or another task: their results cannot be compared."
+        )
+    if found.earlier.value is None or found.later.value is None:
+        return " ".join(
+            [*_unknown(found, tr), *_results(line, found, tr), *_remedies(line, found, tr)]
+        )
+    change = tr(
+        "From {earlier} to {later}.",
+        earlier=figure(line, found.earlier.value, tr),
+        later=figure(line, found.later.value, tr),
+    )
+    if found.mdc95 is None:
+        return f"{change} {tr('How much is noise is not yet known: it needs more sessions.')}"
+    ends = found.earlier.value - found.mdc95, found.earlier.value + found.mdc95
+    low, high = sorted(ends, key=lambda value: measured_value(line, value))
+    limits = {"low": figure(line, low, tr), "high": figure(line, high, tr)}
+    verdict = tr(_DIFFERENCES[found.verdict], **limits)
+    return f"{change} {verdict}"
+
+
+def _unknown(found: Comparison, tr: Language) -> list[str]:
+    """Return why the level at goal of one session, or of both, is not known."""
+    days: dict[Side, list[str]] = {}
+    for each in (found.earlier, found.later):
+        if each.value is None:
+            days.setdefault(each.side, []).append(day(each.began))
+    if found.earlier.value is None and found.later.value is None and len(days) == 1:
+        return [
+            tr(
+                "The level at goal of neither is known: {reason}.",
+                reason=tr(_REASONS[found.later.side]),
+            )
+        ]
+    return [
+        tr(
+            "The level at goal of {date} is not known: {reason}.",
+            date=day,
+            reason=tr(_REASONS[side]),
+        )
+        for side, (day, *_) in days.items()
+    ]
+
+
+def _results(line: LineProgress, found: Comparison, tr: Language) -> list[str]:
+    """Return how the results differ at the levels that were played in both sessions."""
+    if found.earlier_mean is None or found.later_mean is None:
+        return [tr("No level was played in both, so their results cannot be compared either.")]
+    levels = _levels(found.shared_levels, tr)
+    said = (
+        tr("Mean at level {level}:", level=levels)
+        if len(found.shared_levels) == 1
+        else tr("Mean at levels {levels}, played in both:", levels=levels)
+    )
+    means = tr(
+        "{earlier}, then {later}; how much of that is noise is not known.",
+        earlier=result(line, found.earlier_mean, tr),
+        later=result(line, found.later_mean, tr),
+    )
+    return [f"{said} {means}"]
+
+
+def _levels(levels: Sequence[int], tr: Language) -> str:
+    """Return levels in words: "1, 2", "1 to 8"."""
+    first, last = levels[0], levels[-1]
+    if len(levels) > 2 and last - first == len(levels) - 1:
+        return tr("{low} to {high}", low=str(first), high=str(last))
+    return ", ".join(map(str, levels))
+
+
+def _remedies(line: LineProgress, found: Comparison, tr: Language) -> list[str]:
+    """Return what would make the levels at goal known in later sessions: the last unknown one
+    tells.
+    """
+    last = found.later if found.later.value is None else found.earlier
+    if last.side == "easier" and line.places and last.last_level == len(line.places):
+        return [tr("There is no harder level: a harder goal would begin a new chart.")]
+    return [tr(_REMEDIES[last.side])]

@@ -26,8 +26,7 @@ from sar_tui.export.registry import load
 from sar_tui.model.messages import KeyPressed, Shown
 from sar_tui.model.units import MS
 from sar_tui.motion.samples import Floats
-from sar_tui.reports.intervention import intervention
-from sar_tui.reports.intervention_record import read
+from sar_tui.reports.intervention import intervention, read
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE, Person

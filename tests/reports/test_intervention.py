@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 
 from sar_tui.model import messages as m
-from sar_tui.reports.intervention import Acts, Record, intervention
-from sar_tui.reports.intervention_record import changes_played
+from sar_tui.reports.intervention import Acts, Record, changes_played, intervention
 from sar_tui.reports.intervention_words import sections
 from sar_tui.store.adverse_events import AdverseEvent
 from sar_tui.store.programmes import Programme

@@ -13,7 +13,7 @@ from sar_tui.loop.task import Task
 from sar_tui.model.trial_types import Metric
 from sar_tui.progress.lines import SessionResults
 from sar_tui.progress.task_level import AttemptResult
-from sar_tui.reports import comparison_words, dose_words, progress_words
+from sar_tui.reports import dose_words, progress_words
 from sar_tui.reports.charts import Columns
 from sar_tui.reports.dose import days_of, recent
 from sar_tui.reports.progress import Progress, compare, progress
@@ -136,9 +136,7 @@ def fast(number: int, level: int, mean: float) -> SessionResults:
 def compared_in(found: Progress, one: int, other: int, code: str, keyboard: type[Task]) -> str:
     comparison = compare(found, f"session{one:03}", f"session{other:03}")
     assert comparison is not None
-    return comparison_words.compared(
-        found.lines[0], comparison, progress_words.words(code, keyboard)
-    )
+    return progress_words.compared(found.lines[0], comparison, progress_words.words(code, keyboard))
 
 
 def test_sessions_that_all_beat_the_goal_are_compared_by_their_results_and_what_would_help_is_said(
@@ -186,7 +184,7 @@ def test_two_sessions_are_compared_in_the_order_they_were_played(keyboard: type[
     assert comparison is not None
     assert (comparison.earlier.session, comparison.later.session) == ("session001", "session009")
     assert comparison.verdict == "more"
-    words = comparison_words.compared(found.lines[0], comparison, progress_words.words("en", None))
+    words = progress_words.compared(found.lines[0], comparison, progress_words.words("en", None))
     assert re.search(
         r"That is better; from [\d.]+ keys to [\d.]+ keys would be no more than noise \(MDC95\)\.$",
         words,
@@ -199,7 +197,7 @@ def test_sessions_on_two_lines_are_not_compared(keyboard: type[Task]) -> None:
     comparison = compare(found, "session001", "session009")
     assert comparison is not None
     assert (comparison.comparable, comparison.difference) == (False, None)
-    assert "cannot be compared" in comparison_words.compared(
+    assert "cannot be compared" in progress_words.compared(
         None, comparison, progress_words.words("en", None)
     )
 

@@ -13,8 +13,8 @@ from textual.widgets import Static
 
 from sar_tui.app.screens.progress_records import RECORDS, Records
 from sar_tui.loop.task import Task
-from sar_tui.reports import comparison_words, progress_words
 from sar_tui.reports import progress_parts as parts
+from sar_tui.reports import progress_words
 from sar_tui.reports.charts import AREA, BAND, CHOSEN, POINT, RULE
 from sar_tui.reports.progress import LineProgress, Progress, compare, progress
 from sar_tui.reports.wellbeing import advice
@@ -259,9 +259,7 @@ class ProgressScreen(DismissedOnce[None]):
             days = [
                 progress_words.day(each.began) for each in (comparison.earlier, comparison.later)
             ]
-            felt = (
-                f"{days[0]} and {days[1]}: {comparison_words.compared(line, comparison, self._tr)}"
-            )
+            felt = f"{days[0]} and {days[1]}: {progress_words.compared(line, comparison, self._tr)}"
         return "\n".join(
             [f"{parts.CURSOR} {when}", *parts.wrapped([felt], self.size.width - 4, indent="  ")]
         )

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from sar_tui.model.language import Language
 from sar_tui.progress.instruments import Score
-from sar_tui.reports import record_parts
+from sar_tui.reports import progress_parts
 from sar_tui.store.adverse_events import AdverseEvent
 from sar_tui.store.database import StoreError
 
@@ -35,7 +35,7 @@ class Records:
             case "Events":
                 return self._screen.found.events
             case "Instruments":
-                return record_parts.scores(self._screen.found)
+                return progress_parts.scores(self._screen.found)
         return ()
 
     @property
@@ -58,9 +58,9 @@ class Records:
         """Return the lines of the list."""
         assert self._screen.found
         draw = (
-            record_parts.events_part
+            progress_parts.events_part
             if self._screen.part_name == "Events"
-            else record_parts.instruments_part
+            else progress_parts.instruments_part
         )
         return draw(self._screen.found, size, self._chosen_record, self._tr)
 
@@ -77,7 +77,7 @@ class Records:
             )
             return
         assert self._screen.found
-        known = record_parts.scores(self._screen.found)
+        known = progress_parts.scores(self._screen.found)
         first = [known[self._chosen_record].instrument] if known else []
         self._screen.app.push_screen(
             InstrumentScoreScreen(self._participant, *first), self._entered
@@ -100,7 +100,7 @@ class Records:
         from sar_tui.store import instrument_scores
 
         assert self._screen.found
-        score = record_parts.scores(self._screen.found)[self._chosen_record]
+        score = progress_parts.scores(self._screen.found)[self._chosen_record]
 
         def remove(is_mistake: bool | None) -> None:
             if not is_mistake:
