@@ -217,6 +217,23 @@ class _MarkedIterator(Generic[T]):
             return next(self._values)
 
 
+def line_of_error(error: BaseException) -> str:
+    """Return the last line of a task's own files that an exception passed, such as
+    ``task.py:12``; empty if it passed none.
+    """
+    import traceback  # with pathlib, only when something failed: a task's module loads little
+    from pathlib import PurePath
+
+    if isinstance(error, SyntaxError) and error.filename:
+        return f"{PurePath(error.filename).name}:{error.lineno}"
+    passed = [
+        f"{PurePath(frame.f_code.co_filename).name}:{line}"
+        for frame, line in traceback.walk_tb(error.__traceback__)
+        if str(frame.f_globals.get("__name__")).startswith(f"{TASKS}.")
+    ]
+    return passed[-1] if passed else ""
+
+
 PLUGIN_ERRORS = (Exception, SystemExit)
 """Errors of a task, a view or a device; `sys.exit` in a plug-in is an error, too."""
 

@@ -14,7 +14,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import sar_tui
-from sar_tui.plugin_calls import PLUGIN_ERRORS, Kind, WrongApi, calling, check_api, describe
+from sar_tui.plugin_calls import (
+    PLUGIN_ERRORS,
+    Kind,
+    WrongApi,
+    calling,
+    check_api,
+    describe,
+    line_of_error,
+)
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -107,9 +115,16 @@ def _declarations(path: tuple[str, ...]) -> bytes:
 
 
 def why(error: BaseException) -> str:
-    """Return the reason of a failure in one sentence, for the author of the plug-in."""
+    """Return the reason of a failure in one sentence, for the author of the plug-in, with the line
+    of a task's own files that failed.
+    """
+    line = line_of_error(error)
+    return f"{line}: {_reason(error)}" if line else _reason(error)
+
+
+def _reason(error: BaseException) -> str:
     if isinstance(error, SyntaxError):
-        return f"line {error.lineno} of {Path(error.filename or '').name}: {error.msg}."
+        return f"{error.msg}."
     if isinstance(error, ImportError) and (error.name or "").split(".")[0] == sar_tui.__name__:
         missing = str(error).partition(" (")[0]  # without the path of the module
         return f"{missing}. {CURRENT_NAMES}"

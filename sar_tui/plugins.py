@@ -257,7 +257,7 @@ def _is_task(value: object) -> bool:
 
 
 def _checked(task: "type[Task]", name: str) -> "type[Task]":
-    from sar_tui.loop.task import declaration_problem
+    from sar_tui.loop.task_declaration import declaration_problem
 
     missing = [
         attribute for attribute in ("name", "title", "metric") if not hasattr(task, attribute)

@@ -192,15 +192,13 @@ def test_a_task_that_raises_on_import_is_reported(own: Path) -> None:
     write(own, "broken", "1 / 0\n")
     assert (
         sentence(own, "broken")
-        == "The task broken cannot be loaded: ZeroDivisionError: division by zero."
+        == "The task broken cannot be loaded: task.py:1: ZeroDivisionError: division by zero."
     )
 
 
 def test_a_syntax_error_in_a_task_is_reported_with_its_line(own: Path) -> None:
     write(own, "garbled", "import math\nclass Garbled(:\n")
-    assert sentence(own, "garbled").startswith(
-        "The task garbled cannot be loaded: line 2 of task.py: "
-    )
+    assert sentence(own, "garbled").startswith("The task garbled cannot be loaded: task.py:2: ")
 
 
 def test_a_missing_dependency_of_a_task_is_reported(own: Path) -> None:
@@ -230,7 +228,7 @@ def test_a_task_with_names_of_another_version_is_reported(
 ) -> None:
     write(own, "minimal", f"{statement}\n{MINIMAL}")
     assert sentence(own, "minimal") == (
-        f"The task minimal cannot be loaded: {missing}. The names of this version are in "
+        f"The task minimal cannot be loaded: task.py:1: {missing}. The names of this version are in "
         "docs/task-reference.md."
     )
 

@@ -4,9 +4,10 @@ import random
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from sar_tui.loop.author_lines import at, line_of
 from sar_tui.loop.task import Task
 from sar_tui.model.trial_types import PastAttempt, Situation, Trial
-from sar_tui.plugin_calls import PLUGIN_ERRORS
+from sar_tui.plugin_calls import PLUGIN_ERRORS, line_of_error
 
 _METHODS = (
     "condition",
@@ -19,6 +20,8 @@ _METHODS = (
     "trials_at",
     "target",
 )
+_WATCHED = (*_METHODS, "rehearse")
+"""Methods whose calls are kept; a simulated person, whom `rehearse` moves, is not asked again."""
 _GIVEN = ("names", "tr")
 """Attributes of a task that the session sets."""
 _MOST_KEPT = 5000
@@ -36,7 +39,7 @@ class Call(NamedTuple):
 
 def recorded(kind: type[Task], calls: list[Call]) -> type[Task]:
     """Return a subclass of a task that is used like it, and keeps the calls of its methods."""
-    wrapped = {name: _wrapped(name, getattr(kind, name), calls) for name in _METHODS}
+    wrapped = {name: _wrapped(name, getattr(kind, name), calls) for name in _WATCHED}
     return type(
         kind.__name__, (kind,), {**wrapped, "__module__": kind.__module__, "__doc__": kind.__doc__}
     )
@@ -60,23 +63,24 @@ def problem(task: Task, calls: list[Call], seed: int) -> str:
     """Return a sentence if a new task answers calls that were made in a session otherwise, in a
     shuffled order.
     """
-    shuffled = random.Random(seed).sample(calls, min(len(calls), _MOST_ASKED))
+    asked = [call for call in calls if call.method in _METHODS]
+    shuffled = random.Random(seed).sample(asked, min(len(asked), _MOST_ASKED))
     for call in shuffled:
         vars(task).update(call.given)
         try:
             returned = getattr(task, call.method)(*call.arguments)
         except PLUGIN_ERRORS as error:
-            return (
+            return at(
+                line_of_error(error),
                 f"{_where(call)} it raised {type(error).__name__} when it was asked in another "
-                f"order ({error})."
+                f"order ({error}).",
             )
         if returned != call.returned:
-            return (
+            return at(
+                line_of(type(task), call.method),
                 f"{_where(call)} it returned something else when a new task was asked in another "
-                "order. Does it keep "
-                "something from call to call? What it needs is in its arguments: see "
-                "trial.percepts, situation.results "
-                "and situation.history."
+                "order. Does it keep something from call to call? What it needs is in its "
+                "arguments: see trial.percepts, situation.results and situation.history.",
             )
     return ""
 

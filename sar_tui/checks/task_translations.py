@@ -10,6 +10,7 @@ from pathlib import Path
 import msgspec
 
 import sar_tui
+from sar_tui.loop.author_lines import at, line_of, line_of_text
 from sar_tui.loop.phrase_keys import holds_number
 from sar_tui.loop.task import Task
 from sar_tui.model.language import language, read_words, slot_problem
@@ -30,11 +31,11 @@ def problems(kind: type[Task]) -> list[str]:
     return [
         problem
         for path in sorted(folder.glob("words.*.toml"))
-        for problem in _problems(path, texts)
+        for problem in _problems(kind, path, texts)
     ]
 
 
-def _problems(path: Path, texts: list[str]) -> Iterator[str]:
+def _problems(kind: type[Task], path: Path, texts: list[str]) -> Iterator[str]:
     try:
         own = msgspec.toml.decode(path.read_bytes().decode("utf-8-sig"))
     except (OSError, ValueError) as error:
@@ -43,7 +44,8 @@ def _problems(path: Path, texts: list[str]) -> Iterator[str]:
     known = language(path.name.split(".")[1], _FRAMEWORK).texts
     for text in texts:
         if text not in own and text not in known:
-            yield f"{path.name} has no translation of {text!r}."
+            line = line_of_text(path.parent, text) or line_of(kind, "metric")  # made of its names
+            yield at(line, f"{path.name} has no translation of {text!r}.")
     for english, translation in own.items():
         if not isinstance(translation, str):
             yield f"The translation of {english!r} in {path.name} is not a text."

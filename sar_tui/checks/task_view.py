@@ -6,6 +6,7 @@ import contextlib
 from collections.abc import Sequence
 
 from sar_tui.app.guarded_view import GuardedView
+from sar_tui.loop.author_lines import at
 from sar_tui.loop.bus import Record
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.node import Node, on
@@ -75,8 +76,9 @@ def _sentence(fault: Fault) -> str:
             if "/" in fault.topic
             else f"Its {fault.topic} failed"
         )
-    where = "" if fault.place.endswith(("guarded_view.py", "task_view.py")) else f", {fault.place}"
-    return f"{failed} ({fault.error}{where})."
+    number, _, file = fault.place.removeprefix("line ").partition(" of ")
+    is_own = not file.endswith(("guarded_view.py", "task_view.py"))
+    return at(f"{file}:{number}" if is_own else "", f"{failed} ({fault.error}).")
 
 
 class _Screen(Node):

@@ -199,11 +199,7 @@ def check_task(
     for done in check(folder):
         made.append(done)
         if not as_json:
-            sign = "✗" if not done.ok else "!" if done.warning else "✓"
-            told = " ".join((*done.problems, *([done.warning] if done.warning else [])))
-            out.print(
-                f"{sign} {done.check}" + (f". {told}" if told else ""), markup=False, soft_wrap=True
-            )
+            out.print(done.line, markup=False, soft_wrap=True)
     passed = all(done.ok for done in made)
     if as_json:
         rows = [

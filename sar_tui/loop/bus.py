@@ -15,7 +15,7 @@ from typing import Any, Generic, Literal, NamedTuple, Protocol, TypeVar
 
 from sar_tui.loop.clock import Clock
 from sar_tui.model.messages import Fault, Message
-from sar_tui.plugin_calls import PLUGIN_ERRORS, describe, inherited
+from sar_tui.plugin_calls import PLUGIN_ERRORS, describe, inherited, line_of_error
 
 M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)
@@ -262,6 +262,10 @@ def _fault(owner: str, topic: str, error: BaseException) -> Fault:
 
 
 def _place(error: BaseException) -> str:
-    """Return where an exception was raised: "line 12 of task.py"."""
-    frame = traceback.extract_tb(error.__traceback__)[-1]
-    return f"line {frame.lineno} of {PurePath(frame.filename).name}"
+    """Return the last line of a task's own files that an exception passed, else the line that
+    raised it: "line 12 of task.py".
+    """
+    raised = traceback.extract_tb(error.__traceback__)[-1]
+    place = line_of_error(error) or f"{PurePath(raised.filename).name}:{raised.lineno}"
+    file, _, line = place.partition(":")
+    return f"line {line} of {file}"

@@ -59,22 +59,14 @@ def simulate(
             *output_nodes(task, theme),
         ]
         others += [OutputNode(body, body.name, theme) for body in bodies]
-        if task.sensor_seats(task.parameters):
-            from sar_tui.runs.sensors import simulated_nodes  # imports numpy
-
-            return [*simulated_nodes(person, task, seed, clock, partner or person), *others]
-        partners = [
-            SimulatedPartner(partner or person, task, seed, seat=seat) for seat in task.seats[1:]
-        ]
-        return [SimulatedParticipant(person, task, seed), *partners, *others]
+        return [*people(person, task, seed, clock, partner), *others]
 
     run = start(plan, folder, catalogue, clock, make_nodes, parts)
     try:
         run.session.bus.subscribe(ATTEMPT_ENDED, lambda ended: progress(ended.attempt))
         run.begin()
         session = run.session
-        while _goes_on(session) and clock.step():
-            pass
+        play(session, clock)
         session.detach()
         session.bus.drain()
         run.check()
@@ -96,6 +88,26 @@ def simulate(
         finally:
             run.close()
     return run.id
+
+
+def people(
+    person: Person, task: Task, seed: int, clock: VirtualClock, partner: Person | None = None
+) -> list[Node]:
+    """Return the nodes of the simulated participants of a task, with their sensors."""
+    if task.sensor_seats(task.parameters):
+        from sar_tui.runs.sensors import simulated_nodes  # imports numpy
+
+        return simulated_nodes(person, task, seed, clock, partner or person)
+    partners = [
+        SimulatedPartner(partner or person, task, seed, seat=seat) for seat in task.seats[1:]
+    ]
+    return [SimulatedParticipant(person, task, seed), *partners]
+
+
+def play(session: Session, clock: VirtualClock) -> None:
+    """Let the time of a session pass until it has ended or failed, or nothing is awaited."""
+    while _goes_on(session) and clock.step():
+        pass
 
 
 def participant_fault(session: Session) -> Fault | None:

@@ -15,6 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from rich.text import Text
 
+from sar_tui.loop.author_lines import hook_problem
 from sar_tui.loop.node import Node
 from sar_tui.loop.task import Task
 from sar_tui.model.language import Language
@@ -103,6 +104,8 @@ def view_of(task: type[Task]) -> type[TaskView]:
             f"The view.py of the task {task.name} must define one TaskView; it defines "
             f"{len(views)}."
         )
+    if problem := hook_problem(views[0], TaskView):
+        raise PluginError(f"The view of the task {task.name} cannot be used: {problem}")
     return views[0]
 
 

@@ -32,7 +32,7 @@ def test_a_count_of_calls_in_an_instance_is_found(task: Path) -> None:
     edit(task / "task.py", BEFORE, "    seen = 0\n\n    def more(self):\n        self.seen += 1\n"
          "        return self.seen\n\n    def instructions")  # fmt: skip
     (said,) = found(task)
-    assert said.startswith("In perceived, at attempt ")
+    assert ": In perceived, at attempt " in said
     assert "situation.history" in said
 
 
@@ -55,7 +55,7 @@ def test_measures_that_add_up_over_attempts_are_found(task: Path) -> None:
     )
     edit(task / "task.py", BEFORE, counting + BEFORE)
     (said,) = found(task)
-    assert said.startswith("In measures it returned something else")
+    assert ": In measures it returned something else" in said
 
 
 def test_a_note_that_one_method_leaves_for_another_is_found(task: Path) -> None:
@@ -66,7 +66,7 @@ def test_a_note_that_one_method_leaves_for_another_is_found(task: Path) -> None:
     )
     edit(task / "task.py", VALUE, "value=trial.latency_ms(percept.at) + self.now,")
     (said,) = found(task)
-    assert said.startswith("In perceived, at attempt ")
+    assert ": In perceived, at attempt " in said
 
 
 def test_what_is_computed_once_is_no_state(task: Path) -> None:

@@ -37,8 +37,7 @@ from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
-from tests.documented import FILES, FRAGMENTS, PAGES, TASKS, write_documented
-from tests.examples import first
+from tests.documented import FILES, FRAGMENTS, TASKS, write_documented
 
 SEED = 3
 NODES = {"twist": ("task", "twists")}
@@ -226,46 +225,6 @@ def test_two_people_answer_each_their_own_sign(tmp_path: Path) -> None:
     assert all(
         trial["stimulus"][0] == {"A": "●", "B": "■"}[trial["seat"]] for trial in played.trials
     )
-
-
-MISTAKES = [
-    ('name = "arrows"', 'name = "arows"', "has the name arows; the two must be the same."),
-    ("def instructions", "def instruction", "The task arrows does not define instructions."),
-    (
-        "Stimulus, Task\n",
-        "Stimulus, Tasks\n",
-        "cannot import name 'Tasks' from 'sar_tui.api.task'.",
-    ),
-    (
-        "percept.key,",
-        "percept.ky,",
-        "'KeyPerceived' object has no attribute 'ky', line 24 of task.py",
-    ),
-    (
-        "situation.streams.choice(",
-        "(lambda keys, name: __import__('random').choice(keys))(",
-        "Draw from situation.streams only.",
-    ),
-    ("response_at=", "details={'x': 1}, response_at=", "Its Details do not declare x."),
-    ("return Result(", "return None and Result(", "no trial in them was right and had a value."),
-    ("return Result(", "return None and Result(", "Is the goal (1000) within reach?"),
-    (
-        "Press: {key}",
-        f"Press{'.' * 80}{{key}}",
-        "These plain lines are wider than a terminal of 80 columns",
-    ),
-]
-
-
-@pytest.mark.parametrize("mistake", first(3, MISTAKES), ids=lambda mistake: mistake[2])
-def test_a_mistake_is_told_as_the_page_says(tmp_path: Path, mistake: tuple[str, str, str]) -> None:
-    old, new, says = mistake
-    file = write_documented(tmp_path, "arrows") / "task.py"
-    file.write_text(file.read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
-    assert says in " ".join(
-        text for each in check(file.parent) for text in (*each.problems, each.warning)
-    )
-    assert says in PAGES[0]
 
 
 def test_settings_that_conflict_are_named(tmp_path: Path) -> None:

@@ -123,7 +123,7 @@ def test_a_task_that_shares_too_little_or_does_not_run_fails_the_claim(
 def test_a_task_that_cannot_be_loaded_is_reported(tmp_path: Path) -> None:
     (tmp_path / "broken").mkdir()
     (tmp_path / "broken" / "task.py").write_text("this is no Python")
-    with pytest.raises(NotLoaded, match="The task broken cannot be loaded: line 1 of"):
+    with pytest.raises(NotLoaded, match=r"The task broken cannot be loaded: task\.py:1: "):
         load("broken", Catalogue((tmp_path,)))
 
 
