@@ -1,11 +1,13 @@
 """The first screen: the participants, the card of the chosen one, and their sessions."""
 
+from itertools import groupby
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from textual import on
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal
+from textual.content import Content
 from textual.screen import Screen
 from textual.widgets import Button, Static
 from textual.widgets.option_list import Option
@@ -14,15 +16,14 @@ from sar_tui.app.home.card import ParticipantCard
 from sar_tui.app.home.participant_list import ParticipantList
 from sar_tui.app.home.session_list import SessionList
 from sar_tui.app.home.starting import Starting
-from sar_tui.app.home.task_list import list_tasks
-from sar_tui.plugins import PluginError
+from sar_tui.plugins import Catalogue, PluginError
 from sar_tui.store.database import StoreError
 from sar_tui.store.provenance import timing_flags
 from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.marked_list import PickList
 from sar_tui.widgets.option_list import OptionList
 
-if TYPE_CHECKING:  # loaded when the lists are filled: the empty screen is shown before
+if TYPE_CHECKING:
     from sar_tui.loop.task import Task
 
 _LOOK_SECONDS = 3.0
@@ -355,3 +356,31 @@ def _title() -> str:
     return "sar-tui" + (
         f"   (inside {' and '.join(flags)}: reaction times are less exact)" if flags else ""
     )
+
+
+_OTHERS = "Others"
+"""Heading of tasks that do not say what they train."""
+
+
+def list_tasks(tasks: PickList, catalogue: Catalogue) -> None:
+    """List each task below a heading of what it trains; those that do not load are last.
+
+    Where no task says what it trains there are no headings. The chosen one says what is done in it.
+    """
+    known: list[tuple[str, str, str]] = []
+    broken = []
+    for name in catalogue.task_names():
+        try:
+            task = catalogue.task(name)
+        except PluginError:
+            broken.append(Option(f"{name} (does not load)", id=name, disabled=True))
+        else:
+            known.append((task.trains, task.title, name))
+            tasks.summaries[name] = (task.title, task.summary)
+    known.sort(key=lambda task: (not task[0], *task))
+    options = []
+    for trains, group in groupby(known, key=lambda task: task[0]):
+        if known[0][0]:
+            options.append(Option(Content.styled(trains or _OTHERS, "$text-muted"), disabled=True))
+        options += [Option(title, id=name) for _, title, name in group]
+    tasks.add_options([*options, *broken])
