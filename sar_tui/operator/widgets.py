@@ -30,7 +30,7 @@ class CachedStatic(Static):
 
 
 class TypedInput(Input):
-    """Text field that the panel types into, so that keys keep their order (see `ordered_keys`)."""
+    """Text field that the panel types into, so that keys keep their order (see `base_app.in_order`)."""
 
     def put(self, text: str) -> None:
         """Insert text at the cursor, replacing the selection."""

@@ -10,7 +10,7 @@ import msgspec
 from textual.content import Content
 from textual.widget import Widget
 
-from sar_tui.app.home.words import BARS, day_words
+from sar_tui.app.home.words import day_words
 
 if TYPE_CHECKING:  # the empty screen is shown before it is loaded
     from sar_tui.reports.progress import LineProgress, SessionProgress
@@ -123,6 +123,8 @@ def draw(chart: Chart, width: int, height: int) -> list[Row]:
 
 def _part(share: float, row: int, rows: int) -> str:
     """Return the character of a bar in a row, counted from above; empty above its end."""
+    from sar_tui.reports.charts import BARS
+
     eighths = max(1, round(share * rows * 8)) - (rows - 1 - row) * 8
     return BARS[min(eighths, 8) - 1] if eighths > 0 else ""
 

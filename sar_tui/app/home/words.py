@@ -11,7 +11,6 @@ if TYPE_CHECKING:  # the empty screen is shown before it is loaded
     from sar_tui.progress.lines import SessionResults
     from sar_tui.reports.progress import LineProgress
 
-BARS = "▁▂▃▄▅▆▇█"
 _DAYS = ("Mon", "Tue", "Wed", "Thu", "Fri", "Sat", "Sun")
 _MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
 
@@ -128,5 +127,7 @@ def bars(values: Sequence[int], highest: int, width: int) -> str:
     """Return numbers from 1 on as a row of bars, the newest ones if there are more than
     ``width``.
     """
+    from sar_tui.reports.charts import BARS
+
     top = max(highest, len(BARS))
     return "".join(BARS[max(0, min(7, -(-value * 8 // top) - 1))] for value in values[-width:])
