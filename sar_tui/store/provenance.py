@@ -16,6 +16,7 @@ import sar_tui
 from sar_tui.loop.task import Task
 from sar_tui.loop.task_pictures import pictures_in
 from sar_tui.model.trial_types import NO_METRIC, Metric
+from sar_tui.store.connection import is_ssh, multiplexer, timing_flags
 
 _PACKAGES = ("textual", "rich", "msgspec", "sqlite-utils", "numpy")
 
@@ -112,26 +113,3 @@ def machine() -> dict[str, Any]:
         "multiplexer": multiplexer(),
         "flags": timing_flags(),
     }
-
-
-# --- the way from the terminal to this machine: SSH and multiplexers make timing less exact
-
-
-_MULTIPLEXERS = {"tmux": "TMUX", "screen": "STY", "zellij": "ZELLIJ"}
-
-
-def is_ssh() -> bool:
-    """Return True if the terminal is connected through SSH."""
-    return any(name in os.environ for name in ("SSH_CONNECTION", "SSH_TTY", "SSH_CLIENT"))
-
-
-def multiplexer() -> str | None:
-    """Return the name of the terminal multiplexer that the program runs in; None if there is
-    none.
-    """
-    return next((name for name, sign in _MULTIPLEXERS.items() if sign in os.environ), None)
-
-
-def timing_flags() -> list[str]:
-    """Return the parts of the connection that are known to make timing less exact."""
-    return [*(["ssh"] if is_ssh() else []), *filter(None, [multiplexer()])]

@@ -17,8 +17,8 @@ from sar_tui.app.home.participant_list import ParticipantList
 from sar_tui.app.home.session_list import SessionList
 from sar_tui.app.home.starting import Starting
 from sar_tui.plugins import Catalogue, PluginError
+from sar_tui.store.connection import timing_flags
 from sar_tui.store.database import StoreError
-from sar_tui.store.provenance import timing_flags
 from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.marked_list import PickList
 from sar_tui.widgets.option_list import OptionList
