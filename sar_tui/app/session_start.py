@@ -23,7 +23,7 @@ from sar_tui.plugins import PluginError
 from sar_tui.rules.declaration import ParameterError
 from sar_tui.rules.parameters import TaskParameters
 from sar_tui.runs.plan import EnoughToday, Failed, Plan, set_up
-from sar_tui.store import sessions, wellbeing
+from sar_tui.store import records, sessions
 from sar_tui.store.database import StoreError, explain
 from sar_tui.tui.paint_now import paint_now
 from sar_tui.widgets.language import language_of
@@ -102,7 +102,7 @@ class SessionStart:
         except (PluginError, ParameterError, Failed) as error:
             self._refuse(str(error))
             return
-        self._asked_since, self.is_asking = wellbeing.now(), True
+        self._asked_since, self.is_asking = records.now(), True
         app.themes.use(theme, plan.parameters.language)
         codes = list(plan.participants)
 
@@ -208,7 +208,7 @@ class SessionStart:
         if self._asked_since:
             codes = list(live.codes.values())
             with contextlib.suppress(StoreError):  # they stay with the participant
-                wellbeing.attach(app.database, live.run.id, codes, self._asked_since)
+                records.attach(app.database, live.run.id, codes, self._asked_since)
         app.session_began(live, screen)
 
     @contextlib.contextmanager

@@ -1,18 +1,21 @@
 """When the app asks about pain and tiredness, and where the answers go."""
 
+import sqlite3
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from sar_tui.app.screens.wellbeing import Person, Save, WellbeingScreen
+from sar_tui.app.screens.wellbeing import Person, Question, Save, WellbeingScreen
 from sar_tui.loop.task import Task
 from sar_tui.model.messages import StepEnded
 from sar_tui.model.theme import Theme
+from sar_tui.records.kind import Value
 from sar_tui.reports.wellbeing import advice
 from sar_tui.rules.parameters import pain_limits
-from sar_tui.rules.questions import PAIN
+from sar_tui.rules.questions import PAIN as PAIN_QUESTION
 from sar_tui.rules.wellbeing import Moment, stop_now, tell_therapist
-from sar_tui.store import wellbeing
+from sar_tui.store import records, wellbeing
 from sar_tui.store.database import StoreError
+from sar_tui.store.wellbeing import NOT_SAID, PAIN, RATED, TIREDNESS
 from sar_tui.tui.language import session_language
 
 if TYPE_CHECKING:
@@ -38,7 +41,7 @@ def advise(app: "SarTui", live: "LiveSession", ended: StepEnded) -> WellbeingScr
     """Return the screen that advises to stop after a question between attempts; None if no pain
     speaks against it.
     """
-    if ended.name != PAIN or ended.kind != "number" or not isinstance(ended.answer, int):
+    if ended.name != PAIN_QUESTION or ended.kind != "number" or not isinstance(ended.answer, int):
         return None
     (person,) = (each for each in _people_of(app, live) if each.seat == ended.seat)
     if (
@@ -104,18 +107,56 @@ def _people(task: Task, codes: dict[str, str]) -> list[Person]:
 
 
 def _saving(app: "SarTui", moment: Moment, session: str | None = None) -> Save:
-    def save(person: Person, question: wellbeing.Question, answer: str) -> None:
+    """Return what stores an answer at once: a new record, or more of the one of this person."""
+    known: dict[tuple[str, str], str] = {}
+
+    def save(person: Person, question: Question, answer: str) -> None:
+        kind = TIREDNESS if question == "fatigue" else PAIN
+        given = _content(question, answer)
         try:
-            wellbeing.save(
+            id = known.get((person.seat, kind))
+            if id is None and question == "advice":
+                id = _last_told(app.database, person, moment, session)
+            if id is not None:
+                correct_if_new(app.database, id, given)
+                return
+            entered = records.add(
                 app.database,
+                records.kind_of(kind),
                 person.code,
-                moment,
-                question,
-                answer,
+                "",
+                given,
                 session=session,
                 seat=person.seat,
+                moment=moment,
             )
+            known[person.seat, kind] = entered.id
         except StoreError as error:
             app.notify(str(error), severity="error", timeout=15)
 
     return save
+
+
+def correct_if_new(database: sqlite3.Connection, id: str, given: dict[str, Value | None]) -> None:
+    """Store another version of a record, unless it says the same. Raises StoreError."""
+    content = records.find_record(database, id).content
+    if any(content.get(name) != value for name, value in given.items()):
+        records.correct(database, id, given)
+
+
+def _last_told(
+    database: sqlite3.Connection, person: Person, moment: Moment, session: str | None
+) -> str | None:
+    """Return the id of the pain that a person told last at a moment; None if they told none."""
+    told = records.listing(database, kinds=(PAIN,), participant=person.code, session=session)
+    ids = [each.id for each in told if each.moment == moment and "rating" in each.content]
+    return ids[-1] if ids else None
+
+
+def _content(question: Question, answer: str) -> dict[str, Value | None]:
+    """Return the values of a record that an answer gives."""
+    if question in ("place", "advice"):
+        return {question: answer}
+    if answer == NOT_SAID:
+        return {"answer": NOT_SAID, "rating": None}
+    return {"answer": RATED, "rating": int(answer)}

@@ -17,9 +17,7 @@ if TYPE_CHECKING:
 _WORDS = {
     "participants": ("participant", "participants"),
     "programmes": ("version of a programme", "versions of programmes"),
-    "wellbeing": ("answer on pain and tiredness", "answers on pain and tiredness"),
-    "adverse_events": ("version of an adverse event", "versions of adverse events"),
-    "instrument_scores": ("score of an instrument", "scores of instruments"),
+    "records": ("version of a record", "versions of records"),
     "exports": ("export in the ledger", "exports in the ledger"),
     "same_people": ("row of a person with two codes", "rows of persons with two codes"),
 }

@@ -77,8 +77,7 @@ def progress(
 ) -> None:
     """Show a participant's progress over sessions: the level at goal, noise, practice and dose."""
     from sar_tui.reports.progress import progress as make_progress
-    from sar_tui.store import adverse_events, wellbeing
-    from sar_tui.store.instrument_scores import scores_of
+    from sar_tui.store import records, wellbeing
     from sar_tui.store.participants import check_known
     from sar_tui.store.results import sessions_of
 
@@ -93,9 +92,8 @@ def progress(
             code,
             sessions_of(database, code, task, folder=home.folder),
             find,
-            scores_of(database, code),
+            records.listing(database, participant=code),
             ratings=wellbeing.history(database, code),
-            events=adverse_events.listing(database, code),
         )
     if not (found.lines or found.instruments or found.events) and not as_json and html is None:
         of_task = "" if task is None else f" of the task {task}"

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from sar_tui.model.measure import Measure
     from sar_tui.model.trial_types import Metric
     from sar_tui.reports.output_summary import OutputSummary
-    from sar_tui.store.adverse_events import AdverseEvent
+    from sar_tui.store.records import Record
 
 Row = dict[str, Any]
 _PLOT_SIZE = (100, 14)
@@ -59,7 +59,7 @@ def sessions(
             **row,
             "site": row["site"] or own,
             "operators": known.get(row["id"], []),
-            "wellbeing": felt.get(row["id"], []),
+            "records": felt.get(row["id"], []),
         }
         for row in listed
     ]
@@ -93,7 +93,7 @@ def _status(row: Row) -> str:
         row["status"],
         "" if row["mode"] == "live" else row["mode"],
         "operator" if row["operators"] else "",
-        marks(row["wellbeing"]),
+        marks(row["records"]),
     ]
     return ", ".join(filter(None, parts))
 
@@ -108,7 +108,7 @@ def show(
     from sar_tui.reports import difficulty_changes, reported_changes, rests, skipped_attempts
     from sar_tui.reports.marker_summary import marker_summaries
     from sar_tui.reports.output_summary import output_summaries
-    from sar_tui.store import adverse_events, sites, wellbeing
+    from sar_tui.store import records, sites
     from sar_tui.store import sessions as store
 
     watch_plugins(context)
@@ -117,10 +117,9 @@ def show(
         found["operators"] = store.operators(database, found["id"]).get(found["id"], [])
         attempts = store.rows(database, "attempts", found["id"])
         trials = store.rows(database, "trials", found["id"])
-        answers = store.rows(database, "answers", found["id"])
         outputs = output_summaries(database, found["id"])
         markers = marker_summaries(database, found["id"])
-        felt = wellbeing.of_session(database, found["id"])
+        recorded = records.listing(database, session=found["id"])
         moves = found["parameters"].get("difficulty_policy") in ("target", "percentile", "sequence")
         changes = difficulty_changes.lines(database, found["id"]) if moves and not as_json else []
         must_rest = any(
@@ -133,7 +132,6 @@ def show(
             if not as_json
             else []
         )
-        events = adverse_events.listing(database, session=found["id"])
         found |= {
             "site": found["site"] or sites.own(database),
             "discarded": _discarded(database, found["id"]),
@@ -146,7 +144,7 @@ def show(
             "outputs": outputs,
             "markers": markers,
         }
-        print_json({**known, "wellbeing": felt, "adverse_events": events, "answers": answers})
+        print_json({**known, "records": recorded})
         return
 
     from sar_tui.cli.tables import attempts_table, seats, summary
@@ -165,9 +163,10 @@ def show(
     if changes:
         out.print("\n".join(changes), markup=False, soft_wrap=True, end="\n\n")
     _print_marks(out, trials)
-    _print_wellbeing(out, found, felt, events)
+    _print_wellbeing(out, found, recorded)
     if said := lines(
-        answers, sum(bool(each["practice"]) for each in attempts if each["seat"] == "A")
+        [each for each in recorded if each.kind == "answer"],
+        sum(bool(each["practice"]) for each in attempts if each["seat"] == "A"),
     ):
         out.print("\n".join(said), markup=False, soft_wrap=True, end="\n\n")
     _print_timing(out, found["machine"], trials)
@@ -301,14 +300,17 @@ def _print_marks(out: "Console", trials: Sequence[Row]) -> None:
         out.print(f"Marked by the therapist: {', '.join(marks)}.", soft_wrap=True, end="\n\n")
 
 
-def _print_wellbeing(
-    out: "Console", row: Row, felt: Sequence[Row], events: "Sequence[AdverseEvent]"
-) -> None:
+def _print_wellbeing(out: "Console", row: Row, recorded: "Sequence[Record]") -> None:
     """Print what the participants said of pain and tiredness, and adverse events that began in the
     session.
     """
+    from sar_tui.records.kind import of_group
     from sar_tui.reports.wellbeing import session_lines
+    from sar_tui.store.wellbeing import KINDS
 
+    event_kinds = [kind.name for kind in of_group("event")]
+    felt = [each for each in recorded if each.kind in KINDS]
+    events = [each for each in recorded if each.kind in event_kinds]
     if lines := session_lines(row, felt, events):
         out.print("\n".join(lines), soft_wrap=True, end="\n\n")
 

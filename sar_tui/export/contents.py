@@ -23,10 +23,11 @@ from sar_tui.export.tables.answers import answers
 from sar_tui.export.tables.imu import IMU_STREAMS, imu, sensor_faults
 from sar_tui.export.tables.log import EVENTS, notes, sync_signals
 from sar_tui.export.tables.parameters import PROGRAMMES, Fields, parameters, programme_parameters
+from sar_tui.export.tables.records import records
 from sar_tui.export.tables.results import attempts, trials
 from sar_tui.export.tables.sessions import PARTICIPANTS, runs, sessions
-from sar_tui.export.tables.wellbeing import ADVERSE_EVENTS, INSTRUMENT_SCORES, wellbeing
 from sar_tui.plugins import PluginError
+from sar_tui.records.kind import kinds
 from sar_tui.rules.parameters import TaskParameters
 from sar_tui.rules.parameters import fields as declared_fields
 from sar_tui.store.selection import Selection
@@ -70,8 +71,6 @@ class Contents:
             PARTICIPANTS,
             PROGRAMMES,
             programme_parameters(fields, damage),
-            INSTRUMENT_SCORES,
-            ADVERSE_EVENTS,
             sessions(
                 {row["id"]: row["status"] for row in selection.sessions},
                 {session: each.sha256 for each in passports for session in each.sessions},
@@ -80,7 +79,7 @@ class Contents:
             parameters(fields, damage),
             runs(damage),
             sync_signals(damage),
-            wellbeing(selection.sessions),
+            records(selection.sessions, kinds(), damage),
             attempts(database, selection.ids, damage),
             answers(damage),
             trials(database, selection.ids, declared, damage, not_loaded),

@@ -3,7 +3,7 @@
 Three kinds of change are told apart in rehabilitation: observed, detectable (MDC95), and important
 to the person (MCID). Reaction and reach times as measured here have no published MCID, so none is
 given. Values of other timed tests, such as the WMFT, do not carry over (see
-`progress.instruments`).
+`progress.scores`).
 
 The MDC95 is 1.96 · √2 · SEM, where the standard error of measurement (SEM) is known from many
 people (Weir 2005). Here it comes from a few sessions of one person, so that 1.96 gives way to

@@ -58,7 +58,7 @@ def calendar_lines(found: Progress, months: int, tr: Language) -> list[str]:
     has_event = False
     for month, marks in shown:
         lines.append(f"{month}  {marks}")
-        on = {int(event.onset[8:10]) for event in found.events if event.onset[:7] == month}
+        on = {int(event.at[8:10]) for event in found.events if event.at[:7] == month}
         if on:
             has_event = True
             lines.append(

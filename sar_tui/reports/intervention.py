@@ -14,15 +14,16 @@ import msgspec
 from sar_tui.loop import topics
 from sar_tui.model import messages as m
 from sar_tui.progress.lines import SessionResults
+from sar_tui.records.kind import of_group
 from sar_tui.reports import logged_messages
 from sar_tui.reports.deviations import deviations
 from sar_tui.reports.dose import planned_attempts
 from sar_tui.reports.logged_messages import LoggedMessage, peers
 from sar_tui.reports.pauses import pauses
 from sar_tui.rules.wellbeing import SEVERE
-from sar_tui.store import adverse_events, programmes, sessions
-from sar_tui.store.adverse_events import AdverseEvent
+from sar_tui.store import programmes, records, sessions
 from sar_tui.store.programmes import Programme
+from sar_tui.store.records import Record as PersonRecord
 from sar_tui.store.results import sessions_of
 from sar_tui.store.selection import Selection
 from sar_tui.store.training_days import trained_at
@@ -238,7 +239,7 @@ class Record(msgspec.Struct, frozen=True):
     feedback: Mapping[str, int]
     operated: int
     programmes: Mapping[tuple[str, str], Sequence[Programme]]
-    events: Sequence[AdverseEvent]
+    events: Sequence[PersonRecord]
 
 
 def intervention(record: Record) -> InterventionReport:
@@ -401,10 +402,10 @@ def _changes(
             )
 
 
-def _harms(played: Sequence[SessionResults], events: Sequence[AdverseEvent]) -> Harms:
+def _harms(played: Sequence[SessionResults], events: Sequence[PersonRecord]) -> Harms:
     pain = [each.felt.pain for each in played if each.felt.pain is not None]
     return Harms(
-        events=dict(Counter(event.severity for event in events)),
+        events=dict(Counter(str(event.content["severity"]) for event in events)),
         asked=len(pain),
         sessions_with_pain=sum(one > 0 for one in pain),
         severe=sum(one >= SEVERE for one in pain),
@@ -453,6 +454,7 @@ def read(
         _count(logged_messages.read_topics(database, session, _TOPICS), session, acts)
         progress()
     operated = sessions.operators(database)
+    kinds = [kind.name for kind in of_group("event")]
     codes = [selection.of] if selection.of else selection.participants
     return Record(
         rows=selection.sessions,
@@ -473,7 +475,11 @@ def read(
             for task in programmes.tasks(database, code)
             if task in selection.tasks
         },
-        events=[event for code in codes for event in adverse_events.listing(database, code)],
+        events=[
+            event
+            for code in codes
+            for event in records.listing(database, kinds=kinds, participant=code)
+        ],
     )
 
 

@@ -14,14 +14,15 @@ from sar_tui.model.measure import Measure
 from sar_tui.model.trial_types import Axis, Metric
 from sar_tui.progress import change
 from sar_tui.progress.change import Baseline, Verdict
-from sar_tui.progress.instruments import InstrumentChange, Score, changes
 from sar_tui.progress.level_estimate import Estimate
 from sar_tui.progress.lines import Line, Point, SessionResults, Side, lines
+from sar_tui.progress.scores import InstrumentChange, Score, changes
 from sar_tui.progress.task_level import compared_settings, places, to_level
+from sar_tui.records.kind import Kind, kinds
 from sar_tui.reports.dose import Day, Dose, days_of, planned_attempts, recent
 from sar_tui.rules.parameters import fields
 from sar_tui.rules.wellbeing import SessionRatings, TellReason, tell_therapist
-from sar_tui.store.adverse_events import AdverseEvent
+from sar_tui.store.records import Record
 
 
 class AtGoal(msgspec.Struct, frozen=True):
@@ -116,7 +117,7 @@ class Progress(msgspec.Struct, frozen=True):
         lines: the one with the newest session last.
         days: with live sessions; ``recent`` is their sum over the last four weeks.
         tell: reasons to tell the therapist of pain or tiredness, from all live sessions.
-        events: adverse events of the participant.
+        events: adverse events of the participant; ``records``: all that was entered by hand.
     """
 
     participant: str
@@ -125,7 +126,8 @@ class Progress(msgspec.Struct, frozen=True):
     days: list[Day]
     recent: Dose
     tell: tuple[TellReason, ...]
-    events: list[AdverseEvent]
+    events: list[Record]
+    records: list[Record]
     instruments: list[InstrumentChange]
 
 
@@ -133,10 +135,9 @@ def progress(
     participant: str,
     sessions: Iterable[SessionResults],
     find_task: Callable[[str], type[Task] | None],
-    scores: Sequence[Score] = (),
+    records: Sequence[Record] = (),
     today: date | None = None,
     ratings: Sequence[SessionRatings] = (),
-    events: Sequence[AdverseEvent] = (),
 ) -> Progress:
     """Return the progress of a participant, from the results of their sessions in the order they
     were played.
@@ -145,12 +146,13 @@ def progress(
         participant: the code.
         sessions: of one task, or of all.
         find_task: returns an installed task by name.
-        scores: of other instruments.
+        records: of the participant, as they are known now.
         today: day until which the dose is counted.
         ratings: of pain and tiredness in all live sessions, in their order.
-        events: adverse events.
     """
     played, day = list(sessions), today or date.today()
+    declared = kinds()
+    events = [each for each in records if _group(declared, each) == "event"]
     days, began_in = days_of(played), _began_in(played, events)
     return Progress(
         participant=participant,
@@ -159,14 +161,34 @@ def progress(
         days=days,
         recent=recent(days, day),
         tell=tell_therapist(ratings),
-        events=list(events),
-        instruments=changes(scores),
+        events=events,
+        records=[each for each in records if _is_listed(declared, each)],
+        instruments=changes(declared.values(), scores_of(declared, records)),
     )
 
 
-def _began_in(
-    played: Sequence[SessionResults], events: Sequence[AdverseEvent]
-) -> dict[str, list[str]]:
+def _group(declared: Mapping[str, Kind], record: Record) -> str:
+    return declared[record.kind].group if record.kind in declared else ""
+
+
+def _is_listed(declared: Mapping[str, Kind], record: Record) -> bool:
+    """Return True if a record was entered by hand: of any kind, also one not declared here."""
+    return record.kind not in declared or declared[record.kind].entered_by == "therapist"
+
+
+def scores_of(declared: Mapping[str, Kind], records: Sequence[Record]) -> list[Score]:
+    """Return the scores among some records, in their order."""
+    found = []
+    for record in records:
+        field = declared[record.kind].score if record.kind in declared else None
+        if field and field.name in record.content:
+            note = str(record.content.get("note", ""))
+            score = float(record.content[field.name])
+            found.append(Score(record.id, record.kind, record.day, score, note))
+    return found
+
+
+def _began_in(played: Sequence[SessionResults], events: Sequence[Record]) -> dict[str, list[str]]:
     """Return the adverse events of sessions: the session that an event names, or else the last one
     before it.
     """
@@ -175,16 +197,12 @@ def _began_in(
     found: dict[str, list[str]] = {}
     for event in events:
         before = [
-            each
-            for each in shown
-            if f"{each.began:%Y-%m-%d %H:%M}"[: len(event.onset)] <= event.onset
+            each for each in shown if f"{each.began:%Y-%m-%d %H:%M}"[: len(event.at)] <= event.at
         ]
         if event.session in known:
-            found.setdefault(event.session, []).append(event.event)
+            found.setdefault(event.session, []).append(event.id)
         elif before:
-            found.setdefault(max(before, key=lambda each: each.began).session, []).append(
-                event.event
-            )
+            found.setdefault(max(before, key=lambda each: each.began).session, []).append(event.id)
     return found
 
 

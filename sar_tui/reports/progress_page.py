@@ -12,7 +12,7 @@ from sar_tui.reports.html_page import document, figure, table
 from sar_tui.reports.progress import LineProgress, Progress
 from sar_tui.reports.progress_charts import sessions_of_a_mark, span_of
 from sar_tui.reports.wellbeing import dated_event
-from sar_tui.store.adverse_events import AdverseEvent
+from sar_tui.store.records import Record
 
 _LISTED = 60
 """Sessions in the table of a line; the charts have all."""
@@ -49,7 +49,7 @@ def page(found: Progress, find_task: Callable[[str], type[Task] | None], code: s
     return document(title, body, language=code, foot=foot)
 
 
-def _line(line: LineProgress, events: Sequence[AdverseEvent], tr: Language) -> Iterator[str]:
+def _line(line: LineProgress, events: Sequence[Record], tr: Language) -> Iterator[str]:
     yield f"<h2>{escape(progress_words.heading(line, tr))}</h2>"
     yield f"<p>{escape(' '.join(progress_words.sentences(line, tr)))}</p>"
     if (most := sessions_of_a_mark(len(line.sessions))) > 1:
@@ -78,7 +78,7 @@ def _line(line: LineProgress, events: Sequence[AdverseEvent], tr: Language) -> I
             "The worst pain (dots) and tiredness (squares, dashed) of each session, 0 to 10."
         )
         began_in = {event for each in line.sessions for event in each.events}
-        told = [dated_event(event, tr) for event in events if event.event in began_in]
+        told = [dated_event(event, tr) for event in events if event.id in began_in]
         more = [text for text in (progress_words.felt_range(line, tr), *told) if text]
         yield figure(
             spec, f"{caption} {tr('!: an adverse event.')}" if told else caption, " ".join(more)

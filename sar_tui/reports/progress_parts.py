@@ -5,7 +5,6 @@ from collections.abc import Sequence
 
 from sar_tui.model.language import Language
 from sar_tui.progress.change import BASELINE, FAMILIARISATION, baseline
-from sar_tui.progress.instruments import Score
 from sar_tui.reports import dose_words, progress_words
 from sar_tui.reports.charts import MARKED
 from sar_tui.reports.progress import LineProgress, Progress, SessionProgress
@@ -17,6 +16,7 @@ from sar_tui.reports.progress_charts import (
     result_figure,
 )
 from sar_tui.reports.wellbeing import advice, dated_event
+from sar_tui.store.records import Record
 
 CURSOR = "▸"
 _FEWEST_OF_A_CHART = 10
@@ -212,61 +212,38 @@ def wrapped(sentences: Sequence[str], width: int, indent: str = "") -> list[str]
 _FEWEST_LISTED = 3
 
 
-def events_part(found: Progress, size: tuple[int, int], chosen: int, tr: Language) -> list[str]:
-    """Return what the therapist should be told of pain, the adverse events by onset, and the chosen
-    one in full.
+def records_part(found: Progress, size: tuple[int, int], chosen: int, tr: Language) -> list[str]:
+    """Return what the therapist should be told of pain, the records by date, and the chosen one in
+    full.
     """
     width, height = size
     told = wrapped([f"! {text}" for text in advice(found.tell, tr)], width)
     told += [""] if told else []
-    if not found.events:
-        return [*told, *wrapped([tr("No adverse event is recorded. A records one.")], width)][
-            :height
-        ]
-    heads = (tr("onset"), tr("severity"), tr("what happened"), tr("outcome"))
-    rows = [
-        (
-            each.onset,
-            tr(each.severity),
-            _cut(each.what, width // 3),
-            _cut(each.outcome or "–", width // 4),
-        )
-        for each in found.events
-    ]
-    in_full = wrapped([dated_event(found.events[chosen], tr)], width)
+    if not found.records:
+        none = tr("Nothing is recorded yet. A records an event, or a score of another test.")
+        return [*told, *wrapped([none], width)][:height]
+    heads = (tr("date"), tr("kind"), tr("record"))
+    rows = [(each.at, each.kind, _cut(contents(each, tr), width // 2)) for each in found.records]
+    in_full = wrapped([in_words(found, found.records[chosen], tr)], width)
     return _listed(told, heads, rows, in_full, size, chosen)
 
 
-def instruments_part(
-    found: Progress, size: tuple[int, int], chosen: int, tr: Language
-) -> list[str]:
-    """Return the scores of other instruments by date, and what is published of the chosen one's
-    changes.
-    """
-    width, height = size
-    known = scores(found)
-    if not known:
-        return wrapped([tr("No score of another instrument yet. A enters one.")], width)[:height]
-    instruments = {each.instrument.name: each for each in found.instruments}
-    heads = (tr("date"), tr("instrument"), tr("score"), tr("remark"))
-    rows = []
-    for each in known:
-        instrument = instruments[each.instrument].instrument
-        of = f" {instrument.unit}".rstrip()
-        rows.append(
-            (each.date, each.instrument, f"{each.score:g}{of}", _cut(each.note, width // 2))
-        )
-    in_full = wrapped(
-        [progress_words.instrument_change(instruments[known[chosen].instrument], tr)], width
+def contents(record: Record, tr: Language) -> str:
+    """Return the values of a record in its order, without their names."""
+    return ", ".join(
+        tr(value) if isinstance(value, str) else f"{value:g}" for value in record.content.values()
     )
-    return _listed([], heads, rows, in_full, size, chosen)
 
 
-def scores(found: Progress) -> list[Score]:
-    """Return the scores of all instruments by date."""
-    return sorted(
-        (score for each in found.instruments for score in each.scores), key=lambda score: score.date
-    )
+def in_words(found: Progress, record: Record, tr: Language) -> str:
+    """Return a record in sentences: an event with its outcome, a score beside what is published."""
+    if record in found.events:
+        return dated_event(record, tr)
+    for each in found.instruments:
+        if each.instrument.name == record.kind:
+            return progress_words.instrument_change(each, tr)
+    named = (f"{name}: {value}" for name, value in record.content.items())
+    return f"{record.kind}, {record.at}. {'; '.join(named)}."
 
 
 def _listed(

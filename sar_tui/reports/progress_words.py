@@ -9,8 +9,9 @@ from sar_tui.model.language import Language, language
 from sar_tui.model.measure import Measure
 from sar_tui.model.results_for_people import metric_for_people, short_goal
 from sar_tui.progress.change import BASELINE, FAMILIARISATION
-from sar_tui.progress.instruments import Instrument, InstrumentChange, Published
 from sar_tui.progress.lines import Side
+from sar_tui.progress.scores import InstrumentChange
+from sar_tui.records.kind import Kind, Published
 from sar_tui.reports.progress import AtGoal, Comparison, LineProgress, Progress, SessionProgress
 from sar_tui.reports.wellbeing import advice, dated_event
 from sar_tui.rules.declaration import COMMON
@@ -432,17 +433,18 @@ def warnings(found: Progress, tr: Language) -> list[str]:
 # --- other instruments
 
 
-def published(value: Published, instrument: Instrument, tr: Language = _ENGLISH) -> str:
+def published(value: Published, kind: Kind, tr: Language = _ENGLISH) -> str:
     """Return a published change with its source: "MCID 9 to 10 points, subacute stroke (Arya
     2011)".
     """
-    return f"{_published_size(value, instrument, tr)} ({value.source})"
+    return f"{_published_size(value, kind, tr)} ({value.source})"
 
 
-def _published_size(value: Published, instrument: Instrument, tr: Language) -> str:
+def _published_size(value: Published, kind: Kind, tr: Language) -> str:
     low, high = f"{value.low:g}", f"{value.high:g}"
     size = tr.figures(low) if low == high else tr("{low} to {high}", low=low, high=high)
-    return f"{value.kind} {size} {tr(instrument.unit)}, {tr(value.of)}"
+    unit = kind.score.unit if kind.score else ""
+    return f"{value.kind} {size} {tr(unit)}, {tr(value.of)}"
 
 
 def instrument_change(found: InstrumentChange, tr: Language) -> str:

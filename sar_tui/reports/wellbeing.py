@@ -3,17 +3,16 @@ participant.
 """
 
 from collections.abc import Mapping, Sequence
-
-import msgspec
+from typing import Any
 
 from sar_tui.model.language import Language
 from sar_tui.rules.wellbeing import SEVERE, PainLimits, TellReason
-from sar_tui.store.adverse_events import AdverseEvent
-from sar_tui.store.wellbeing import IN_PAUSE, NOT_SAID, Row, limits_in, ratings
+from sar_tui.store.records import Record
+from sar_tui.store.wellbeing import NOT_SAID, PAIN, RATED, TIREDNESS, TOLD, limits_in, ratings
 
 _ENGLISH = Language()
-_NAMES = {"pain": "pain", "fatigue": "tiredness"}
-_IN_PAUSES = {"pain": "in pain", "fatigue": "tired"}
+_SHORT = {PAIN: "pain", TIREDNESS: "tired"}
+_IN_PAUSES = {PAIN: "in pain", TIREDNESS: "tired"}
 _MOMENTS = {"before": "before the session", "pause": "in a pause", "after": "after the session"}
 _ADVISED = {"stopped": " They stopped.", "went on": " They trained all the same."}
 _TOLD: dict[TellReason, str] = {
@@ -29,101 +28,78 @@ _TOLD: dict[TellReason, str] = {
 }
 
 
-def marks(rows: Sequence[Row]) -> str:
+def marks(told: Sequence[Record]) -> str:
     """Return the worst pain and tiredness of a session in a few characters, for a list; empty if
     there is none.
 
-    Pain that was said in a pause is shown even if no number is known.
+    Pain that was told in a pause is shown even if no number is known.
     """
     found = []
-    for question, name in (("pain", "pain"), ("fatigue", "tired")):
-        numbers = [
-            int(row["answer"])
-            for row in rows
-            if row["question"] == question and row["answer"].isdecimal()
-        ]
-        is_said = any(row["question"] == question and row["moment"] == "pause" for row in rows)
-        if max(numbers, default=0) or is_said:
-            found.append(f"{name} {max(numbers, default=0) or ''}".strip())
+    for kind, name in _SHORT.items():
+        mine = [record for record in told if record.kind == kind]
+        worst = max((_rating(record) or 0 for record in mine), default=0)
+        if worst or any(record.moment == "pause" for record in mine):
+            found.append(f"{name} {worst or ''}".strip())
     return ", ".join(found)
 
 
-def sentences(rows: Sequence[Row], seat: str, limits: PainLimits) -> list[str]:
+def _rating(record: Record) -> int | None:
+    rating = record.content.get("rating")
+    return rating if isinstance(rating, int) else None
+
+
+def sentences(told: Sequence[Record], seat: str, limits: PainLimits) -> list[str]:
     """Return what a participant said in a session, a sentence for each symptom, and if it was a
     reason to stop.
     """
-    mine = [row for row in rows if row["seat"] == seat]
-    found = [text for question in _NAMES if (text := _symptom(mine, question))]
+    mine = [record for record in told if record.seat == seat]
+    found = [text for kind in _SHORT if (text := _symptom(mine, kind))]
     if ratings(mine, seat, limits).is_reason_to_stop:
         found.append("That was a reason to stop and to tell the therapist.")
     for moment, named in _MOMENTS.items():
         advised = [
-            row["answer"] for row in mine if (row["moment"], row["question"]) == (moment, "advice")
+            record.content["advice"]
+            for record in mine
+            if record.moment == moment and "advice" in record.content
         ]
         if advised:
-            found.append(f"Advised {named} not to train.{_ADVISED.get(advised[-1], '')}")
+            found.append(f"Advised {named} not to train.{_ADVISED.get(str(advised[-1]), '')}")
     return found
 
 
-def session_lines(session: Row, rows: Sequence[Row], events: Sequence[AdverseEvent]) -> list[str]:
+def session_lines(
+    session: Mapping[str, Any], told: Sequence[Record], events: Sequence[Record]
+) -> list[str]:
     """Return a line for each participant who said something in a listed session, and for each
     adverse event in it.
     """
     lines = []
     for seat, code in (("A", session["participant"]), ("B", session["partner"])):
-        if code and (said := sentences(rows, seat, limits_in(session["parameters"]))):
+        if code and (said := sentences(told, seat, limits_in(session["parameters"]))):
             lines.append(f"{f'{code}: ' if session['partner'] else ''}{' '.join(said)}")
     return lines + [event_line(event, names_person=bool(session["partner"])) for event in events]
 
 
-class Visit(msgspec.Struct, frozen=True):
-    """Sentences on what a participant said in a session, and when first. ``session``: empty if it
-    did not begin.
-    """
-
-    at: str
-    session: str
-    said: list[str]
-
-
-def by_visit(rows: Sequence[Row], limits: Mapping[str, PainLimits]) -> list[Visit]:
-    """Return the answers of one participant by session, oldest first; without a session, those of a
-    day together.
-
-    ``limits``: of the sessions, by session.
-    """
-    grouped: dict[str, list[Row]] = {}
-    for row in rows:
-        grouped.setdefault(row["session"] or row["at"][:10], []).append(row)
-
-    def visit(own: Sequence[Row]) -> Visit:
-        session = own[0]["session"] or ""
-        return Visit(
-            own[0]["at"], session, sentences(own, own[0]["seat"], limits.get(session, PainLimits()))
-        )
-
-    return [visit(own) for own in grouped.values()]
-
-
-def event_line(event: AdverseEvent, *, names_person: bool = False) -> str:
+def event_line(event: Record, *, names_person: bool = False) -> str:
     """Return an adverse event in words, with its id."""
     who = f" of {event.participant}" if names_person else ""
-    return f"! Adverse event {event.event}{who}, {_course(event, _ENGLISH)}"
+    return f"! Adverse event {event.id}{who}, {_course(event, _ENGLISH)}"
 
 
-def dated_event(event: AdverseEvent, tr: Language = _ENGLISH) -> str:
+def dated_event(event: Record, tr: Language = _ENGLISH) -> str:
     """Return an adverse event in words, with its onset."""
-    return f"{tr('Adverse event')} {event.onset}, {_course(event, tr)}"
+    return f"{tr('Adverse event')} {event.at}, {_course(event, tr)}"
 
 
-def _course(event: AdverseEvent, tr: Language) -> str:
+def _course(event: Record, tr: Language) -> str:
     """Return the severity of an event, what happened, what was done and how it ended."""
-    said = [f"{tr(event.severity)}: {_ended(event.what)}"]
-    if event.action:
-        said.append(f"{tr('Action')}: {_ended(event.action)}")
+    known = {name: str(value) for name, value in event.content.items()}
+    said = [f"{tr(known['severity'])}: {_ended(known['what'])}"]
+    if "action" in known:
+        said.append(f"{tr('Action')}: {_ended(known['action'])}")
     said.append(
-        f"{tr('Outcome')}: {_ended(event.outcome)}"
-        if event.outcome
+        f"{tr('Outcome')}: {_ended(known['outcome'])}"
+        if "outcome" in known
         else tr("Outcome not yet recorded.")
     )
     return " ".join(said)
@@ -139,26 +115,27 @@ def advice(reasons: Sequence[TellReason], tr: Language = _ENGLISH) -> list[str]:
     return [tr(_TOLD[reason], severe=str(SEVERE)) for reason in reasons]
 
 
-def _symptom(rows: Sequence[Row], question: str) -> str:
-    parts = []
-    for moment in ("before", "after"):
-        given = [
-            row["answer"] for row in rows if (row["moment"], row["question"]) == (moment, question)
-        ]
-        where = [
-            row["answer"] for row in rows if (row["moment"], row["question"]) == (moment, "place")
-        ]
-        if given:
-            has_place = question == "pain" and given[-1] != "0" and where and where[-1] != NOT_SAID
-            place = f" ({where[-1]})" if has_place else ""
-            parts.append(
-                f"{'would rather not say' if given[-1] == NOT_SAID else given[-1]} {moment}{place}"
-            )
-    pauses = [
-        row["answer"] for row in rows if (row["moment"], row["question"]) == ("pause", question)
-    ]
+def _symptom(told: Sequence[Record], kind: str) -> str:
+    """Return what was said of a symptom, by moment; empty if nothing was."""
+    mine = [record for record in told if record.kind == kind]
+    last = {record.moment: record for record in mine}
+    given = [last[moment] for moment in ("before", "after") if moment in last]
+    parts = [f"{_said(record)} {record.moment}{_place(record)}" for record in given]
+    pauses = [record for record in mine if record.moment == "pause"]
     if pauses:
-        count, numbers = pauses.count(IN_PAUSE), ", then ".join(filter(str.isdecimal, pauses))
+        count = sum(record.content["answer"] == TOLD for record in pauses)
+        numbers = [str(rating) for record in pauses if (rating := _rating(record)) is not None]
         times = "in a pause" if count < 2 else f"in {count} pauses"
-        parts.append(f'"{_IN_PAUSES[question]}" {times}' + (f" ({numbers})" if numbers else ""))
-    return f"{_NAMES[question].capitalize()}: {', '.join(parts)}." if parts else ""
+        rated = f" ({', then '.join(numbers)})" if numbers else ""
+        parts.append(f'"{_IN_PAUSES[kind]}" {times}{rated}')
+    return f"{kind.capitalize()}: {', '.join(parts)}." if parts else ""
+
+
+def _said(record: Record) -> str:
+    is_rated = record.content["answer"] == RATED
+    return str(_rating(record)) if is_rated else "would rather not say"
+
+
+def _place(record: Record) -> str:
+    place = record.content.get("place", NOT_SAID)
+    return f" ({place})" if place != NOT_SAID and _rating(record) else ""

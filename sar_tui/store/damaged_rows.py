@@ -19,7 +19,7 @@ block of a sensor's samples. ``text``: characters, or JSON. ``log``: a session's
 hashes have it. ``rows``: rows are not as they follow from the log.
 """
 
-_WITHOUT_SESSION = ("wellbeing", "adverse_events")
+_WITHOUT_SESSION = ("records",)
 """Tables whose rows may have no session."""
 _OF_SESSION = "(SELECT id FROM session_numbers WHERE number=session_number)"
 _OWNERS = ("session", "id", "participant", "code")

@@ -21,9 +21,7 @@ _MOST_FAULTS = 20
 """Largest number of damaged pages that are named."""
 _WITHOUT_PARTICIPANT = {
     "seats": LIVE,  # simulated people are no participants
-    "wellbeing": f"(mode IS NULL OR {LIVE})",
-    "adverse_events": "1",
-    "instrument_scores": "1",
+    "records": f"(mode IS NULL OR {LIVE})",
 }
 """Tables whose rows need their participant, if a condition holds."""
 _GAPS = {

@@ -16,8 +16,8 @@ from sar_tui.store import log_hashes, messages, rows
 from sar_tui.store.log_hashes import Entry
 from sar_tui.store.merge.people import People, in_full, stored_pairs
 from sar_tui.store.record_changes import changes, ends_and_changes, erased_hashes, status_after
+from sar_tui.store.records import TOLD
 from sar_tui.store.tables import TABLES
-from sar_tui.store.wellbeing import IN_PAUSE
 
 DERIVED = ("trials", "attempts", "actions", "answers", "notes")
 """Tables whose rows follow from the messages."""
@@ -302,12 +302,12 @@ class Derivation:
         """Yield how the rows of a session differ from those that were derived."""
         for table in DERIVED:
             yield from self._difference(table, session)
-        said = Counter((seat, question) for _, seat, question, _ in self._pauses)
+        said = Counter((seat, kind) for _, _, seat, kind, _ in self._pauses)
         stored = Counter(
             self._database.execute(
-                "SELECT seat, question FROM wellbeing WHERE session=? AND moment='pause' AND "
-                "answer=?",
-                (session, IN_PAUSE),
+                "SELECT seat, kind FROM records WHERE session=? AND moment='pause'"
+                " AND json_extract(content, '$.answer')=?",
+                (session, TOLD),
             ).fetchall()
         )
         if said != stored:

@@ -141,7 +141,7 @@ class UnknownParticipant(StoreError):
         return f"There is no participant {self.code}: {meant}add --new for a new participant."
 
 
-_RECORDS = ("participants", "programmes", "adverse_events", "instrument_scores", "wellbeing")
+_RECORDS = ("participants", "programmes", "records")
 """Tables that hold something of people."""
 
 

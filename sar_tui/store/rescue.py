@@ -301,8 +301,7 @@ def _extent(database: sqlite3.Connection, session: str) -> tuple[int, int, int]:
 
 
 _NOT_OF_SESSIONS = (
-    "site", "same_people", "conflicts", "participants", "programmes", "wellbeing", "adverse_events",
-    "instrument_scores",
+    "site", "same_people", "conflicts", "participants", "programmes", "records",
 )  # fmt: skip
 
 

@@ -13,6 +13,7 @@ from sar_tui.progress.lines import SessionResults
 from sar_tui.progress.task_level import AttemptResult
 from sar_tui.store import provenance, wellbeing
 from sar_tui.store.counted import COUNTS, KEPT
+from sar_tui.store.records import Record
 from sar_tui.store.sessions import FINITE_METRIC, status_now
 from sar_tui.store.training_days import UTC_OFFSET, trained_at
 
@@ -99,11 +100,11 @@ def _results(
     for session, seat, name, mean in db.execute(_QUALITIES.format(among=among), values):
         if isinstance(mean, float):
             qualities.setdefault((session, seat), {})[name] = mean
-    felt: dict[tuple[str, str], list[wellbeing.Row]] = {}
+    felt: dict[tuple[str | None, str], list[Record]] = {}
     for said in (
         wellbeing.of_participant(db, participant) if chosen is None else _said_in(db, chosen)
     ):
-        felt.setdefault((said["session"], said["seat"]), []).append(said)
+        felt.setdefault((said.session, said.seat), []).append(said)
     query = _SESSIONS.format(
         of_task="AND sessions.task=:task" if task is not None else "", among=among
     )
@@ -142,7 +143,7 @@ def _reached(attempts: Sequence[int | None]) -> int | None:
     return None if attempts and not judged else sum(judged)
 
 
-def _said_in(db: sqlite3.Connection, sessions: Sequence[str]) -> Iterator[wellbeing.Row]:
+def _said_in(db: sqlite3.Connection, sessions: Sequence[str]) -> Iterator[Record]:
     return chain.from_iterable(wellbeing.by_session(db, sessions).values())
 
 

@@ -13,7 +13,7 @@ import msgspec
 
 from sar_tui.loop.bus import Record
 from sar_tui.model import messages as m
-from sar_tui.store import imu, log_hashes, wellbeing
+from sar_tui.store import imu, log_hashes, records
 from sar_tui.store.messages import Numbers, encoder
 from sar_tui.store.tables import (
     ACTIONS,
@@ -216,14 +216,16 @@ def _end(origin: Origin, report: m.OutputReport) -> Row | None:
 
 # --- what a session leaves elsewhere
 
-_SAID_IN_PAUSES = {"pain": "pain", "tired": "fatigue"}
-"""The question that a pause answers, by its reason."""
+_TOLD_IN_PAUSES = {"pain": "pain", "tired": "tiredness"}
+"""The kind of record that a pause leaves, by its reason."""
 
 
 def _pause(origin: Origin, command: m.SessionCommand) -> Row | None:
-    if command.command != "pause" or command.reason not in _SAID_IN_PAUSES:
+    if command.command != "pause" or command.reason not in _TOLD_IN_PAUSES:
         return None
-    return (origin.session, command.seat, _SAID_IN_PAUSES[command.reason], origin.now)
+    id = f"{origin.session}-{origin.at}"
+    kind = _TOLD_IN_PAUSES[command.reason]
+    return (id, origin.session, command.seat, kind, origin.now)
 
 
 def _refusal(origin: Origin, ended: m.SessionEnded) -> Row | None:
@@ -290,9 +292,9 @@ PROJECTIONS = {
     "ends": Projection(
         "actions", m.OutputReport, _change("ended_ns=MAX(?, COALESCE(ended_ns, 0))"), _end
     ),
-    "pauses": Projection("wellbeing", m.SessionCommand, wellbeing.PAUSES, _pause),
+    "pauses": Projection("records", m.SessionCommand, records.PAUSES, _pause),
     "refusals": Projection(
-        "wellbeing", m.SessionEnded, "DELETE FROM wellbeing WHERE session=?", _refusal
+        "records", m.SessionEnded, "DELETE FROM records WHERE session=?", _refusal
     ),
     "session_ends": Projection(
         "sessions",

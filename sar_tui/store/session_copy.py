@@ -5,7 +5,7 @@ import sqlite3
 from sar_tui.store import messages
 from sar_tui.store.database import transaction
 
-_APPENDED = ("wellbeing", "adverse_events")
+_APPENDED = ("records",)
 """Tables whose rows people add to later: what the target has is never replaced."""
 
 

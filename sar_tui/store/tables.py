@@ -26,7 +26,7 @@ Privacy = Literal[
 
 - ``open``: leaves as it is.
 - ``code``: a participant's code.
-- ``id``: an id of a session or of an adverse event; ``seed``: a seed of what is random.
+- ``id``: an id of a session or of a record; ``seed``: a seed of what is random.
 - ``time``: a date, with or without the time of day.
 - ``clock``: one or more stamps of the steady clock of a run; ``sensor clock``: of a sensor's own
   clock. Both go on from session to session, so in a recoded export they count from the run's start,
@@ -52,7 +52,7 @@ LEAVING: frozenset[Privacy] = frozenset(
 """Treatments of values that may leave."""
 
 Form = Literal["line", "note", "word", "seat", "code", "id", "date", "task", "theme", "remark",
-               "reason", "site", "event", "instrument", "topic", "any"]  # fmt: skip
+               "reason", "site", "record", "kind", "values", "topic", "any"]  # fmt: skip
 """Form of a text, to which values from other databases are held (`store.merge.foreign_rules`)."""
 
 
@@ -1319,103 +1319,73 @@ PROGRAMMES = Table(
     ),
 )
 
-WELLBEING = Table(
-    "wellbeing",
-    "An answer about pain or tiredness",
-    key=("participant", "question", "at"),
-    indexes=("CREATE INDEX idx_wellbeing_session ON wellbeing (session)",),
-    more="Rows may be added to a session that has ended.",
-    columns=(
-        Column(
-            "session",
-            "string",
-            "Id of the session; missing if it never began.",
-            privacy="id",
-            form="id",
-        ),
-        _not_null(_PARTICIPANT),
-        _not_null(_SEAT),
-        Column(
-            "moment",
-            "string",
-            "Before or after the session, or in a pause.",
-            form="word",
-            sql="NOT NULL",
-        ),
-        Column(
-            "question",
-            "string",
-            "What was asked; advice: not to train, because of pain above the limit.",
-            levels=("pain", "place", "fatigue", "advice"),
-            required=True,
-            form="word",
-            sql="NOT NULL",
-        ),
-        Column(
-            "answer",
-            "string",
-            "0 to 10, or the number of a place; yes: chosen in a pause; not said: would rather "
-            "not say. Of advice: shown, and then stopped or went on.",
-            sql="NOT NULL",
-        ),
-        Column(
-            "at",
-            "datetime",
-            "When it was answered, UTC.",
-            privacy="time",
-            required=True,
-            form="date",
-            sql="NOT NULL",
-        ),
-        _SITE,
+RECORDS = Table(
+    "records",
+    "A version of a record of a person; the last one counts",
+    key=("id", "version"),
+    more="[Records of people](records.md): append-only, also after the end of a session.",
+    indexes=(
+        "CREATE INDEX idx_records_session ON records (session)",
+        "CREATE INDEX idx_records_participant ON records (participant, kind)",
     ),
-)
-
-ADVERSE_EVENTS = Table(
-    "adverse_events",
-    "A version of an adverse event; the last one counts",
-    key=("event", "version"),
     columns=(
         Column(
-            "event",
+            "id",
             "string",
-            "Id of the event.",
+            "Id of the record.",
             privacy="id",
+            exported="record",
             required=True,
-            form="event",
+            form="record",
             sql="NOT NULL",
             more="Random text, of another site with its code: `3f9c1a@BERN`.",
         ),
         Column(
             "version",
             "integer",
-            "1 when it was reported; each amendment adds one.",
+            "1 when it was entered; each correction adds one.",
             required=True,
             sql="NOT NULL",
         ),
+        Column(
+            "kind",
+            "string",
+            "Kind of the record.",
+            required=True,
+            form="kind",
+            sql="NOT NULL",
+            more="`sar-tui record kinds` lists them.",
+        ),
         _not_null(_PARTICIPANT),
+        _not_null(_SEAT),
         Column(
             "session",
             "string",
-            "The session in which it began; missing if in none.",
+            "Id of the session; missing if it is of none.",
             privacy="id",
             form="id",
         ),
         Column(
-            "onset",
+            "moment",
             "string",
-            "Local date, or date and time, at which it began.",
+            "Before or after the session, or in a pause of it; empty without one.",
+            form="word",
+            sql="NOT NULL DEFAULT ''",
+        ),
+        Column(
+            "at",
+            "string",
+            "Local date, or date and time, that it is of; in UTC if it was noted as it was told.",
             privacy="time",
+            required=True,
             form="date",
             sql="NOT NULL",
         ),
         Column(
-            "severity",
-            "string",
-            "Severity.",
-            levels=("mild", "moderate", "severe"),
-            form="word",
-            sql="NOT NULL",
+            "removed",
+            "boolean",
+            "True: entered by mistake. It counts no longer.",
+            sql="NOT NULL DEFAULT 0",
         ),
         Column(
             "recorded_at",
@@ -1428,64 +1398,24 @@ ADVERSE_EVENTS = Table(
         Column(
             "recorded_by",
             "string",
-            "The login name of the user who recorded it.",
+            "The login name of the user who recorded it; empty: the participant, or the program.",
             privacy="person",
-            sql="NOT NULL",
-        ),
-        Column("what", "string", "What happened.", privacy="text", form="remark", sql="NOT NULL"),
-        Column("action", "string", "What was done.", privacy="text", form="remark", sql="NOT NULL"),
-        Column("outcome", "string", "How it ended.", privacy="text", form="remark", sql="NOT NULL"),
-        _SITE,
-    ),
-)
-
-INSTRUMENT_SCORES = Table(
-    "instrument_scores",
-    "A score of another instrument, as entered; of a day, the one recorded last counts",
-    key=("participant", "instrument", "date", "recorded_at"),
-    more="Entered [by hand](progress.md#other-instruments).",
-    columns=(
-        _not_null(_PARTICIPANT),
-        Column(
-            "instrument",
-            "string",
-            "The instrument.",
-            required=True,
-            form="instrument",
-            sql="NOT NULL",
+            sql="NOT NULL DEFAULT ''",
         ),
         Column(
-            "date",
-            "string",
-            "Day of the measurement, YYYY-MM-DD.",
-            privacy="time",
-            required=True,
-            form="date",
+            "content",
+            "json",
+            "The values by the fields of its kind; in an export a row each.",
+            privacy="parts",
+            form="values",
             sql="NOT NULL",
-        ),
-        Column("score", "number", "The score.", required=True, sql="NOT NULL"),
-        Column(
-            "recorded_at",
-            "datetime",
-            "When it was entered, UTC.",
-            privacy="time",
-            required=True,
-            form="date",
-            sql="NOT NULL",
-        ),
-        Column(
-            "recorded_by",
-            "string",
-            "The login name of who entered it.",
-            privacy="person",
-            sql="NOT NULL",
-        ),
-        Column("note", "string", "A remark.", privacy="text", form="remark", sql="NOT NULL"),
-        Column(
-            "removed",
-            "boolean",
-            "True: entered by mistake. Then there is no score of that day.",
-            sql="NOT NULL DEFAULT 0",
+            parts=(
+                Column("field", "string", "The field.", required=True),
+                Column("value", "number", "The value, if it is a number."),
+                Column("unit", "string", "Unit of the value."),
+                Column("option", "string", "The value, if it is one of some options."),
+                Column("words", "string", "The value, if it was typed.", privacy="text"),
+            ),
         ),
         _SITE,
     ),
@@ -1548,7 +1478,7 @@ CONFLICTS = Table(
         Column(
             "kind",
             "string",
-            "`session`, `programme`, `wellbeing`, `adverse event` or `instrument score`.",
+            "`session`, `programme` or `record`.",
             privacy="inner",
             form="any",
             sql="NOT NULL",
@@ -1649,9 +1579,7 @@ TABLES = {
         TOPICS,
         MESSAGES,
         PROGRAMMES,
-        WELLBEING,
-        ADVERSE_EVENTS,
-        INSTRUMENT_SCORES,
+        RECORDS,
         EXPORTS,
         SITE,
         SAME_PEOPLE,

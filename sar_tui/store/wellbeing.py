@@ -1,123 +1,57 @@
-"""Answers about pain and tiredness, before and after sessions and in pauses."""
+"""Records of pain and tiredness: what was told in a session, and what the rules make of it."""
 
 import sqlite3
 from collections.abc import Iterator, Mapping, Sequence
-from datetime import UTC, datetime
-from typing import Any, Literal
+from typing import Any
 
 import msgspec
 
 from sar_tui.rules.wellbeing import (
     PAIN_SESSIONS,
     TIRED_SESSIONS,
-    Moment,
     PainLimits,
     SessionRatings,
 )
+from sar_tui.store import records
 from sar_tui.store.counted import LIVE
-from sar_tui.store.database import transaction
-from sar_tui.store.participants import add
+from sar_tui.store.records import Record
 
-Row = dict[str, Any]
-Question = Literal["pain", "place", "fatigue", "advice"]
-"""A question, or the ``advice`` not to train, whose answers tell what came of it
-(`policies.wellbeing.Advice`).
-"""
-NOT_SAID = "not said"
-"""Answer of a participant who would rather not say."""
-IN_PAUSE = "yes"
-"""Answer that is stored of each pause for pain or tiredness, before any question."""
-_COLUMNS = ("session", "seat", "participant", "moment", "question", "answer", "at")
-PAUSES = (
-    "WITH given (session, seat, question, at) AS (VALUES (?, ?, ?, ?))"
-    " INSERT OR IGNORE INTO wellbeing (session, seat, participant, moment, question, answer, at)"
-    f" SELECT session, seat, participant, 'pause', question, '{IN_PAUSE}', at"
-    " FROM given JOIN seats USING (session, seat)"
-)
-"""Statement that stores what was said in a pause: session, seat, question, time."""
+PAIN, TIREDNESS = "pain", "tiredness"
+KINDS = (PAIN, TIREDNESS)
+RATED, NOT_SAID, TOLD = "rated", "not said", "told in a pause"
+"""Answers of a participant: a number, nothing, or a key of the pause."""
 
 
-def now() -> str:
-    """Return the present time as it is stored."""
-    return datetime.now(UTC).isoformat()
+def of_session(db: sqlite3.Connection, session: str) -> list[Record]:
+    """Return the records of a session, in order."""
+    return records.listing(db, kinds=KINDS, session=session)
 
 
-def save(
-    db: sqlite3.Connection,
-    participant: str,
-    moment: Moment,
-    question: Question,
-    answer: str,
-    *,
-    session: str | None = None,
-    seat: str = "A",
-) -> str:
-    """Store an answer at once, and return its time. Raises StoreError.
+def by_session(db: sqlite3.Connection, sessions: Sequence[str]) -> dict[str, list[Record]]:
+    """Return the records of some sessions, by session."""
+    return records.of_sessions(db, sessions, KINDS)
 
-    Answers before a session have none yet: see `attach`. A new participant is added with the first
-    one, because the session may not begin.
+
+def of_participant(db: sqlite3.Connection, participant: str) -> list[Record]:
+    """Return the records of a participant, oldest first; some have no session, as it did not
+    begin.
     """
-    at = now()
-    participant = add(db, participant)
-    with transaction(db) as connection:
-        connection.execute(
-            f"INSERT INTO wellbeing ({', '.join(_COLUMNS)}) VALUES (?,?,?,?,?,?,?)",
-            (session, seat, participant, moment, question, answer, at),
-        )
-    return at
+    return records.listing(db, kinds=KINDS, participant=participant)
 
 
-def attach(db: sqlite3.Connection, session: str, participants: Sequence[str], since: str) -> None:
-    """Give answers that were stored since a time, before the session began, their session. Raises
-    StoreError.
-    """
-    slots = ",".join("?" for _ in participants)
-    with transaction(db) as connection:
-        connection.execute(
-            "UPDATE wellbeing SET session=? WHERE session IS NULL AND at>=? AND participant IN "
-            f"({slots})",
-            (session, since, *participants),
-        )
-
-
-def of_session(db: sqlite3.Connection, session: str) -> list[Row]:
-    """Return the rows of a session, in order."""
-    return list(_rows(db.execute(f"{_SELECT} WHERE session=? ORDER BY at, rowid", (session,))))
-
-
-def by_session(db: sqlite3.Connection, sessions: Sequence[str]) -> dict[str, list[Row]]:
-    """Return the rows of some sessions by session; only those of which something is known."""
-    found: dict[str, list[Row]] = {}
-    wanted = msgspec.json.encode(list(sessions)).decode()
-    for row in _rows(
-        db.execute(
-            f"{_SELECT} WHERE session IN (SELECT value FROM json_each(?)) {_IN_ORDER}", (wanted,)
-        )
-    ):
-        found.setdefault(row["session"], []).append(row)
-    return found
-
-
-def of_participant(db: sqlite3.Connection, participant: str) -> list[Row]:
-    """Return the rows of a participant, oldest first; some have no session, as it did not begin."""
-    return list(
-        _rows(db.execute(f"{_SELECT} WHERE participant=? ORDER BY at, rowid", (participant,)))
-    )
-
-
-def newest_without_session(db: sqlite3.Connection) -> dict[str, list[Row]]:
+def newest_without_session(db: sqlite3.Connection) -> dict[str, list[Record]]:
     """Return by participant what they said before a session that never began, since their newest
     session.
     """
-    newest = (
-        "SELECT started_at FROM seats CROSS JOIN sessions ON sessions.id=seats.session"
-        f" WHERE seats.participant=wellbeing.participant AND {LIVE} ORDER BY seats.rowid DESC "
-        "LIMIT 1"
+    newest = db.execute(
+        "SELECT seats.participant, max(started_at) FROM seats"
+        f" JOIN sessions ON sessions.id=seats.session WHERE {LIVE} GROUP BY seats.participant"
     )
-    found: dict[str, list[Row]] = {}
-    query = f"{_SELECT} WHERE session IS NULL AND at > coalesce(({newest}), '') {_IN_ORDER}"
-    for row in _rows(db.execute(query)):
-        found.setdefault(row["participant"], []).append(row)
+    began = dict(newest.fetchall())
+    found: dict[str, list[Record]] = {}
+    for record in records.listing(db, kinds=KINDS, only="without session"):
+        if record.at > (began.get(record.participant) or ""):
+            found.setdefault(record.participant, []).append(record)
     return found
 
 
@@ -139,25 +73,25 @@ def limits_of(db: sqlite3.Connection, sessions: Sequence[str]) -> dict[str, Pain
 
 
 def ratings(
-    rows: Sequence[Row], seat: str = "A", limits: PainLimits | None = None
+    told: Sequence[Record], seat: str = "A", limits: PainLimits | None = None
 ) -> SessionRatings:
-    """Return the ratings of a session from its rows; the last answer of a question counts."""
+    """Return the ratings of a session from its records; of a moment, the last one counts."""
     found: dict[str, Any] = {"limits": limits} if limits else {}
     told_pain = False
-    for row in rows:
-        if row["seat"] != seat:
+    for record in told:
+        if record.seat != seat:
             continue
-        if row["question"] == "advice":
-            found["advice"] = row["answer"]
-            continue
-        is_number = row["question"] in ("pain", "fatigue") and row["answer"].isdecimal()
-        if row["moment"] != "pause":
-            if is_number:
-                found[f"{row['question']}_{row['moment']}"] = int(row["answer"])
-        elif row["question"] == "pain":
-            told_pain = True
-            if is_number:
-                found["pain_pause"] = max(int(row["answer"]), found.get("pain_pause", 0))
+        content, rating = record.content, record.content.get("rating")
+        if advice := content.get("advice"):
+            found["advice"] = advice
+        if record.moment == "pause":
+            if record.kind == PAIN:
+                told_pain = True
+                if rating is not None:
+                    found["pain_pause"] = max(rating, found.get("pain_pause", 0))
+        elif rating is not None:
+            name = "pain" if record.kind == PAIN else "fatigue"
+            found[f"{name}_{record.moment}"] = rating
     return SessionRatings(**found, told_pain=told_pain)
 
 
@@ -182,9 +116,12 @@ def newest_ratings(db: sqlite3.Connection, participant: str) -> list[SessionRati
     """
     found: list[_Dated] = []
     pains, tired = PAIN_SESSIONS + 1, TIRED_SESSIONS
-    answered = f"{_LIVE_SESSIONS} AND EXISTS (SELECT 1 FROM wellbeing WHERE session=sessions.id)"
+    told = (
+        "EXISTS (SELECT 1 FROM records WHERE session=sessions.id"
+        f" AND kind IN ('{PAIN}', '{TIREDNESS}'))"
+    )
     for session, seat, began, *limits in db.execute(
-        f"{answered} ORDER BY seats.rowid DESC", (participant,)
+        f"{_LIVE_SESSIONS} AND {told} ORDER BY seats.rowid DESC", (participant,)
     ):
         rated = ratings(of_session(db, session), seat, PainLimits(*limits))
         found.append((began, rated))
@@ -201,13 +138,11 @@ _Dated = tuple[str, SessionRatings]
 
 def _not_begun(db: sqlite3.Connection, participant: str) -> Iterator[_Dated]:
     """Yield the ratings before sessions that never began: those of a day together."""
-    by_day: dict[str, list[Row]] = {}
-    for row in _rows(
-        db.execute(f"{_SELECT} WHERE participant=? AND session IS NULL {_IN_ORDER}", (participant,))
-    ):
-        by_day.setdefault(row["at"][:10], []).append(row)
-    for rows in by_day.values():
-        yield rows[0]["at"], msgspec.structs.replace(ratings(rows, rows[0]["seat"]), began=False)
+    by_day: dict[str, list[Record]] = {}
+    for record in records.listing(db, kinds=KINDS, participant=participant, only="without session"):
+        by_day.setdefault(record.day, []).append(record)
+    for told in by_day.values():
+        yield told[0].at, msgspec.structs.replace(ratings(told, told[0].seat), began=False)
 
 
 def _in_time(rated: Sequence[_Dated]) -> list[SessionRatings]:
@@ -222,13 +157,6 @@ _LIMITS = (
 )
 _LIVE_SESSIONS = (
     f"SELECT sessions.id, seats.seat, started_at, {_LIMITS} FROM seats CROSS JOIN sessions ON "
-    "sessions.id=seats.session"
-    f" WHERE participant=? AND {LIVE}"
+    f"sessions.id=seats.session WHERE participant=? AND {LIVE}"
 )
 """Also of sessions that do not count: pain is pain, whatever became of the session."""
-_SELECT = f"SELECT {', '.join(_COLUMNS)} FROM wellbeing"
-_IN_ORDER = "ORDER BY at, rowid"
-
-
-def _rows(cursor: sqlite3.Cursor) -> Iterator[Row]:
-    return (dict(zip(_COLUMNS, row, strict=True)) for row in cursor)

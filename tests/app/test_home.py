@@ -10,13 +10,14 @@ from textual.widgets import Button, OptionList
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
-from sar_tui.store import programmes, wellbeing
+from sar_tui.store import programmes
 from sar_tui.store.database import connect
 from sar_tui.store.locks import hold
 from sar_tui.store.programmes import Programme
 from sar_tui.widgets.marked_list import MarkedList, PickList
 from tests.app.app_driver import OpenApp, OpenSession, known, open_app, plan, stored
 from tests.examples import first
+from tests.recorded import told
 from tests.sides_task import write_sides
 from tests.store.merge.sites import change, merge, site
 
@@ -116,9 +117,9 @@ async def test_the_card_tells_how_a_participant_does(
         session = driver.session_id
     (first_session,), (second_session,), _ = stored(data, "SELECT id FROM sessions ORDER BY rowid")
     database = connect(data)
-    wellbeing.save(database, "P01", "after", "pain", "6", session=first_session)
-    wellbeing.save(database, "P01", "after", "fatigue", "4", session=second_session)
-    wellbeing.save(database, "P01", "after", "pain", "3", session=second_session)
+    told(database, "P01", "after", "pain", "6", session=first_session)
+    told(database, "P01", "after", "tiredness", "4", session=second_session)
+    told(database, "P01", "after", "pain", "3", session=second_session)
     database.close()
     async with opened() as driver:
         assert driver.sees("P02 unfinished")

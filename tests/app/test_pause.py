@@ -6,6 +6,7 @@ import pytest
 
 from tests.app.app_driver import OpenApp, OpenSession, stored
 from tests.examples import first
+from tests.recorded import said
 
 
 async def test_escape_pauses_at_once_in_a_trial_and_the_trial_is_repeated(
@@ -57,11 +58,12 @@ async def test_the_menu_is_used_with_arrows_and_enter(open_session: OpenSession)
             act["reason"] for act in driver.messages("operator/act") if act["command"] == "pause"
         ]
         assert reasons == ["", "tired", "pain"]
-        said = driver.stored(
-            "SELECT session, seat, participant, moment, question, answer FROM wellbeing ORDER BY at"
-        )
-        here = (driver.session_id, "A", "P01", "pause")
-        assert said == [(*here, "fatigue", "yes"), (*here, "pain", "yes")]
+        here = (driver.session_id, "A", "P01")
+        assert driver.stored("SELECT DISTINCT session, seat, participant FROM records") == [here]
+        assert said(driver.app.database) == [
+            ("pause", "tiredness", "told in a pause"),
+            ("pause", "pain", "told in a pause"),
+        ]
 
 
 async def test_the_agent_rests_with_the_participant_and_is_silent_about_the_attempt(

@@ -11,13 +11,13 @@ from sar_tui.app.screens import progress as progress_screen
 from sar_tui.app.screens.past_session import PastSessionScreen
 from sar_tui.app.screens.progress import NONE_YET, ProgressScreen
 from sar_tui.plugins import Catalogue
-from sar_tui.progress.instruments import Score
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
-from sar_tui.store import adverse_events, instrument_scores, sessions
+from sar_tui.store import records, sessions
 from sar_tui.store.database import connect
 from tests.app.app_driver import AppDriver, OpenApp, known, open_app
+from tests.recorded import score, told
 
 
 async def open_progress(driver: AppDriver, catalogue: Catalogue) -> None:
@@ -36,11 +36,8 @@ def trained(data: Path, catalogue: Catalogue, *thresholds: float) -> None:
             database.execute(
                 "UPDATE sessions SET mode='live', started_at=? WHERE id=?", (began, session)
             )
-            database.execute(
-                "INSERT INTO wellbeing (session, seat, participant, moment, question, answer, at)"
-                " VALUES (?, 'A', 'P01', 'before', 'pain', ?, ?)",
-                (session, str(number), began),
-            )
+            told(database, "P01", "before", "pain", str(number), session=session)
+            database.execute("UPDATE records SET at=? WHERE session=?", (began, session))
 
 
 async def test_sessions_that_cannot_be_read_and_none_at_all_are_told(
@@ -139,35 +136,32 @@ async def test_scores_are_entered_in_their_range_and_removed_where_they_are_show
     async with open_app(data, catalogue) as driver:
         await open_progress(driver, catalogue)
         await driver.press("left")
-        assert driver.sees("No score of another instrument yet. A enters one.")
+        assert driver.sees("Nothing is recorded yet.")
         assert "Compare" not in driver.rows[-1]
         assert "Remove" not in driver.rows[-1]
-        await driver.press("a", "enter", "A", "enter")
+        await driver.press("a", "enter", "A", "R", "enter")
         assert driver.sees("Score, 0 to 57 points; higher is better")
         await driver.press(*"58")
-        assert driver.sees("A score of ARAT lies between 0 and 57, not at 58.")
-        await driver.press("backspace", "7", "enter", "enter", *"left", "enter")
-        assert driver.sees("ARAT 57 points left")
-        await driver.press("a")
+        assert driver.sees("Score lies within 0 to 57 points, not at 58.")
+        await driver.press("backspace", "7", "enter", *"left", "enter")
+        assert driver.sees("ARAT 57, left")
+        await driver.press("a", "tab", "tab", "7")
         assert driver.sees("This replaces 57 of the same day.")
         await driver.press("escape", "delete")
         assert driver.sees("The database keeps it")
         await driver.press("enter")
-        assert driver.sees("No score of another instrument yet.")
-        assert driver.stored("SELECT score, removed FROM instrument_scores") == [
-            (57.0, 0),
-            (57.0, 1),
-        ]
+        assert driver.sees("Nothing is recorded yet.")
+        assert driver.stored("SELECT version, removed FROM records") == [(1, 0), (2, 1)]
 
 
 async def test_a_score_is_chosen_once_it_is_entered(data: Path, catalogue: Catalogue) -> None:
     known(data)
     with closing(connect(data)) as database:
-        instrument_scores.add(database, "P01", Score("BBT", "2026-03-01", 20), author="ana")
+        score(database, "P01", "BBT", "2026-03-01", 20)
     async with open_app(data, catalogue) as driver:
         await open_progress(driver, catalogue)
-        await driver.press("left", "a", "tab", *"25", "enter", "enter", "enter")
-        assert driver.sees(f"▸ {date.today()} BBT 25 blocks")
+        await driver.press("left", "a", "tab", "tab", *"25", "enter", "enter")
+        assert driver.sees(f"▸ {date.today()} BBT 25")
 
 
 async def test_an_adverse_event_is_recorded_and_its_outcome_added_later(
@@ -176,18 +170,16 @@ async def test_an_adverse_event_is_recorded_and_its_outcome_added_later(
     trained(data, catalogue, 1000)
     async with open_app(data, catalogue) as driver:
         await open_progress(driver, catalogue)
-        await driver.press("left", "left")
-        assert driver.sees("No adverse event is recorded. A records one.")
-        assert "Change" not in driver.rows[-1]
-        await driver.press("a", *"Cramp", "enter", *"mild", "enter", "enter", "enter")
-        assert driver.sees("mild Cramp")
+        await driver.press("left")
+        await driver.press("a", "tab", "tab", *"Cramp", "enter", *"mild", "enter", "enter", "enter")
+        assert driver.sees("Cramp, mild")
         assert driver.sees("Outcome not yet recorded.")
         await driver.press("enter", *"Gone", "enter")
         assert driver.sees("mild: Cramp. Outcome: Gone.")
-        await driver.press("right", "right")
+        await driver.press("right")
         assert any(row.split() == ["event", "!"] for row in driver.rows)
-        (event,) = adverse_events.listing(driver.app.database)
-        assert (event.version, event.outcome) == (2, "Gone")
+        (event,) = records.listing(driver.app.database, kinds=("adverse-event",))
+        assert (event.version, event.content["outcome"]) == (2, "Gone")
 
 
 async def test_the_keys_below_are_those_of_the_part(data: Path, catalogue: Catalogue) -> None:
@@ -195,13 +187,10 @@ async def test_the_keys_below_are_those_of_the_part(data: Path, catalogue: Catal
     async with open_app(data, catalogue) as driver:
         await open_progress(driver, catalogue)
         shown: dict[str, list[str]] = {"Compare": [], "Add": []}
-        for part in ("Level", "Results", "Sessions", "Dose", "Events", "Instruments"):
+        for part in ("Level", "Results", "Sessions", "Dose", "Records"):
             assert driver.sees(f"[{part}]")
             for word, where in shown.items():
                 where.extend([part] if word in driver.rows[-1] else [])
             assert "←→ Part" in driver.rows[-1]
             await driver.press("tab")
-        assert shown == {
-            "Compare": ["Level", "Results", "Sessions"],
-            "Add": ["Events", "Instruments"],
-        }
+        assert shown == {"Compare": ["Level", "Results", "Sessions"], "Add": ["Records"]}

@@ -19,6 +19,7 @@ from sar_tui.store import sessions
 from sar_tui.store.database import connect
 from tests.app.app_driver import open_app, plan, stored
 from tests.app.test_reaching import reach, to_start
+from tests.recorded import said
 
 ENGLISH = Language()
 EMPTY = Entry()
@@ -80,15 +81,9 @@ async def test_too_much_pain_between_attempts_leads_to_the_advice_to_stop(
         assert driver.waiting.reason == "pain"
         await driver.press(key)
         assert driver.waiting.stage == status
-    said = stored(
-        data, "SELECT moment, question, answer FROM wellbeing WHERE answer<>'yes' ORDER BY at"
-    )
     advice = "stopped" if key == "enter" else "went on"
-    assert said == [
-        ("pause", "pain", "9"),
-        ("pause", "advice", "shown"),
-        ("pause", "advice", advice),
-    ]
+    with closing(connect(data)) as database:
+        assert ("pause", "pain", 9, advice) in said(database)
 
 
 CONSENT = Step(
@@ -113,7 +108,7 @@ async def test_who_does_not_agree_begins_no_session_and_leaves_only_that_answer(
         await driver.wait(2000)
         await driver.press("enter")
         assert driver.sees("Do you agree?")
-        assert stored(data, "SELECT count(*) FROM wellbeing") == [(2,)]
+        assert stored(data, "SELECT count(*) FROM records") == [(2,)]
         await driver.wait(500)
         await driver.press("2", "enter")
         await driver.wait(500)
@@ -125,7 +120,7 @@ async def test_who_does_not_agree_begins_no_session_and_leaves_only_that_answer(
     assert stored(data, "SELECT step, status, answer FROM answers") == [
         ("consent", "answered", '"no"')
     ]
-    for table in ("wellbeing", "imu_chunks", "trials", "attempts"):
+    for table in ("records", "imu_chunks", "trials", "attempts"):
         assert stored(data, f"SELECT count(*) FROM {table}") == [(0,)], table
     with closing(connect(data)) as database:
         assert replay(database, data, catalogue, sessions.find(database, data, session)).identical

@@ -4,23 +4,24 @@ beforehand.
 
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
-from sar_tui.store import adverse_events, wellbeing
+from sar_tui.store import records, wellbeing
 from sar_tui.store.database import connect
 from sar_tui.store.record_changes import change_status
 from tests.app.app_driver import AppDriver, OpenApp, OpenSession, known, open_app, plan, stored
+from tests.recorded import event, said
 
-ALL = "SELECT session, moment, question, answer FROM wellbeing ORDER BY at"
 
-
-def answers(driver: AppDriver) -> list[tuple[str, ...]]:
-    """Return what is stored, without the session."""
-    return [row[1:] for row in driver.stored(ALL)]
+def answers(driver: AppDriver) -> list[tuple[Any, ...]]:
+    """Return what is stored of pain and tiredness, once all is stored."""
+    driver.stored("SELECT 1")
+    return said(driver.app.database)
 
 
 async def test_a_session_asks_before_and_after(open_session: OpenSession) -> None:
@@ -46,13 +47,13 @@ async def test_a_session_asks_before_and_after(open_session: OpenSession) -> Non
         await driver.press("0", "t")
         assert driver.app.return_code == 0
         session = driver.session_id
-        assert driver.stored(ALL) == [
-            (session, "before", "pain", "2"),
-            (session, "before", "place", "left shoulder"),
-            (session, "before", "fatigue", "not said"),
-            (session, "after", "pain", "0"),
-            (session, "after", "fatigue", "10"),
+        assert answers(driver) == [
+            ("before", "pain", 2, "left shoulder"),
+            ("before", "tiredness", "not said"),
+            ("after", "pain", 0),
+            ("after", "tiredness", 10),
         ]
+        assert driver.stored("SELECT DISTINCT session FROM records") == [(session,)]
 
 
 @pytest.mark.parametrize("parameters", [{}, {"ask_wellbeing": False}])
@@ -76,10 +77,11 @@ async def test_an_answer_can_be_corrected_and_the_last_one_counts(
         assert driver.screen_name == "SessionScreen", (
             "the pain that was corrected is no reason to stop"
         )
-        assert answers(driver) == [
-            ("before", "pain", "9"),
-            ("before", "pain", "0"),
-            ("before", "fatigue", "3"),
+        assert answers(driver) == [("before", "pain", 0), ("before", "tiredness", 3)]
+        assert driver.stored("SELECT kind, version FROM records ORDER BY recorded_at") == [
+            ("pain", 1),
+            ("pain", 2),
+            ("tiredness", 1),
         ]
 
 
@@ -94,7 +96,10 @@ async def test_ten_can_be_typed_with_two_keys(open_session: OpenSession, ms: int
         assert driver.sees("You said: 10. Backspace goes back.")
         await driver.press("backspace", "1", "5", "2")
         assert driver.screen_name == "SessionScreen", "10 was corrected"
-        assert [answer[2] for answer in answers(driver)] == ["1", "10", "1", "left shoulder", "2"]
+        assert answers(driver) == [
+            ("before", "pain", 1, "left shoulder"),
+            ("before", "tiredness", 2),
+        ]
 
 
 async def test_a_key_that_is_held_answers_one_question_only(open_session: OpenSession) -> None:
@@ -102,7 +107,7 @@ async def test_a_key_that_is_held_answers_one_question_only(open_session: OpenSe
         await driver.wait(700)
         await driver.write("0", "0", "0")
         assert driver.sees("How tired are you now?")
-        assert answers(driver) == [("before", "pain", "0")]
+        assert answers(driver) == [("before", "pain", 0)]
 
 
 @pytest.mark.parametrize(
@@ -134,20 +139,16 @@ async def test_pain_above_the_limit_before_a_session_is_a_reason_not_to_begin(
         assert driver.sees("Please do not train now"), "only the keys on the screen leave it"
         await driver.press(key)
         assert driver.screen_name == screen
-        said = [
-            ("pain", "6"),
-            ("place", "left arm"),
-            ("fatigue", "4"),
-            ("advice", "shown"),
-            ("advice", advice),
+        assert answers(driver) == [
+            ("before", "pain", 6, "left arm", advice),
+            ("before", "tiredness", 4),
         ]
-        assert [row[2:] for row in driver.stored(ALL)] == said
-        (stored,) = {row[0] for row in driver.stored(ALL)}
-        assert (stored is None) == (screen == "HomeScreen")
+        ((session,),) = driver.stored("SELECT DISTINCT session FROM records")
+        assert (session is None) == (screen == "HomeScreen")
         if screen == "HomeScreen":
             assert driver.sees("pain 6"), "in the list of participants"
-            said = "Pain was above the limit when it was last told."
-            (row,) = [number for number, row in enumerate(driver.rows) if said in row]
+            told = "Pain was above the limit when it was last told."
+            (row,) = [number for number, row in enumerate(driver.rows) if told in row]
             assert "╭" in driver.rows[row - 1], "first on the card"
             assert driver.sees("The participant was advised not to train, and stopped.")
 
@@ -160,7 +161,7 @@ async def test_questions_that_are_skipped_after_too_much_pain_lead_to_the_advice
         assert driver.sees("Please do not train now")
         await driver.press("backspace", "backspace", "1", "escape")
         assert driver.screen_name == "SessionScreen", "the pain was corrected"
-        assert answers(driver)[-2:] == [("before", "advice", "shown"), ("before", "pain", "1")]
+        assert answers(driver) == [("before", "pain", 1, "shown")]
 
 
 async def test_the_limits_of_pain_are_those_that_the_therapist_set(
@@ -173,8 +174,8 @@ async def test_the_limits_of_pain_are_those_that_the_therapist_set(
         await driver.press("enter")
         await driver.press("8", "1", "2")
         assert driver.app.return_code == 0
-    assert stored(data, "SELECT count(*) FROM wellbeing WHERE question='advice'") == [(0,)]
     with closing(connect(data)) as database:
+        assert not any("shown" in each for each in said(database))
         assert not any(rated.is_reason_to_stop for rated in wellbeing.history(database, "P01"))
 
 
@@ -193,7 +194,7 @@ async def test_pain_that_rose_much_in_a_session_is_a_reason_to_stop(
         assert driver.sees("Press Enter to close."), "there is nothing to go on with"
         await driver.press("enter")
         assert driver.app.return_code == 0
-        assert answers(driver)[-1] == ("after", "advice", "shown")
+        assert ("after", "pain", 3, "right hand", "shown") in answers(driver)
 
 
 async def test_pain_in_a_pause_is_asked_with_its_number(open_session: OpenSession) -> None:
@@ -214,12 +215,10 @@ async def test_pain_in_a_pause_is_asked_with_its_number(open_session: OpenSessio
         )
         await driver.press("enter")
         assert (await driver.to_prompt()).text == prompt.text, "the session goes on"
-        session = driver.session_id
-        said = driver.stored(
-            "SELECT question, answer FROM wellbeing WHERE moment='pause' AND session=?", session
-        )
-        advice = [("advice", "shown"), ("advice", "went on")]
-        assert sorted(said) == [*advice, ("pain", "6"), ("pain", "yes"), ("place", "left shoulder")]
+        assert {each for each in answers(driver) if each[0] == "pause"} == {
+            ("pause", "pain", "told in a pause"),
+            ("pause", "pain", 6, "left shoulder", "went on"),
+        }
 
 
 async def test_enter_ends_the_session_after_too_much_pain_in_a_pause(
@@ -231,7 +230,7 @@ async def test_enter_ends_the_session_after_too_much_pain_in_a_pause(
         await driver.press("escape", "down", "down", "enter")
         await driver.press("6", "5", "enter")
         assert driver.waiting.stage == "ended"
-        assert ("pause", "advice", "stopped") in answers(driver)
+        assert ("pause", "pain", 6, "left shoulder", "stopped") in answers(driver)
 
 
 async def test_pain_in_a_pause_is_only_asked_if_it_is_set(open_session: OpenSession) -> None:
@@ -251,7 +250,7 @@ async def test_the_questions_can_be_skipped(open_session: OpenSession) -> None:
         await driver.do_session()
         await driver.press("enter", "escape")
         assert driver.app.return_code == 0
-        assert answers(driver) == [("before", "pain", "3")]
+        assert answers(driver) == [("before", "pain", 3)]
 
 
 async def test_a_session_that_is_left_asks_when_it_has_been_resumed(
@@ -270,7 +269,7 @@ async def test_a_session_that_is_left_asks_when_it_has_been_resumed(
         await driver.press("enter")
         await driver.press("4", "2", "3")
         assert driver.sees("Please rest now")
-    assert stored(data, "SELECT DISTINCT session FROM wellbeing") == [(session,)]
+    assert stored(data, "SELECT DISTINCT session FROM records") == [(session,)]
 
 
 async def test_two_participants_are_asked_in_turn(opened: OpenApp, catalogue: Catalogue) -> None:
@@ -281,16 +280,14 @@ async def test_two_participants_are_asked_in_turn(opened: OpenApp, catalogue: Ca
         assert driver.sees("Right (P02) How much pain")
         await driver.press("2", "n", "3")
         assert driver.screen_name == "SessionScreen"
-        rows = driver.stored(
-            "SELECT participant, seat, question, answer FROM wellbeing ORDER BY at"
-        )
-        assert rows == [
-            ("P01", "A", "pain", "0"),
-            ("P01", "A", "fatigue", "1"),
-            ("P02", "B", "pain", "2"),
-            ("P02", "B", "place", "not said"),
-            ("P02", "B", "fatigue", "3"),
+        assert answers(driver) == [
+            ("before", "pain", 0),
+            ("before", "tiredness", 1),
+            ("before", "pain", 2, "not said"),
+            ("before", "tiredness", 3),
         ]
+        people = driver.stored("SELECT DISTINCT participant, seat FROM records")
+        assert people == [("P01", "A"), ("P02", "B")]
 
 
 async def test_the_questions_are_in_the_sessions_language(
@@ -310,7 +307,7 @@ async def test_the_questions_are_in_the_sessions_language(
             "No entrene ahora, por favor Descanse, y hable ahora del dolor con su terapeuta."
         )
         assert driver.sees("Nadie mira esta pantalla")
-        assert driver.stored(ALL)[1][2:] == ("place", "head"), "stored in English"
+        assert answers(driver)[0] == ("before", "pain", 10, "head", "shown"), "stored in English"
 
 
 async def test_the_questions_fit_a_small_window(open_session: OpenSession) -> None:
@@ -357,8 +354,7 @@ async def test_a_past_session_shows_what_was_said(
         await driver.press("2", "5", "8")
         session = driver.session_id
     with closing(connect(data)) as database:
-        what = {"onset": "2026-03-01", "what": "Dizzy", "severity": "mild"}
-        adverse_events.report(database, "P01", session=session, **what)
+        event(database, "P01", "2026-03-01", what="Dizzy", severity="mild", session=session)
     async with opened() as driver:
         await driver.press("f6", "enter")
         assert driver.screen_name == "PastSessionScreen"
@@ -378,18 +374,14 @@ async def test_an_adverse_event_is_recorded_from_its_session(
         assert driver.sees("What happened")
         assert driver.sees("Enter goes on, and records after the last field.")
         await driver.press(*"Dizzy", "enter", *"awful", "enter", "enter", "enter")
-        assert driver.sees("The severity must be mild, moderate or severe.")
+        assert driver.sees("Severity is mild, moderate or severe, not 'awful'.")
         await driver.press("shift+tab", "shift+tab", *["backspace"] * 5)
         await driver.press(*"mild", "enter", *"Rested", "enter", "enter")
         assert driver.screen_name == "PastSessionScreen"
         assert driver.sees("mild: Dizzy. Action: Rested.")
-        (event,) = adverse_events.listing(driver.app.database)
-        assert (event.participant, event.session, event.what, event.action) == (
-            "P01",
-            session,
-            "Dizzy",
-            "Rested",
-        )
+        (entered,) = records.listing(driver.app.database)
+        assert (entered.participant, entered.session) == ("P01", session)
+        assert entered.content == {"what": "Dizzy", "severity": "mild", "action": "Rested"}
 
 
 async def test_an_adverse_event_can_be_cancelled(
@@ -402,7 +394,7 @@ async def test_an_adverse_event_can_be_cancelled(
         await driver.write(*"Dizzy")
         await driver.press("escape")
         assert driver.screen_name == "PastSessionScreen"
-        assert adverse_events.listing(driver.app.database) == []
+        assert records.listing(driver.app.database) == []
 
 
 async def test_an_adverse_event_of_two_names_its_participant(
@@ -422,4 +414,4 @@ async def test_an_adverse_event_of_two_names_its_participant(
         assert driver.sees("Participant"), "it scrolls to the field"
         await driver.press(*"P09", *["enter"] * 6)
         assert driver.sees("P09 did not take part in this session.")
-        assert adverse_events.listing(driver.app.database) == []
+        assert records.listing(driver.app.database) == []

@@ -83,7 +83,7 @@ def test_after_a_day_of_use_git_adds_nothing(checkout: Path, call: Call) -> None
         ("programme", "export", "P01", "keyboard", "--to", "p01.toml"),
         ("progress", "P01", "--html", "p01.html"),
         ("link", "invite", "operator", "--name", "OP1", "--host", "127.0.0.1"),
-        ("adverse", "list"),
+        ("record", "list"),
         ("show", "last"),
         ("check",),
     ):

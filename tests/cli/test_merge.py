@@ -11,9 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.store import adverse_events, locks
+from sar_tui.store import locks
 from sar_tui.store.database import connect
 from tests.program import Call
+from tests.recorded import event
 from tests.store.merge.sites import copy, play, site
 
 
@@ -89,35 +90,23 @@ def test_what_another_site_recorded_is_changed_only_there(
 ) -> None:
     play(bern, "abcdef0123", status="interrupted")
     with closing(connect(bern)) as database:
-        event = adverse_events.report(
-            database, "P01", onset="2026-01-01", what="fell", severity="mild"
-        ).event
+        entered = event(database, "P01", "2026-01-01", what="fell", severity="mild").id
     assert call("merge", bern).code == 0
     for command in (
         ("run", "keyboard", "-p", "P01@BERN"),
         ("resume", "abcdef0123"),
         ("programme", "import", "P01@BERN", "keyboard", "--preset", "mild", "--reason", "rested"),
-        (
-            "adverse",
-            "add",
-            "P01@BERN",
-            "--onset",
-            "2026-01-01",
-            "--what",
-            "fell",
-            "--severity",
-            "mild",
-        ),
-        ("adverse", "amend", f"{event}@BERN", "--outcome", "well"),
-        ("instrument", "add", "P01@BERN", "FMA-UE", "34", "--on", "2026-01-01"),
+        ("record", "add", "adverse-event", "P01@BERN", "what=fell", "severity=mild"),
+        ("record", "add", "FMA-UE", "P01@BERN", "score=34", "--on", "2026-01-01"),
+        ("record", "correct", f"{entered}@BERN", "outcome=well"),
         ("simulate", "keyboard", "--user", "average", "-p", "P01@BERN"),
     ):
         called = call(*command)
         assert (called.code, called.out) == (2, ""), command
         assert "BERN" in called.err, command
         assert "only there" in called.err, command
-    assert "no interrupted session" in call("resume last").err
-    assert f"{event}@BERN" in call("adverse list").out
+    assert "no interrupted session" in call("resume", "last").err
+    assert f"{entered}@BERN" in call("record", "list").out
 
 
 def test_a_session_that_runs_is_left_out_and_named(call: Call, zurich: Path, bern: Path) -> None:

@@ -13,12 +13,12 @@ from sar_tui.store.participants import UnknownParticipant, admit
 from tests.app.app_driver import known
 from tests.program import Call
 
-SCORE = "FMA-UE 34 --on 2026-03-01".split()
-FALL = "--what Fell --onset 2026-03-01 --severity mild".split()
+SCORE = ("score=34", "--on", "2026-03-01")
+FALL = ("what=Fell", "severity=mild", "--on", "2026-03-01")
 REASON = ("--preset", "mild", "--reason", "First visit")
 RECORDS = {
-    "instrument": lambda code: ("instrument", "add", code, *SCORE),
-    "adverse": lambda code: ("adverse", "add", code, *FALL),
+    "score": lambda code: ("record", "add", "FMA-UE", code, *SCORE),
+    "event": lambda code: ("record", "add", "adverse-event", code, *FALL),
     "programme": lambda code: ("programme", "import", code, "keyboard", *REASON),
 }
 
@@ -48,7 +48,6 @@ def test_a_typing_error_is_refused_with_the_nearest_code(
         "There is no participant P0L: give P01 if that is meant, or add --new for a new "
         "participant.\n"
     )
-    assert call("instrument remove P0L FMA-UE --on 2026-03-01").code == 2
     assert call("check").code == 0
 
 
@@ -65,9 +64,9 @@ def test_a_record_of_a_new_participant_without_a_session_is_whole(call: Call, re
 
 def test_on_a_terminal_it_is_asked(call: Call, data: Path, on_a_terminal: list[str]) -> None:
     known(data, "P01")
-    refused = call("instrument add P0l", *SCORE)
+    refused = call("record", "add", "FMA-UE", "P0l", *SCORE)
     assert (refused.code, refused.err) == (1, "Nothing was done.\n")
-    assert call("instrument add P77", *SCORE).code == 0
+    assert call("record", "add", "FMA-UE", "P77", *SCORE).code == 0
     assert on_a_terminal == [
         "There is no participant P0L. Is it P01? Is P0L a new participant?",
         "There is no participant P77. Is P77 a new participant?",
@@ -76,13 +75,13 @@ def test_on_a_terminal_it_is_asked(call: Call, data: Path, on_a_terminal: list[s
 
 
 def test_a_value_that_cannot_be_makes_no_participant(call: Call) -> None:
-    assert call("instrument add P09 FMA-UE 900 --on 2026-03-01 --new").code == 2
-    assert call("progress P09").code == 2
+    assert call("record", "add", "FMA-UE", "P09", "score=900", "--new").code == 2
+    assert call("progress", "P09").code == 2
 
 
 def test_people_who_are_only_simulated_are_not_known(call: Call, simulated: str) -> None:
-    assert "add --new" in call("instrument add P01", *SCORE).err
-    assert call("instrument add P01", *SCORE, "--new").code == 0
+    assert "add --new" in call("record", "add", "FMA-UE", "P01", *SCORE).err
+    assert call("record", "add", "FMA-UE", "P01", *SCORE, "--new").code == 0
     assert call("check").code == 0
 
 
@@ -91,8 +90,7 @@ def test_each_command_that_looks_for_a_code_names_the_nearest(call: Call, data: 
     for words in (
         ("sessions", "-p", "P0l"),
         ("progress", "P0l"),
-        ("wellbeing", "P0l"),
-        ("adverse", "list", "-p", "P0l"),
+        ("record", "list", "-p", "P0l"),
         ("programme", "show", "P0l"),
         ("programme", "history", "P0l"),
         ("report", "wizard", "-p", "P0l"),

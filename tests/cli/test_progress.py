@@ -61,8 +61,8 @@ def test_two_sessions_are_compared(call: Call, trained: list[str]) -> None:
 
 
 def test_a_participant_without_sessions_has_no_lines_in_json(call: Call) -> None:
-    call("instrument add P09 BBT 30 --on 2026-03-01 --new")
-    found = call("progress P09 --json").json
+    call("record", "add", "BBT", "P09", "score=30", "--on", "2026-03-01", "--new")
+    found = call("progress", "P09", "--json").json
     assert (found["participant"], found["lines"], found["days"], len(found["instruments"])) == (
         "P09",
         [],

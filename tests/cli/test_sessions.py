@@ -60,7 +60,7 @@ def test_no_sessions_says_how_to_make_one(call: Call) -> None:
 
 def test_show_json_has_session_attempts_and_trials(call: Call, simulated: str) -> None:
     printed = call("show", simulated, "--json").json
-    more = {"outputs", "markers", "wellbeing", "adverse_events", "answers"}
+    more = {"outputs", "markers", "records"}
     assert set(printed) == {"session", "attempts", "trials"} | more
     assert printed["session"]["id"] == simulated
     assert len(printed["attempts"]) == 4

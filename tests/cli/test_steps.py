@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from sar_tui.reports.answers import lines
+from sar_tui.store.records import Record
 
 Call = Callable[..., Any]
 KEYBOARD = "simulate keyboard --user average --attempts 2 --seed 2".split()
@@ -99,9 +100,10 @@ def test_answers_are_shown_with_the_session(call: Call, asked: Path) -> None:
     assert "After attempt 1: How do you feel? " in shown
     assert "After attempt 2: How hard was that for you? " in shown
     assert "Next comes the harder part." not in shown
-    rows = call("show last --data", asked, "--json").json["answers"]
-    assert [row["step"] for row in rows] == ["read", "mood", "effort", "mood", "words"]
-    assert rows[1]["labels"] == ["very bad", "very good"]
+    known = call("show", "last", "--data", asked, "--json").json["records"]
+    answers = [each["content"] for each in known if each["kind"] == "answer"]
+    assert [each["step"] for each in answers] == ["read", "mood", "effort", "mood", "words"]
+    assert answers[1]["labels"] == "very bad; very good"
 
 
 def test_simulated_people_agree_to_what_is_required(call: Call, tmp_path: Path) -> None:
@@ -112,8 +114,9 @@ def test_simulated_people_agree_to_what_is_required(call: Call, tmp_path: Path) 
     )
     file.write_text(f"{STEPS}\n[[steps]]\n{consent}\n")
     done = call(*KEYBOARD, *SHORT, "--steps", file, "--set", "language=es", "--json").json
-    answers = call("show", done["session"], "--json").json["answers"]
-    assert [(row["step"], row["answer"]) for row in answers[:2]] == [
+    known = call("show", done["session"], "--json").json["records"]
+    answers = [each["content"] for each in known if each["kind"] == "answer"]
+    assert [(each["step"], each.get("chosen")) for each in answers[:2]] == [
         ("consent", "yes"),
         ("read", None),
     ]
@@ -124,30 +127,26 @@ def test_simulated_people_agree_to_what_is_required(call: Call, tmp_path: Path) 
 
 
 def test_answers_are_told_in_words() -> None:
-    row = {
-        "attempt": 0,
-        "seat": "A",
-        "status": "answered",
-        "text": "Fun?",
-        "kind": "likert",
-        "labels": ["no", "yes"],
-    }
-    rows = [
-        row | {"answer": 2},
-        row | {"attempt": 3, "kind": "choices", "answer": ["no", "yes"]},
-        row | {"attempt": 3, "kind": "text", "answer": "fine"},
-        row | {"attempt": 4, "status": "declined", "answer": None},
-        row | {"status": "done", "answer": None},
+    def answer(attempt: int, seat: str = "A", status: str = "answered", **given: Any) -> Record:
+        content = {"attempt": attempt, "status": status, "question": "Fun?", **given}
+        return Record(id="1", kind="answer", participant="P01", at="", seat=seat, content=content)
+
+    known = [
+        answer(0, value=2, chosen="yes"),
+        answer(3, chosen="no; yes"),
+        answer(3, words="fine"),
+        answer(4, status="declined"),
+        answer(0, status="done"),
     ]
-    assert lines(rows, practice=0) == [
+    assert lines(known, practice=0) == [
         "Before the first attempt: Fun? 2 (yes)",
-        "After attempt 3: Fun? no, yes",
+        "After attempt 3: Fun? no; yes",
         'After attempt 3: Fun? "fine"',
         "After attempt 4: Fun? would rather not say",
     ]
-    assert (
-        lines([*rows, row | {"seat": "B", "answer": 1}], practice=0)[-1]
-        == "Before the first attempt, seat B: Fun? 1 (no)"
+    other = answer(0, seat="B", value=1, chosen="no")
+    assert lines([*known, other], practice=0)[-1] == (
+        "Before the first attempt, seat B: Fun? 1 (no)"
     )
 
 

@@ -6,14 +6,14 @@ from contextlib import closing
 from pathlib import Path
 
 from sar_tui.plugins import Catalogue
-from sar_tui.progress.instruments import Score
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.operator import PROFILES
 from sar_tui.simulation.participant_model import PEOPLE
-from sar_tui.store import instrument_scores, participants, sessions, wellbeing
+from sar_tui.store import participants, sessions
 from sar_tui.store.database import connect
 from tests.export.resumed import resumed
+from tests.recorded import score, told
 
 NOTE = '"¿Te duele?", dijo;\r\nno, no:\tdescansa \\ ñ'
 _PLAYED = (
@@ -68,12 +68,12 @@ def store_study(data: Path, catalogue: Catalogue) -> None:
         )
         for code in ("P01", "P02"):
             participants.add(database, code)
-        for score in (Score("ARAT", "2026-01-10", 20, NOTE), Score("ARAT", "2026-03-10", 31.5, "")):
-            instrument_scores.add(database, "P01", score, author="ana")
-        instrument_scores.add(database, "P02", Score("BBT", "2026-03-10", 12, ""), author="ana")
+        score(database, "P01", "ARAT", "2026-01-10", 20, NOTE)
+        score(database, "P01", "ARAT", "2026-03-10", 31.5)
+        score(database, "P02", "BBT", "2026-03-10", 12)
         (keyboard,) = database.execute(
             "SELECT id FROM sessions WHERE task='keyboard' LIMIT 1"
         ).fetchone()
-        wellbeing.save(database, "P01", "before", "pain", "3", session=keyboard)
-        wellbeing.save(database, "P01", "after", "fatigue", "not said", session=keyboard)
-        wellbeing.save(database, "P01", "before", "pain", "8")  # too much to begin a session
+        told(database, "P01", "before", "pain", "3", session=keyboard)
+        told(database, "P01", "after", "tiredness", "not said", session=keyboard)
+        told(database, "P01", "before", "pain", "8")  # too much to begin a session

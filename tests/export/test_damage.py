@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from sar_tui.plugins import Catalogue
-from sar_tui.store import wellbeing
 from sar_tui.store.database import connect
 from tests.export.exported import export_csv, read_csv
 from tests.export.hard_study import store_study
 from tests.program import Call
+from tests.recorded import told
 
 BROKEN = "{broken"
 JSON_COLUMNS = {
@@ -155,13 +155,14 @@ def test_answers_before_a_session_that_never_began_leave_with_their_participant(
 ) -> None:
     with closing(connect(tmp_path / "data")) as database:
         (code,) = database.execute("SELECT participant FROM seats").fetchone()
-        wellbeing.save(database, code, "before", "pain", "7")
-        wellbeing.save(database, code, "before", "fatigue", "2", session="another")
+        told(database, code, "before", "pain", "7")
+        told(database, code, "before", "tiredness", "2", session="another")
     export_csv(tmp_path / "data", tmp_path / "simulated")
-    assert read_csv(tmp_path / "simulated", "wellbeing") == [], (
+    assert read_csv(tmp_path / "simulated", "records") == [], (
         "persons answer, and never leave with simulated ones"
     )
     change(tmp_path / "data", "UPDATE sessions SET mode='live'")
     export_csv(tmp_path / "data", tmp_path / "out")
-    (row,) = read_csv(tmp_path / "out", "wellbeing")
-    assert (row["session"], row["participant"], row["answer"]) == (None, code, "7")
+    answer, rating = read_csv(tmp_path / "out", "records")
+    assert (answer["session"], answer["participant"], answer["option"]) == (None, code, "rated")
+    assert (rating["field"], rating["value"]) == ("rating", 7)

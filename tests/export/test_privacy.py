@@ -84,13 +84,15 @@ def data(call: Call, tmp_path: Path) -> Path:
             {"participant": "P01", "task": "reaching", "version": 1, "created_at": now, "author": NEVER,
              "reason": TYPED, "parameters": json.dumps({"own": TYPED, **addresses}), "theme": "calm"}
         )  # fmt: skip
-        tables["adverse_events"].insert(  # type: ignore[union-attr]
-            {"event": "e1", "version": 1, "participant": "P01", "session": None, "onset": "2026-01-01", "what": TYPED,
-             "severity": "mild", "action": TYPED, "outcome": TYPED, **login}
-        )  # fmt: skip
-        tables["instrument_scores"].insert(  # type: ignore[union-attr]
-            {"participant": "P01", "instrument": "ARAT", "date": "2026-01-01", "score": 7, "note": TYPED, "removed": 0,
-             **login}
+        contents = (
+            ("adverse-event", {"what": TYPED, "severity": "mild", "outcome": TYPED}),
+            ("ARAT", {"score": 7, "note": TYPED}),
+            ("kind of nobody", {"colour": TYPED}),
+        )
+        tables["records"].insert_all(  # type: ignore[union-attr]
+            {"id": f"e{number}", "version": 1, "kind": kind, "participant": "P01", "seat": "A",
+             "moment": "", "at": "2026-01-01", "content": json.dumps(content), **login}
+            for number, (kind, content) in enumerate(contents)
         )  # fmt: skip
     return folder
 
@@ -116,7 +118,7 @@ def test_nothing_that_identifies_or_was_typed_leaves(
     found = files(tmp_path / "out")
     assert [name for name, text in found.items() if NEVER in text] == []
     assert [name for name, text in found.items() if TYPED in text] == []
-    assert {"notes.text", "adverse_events.what", "trials.details_remark"} <= set(exported.left_out)
+    assert {"notes.text", "records.words", "trials.details_remark"} <= set(exported.left_out)
 
 
 @pytest.mark.parametrize("format", BUNDLED)
@@ -134,8 +136,8 @@ def test_typed_texts_leave_if_asked_for_and_names_never(data: Path, tmp_path: Pa
     found = files(tmp_path / "out")
     assert [name for name, text in found.items() if NEVER in text] == []
     assert {name for name, text in found.items() if TYPED in text} == {
-        "actions.csv", "adverse_events.csv", "instrument_scores.csv", "notes.csv", "parameters.csv",
-        "programmes.csv", "programme_parameters.csv", "trials.csv",
+        "actions.csv", "notes.csv", "parameters.csv", "programmes.csv", "programme_parameters.csv",
+        "records.csv", "trials.csv",
     }  # fmt: skip
 
 

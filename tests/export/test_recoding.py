@@ -54,20 +54,13 @@ def data(call: Call, tmp_path: Path) -> Path:
             "2026-03-01T10:00:00+00:00",
         )
         tables = Database(database)
-        tables["instrument_scores"].insert(  # type: ignore[union-attr]
-            {
-                "participant": "ANNA",
-                "instrument": "ARAT",
-                "date": "2026-03-01",
-                "score": 7,
-                "note": "",
-                "removed": 0,
-                **by,
-            }
-        )
-        tables["adverse_events"].insert(  # type: ignore[union-attr]
-            {"event": "e1", "version": 1, "participant": "ANNA", "session": None, "onset": "2026-03-01 14:30",
-             "what": "", "severity": "mild", "action": "", "outcome": "", **by}
+        tables["records"].insert_all(  # type: ignore[union-attr]
+            {"id": f"e{number}", "version": 1, "kind": kind, "participant": "ANNA", "seat": "A",
+             "moment": "", "at": at, "content": content, **by}
+            for number, (kind, at, content) in enumerate((
+                ("ARAT", "2026-03-01", '{"score":7}'),
+                ("adverse-event", "2026-03-01 14:30", '{"what":"Fell","severity":"mild"}'),
+            ))
         )  # fmt: skip
         tables["programmes"].insert(  # type: ignore[union-attr]
             {"participant": "ANNA", "task": "keyboard", "version": 1, "created_at": now, "author": "me", "reason": "",
@@ -132,7 +125,7 @@ def test_all_dates_of_a_person_are_shifted_by_the_same_days(data: Path, tmp_path
     assert codes["ANNA"][1] == codes["BEA"][1], "they had a session together"
     stamps = {
         "participants": "created_at", "sessions": "started_at", "programmes": "created_at",
-        "adverse_events": "onset", "instrument_scores": "date",
+        "records": "at",
     }  # fmt: skip
     for table, column in stamps.items():
         plain = [

@@ -135,7 +135,7 @@ def test_no_file_of_a_recoded_export_holds_a_reading_of_the_clock_or_a_name(
         ids = [
             str(value) for row in database.execute("SELECT id, seed FROM sessions") for value in row
         ]
-        ids += [event for (event,) in database.execute("SELECT event FROM adverse_events")]
+        ids += [id for (id,) in database.execute("SELECT id FROM records")]
     true = [moment.isoformat()[:19] for moment in study.began.values()]
     for name, text in written(tmp_path / "out"):
         assert clock_readings(text) == [], name

@@ -24,8 +24,9 @@ from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
-from sar_tui.store import adverse_events, participants, wellbeing
+from sar_tui.store import participants
 from sar_tui.store.database import connect
+from tests.recorded import event, told
 from tests.store.by_hand import add_message
 
 MANY = 30
@@ -146,16 +147,11 @@ def _stamp(database: sqlite3.Connection, session: str, clock: int, moment: datet
 
 def _tell(database: sqlite3.Connection, session: str, code: str, moment: datetime) -> None:
     """Add what is asked of a person, and what happened to them."""
-    wellbeing.save(database, code, "after", "pain", "3", session=session)
-    adverse_events.report(
-        database,
-        code,
-        onset=moment.date().isoformat(),
-        what="It hurt.",
-        severity="mild",
-        session=session,
-    )
-    database.execute("UPDATE wellbeing SET at=? WHERE session=?", (moment.isoformat(), session))
+    told(database, code, "after", "pain", "3", session=session)
+    day = moment.date().isoformat()
+    event(database, code, day, what="It hurt.", severity="mild", session=session)
     database.execute(
-        "UPDATE adverse_events SET recorded_at=? WHERE session=?", (moment.isoformat(), session)
+        "UPDATE records SET recorded_at=?, at=CASE kind WHEN 'pain' THEN ? ELSE at END"
+        " WHERE session=?",
+        (moment.isoformat(), moment.isoformat(), session),
     )

@@ -10,8 +10,8 @@ import pytest
 from sar_tui.model import messages as m
 from sar_tui.reports.intervention import Acts, Record, changes_played, intervention
 from sar_tui.reports.intervention_words import sections
-from sar_tui.store.adverse_events import AdverseEvent
 from sar_tui.store.programmes import Programme
+from sar_tui.store.records import Record as PersonRecord
 from tests.program import Call
 
 BRIEF = ("--attempts", 6, "--set", "prompts_per_attempt=3", "--json")
@@ -106,18 +106,8 @@ def test_of_one_participant_nothing_of_the_partner_in_a_pair_is_counted(
 ) -> None:
     pair = ("simulate", "pairs", "-p", "P01", "-p", "P02", "--user", "average", "--attempts", 3)
     assert call(*pair).code == 0
-    call(
-        "adverse",
-        "add",
-        "P02",
-        "--what",
-        "Cramp",
-        "--severity",
-        "mild",
-        "--onset",
-        "2026-03-01",
-        "--new",
-    )
+    fall = ("what=Cramp", "severity=mild", "--on", "2026-03-01")
+    assert call("record", "add", "adverse-event", "P02", *fall, "--new").code == 0
     found = call("report", "intervention", "-p", "P01", "--simulated", "--json").json
     with closing(sqlite3.connect(tmp_path / "data" / "sar-tui.db")) as database:
         feedback = database.execute(
@@ -207,13 +197,12 @@ def test_a_changed_programme_is_a_modification_with_its_reason() -> None:
 
 
 def test_harms_are_counted_and_nothing_asked_is_said_as_such() -> None:
-    event = AdverseEvent(
-        event="e1",
-        version=1,
+    event = PersonRecord(
+        id="e1",
+        kind="adverse-event",
         participant="P01",
-        onset="2026-03-01",
-        what="A fall.",
-        severity="mild",
+        at="2026-03-01",
+        content={"what": "A fall.", "severity": "mild"},
     )
     found = intervention(record(events=[event]))
     assert found.harms.events == {"mild": 1}

@@ -13,6 +13,7 @@ from sar_tui.loop.task import Task
 from sar_tui.model.trial_types import Metric
 from sar_tui.progress.lines import SessionResults
 from sar_tui.progress.task_level import AttemptResult
+from sar_tui.records.kind import SHIPPED
 from sar_tui.reports import dose_words, progress_words
 from sar_tui.reports.charts import Columns
 from sar_tui.reports.dose import days_of, recent
@@ -20,7 +21,7 @@ from sar_tui.reports.progress import Progress, compare, progress
 from sar_tui.reports.progress_charts import level_figure, result_figure, result_picture
 from sar_tui.reports.progress_parts import level_part, results_part
 from sar_tui.rules.wellbeing import SessionRatings
-from sar_tui.store.adverse_events import AdverseEvent
+from sar_tui.store.records import Record
 from tests.progress.session_results import adapted, at_one_level, session
 from tests.untranslated import english_in
 
@@ -276,10 +277,8 @@ def test_new_pain_and_adverse_events_are_told_first_in_either_language(
     keyboard: type[Task],
 ) -> None:
     ratings = [SessionRatings(pain_after=0), *[SessionRatings(pain_after=2)] * 4]
-    event = AdverseEvent(
-        event="A1", version=1, participant="P01", onset="2026-03-01", what="Cramp", severity="mild"
-    )
-    found = progress("P01", steady(2), {"keyboard": keyboard}.get, ratings=ratings, events=[event])
+    event = fell("2026-03-01", what="Cramp")
+    found = progress("P01", steady(2), {"keyboard": keyboard}.get, records=[event], ratings=ratings)
     english, spanish = (
         progress_words.warnings(found, progress_words.words(code, None)) for code in ("en", "es")
     )
@@ -289,11 +288,15 @@ def test_new_pain_and_adverse_events_are_told_first_in_either_language(
     assert spanish[0].startswith("El dolor es nuevo")
 
 
-def fell(onset: str, session: str | None = None, outcome: str = "") -> AdverseEvent:
-    return AdverseEvent(
-        event=onset, version=1, participant="P01", onset=onset, session=session, what="Fell",
-        severity="mild", outcome=outcome,
-    )  # fmt: skip
+def fell(onset: str, session: str | None = None, **more: str) -> Record:
+    return Record(
+        id=onset,
+        kind="adverse-event",
+        participant="P01",
+        at=onset,
+        session=session,
+        content={"what": "Fell", "severity": "mild"} | more,
+    )
 
 
 def test_an_adverse_event_stands_below_the_session_it_began_in_and_below_its_day(
@@ -306,7 +309,7 @@ def test_an_adverse_event_stands_below_the_session_it_began_in_and_below_its_day
         fell("2026-03-02"),
     ]
     found = progress(
-        "P01", steady(4), {"keyboard": keyboard}.get, events=events, today=date(2026, 3, 2)
+        "P01", steady(4), {"keyboard": keyboard}.get, records=events, today=date(2026, 3, 2)
     )
     (line,) = found.lines
     assert [each.events for each in line.sessions] == [
@@ -327,7 +330,7 @@ def test_the_note_tells_of_adverse_events(keyboard: type[Task]) -> None:
         "P01",
         steady(2),
         {"keyboard": keyboard}.get,
-        events=[fell("2026-03-01", outcome="No injury.")],
+        records=[fell("2026-03-01", outcome="No injury.")],
     )
     english, spanish = (
         progress_words.after_notes(found, progress_words.words(code, None)) for code in ("en", "es")
@@ -419,7 +422,7 @@ def test_every_text_of_charts_parts_and_dose_has_a_translation() -> None:
 
 def test_every_translation_is_of_a_text_of_the_reports() -> None:
     folder = Path(progress_words.__file__).parents[1]
-    others = ("cli/progress.py", "progress/instruments.py", "store/adverse_events.py")
+    others = ("cli/progress.py", *(f"records/kinds/{path.name}" for path in SHIPPED.glob("*.toml")))
     files = [*folder.glob("reports/*.py"), *(folder / name for name in others)]
     inserted = {"simulated", "no session"}
     source = re.sub(

@@ -151,7 +151,7 @@ def test_an_adverse_event_is_told_and_marked_where_pain_is(
     keyboard: type[Task], specs: list[dict[str, Any]]
 ) -> None:
     find = {"keyboard": keyboard}.get
-    found = progress("P01", steady(3), find, events=[fell("2026-02-28", outcome="No injury")])
+    found = progress("P01", steady(3), find, records=[fell("2026-02-28", outcome="No injury")])
     made = progress_page.page(found, find, "en")
     assert "<strong>Adverse event 2026-02-28, mild: Fell. Outcome: No injury.</strong>" in made
     assert "!: an adverse event." in made
@@ -185,7 +185,7 @@ def test_every_chart_can_be_drawn(keyboard: type[Task]) -> None:
     find = {"keyboard": keyboard}.get
     felt = SessionRatings(pain_before=2, fatigue_after=4)
     sessions = [session(n, adapted(n), qualities={"sparc": -1.6}, felt=felt) for n in range(5)]
-    found = progress("P01", sessions, find, events=[fell("2026-03-01")])
+    found = progress("P01", sessions, find, records=[fell("2026-03-01")])
     tr = progress_words.words("es", keyboard)
     (line,) = found.lines
     charts = [

@@ -24,18 +24,11 @@ from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.operator import PROFILES, SimulatedOperator
 from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
-from sar_tui.store import (
-    adverse_events,
-    exports,
-    instrument_scores,
-    programmes,
-    sites,
-    wellbeing,
-)
+from sar_tui.store import exports, programmes, sites
 from sar_tui.store.database import FILE, connect, transaction
-from sar_tui.store.instrument_scores import Score
 from sar_tui.store.merge import conflicts
 from sar_tui.store.tables import PROGRAMMES
+from tests.recorded import event, score, told
 
 GOLDEN = Path(__file__).parent / "golden"
 FEW = {"prompts_per_attempt": 4}
@@ -57,12 +50,9 @@ def make(folder: Path) -> None:
     with closing(connect(folder)) as database:
         saved = programmes.Programme({"attempts": 2}, "calm")
         programmes.save(database, "P01", "keyboard", saved, after=0, author="ana", reason="Short.")
-        wellbeing.save(database, "P01", "before", "pain", "2", session=session)
-        adverse_events.report(
-            database, "P01", onset="2026-11-02", what="Dizzy for a minute.", severity="mild"
-        )
-        score = Score("fma-ue", "2026-11-02", 42.0, "")
-        instrument_scores.add(database, "P01", score, author="ana")
+        told(database, "P01", "before", "pain", "2", session=session)
+        event(database, "P01", "2026-11-02", what="Dizzy for a minute.", severity="mild")
+        score(database, "P01", "FMA-UE", "2026-11-02", 42)
         exports.record(
             database,
             author="ana",

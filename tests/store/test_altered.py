@@ -149,7 +149,7 @@ ALTERATIONS: dict[str, tuple[int, str]] = {
     "a note": (KEYS, "UPDATE notes SET text='sits badly' WHERE session=:s"),
     "a note added": (KEYS, "INSERT INTO notes (session, at_ns, author, text, label) VALUES (:s, 5, 'ben', 'x', '')"),
     "an answer": (KEYS, "UPDATE answers SET answer='0' WHERE session=:s AND number=1"),
-    "a pause for pain": (KEYS, "DELETE FROM wellbeing WHERE session=:s AND moment='pause'"),
+    "a pause for pain": (KEYS, "DELETE FROM records WHERE session=:s AND moment='pause'"),
     "a message's text": (KEYS, f"UPDATE messages SET message=replace(message, '1', '2') WHERE session_number={_LOG}"
                          " AND seq=40"),
     "a message's time": (KEYS, f"UPDATE messages SET at_ns=at_ns+1 WHERE session_number={_LOG} AND seq=40"),
@@ -200,7 +200,7 @@ def test_sessions_as_they_were_recorded_are_whole(recorded: tuple[str, str], dat
             "actions",
             "answers",
             "notes",
-            "wellbeing",
+            "records",
             "imu_chunks",
             "runs",
         )
@@ -471,8 +471,7 @@ OF_SCHEMA = {
     "seq, 0 AS run, 0 AS"
     " at_ns, '' AS topic, '' AS message FROM more",
     "view v_reaches": "DROP VIEW v_reaches",
-    "trigger better": "CREATE TRIGGER better AFTER INSERT ON instrument_scores BEGIN DELETE FROM "
-    "adverse_events; END",
+    "trigger better": "CREATE TRIGGER better AFTER INSERT ON records BEGIN DELETE FROM notes; END",
 }
 
 

@@ -98,11 +98,9 @@ def test_a_new_database_is_whole(data: Path) -> None:
             ("gap", "the result of seat B, but no trial."),
         ),
         (
-            "INSERT INTO adverse_events (event, version, participant, session, onset, what, "
-            "severity, action, outcome, recorded_at, recorded_by, site)"
-            " VALUES ('e', 1, 'P99', NULL, '', '', '', '', '', '', '', "
-            "'')",
-            ("orphan", "There are adverse_events without a participant."),
+            "INSERT INTO records (id, version, kind, participant, seat, at, content, recorded_at)"
+            " VALUES ('e', 1, 'pain', 'P99', 'A', '', '{}', '')",
+            ("orphan", "There are records without a participant."),
         ),
         (
             "UPDATE messages SET message=substr(message, 2) WHERE seq=3",

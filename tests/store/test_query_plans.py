@@ -27,7 +27,7 @@ LARGE = {
     "actions",
     "imu_chunks",
     "notes",
-    "wellbeing",
+    "records",
 }
 """Tables that grow with each trial."""
 

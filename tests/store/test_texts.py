@@ -9,28 +9,26 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.progress.instruments import Score
-from sar_tui.store import adverse_events, instrument_scores, programmes
+from sar_tui.store import participants, programmes
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.programmes import Programme
 from sar_tui.store.texts import check_text
+from tests.recorded import event, score
 
 
 @pytest.fixture
 def database(data: Path) -> Iterator[sqlite3.Connection]:
     with closing(connect(data)) as opened:
-        instrument_scores.add(
-            opened, "P01", Score("ARAT", "2026-01-01", 5, ""), author="me", is_new=True
-        )
+        participants.add(opened, "P01")
         yield opened
 
 
 def told(database: sqlite3.Connection, text: str) -> object:
-    return adverse_events.report(database, "P01", onset="2026-01-01", what=text, severity="mild")
+    return event(database, "P01", "2026-01-01", what=text, severity="mild")
 
 
 def noted(database: sqlite3.Connection, text: str) -> object:
-    return instrument_scores.add(database, "P01", Score("ARAT", "2026-01-02", 5, text), author="me")
+    return score(database, "P01", "ARAT", "2026-01-02", 5, text)
 
 
 def reasoned(database: sqlite3.Connection, text: str) -> object:

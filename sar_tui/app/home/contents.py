@@ -34,6 +34,7 @@ from sar_tui.store import (
     training_days,
     wellbeing,
 )
+from sar_tui.store.records import Record
 from sar_tui.store.training_days import trained_at
 
 _LISTED = 30
@@ -82,7 +83,7 @@ def read_card(
         chart=charted(line) if line else Chart(),
         progress=words.progress_words(line, others) if line else "",
         last=words.last_words(
-            last, marks([row for row in felt if row["participant"] == participant]), today
+            last, marks([told for told in felt if told.participant == participant]), today
         )
         if last
         else "",
@@ -129,10 +130,9 @@ def read_participants(database: sqlite3.Connection, folder: Path, today: date) -
     due = training_days.visits_due(database, today)
 
     def pain(each: participants.Known) -> str:
-        rows = [*felt.get(each.session or "", ()), *not_begun.get(each.code, ())]
-        return marks(
-            [row for row in rows if (row["participant"], row["question"]) == (each.code, "pain")]
-        )
+        told = [*felt.get(each.session or "", ()), *not_begun.get(each.code, ())]
+        mine = [one for one in told if one.participant == each.code and one.kind == wellbeing.PAIN]
+        return marks(mine)
 
     return [
         Waiting(
@@ -194,7 +194,7 @@ def can_resume(row: sessions.Row) -> bool:
 
 
 def _note(
-    row: sessions.Row, felt: list[wellbeing.Row], participant: str | None, *, is_offered: bool
+    row: sessions.Row, felt: list[Record], participant: str | None, *, is_offered: bool
 ) -> str:
     """Return the status, if it is not the usual one, with pain and tiredness, and who else took
     part.

@@ -10,7 +10,7 @@ from sar_tui.app.home.words import day_words, status_words
 from sar_tui.app.screens.summary import Summary
 from sar_tui.plugins import PluginError
 from sar_tui.reports.wellbeing import session_lines
-from sar_tui.store import adverse_events, provenance, sessions, wellbeing
+from sar_tui.store import provenance, records, sessions, wellbeing
 from sar_tui.store.training_days import trained_at
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.widgets.key_footer import KeyFooter
@@ -67,13 +67,13 @@ class PastSessionScreen(DismissedOnce[None]):
 
     def action_report_event(self) -> None:
         """Record an adverse event that began in this session."""
-        from sar_tui.app.screens.adverse_event import AdverseEventScreen
+        from sar_tui.app.screens.record_form import RecordForm
+        from sar_tui.records.kind import of_group
 
         row = self._row
         codes = list(sessions.codes(row))
-        form = AdverseEventScreen(
-            codes, sessions.local_time(row["started_at"], row["utc_offset_s"]), row["id"]
-        )
+        began = sessions.local_time(row["started_at"], row["utc_offset_s"])
+        form = RecordForm(list(of_group("event")), codes, began, row["id"])
         self.app.push_screen(form, lambda _: self._show_wellbeing())
 
     def action_progress(self) -> None:
@@ -102,8 +102,11 @@ class PastSessionScreen(DismissedOnce[None]):
 
     def _show_wellbeing(self) -> None:
         """Show what was said of pain and tiredness, and the session's adverse events."""
+        from sar_tui.records.kind import of_group
+
         database, session = self.app.database, self._row["id"]
-        events = adverse_events.listing(database, session=session)
+        kinds = [kind.name for kind in of_group("event")]
+        events = records.listing(database, kinds=kinds, session=session)
         felt = session_lines(self._row, wellbeing.of_session(database, session), events)
         self.query_one("#felt", Static).update("\n".join(felt))
         self.query_one("#felt").display = bool(felt)

@@ -11,21 +11,23 @@ from textual.containers import Horizontal
 from textual.content import Content
 from textual.widgets import Static
 
-from sar_tui.app.screens.progress_records import RECORDS, Records
+from sar_tui.app.screens.record_form import RecordForm, RemoveRecord
+from sar_tui.drivers.login_name import login_name
 from sar_tui.loop.task import Task
+from sar_tui.records.kind import Kind, kinds
 from sar_tui.reports import progress_parts as parts
 from sar_tui.reports import progress_words
 from sar_tui.reports.charts import AREA, BAND, CHOSEN, POINT, RULE
 from sar_tui.reports.progress import LineProgress, Progress, compare, progress
 from sar_tui.reports.wellbeing import advice
-from sar_tui.store import adverse_events, wellbeing
+from sar_tui.store import records, wellbeing
 from sar_tui.store.database import StoreError, explain
-from sar_tui.store.instrument_scores import scores_of
+from sar_tui.store.records import Record
 from sar_tui.store.results import sessions_of
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.widgets.key_footer import KeyFooter
 
-_PARTS = ("Level", "Results", "Sessions", "Dose", *RECORDS)
+_PARTS = ("Level", "Results", "Sessions", "Dose", "Records")
 _OF_SESSIONS = ("Level", "Results", "Sessions")
 """Parts in which a session is chosen; with the list of sessions beside it, also the dose."""
 _PAGE = 10
@@ -37,8 +39,8 @@ _TABLE = 86
 _HEADING_AND_KEYS = 3
 """Rows above and below the parts."""
 NONE_YET = (
-    "No attempt has been finished yet. Adverse events and scores of other instruments can "
-    "be entered in their parts."
+    "No attempt has been finished yet. Adverse events and scores of other tests can be entered "
+    "under Records."
 )
 
 
@@ -57,9 +59,9 @@ class ProgressScreen(DismissedOnce[None]):
         "with the next that you "
         "choose. N: a note to paste into a record. H writes a page with charts to print.\n\n"
         "Sessions with other settings are never in one chart: S shows those.\n\n"
-        "Adverse events and scores of other instruments are entered in their parts, with A. Enter "
-        "changes an event, "
-        "such as its outcome; Del removes a score that was entered by mistake.\n\n"
+        "Records lists adverse events, scores of other tests and what else is entered by hand: A "
+        "adds one, Enter corrects the chosen one, such as its outcome, and Del removes one that "
+        "was entered by mistake.\n\n"
         "These are training measures. They are no diagnosis.\n"
     )
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -74,8 +76,10 @@ class ProgressScreen(DismissedOnce[None]):
         Binding("home", "choose_end(0)", "First session", show=False, id="first-session"),
         Binding("end", "choose_end(-1)", "Last session", show=False, id="last-session"),
         Binding("a", "add_record", "Add", id="add-record"),
-        Binding("enter", "change_event", "Change", id="change-event"),
-        Binding("delete,backspace", "remove_score", "Remove", key_display="Del", id="remove-score"),
+        Binding("enter", "correct_record", "Correct", id="correct-record"),
+        Binding(
+            "delete,backspace", "remove_record", "Remove", key_display="Del", id="remove-record"
+        ),
         Binding("c", "compare", "Compare", id="compare"),
         Binding("s", "other_settings", "Charts", id="other-settings"),
         Binding("n", "note", "Note", id="note"),
@@ -93,8 +97,8 @@ class ProgressScreen(DismissedOnce[None]):
         self._line = 0
         self._chosen = 0
         self._marked: str | None = None
+        self._record = 0
         self._tr = progress_words.words("en", task)
-        self._records = Records(self, participant, self._tr)
 
     def compose(self) -> ComposeResult:
         yield Static(f"{self._participant} · {self._motor_task.title}", id="top", markup=False)
@@ -133,9 +137,8 @@ class ProgressScreen(DismissedOnce[None]):
                 self._participant,
                 sessions,
                 find,
-                scores_of(database, self._participant),
+                records.listing(database, participant=self._participant),
                 ratings=wellbeing.history(database, self._participant),
-                events=adverse_events.listing(database, self._participant),
             )
         except (StoreError, sqlite3.Error) as error:
             self.query_one("#part", Static).update(
@@ -164,18 +167,18 @@ class ProgressScreen(DismissedOnce[None]):
         )
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        line, records = self._shown_line, self._records.count
+        line, listed = self._shown_line, len(self._listed)
         has_sessions = line is not None and len(line.sessions) > 1 and self._shows_sessions
         enabled = {
             "other_settings": self._shows_sessions
             and self.found is not None
             and len(self.found.lines) > 1,
             "compare": has_sessions,
-            "choose": has_sessions or records > 1,
-            "choose_end": has_sessions or records > 1,
-            "add_record": self.found is not None and self.part_name in RECORDS,
-            "change_event": self.part_name == "Events" and records > 0,
-            "remove_score": self.part_name == "Instruments" and records > 0,
+            "choose": has_sessions or listed > 1,
+            "choose_end": has_sessions or listed > 1,
+            "add_record": self.found is not None and self.part_name == "Records",
+            "correct_record": listed > 0,
+            "remove_record": listed > 0,
             "note": line is not None,
             "page": line is not None,
         }
@@ -236,8 +239,8 @@ class ProgressScreen(DismissedOnce[None]):
         match self.part_name:
             case "Dose":
                 return parts.dose_part(self.found, size, tr)
-            case "Events" | "Instruments":
-                return self._records.lines(size)
+            case "Records":
+                return parts.records_part(self.found, size, self._chosen_record, tr)
             case _ if line is None:
                 return parts.wrapped([NONE_YET], size[0])
             case "Level":
@@ -274,18 +277,17 @@ class ProgressScreen(DismissedOnce[None]):
             self.show()
 
     def action_choose(self, step: int) -> None:
-        """Choose an earlier or later session, event or score."""
-        if self.part_name in RECORDS:
-            self._records.choose(step)
+        """Choose an earlier or later session, or record."""
+        if self.part_name == "Records":
+            self._choose_record(step)
         elif line := self._shown_line:
             self._chosen = max(0, min(len(line.sessions) - 1, self._chosen + step))
             self.show()
 
     def action_choose_end(self, session: int) -> None:
-        """Choose the first or the last session, event or score."""
-        if self.part_name in RECORDS:
-            count = self._records.count
-            self._records.choose(-count if session == 0 else count)
+        """Choose the first or the last session, or record."""
+        if self.part_name == "Records":
+            self._choose_record(-len(self._listed) if session == 0 else len(self._listed))
         elif line := self._shown_line:
             self._chosen = session % len(line.sessions)
             self.show()
@@ -315,17 +317,69 @@ class ProgressScreen(DismissedOnce[None]):
         else:
             self.dismiss()
 
+    # --- records
+
+    @property
+    def _listed(self) -> list[Record]:
+        """The records in the list that is shown; none in other parts."""
+        is_shown = self.found is not None and self.part_name == "Records"
+        return self.found.records if self.found and is_shown else []
+
+    @property
+    def _chosen_record(self) -> int:
+        return max(0, min(len(self._listed) - 1, self._record))
+
+    def _choose_record(self, step: int) -> None:
+        self._record = max(0, min(len(self._listed) - 1, self._chosen_record + step))
+        self.show()
+
     def action_add_record(self) -> None:
-        """Open the form for a new event or score."""
-        self._records.add()
+        """Open the form for a new record, of the kind that is chosen in the list."""
+        entered = [kind for kind in kinds().values() if kind.entered_by == "therapist"]
+        if listed := self._listed:
+            chosen = listed[self._chosen_record].kind
+            entered.sort(key=lambda kind: kind.name != chosen)
+        self.app.push_screen(RecordForm(entered, [self._participant]), self._entered)
 
-    def action_change_event(self) -> None:
-        """Open the form for what is known now of the chosen event, such as its outcome."""
-        self._records.change_event()
+    def action_correct_record(self) -> None:
+        """Open the form for what is known now of the chosen record, such as its outcome."""
+        record = self._listed[self._chosen_record]
+        if kind := self._kind_of(record):
+            form = RecordForm([kind], [self._participant], known=record)
+            self.app.push_screen(form, self._entered)
 
-    def action_remove_score(self) -> None:
-        """Ask whether the chosen score was entered by mistake, and remove it then."""
-        self._records.remove_score()
+    def action_remove_record(self) -> None:
+        """Ask whether the chosen record was entered by mistake, and remove it then."""
+        record = self._listed[self._chosen_record]
+
+        def remove(is_mistake: bool | None) -> None:
+            if not is_mistake:
+                return
+            try:
+                records.correct(self.app.database, record.id, {}, removed=True, author=login_name())
+            except StoreError as error:
+                self.notify(str(error), severity="error", timeout=20)
+            self._entered(True)
+
+        self.app.push_screen(RemoveRecord(record), remove)
+
+    def _kind_of(self, record: Record) -> Kind | None:
+        """Return the kind of a record; say so if it is not declared here."""
+        try:
+            return records.kind_of(record.kind)
+        except StoreError as error:
+            self.notify(str(error), severity="error", timeout=20)
+            return None
+
+    def _entered(self, is_changed: bool | None) -> None:
+        """Show what was entered, and choose it: in the list, and in the charts it is marked in."""
+        before = self._listed
+        if is_changed and self.load():
+            new = [number for number, each in enumerate(self._listed) if each not in before]
+            if new:
+                self._record = new[-1]
+            self.refresh_bindings()
+            self.show()
 
     # --- what leaves the program
 

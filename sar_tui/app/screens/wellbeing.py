@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import ClassVar, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
 from textual import events
 from textual.app import ComposeResult
@@ -13,11 +13,13 @@ from textual.widgets import Static
 from sar_tui.app.patient_mode import keys_in_mode
 from sar_tui.model.language import Language
 from sar_tui.rules.wellbeing import HIGHEST, PAIN_ENDS, Advice, Moment, PainLimits, stop_now
-from sar_tui.store.wellbeing import NOT_SAID, Question
+from sar_tui.store.wellbeing import NOT_SAID
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.tui.language import translated
 from sar_tui.widgets.key_footer import KeyFooter
 
+Question = Literal["pain", "place", "fatigue", "advice"]
+"""A question, or the ``advice`` not to train."""
 _TEN_KEYS = ("t", "d", "x")
 """Keys for 10: of ten, of Spanish diez, and the Roman number. The screen names that of its
 language.

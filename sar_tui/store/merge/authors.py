@@ -30,13 +30,9 @@ _RECORDS = (
         "'version ' || version || ' of the programme of ' || participant || ' for ' || task",
     ),
     _Records(
-        "wellbeing",
-        "'answer of ' || participant || ' on ' || question || ' of ' || at",
+        "records",
+        "'version ' || version || ' of the record ' || id || ' (' || kind || ')'",
         may_lack="session",
-    ),
-    _Records("adverse_events", "'version ' || version || ' of the adverse event ' || event"),
-    _Records(
-        "instrument_scores", "'score of ' || participant || ' in ' || instrument || ' of ' || date"
     ),
     _Records("exports", "'export of ' || exported_at"),
 )
@@ -92,7 +88,7 @@ def leave_out(db: sqlite3.Connection, sessions: Iterable[str]) -> None:
     for id in sessions:
         db.execute("DELETE FROM other.sessions WHERE id=?", (id,))
         db.execute("DELETE FROM other.conflicts WHERE kind='session' AND key=?", (id,))
-        for table in (*session_tables(db), "wellbeing", "adverse_events"):
+        for table in (*session_tables(db), "records"):
             db.execute(f"DELETE FROM other.{table} WHERE session=?", (id,))
 
 
@@ -122,7 +118,7 @@ def _sessions(
 
 
 def _leave_out_session_only(db: sqlite3.Connection, sessions: Sequence[str]) -> None:
-    """Remove sessions whose answers and adverse events are looked at as records of their own."""
+    """Remove sessions whose records of people are looked at by themselves."""
     for id in sessions:
         db.execute("DELETE FROM other.sessions WHERE id=?", (id,))
         for table in session_tables(db):

@@ -2,7 +2,7 @@
 
 import sqlite3
 
-_APART = ("wellbeing", "adverse_events")
+_APART = ("records",)
 """Tables with a session that are not part of its record: rows that people add later."""
 
 

@@ -14,7 +14,7 @@ import msgspec
 from sar_tui.store.merge.people import People, in_full
 from sar_tui.store.sites import OF_SITES
 
-Kind = Literal["session", "programme", "wellbeing", "adverse event", "instrument score"]
+Kind = Literal["session", "programme", "record"]
 Content = dict[str, list[dict[str, Any]]]
 """Rows of a record by table, in the order in which they were stored; codes and sites are in
 full.
@@ -113,9 +113,7 @@ def rename(db: sqlite3.Connection, schema: str, people: People) -> None:
 
 _KEYS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "programme": ("programmes", ("participant", "task", "version")),
-    "wellbeing": ("wellbeing", ("participant", "question", "at")),
-    "adverse event": ("adverse_events", ("event", "version")),
-    "instrument score": ("instrument_scores", ("participant", "instrument", "date", "recorded_at")),
+    "record": ("records", ("id", "version")),
 }
 
 
@@ -141,8 +139,8 @@ def in_words(content: Content, people: People) -> Content:
     named = _with_codes(
         content, lambda table, code: _in_words(people, table, in_full(code, people.own))
     )
-    for row in named.get("adverse_events", ()):
-        row["event"] = in_full(row["event"], people.own)
+    for row in named.get("records", ()):
+        row["id"] = in_full(row["id"], people.own)
     return {
         table: [_with_site(table, row, "", people.own) for row in rows]
         for table, rows in named.items()
@@ -156,8 +154,8 @@ def as_stored(content: Content, people: People) -> Content:
         return people.shortened(code) if table == "programmes" else people.stored(code)
 
     named = _with_codes(content, stored)
-    for row in named.get("adverse_events", ()):
-        row["event"] = people.shortened(row["event"])
+    for row in named.get("records", ()):
+        row["id"] = people.shortened(row["id"])
     return {
         table: [_with_site(table, row, people.own, "") for row in rows]
         for table, rows in named.items()

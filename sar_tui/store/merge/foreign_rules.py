@@ -11,8 +11,10 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
 from sar_tui.model.visible_text import visible
-from sar_tui.store.adverse_events import LONGEST_REMARK
+from sar_tui.records.kind import LONGEST_TEXT as LONGEST_REMARK
 from sar_tui.store.database import StoreError
 from sar_tui.store.merge import conflicts
 from sar_tui.store.merge.columns import columns, keys, session_tables
@@ -47,6 +49,16 @@ def _form(pattern: str) -> Rule:
     return lambda value: compiled.fullmatch(value) is not None
 
 
+def _are_values(content: str) -> bool:
+    """Return True if a text is the values of a record: numbers and texts by the names of fields."""
+    try:
+        values = msgspec.json.decode(content, type=dict[str, int | float | str | bool])
+    except (msgspec.MsgspecError, UnicodeEncodeError):
+        return False
+    texts = [*values, *(value for value in values.values() if isinstance(value, str))]
+    return all(map(_text(LONGEST_REMARK), texts))
+
+
 def _checked(check: Callable[[str], str]) -> Rule:
     """Return the rule that a value is as a check of what is typed returns it."""
 
@@ -62,9 +74,9 @@ def _checked(check: Callable[[str], str]) -> Rule:
 _FORMS: dict[Form, Rule] = {
     "code": _checked(check_code),
     "date": _form(r"[0-9T:.+Z -]{0,40}"),
-    "event": _form(r"[A-Za-z0-9]{1,32}(@[A-Z0-9][A-Z0-9-]{0,15})?"),
+    "record": _form(r"[A-Za-z0-9][A-Za-z0-9_-]{0,95}(@[A-Z0-9][A-Z0-9-]{0,15})?"),
+    "kind": _form(r"[A-Za-z0-9][A-Za-z0-9 ._-]{0,63}"),
     "id": _form(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"),
-    "instrument": _form("[A-Za-z0-9-]{1,32}"),
     "line": _text(1000),
     "note": _text(4000),
     "reason": _text(LONGEST_TEXT),
@@ -74,6 +86,7 @@ _FORMS: dict[Form, Rule] = {
     "task": _form(r"(?:[^\W\d]\w{0,63})?"),
     "theme": _form(r"(?:\w[\w .-]{0,63})?"),
     "topic": _form(r"[\w./-]{1,100}"),
+    "values": _are_values,
     "word": _form(r"[a-z]{0,32}"),
 }
 _OPTIONAL_SITE: Rule = lambda value: not value or _FORMS["site"](value)  # noqa: E731
@@ -119,7 +132,8 @@ def _rules(table: str) -> dict[str, Rule]:
     found = {
         column.name: _FORMS[column.form]
         for column in TABLES[table].columns
-        if column.type in ("string", "datetime") and column.form in _FORMS
+        if (column.type in ("string", "datetime") or column.form == "values")
+        and column.form in _FORMS
     }
     return found | {"site": _OPTIONAL_SITE} if "site" in found else found
 

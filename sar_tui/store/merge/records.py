@@ -1,4 +1,4 @@
-"""Records beside sessions: participants, programmes, answers, adverse events, scores, exports."""
+"""Merge of the rows beside sessions: participants, programmes, records of people, exports."""
 
 import sqlite3
 from collections.abc import Sequence
@@ -21,13 +21,7 @@ class _Records(NamedTuple):
 
 _TABLES = (
     _Records("programme", "programmes", ("participant", "task", "version")),
-    _Records("wellbeing", "wellbeing", ("participant", "question", "at")),
-    _Records("adverse event", "adverse_events", ("event", "version")),
-    _Records(
-        "instrument score",
-        "instrument_scores",
-        ("participant", "instrument", "date", "recorded_at"),
-    ),
+    _Records("record", "records", ("id", "version")),
 )
 
 
@@ -66,7 +60,7 @@ def _merge(db: sqlite3.Connection, people: People, records: _Records) -> int:
     names = columns(db, records.table)
     same_key = " AND ".join(f"here.{name}=there.{name}" for name in records.key)
     both = f"main.{records.table} AS here JOIN other.{records.table} AS there ON {same_key}"
-    changed = _attach_answers(db, records) if records.table == "wellbeing" else 0
+    changed = _attach_answers(db, records) if records.table == "records" else 0
     differ = " OR ".join(_differs(records, name) for name in names if name not in records.key)
     for row in db.execute(
         f"SELECT {', '.join(f'here.{name}' for name in names)}, "
@@ -86,10 +80,10 @@ def _merge(db: sqlite3.Connection, people: People, records: _Records) -> int:
 
 def _attach_answers(db: sqlite3.Connection, records: _Records) -> int:
     """Give answers that had no session yet the one that they have there."""
-    same_key = " AND ".join(f"wellbeing.{name}=there.{name}" for name in records.key)
-    there = f"SELECT session FROM other.wellbeing AS there WHERE {same_key}"
+    same_key = " AND ".join(f"records.{name}=there.{name}" for name in records.key)
+    there = f"SELECT session FROM other.records AS there WHERE {same_key}"
     return db.execute(
-        f"UPDATE main.wellbeing SET session=({there}) WHERE session IS NULL AND EXISTS ({there} "
+        f"UPDATE main.records SET session=({there}) WHERE session IS NULL AND EXISTS ({there} "
         "AND session NOTNULL)"
     ).rowcount
 
@@ -99,7 +93,7 @@ def _differs(records: _Records, name: str) -> str:
     one here.
     """
     condition = f"here.{name} IS NOT there.{name}"
-    is_unknown = records.table == "wellbeing" and name == "session"
+    is_unknown = records.table == "records" and name == "session"
     return f"({condition} AND there.session NOTNULL)" if is_unknown else f"({condition})"
 
 

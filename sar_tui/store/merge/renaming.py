@@ -8,9 +8,7 @@ from sar_tui.store.sites import OF_SITES
 
 _PERSONS = (
     ("seats", "participant"),
-    ("wellbeing", "participant"),
-    ("adverse_events", "participant"),
-    ("instrument_scores", "participant"),
+    ("records", "participant"),
 )
 """Columns with the code of a person, beside ``participants``. Programmes keep the code that their
 site gave.
@@ -27,13 +25,13 @@ def rename_others(db: sqlite3.Connection, people: People, site: str) -> None:
     _replace(
         db, "other", "programmes", "participant", lambda code: people.shortened(in_full(code, site))
     )
-    if site != people.own:  # ids of adverse events are short, so that two sites may have the same
+    if site != people.own:  # ids of records are short, so that two sites may have the same
         _replace(
             db,
             "other",
-            "adverse_events",
-            "event",
-            lambda event: people.shortened(in_full(event, site)),
+            "records",
+            "id",
+            lambda id: people.shortened(in_full(id, site)),
         )
         for table in OF_SITES:
             db.execute(f"UPDATE other.{table} SET site=CASE site WHEN '' THEN ? WHEN ? THEN '' ELSE site END",

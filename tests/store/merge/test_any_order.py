@@ -86,24 +86,17 @@ class World:
         self._number += 1
         who, at = f"P0{self.random.randint(1, 2)}", f"2026-04-01T{self._number:06}"
         for statement, values in (
-            (
-                "INSERT INTO wellbeing (session, seat, participant, moment, question, answer, at, "
-                "site)"
-                " VALUES (NULL,'A',?,'before','pain','3',?,'')",
-                (who, at),
-            ),
-            (
-                "INSERT INTO instrument_scores (participant, instrument, date, score, note, "
-                "recorded_at, recorded_by, removed, site)"
-                " VALUES (?,'FMA-UE','2026-03-01',3,'',?,'',0,'')",
-                (who, at),
-            ),
-            (
-                "INSERT OR IGNORE INTO adverse_events (event, version, participant, session, "
-                "onset, what, severity, action, outcome, recorded_at, recorded_by, site)"
-                " VALUES "
-                "('abc',1,?,NULL,?,'','mild','','','','','')",
-                (who, at),
+            *(
+                (
+                    "INSERT OR IGNORE INTO records (id, version, kind, participant, seat, at,"
+                    " content, recorded_at) VALUES (?,?,?,?,'A',?,'{}',?)",
+                    (id, version, kind, who, at, at),
+                )
+                for id, version, kind in (
+                    (f"{self._number:06}", 1, "pain"),
+                    ("abc", 1, "adverse-event"),
+                    ("abc", 2, "adverse-event"),
+                )
             ),
             ("INSERT INTO exports VALUES (NULL,?,'','','csv','[]','{}','','')", (at,)),
         ):

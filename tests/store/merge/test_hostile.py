@@ -43,22 +43,9 @@ _ROWS: dict[str, tuple[str, tuple[object, ...]]] = {
         "('P01@ZURICH','keyboard',2,'2026-01-01','','','{\"attempts\":99}','calm',?)",
         ("ZURICH",),
     ),
-    "answer of P01 on pain of 2026-03-09": (
-        "INSERT INTO wellbeing (session, seat, participant, moment, question, answer, at, site)"
-        " VALUES (NULL,'A','P01@ZURICH','before','pain','0','2026-03-09',?)",
-        ("ZURICH",),
-    ),
-    "version 1 of the adverse event abc": (
-        "INSERT INTO adverse_events (event, version, participant, session, onset, what, severity, "
-        "action, outcome, recorded_at, recorded_by, site)"
-        " VALUES "
-        "('abc@ZURICH',1,'P01@ZURICH',NULL,'2026-03-09','','mild','','','','',?)",
-        ("ZURICH",),
-    ),
-    "score of P01 in ARAT of 2026-03-09": (
-        "INSERT INTO instrument_scores (participant, instrument, date, score, note, recorded_at, "
-        "recorded_by, removed, site)"
-        " VALUES ('P01@ZURICH','ARAT','2026-03-09',57,'','','',0,?)",
+    "version 1 of the record abc (pain)": (
+        "INSERT INTO records (id, version, kind, participant, seat, at, content, recorded_at, site)"
+        " VALUES ('abc@ZURICH',1,'pain','P01@ZURICH','A','2026-03-09','{}','2026-03-09',?)",
         ("ZURICH",),
     ),
     "export of 2026-03-09": (
@@ -151,15 +138,14 @@ def test_ones_own_session_is_never_added_or_changed_by_another_site(
 
 
 _SAID_IN_ANOTHERS = {
-    "answer of P01@BERN on pain of 2026-03-09": (
-        "INSERT INTO wellbeing (session, seat, participant, moment, question, answer, at, site)"
-        " VALUES ('a1','A','P01','before','pain','9','2026-03-09','')"
+    "version 1 of the record abc@BERN (pain)": (
+        "INSERT INTO records (id, version, kind, participant, session, seat, at, content,"
+        " recorded_at) VALUES ('abc',1,'pain','P01','a1','A','2026-03-09','{}','2026-03-09')"
     ),
-    "version 1 of the adverse event abc@BERN": (
-        "INSERT INTO adverse_events (event, version, participant, session, onset, what, severity, "
-        "action, outcome, recorded_at, recorded_by, site)"
-        " VALUES "
-        "('abc',1,'P01','a1','2026-03-09','fell','severe','','','2026-03-09','','')"
+    "version 1 of the record abd@BERN (adverse-event)": (
+        "INSERT INTO records (id, version, kind, participant, session, seat, at, content,"
+        " recorded_at)"
+        " VALUES ('abd',1,'adverse-event','P01','a1','A','2026-03-09','{}','2026-03-09')"
     ),
 }
 
@@ -176,8 +162,7 @@ def test_a_record_of_somebody_who_was_not_in_its_session_is_refused(
         f"The {what} is of session a1 by what BERN has, and P01@BERN was not in it. It is left out."
     ]
     assert merged.added == ["b1"]
-    for table in ("wellbeing", "adverse_events"):
-        assert holds(zurich)[table] == before[table]
+    assert holds(zurich)["records"] == before["records"]
 
 
 def test_a_record_of_somebody_in_a_session_elsewhere_is_added(zurich: Path, bern: Path) -> None:
@@ -185,7 +170,7 @@ def test_a_record_of_somebody_in_a_session_elsewhere_is_added(zurich: Path, bern
         change(bern, statement.replace("'a1'", "'b1'"))
     merged = merge(zurich, bern)
     assert merged.refused == []
-    assert (merged.records["wellbeing"], merged.records["adverse_events"]) == (1, 1)
+    assert merged.records["records"] == 2
 
 
 def test_the_status_of_ones_own_session_is_never_changed_by_another_site(

@@ -11,7 +11,7 @@ from sar_tui import __version__
 from sar_tui.export.contents import dataset_name
 from sar_tui.export.formats.bids.study import Row, Session, Study, label
 from sar_tui.export.formats.bids.tsv import described, write_json, write_rows
-from sar_tui.progress.instruments import INSTRUMENTS
+from sar_tui.records.kind import Field, Kind, kinds
 
 VERSION = "1.10.0"
 """The version of BIDS that the files follow."""
@@ -31,9 +31,9 @@ Exported by sar-tui {version} as a BIDS {bids} data set. {modes}
 - `sub-*/ses-*/motion/`: the samples of motion sensors. Where samples are missing, a row of n/a stands.
 - `sub-*/*_sessions.tsv`: each session with its status. Interrupted, dismissed and empty sessions are included;
   those that are discarded (started by mistake) or refused belong into no analysis of training.
-- `phenotype/`: scores of instruments, and answers about pain and tiredness.
+- `phenotype/`: records of people: pain and tiredness, scores of other tests, adverse events.
 - `{source}/`: all tables that BIDS has no place for, as CSV with `datapackage.json`: parameters of the sessions,
-  programmes, attempts, all actions with the decisions on them, adverse events, and others.
+  programmes, attempts, all actions with the decisions on them, and others.
 - `methods.md`, `timing.json`, `sar-tui-export.json`: methods in words, the measured timing of the machine, and the
   SHA-256 of every file. BIDS has no place for them: they are named in `.bidsignore`.
 
@@ -153,14 +153,10 @@ def describe_scans(folder: Path) -> None:
 
 
 _FOLDER = "phenotype"
-_WELLBEING = "wellbeing"
-_DAY = len("2026-11-23")
-_MOMENTS = {"before": "before the session", "pause": "in a pause", "after": "after the session"}
-_QUESTIONS = {
-    "pain": "Pain, 0 (none) to 10; yes: chosen in a pause; not said: would rather not say.",
-    "place": "The number of the place of the pain.",
-    "fatigue": "Tiredness, 0 (none) to 10; not said: would rather not say.",
-    "advice": "What came of the advice not to train: shown, stopped, went on.",
+_OCCASION = {
+    "date": {"Description": "When it was, or when it was told."},
+    "session": {"Description": "The session; n/a: none."},
+    "moment": {"Description": "Before or after the session, or in a pause of it; n/a: none."},
 }
 
 
@@ -178,17 +174,14 @@ class Tool(msgspec.Struct, frozen=True):
 
 
 def write_phenotype(study: Study, folder: Path) -> None:
-    """Write a file for each tool that was used."""
-    tools: dict[str, Tool] = {}
-    for name, tool in _instruments(study).items():
-        file = label(name).lower() or "instrument"
-        while file in (*tools, _WELLBEING):
+    """Write a file for each kind of record that is there."""
+    used: set[str] = set()
+    for name, tool in _tools(study).items():
+        file = label(name).lower() or "record"
+        while file in used:
             file += "x"
-        tools[file] = tool
-    if (wellbeing := _wellbeing(study)).occasions:
-        tools[_WELLBEING] = wellbeing
-    for name, tool in tools.items():
-        _write(study, name, tool, folder / _FOLDER)
+        used.add(file)
+        _write(study, file, tool, folder / _FOLDER)
 
 
 def _write(study: Study, name: str, tool: Tool, folder: Path) -> None:
@@ -219,63 +212,64 @@ def _numbered(occasions: Iterable[Row]) -> Row:
     }
 
 
-def _instruments(study: Study) -> dict[str, Tool]:
-    """Return the scores of each instrument. Of a day, what was recorded last counts."""
-    last: dict[str, dict[str, dict[str, Row]]] = {}
-    for code in study.owners("instrument_scores"):
-        for row in study.rows("instrument_scores", code):
-            last.setdefault(row["instrument"], {}).setdefault(code, {})[row["date"]] = row
-    found: dict[str, Tool] = {}
-    for name, persons in sorted(last.items()):
-        occasions = {
-            code: [
-                {"date": day, "score": row["score"]}
-                for day, row in sorted(days.items())
-                if not row["removed"]
-            ]
-            for code, days in persons.items()
-        }
-        if kept := {code: scores for code, scores in occasions.items() if scores}:
-            found[name] = _tool(name, kept)
+def _tools(study: Study) -> dict[str, Tool]:
+    """Return what is known of each kind of record: its last versions, but for those removed."""
+    declared = kinds()
+    found: dict[str, dict[str, dict[str, Row]]] = {}
+    for code in study.owners("records"):
+        if code in study.subjects:
+            for id, (kind, occasion) in _occasions(study, code).items():
+                found.setdefault(kind, {}).setdefault(code, {})[id] = occasion
+    return {
+        kind: _tool(
+            kind, declared.get(kind), {code: list(own.values()) for code, own in of.items()}
+        )
+        for kind, of in sorted(found.items())
+    }
+
+
+def _occasions(study: Study, code: str) -> dict[str, tuple[str, Row]]:
+    """Return the kind and the values of each record of a person, by its id, in their order."""
+    sessions = {session.id: f"ses-{session.label}" for session in study.sessions}
+    last: dict[str, list[Row]] = {}
+    for row in study.rows("records", code):
+        known = last.setdefault(row["record"], [])
+        if known and known[0]["version"] < row["version"]:
+            known.clear()
+        known.append(row)
+    found = {}
+    for id, rows in last.items():
+        first = rows[0]
+        session = first["session"]
+        if first["removed"] or (session is not None and session not in sessions):
+            continue
+        values = {row["field"]: _value(row) for row in rows}
+        found[id] = (
+            first["kind"],
+            {
+                "date": first["at"],
+                "session": sessions.get(session or ""),
+                "moment": first["moment"] or None,
+                **values,
+            },
+        )
     return found
 
 
-def _tool(name: str, occasions: Mapping[str, list[Row]]) -> Tool:
-    known = INSTRUMENTS.get(name)
-    score: dict[str, Any] = {"Description": f"Score of {name}."}
-    if known is not None:
-        better = f"{known.better} is better"
-        score = {"Description": f"Score of {name}, {known.lowest:g} to {known.highest:g}; {better}.",
-                 "Units": known.unit}  # fmt: skip
-    columns = {"date": {"Description": "Day of the measurement."}, "score": score}
-    return Tool(f"{known.title} ({name})" if known else name, columns, occasions)
+def _value(row: Row) -> Any:
+    values = (row["value"], row["option"], row.get("words"))
+    return next((value for value in values if value is not None), None)
 
 
-def _wellbeing(study: Study) -> Tool:
-    """Return the answers about pain and tiredness. The last answer to a question counts.
+def _tool(name: str, kind: Kind | None, occasions: Mapping[str, list[Row]]) -> Tool:
+    known = {field.name: _described(field) for field in kind.fields} if kind else {}
+    given = {name for own in occasions.values() for row in own for name in row} - set(_OCCASION)
+    columns = {name: known.get(name, {"Description": f"{name}."}) for name in sorted(given)}
+    title = f"{kind.title} ({name})" if kind else name
+    return Tool(title, {**_OCCASION, **columns}, occasions)
 
-    An occasion is a session, or the day of answers before a session that never began.
-    """
-    labels = {session.id: f"ses-{session.label}" for session in study.sessions}
-    occasions: dict[str, dict[str, Row]] = {}
-    asked: set[str] = set()
-    for code in study.owners("wellbeing"):
-        for row in study.rows("wellbeing", code):
-            session = row["session"]
-            if code in study.subjects and (session is None or session in labels):
-                column = f"{row['question']}_{row['moment']}"
-                asked.add(column)
-                answers = occasions.setdefault(code, {}).setdefault(session or row["at"][:_DAY], {})
-                answers |= {"session": labels.get(session), column: row["answer"]}
-    columns = {
-        f"{question}_{moment}": {"Description": f"{told} Asked {when}."}
-        for moment, when in _MOMENTS.items()
-        for question, told in _QUESTIONS.items()
-        if f"{question}_{moment}" in asked
-    }
-    return Tool(
-        "Questions about pain and tiredness with numeric rating scales, asked by sar-tui in its "
-        "sessions.",
-        {"session": {"Description": "The session; n/a: it never began."}, **columns},
-        {code: list(sessions.values()) for code, sessions in occasions.items()},
-    )
+
+def _described(field: Field) -> dict[str, Any]:
+    better = f"; {field.better} is better" if field.better else ""
+    described = {"Description": f"{field.title}{f', {field.range}' * bool(field.range)}{better}."}
+    return {**described, "Units": field.unit} if field.unit else described

@@ -1,0 +1,270 @@
+"""``sar-tui record``: adverse events, scores, pain, answers, and what a clinic declares."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from sar_tui.cli.common import AsJson, Data, Home, New, Tasks, are_new, console, print_json
+from sar_tui.cli.errors import Refused
+
+if TYPE_CHECKING:
+    from sar_tui.records.kind import Kind
+    from sar_tui.store.records import Record
+
+app = typer.Typer(rich_markup_mode=None, no_args_is_help=True)
+
+_Values = Annotated[
+    list[str] | None,
+    typer.Argument(
+        metavar="FIELD=VALUE", help="Such as severity=mild or score=34.", show_default=False
+    ),
+]
+_Id = Annotated[str, typer.Argument(metavar="RECORD", help="Its id.", show_default=False)]
+_On = Annotated[
+    str,
+    typer.Option(
+        "--on",
+        metavar="DATE",
+        show_default=False,
+        help="The day it is of, 2026-03-01; of some kinds with a time, 2026-03-01T14:30. "
+        "Default: now.",
+    ),
+]
+
+
+@app.callback()
+def record() -> None:
+    """Enter, correct and list records: adverse events, scores of other tests, pain, answers."""
+
+
+@app.command("kinds")
+def list_kinds(as_json: AsJson = False, data: Data = None, tasks: Tasks = None) -> None:
+    """List the kinds of record with their fields; a clinic can add its own (docs/records.md)."""
+    from sar_tui.records.kind import kinds
+
+    known = kinds().values()
+    if as_json:
+        print_json({"kinds": list(known)})
+        return
+    from sar_tui.cli.tables import add, table
+    from sar_tui.reports.progress_words import published
+
+    made = table("kind", "title", "fields", "published changes", whole=("kind",))
+    for kind in known:
+        fields = "\n".join(_field_in_words(field) for field in kind.fields)
+        changes = "\n".join(published(each, kind) for each in kind.published)
+        add(made, kind.name, kind.title, fields, changes)
+    console().print(made)
+
+
+@app.command("add")
+def add_record(
+    context: typer.Context,
+    kind: Annotated[
+        str,
+        typer.Argument(
+            metavar="KIND", help="`sar-tui record kinds` lists them.", show_default=False
+        ),
+    ],
+    participant: Annotated[
+        str, typer.Argument(metavar="CODE", help="The participant's code.", show_default=False)
+    ],
+    values: _Values = None,
+    on: _On = "",
+    session: Annotated[
+        str | None,
+        typer.Option(
+            "--session",
+            metavar="SESSION|last",
+            show_default=False,
+            help="The session that it belongs to.",
+        ),
+    ] = None,
+    new: New = False,
+    as_json: AsJson = False,
+    data: Data = None,
+    tasks: Tasks = None,
+) -> None:
+    """Enter a record. Of a score, a second one of the same day replaces the first, which is kept."""
+    from sar_tui.drivers.login_name import login_name
+    from sar_tui.store import participants, records
+    from sar_tui.store.database import StoreError
+    from sar_tui.store.sessions import find
+
+    home = Home.of(context, data, tasks)
+    declared = records.kind_of(kind)
+    if declared.entered_by == "program":
+        raise Refused(f"Records of the kind {declared.name} follow from sessions.")
+    code = participants.check_code(participant)
+    with home.writable_database() as database:
+        found = find(database, home.folder, session) if session is not None else None
+        if found and code not in (found["participant"], found["partner"]):
+            raise StoreError(f"The session {found['id']} is not one of {code}.", bad_input=True)
+        is_new = are_new(database, [participant], said=new)
+        entered = records.add(
+            database,
+            declared,
+            code,
+            on,
+            _read_values(values),
+            session=found["id"] if found else None,
+            author=login_name(),
+            is_new=is_new,
+        )
+    _print_saved(entered, declared, as_json=as_json)
+
+
+@app.command("correct")
+def correct_record(
+    context: typer.Context,
+    id: _Id,
+    values: _Values = None,
+    on: Annotated[
+        str | None,
+        typer.Option("--on", metavar="DATE", show_default=False, help="Another date."),
+    ] = None,
+    remove: Annotated[
+        bool, typer.Option("--remove", help="It was entered by mistake, and counts no longer.")
+    ] = False,
+    as_json: AsJson = False,
+    data: Data = None,
+    tasks: Tasks = None,
+) -> None:
+    """Correct a record, or add what is known now. What was recorded before is kept."""
+    from sar_tui.drivers.login_name import login_name
+    from sar_tui.store import records
+
+    with Home.of(context, data, tasks).writable_database() as database:
+        changed = records.correct(
+            database, id, _read_values(values), at=on, removed=remove, author=login_name()
+        )
+    _print_saved(changed, records.kind_of(changed.kind), as_json=as_json)
+
+
+@app.command("list")
+def list_records(
+    context: typer.Context,
+    kind: Annotated[
+        str | None,
+        typer.Argument(metavar="[KIND]", help="Only of this kind.", show_default=False),
+    ] = None,
+    participant: Annotated[
+        str | None,
+        typer.Option(
+            "-p",
+            "--participant",
+            metavar="CODE",
+            show_default=False,
+            help="Records of this participant.",
+        ),
+    ] = None,
+    as_json: AsJson = False,
+    data: Data = None,
+    tasks: Tasks = None,
+) -> None:
+    """List records as they are known now, by date, and what the therapist should know of pain."""
+    from sar_tui.rules.wellbeing import tell_therapist
+    from sar_tui.store import participants, records, wellbeing
+
+    code = participants.check_code(participant) if participant is not None else None
+    names = [records.kind_of(kind).name] if kind else []
+    with Home.of(context, data, tasks).database() as database:
+        found = records.listing(database, kinds=names, participant=code)
+        if code and not found:
+            participants.check_known(database, code)
+        reasons = tell_therapist(wellbeing.history(database, code)) if code else ()
+    if as_json:
+        print_json({"records": found, "tell_therapist": reasons})
+        return
+    from sar_tui.reports.wellbeing import advice
+
+    out = console()
+    for text in advice(reasons):
+        out.print(f"! {text}", soft_wrap=True)
+    if not found:
+        of = "".join((f" of the kind {kind}" if kind else "", f" of {code}" if code else ""))
+        out.print(f"There are no records{of}.", soft_wrap=True)
+        return
+    from sar_tui.cli.tables import add, table
+
+    made = table("record", "date", "who", "kind", "contents", whole=("record", "date", "kind"))
+    for one in found:
+        add(made, one.id, _date(one), one.participant, one.kind, _in_words(one))
+    out.print(made)
+
+
+@app.command("show")
+def show_record(
+    context: typer.Context,
+    id: _Id,
+    as_json: AsJson = False,
+    data: Data = None,
+    tasks: Tasks = None,
+) -> None:
+    """Show all versions of a record: who recorded what, and when."""
+    from sar_tui.store import records
+
+    with Home.of(context, data, tasks).database() as database:
+        found = records.versions(database, id)
+    if as_json:
+        print_json({"versions": found})
+        return
+    from sar_tui.cli.tables import add, table
+    from sar_tui.store.sessions import local_time
+
+    made = table("version", "recorded", "by", "date", "contents", right=("version",))
+    for one in found:
+        recorded = (one.version, local_time(one.recorded_at), one.recorded_by)
+        add(made, *recorded, _date(one), _in_words(one))
+    out = console()
+    first = found[0]
+    out.print(f"{first.kind} {first.id} of {first.participant}", soft_wrap=True, end="\n\n")
+    out.print(made)
+
+
+def _read_values(given: Sequence[str] | None) -> dict[str, str | int | float | bool | None]:
+    """Return the values of FIELD=VALUE arguments; an empty one empties the field. Raises Refused."""
+    found: dict[str, str | int | float | bool | None] = {}
+    for pair in given or ():
+        name, sign, value = pair.partition("=")
+        if not sign or not name.strip():
+            raise Refused(f"A value is given as FIELD=VALUE, such as severity=mild, not {pair!r}.")
+        found[name.strip()] = value or None
+    return found
+
+
+def _field_in_words(field: object) -> str:
+    from sar_tui.records.kind import Field
+
+    assert isinstance(field, Field)
+    options = " | ".join(field.labels) if field.type == "choice" else field.range or field.type
+    return f"{field.name}: {options}{'' if field.required else ', or empty'}"
+
+
+def _date(one: "Record") -> str:
+    from sar_tui.store.sessions import local_time
+
+    return local_time(one.at) if "+" in one.at else one.at
+
+
+def _in_words(one: "Record") -> str:
+    """Return the values of a record, with the moment of a session."""
+    values = [f"{name}: {value}" for name, value in one.content.items()]
+    moment = [{"pause": "in a pause"}.get(one.moment, f"{one.moment} the session")]
+    return "; ".join((*(moment if one.moment else ()), *values, *(["removed"] * one.removed)))
+
+
+def _print_saved(entered: "Record", kind: "Kind", *, as_json: bool) -> None:
+    if as_json:
+        print_json({"record": entered})
+        return
+    unknown = [field for field in kind.fields if field.later and field.name not in entered.content]
+    missing = [f"{field.name}=…" for field in unknown]
+    later = f" Add later: `sar-tui record correct {entered.id} {' '.join(missing)}`."
+    done = "removed, and kept in the database" if entered.removed else "recorded"
+    console().print(
+        f"{kind.title} {entered.id} of {entered.participant} is {done}."
+        f"{later if missing and not entered.removed else ''}",
+        soft_wrap=True,
+    )

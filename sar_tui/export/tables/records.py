@@ -1,0 +1,96 @@
+"""Records of people: adverse events, scores, pain and tiredness, and what a clinic declares. A row
+for each value.
+"""
+
+import sqlite3
+from collections.abc import Collection, Iterator, Mapping
+from functools import partial
+from typing import Any
+
+import msgspec
+
+from sar_tui.export.columns import TO_SESSION, Table, Values, stored
+from sar_tui.export.damage import Damage
+from sar_tui.export.tables.sessions import TO_PARTICIPANT
+from sar_tui.records.kind import Kind
+
+_HEAD = (
+    "id", "version", "kind", "participant", "seat", "session", "moment", "at", "removed",
+    "recorded_at",
+)  # fmt: skip
+_KIND, _SESSION, _REMOVED = (_HEAD.index(name) for name in ("kind", "session", "removed"))
+_VALUE = ("content.field", "content.value", "content.unit", "content.option", "content.words")
+
+
+def records(
+    sessions: Collection[Mapping[str, Any]], kinds: Mapping[str, Kind], damage: Damage
+) -> Table:
+    """Return the table of the records of these sessions, and of their participants without one.
+
+    Args:
+        sessions: as `store.sessions.listing` returns them. What was told before a session that
+            never began leaves with those who had a live one: simulated people tell nothing.
+        kinds: those that are declared here, by name.
+        damage: notes values that cannot be read.
+    """
+    ids = {row["id"] for row in sessions}
+    live = {
+        code
+        for row in sessions
+        if row["mode"] == "live"
+        for code in (row["participant"], row["partner"])
+    }
+    return Table(
+        name="records",
+        title="A value of a record, in one of its versions; the last version counts",
+        columns=tuple(stored(f"records.{name}") for name in (*_HEAD, *_VALUE)),
+        key=("record", "version", "field"),
+        rows=partial(_rows, ids, live, kinds, damage),
+        of="participant",
+        references=(TO_SESSION, TO_PARTICIPANT),
+    )
+
+
+def _rows(
+    sessions: Collection[str],
+    live: Collection[str],
+    kinds: Mapping[str, Kind],
+    damage: Damage,
+    database: sqlite3.Connection,
+    participant: str,
+) -> Iterator[Values]:
+    for *head, content in database.execute(
+        f"SELECT {', '.join(_HEAD)}, content FROM records WHERE participant=?"
+        " ORDER BY at, id, version",
+        (participant,),
+    ):
+        session, kind = head[_SESSION], kinds.get(head[_KIND])
+        is_entered = kind is None or kind.entered_by == "therapist"
+        leaves = participant in live or is_entered if session is None else session in sessions
+        if leaves:
+            head[_REMOVED] = bool(head[_REMOVED])
+            for name, value in _read(damage, content).items():
+                yield (*head, name, *_value(kind, name, value))
+
+
+def _read(damage: Damage, content: str) -> dict[str, Any]:
+    """Return the values of a record; none if they are damaged."""
+    try:
+        return msgspec.json.decode(content, type=dict[str, Any])
+    except msgspec.MsgspecError:
+        damage.note("record")
+        return {}
+
+
+def _value(
+    kind: Kind | None, name: str, value: Any
+) -> tuple[float | None, str, str | None, str | None]:
+    """Return a value as a number with its unit, an option, or words: whichever it is. What no kind
+    declares may have been typed.
+    """
+    field = next((each for each in kind.fields if each.name == name), None) if kind else None
+    if isinstance(value, bool | int | float):
+        return float(value), field.unit if field else "", None, None
+    if field is not None and field.type == "choice":
+        return None, "", str(value), None
+    return None, "", None, str(value)

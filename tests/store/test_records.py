@@ -1,0 +1,237 @@
+"""Records are kept with all their versions, and belong to a person, a day or a session."""
+
+import random
+import sqlite3
+from contextlib import closing
+from datetime import UTC, date, datetime
+from pathlib import Path
+
+import pytest
+
+from sar_tui.app.home.contents import read_card
+from sar_tui.loop.task import Task
+from sar_tui.plugins import Catalogue
+from sar_tui.records.kind import find
+from sar_tui.reports.progress import progress
+from sar_tui.reports.progress_words import warnings, words
+from sar_tui.rules.wellbeing import SessionRatings, tell_therapist
+from sar_tui.store import participants, records, sessions, wellbeing
+from sar_tui.store.database import StoreError, connect
+from sar_tui.store.integrity import flaws
+from sar_tui.store.session_copy import copy_session
+from tests.recorded import event, score, told
+
+FACTS = {"theme": "calm", "seed": 1, "parameters": {}, "software": {}, "machine": {}}
+
+
+@pytest.fixture(autouse=True)
+def a_participant(database: sqlite3.Connection) -> None:
+    participants.add(database, "P01")
+
+
+def new_session(
+    database: sqlite3.Connection, name: str, participant: str = "P01", partner: str = ""
+) -> None:
+    participants.add(database, participant)
+    sessions.create(
+        database,
+        name,
+        task="keyboard",
+        participant=participant,
+        partner=partner,
+        mode="live",
+        **FACTS,
+    )  # type: ignore[arg-type]
+
+
+# --- versions
+
+
+def test_a_correction_adds_a_version_and_keeps_the_ones_before(
+    database: sqlite3.Connection,
+) -> None:
+    first = event(
+        database, "p01", "2026-03-01T14:30", what=" Cramp ", severity="Mild", author="ana"
+    )
+    assert (first.at, first.content) == ("2026-03-01 14:30", {"what": "Cramp", "severity": "mild"})
+    second = records.correct(database, first.id, {"outcome": "Gone"}, author="ben")
+    assert second.content == {**first.content, "outcome": "Gone"}
+    assert records.listing(database) == [second]
+    versions = records.versions(database, first.id)
+    assert [(one.version, one.recorded_by) for one in versions] == [(1, "ana"), (2, "ben")]
+
+
+def test_of_a_score_the_last_entry_of_a_day_counts(database: sqlite3.Connection) -> None:
+    for value in (30, 31):
+        last = score(database, "P01", "arat", "2026-03-01", value)
+    score(database, "P01", "arat", "2026-04-01", 32)
+    known = records.listing(database, kinds=("ARAT",), participant="P01")
+    assert [one.content["score"] for one in known] == [31, 32]
+    assert len(records.versions(database, last.id)) == 2
+    assert records.listing(database, participant="P02") == []
+
+
+def test_what_was_entered_by_mistake_counts_no_longer_and_can_be_entered_anew(
+    database: sqlite3.Connection,
+) -> None:
+    entered = score(database, "P01", "ARAT", "2026-03-01", 30)
+    records.correct(database, entered.id, {}, removed=True, author="ben")
+    assert records.listing(database) == []
+    assert [one.removed for one in records.listing(database, with_removed=True)] == [True]
+    score(database, "P01", "ARAT", "2026-03-01", 31)
+    assert [one.content["score"] for one in records.listing(database)] == [31]
+
+
+def test_what_cannot_be_corrected_is_refused(database: sqlite3.Connection) -> None:
+    entered = event(database, "P01", "2026-03-01", what="Fell", severity="mild")
+    new_session(database, "abc")
+    database.execute(records.PAUSES, ("abc-7", "abc", "A", "pain", records.now()))
+    for id, given, says in (
+        ("ffffff", {"what": "x"}, "There is no record ffffff."),
+        (f"{entered.id}@BERN", {"what": "x"}, "There is no record"),
+        (entered.id, {}, "Nothing would change."),
+        (entered.id, {"severity": "awful"}, "Severity is mild, moderate or severe"),
+        ("abc-7", {"rating": 3}, "is part of the log of its session"),
+    ):
+        with pytest.raises(StoreError, match=says) as refused:
+            records.correct(database, id, given)
+        assert refused.value.bad_input
+
+
+@pytest.mark.parametrize(
+    ("kind", "at", "says"),
+    [
+        ("ARAT", "1 March", "Day it was measured is a date, such as 2026-03-01, not '1 March'."),
+        ("ARAT", "2026-03-01T10:00", "Day it was measured is a date"),
+        ("adverse-event", "2026-02-30", "Onset is a date, such as 2026-03-01, or 2026-03-01T14:30"),
+        ("adverse-event", "9999-01-01", "Onset 9999-01-01 is in the future."),
+    ],
+)
+def test_a_date_that_cannot_be_is_refused(
+    database: sqlite3.Connection, kind: str, at: str, says: str
+) -> None:
+    with pytest.raises(StoreError, match=says):
+        records.add(database, find(kind), "P01", at, {"score": 1} if kind == "ARAT" else {})
+    assert records.listing(database) == []
+
+
+# --- sessions
+
+
+@pytest.mark.parametrize(
+    ("onset", "session"),
+    [
+        ("2026-03-01 10:00", "abc"),
+        ("2026-03-01 10:20", "abc"),
+        ("2026-03-01 10:21", None),
+        ("2026-03-01 09:59", None),
+        ("2026-03-01", None),
+    ],
+)
+def test_an_event_with_a_time_belongs_to_the_session_under_way(
+    database: sqlite3.Connection, onset: str, session: str | None
+) -> None:
+    new_session(database, "abc")
+    began, ended = (
+        datetime.fromisoformat(f"2026-03-01 {at}").astimezone().astimezone(UTC).isoformat()
+        for at in ("10:00:30", "10:20:30")
+    )
+    database.execute("UPDATE sessions SET started_at=?, ended_at=?", (began, ended))
+    entered = event(database, "P01", onset, what="Fell", severity="mild")
+    assert entered.session == session
+    assert records.session_at(database, "P02", onset) is None
+
+
+def test_answers_before_a_session_belong_to_it_once_it_begins(database: sqlite3.Connection) -> None:
+    told(database, "P01", "before", "pain", "8")
+    since = records.now()
+    told(database, "P01", "before", "pain", "2")
+    told(database, "P02", "before", "pain", "1")
+    new_session(database, "abc")
+    records.attach(database, "abc", ["P01"], since)
+    known = wellbeing.of_participant(database, "P01")
+    assert [(one.session, one.content["rating"]) for one in known] == [(None, 8), ("abc", 2)]
+    assert [one.session for one in wellbeing.of_participant(database, "P02")] == [None]
+
+
+def test_a_copied_session_keeps_the_answers_that_the_target_has(
+    database: sqlite3.Connection, tmp_path: Path
+) -> None:
+    with closing(connect(tmp_path / "other")) as other:
+        for each in (database, other):
+            new_session(each, "abc")
+        told(other, "P01", "before", "pain", "2", session="abc")
+        told(database, "P01", "after", "pain", "3", session="abc")
+        for _ in range(2):
+            copy_session(other, database, "abc")
+    known = wellbeing.of_session(database, "abc")
+    assert sorted(one.content["rating"] for one in known) == [2, 3]
+
+
+def test_what_a_new_participant_says_before_a_session_that_does_not_begin_is_whole(
+    database: sqlite3.Connection,
+) -> None:
+    told(database, "P09", "before", "pain", "9")
+    assert list(flaws(database)) == []
+    assert participants.codes(database) == ["P01", "P09"]
+
+
+# --- pain and tiredness
+
+
+def test_ratings_are_the_last_answers_of_each_seat(database: sqlite3.Connection) -> None:
+    new_session(database, "abc", partner="P02")
+    for answer in ("4", "5"):
+        told(database, "P01", "before", "pain", answer, session="abc")
+    told(database, "P01", "after", "pain", wellbeing.NOT_SAID, session="abc")
+    told(database, "P02", "after", "tiredness", "10", session="abc", seat="B")
+    known = wellbeing.by_session(database, ["abc", "def"])["abc"]
+    assert wellbeing.ratings(known) == SessionRatings(pain_before=5)
+    assert wellbeing.ratings(known, "B") == SessionRatings(fatigue_after=10)
+    assert wellbeing.history(database, "P02") == [SessionRatings(fatigue_after=10)]
+
+
+def test_sessions_without_an_answer_are_known_without_ratings(database: sqlite3.Connection) -> None:
+    new_session(database, "abc")
+    assert wellbeing.of_session(database, "abc") == []
+    assert wellbeing.history(database, "P01") == [SessionRatings()]
+
+
+def rated(database: sqlite3.Connection, participant: str, answers: list[tuple[str, str]]) -> None:
+    """Store a session for each pain before and tiredness after it; an empty answer was not
+    asked.
+    """
+    for number, (pain, tired) in enumerate(answers):
+        new_session(database, session := f"{participant}-{number:02}", participant)
+        if pain:
+            told(database, participant, "before", "pain", pain, session=session)
+        if tired:
+            told(database, participant, "after", "tiredness", tired, session=session)
+
+
+def test_the_newest_ratings_tell_the_therapist_what_all_of_them_do(
+    database: sqlite3.Connection,
+) -> None:
+    rng = random.Random(7)
+    reasons = []
+    for number in range(20):
+        answers = [
+            (rng.choice(["", "", "0", "1", "2", "7"]), rng.choice(["", "", "6", "8"]))
+            for _ in range(24)
+        ]
+        code = f"P{number}"
+        rated(database, code, answers)
+        reasons.append(tell_therapist(wellbeing.history(database, code)))
+        newest = tell_therapist(wellbeing.newest_ratings(database, code))
+        assert newest == reasons[-1], answers
+    assert {"stop", "tired"} <= {reason for each in reasons for reason in each}
+
+
+def test_pain_over_sessions_far_apart_is_told_in_the_same_words_everywhere(
+    database: sqlite3.Connection, tmp_path: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    rated(database, "P01", [("0", "2"), *[("2", "")] * 3, *[("", "")] * 12, ("3", "")])
+    card = read_card(database, tmp_path, catalogue, "P01", keyboard, date(2026, 3, 1))
+    found = progress("P01", [], {}.get, ratings=wellbeing.history(database, "P01"))
+    assert card.told == warnings(found, words("en", None))
+    assert found.tell == ("new pain",)
