@@ -13,7 +13,7 @@ from textual.app import App
 
 from sar_tui.app.app import SarTui
 from sar_tui.app.screens.progress import ProgressScreen
-from sar_tui.link.channel import (
+from sar_tui.link.broker_process import (
     BrokerEnded,
     BrokerListener,
     Outgoing,

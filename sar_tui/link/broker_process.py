@@ -7,12 +7,12 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from typing import IO
+from typing import IO, NamedTuple, Protocol
 
 from sar_tui.drivers import child_process
 from sar_tui.link import protocol
-from sar_tui.link.channel import BrokerEnded, BrokerListener, Outgoing
 from sar_tui.link.errors import LinkError
+from sar_tui.link.peer import Welcome
 from sar_tui.link.protocol import (
     BrokerCommand,
     BrokerEvent,
@@ -21,7 +21,86 @@ from sar_tui.link.protocol import (
     ProtocolError,
     Setup,
 )
+from sar_tui.loop.bus import Record
+from sar_tui.model.messages import ActAnswered
 from sar_tui.model.units import SECOND
+
+
+class OutgoingBatch(NamedTuple):
+    """Messages of the bus for all peers; batches are numbered from 1."""
+
+    number: int
+    records: Sequence[Record]
+
+    def to_command(self) -> BrokerCommand:
+        """Encode it as a command to the broker."""
+        batch = protocol.Batch(self.number, protocol.encode_frames(self.records))
+        return protocol.Publish(self.number, protocol.encode(batch))
+
+
+class OutgoingSnapshot(NamedTuple):
+    """State of the session after batch ``number``, for one peer."""
+
+    name: str
+    number: int
+    welcome: Welcome
+    records: Sequence[Record]
+
+    def to_command(self) -> BrokerCommand:
+        """Encode it as a command to the broker."""
+        snapshot = protocol.Snapshot(
+            self.number, self.welcome, protocol.encode_frames(self.records)
+        )
+        return protocol.SendTo(self.name, protocol.encode(snapshot))
+
+
+class OutgoingAnswers(NamedTuple):
+    """Answers to acts of one peer."""
+
+    name: str
+    answers: list[ActAnswered]
+
+    def to_command(self) -> BrokerCommand:
+        """Encode it as a command to the broker."""
+        return protocol.SendTo(self.name, protocol.encode(protocol.Answers(self.answers)))
+
+
+class OutgoingSamples(NamedTuple):
+    """Samples of the sensor at a seat."""
+
+    seat: str
+    samples: bytes
+
+    def to_command(self) -> BrokerCommand:
+        """Encode it as a command to the broker."""
+        return protocol.SensorSamples(self.seat, self.samples)
+
+
+class BrokerEnded(NamedTuple):
+    """The broker process ended. ``is_final``: it could not be restarted."""
+
+    detail: str
+    is_final: bool = False
+
+
+Outgoing = OutgoingBatch | OutgoingSnapshot | OutgoingSamples | OutgoingAnswers
+BrokerListener = Callable[[BrokerEvent | BrokerEnded], object]
+
+
+class Channel(Protocol):
+    """Connection of a node to the broker process."""
+
+    def listen(self, listener: BrokerListener) -> None:
+        """Call ``listener`` on any thread with each event, and first with those that came
+        before.
+        """
+
+    def send(self, message: Outgoing) -> bool:
+        """Queue a message without blocking; False, and it is dropped, if the queue is full."""
+
+    def check(self) -> None:
+        """Kill a broker process that no longer answers, so that it is restarted."""
+
 
 PROGRAM = child_process.python("sar_tui.link.broker")
 _MAX_QUEUED = 200

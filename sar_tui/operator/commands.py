@@ -6,8 +6,8 @@ from typing import Any, Literal
 
 from msgspec.structs import replace
 
-from sar_tui.link.control_lock import needs_control
 from sar_tui.link.peer import Connection, Peer, PeerEvent, Welcome
+from sar_tui.link.presence import needs_control
 from sar_tui.loop.bus import Topic
 from sar_tui.loop.marks import TrialMark
 from sar_tui.loop.topics import COMMAND, DECISION, MODE, NOTE_ADDED, PROPOSAL_SEEN, REMARK

@@ -8,7 +8,7 @@ import msgspec
 import pytest
 
 from sar_tui.link import protocol
-from sar_tui.link.channel import OutgoingBatch, OutgoingSnapshot
+from sar_tui.link.broker_process import OutgoingBatch, OutgoingSnapshot
 from sar_tui.link.errors import LinkError
 from sar_tui.link.listening import ListenOptions
 from sar_tui.link.peer import Frame

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sar_tui.inputs.guarded_source import GuardedSource
 from sar_tui.inputs.imu import NOTHING, Info, Sample, Status
 from sar_tui.inputs.imu_feed import Drained, ImuFeed
+from sar_tui.inputs.sources import GuardedSource
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.model.units import MS, SECOND
 

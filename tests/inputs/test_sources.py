@@ -9,13 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sar_tui.inputs.guarded_source import GuardedSource
 from sar_tui.inputs.imu import SourceError
 from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.phidget import PhidgetSource
 from sar_tui.inputs.recorded import RecordedSource
 from sar_tui.inputs.simulated import SimulatedSource
-from sar_tui.inputs.sources import open_source, source_names
+from sar_tui.inputs.sources import GuardedSource, open_source, source_names
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.model.units import SECOND
 from sar_tui.motion.reach_kinds import KINDS

@@ -7,7 +7,7 @@ import msgspec
 import pytest
 import zenoh
 
-from sar_tui.link import transport
+from sar_tui.link import client
 from sar_tui.link.authority import Authority
 from sar_tui.link.errors import LinkError
 from sar_tui.link.invitation import Invitation
@@ -130,13 +130,13 @@ def test_connection_with_expired_certificate_fails(at: LinkGuests, host: FakeBro
 def test_panel_that_is_not_admitted_reports_why(
     at: LinkGuests, host: FakeBroker, is_new: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(transport, "_ADMISSION_TIMEOUT_S", 0.2)
+    monkeypatch.setattr(client, "_ADMISSION_TIMEOUT_S", 0.2)
     invitation = (
         at.authority.invite(Guest("newcomer", "operator"), [at.where], 30) if is_new else at.gone
     )
     received: list[object] = []
-    panel = transport.Transport(
-        transport.connection_target(invitation), str(invitation.guest), received.append
+    panel = client.Transport(
+        client.connection_target(invitation), str(invitation.guest), received.append
     )
     panel.open()
     try:

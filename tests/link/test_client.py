@@ -10,6 +10,7 @@ import pytest
 
 from sar_tui.link import client, protocol
 from sar_tui.link.authority import Authority
+from sar_tui.link.client import Received
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.invitation import Invitation
 from sar_tui.link.peer import (
@@ -31,7 +32,6 @@ from sar_tui.link.protocol import (
     Pong,
     Snapshot,
 )
-from sar_tui.link.transport import Received
 from sar_tui.link.zenoh_settings import Endpoint, Guest
 from sar_tui.loop.bus import Record
 from sar_tui.loop.topics import ANSWERED, KEY, LEVEL, NOTE_ADDED

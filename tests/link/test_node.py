@@ -7,7 +7,7 @@ import msgspec
 import pytest
 
 from sar_tui.link import protocol
-from sar_tui.link.channel import (
+from sar_tui.link.broker_process import (
     BrokerEnded,
     BrokerListener,
     Outgoing,

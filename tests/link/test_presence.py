@@ -1,7 +1,6 @@
 """Presence of peers, and which operator is in control."""
 
-from sar_tui.link.control_lock import ControlLock
-from sar_tui.link.presence import FIRST_ANSWER_WITHIN, MAX_PEERS, Presence
+from sar_tui.link.presence import FIRST_ANSWER_WITHIN, MAX_PEERS, ControlLock, Presence
 from sar_tui.model.units import MS, SECOND
 
 

@@ -1,6 +1,6 @@
 """Token bucket and report throttle."""
 
-from sar_tui.link.rate_limit import ReportThrottle, TokenBucket
+from sar_tui.link.admission import ReportThrottle, TokenBucket
 from sar_tui.model.units import MS, SECOND
 
 

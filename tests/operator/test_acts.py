@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
+from sar_tui.link.node import SENT
 from sar_tui.link.peer import Connection, Frame
-from sar_tui.link.session_feed import SENT
 from sar_tui.loop.answers import answer_to
 from sar_tui.loop.bus import Record, Topic
 from sar_tui.loop.topics import (

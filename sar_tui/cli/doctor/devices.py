@@ -113,8 +113,7 @@ def _has_udev_rule(folders: tuple[Path, ...] = _UDEV) -> bool:
 def servo_controller(_: Machine) -> Finding:
     """Look for a controller of RC servos on a USB port. It is fine if there is none."""
     from sar_tui.drivers.phidget import describe, new_channel, plugged_in, usb_denied
-    from sar_tui.outputs.servo.address import parse
-    from sar_tui.outputs.servo.channel import FAILSAFE_MS, ServoChannel
+    from sar_tui.outputs.servo.channel import FAILSAFE_MS, ServoChannel, parse
 
     if plugged_in() is False:
         return ok(f"none plugged in. {_NO_SERVO}")

@@ -4,9 +4,8 @@ import re
 import socket
 from collections.abc import Iterable, Sequence
 
-from sar_tui.outputs.markers.destination import Destination
 from sar_tui.outputs.markers.lsl import Lsl
-from sar_tui.outputs.markers.marker import Marker, MarkerError
+from sar_tui.outputs.markers.marker import Destination, Marker, MarkerError
 from sar_tui.outputs.markers.serial_line import SerialLine
 
 

@@ -12,8 +12,7 @@ from sar_tui.loop.node import Node
 from sar_tui.loop.topics import MARKERS
 from sar_tui.model import messages as m
 from sar_tui.model.messages import MarkersChanged, Message, Shown
-from sar_tui.outputs.markers.destination import Destination
-from sar_tui.outputs.markers.marker import Fields, Marker
+from sar_tui.outputs.markers.marker import Destination, Fields, Marker
 from sar_tui.outputs.markers.sender import Changed, Sender
 
 

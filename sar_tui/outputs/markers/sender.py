@@ -8,8 +8,7 @@ from typing import Literal
 
 from sar_tui.loop.clock import host_now
 from sar_tui.model.units import MS
-from sar_tui.outputs.markers.destination import Destination
-from sar_tui.outputs.markers.marker import Marker, MarkerError
+from sar_tui.outputs.markers.marker import Destination, Marker, MarkerError
 from sar_tui.plugin_calls import describe
 
 LONGEST_QUEUE = 10_000

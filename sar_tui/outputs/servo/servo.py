@@ -15,8 +15,7 @@ from sar_tui.model.messages import ActionPart, PartState
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS, SECOND
 from sar_tui.outputs.output import Output, Report
-from sar_tui.outputs.servo.address import parse
-from sar_tui.outputs.servo.channel import FEED_MS, ServoChannel
+from sar_tui.outputs.servo.channel import FEED_MS, ServoChannel, parse
 
 STEP_MS = 20
 """Interval between two targets that are sent to a servo."""

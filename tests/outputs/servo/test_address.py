@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.outputs.output import OutputError
-from sar_tui.outputs.servo.address import JointChannel, ServoAddress, parse
+from sar_tui.outputs.servo.channel import JointChannel, ServoAddress, parse
 
 ALONE = (JointChannel("right_arm", 0, reverse=False),)
 
