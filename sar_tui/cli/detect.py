@@ -5,14 +5,14 @@ from collections.abc import Iterable, Iterator
 from enum import StrEnum
 from pathlib import Path
 from statistics import median
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from sar_tui.cli.common import AsJson, Data, Tasks, console, named_path, print_json
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.progress_line import Show, progress_line
-from sar_tui.motion.detector_names import STORED_NAMES, DetectorName, current_name
+from sar_tui.motion.detector_names import DetectorName
 
 if TYPE_CHECKING:
     from sar_tui.inputs.recording_file import Units
@@ -65,28 +65,6 @@ def explain_flags(flags: Iterable[str]) -> Iterator[str]:
         yield f"{flag}: {_FLAGS[flag]}" if flag in _FLAGS else flag
 
 
-def read_detector(text: str) -> DetectorName:
-    """Return the name of a detector, given that or an earlier one. Raises BadParameter."""
-    for name in STORED_NAMES:
-        if name == current_name(text):
-            return name
-    *others, last = STORED_NAMES
-    raise typer.BadParameter(
-        f"There is no detector {text!r}; there are {', '.join(others)} and {last}."
-    )
-
-
-def detector_option(help: str, *, show_default: bool = True) -> Any:
-    """Return a ``--detector`` option. Like an enumeration's, but it accepts earlier names, too."""
-    return typer.Option(
-        metavar=f"[{'|'.join(STORED_NAMES)}]",
-        parser=read_detector,
-        autocompletion=lambda: list(STORED_NAMES),
-        show_default=show_default,
-        help=help,
-    )
-
-
 class Hand(StrEnum):
     """The hand with the sensor."""
 
@@ -118,7 +96,9 @@ def detect(
             show_default=False,
         ),
     ],
-    detector: Annotated[DetectorName, detector_option("How to find the reaches.")] = "orientation",
+    detector: Annotated[
+        DetectorName, typer.Option(help="How to find the reaches.")
+    ] = "orientation",
     hand: Annotated[Hand, typer.Option(help="The hand with the sensor.")] = Hand.right,
     repetitions: Annotated[
         bool,

@@ -3,8 +3,10 @@
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
+import typer
+
 from sar_tui.cli.common import AsJson, Home, RecordedSession, console, print_json
-from sar_tui.cli.detect import detector_option, explain_flags
+from sar_tui.cli.detect import explain_flags
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.progress_line import progress_line
 from sar_tui.motion.detector_names import STORED_NAMES, DetectorName, current_name
@@ -111,9 +113,9 @@ def reanalyse(
     session: RecordedSession,
     detector: Annotated[
         DetectorName | None,
-        detector_option(
-            "Detector to use, with its default parameters. Default: the session's.",
+        typer.Option(
             show_default=False,
+            help="Detector to use, with its default parameters. Default: the session's.",
         ),
     ] = None,
     as_json: AsJson = False,

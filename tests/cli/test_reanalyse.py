@@ -63,12 +63,11 @@ def test_the_same_detector_gives_exactly_what_was_recorded(call: Call, reached: 
     "settings",
     [
         ("detector=fixed-threshold", "thesis_threshold_rad_s=0.3"),
-        ("detector=thesis",),
         ("go_signal=yes", "reaches_per_attempt=2"),
         ("hand=left",),
         ("response_timeout_ms=1500",),
     ],
-    ids=["fixed threshold", "earlier name", "go signal", "left", "time-out"],
+    ids=["fixed threshold", "go signal", "left", "time-out"],
 )
 def test_the_results_are_the_same_for_any_settings(call: Call, settings: tuple[str, ...]) -> None:
     options = [word for setting in settings for word in ("--set", setting)]

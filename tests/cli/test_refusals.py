@@ -111,7 +111,7 @@ validate --only , -> Name a validation
 validate --session last --full -> leave out
 
 detect none.csv -> There is no file none.csv.
-detect none.csv --detector best -> There is no detector 'best'; there are orientation, single-axis
+detect none.csv --detector best -> 'best' is not one of 'orientation', 'single-axis'
 detect none.csv --one-way --repetitions -> --one-way goes neither with --repetitions nor with
 detect none.csv --one-way --detector=single-axis -> --one-way goes neither with --repetitions
 serve observer --port 0 --host 192.0.2.1 -> This machine has no address 192.0.2.1
