@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 
 import msgspec
 
-from sar_tui.store.tables import MESSAGES, TABLES, Table, with_column
+from sar_tui.store.tables import ADDED_LATER, MESSAGES, TABLES, Table, with_column
 
 Kind = Literal["file", "orphan", "gap", "samples", "text", "log", "rows"]
 """``file``: its pages are damaged, or its views are not the program's. ``orphan``: rows that belong
@@ -19,8 +19,6 @@ block of a sensor's samples. ``text``: characters, or JSON. ``log``: a session's
 hashes have it. ``rows``: rows are not as they follow from the log.
 """
 
-_WITHOUT_SESSION = ("records",)
-"""Tables whose rows may have no session."""
 _OF_SESSION = "(SELECT id FROM session_numbers WHERE number=session_number)"
 _OWNERS = ("session", "id", "participant", "code")
 """Columns that tell whose a row is, the first one that a table has."""
@@ -78,7 +76,7 @@ def _orphans() -> Iterator[Damage]:
         lost = "session NOT IN (SELECT id FROM sessions)"
         lost = (
             f"session IS NOT NULL AND {lost}"
-            if table in _WITHOUT_SESSION
+            if table in ADDED_LATER
             else f"{lost} OR session IS NULL"
         )
         yield _orphan(table, f"{table} without a session", lost, "session")

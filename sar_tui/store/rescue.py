@@ -32,7 +32,7 @@ from sar_tui.store.database import (
 from sar_tui.store.locks import is_held
 from sar_tui.store.repair import readable
 from sar_tui.store.salvage import Missing
-from sar_tui.store.session_copy import copy_rows, copy_session
+from sar_tui.store.tables import ADDED_LATER, TABLES, with_column
 
 _FACTS = {
     "sessions": "id=?",
@@ -319,3 +319,56 @@ def _rename(path: Path) -> None:
         raise StoreError(
             f"{path} was brought back, but cannot be renamed: {error.strerror}."
         ) from error
+
+
+# --- copies of sessions
+
+
+def copy_session(
+    source: sqlite3.Connection, target: sqlite3.Connection, session: str, *, adds: bool = False
+) -> list[int]:
+    """Copy a session with its participants and their programmes.
+
+    What the target has of the session is replaced; if ``adds``, it is kept, as the source has only
+    what followed.
+
+    Both databases must have the present version.
+
+    Returns:
+        The numbers of messages that are damaged, which were not copied.
+
+    Raises:
+        StoreError: the target cannot be written to, or the source cannot be read; nothing was
+            copied.
+    """
+    with transaction(target) as connection:
+        for table in with_column("session"):
+            keeps = adds or table in ADDED_LATER
+            if not keeps:
+                connection.execute(f'DELETE FROM "{table}" WHERE session=?', (session,))
+            copy_rows(source, connection, table, "session=?", session, or_ignore=keeps)
+        damaged = messages.copy(source, connection, session, adds=adds)
+        connection.execute("DELETE FROM sessions WHERE id=?", (session,))
+        copy_rows(source, connection, "sessions", "id=?", session)
+        seated = "(SELECT participant FROM seats WHERE session=?)"
+        copy_rows(source, connection, "participants", f"code IN {seated}", session, or_ignore=True)
+        copy_rows(
+            source, connection, "programmes", f"participant IN {seated}", session, or_ignore=True
+        )
+    return damaged
+
+
+def copy_rows(
+    source: sqlite3.Connection,
+    target: sqlite3.Connection,
+    table: str,
+    condition: str = "?",
+    value: object = True,
+    *,
+    or_ignore: bool = False,
+) -> None:
+    """Copy the rows of a table that fulfil a condition with one value; by default all."""
+    names = ", ".join(TABLES[table].names)
+    rows = source.execute(f"SELECT {names} FROM {table} WHERE {condition} ORDER BY rowid", (value,))
+    how = "INSERT OR IGNORE" if or_ignore else "INSERT"
+    target.executemany(TABLES[table].insert(how=how), rows)

@@ -1599,3 +1599,9 @@ VERSION = max(
 def with_column(name: str) -> tuple[str, ...]:
     """Return the names of the tables that have a column."""
     return tuple(table.name for table in TABLES.values() if name in table.names)
+
+
+ADDED_LATER = ("records",)
+"""Tables with a session that are no part of its record: people add rows later, or before it."""
+SESSION_TABLES = tuple(name for name in with_column("session") if name not in ADDED_LATER)
+"""Tables whose rows are the record of a session, beside ``sessions`` and ``messages``."""

@@ -29,7 +29,7 @@ from sar_tui.store.database import FILE, connect, transaction
 from sar_tui.store.integrity import Flaw, flaws
 from sar_tui.store.record_changes import change_status, erase_note, log
 from sar_tui.store.repair import repair
-from sar_tui.store.session_copy import copy_session
+from sar_tui.store.rescue import copy_session
 from tests.program import Call
 from tests.runs.test_resume import interrupted
 

@@ -18,7 +18,7 @@ from sar_tui.rules.wellbeing import SessionRatings, tell_therapist
 from sar_tui.store import participants, records, sessions, wellbeing
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.integrity import flaws
-from sar_tui.store.session_copy import copy_session
+from sar_tui.store.rescue import copy_session
 from tests.recorded import event, score, told
 
 FACTS = {"theme": "calm", "seed": 1, "parameters": {}, "software": {}, "machine": {}}

@@ -11,9 +11,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from sar_tui.store.merge import conflicts
-from sar_tui.store.merge.columns import columns, session_tables
 from sar_tui.store.merge.comparison import compare
 from sar_tui.store.merge.people import Pair, People, in_full, site_of
+from sar_tui.store.tables import SESSION_TABLES, TABLES, with_column
 
 
 class _Records(NamedTuple):
@@ -88,7 +88,7 @@ def leave_out(db: sqlite3.Connection, sessions: Iterable[str]) -> None:
     for id in sessions:
         db.execute("DELETE FROM other.sessions WHERE id=?", (id,))
         db.execute("DELETE FROM other.conflicts WHERE kind='session' AND key=?", (id,))
-        for table in (*session_tables(db), "records"):
+        for table in with_column("session"):
             db.execute(f"DELETE FROM other.{table} WHERE session=?", (id,))
 
 
@@ -121,7 +121,7 @@ def _leave_out_session_only(db: sqlite3.Connection, sessions: Sequence[str]) -> 
     """Remove sessions whose records of people are looked at by themselves."""
     for id in sessions:
         db.execute("DELETE FROM other.sessions WHERE id=?", (id,))
-        for table in session_tables(db):
+        for table in SESSION_TABLES:
             db.execute(f"DELETE FROM other.{table} WHERE session=?", (id,))
 
 
@@ -153,7 +153,7 @@ def _records(
 ) -> Iterator[str]:
     names = [
         name
-        for name in columns(db, records.table)
+        for name in TABLES[records.table].names
         if (records.table, name) != ("exports", "number")
     ]
     same = " AND ".join(_same(records, name) for name in names)

@@ -10,8 +10,7 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import Literal
 
-from sar_tui.store.merge.columns import columns, keys, session_tables
-from sar_tui.store.tables import SESSIONS
+from sar_tui.store.tables import SESSION_TABLES, SESSIONS, TABLES
 
 Relation = Literal["equal", "longer here", "longer there", "contradictory"]
 
@@ -93,8 +92,8 @@ def _count(
             f"SELECT compared.id, count(*) FROM temp.compared CROSS JOIN {schema}.{table} ON session=compared.id"
             " GROUP BY compared.id"
         )))  # fmt: skip
-    key = keys(db, table)
-    rest = [name for name in columns(db, table) if name not in (*key, *left_out)]
+    key = TABLES[table].key
+    rest = [name for name in TABLES[table].names if name not in (*key, *left_out)]
     same_key = " AND ".join(f"here.{name}=there.{name}" for name in key if name != "session")
     same = "".join(f" AND here.{name} IS there.{name}" for name in rest)
     common.update(dict(db.execute(
@@ -139,10 +138,10 @@ def _facts_that_differ(db: sqlite3.Connection) -> set[str]:
 def _what_follows_differs(db: sqlite3.Connection) -> set[str]:
     """Return the sessions whose rows beside the log are not the same."""
     found: set[str] = set()
-    for table in session_tables(db):
+    for table in SESSION_TABLES:
         if table in LOG and not set(LOG[table]) - {"data"}:
             continue
-        if keys(db, table):
+        if TABLES[table].key:
             here, there, common = Counter[str](), Counter[str](), Counter[str]()
             _count(db, table, (), here, there, common)
             found.update(id for id in here | there if not here[id] == there[id] == common[id])
@@ -155,7 +154,7 @@ def _without_key(db: sqlite3.Connection, table: str) -> set[str]:
     """Return the sessions whose rows in a table without a key are not the same, or not as often the
     same.
     """
-    listed = ", ".join(f'"{name}"' for name in columns(db, table))
+    listed = ", ".join(f'"{name}"' for name in TABLES[table].names)
     here, there = (
         f"SELECT {listed}, count(*) FROM temp.compared CROSS JOIN {schema}.{table} ON "
         "session=compared.id"

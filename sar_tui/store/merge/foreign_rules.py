@@ -17,12 +17,11 @@ from sar_tui.model.visible_text import visible
 from sar_tui.records.kind import LONGEST_TEXT as LONGEST_REMARK
 from sar_tui.store.database import StoreError
 from sar_tui.store.merge import conflicts
-from sar_tui.store.merge.columns import columns, keys, session_tables
 from sar_tui.store.merge.conflicts import Content
 from sar_tui.store.participants import check_code
 from sar_tui.store.programmes import LONGEST_TEXT
 from sar_tui.store.sites import check_site
-from sar_tui.store.tables import TABLES, Form
+from sar_tui.store.tables import SESSION_TABLES, TABLES, Form
 from sar_tui.store.texts import check_text
 
 Rule = Callable[[Any], bool]
@@ -168,7 +167,7 @@ def _is_version(db: sqlite3.Connection, kind: str, key: str, digest: str, packed
         return False
     if kind != "session":
         return conflicts.is_record(kind, content) and conflicts.key_of(kind, content) == key
-    known = {"sessions", "messages", *session_tables(db)}
+    known = {"sessions", "messages", *SESSION_TABLES}
     rows = [
         row
         for table, rows in content.items()
@@ -195,7 +194,7 @@ def _passes(db: sqlite3.Connection, table: str, row: dict[str, Any]) -> bool:
     if table not in _tables(db):
         return False
     types, rules = _types(db, table), _rules(table)
-    if row.keys() - columns(db, table) or set(keys(db, table)) - row.keys():
+    if row.keys() - TABLES[table].names or set(TABLES[table].key) - row.keys():
         return False
     return all(
         value is None

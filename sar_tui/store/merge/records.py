@@ -5,10 +5,10 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from sar_tui.store.merge import conflicts
-from sar_tui.store.merge.columns import columns
 from sar_tui.store.merge.conflicts import Content, Kind
 from sar_tui.store.merge.people import People
 from sar_tui.store.merge.renaming import add_participant
+from sar_tui.store.tables import TABLES
 
 
 class _Records(NamedTuple):
@@ -46,7 +46,7 @@ def _participants(db: sqlite3.Connection) -> int:
 
 
 def _exports(db: sqlite3.Connection) -> int:
-    names = [name for name in columns(db, "exports") if name != "number"]
+    names = [name for name in TABLES["exports"].names if name != "number"]
     same = " AND ".join(f"here.{name}=there.{name}" for name in names)
     return db.execute(
         f"INSERT INTO main.exports ({', '.join(names)}) SELECT {', '.join(names)} FROM "
@@ -57,7 +57,7 @@ def _exports(db: sqlite3.Connection) -> int:
 
 def _merge(db: sqlite3.Connection, people: People, records: _Records) -> int:
     db.execute("CREATE TEMP TABLE IF NOT EXISTS decided (kind, key)")
-    names = columns(db, records.table)
+    names = TABLES[records.table].names
     same_key = " AND ".join(f"here.{name}=there.{name}" for name in records.key)
     both = f"main.{records.table} AS here JOIN other.{records.table} AS there ON {same_key}"
     changed = _attach_answers(db, records) if records.table == "records" else 0

@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 from sar_tui.store.merge import conflicts
-from sar_tui.store.merge.columns import columns, session_tables
 from sar_tui.store.merge.comparison import CHANGED_LATER, LOG, compare
 from sar_tui.store.merge.conflicts import Content
 from sar_tui.store.merge.people import People
+from sar_tui.store.tables import SESSION_TABLES, TABLES
 
 _AT_ONCE = 20
 """Sessions that are compared or copied by one statement."""
@@ -86,7 +86,7 @@ def _json(ids: set[str]) -> str:
 def remove(db: sqlite3.Connection, sessions: Sequence[str]) -> None:
     """Remove sessions from the main database, to put longer records in their place."""
     for session in sessions:
-        for table in session_tables(db):
+        for table in SESSION_TABLES:
             db.execute(f"DELETE FROM main.{table} WHERE session=?", (session,))
         number = "(SELECT number FROM main.session_numbers WHERE id=?)"
         db.execute(f"DELETE FROM main.messages WHERE session_number={number}", (session,))
@@ -100,9 +100,9 @@ def _copy(db: sqlite3.Connection, sessions: Sequence[str]) -> None:
     db.execute("CREATE TEMP TABLE IF NOT EXISTS wanted (number INTEGER PRIMARY KEY, id TEXT)")
     db.execute("DELETE FROM temp.wanted")
     db.executemany("INSERT INTO temp.wanted (id) VALUES (?)", [(session,) for session in sessions])
-    for table in ("sessions", *session_tables(db)):
-        listed = ", ".join(f'"{name}"' for name in columns(db, table))
-        rows = ", ".join(f'there."{name}"' for name in columns(db, table))
+    for table in ("sessions", *SESSION_TABLES):
+        listed = ", ".join(f'"{name}"' for name in TABLES[table].names)
+        rows = ", ".join(f'there."{name}"' for name in TABLES[table].names)
         own = "id" if table == "sessions" else "session"
         db.execute(
             f"INSERT INTO main.{table} ({listed}) SELECT {rows} FROM temp.wanted CROSS JOIN "
@@ -170,7 +170,7 @@ def _decide(db: sqlite3.Connection, people: People, session: str) -> bool:
 def _content(db: sqlite3.Connection, schema: str, session: str) -> Content:
     """Return all rows of a session."""
     found: Content = {}
-    for table in ("sessions", *session_tables(db)):
+    for table in ("sessions", *SESSION_TABLES):
         own = "id" if table == "sessions" else "session"
         found[table] = _rows(
             db,
@@ -189,7 +189,7 @@ def _content(db: sqlite3.Connection, schema: str, session: str) -> Content:
 
 
 def _listed(db: sqlite3.Connection, table: str) -> str:
-    return ", ".join(f'"{name}"' for name in columns(db, table))
+    return ", ".join(f'"{name}"' for name in TABLES[table].names)
 
 
 def _rows(db: sqlite3.Connection, query: str, session: str) -> list[dict[str, Any]]:
