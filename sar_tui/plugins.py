@@ -54,8 +54,8 @@ class Catalogue:
         for folder in tasks:
             if not folder.is_dir():
                 raise PluginError(f"There is no folder {folder} for tasks.")
-        self.extra_tasks = tasks
-        self._tasks = (*tasks, plugin_loader.user_folder() / "tasks", _shipped("tasks"))
+        self.extra_tasks = tuple(folder.absolute() for folder in tasks)
+        self._tasks = (*self.extra_tasks, plugin_loader.user_folder() / "tasks", _shipped("tasks"))
         self._themes = (*themes, plugin_loader.user_folder() / "themes", _shipped("themes"))
 
     def task_names(self) -> list[str]:

@@ -44,10 +44,9 @@ class GuardedView(Node):
         for place, error in self._faults:
             bus.report(self.name, place, error)
 
-    @property
-    def draws_prompts(self) -> bool:
-        """True if the task's view draws prompts in a way of its own."""
-        return type(self._view).prompt_lines is not TaskView.prompt_lines
+    def call_to_redraw(self, redraw: Callable[[], None]) -> None:
+        """Have a function called whenever the view says that it looks different now."""
+        self._view.on_redraw = redraw
 
     def prompt_lines(self, prompt: Prompt | None, width: int, height: int) -> Sequence[Line]:
         """Draw a prompt as the view does, or plainly."""

@@ -53,6 +53,14 @@ class TaskView(Node):
         super().__init__()
         self.task = task
         self.tr = task.tr
+        self.on_redraw: Callable[[], None] = lambda: None
+        """Set by the screen."""
+
+    def redraw(self) -> None:
+        """Draw what stands on the screen again, by `prompt_lines`: after a change of what the view
+        keeps, such as the place of a slider. Nothing is painted if it looks the same.
+        """
+        self.on_redraw()
 
     def prompt_lines(self, prompt: Prompt | None, width: int, height: int) -> Sequence[Line]:
         """Draw a prompt, or the fixation point where it is None, as at most ``height`` lines of

@@ -101,6 +101,21 @@ async def test_a_picture_is_prepared_before_its_prompt_and_drawn_with_its_text(
 
 
 @pytest.mark.usefixtures("half_blocks")
+async def test_a_picture_is_shown_in_a_task_with_a_view_of_its_own(
+    data: Path, naming: Path
+) -> None:
+    (naming / "view.py").write_text(
+        "from sar_tui.api.view import TaskView\n\n\nclass NamingView(TaskView):\n"
+        "    def prompt_lines(self, prompt, width, height):\n"
+        '        return [("drawn" if prompt is None else prompt.text, True)]\n'
+    )
+    async with session_of(data, naming) as driver:
+        await driver.to_first_prompt()
+        assert "▀" * 20 in driver.text
+        assert driver.session.faults == []
+
+
+@pytest.mark.usefixtures("half_blocks")
 async def test_a_picture_that_goes_missing_in_a_session_is_replaced_by_its_glyph(
     data: Path, naming: Path
 ) -> None:

@@ -5,7 +5,9 @@ from pathlib import Path
 import pytest
 
 from sar_tui.plugins import Catalogue
+from sar_tui.runs.plan import make_plan
 from tests.app.app_driver import AppDriver, open_app, plan
+from tests.documented import write_documented
 from tests.sides_task import VIEW, write_sides
 
 
@@ -41,6 +43,24 @@ async def test_a_task_outside_the_checkout_draws_in_all_places(data: Path, own_t
         await driver.press("enter")
         assert driver.screen_name == "PastSessionScreen"
         assert driver.sees("The view counts 4.")
+
+
+async def test_a_slider_follows_the_keys(
+    data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_documented(tmp_path / "mytasks", "slider", "task", "view")
+    monkeypatch.chdir(tmp_path)
+    catalogue = Catalogue(tasks=(Path("mytasks"),))
+    planned = make_plan(catalogue, "slider", ["P01"], {"attempts": 1}, theme="calm", seed=7)
+    async with open_app(data, catalogue, planned) as driver:
+        await driver.to_first_prompt()
+        await driver.wait(300)
+        assert "─────●─────" in driver.text
+        await driver.press("right")
+        assert "──────●────" in driver.text
+        await driver.press("left")
+        assert "─────●─────" in driver.text
+        assert [fault.error for fault in driver.session.faults] == []
 
 
 async def test_without_a_view_the_plain_prompt_is_drawn(data: Path, own_tasks: Path) -> None:

@@ -148,6 +148,14 @@ MISTAKES = {
         PLAYED + "task.py:22: 10 of 10 attempts have no metric: no trial in them was right and had "
         "a value.",
     ),
+    "infinite value": Mistake(
+        "arrows", "value=trial.latency_ms(percept.at)", "value=float('inf')",
+        PLAYED + "task.py:22: ",
+    ),
+    "empty goal": Mistake(
+        "arrows", STIMULUS, "    def goal(self, level):\n        return ''\n\n" + STIMULUS,
+        "✗ gives instructions, and a goal for each level. task.py:18: The goal is empty at level 1.",
+    ),
     "undeclared detail": Mistake(
         "arrows", "response_at=", 'details={"side": 1}, response_at=',
         DETAILS + "task.py:26: Its Details do not declare side.",
@@ -165,6 +173,10 @@ MISTAKES = {
         "arrows", "        return Result(\n            response=percept.key,",
         "        self.n = getattr(self, 'n', 0) + 1\n"
         "        return Result(\n            response=percept.key + str(self.n),",
+        "✗ keeps no state from call to call. task.py:22: In perceived, at attempt ",
+    ),
+    "other result when asked again": Mistake(
+        "arrows", "value=trial", "value=__import__('time').monotonic() + trial",
         "✗ keeps no state from call to call. task.py:22: In perceived, at attempt ",
     ),
     "goal out of reach": Mistake(

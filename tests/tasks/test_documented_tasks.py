@@ -40,7 +40,7 @@ from sar_tui.store.database import connect
 from tests.documented import FILES, FRAGMENTS, TASKS, write_documented
 
 SEED = 3
-NODES = {"twist": ("task", "twists")}
+NODES = {"slider": ("task", "view"), "twist": ("task", "twists")}
 """Files of tasks that have more than one."""
 
 

@@ -116,10 +116,8 @@ class SessionStage(Vertical):
 
     @functools.cached_property
     def _pictures(self) -> Pictures | None:
-        """The pictures of the task; None if it draws its prompts itself, or if none can be shown
-        here.
-        """
-        if self.app.picture_way is None or self._staged.view.draws_prompts:
+        """The pictures of the task; None if none can be shown here."""
+        if self.app.picture_way is None:
             return None
         folder = task_folder(type(self._staged.session.task))
         return Pictures(folder, self.app.picture_way, self.app.write_to_terminal)
@@ -152,6 +150,7 @@ class SessionStage(Vertical):
 
     def on_mount(self) -> None:
         self._show_attempts(0)
+        self._staged.view.call_to_redraw(self._prompt.redraw)
 
     def on_unmount(self) -> None:
         self._stop_countdown()
