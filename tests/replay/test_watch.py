@@ -7,6 +7,7 @@ import pytest
 from textual.widgets import Static
 
 from sar_tui.app import watch
+from sar_tui.app.screens.summary import Summary
 from sar_tui.loop.bus import Record
 from sar_tui.loop.topics import ATTEMPT_STARTED, FRAME, KEY, PROMPT, SESSION, THEME, TRIAL_FEEDBACK
 from sar_tui.model.messages import (
@@ -112,6 +113,7 @@ async def test_a_session_is_shown_again_and_nothing_is_stored(
         assert header() == "Replay · attempt 1 of 3 · paused"
         await pilot.press("space", "right", "right", "right")
         assert header() == "Replay · attempt 3 of 3 · over"
+        assert shown.app.screen.query_one(Summary).display
         await pilot.press("q")
     assert shown.app.return_code == 0
     assert dump(data) == before
