@@ -47,10 +47,10 @@ Find = Callable[[object], int | None]
 
 _OF_ACTIONS = (
     "action_center/proposed",
-    "arbiter/offered",
+    "arbiter/pending_approval",
     "arbiter/action",
     "arbiter/dropped",
-    "arbiter/level_ruled",
+    "arbiter/level_decided",
 )
 
 
@@ -74,7 +74,7 @@ def runs_of_notes(database: sqlite3.Connection, session: str, damage: Damage) ->
         database,
         damage,
         "SELECT coalesce(nullif(json_extract(message, '$.at'), 0), at_ns), run FROM events"
-        " WHERE session=? AND topic='operator/noted'",
+        " WHERE session=? AND topic='operator/note'",
         (session,),
     )
 

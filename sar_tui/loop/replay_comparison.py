@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import msgspec
 
 from sar_tui.loop.bus import Record
-from sar_tui.model.messages import Fault, Message, TrialEnded
+from sar_tui.model.messages import Fault, Message
 
 WORDING = frozenset(
     {
@@ -115,12 +115,6 @@ def _without_wording(message: Message) -> Any:
     values = _blank(msgspec.to_builtins(message))
     if isinstance(message, Fault):  # where the code stands, on the machine of the session
         values["place"] = values["trace"] = ""
-    # earlier versions stored absent details, and empty responses, in two ways
-    if isinstance(message, TrialEnded):
-        values["response"] = message.response or None
-        values["details"] = {
-            name: value for name, value in values["details"].items() if value is not None
-        }
     return values
 
 

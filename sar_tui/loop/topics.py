@@ -1,8 +1,6 @@
 """Every topic and service of the system, by name.
 
-Databases and recordings hold these names, so a name never changes, even where its constant is
-called otherwise now: ``theme/worn``, ``arbiter/offered``, ``arbiter/standing``,
-``arbiter/stalling``, ``arbiter/level_ruled``, ``arbiter/missed``.
+Databases and recordings hold these names, so a name never changes once it was released.
 """
 
 from typing import Any
@@ -11,7 +9,7 @@ from sar_tui.loop.bus import FAULT, Service, Topic
 from sar_tui.model import messages as m
 
 SESSION = Topic("session/started", m.SessionStarted, origin="input", keep=True)
-THEME = Topic("theme/worn", m.ThemeApplied, origin="input", keep=True)
+THEME = Topic("theme/applied", m.ThemeApplied, origin="input", keep=True)
 KEY = Topic("input/key", m.KeyPressed, origin="input")
 PASTE = Topic("input/paste", m.Pasted, origin="input")
 UNREADABLE = Topic("input/unreadable", m.InputDropped, origin="input")
@@ -30,7 +28,7 @@ DECISION = Topic("operator/decision", m.Decision, origin="input")
 REMARK = Topic("operator/remark", m.Remark, origin="input")
 MODE = Topic("operator/mode", m.ModeChanged, origin="input")
 PROPOSAL_SEEN = Topic("operator/seen", m.ProposalSeen, origin="input")
-NOTE_ADDED = Topic("operator/noted", m.NoteAdded, origin="input")
+NOTE_ADDED = Topic("operator/note", m.NoteAdded, origin="input")
 PRESENCE = Topic("operator/presence", m.OperatorChanged, origin="input", keep=True)
 REFUSED = Topic("operator/refused", m.PeerRequestRefused, origin="input")
 REPORT = Topic("output/report", m.OutputReport, origin="input")
@@ -63,12 +61,12 @@ STEP_ENDED = Topic("event_handler/step_ended", m.StepEnded)
 FEEDBACK = Topic("event_handler/feedback", m.Feedback)
 SESSION_ENDED = Topic("event_handler/session_ended", m.SessionEnded)
 PROPOSED = Topic("action_center/proposed", m.Proposal)
-PENDING_APPROVAL = Topic("arbiter/offered", m.PendingApproval)
-ARBITER_STATE = Topic("arbiter/standing", m.ArbiterState, keep=True)
-FILLER_DUE = Topic("arbiter/stalling", m.FillerDue)
-LEVEL_DECIDED = Topic("arbiter/level_ruled", m.LevelDecided)
+PENDING_APPROVAL = Topic("arbiter/pending_approval", m.PendingApproval)
+ARBITER_STATE = Topic("arbiter/state", m.ArbiterState, keep=True)
+FILLER_DUE = Topic("arbiter/filler_due", m.FillerDue)
+LEVEL_DECIDED = Topic("arbiter/level_decided", m.LevelDecided)
 ANSWERED = Topic("operator/answered", m.ActAnswered)
-LATE_DECISION = Topic("arbiter/missed", m.LateDecision)
+LATE_DECISION = Topic("arbiter/late_decision", m.LateDecision)
 DECIDED = Topic("arbiter/decided", m.Action)
 ACTION = Topic("arbiter/action", m.Action)
 DROPPED = Topic("arbiter/dropped", m.Dropped)
@@ -76,7 +74,7 @@ HALT = Topic("arbiter/halt", m.Halt)
 ACTING = Topic("arbiter/acting", m.AgentActing, keep=True)
 
 RECALL = Service("memory/recall", m.Recall, m.RecalledAttempts)
-LEVEL_REQUEST = Service("arbiter/rule", m.LevelRequest, m.LevelReply)
+LEVEL_REQUEST = Service("arbiter/level", m.LevelRequest, m.LevelReply)
 UNSAID_FEEDBACK = Service("arbiter/unsaid", m.UnsaidFeedbackRequest, m.UnsaidFeedback)
 
 ALL: dict[str, Topic[Any]] = {

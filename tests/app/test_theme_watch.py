@@ -175,7 +175,7 @@ async def test_in_a_session_face_colours_and_later_utterances_change(
         assert driver.app.screen.styles.background.hex.lower() == "#30171e"
         await driver.do_attempt(await driver.to_first_prompt())
         assert "Splendid." in driver.said
-        applied = driver.messages("theme/worn")
+        applied = driver.messages("theme/applied")
         assert applied[-1]["theme"]["colors"]["background"] == "#30171e"
 
 

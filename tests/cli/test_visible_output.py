@@ -120,7 +120,7 @@ def test_stored_notes_are_printed_visibly(call: Call, data: Path) -> None:
     with closing(sqlite3.connect(data / "sar-tui.db")) as database, database:
         seq, at = database.execute("SELECT max(seq) + 1, max(at_ns) FROM events").fetchone()
         note = {"text": HOSTILE, "actor": "operator.simulated", "at": at}
-        add_message(database, session, seq, at, "operator/noted", note)
+        add_message(database, session, seq, at, "operator/note", note)
     called = call("report wizard", session)
     assert leaks(called.out) == []
     assert SHOWN in called.out

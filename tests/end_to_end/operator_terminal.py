@@ -148,8 +148,8 @@ class SessionTerminals:
 
     def pending_proposal(self) -> Row | None:
         """Return the proposal that waits for the operator's decision."""
-        states = self.reported("arbiter/standing")
-        pending = states[-1].get("offers", []) if states else []
+        states = self.reported("arbiter/state")
+        pending = states[-1].get("pending", []) if states else []
         return pending[0]["proposal"] if pending else None
 
 

@@ -190,7 +190,7 @@ from sar_tui.model.messages import NoteAdded
 from sar_tui.link import protocol
 from sar_tui.link.zenoh_settings import LinkKeys, config
 act = protocol.encode(
-    protocol.ActRequest("flood", "operator/noted", protocol.msgspec.Raw(protocol.encode(NoteAdded(text="x"))))
+    protocol.ActRequest("flood", "operator/note", protocol.msgspec.Raw(protocol.encode(NoteAdded(text="x"))))
 )
 key = LinkKeys(sys.argv[2]).act("operator.flood")
 with zenoh.open(config(sys.argv[1])) as session:

@@ -112,11 +112,11 @@ async def test_proposal_is_approved_in_a_browser(data: Path) -> None:
             terminal.confirm()
             await asyncio.to_thread(participant.run, 2)
             async with keep_reading(terminal):
-                text = (await logged_message(data, "arbiter/offered"))["proposal"]["text"]
+                text = (await logged_message(data, "arbiter/pending_approval"))["proposal"]["text"]
                 await browser.see(text[:20])
                 assert text[:20].encode() not in terminal.output
                 # keys pressed too soon after a proposal are ignored
-                await logged_message(data, "arbiter/stalling")
+                await logged_message(data, "arbiter/filler_due")
                 await browser.press("Enter")
             await asyncio.to_thread(terminal.wait_for, text[:20])
             await browser.call("Page.navigate", url="about:blank")

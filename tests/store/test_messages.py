@@ -108,10 +108,10 @@ def test_messages_take_half_the_space_of_their_objects(
     simulate(plan, PEOPLE["average"], data, catalogue)
     ((objects, names),) = database.execute(
         "SELECT sum(length(message)), sum(length(session) + length(topic)) FROM events WHERE "
-        "topic<>'theme/worn'"
+        "topic<>'theme/applied'"
     ).fetchall()
     ((stored,),) = database.execute(
-        "SELECT sum(length(message)) FROM messages JOIN topics ON id=topic WHERE name<>'theme/worn'"
+        "SELECT sum(length(message)) FROM messages JOIN topics ON id=topic WHERE name<>'theme/applied'"
     ).fetchall()
     assert stored < 0.4 * (objects + names)
 

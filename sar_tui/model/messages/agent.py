@@ -109,7 +109,7 @@ class LevelDecided(Message, frozen=True, kw_only=True):
     at: int
 
 
-class ArbiterState(Message, frozen=True, kw_only=True, rename={"pending": "offers"}):
+class ArbiterState(Message, frozen=True, kw_only=True):
     """Complete state of the arbiter, published after each change, for an operator who joins.
 
     ``operated``: True if there is an operator, so that the ``modes`` apply. ``pending``: waits for
@@ -174,7 +174,7 @@ class OutputOpened(Message, frozen=True, kw_only=True):
     can: tuple[ActionPart, ...]
 
 
-class AgentActing(Message, frozen=True, kw_only=True, rename={"awaits_operator": "owing"}):
+class AgentActing(Message, frozen=True, kw_only=True):
     """The agent began or stopped speaking or moving; no prompt is shown while ``acting``.
 
     ``awaits_operator``: True if the session waits for an operator to decide by a deadline.
