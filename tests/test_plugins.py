@@ -188,49 +188,68 @@ def test_an_unknown_name_is_reported_with_the_known_ones(catalogue: Catalogue) -
         load_task(Path("nowhere"))
 
 
-def test_a_task_that_raises_on_import_is_reported(own: Path) -> None:
-    write(own, "broken", "1 / 0\n")
-    assert (
-        sentence(own, "broken")
-        == "The task broken cannot be loaded: task.py:1: ZeroDivisionError: division by zero."
-    )
-
-
-def test_a_syntax_error_in_a_task_is_reported_with_its_line(own: Path) -> None:
-    write(own, "garbled", "import math\nclass Garbled(:\n")
-    assert sentence(own, "garbled").startswith("The task garbled cannot be loaded: task.py:2: ")
-
-
-def test_a_missing_dependency_of_a_task_is_reported(own: Path) -> None:
-    write(own, "needy", "import nothing_of_that_name\n")
-    assert "No module named 'nothing_of_that_name'" in sentence(own, "needy")
+CURRENT = "The names of this version are in docs/task-reference.md."
 
 
 @pytest.mark.parametrize(
-    ("statement", "missing"),
+    ("source", "problem"),
     [
+        ("1 / 0\n", "cannot be loaded: task.py:1: ZeroDivisionError: division by zero."),
+        ("import math\nclass Garbled(:\n", "cannot be loaded: task.py:2: "),
+        (
+            "import nothing_of_that_name\n",
+            "cannot be loaded: task.py:1: ModuleNotFoundError: No module named 'nothing_of_that_name'.",
+        ),
         (
             "from sar_tui.no_such_package.imu import Imu",
-            "No module named 'sar_tui.no_such_package'",
+            f"cannot be loaded: task.py:1: No module named 'sar_tui.no_such_package'. {CURRENT}",
         ),
         (
             "from sar_tui.loop.task import NoSuchName",
-            "cannot import name 'NoSuchName' from 'sar_tui.loop.task'",
+            "cannot be loaded: task.py:1: cannot import name 'NoSuchName' from 'sar_tui.loop.task'. "
+            f"{CURRENT}",
         ),
         (
             "from sar_tui import no_such_package",
-            "cannot import name 'no_such_package' from 'sar_tui'",
+            f"cannot be loaded: task.py:1: cannot import name 'no_such_package' from 'sar_tui'. {CURRENT}",
         ),
     ],
 )
-def test_a_task_with_names_of_another_version_is_reported(
-    own: Path, statement: str, missing: str
+def test_a_task_that_cannot_be_imported_is_reported(own: Path, source: str, problem: str) -> None:
+    write(own, "minimal", source)
+    assert sentence(own, "minimal").startswith(f"The task minimal {problem}")
+
+
+@pytest.mark.parametrize(
+    ("folder", "source", "problem"),
+    [
+        (
+            "minimal",
+            f"{MINIMAL}\n\nclass Other(Minimal):\n    name = 'other'\n",
+            "task.py must define one Task; it defines 2.",
+        ),
+        (
+            "minimal",
+            "from sar_tui.loop.task import Task\n",
+            "task.py must define one Task; it defines 0.",
+        ),
+        (
+            "other",
+            MINIMAL,
+            "The task in the folder other has the name minimal; the two must be the same.",
+        ),
+        (
+            "my-task",
+            MINIMAL,
+            "my-task cannot name a task's folder. Use a Python name, such as tapping.",
+        ),
+    ],
+)
+def test_a_folder_without_one_task_of_its_name_is_reported(
+    own: Path, folder: str, source: str, problem: str
 ) -> None:
-    write(own, "minimal", f"{statement}\n{MINIMAL}")
-    assert sentence(own, "minimal") == (
-        f"The task minimal cannot be loaded: task.py:1: {missing}. The names of this version are in "
-        "docs/task-reference.md."
-    )
+    write(own, folder, source)
+    assert sentence(own, folder).endswith(problem)
 
 
 def test_a_fixed_task_is_loaded_the_next_time(own: Path) -> None:
@@ -238,24 +257,6 @@ def test_a_fixed_task_is_loaded_the_next_time(own: Path) -> None:
     assert "cannot be loaded" in sentence(own, "minimal")
     (folder / "task.py").write_text(MINIMAL, encoding="utf-8")
     assert Catalogue(tasks=(own,)).task("minimal").title == "Minimal"
-
-
-def test_two_tasks_in_one_file_are_reported(own: Path) -> None:
-    write(own, "minimal", MINIMAL + "\n\nclass Other(Minimal):\n    name = 'other'\n")
-    assert sentence(own, "minimal").endswith("task.py must define one Task; it defines 2.")
-
-
-def test_a_file_without_a_task_is_reported(own: Path) -> None:
-    write(own, "empty", "from sar_tui.loop.task import Task\n")
-    assert sentence(own, "empty").endswith("task.py must define one Task; it defines 0.")
-
-
-def test_a_task_whose_name_differs_from_its_folder_is_reported(own: Path) -> None:
-    write(own, "renamed", MINIMAL)
-    assert (
-        sentence(own, "renamed")
-        == "The task in the folder renamed has the name minimal; the two must be the same."
-    )
 
 
 @pytest.mark.parametrize("declaration", ["name", "title", "metric"])
@@ -297,14 +298,6 @@ def test_a_declaration_of_a_wrong_type_is_reported_and_the_other_tasks_remain(
     listed = call("tasks", "--tasks", own, "--json").json["tasks"]
     usable = [task["name"] for task in listed if "error" not in task]
     assert usable == sorted({*Catalogue().task_names()} - {"minimal"})
-
-
-def test_a_folder_name_that_cannot_be_imported_is_reported(own: Path) -> None:
-    write(own, "my-task", MINIMAL)
-    assert (
-        sentence(own, "my-task")
-        == "my-task cannot name a task's folder. Use a Python name, such as tapping."
-    )
 
 
 @pytest.fixture
