@@ -5,6 +5,7 @@ Each kind of plug-in is a `Group`, declared where its plug-ins are used. What a 
 while it is loaded becomes one error with one sentence.
 """
 
+import contextlib
 import functools
 import importlib
 import sys
@@ -110,8 +111,12 @@ def _found(group: str, path: tuple[str, ...]) -> "tuple[EntryPoint, ...]":
 @functools.cache
 def _declarations(path: tuple[str, ...]) -> bytes:
     """Return the entry points of all installed packages, as their files have them."""
-    files = (file for folder in path for file in Path(folder).glob("*-info/entry_points.txt"))
-    return b"\n".join(file.read_bytes() for file in files)
+    found = []
+    for folder in path:
+        for file in Path(folder).glob("*-info/entry_points.txt"):
+            with contextlib.suppress(OSError):  # a package that cannot be read offers nothing
+                found.append(file.read_bytes())
+    return b"\n".join(found)
 
 
 def why(error: BaseException) -> str:
