@@ -105,7 +105,7 @@ def show(
     as_json: AsJson = False,
 ) -> None:
     """Show a session: attempts, plot, timing."""
-    from sar_tui.reports import difficulty_changes, reported_changes, rests, skipped_attempts
+    from sar_tui.reports import session_facts
     from sar_tui.reports.marker_summary import marker_summaries
     from sar_tui.reports.output_summary import output_summaries
     from sar_tui.store import records, sites
@@ -121,14 +121,16 @@ def show(
         markers = marker_summaries(database, found["id"])
         recorded = records.listing(database, session=found["id"])
         moves = found["parameters"].get("difficulty_policy") in ("target", "percentile", "sequence")
-        changes = difficulty_changes.lines(database, found["id"]) if moves and not as_json else []
+        changes = (
+            session_facts.level_changes(database, found["id"]) if moves and not as_json else []
+        )
         must_rest = any(
             found["parameters"].get(f"rest_after_{what}") for what in ("attempts", "minutes")
         )
-        changes += rests.lines(database, found["id"]) if must_rest and not as_json else []
-        changes += skipped_attempts.lines(database, found["id"]) if not as_json else []
+        changes += session_facts.rests(database, found["id"]) if must_rest and not as_json else []
+        changes += session_facts.skipped_attempts(database, found["id"]) if not as_json else []
         changes += (
-            reported_changes.lines(store.rows(database, "actions", found["id"]))
+            session_facts.reported_changes(store.rows(database, "actions", found["id"]))
             if not as_json
             else []
         )

@@ -7,7 +7,7 @@ import pytest
 
 from sar_tui.app.app import SarTui
 from sar_tui.plugins import Catalogue
-from sar_tui.reports import skipped_attempts
+from sar_tui.reports import session_facts
 from sar_tui.store import participants, passphrase, programmes
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.passphrase import Passphrase
@@ -197,7 +197,7 @@ async def test_an_attempt_can_be_left_out_and_the_next_one_follows(
     assert stored(data, "SELECT attempt, trial FROM trials") == [(1, 1), (2, 1), (2, 2)]
     assert stored(data, "SELECT status FROM sessions") == [("completed",)]
     database = connect(data)
-    assert skipped_attempts.lines(database, session) == [
+    assert session_facts.skipped_attempts(database, session) == [
         "Attempt 1 was skipped by the participant, after 1 of 2 trials."
     ]
     database.close()

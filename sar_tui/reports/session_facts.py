@@ -1,0 +1,119 @@
+"""Lines on what happened in a session: levels, rests, skipped attempts, feedback."""
+
+import sqlite3
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import msgspec
+
+from sar_tui.loop.topics import ATTEMPT_ENDED, COMMAND, GOAL, LEVEL, WAITING
+from sar_tui.model.messages import AttemptEnded, GoalChanged, LevelChanged, SessionCommand, Waiting
+from sar_tui.model.units import SECOND
+
+_LEVELS_READ = {ATTEMPT_ENDED.name: AttemptEnded, LEVEL.name: LevelChanged, GOAL.name: GoalChanged}
+
+
+def level_changes(database: sqlite3.Connection, session: str) -> list[str]:
+    """Return a line for each change of level or goal in a session, in order."""
+    rows = database.execute(
+        "SELECT topic, message FROM events WHERE session=? AND topic IN "
+        f"({','.join('?' * len(_LEVELS_READ))}) ORDER BY seq",
+        (session, *_LEVELS_READ),
+    )
+    attempt, found = 0, []
+    for topic, text in rows:
+        match msgspec.json.decode(text, type=_LEVELS_READ[topic]):
+            case AttemptEnded() as ended:
+                attempt = ended.attempt
+            case LevelChanged() as change:
+                found.append(
+                    f"After attempt {attempt}: level {change.previous} → {change.level}. "
+                    f"{change.why}".rstrip()
+                )
+            case GoalChanged() as change:
+                values = f"{change.previous:.4g} → {change.goal:.4g} {change.unit}".rstrip()
+                found.append(f"After attempt {attempt}: goal {values}. {change.why}")
+    return found
+
+
+_WAITS_READ = {WAITING.name: Waiting, COMMAND.name: SessionCommand}
+
+
+def rests(database: sqlite3.Connection, session: str) -> list[str]:
+    """Return a line for each rest of a session, in order: its length, pauses included, and who
+    ended it early.
+    """
+    rows = database.execute(
+        "SELECT run, at_ns, topic, message FROM events WHERE session=? AND topic IN (?, ?) ORDER "
+        "BY seq",
+        (session, *_WAITS_READ),
+    )
+    found: list[str] = []
+    began: tuple[int, int, int] | None = None
+    ended_by = ""
+    for run, at, topic, text in rows:
+        message = msgspec.json.decode(text, type=_WAITS_READ[topic])
+        if began and began[0] != run:
+            began = None
+        if isinstance(message, SessionCommand):
+            is_end = message.command == "skip" and message.reason != "attempt"
+            ended_by = message.actor if is_end and began else ended_by
+        elif message.stage == "rest" and began is None:
+            began, ended_by = (run, at, message.attempt - 1), ""
+        elif began and message.stage not in ("rest", "paused"):
+            early = f", ended by the {ended_by}" if ended_by else ""
+            found.append(
+                f"After attempt {began[2]}: a rest of {(at - began[1]) / SECOND:.0f} s{early}."
+            )
+            began = None
+    return found
+
+
+def skipped_attempts(database: sqlite3.Connection, session: str) -> list[str]:
+    """Return a line for each attempt of a session that was left out, by whom and when, or that
+    began again.
+    """
+    rows = database.execute(
+        "SELECT topic, message FROM events WHERE session=? AND topic IN (?, ?) ORDER BY seq",
+        (session, *_WAITS_READ),
+    )
+    found: list[str] = []
+    last = Waiting(what="nothing", stage="instructions")
+    left_out: tuple[Waiting, str] | None = None
+    restarts = 0
+    for topic, text in rows:
+        message = msgspec.json.decode(text, type=_WAITS_READ[topic])
+        if isinstance(message, SessionCommand):
+            is_skip = message.command == "skip" and message.reason == "attempt"
+            left_out = (last, message.actor) if is_skip else None
+            continue
+        if message.restarts > restarts:
+            restarts = message.restarts
+            found.append(
+                f"Attempt {message.attempt - 1} was interrupted; attempt {message.attempt} began "
+                "it again."
+            )
+        if left_out and message.stage in ("attempt", "review", "answer"):
+            at, actor = left_out
+            done = (
+                f"after {at.trial - 1} of {at.trials} trials"
+                if at.trial > 1
+                else "before its first trial ended"
+            )
+            found.append(f"Attempt {at.attempt} was skipped by the {actor}, {done}.")
+        last, left_out = message, None
+    return found
+
+
+def reported_changes(actions: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Return a line for each feedback that was said and reported a change, in order.
+
+    Args:
+        actions: rows of a session, as `store.sessions.rows` returns them.
+    """
+    said = [row["final"] for row in actions if row["kind"] == "feedback" and row["final"]]
+    return [
+        f"After attempt {final['attempt']}, feedback reported: {evidence}."
+        for final in said
+        if (evidence := final.get("evidence"))
+    ]
