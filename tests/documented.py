@@ -1,5 +1,5 @@
 """Tasks of docs/write-your-own-task.md and docs/write-a-node.md, and parts of them, taken from the
-pages.
+pages; and those of written_tasks.md, which only tests play.
 """
 
 import re
@@ -8,9 +8,10 @@ from pathlib import Path
 DOCS = Path(__file__).parents[1] / "docs"
 _NAMES = ("write-your-own-task.md", "task-reference.md", "write-a-node.md")
 PAGES = [(DOCS / name).read_text(encoding="utf-8") for name in _NAMES]
+_WRITTEN = Path(__file__).with_name("written_tasks.md").read_text(encoding="utf-8")
 FILES = {
     (name, file): source
-    for page in PAGES
+    for page in (*PAGES, _WRITTEN)
     for name, file, source in re.findall(
         r"`mytasks/(\w+)/([\w.]+)`[^`]*?\n\n```\w+\n(.*?)```", page, re.DOTALL
     )

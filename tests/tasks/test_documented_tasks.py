@@ -201,9 +201,7 @@ def test_each_task_of_the_page_passes_the_check(tmp_path: Path, name: str) -> No
     assert [each.problems for each in check(task) if each.problems] == []
 
 
-@pytest.mark.parametrize(
-    "name", ["choice", "glance", "masked", "more", "ownpace", "speed", "stroop", "taps", "wait"]
-)
+@pytest.mark.parametrize("name", ["choice", "masked", "speed", "stroop"])
 def test_a_task_of_one_need_runs(tmp_path: Path, name: str) -> None:
     played = play(tmp_path, name, {"attempts": 2})
     assert fmean(trial["correct"] for trial in played.trials) > 0.7
