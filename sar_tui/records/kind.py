@@ -157,7 +157,7 @@ class Kind(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
         name: how commands and the database call it.
         title: its name for people, as in "a Fugl-Meyer assessment".
         group: the list in which it is shown: ``event``, ``score``, ``wellbeing`` or another.
-        entered_by: who enters it: ``therapist``, ``participant`` or ``program``.
+        entered_by: who enters it: ``therapist``, ``participant``, or ``program`` if it follows from a session.
         when: title of the date it is of: "Onset", "Day it was measured".
         has_time: True if that date may have a time of day.
         once_a_day: True if a second record of a person and day replaces the first.
