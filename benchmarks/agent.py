@@ -23,9 +23,9 @@ from sar_tui.timing.closed_loop import (
     Row,
     take_turns,
 )
-from sar_tui.timing.error_statistics import ErrorStatistics, error_statistics
 from sar_tui.timing.pty import Terminal
 from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answers
+from sar_tui.timing.verdict import ErrorStatistics, error_statistics
 
 WORST_STOP_MS = 100.0
 MEDIAN_ALLOWANCE_MS, IQR_RATIO = 0.2, 1.5

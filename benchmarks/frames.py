@@ -18,8 +18,8 @@ import msgspec
 from benchmarks.tasks.sequence.task import DURATIONS_MS, frame_text
 from sar_tui.model.units import MS
 from sar_tui.timing.closed_loop import FOREPERIOD_MS, QUIET_MS
-from sar_tui.timing.error_statistics import error_statistics
 from sar_tui.timing.pty import Terminal
+from sar_tui.timing.verdict import error_statistics
 
 TASKS = Path(__file__).parent / "tasks"
 PROMPTS = 20

@@ -23,8 +23,8 @@ from sar_tui.operator.commands import TOO_SOON
 from sar_tui.operator.keymap import KEY_COMMANDS, key_name
 from sar_tui.store.database import FILE
 from sar_tui.timing.closed_loop import LEAVE_KEYS, SAR_TUI, Block, Mismatch, Row, take_turns
-from sar_tui.timing.error_statistics import ErrorStatistics, error_statistics
 from sar_tui.timing.pty import Terminal, read_together, visible
+from sar_tui.timing.verdict import ErrorStatistics, error_statistics
 
 MEDIAN_MS, P99_MS = 20.0, 100.0
 """Limits from an operator's key to the participant's screen."""

@@ -10,7 +10,7 @@ from typing import Any
 import msgspec
 
 from sar_tui.timing.closed_loop import BASELINE, SAR_TUI, Trial, python_program, take_turns
-from sar_tui.timing.error_statistics import ErrorStatistics, error_statistics
+from sar_tui.timing.verdict import ErrorStatistics, error_statistics
 
 NAIVE = python_program("naive Textual", "benchmarks.naive")
 PROGRAMS = (BASELINE, NAIVE, SAR_TUI)

@@ -464,7 +464,7 @@ class SarTui(BaseApp):
         yield SystemCommand("Quit", "Leave sar-tui; a session under way is kept", self.action_quit)
 
     def action_help(self) -> None:
-        from sar_tui.app.screens.help import HelpScreen
+        from sar_tui.app.screen_keys import HelpScreen
 
         if not isinstance(self.screen, HelpScreen):
             self.push_screen(HelpScreen(self.screen))

@@ -25,7 +25,7 @@ from sar_tui.rules.parameters import TaskParameters
 from sar_tui.runs.plan import EnoughToday, Failed, Plan, set_up
 from sar_tui.store import records, sessions
 from sar_tui.store.database import StoreError, explain
-from sar_tui.tui.paint_now import paint_now
+from sar_tui.tui.timestamps import paint_now
 from sar_tui.widgets.language import language_of
 
 if TYPE_CHECKING:

@@ -1,22 +1,25 @@
 """Checks a task folder against the contract of tasks."""
 
 from collections.abc import Iterator
+from itertools import chain
 from pathlib import Path
 
 from msgspec.structs import replace
 
-from sar_tui.checks import task_sessions, task_texts, task_translations, task_view
+from sar_tui.checks import task_sessions, task_translations, task_view
 from sar_tui.checks.check import Check, checked, reason
 from sar_tui.checks.task_sessions import ATTEMPTS, SEED, levels_of
+from sar_tui.checks.task_translations import declared, texts_in
 from sar_tui.loop.author_lines import at, line_of, strangers
 from sar_tui.loop.task import Task
 from sar_tui.loop.trial import stimulus_problem
 from sar_tui.model import frames
+from sar_tui.model.language import read_words
 from sar_tui.model.random_streams import RandomStreams
 from sar_tui.model.trial_types import Results, Situation, Stimulus, Trial
 from sar_tui.model.visible_text import control_problem
 from sar_tui.plugin_calls import PLUGIN_ERRORS
-from sar_tui.plugins import PluginError, load_task
+from sar_tui.plugins import PluginError, load_task, task_folder
 from sar_tui.rules.declaration import Field, ParameterError
 from sar_tui.rules.parameters import TaskParameters, build, fields
 from sar_tui.rules.questions import problem_of
@@ -44,9 +47,7 @@ def check(folder: Path) -> Iterator[Check]:
         return
     yield Check("can be set up with its defaults")
     yield checked("gives instructions, and a goal for each level", lambda: _words(task))
-    yield checked(
-        "has no control characters in its texts", lambda: " ".join(task_texts.problems(task))
-    )
+    yield checked("has no control characters in its texts", lambda: " ".join(problems(task)))
     yield checked(
         "has all its texts in each of its languages",
         lambda: " ".join(task_translations.problems(kind)),
@@ -220,4 +221,32 @@ def _timing_problem(prompt: Stimulus, parameters: TaskParameters, where: str) ->
         "over "
         f"({timeout_ms:g} ms), {where}. Give the stimulus a longer timeout_ms, or mark a later "
         "frame as timed."
+    )
+
+
+# --- texts
+
+
+def problems(task: Task) -> list[str]:
+    """Return a sentence for each text with such characters: declared, in the code, translated, or
+    made for a level.
+    """
+    found = {control_problem(ascii(text), text) for text in _texts(task)}
+    return sorted(found - {""})
+
+
+def _texts(task: Task) -> Iterator[str]:
+    kind = type(task)
+    folder = task_folder(kind)
+    yield from declared(kind)
+    yield from chain.from_iterable(
+        (field.title, field.help, field.unit) for field in fields(kind.Parameters)
+    )
+    for path in folder.glob("*.py"):
+        yield from texts_in(path.read_text("utf-8"))
+    for path in folder.glob("words.*.toml"):
+        yield from chain.from_iterable(read_words(path).items())
+    yield task.instructions()
+    yield from (
+        task.goal(level) for level in range(1, min(task.levels, task.parameters.max_level) + 1)
     )

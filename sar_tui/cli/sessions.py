@@ -106,8 +106,7 @@ def show(
 ) -> None:
     """Show a session: attempts, plot, timing."""
     from sar_tui.reports import session_facts
-    from sar_tui.reports.marker_summary import marker_summaries
-    from sar_tui.reports.output_summary import output_summaries
+    from sar_tui.reports.output_summary import marker_summaries, output_summaries
     from sar_tui.store import records, sites
     from sar_tui.store import sessions as store
 
@@ -150,7 +149,7 @@ def show(
         return
 
     from sar_tui.cli.tables import attempts_table, seats, summary
-    from sar_tui.reports.answers import lines
+    from sar_tui.reports.session_facts import lines
     from sar_tui.store import provenance
 
     metric = provenance.metric(found["software"])

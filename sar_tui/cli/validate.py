@@ -176,7 +176,7 @@ def _store_page(
 ) -> None:
     """Write one page of all reports."""
     from sar_tui.drivers.new_file import write_private
-    from sar_tui.validation.page import page
+    from sar_tui.validation.report import page
 
     write_private(folder / _WHOLE, page(title, reports, notes))
     lacking = any(

@@ -16,10 +16,9 @@ from sar_tui.model import messages as m
 from sar_tui.progress.lines import SessionResults
 from sar_tui.records.kind import of_group
 from sar_tui.reports import logged_messages
-from sar_tui.reports.deviations import deviations
+from sar_tui.reports.deviations import deviations, pauses
 from sar_tui.reports.dose import planned_attempts
 from sar_tui.reports.logged_messages import LoggedMessage, peers
-from sar_tui.reports.pauses import pauses
 from sar_tui.rules.wellbeing import SEVERE
 from sar_tui.store import programmes, records, sessions
 from sar_tui.store.programmes import Programme

@@ -1,7 +1,7 @@
 """Lines on what happened in a session: levels, rests, skipped attempts, feedback."""
 
 import sqlite3
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import msgspec
@@ -9,6 +9,7 @@ import msgspec
 from sar_tui.loop.topics import ATTEMPT_ENDED, COMMAND, GOAL, LEVEL, WAITING
 from sar_tui.model.messages import AttemptEnded, GoalChanged, LevelChanged, SessionCommand, Waiting
 from sar_tui.model.units import SECOND
+from sar_tui.store.records import Record
 
 _LEVELS_READ = {ATTEMPT_ENDED.name: AttemptEnded, LEVEL.name: LevelChanged, GOAL.name: GoalChanged}
 
@@ -117,3 +118,43 @@ def reported_changes(actions: Iterable[Mapping[str, Any]]) -> list[str]:
         for final in said
         if (evidence := final.get("evidence"))
     ]
+
+
+# --- answers to questions between attempts
+
+
+_STATUSES = {"declined": "would rather not say", "skipped": "skipped by an operator"}
+
+
+def lines(answers: Sequence[Record], practice: int) -> list[str]:
+    """Return a line for each question that was asked; several participants are told apart by their
+    seats.
+
+    Args:
+        answers: records of the kind ``answer``.
+        practice: the number of attempts before the first that counts, as attempts are counted with
+            them.
+    """
+    several = len({answer.seat for answer in answers}) > 1
+    asked = [answer for answer in answers if answer.content["status"] != "done"]
+    return [_line(answer, several, practice) for answer in asked]
+
+
+def _line(answer: Record, several: bool, practice: int) -> str:
+    content = answer.content
+    attempt = int(content["attempt"])
+    when = f"After attempt {attempt + practice}" if attempt else "Before the first attempt"
+    who = f", seat {answer.seat}" if several else ""
+    said = _STATUSES.get(str(content["status"])) or _said(answer)
+    return f"{when}{who}: {content['question']} {said}"
+
+
+def _said(answer: Record) -> str:
+    """Return a number with its word, an option, several, or a text in quotation marks."""
+    content = answer.content
+    chosen = str(content.get("chosen", ""))
+    if "words" in content:
+        return f'"{content["words"]}"'
+    if "value" in content:
+        return f"{content['value']:g}{f' ({chosen})' if chosen else ''}"
+    return chosen

@@ -11,10 +11,9 @@ import msgspec
 from sar_tui.loop.topics import COMMAND, DECISION, MODE, NOTE_ADDED, REMARK
 from sar_tui.model import messages as m
 from sar_tui.reports.agreement import Agreement, agreement
-from sar_tui.reports.deviations import Deviation, deviations
+from sar_tui.reports.deviations import Deviation, Pause, deviations, pauses
 from sar_tui.reports.distribution import Distribution, distribution
 from sar_tui.reports.logged_messages import LoggedMessage, peers, spans
-from sar_tui.reports.pauses import Pause, pauses
 from sar_tui.reports.presence import KINDS, MODES, Absence, mode_times, presence, seconds
 from sar_tui.reports.proposals import Fate, ProposalRecord, proposal_records
 from sar_tui.rules.parameters import TaskParameters

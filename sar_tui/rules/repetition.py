@@ -1,7 +1,10 @@
 """Wordings that do not repeat what was just said. Pure."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import Literal
+
+from sar_tui.model.messages import AttemptEnded
 
 _SHORTEST, _STEM = 3, 5
 """Letters of the shortest word that is compared, and how many are: "reaches" repeats "reached"."""
@@ -37,3 +40,28 @@ def least_repeating(wordings: Mapping[str, str], beside: str, before: str) -> li
 def _stems(text: str) -> set[str]:
     words = re.findall(r"[^\W\d_]+", text.lower())
     return {word[:_STEM] for word in words if len(word) >= _SHORTEST and word not in _EVERYWHERE}
+
+
+# --- encouragement
+
+
+def why_hard(attempts: Sequence[AttemptEnded], level: int) -> Literal["", "failures", "new level"]:
+    """Return why the next attempt is hard: after two failures in a row, or at a new highest level;
+    empty if it is not.
+
+    Args:
+        attempts: scored so far, oldest first.
+        level: of the next attempt.
+    """
+    if [attempt.outcome for attempt in attempts[-2:]] == ["failure", "failure"]:
+        return "failures"
+    if attempts and level > max(attempt.level for attempt in attempts):
+        return "new level"
+    return ""
+
+
+def rest_due(attempts: int, every: int) -> bool:
+    """Return True if a reminder of rest is due after ``attempts`` attempts; with ``every`` 0,
+    never.
+    """
+    return bool(every) and attempts > 0 and attempts % every == 0

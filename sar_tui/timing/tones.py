@@ -21,7 +21,7 @@ from sar_tui.outputs.sound.protocol import (
     SoundError,
     Started,
 )
-from sar_tui.timing.error_statistics import ErrorStatistics, error_statistics
+from sar_tui.timing.verdict import ErrorStatistics, error_statistics
 
 AHEAD_MS = 150
 """Time from the request of a planned tone to its onset: like that of a frame that follows

@@ -21,9 +21,10 @@ import math
 import os
 import tempfile
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
+from statistics import fmean, median, quantiles, stdev
 from typing import NamedTuple
 
 import msgspec
@@ -31,7 +32,53 @@ import msgspec
 from sar_tui.drivers.private_folder import make_private
 from sar_tui.store import provenance
 from sar_tui.timing.closed_loop import BASELINE, MAX_PROMPTS, SAR_TUI, take_turns
-from sar_tui.timing.error_statistics import ErrorStatistics, error_statistics
+
+_NORMAL = 1.4826
+"""The standard deviation of a normal distribution, in median absolute deviations."""
+
+
+class ErrorStatistics(msgspec.Struct, frozen=True):
+    """Statistics of ``n`` errors in ms.
+
+    ``robust_sd_ms`` is the median absolute deviation scaled to be the standard deviation of normal
+    errors, so that one stall of the machine does not hide the distribution of the others (Leys et
+    al. 2013). ``iqr_ms`` is the interquartile range, ``p99_ms`` the 99th percentile of the errors'
+    absolute values, ``max_ms`` the largest.
+    """
+
+    n: int
+    mean_ms: float
+    median_ms: float
+    sd_ms: float
+    iqr_ms: float
+    robust_sd_ms: float
+    p99_ms: float
+    max_ms: float
+
+
+def error_statistics(errors: Sequence[float]) -> ErrorStatistics:
+    """Compute the statistics of errors in ms. Percentiles are interpolated between the errors (R's
+    type 7).
+
+    Raises:
+        ValueError: there are fewer than two.
+    """
+    if len(errors) < 2:
+        raise ValueError("Error statistics take two errors or more.")
+    middle = median(errors)
+    lower, _, upper = quantiles(errors, n=4, method="inclusive")
+    sizes = [abs(error) for error in errors]
+    return ErrorStatistics(
+        n=len(errors),
+        mean_ms=fmean(errors),
+        median_ms=middle,
+        sd_ms=stdev(errors),
+        iqr_ms=upper - lower,
+        robust_sd_ms=_NORMAL * median(abs(error - middle) for error in errors),
+        p99_ms=quantiles(sizes, n=100, method="inclusive")[98],
+        max_ms=max(sizes),
+    )
+
 
 FILE = provenance.TIMING_FILE
 VERDICTS = ("fit", "fit with care", "not fit")

@@ -14,6 +14,7 @@ from typing import IO, Any
 
 from textual.driver import Driver
 from textual.message import Message
+from textual.widget import Widget
 
 from sar_tui.loop.clock import host_now
 from sar_tui.model.units import MS, SECOND
@@ -154,3 +155,18 @@ def watched(driver: type[Driver], watch: OnsetWatch, gone: Callable[[], None]) -
                 self._file = WatchedFile(file, watch, gone)
 
     return Watched
+
+
+# --- painting at once
+
+
+def paint_now(widget: Widget, *, in_place: bool = False) -> None:
+    """Write what has changed in a widget to the terminal, without waiting for Textual's next paint.
+
+    If another screen covers it, Textual paints as usual; also if the screen must be laid out first,
+    unless the widget is to be painted ``in_place``, where it was laid out before.
+    """
+    screen = widget.screen
+    if screen.is_current and (in_place or not (screen._layout_required or screen._scroll_required)):
+        screen._compositor.update_widgets({widget})
+        screen._compositor_refresh()

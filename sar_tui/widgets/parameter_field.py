@@ -12,8 +12,8 @@ from textual.widgets import Input
 
 from sar_tui.model.language import Language
 from sar_tui.rules.declaration import ENDLESS, Field, show
-from sar_tui.widgets.choice import Choice
-from sar_tui.widgets.word_picker import WordPicker
+from sar_tui.widgets.choice import Choice, ChoiceList
+from sar_tui.widgets.option_list import OptionList
 
 _YES_NO = ("yes", "no")
 _MARK, _TITLE, _EDITOR = 2, 24, 20
@@ -199,3 +199,61 @@ class ParameterField(Widget):
             self._drawn = drawn
             if self.is_mounted:
                 self.refresh()
+
+
+# --- a list of words
+
+
+class WordPicker(Widget):
+    """A line to type words into. Enter opens a list of the known ones, where Enter adds a word or
+    removes it.
+
+    Args:
+        known: the words to pick from.
+        value: the words now, with spaces between them.
+    """
+
+    DEFAULT_CSS = """
+    WordPicker { height: 1; }
+    WordPicker > ChoiceList {
+        width: 1fr; height: auto; max-height: 12; overlay: screen; constrain: none inside; background: $surface;
+    }
+    WordPicker > ChoiceList > .option-list--option { padding: 0 1; }
+    """
+
+    def __init__(self, known: Sequence[str], value: str) -> None:
+        super().__init__()
+        self._known = tuple(known)
+        self._value = value
+
+    def compose(self) -> ComposeResult:
+        yield Input(self._value, compact=True)
+
+    @property
+    def _input(self) -> Input:
+        return self.query_exactly_one(Input)
+
+    @on(Input.Submitted)
+    def _open(self, event: Input.Submitted) -> None:
+        event.stop()
+        words = ChoiceList(*self._lines(), compact=True)
+        self.mount(words)
+        words.highlighted = 0
+        words.focus(scroll_visible=False)
+
+    def _lines(self) -> list[Content]:
+        chosen = self._input.value.split()
+        return [Content(f"{'✓' if word in chosen else ' '} {word}") for word in self._known]
+
+    @on(OptionList.OptionSelected)
+    def _picked(self, event: OptionList.OptionSelected) -> None:
+        event.stop()
+        word, words = self._known[event.option_index], self._input.value.split()
+        words = [each for each in words if each != word] if word in words else [*words, word]
+        self._input.value = " ".join(words)
+        for at, line in enumerate(self._lines()):
+            event.option_list.replace_option_prompt_at_index(at, line)
+
+    @on(OptionList.OptionHighlighted)
+    def _looked_at(self, event: OptionList.OptionHighlighted) -> None:
+        event.stop()

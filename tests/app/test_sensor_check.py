@@ -11,6 +11,7 @@ import pytest
 from textual.widgets import Button
 
 from sar_tui.app.app import SarTui
+from sar_tui.app.screens.sensor_check import DRAWN, bar
 from sar_tui.app.sensor_advice import FLAGS, INVALID, NO_REACH, finding_text, placing, signed
 from sar_tui.inputs.imu import NOTHING, Info, Sample, Status
 from sar_tui.inputs.simulated import SimulatedSource
@@ -24,7 +25,6 @@ from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.store import participants, programmes
 from sar_tui.store.database import connect
 from sar_tui.store.programmes import Programme
-from sar_tui.widgets.sensor_placement import DRAWN, bar
 from tests.album import Album
 from tests.app.app_driver import AppDriver, OpenApp, open_app, stored
 from tests.app.test_snapshots import THEMES

@@ -89,11 +89,11 @@ def test_a_view_that_keeps_the_contract_passes(
     [
         (
             "import no_such_library",
-            "The view of the task sides cannot be loaded: view.py:1: ModuleNotFoundError: No module",
+            "The task sides, its view.py, cannot be loaded: view.py:1: ModuleNotFoundError: No module",
         ),
         (
             "from sar_tui.widgets.no_such_module import draw",
-            "The view of the task sides cannot be loaded: view.py:1: No module named "
+            "The task sides, its view.py, cannot be loaded: view.py:1: No module named "
             "'sar_tui.widgets.no_such_module'. The n",
         ),
         (

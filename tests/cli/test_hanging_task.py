@@ -36,7 +36,7 @@ def test_the_check_names_what_does_not_return(call: Call, looping: Path) -> None
     called = call("tasks check", looping)
     assert called.code == 1
     assert (
-        "✗ makes the same one-line prompts when asked twice. It raised NotResponding: it took "
+        "✗ makes the same one-line prompts when asked twice. task.py:89: NotResponding: it took "
         "longer" in called.out
     )
 

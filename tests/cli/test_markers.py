@@ -11,7 +11,7 @@ import pytest
 
 from sar_tui.loop.topics import MARKERS
 from sar_tui.model.messages import MarkersChanged
-from sar_tui.reports.marker_summary import marker_summaries
+from sar_tui.reports.output_summary import marker_summaries
 from sar_tui.store.database import connect_to_read
 from tests.cli.test_sessions import record
 from tests.outputs.markers.receivers import serial_line, udp_receiver

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from sar_tui.reports.answers import lines
+from sar_tui.reports.session_facts import lines
 from sar_tui.store.records import Record
 
 Call = Callable[..., Any]

@@ -10,9 +10,8 @@ import pytest
 
 from sar_tui.timing import verdict
 from sar_tui.timing.closed_loop import BASELINE, SAR_TUI, Program, Trial
-from sar_tui.timing.error_statistics import ErrorStatistics, error_statistics
 from sar_tui.timing.scripted_participant import NoPrompt
-from sar_tui.timing.verdict import Circumstances, judge
+from sar_tui.timing.verdict import Circumstances, ErrorStatistics, error_statistics, judge
 from tests.program import Call
 
 GOOD = error_statistics([0.2, 0.3, 0.25, 0.3, 0.2])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sar_tui.link.downsample import INTERVAL, MAX_POINTS, Downsampler
+from sar_tui.link.broker import INTERVAL, MAX_POINTS, Downsampler
 from sar_tui.model.units import MS, SECOND
 from sar_tui.motion.samples import SAMPLE, pack
 

@@ -3,7 +3,7 @@
 from typing import Any
 
 from sar_tui.model import messages as m
-from sar_tui.reports.pauses import Pause, pauses
+from sar_tui.reports.deviations import Pause, pauses
 from tests.reports.session_script import ANNA, Script
 
 GOES_ON = m.Waiting(what="foreperiod", stage="trial")

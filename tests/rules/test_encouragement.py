@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.model.messages import AttemptEnded, Outcome
-from sar_tui.rules.encouragement import rest_due, why_hard
+from sar_tui.rules.repetition import rest_due, why_hard
 
 LEVELS = st.integers(1, 10)
 

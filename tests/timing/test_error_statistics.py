@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.timing.error_statistics import error_statistics
+from sar_tui.timing.verdict import error_statistics
 
 ERRORS = st.lists(st.floats(-1e3, 1e3), min_size=2, max_size=60)
 

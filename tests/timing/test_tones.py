@@ -6,8 +6,8 @@ import pytest
 
 from sar_tui.outputs.sound.protocol import SoundError
 from sar_tui.timing import tones
-from sar_tui.timing.error_statistics import error_statistics
 from sar_tui.timing.tones import ToneDelays, measure_tones
+from sar_tui.timing.verdict import error_statistics
 from tests.outputs.voice_fixtures import NOBODY
 from tests.program import Call
 

@@ -6,7 +6,7 @@ import pytest
 
 from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
-from sar_tui.tui.line_filters import drawn
+from sar_tui.tui.base_app import drawn
 from tests.app.app_driver import known, open_app, plan
 from tests.examples import first
 

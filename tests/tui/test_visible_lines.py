@@ -22,8 +22,7 @@ from sar_tui.model.theme import Theme
 from sar_tui.model.trial_types import Metric, Result, Situation, Stimulus, Trial
 from sar_tui.operator.app import WizardApp
 from sar_tui.plugins import Catalogue
-from sar_tui.tui.base_app import BaseApp
-from sar_tui.tui.line_filters import VisibleLines
+from sar_tui.tui.base_app import BaseApp, VisibleLines
 from tests.app.app_driver import known, open_app, plan
 from tests.app.test_agent_view import BETWEEN, Link, said
 from tests.edit import edit

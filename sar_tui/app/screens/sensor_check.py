@@ -10,6 +10,7 @@ from rich.text import Text
 from textual.app import ComposeResult
 from textual.binding import ActiveBinding, Binding, BindingType
 from textual.containers import Horizontal, Vertical
+from textual.content import Content
 from textual.widgets import Static
 
 from sar_tui.app.patient_mode import keys_in_mode
@@ -24,7 +25,6 @@ from sar_tui.runs.plan import Plan
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.tui.language import planned_language, translated
 from sar_tui.widgets.key_footer import KeyFooter
-from sar_tui.widgets.sensor_placement import bar, draw_hand, draw_trunk
 from sar_tui.widgets.speed_trace import SpeedTrace
 
 LOOK = 100 * MS
@@ -355,3 +355,72 @@ class SensorCheckScreen(DismissedOnce[bool]):
 
     def _color(self, name: str) -> str:
         return str(self.app.theme_variables[name])
+
+
+# --- where the sensor is placed
+
+
+FULL_RAD_S = 4.0
+"""Angular rate of a full bar."""
+
+_RIGHT = """\
+       ╭─╮╭─╮
+    ╭─╮│ ││ │╭─╮
+    │ ││ ││ ││ │
+    │ ╰╯ ╰╯ ╰╯ │
+╭─╮ │    ↑ y   │
+│ ╰╮│  ╭─┴─╮   │
+╰╮ ╰╯  │ ⊙ ├→ x│
+ ╰╮    ╰─z─╯   │
+  ╰─╮         ╭╯
+    │         │"""
+_LEFT = """\
+   ╭─╮╭─╮
+╭─╮│ ││ │╭─╮
+│ ││ ││ ││ │
+│ ╰╯ ╰╯ ╰╯ │
+│    ↑ y   │ ╭─╮
+│  ╭─┴─╮   │╭╯ │
+│  │ ⊙ ├→ x╰╯ ╭╯
+│  ╰─z─╯     ╭╯
+╰╮         ╭─╯
+ │         │"""
+_TRUNK = """\
+      ╭───╮
+      │   │
+      ╰╮ ╭╯
+   ╭───╯ ╰───╮
+  ╭╯  ╭───╮  ╰╮
+  │ │ │ ⊙ │ │ │
+  │ │ ╰───╯ │ │
+  │ │       │ │
+  │ ╰╮     ╭╯ │
+  ╰──┤     ├──╯"""
+DRAWN: dict[Hand, str] = {"right": _RIGHT, "left": _LEFT}
+"""Hands from above, palm down: y along the fingers, z out of the back of the hand, towards the
+viewer.
+"""
+
+
+def draw_hand(hand: Hand) -> Content:
+    """Draw a hand with the sensor on it, its axes in the theme's accent colour."""
+    return Content(DRAWN[hand]).highlight_regex("[xyz⊙↑→┴├]", style="bold $accent")
+
+
+def draw_trunk() -> Content:
+    """Draw a trunk from the front with the sensor on the breastbone, in the theme's accent
+    colour.
+    """
+    return Content(_TRUNK).highlight_regex("⊙", style="bold $accent")
+
+
+def bar(value: float, half: int) -> str:
+    """Draw a signed value as a bar from the middle, ``half`` cells on either side, in steps of half
+    a cell.
+    """
+    steps = min(2 * half, round(abs(value) / FULL_RAD_S * 2 * half)) if math.isfinite(value) else 0
+    whole, rest = divmod(steps, 2)
+    empty = "─" * (half - whole - rest)
+    if value > 0:
+        return "─" * half + "┼" + "━" * whole + "╾" * rest + empty
+    return empty + "╼" * rest + "━" * whole + "┼" + "─" * half

@@ -1,7 +1,7 @@
 """The middle of a session's screen: draws the messages of a session, live or recorded."""
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
 from textual.app import ComposeResult
@@ -14,7 +14,6 @@ from sar_tui.app.agent.session_agent import SessionAgent
 from sar_tui.app.guarded_view import GuardedView
 from sar_tui.app.live import LiveSession
 from sar_tui.app.prompt_onset import Onset, report_onset, report_trial_feedback
-from sar_tui.app.screens.mark_keys import MarkKeys
 from sar_tui.app.screens.message_panel import MessagePanel, is_roomy
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.summary import Summary
@@ -27,6 +26,7 @@ from sar_tui.app.screens.waiting_text import (
 )
 from sar_tui.loop.agent_state import AWAITED
 from sar_tui.loop.clock import Clock, Handle
+from sar_tui.loop.marks import TrialMark
 from sar_tui.loop.session import Session
 from sar_tui.loop.topics import RECALL
 from sar_tui.model.language import Language
@@ -41,10 +41,11 @@ from sar_tui.model.messages import (
     TrialMarked,
     Waiting,
 )
+from sar_tui.model.trial_types import Mark
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import task_folder
 from sar_tui.tui.language import session_language
-from sar_tui.tui.paint_now import paint_now
+from sar_tui.tui.timestamps import paint_now
 from sar_tui.widgets.big_prompt import BigPrompt
 from sar_tui.widgets.goal_bar import GoalBar, bar_of
 from sar_tui.widgets.language import language_of
@@ -109,7 +110,7 @@ class SessionStage(Vertical):
         return session_language(self._staged.session.task)
 
     @functools.cached_property
-    def marks(self) -> MarkKeys:
+    def marks(self) -> "MarkKeys":
         """The marks of trials, and their keys."""
         session = self._staged.session
         return MarkKeys(session.task.marks, self.tr, lambda: session.trial_mark)
@@ -487,3 +488,75 @@ class ProgressLine(Widget):
             ("━" * done, "$accent"),
             ("─" * (room - done), "$text-muted 50%"),
         )
+
+
+# --- keys of marks
+
+
+class MarkKeys:
+    """Follows the marks of a session, so that one replaces another only if its key is pressed
+    twice.
+
+    Args:
+        marks: of the task.
+        tr: the session's language.
+        trial_mark: returns the trial that a mark is put on now, and the mark that is on it.
+    """
+
+    def __init__(
+        self, marks: Sequence[Mark], tr: Language, trial_mark: Callable[[], TrialMark]
+    ) -> None:
+        self._marks = {mark.key: mark for mark in marks}
+        self._titles = {mark.name: tr(mark.title) for mark in marks}
+        self.tr = tr
+        self._trial_mark = trial_mark
+        self._mark = TrialMark()
+        self._replaces = ""
+
+    def follow(self) -> bool:
+        """Follow the session to the trial that is marked from now on. Returns True if this changes
+        the text.
+        """
+        before = self.text
+        self._mark = self._trial_mark()
+        return self.text != before
+
+    def marked(self) -> None:
+        """Follow a mark that was put on a trial, or removed."""
+        self.follow()
+        self._replaces = ""
+
+    def press(self, key: str) -> Mark | None:
+        """Return the mark of a key; None if the key must be pressed again to replace the present
+        mark.
+        """
+        mark = self._marks[key]
+        if self._mark.present in ("", mark.name) or self._replaces == mark.name:
+            self._replaces = ""
+            return mark
+        self._replaces = mark.name
+        return None
+
+    @property
+    def asks(self) -> bool:
+        """True if a key must be pressed again to replace the present mark."""
+        return bool(self._mark.present and self._replaces)
+
+    def __contains__(self, key: object) -> bool:
+        return key in self._marks
+
+    @property
+    def text(self) -> str:
+        """The mark that is on the trial, and the key that would replace it; empty without a
+        mark.
+        """
+        if not self._mark.present:
+            return ""
+        text = self.tr(
+            "Marked: {mark}", mark=self._titles.get(self._mark.present, self._mark.present).lower()
+        )
+        if not self.asks:
+            return text
+        key = next(mark.key for mark in self._marks.values() if mark.name == self._replaces)
+        instead = self._titles[self._replaces].lower()
+        return f"{text} · {self.tr('{key} again: {mark} instead', key=key.upper(), mark=instead)}"

@@ -30,7 +30,7 @@ from sar_tui.model.messages import (
 from sar_tui.model.random_streams import RandomStreams
 from sar_tui.model.step import spoken
 from sar_tui.model.theme import Theme
-from sar_tui.rules import encouragement
+from sar_tui.rules import repetition as encouragement
 from sar_tui.rules.repetition import least_repeating
 
 

@@ -20,9 +20,15 @@ from sar_tui.store.merge import conflicts
 from sar_tui.store.merge.authors import leave_out, refuse, split_pairs
 from sar_tui.store.merge.comparison import number_topics
 from sar_tui.store.merge.conflicts import Conflict
-from sar_tui.store.merge.people import Pair, People, parse_same, stored_pairs
+from sar_tui.store.merge.people import (
+    Pair,
+    People,
+    parse_same,
+    rename_others,
+    rename_own,
+    stored_pairs,
+)
 from sar_tui.store.merge.records import merge_records
-from sar_tui.store.merge.renaming import rename_others, rename_own
 from sar_tui.store.merge.session_records import merge_sessions
 from sar_tui.store.merge.source import copied, remove_leftovers
 

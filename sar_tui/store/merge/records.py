@@ -6,8 +6,7 @@ from typing import Any, NamedTuple
 
 from sar_tui.store.merge import conflicts
 from sar_tui.store.merge.conflicts import Content, Kind
-from sar_tui.store.merge.people import People
-from sar_tui.store.merge.renaming import add_participant
+from sar_tui.store.merge.people import People, add_participant
 from sar_tui.store.tables import TABLES
 
 
