@@ -10,7 +10,7 @@ from textual.timer import Timer
 from sar_tui.model.theme import ENGLISH, Theme
 from sar_tui.plugins import DEFAULT_THEME, Catalogue, PluginError
 from sar_tui.theme_folder import files
-from sar_tui.tui.textual_theme import textual_theme
+from sar_tui.tui.base_app import textual_theme
 
 if TYPE_CHECKING:
     from sar_tui.app.app import SarTui

@@ -17,7 +17,7 @@ from sar_tui.model.messages import AttemptEnded, Fault, Prompt, Recall, SessionE
 from sar_tui.model.theme import Theme
 from sar_tui.plugin_calls import PLUGIN_ERRORS
 from sar_tui.plugins import PluginError, task_folder
-from sar_tui.tui.textual_theme import textual_theme
+from sar_tui.tui.base_app import textual_theme
 from sar_tui.widgets.prompt_lines import Line
 from sar_tui.widgets.task_view import Colors, sentences, view_of
 

@@ -22,8 +22,8 @@ from sar_tui.cli.common import (
     warn_of_git,
     watch_plugins,
 )
-from sar_tui.cli.listing import Column, Listing, print_listing
 from sar_tui.cli.progress_line import progress_line
+from sar_tui.cli.tables import Column, Listing, print_listing
 from sar_tui.export.registry import names
 from sar_tui.tui.exit_codes import FAILED
 

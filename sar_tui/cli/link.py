@@ -15,7 +15,7 @@ from sar_tui.cli.common import (
     warn_of_git,
 )
 from sar_tui.cli.errors import Refused
-from sar_tui.cli.listing import Column, Listing, print_listing
+from sar_tui.cli.tables import Column, Listing, print_listing
 from sar_tui.tui.exit_codes import FAILED
 
 app = typer.Typer(rich_markup_mode=None, no_args_is_help=True)

@@ -295,7 +295,7 @@ def import_programme(
     from sar_tui.drivers.login_name import login_name
     from sar_tui.rules.parameters import build, changed, usable
     from sar_tui.runs.plan import make_plan
-    from sar_tui.runs.presets import applied, find, not_applied
+    from sar_tui.runs.programme_file import applied, find, not_applied
     from sar_tui.store import participants, programmes
 
     if (file is None) == (preset is None):
@@ -360,8 +360,7 @@ def presets(
     as_json: AsJson = False,
 ) -> None:
     """List the presets of a task."""
-    from sar_tui.runs.presets import files
-    from sar_tui.runs.programme_file import read
+    from sar_tui.runs.programme_file import files, read
     from sar_tui.store.database import StoreError
 
     rows: list[dict[str, Any]] = []
@@ -437,7 +436,7 @@ def _read(file: Path | None) -> Any:
 def _preset_file(home: Home, kind: "type[Task]", name: str) -> Path:
     """Return the file of a preset of one's own; its folder exists."""
     from sar_tui.drivers.private_folder import make_private
-    from sar_tui.runs.presets import own_folder
+    from sar_tui.runs.programme_file import own_folder
 
     if not name.replace("-", "").replace("_", "").isalnum():
         raise Refused(

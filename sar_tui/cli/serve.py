@@ -92,7 +92,8 @@ def serve(
     if link is not None or session is not None:  # refused here rather than in every browser
         session_to_show(session, link, home.folder, wait=False, observe=view == "observer")
     try:
-        from sar_tui.serve import address, runner, server, token
+        from sar_tui.serve import address, runner, server
+        from sar_tui.serve import guard as token
     except ImportError as error:
         raise Refused(
             f"Serving to a browser needs the package {error.name}. Install it with: "

@@ -17,7 +17,7 @@ from sar_tui.cli.common import (
     print_json,
     watch_plugins,
 )
-from sar_tui.cli.listing import Column, Listing, print_listing
+from sar_tui.cli.tables import Column, Listing, print_listing
 
 if TYPE_CHECKING:
     import sqlite3

@@ -16,7 +16,7 @@ from sar_tui.cli.common import (
     watch_plugins,
 )
 from sar_tui.cli.errors import Refused
-from sar_tui.cli.installed import installed, replaced_lines
+from sar_tui.cli.scaffold import installed, replaced_lines
 from sar_tui.tui.exit_codes import FAILED
 
 app = typer.Typer(rich_markup_mode=None)

@@ -9,7 +9,7 @@ import typer
 
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json
 from sar_tui.cli.errors import Refused
-from sar_tui.cli.installed import installed
+from sar_tui.cli.scaffold import installed
 from sar_tui.tui.exit_codes import FAILED
 
 if TYPE_CHECKING:

@@ -8,9 +8,9 @@ from html import escape
 from sar_tui.loop.task import Task
 from sar_tui.model.language import Language
 from sar_tui.reports import dose_words, progress_charts, progress_words
-from sar_tui.reports.html_page import document, figure, table
 from sar_tui.reports.progress import LineProgress, Progress
 from sar_tui.reports.progress_charts import sessions_of_a_mark, span_of
+from sar_tui.reports.sections import document, figure, table
 from sar_tui.reports.wellbeing import dated_event
 from sar_tui.store.records import Record
 

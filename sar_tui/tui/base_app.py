@@ -23,6 +23,7 @@ from textual.filter import LineFilter
 from textual.geometry import Size
 from textual.message import Message
 from textual.screen import Screen
+from textual.theme import Theme as TextualTheme
 
 from sar_tui.model.theme import Theme
 from sar_tui.model.visible_text import visible
@@ -31,7 +32,6 @@ from sar_tui.tui.gc_control import SWITCH_INTERVAL
 from sar_tui.tui.terminal_input import PasteDropped, UnreadableInput, capped, tolerate_in_terminals
 from sar_tui.tui.terminal_output import unblocked
 from sar_tui.tui.terminal_probe import TerminalProbe, is_relayed
-from sar_tui.tui.textual_theme import textual_theme
 from sar_tui.tui.timestamps import stamp_keys_as_read
 
 
@@ -413,3 +413,37 @@ async def in_order(app: App[Any], event: events.Event) -> bool:
             if await app._check_bindings(event.key, priority=is_first):
                 break
     return True
+
+
+# --- a theme's colours for Textual
+
+
+def textual_theme(theme: Theme) -> TextualTheme:
+    """Return the colours under Textual's names."""
+    colors = theme.colors
+    return TextualTheme(
+        name=f"sar-{theme.name}",
+        primary=colors.accent,
+        secondary=colors.accent,
+        accent=colors.accent,
+        foreground=colors.text,
+        background=colors.background,
+        surface=colors.surface,
+        panel=colors.surface,
+        success=colors.positive,
+        warning=colors.negative,
+        error=colors.negative,
+        dark=theme.dark,
+        variables={
+            "text-muted": colors.muted,
+            "neutral": colors.neutral,
+            "footer-key-foreground": colors.accent,
+            "footer-description-foreground": colors.muted,
+            "footer-background": colors.background,
+            "border": colors.muted,
+            "border-blurred": colors.muted,
+            "input-selection-background": f"{colors.accent} 35%",
+            "block-cursor-foreground": colors.background,
+            "block-cursor-background": colors.accent,
+        },
+    )

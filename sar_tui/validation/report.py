@@ -5,7 +5,7 @@ from html import escape
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sar_tui.reports.charts import ChartsMissing
-from sar_tui.reports.html_page import document, figure, table
+from sar_tui.reports.sections import document, figure, table
 
 if TYPE_CHECKING:
     from sar_tui.plugins import Catalogue

@@ -17,8 +17,16 @@ from sar_tui.plugins import Catalogue
 from sar_tui.rules.declaration import meta
 from sar_tui.rules.parameters import build, changed, fields
 from sar_tui.runs.plan import make_plan
-from sar_tui.runs.presets import applied, files, find, not_applied
-from sar_tui.runs.programme_file import ProgrammeFile, parse, read, write
+from sar_tui.runs.programme_file import (
+    ProgrammeFile,
+    applied,
+    files,
+    find,
+    not_applied,
+    parse,
+    read,
+    write,
+)
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import participants, programmes, sessions

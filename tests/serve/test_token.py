@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.serve.token import TokenError, load_or_create_token, new_token
+from sar_tui.serve.guard import TokenError, load_or_create_token, new_token
 
 
 def test_tokens_are_random() -> None:

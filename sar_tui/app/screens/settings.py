@@ -379,8 +379,7 @@ class SettingsScreen(DismissedOnce[None]):
     def _choose_preset(self) -> None:
         """Fill in the values of a preset. Nothing is saved."""
         from sar_tui.app.screens.settings_dialogs import ChoosePresetScreen
-        from sar_tui.runs.presets import applied, files, find, not_applied
-        from sar_tui.runs.programme_file import ProgrammeFile
+        from sar_tui.runs.programme_file import ProgrammeFile, applied, files, find, not_applied
 
         presets: dict[str, ProgrammeFile] = {}
         for name in files(self.app.folder, self._motor_task):

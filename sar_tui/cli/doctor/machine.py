@@ -13,7 +13,7 @@ import msgspec
 
 from sar_tui.cli.common import CANNOT_PLACE_TEXT, terminal_kind
 from sar_tui.cli.doctor.finding import Finding, Machine, bad, care, not_installed, ok
-from sar_tui.cli.installed import replaced_lines
+from sar_tui.cli.scaffold import replaced_lines
 
 SMALLEST = (80, 24)
 """Columns and lines that every screen fits in."""
