@@ -31,7 +31,7 @@ _REPEATED = 20
 _DETECT = """
 import json, resource, sys, time
 import numpy as np
-from sar_tui.motion.long_recording import detect_long
+from sar_tui.motion.detection import detect_long
 
 pattern, rounds = np.load(sys.argv[1]), int(sys.argv[2])
 lasts_ns = int(pattern["at"][-1] - pattern["at"][0]) + 10_000_000

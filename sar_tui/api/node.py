@@ -17,6 +17,7 @@ from sar_tui.model.units import MS, SECOND
 
 if TYPE_CHECKING:
     from sar_tui.motion.analysis import AnalysisParameters, Finding, Window, analyse
+    from sar_tui.motion.arrays import turning_points
     from sar_tui.motion.filters import lowpass, smooth
     from sar_tui.motion.repetitions import Repetitions, count_repetitions
     from sar_tui.motion.samples import (
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
         unpack,
     )
     from sar_tui.motion.smoothness import ldlj, sparc
-    from sar_tui.motion.turning_points import turning_points
     from sar_tui.perception.kept_samples import KeptSamples
 
 # fmt: off
@@ -85,7 +85,7 @@ _LOADED_LATER = {
     "sar_tui.motion.repetitions": "Repetitions count_repetitions",
     "sar_tui.motion.samples": "SAMPLE Floats Recording Samples join pack recording unpack",
     "sar_tui.motion.smoothness": "ldlj sparc",
-    "sar_tui.motion.turning_points": "turning_points",
+    "sar_tui.motion.arrays": "turning_points",
     "sar_tui.perception.kept_samples": "KeptSamples",
 }
 RETIRED: dict[str, str] = {}

@@ -45,8 +45,8 @@ if TYPE_CHECKING:
     from sar_tui.motion.detector_names import DetectorName
     from sar_tui.motion.fixed_threshold import FixedThresholdParameters
     from sar_tui.motion.orientation import OrientationParameters
-    from sar_tui.motion.shapes import ReachShape
     from sar_tui.motion.single_axis import SingleAxisParameters
+    from sar_tui.motion.synthesis import ReachShape
     from sar_tui.perception.reach import ReachPerception
     from sar_tui.rules.declaration import meta
     from sar_tui.rules.parameters import TaskParameters
@@ -94,7 +94,7 @@ _LOADED_LATER = {
     "sar_tui.motion.detector_names": "DetectorName",
     "sar_tui.motion.fixed_threshold": "FixedThresholdParameters",
     "sar_tui.motion.orientation": "OrientationParameters",
-    "sar_tui.motion.shapes": "ReachShape",
+    "sar_tui.motion.synthesis": "ReachShape",
     "sar_tui.motion.single_axis": "SingleAxisParameters",
     "sar_tui.perception.reach": "ReachPerception",
     "sar_tui.rules.declaration": "meta",

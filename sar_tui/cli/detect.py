@@ -16,7 +16,7 @@ from sar_tui.motion.detector_names import DetectorName
 
 if TYPE_CHECKING:
     from sar_tui.inputs.recording_file import Units
-    from sar_tui.motion.long_recording import LongDetection
+    from sar_tui.motion.detection import LongDetection
     from sar_tui.motion.reach import Reach
     from sar_tui.motion.samples import Samples
 
@@ -126,7 +126,7 @@ def detect(
 
     from sar_tui.inputs.imu import SourceError
     from sar_tui.inputs.recording_file import Units
-    from sar_tui.motion.long_recording import detect_long
+    from sar_tui.motion.detection import detect_long
 
     if one_way and (repetitions or detector != "orientation"):
         raise typer.BadParameter(

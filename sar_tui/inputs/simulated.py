@@ -9,8 +9,7 @@ from sar_tui.inputs.imu import Info, Sample, Status
 from sar_tui.inputs.recorded import Pace, as_sent
 from sar_tui.loop.clock import Clock
 from sar_tui.model.units import MS, SECOND
-from sar_tui.motion.shapes import ReachShape
-from sar_tui.motion.synthesis import SimulatedHand
+from sar_tui.motion.synthesis import ReachShape, SimulatedHand
 
 STEP = 10 * MS
 """Interval at which samples are delivered."""

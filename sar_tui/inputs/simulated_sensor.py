@@ -23,8 +23,7 @@ from sar_tui.loop.topics import IMU, SENSOR
 from sar_tui.model.messages import ImuBlock
 from sar_tui.model.units import SECOND
 from sar_tui.motion.samples import SAMPLE, Samples, join, pack
-from sar_tui.motion.shapes import ReachShape
-from sar_tui.motion.synthesis import SimulatedHand
+from sar_tui.motion.synthesis import ReachShape, SimulatedHand
 
 AHEAD = 5 * SECOND
 """Time for which samples are calculated at once: about a reach, with the rest after it."""

@@ -93,7 +93,7 @@ def simulated_hand(profile: str, seed: int) -> "SimulatedHand":
 
     if profile.startswith(_KIND):
         from sar_tui.motion.reach_kinds import KINDS
-        from sar_tui.motion.simulated_arm import SimulatedArm
+        from sar_tui.motion.trajectories import SimulatedArm
 
         kind = profile.removeprefix(_KIND)
         if kind not in KINDS:

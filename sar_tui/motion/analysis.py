@@ -6,18 +6,18 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from sar_tui.motion.arrays import lengths
 from sar_tui.motion.detection import DETECTORS, find
 from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
 from sar_tui.motion.faults import turns_too_far
 from sar_tui.motion.filters import TooSlow
 from sar_tui.motion.fixed_threshold import FixedThresholdParameters
-from sar_tui.motion.grid import even
 from sar_tui.motion.measures import Version, measure
 from sar_tui.motion.orientation import OrientationParameters
 from sar_tui.motion.reach import Bounds, Detected, Hand, Reach
+from sar_tui.motion.rest import even
 from sar_tui.motion.samples import Recording, Samples, recording
 from sar_tui.motion.single_axis import SingleAxisParameters
-from sar_tui.motion.vectors import lengths
 
 Measured = dict[str, str | int | float | bool | None]
 

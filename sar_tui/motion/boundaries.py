@@ -1,11 +1,17 @@
-"""Onset and end of a movement, to a few milliseconds: the rise or fall of its speed extrapolated to
-zero.
+"""Boundaries of movements, for every detector: stretches of movement, onset and end to a few
+milliseconds, and warnings of the reaches between them.
 """
 
 import math
+from collections.abc import Iterator
 
+import msgspec
 import numpy as np
+import numpy.typing as npt
 
+from sar_tui.motion.filters import LOW_RATE
+from sar_tui.motion.reach import Bounds
+from sar_tui.motion.rest import Grid, Rest
 from sar_tui.motion.samples import Floats
 
 LOW, HIGH = 0.08, 0.35
@@ -100,4 +106,52 @@ def edges(
     return (
         onset(time_s[way_in], ahead[way_in], floor),
         onset(time_s[way_out][::-1], ahead[way_out][::-1], floor),
+    )
+
+
+def stretches(moving: npt.NDArray[np.bool_], longest_rest: float) -> Iterator[slice]:
+    """Yield stretches of movement that are not divided by a rest longer than ``longest_rest``
+    samples.
+    """
+    index = moving.nonzero()[0]
+    if not len(index):
+        return
+    rests = (index[1:] - index[:-1] > longest_rest).nonzero()[0]
+    starts, stops = (0, *(rests + 1).tolist()), (*(rests + 1).tolist(), len(index))
+    for start, stop in zip(starts, stops, strict=True):
+        yield slice(int(index[start]), int(index[stop - 1]) + 1)
+
+
+def checked(
+    bounds: Bounds, grid: Grid, rest: Rest, *, is_cut: bool, longest_s: float, cutoff_hz: float
+) -> Bounds:
+    """Return a reach with the flags ``no_rest``, ``cut``, ``timed_out``, ``gap`` and ``low_rate``
+    that apply to it.
+
+    Args:
+        bounds: the reach as found.
+        grid, rest: of its recording.
+        is_cut: True if the recording begins or ends in it.
+        longest_s: a longer reach is cut off there.
+        cutoff_hz: the low-pass that the detector wants.
+    """
+    end_s = max(bounds.onset_s, bounds.end_s)
+    flags = list(bounds.flags)
+    if not rest.whole or not (rest.still & (grid.time_s < bounds.onset_s)).any():
+        flags.append("no_rest")
+    if is_cut:
+        flags.append("cut")
+    if end_s - bounds.onset_s > longest_s:
+        flags.append("timed_out")
+        end_s = bounds.onset_s + longest_s
+    if grid.has_hole(bounds.onset_s, end_s):
+        flags.append("gap")
+    if grid.rate_hz < LOW_RATE * cutoff_hz:
+        flags.append("low_rate")
+    return msgspec.structs.replace(
+        bounds,
+        end_s=end_s,
+        arrival_s=min(max(bounds.arrival_s, bounds.onset_s), end_s),
+        departure_s=min(max(bounds.departure_s, bounds.onset_s), end_s),
+        flags=tuple(flags),
     )

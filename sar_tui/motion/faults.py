@@ -6,9 +6,8 @@ import math
 
 import numpy as np
 
-from sar_tui.motion.changes import changes
+from sar_tui.motion.arrays import changes, finite_only
 from sar_tui.motion.samples import Floats
-from sar_tui.motion.vectors import finite_only
 
 PLATEAU = 5
 """Least number of equal samples in a row that are a plateau."""

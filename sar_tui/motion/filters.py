@@ -7,8 +7,8 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
+from sar_tui.motion.arrays import mean_of
 from sar_tui.motion.samples import Floats
-from sar_tui.motion.vectors import mean_of
 
 Vector = tuple[float, float, float]
 

@@ -5,8 +5,8 @@ threshold.
 import msgspec
 import numpy as np
 
-from sar_tui.motion.grid import Grid, even
 from sar_tui.motion.reach import OUTWARDS, Bounds, Detected, Hand
+from sar_tui.motion.rest import Grid, even
 from sar_tui.motion.samples import Floats, Recording
 
 

@@ -1,26 +1,25 @@
-"""Measures of a reach with known boundaries."""
+"""Measures of a reach with known boundaries, and of tremor at rest and in movement."""
 
 import math
 from typing import Literal, NamedTuple
 
 import msgspec
 import numpy as np
+import numpy.typing as npt
 
+from sar_tui.motion.arrays import lengths, mean_of
 from sar_tui.motion.faults import is_clipped
-from sar_tui.motion.filters import Spectrum
+from sar_tui.motion.filters import Spectrum, hann
 from sar_tui.motion.quaternions import angle, conjugate, integrate, rotate
 from sar_tui.motion.reach import Bounds, Detected, Reach
 from sar_tui.motion.rest import TREMOR_HZ
 from sar_tui.motion.samples import Floats, Recording
 from sar_tui.motion.smoothness import ldlj, movement_units, sparc
-from sar_tui.motion.tremor import tremor_amplitude, tremor_in_movement, tremor_index
-from sar_tui.motion.vectors import lengths, mean_of
 
 Version = Literal[1, 2]
 """1: peaks are sought up to the turn, and only the measures exist that sessions of rules 1 to 4
 stored.
 """
-
 PEAKS_HZ = 15.0
 """Cutoff of the smoothing for peaks and smoothness."""
 SHORTEST_WAY_S = 0.18
@@ -37,6 +36,13 @@ STILL_RAD = 0.05
 """Largest turn of a hand at rest from one part of that time to another; in the mean of each, tremor
 cancels.
 """
+Band = tuple[float, float]
+ACTION_HZ: Band = (6.0, 12.0)
+"""Tremor in movement, above most of the movement itself; at rest all of `rest.TREMOR_HZ` is
+tremor.
+"""
+_SHORTEST_S = 1.0
+_PADDING = 4
 
 
 class _Rates(NamedTuple):
@@ -59,6 +65,20 @@ class _Rates(NamedTuple):
             return self.norm[part], -self.norm[part]
         turning = self.rate[part] @ axis
         return turning, turning
+
+
+_FINGERS = 1
+"""The sensor's axis along fingers and forearm: y."""
+
+
+class Turned(NamedTuple):
+    """Angles in degrees; straightness 0 to 1. None: not measured, or not defined."""
+
+    excursion_deg: float
+    straightness: float | None
+    return_error_deg: float | None
+    inclination_rest_deg: float | None
+    inclination_target_deg: float | None
 
 
 def measure(found: Detected, recording: Recording, version: Version = 2) -> tuple[Reach, ...]:
@@ -232,20 +252,6 @@ def _up(recording: Recording, from_s: float, to_s: float) -> Floats | None:
     return mean if np.linalg.norm(mean) > 0 else None
 
 
-_FINGERS = 1
-"""The sensor's axis along fingers and forearm: y."""
-
-
-class Turned(NamedTuple):
-    """Angles in degrees; straightness 0 to 1. None: not measured, or not defined."""
-
-    excursion_deg: float
-    straightness: float | None
-    return_error_deg: float | None
-    inclination_rest_deg: float | None
-    inclination_target_deg: float | None
-
-
 def turned(
     rate: Floats, rate_hz: float, arrival: int, target: int, departure: int, up: Floats | None
 ) -> Turned:
@@ -282,3 +288,89 @@ def turned(
 def _inclination(up: Floats) -> float:
     """Return the angle of the fingers' axis above the horizontal, in degrees."""
     return math.degrees(math.asin(float(up[_FINGERS]) / float(np.linalg.norm(up))))
+
+
+def tremor_index(rate: Floats, rate_hz: float) -> float | None:
+    """Return the share of 3-12 Hz in the power of movement up to 12 Hz, 0 to 1, all three axes
+    together.
+
+    Parkinsonian tremor lies at 3-8 Hz and essential tremor at 4-12 Hz (Luft et al. 2019, Sensors
+    19:4301), voluntary movement mostly below; power in the band against power below it separates
+    persons with essential tremor from others (Ali et al. 2022, Sci Rep 12:5242, of acceleration).
+    The mean of each axis (the gyroscope's bias) is removed, and a Hann window keeps a movement that
+    was cut off from leaking into the band. A fast movement has power of its own there: compare like
+    with like. Needs a second of samples, at 24 per second or more.
+
+    Args:
+        rate: angular rate, shape (n, 3), rad/s.
+        rate_hz: samples per second.
+    """
+    return tremor_in_movement(rate, rate_hz)[0]
+
+
+def tremor_in_movement(rate: Floats, rate_hz: float) -> tuple[float | None, float | None]:
+    """Return what `tremor_index` does, and the amplitude in ``ACTION_HZ`` as `tremor_amplitude`
+    does.
+
+    Both come from one Fourier transform: every fourth frequency of the padded one is one of the
+    other.
+    """
+    low, high = TREMOR_HZ
+    if rate_hz < 2 * high or len(rate) < _SHORTEST_S * rate_hz or not np.isfinite(rate).all():
+        return None, None
+    moving = rate - mean_of(rate)
+    largest = float(np.abs(moving).max())
+    if largest <= 1e-12 * np.abs(rate).max():
+        return None, 0.0
+    size, window = len(rate) * _PADDING, hann(len(rate))
+    power = np.sum(
+        np.abs(np.fft.rfft(moving / largest * window[:, np.newaxis], size, axis=0)) ** 2, axis=1
+    )
+    frequency = np.fft.rfftfreq(size, 1.0 / rate_hz)
+    action = power[::_PADDING][_inside(frequency[::_PADDING], ACTION_HZ)]
+    amplitude = _amplitude(action, largest, window)
+    all_power = float(power[frequency <= high].sum())
+    if not all_power > 0:
+        return None, amplitude
+    return float(power[(frequency >= low) & (frequency <= high)].sum()) / all_power, amplitude
+
+
+def tremor_amplitude(rate: Floats, rate_hz: float, band_hz: Band) -> float | None:
+    """Return the amplitude in rad/s of the oscillation in a band of frequencies: A for A sin(2πft)
+    about one axis.
+
+    It is that of all three axes together, under a Hann window and without each axis' mean. A fast
+    movement has some in the band itself. Needs a second of samples, two or more per period of the
+    highest frequency.
+
+    Args:
+        rate: angular rate, shape (n, 3), rad/s.
+        rate_hz: samples per second.
+        band_hz: lowest and highest frequency.
+    """
+    if rate_hz < 2 * band_hz[1] or len(rate) < _SHORTEST_S * rate_hz or not np.isfinite(rate).all():
+        return None
+    moving = rate - mean_of(rate)
+    largest = float(np.abs(moving).max())
+    if not largest:
+        return 0.0
+    window = hann(len(rate))
+    power = np.sum(
+        np.abs(np.fft.rfft(moving / largest * window[:, np.newaxis], axis=0)) ** 2, axis=1
+    )
+    return _amplitude(
+        power[_inside(np.fft.rfftfreq(len(rate), 1.0 / rate_hz), band_hz)], largest, window
+    )
+
+
+def _inside(frequency: Floats, band_hz: Band) -> npt.NDArray[np.bool_]:
+    low, high = band_hz
+    inside: npt.NDArray[np.bool_] = (frequency >= low) & (frequency <= high)
+    return inside
+
+
+def _amplitude(power: Floats, largest: float, window: Floats) -> float:
+    """Return the amplitude of an oscillation from its power in a spectrum of values up to 1 under a
+    window.
+    """
+    return 2.0 * largest * math.sqrt(float(power.sum()) / (len(window) * float(np.sum(window**2))))

@@ -5,10 +5,9 @@ without a way back.
 from itertools import pairwise
 
 from sar_tui.motion import quaternions
-from sar_tui.motion.boundaries import first_peak, onset
+from sar_tui.motion.arrays import lengths, percentile
+from sar_tui.motion.boundaries import checked, first_peak, onset, stretches
 from sar_tui.motion.filters import usable_cutoff
-from sar_tui.motion.grid import even
-from sar_tui.motion.movement import checked, percentile, stretches
 from sar_tui.motion.orientation import (
     CALM_HZ,
     MARGIN_S,
@@ -18,9 +17,8 @@ from sar_tui.motion.orientation import (
     OrientationParameters,
 )
 from sar_tui.motion.reach import Bounds, Detected
-from sar_tui.motion.rest import SLOW_HZ
+from sar_tui.motion.rest import SLOW_HZ, even
 from sar_tui.motion.samples import Recording
-from sar_tui.motion.vectors import lengths
 
 
 def find(recording: Recording, parameters: OrientationParameters | None = None) -> Detected:

@@ -17,11 +17,11 @@ import math
 
 import numpy as np
 
+from sar_tui.motion.arrays import lengths
 from sar_tui.motion.filters import Spectrum, usable_cutoff
 from sar_tui.motion.quaternions import angle, conjugate, integrate, multiply
 from sar_tui.motion.reach import Bounds, Detected
 from sar_tui.motion.samples import Floats
-from sar_tui.motion.vectors import lengths
 
 LEAST_RAD = math.radians(10)
 """Smallest excursion. Gestures of fingers and wrist are smaller, a reach of the arm is larger."""

@@ -7,8 +7,8 @@ seen from the sensor, gives q r.
 
 import numpy as np
 
+from sar_tui.motion.arrays import lengths
 from sar_tui.motion.samples import Floats
-from sar_tui.motion.vectors import lengths
 
 _SHORT = 2048
 """Up to this number of rotations, twice as many are composed in each step, which takes fewer steps

@@ -15,8 +15,7 @@ from typing import NamedTuple
 import msgspec
 import numpy as np
 
-from sar_tui.motion.body_model import Joint
-from sar_tui.motion.strokes import Stroke
+from sar_tui.motion.body_model import Joint, Stroke
 
 Turns = Mapping[Joint, float]
 """By how much joints turn, rad."""

@@ -8,9 +8,9 @@ from itertools import pairwise
 import msgspec
 import numpy as np
 
-from sar_tui.motion.grid import even
+from sar_tui.motion.arrays import principal_axis, turning_points
+from sar_tui.motion.rest import even
 from sar_tui.motion.samples import Floats, Recording
-from sar_tui.motion.turning_points import turning_points
 
 _SMOOTH_S = 0.1
 _COARSE_HZ = 50.0
@@ -102,7 +102,7 @@ def count_repetitions(rate: Floats, acceleration: Floats | None, rate_hz: float)
     period = _period(np.hstack(channels), step_s)
     if period is None:
         return Repetitions(0)
-    angle = np.cumsum(turning @ _main_axis(_smoothed(turning, _AXIS_SMOOTH * period))) * step_s
+    angle = np.cumsum(turning @ principal_axis(_smoothed(turning, _AXIS_SMOOTH * period))) * step_s
     times, cycles = _cycles(_without_drift(angle, period), period)
     count = math.floor(cycles[-1] + 0.5)
     if not count:
@@ -172,11 +172,6 @@ def _similarity(channels: Floats) -> Floats:
     lags = np.arange(count)
     both = energy[count - lags] + energy[count] - energy[lags]
     return np.asarray(2 * products / np.maximum(both, 1e-12 * both[0] + 1e-300))
-
-
-def _main_axis(turning: Floats) -> Floats:
-    """Return the axis of the most rotation: the first principal component."""
-    return np.asarray(np.linalg.eigh(turning.T @ turning)[1][:, -1])
 
 
 def _without_drift(angle: Floats, period: int) -> Floats:

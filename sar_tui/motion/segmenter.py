@@ -1,11 +1,16 @@
-"""Online segmentation of movement: movement or rest, time at rest, and return to the start."""
+"""Online segmentation of movement: movement or rest, time at rest, and return to the start; and the
+rest from which a reach starts.
+"""
 
 import math
 from collections import deque
 
-from sar_tui.motion.filters import Lowpass, Vector, usable_cutoff
-from sar_tui.motion.rest import SLOW_HZ, STEADY_RAD_S, STILL_RAD_S
-from sar_tui.motion.samples import Floats
+from sar_tui.motion import quaternions
+from sar_tui.motion.arrays import changes, lengths, order_statistic
+from sar_tui.motion.filters import LEAST_RATE_HZ, Lowpass, Vector, usable_cutoff
+from sar_tui.motion.orientation import OrientationParameters
+from sar_tui.motion.rest import SLOW_HZ, STEADY_RAD_S, STILL_RAD_S, even
+from sar_tui.motion.samples import Floats, Samples, recording
 from sar_tui.motion.single_axis import SingleAxisParameters
 
 BLOCK_S = 0.1
@@ -22,6 +27,8 @@ NEWEST = 2
 """Number of newest blocks that are not used as rest: they may hold the start of a movement."""
 SPREADS = 2.0
 """Noise floor, in standard deviations at rest."""
+SHORTEST_S = 0.1
+"""A shorter rest is a turn."""
 
 
 class _Block:
@@ -35,22 +42,6 @@ class _Block:
         self.slow = [0.0, 0.0, 0.0]
         self.squares = [0.0, 0.0]
         self.moved = False
-
-
-def _level(blocks: list[_Block]) -> Vector:
-    """Return the mean of the slow rate."""
-    count = sum(block.count for block in blocks)
-    x, y, z = (sum(block.slow[axis] for block in blocks) / count for axis in range(3))
-    return x, y, z
-
-
-def _spreads(blocks: list[_Block]) -> tuple[float, float]:
-    """Return the standard deviations of the fast and the slow rate, all axes together."""
-    count = sum(block.count for block in blocks)
-    fast = sum((sum(block.fast[axis] for block in blocks) / count) ** 2 for axis in range(3))
-    slow = sum(level * level for level in _level(blocks))
-    squares = [sum(block.squares[which] for block in blocks) / count for which in (0, 1)]
-    return math.sqrt(max(0.0, squares[0] - fast)), math.sqrt(max(0.0, squares[1] - slow))
 
 
 class Segmenter:
@@ -229,3 +220,62 @@ class Segmenter:
             self._forget()
         self._bias, self._rested, self._moving_s = level, True, 0.0
         self._fast_floor, self._slow_floor = SPREADS * fast, SPREADS * slow
+
+
+def _level(blocks: list[_Block]) -> Vector:
+    """Return the mean of the slow rate."""
+    count = sum(block.count for block in blocks)
+    x, y, z = (sum(block.slow[axis] for block in blocks) / count for axis in range(3))
+    return x, y, z
+
+
+def _spreads(blocks: list[_Block]) -> tuple[float, float]:
+    """Return the standard deviations of the fast and the slow rate, all axes together."""
+    count = sum(block.count for block in blocks)
+    fast = sum((sum(block.fast[axis] for block in blocks) / count) ** 2 for axis in range(3))
+    slow = sum(level * level for level in _level(blocks))
+    squares = [sum(block.squares[which] for block in blocks) / count for which in (0, 1)]
+    return math.sqrt(max(0.0, squares[0] - fast)), math.sqrt(max(0.0, squares[1] - slow))
+
+
+def home_since(samples: Samples, at: int, parameters: OrientationParameters) -> int | None:
+    """Return when the hand came to the rest from which it starts at about ``at``; both in ns.
+
+    None if the samples before that rest hold no movement that a detector could take for a part of
+    the reach (it turned the hand by less than ``parameters.least_rad``), or if the hand did not
+    rest.
+
+    Args:
+        samples: the newest samples, dtype SAMPLE.
+        at: when the participant started the trial.
+        parameters: definitions of rest and of a reach.
+    """
+    if len(samples) < 2:
+        return None
+    origin = int(samples["at"][0])
+    grid = even(recording(samples, origin))
+    if len(grid.time_s) < 2 or grid.rate_hz < LEAST_RATE_HZ:
+        return None
+    rest, rate, spectrum = grid.unbiased(parameters.rest_s)
+    slow = lengths(spectrum.below(SLOW_HZ, rest.tremor_hz))
+    still = slow <= max(parameters.end_rad_s, 1.2 * order_statistic(slow[rest.still], 0.99))
+    edges = changes(still)
+    at_s = (at - origin) / 1e9
+    homes = [
+        first
+        for first, stop in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
+        if stop - first >= SHORTEST_S * grid.rate_hz
+        and grid.time_s[first] < at_s
+        and grid.time_s[stop - 1] >= at_s - EARLY_S
+    ]
+    if not homes:
+        return None
+    orientation = quaternions.integrate(rate[: homes[-1] + 1], 1.0 / grid.rate_hz)
+    turned = quaternions.angle(
+        quaternions.multiply(quaternions.conjugate(orientation[-1]), orientation)
+    )
+    return (
+        origin + round(float(grid.time_s[homes[-1]]) * 1e9)
+        if turned.max() >= parameters.least_rad
+        else None
+    )

@@ -10,8 +10,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from sar_tui.motion.arrays import turning_points
 from sar_tui.motion.samples import Floats
-from sar_tui.motion.turning_points import turning_points
 
 _SHORTEST_S = 0.1
 _FEWEST_SAMPLES = 5

@@ -1,17 +1,19 @@
-"""The simulated hand: reaches as measured by a motion sensor on its back, with imperfections of
-sensor and hand.
+"""The simulated hand: reaches about one axis as measured by a motion sensor on its back, with
+imperfections of sensor and hand; and scenarios of them for tests of detectors.
 """
 
 import math
 from bisect import bisect_left
+from collections.abc import Callable
+from functools import lru_cache
 from typing import NamedTuple
 
+import msgspec
 import numpy as np
 import numpy.typing as npt
 
 from sar_tui.motion.imperfections import Imperfections, Vector
 from sar_tui.motion.samples import SAMPLE, Floats, Recording, Samples, recording
-from sar_tui.motion.shapes import ReachShape, Waveform, waveform
 
 GRAVITY_M_S2 = 9.81
 FOREARM_M = 0.3
@@ -28,6 +30,57 @@ COLUMNS = 15
 """Columns of the imperfections of samples: seconds since the first, the draw of the loss, rad/s,
 m/s².
 """
+STEP_S = 0.001
+TWITCH_S = 0.08
+TAIL = 0.02
+QUIET = math.radians(0.2)
+"""Noise of a good gyroscope, rad/s; the default of the scenarios."""
+
+
+class ReachShape(msgspec.Struct, frozen=True, kw_only=True):
+    """An ideal reach: out to the target, a rest there, and back.
+
+    Its onset is at 0 and its end at ``duration_s``. A minimum-jerk lobe is exactly still outside of
+    them. A lognormal submovement never quite begins or ends: its onset and end are where the speed
+    is 2 % of its phase's peak, as Alt Murphy, Willén & Sunnerhagen (2011, Neurorehabil Neural
+    Repair 25:71-80) bound the movements of patients.
+
+    Args:
+        out_s: duration of the way out, s.
+        back_s: duration of the way back, s.
+        dwell_s: the rest at the target, s.
+        peak_out: largest angular rate on the way out, rad/s, positive.
+        peak_back: largest angular rate on the way back, rad/s, negative.
+        submovements: 0 for one minimum-jerk lobe per phase; otherwise the number of lognormal
+            submovements in all, at least two.
+        twitch: True for an involuntary jerk of 80 ms, 0.9 to 1.2 s before the onset.
+        seed: the seed of the submovements and the twitch.
+    """
+
+    out_s: float
+    back_s: float
+    dwell_s: float = 0.0
+    peak_out: float = 1.5
+    peak_back: float = -2.0
+    submovements: int = 0
+    twitch: bool = False
+    seed: int = 0
+
+    @property
+    def duration_s(self) -> float:
+        """From onset to end, s."""
+        return self.out_s + self.dwell_s + self.back_s
+
+
+class Waveform(NamedTuple):
+    """A reach in steps of 1 ms: time since its onset (s), angular rate (rad/s), angle (rad),
+    acceleration (rad/s²).
+    """
+
+    time_s: Floats
+    rate: Floats
+    angle: Floats
+    acceleration: Floats
 
 
 class Profile(Imperfections, frozen=True, kw_only=True):
@@ -46,6 +99,7 @@ class Profile(Imperfections, frozen=True, kw_only=True):
 
 TILTED: Vector = (0.8, math.sqrt(1 - 0.8**2 - 0.1**2), 0.1)
 """A tilted sensor: a tenth of the reach's rotation is about its z."""
+
 
 PROFILES: dict[str, Profile] = {
     "clean": Profile(),
@@ -67,20 +121,6 @@ PROFILES: dict[str, Profile] = {
     ),
 }
 """Sensors and hands for tests and demonstrations, by name."""
-
-
-def _frame(axis: Vector) -> tuple[Floats, Floats, Floats]:
-    """Return unit vectors along the axis of the reach, and two across it: the forearm's, and the
-    hand's direction.
-    """
-    length = math.hypot(*axis)
-    if length == 0:
-        raise ValueError("A reach turns about an axis: it cannot be (0, 0, 0).")
-    along = np.asarray(axis, dtype=float) / length
-    fingers = np.array([0.0, 1.0, 0.0]) if abs(along[1]) < 0.9 else np.array([1.0, 0.0, 0.0])
-    forearm = fingers - along * (fingers @ along)
-    forearm /= np.linalg.norm(forearm)
-    return along, forearm, np.cross(along, forearm)
 
 
 class SimulatedHand:
@@ -233,29 +273,13 @@ class Simulation(NamedTuple):
     truth: tuple[tuple[float, float], ...]
 
 
-def simulate(
-    shapes: list[ReachShape],
-    profile: Profile = PROFILES["clean"],
-    *,
-    rate_hz: float = 250.0,
-    rest_s: float = 2.0,
-    seed: int = 0,
-) -> Simulation:
-    """Return reaches one after the other, with ``rest_s`` of rest before, between and after
-    them.
+class Scenario(NamedTuple):
+    """A named difficulty. ``make`` returns a recording of one reach, between two rests of 2 s, for
+    a seed.
     """
-    hand = SimulatedHand(profile, rate_hz, seed)
-    onset_s, truth = rest_s, []
-    for shape in shapes:
-        hand.move(round(onset_s * 1e9), shape)
-        truth.append((onset_s, onset_s + shape.duration_s))
-        onset_s += shape.duration_s + rest_s
-    samples = hand.samples(0, round(onset_s * 1e9))
-    share = max(map(abs, profile.axis)) / math.hypot(*profile.axis)
-    saturated = any(
-        share * max(shape.peak_out, -shape.peak_back) > profile.saturation_rad_s for shape in shapes
-    )
-    return Simulation(recording(samples, flags=("saturated",) if saturated else ()), tuple(truth))
+
+    name: str
+    make: Callable[[int], Simulation]
 
 
 class TableRow(NamedTuple):
@@ -293,6 +317,45 @@ TABLE_4_1 = (
 """The eight reaches of the thesis' system test."""
 
 
+def _frame(axis: Vector) -> tuple[Floats, Floats, Floats]:
+    """Return unit vectors along the axis of the reach, and two across it: the forearm's, and the
+    hand's direction.
+    """
+    length = math.hypot(*axis)
+    if length == 0:
+        raise ValueError("A reach turns about an axis: it cannot be (0, 0, 0).")
+    along = np.asarray(axis, dtype=float) / length
+    fingers = np.array([0.0, 1.0, 0.0]) if abs(along[1]) < 0.9 else np.array([1.0, 0.0, 0.0])
+    forearm = fingers - along * (fingers @ along)
+    forearm /= np.linalg.norm(forearm)
+    return along, forearm, np.cross(along, forearm)
+
+
+def simulate(
+    shapes: list[ReachShape],
+    profile: Profile = PROFILES["clean"],
+    *,
+    rate_hz: float = 250.0,
+    rest_s: float = 2.0,
+    seed: int = 0,
+) -> Simulation:
+    """Return reaches one after the other, with ``rest_s`` of rest before, between and after
+    them.
+    """
+    hand = SimulatedHand(profile, rate_hz, seed)
+    onset_s, truth = rest_s, []
+    for shape in shapes:
+        hand.move(round(onset_s * 1e9), shape)
+        truth.append((onset_s, onset_s + shape.duration_s))
+        onset_s += shape.duration_s + rest_s
+    samples = hand.samples(0, round(onset_s * 1e9))
+    share = max(map(abs, profile.axis)) / math.hypot(*profile.axis)
+    saturated = any(
+        share * max(shape.peak_out, -shape.peak_back) > profile.saturation_rad_s for shape in shapes
+    )
+    return Simulation(recording(samples, flags=("saturated",) if saturated else ()), tuple(truth))
+
+
 def table_4_1_recording(
     rate_hz: float = 250.0,
     still_s: float = 2.0,
@@ -304,4 +367,172 @@ def table_4_1_recording(
     """
     return simulate(
         [row.shape for row in TABLE_4_1], profile, rate_hz=rate_hz, rest_s=still_s, seed=seed
+    )
+
+
+def minimum_jerk(u: Floats) -> Floats:
+    """Return the speed of the smoothest movement, 1 at its peak, at the share ``u`` of its time
+    (Flash & Hogan 1985).
+
+    30u² − 60u³ + 30u⁴ over its largest value 30/16; 0 outside of 0 to 1.
+    """
+    inside = np.clip(u, 0.0, 1.0)
+    return 16.0 * inside**2 * (1.0 - inside) ** 2
+
+
+def _lognormals(time: Floats, count: int, generator: np.random.Generator) -> Floats:
+    """Return a sum of ``count`` overlapping lognormal speed profiles (Plamondon 1995), each of
+    median 1.
+    """
+    speed = np.zeros_like(time)
+    begins = np.concatenate(([0.0], np.cumsum(generator.uniform(0.6, 1.0, count - 1))))
+    widths = generator.uniform(0.25, 0.4, count)
+    sizes = generator.uniform(0.6, 1.0, count)
+    for begin, width, size in zip(begins, widths, sizes, strict=True):
+        elapsed = np.maximum(time - begin, 1e-9)
+        speed += size / (width * elapsed) * np.exp(-(np.log(elapsed) ** 2) / (2 * width**2))
+    return speed
+
+
+@lru_cache(maxsize=64)
+def _submovements(count: int, seed: int, phase: int) -> tuple[Floats, Floats]:
+    """Return a phase of submovements: time, from 0 to 1 between the 2 % marks, and speed, 1 at its
+    peak.
+    """
+    time = np.linspace(0.0, count + 4.0, 4000)
+    speed = _lognormals(time, count, np.random.default_rng([seed, phase]))
+    speed /= speed.max()
+    moving = np.flatnonzero(speed >= TAIL)
+    first, last = time[moving[0]], time[moving[-1]]
+    return (time - first) / (last - first), speed
+
+
+def _phase(u: Floats, count: int, seed: int, phase: int) -> Floats:
+    """Return the speed of one phase, 1 at its peak, at the share ``u`` of its time."""
+    if not count:
+        return minimum_jerk(u)
+    time, speed = _submovements(count, seed, phase)
+    return np.interp(u, time, speed, left=0.0, right=0.0)
+
+
+def _twitch(time: Floats, seed: int) -> Floats:
+    """Return an involuntary jerk of 80 ms, of 0.5 to 1.5 rad/s in either direction."""
+    generator = np.random.default_rng([seed, 2])
+    begin = -generator.uniform(0.9, 1.2)
+    peak = generator.uniform(0.5, 1.5) * generator.choice((-1.0, 1.0))
+    jerk: Floats = peak * minimum_jerk((time - begin) / TWITCH_S)
+    return jerk
+
+
+@lru_cache(maxsize=64)
+def waveform(shape: ReachShape) -> Waveform:
+    """Return a whole reach, from 1.5 s before its onset to 1.5 s after its end.
+
+    Raises ValueError for an impossible duration or number of submovements.
+    """
+    if min(shape.out_s, shape.back_s) <= 0 or shape.dwell_s < 0:
+        raise ValueError(
+            "A reach takes time: out_s and back_s must be above 0, dwell_s 0 or above."
+        )
+    if shape.submovements < 0 or shape.submovements == 1:
+        raise ValueError("A reach has two phases: submovements must be 0, or 2 and above.")
+    time = np.arange(-1.5, shape.duration_s + 1.5, STEP_S)
+    back = shape.submovements // 2
+    out_u = time / shape.out_s
+    back_u = (time - shape.out_s - shape.dwell_s) / shape.back_s
+    rate = shape.peak_out * _phase(out_u, shape.submovements - back, shape.seed, 0)
+    rate += shape.peak_back * _phase(back_u, back, shape.seed, 1)
+    if shape.twitch:
+        rate += _twitch(time, shape.seed)
+    return Waveform(time, rate, np.cumsum(rate) * STEP_S, np.gradient(rate, STEP_S))
+
+
+def random_reach(
+    generator: np.random.Generator, dwell_s: float = 0.0, twitch: bool = False
+) -> ReachShape:
+    """Return a minimum-jerk reach between two random rows of Table 4.1, in time and in peaks."""
+    one, other = (TABLE_4_1[i] for i in generator.integers(0, len(TABLE_4_1), 2))
+    mix = generator.uniform()
+    time_s, out, back = (mix * a + (1 - mix) * b for a, b in zip(one[1:], other[1:], strict=True))
+    share = back / (back - out)
+    return ReachShape(
+        out_s=time_s * share,
+        back_s=time_s * (1 - share),
+        dwell_s=dwell_s,
+        peak_out=out,
+        peak_back=back,
+        twitch=twitch,
+        seed=int(generator.integers(1 << 31)),
+    )
+
+
+def slow_reach(generator: np.random.Generator) -> ReachShape:
+    """Return a patient's reach: 2 to 6 s, 3 to 7 lognormal submovements, with the angles of Table
+    4.1.
+    """
+    time_s, angle, share = (
+        generator.uniform(2, 6),
+        generator.uniform(0.4, 1.1),
+        generator.uniform(0.4, 0.6),
+    )
+    out_s, back_s = time_s * share, time_s * (1 - share)
+    return ReachShape(
+        out_s=out_s,
+        back_s=back_s,
+        peak_out=2 * angle / out_s,
+        peak_back=-2 * angle / back_s,
+        submovements=int(generator.integers(3, 8)),
+        seed=int(generator.integers(1 << 31)),
+    )
+
+
+def _scenario(
+    name: str,
+    *,
+    noise_deg_s: float | None = None,
+    bias_deg_s: float = 0.0,
+    tremor_rad_s: float = 0.0,
+    twitch: bool = False,
+    dwell_s: float = 0.0,
+    tilted: bool = False,
+    slow: bool = False,
+) -> Scenario:
+    def make(seed: int) -> Simulation:
+        generator = np.random.default_rng([seed, 4])
+        shape = slow_reach(generator) if slow else random_reach(generator, dwell_s, twitch)
+        x, y, z = math.radians(bias_deg_s) * generator.choice((-1.0, 1.0), 3)
+        profile = Profile(
+            noise_rad_s=QUIET if noise_deg_s is None else math.radians(noise_deg_s),
+            bias_rad_s=(x, y, z),
+            tremor_hz=generator.uniform(4, 6),
+            tremor_rad_s=tremor_rad_s,
+            axis=TILTED if tilted else (0.0, 0.0, 1.0),
+        )
+        return simulate([shape], profile, seed=seed)
+
+    return Scenario(name, make)
+
+
+def scenarios() -> tuple[Scenario, ...]:
+    """Return all scenarios: noise and bias in deg/s on each axis, tremor in rad/s at 4-6 Hz, pauses
+    in s.
+    """
+    return (
+        _scenario("clean"),
+        *(_scenario(f"noise {noise} deg/s", noise_deg_s=noise) for noise in (1, 2, 5)),
+        *(_scenario(f"bias {bias} deg/s", bias_deg_s=bias) for bias in (2, 6, 12)),
+        *(_scenario(f"tremor {tremor} rad/s", tremor_rad_s=tremor) for tremor in (0.1, 0.15, 0.3)),
+        _scenario("twitch", twitch=True),
+        *(_scenario(f"pause {pause} s", dwell_s=pause) for pause in (0.5, 0.75, 1.2)),
+        _scenario("tilted", tilted=True),
+        _scenario(
+            "all combined",
+            noise_deg_s=2,
+            bias_deg_s=6,
+            tremor_rad_s=0.15,
+            twitch=True,
+            dwell_s=0.75,
+            tilted=True,
+        ),
+        _scenario("slow, submovements", slow=True),
     )

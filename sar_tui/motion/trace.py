@@ -6,10 +6,9 @@ from collections.abc import Mapping
 import msgspec
 import numpy as np
 
+from sar_tui.motion.arrays import principal_axis
 from sar_tui.motion.filters import smooth
-from sar_tui.motion.grid import even
-from sar_tui.motion.phases import principal_axis
-from sar_tui.motion.rest import find_rest
+from sar_tui.motion.rest import even, find_rest
 from sar_tui.motion.samples import Samples, recording
 
 MOST_POINTS = 200

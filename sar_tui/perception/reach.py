@@ -35,10 +35,9 @@ from sar_tui.model.messages import (
 from sar_tui.model.units import MS, SECOND
 from sar_tui.motion.analysis import EARLY_NS, AnalysisParameters, Window, analyse
 from sar_tui.motion.filters import LEAST_RATE_HZ
-from sar_tui.motion.home import home_since
 from sar_tui.motion.samples import Samples, join
 from sar_tui.motion.segmentation import segment
-from sar_tui.motion.segmenter import Segmenter
+from sar_tui.motion.segmenter import Segmenter, home_since
 from sar_tui.motion.single_axis import SingleAxisParameters
 from sar_tui.motion.trace import trace_of
 from sar_tui.perception.kept_samples import EVER, KeptSamples

@@ -5,8 +5,8 @@ import math
 from sar_tui.model.messages import SensorChanged
 from sar_tui.model.units import MS
 from sar_tui.motion.analysis import NS, Measured
-from sar_tui.motion.grid import even
 from sar_tui.motion.quaternions import angle, integrate
+from sar_tui.motion.rest import even
 from sar_tui.motion.samples import Recording, recording
 from sar_tui.perception.kept_samples import KeptSamples
 

@@ -21,7 +21,7 @@ from sar_tui.loop.node import Node
 from sar_tui.loop.task import Task
 from sar_tui.model.messages import BodyPart
 from sar_tui.model.random_streams import RandomStreams
-from sar_tui.motion.shapes import ReachShape
+from sar_tui.motion.synthesis import ReachShape
 from sar_tui.rules.declaration import ParameterError
 from sar_tui.rules.parameters import TaskParameters
 from sar_tui.simulation.participant import SimulatedMover, SimulatedParticipant, SimulatedPartner

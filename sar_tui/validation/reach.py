@@ -14,7 +14,7 @@ from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
 from sar_tui.motion.reach import Hand
 from sar_tui.motion.reach_kinds import KINDS
 from sar_tui.motion.samples import Recording
-from sar_tui.motion.scenarios import Scenario, scenarios
+from sar_tui.motion.synthesis import Scenario, scenarios
 from sar_tui.motion.trajectories import PLACEMENTS, simulate_reaches
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 

@@ -18,8 +18,7 @@ from sar_tui.inputs.simulated import SimulatedSource
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.model.units import SECOND
 from sar_tui.motion.analysis import Finding
-from sar_tui.motion.shapes import ReachShape
-from sar_tui.motion.synthesis import PROFILES, Profile, SimulatedHand
+from sar_tui.motion.synthesis import PROFILES, Profile, ReachShape, SimulatedHand
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.store import participants, programmes

@@ -7,8 +7,7 @@ import numpy as np
 
 from sar_tui.motion.measures import measure
 from sar_tui.motion.reach import Bounds, Detected
-from sar_tui.motion.shapes import ReachShape
-from sar_tui.motion.synthesis import Profile, simulate
+from sar_tui.motion.synthesis import Profile, ReachShape, simulate
 from sar_tui.validation.report import Claim, Conditions, Report, Row
 
 RATES_HZ = (50, 100, 250, 1000)

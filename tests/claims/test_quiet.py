@@ -8,8 +8,7 @@ import pytest
 from sar_tui.motion.detection import detect
 from sar_tui.motion.detector_names import STORED_NAMES
 from sar_tui.motion.reach import Reach
-from sar_tui.motion.shapes import ReachShape
-from sar_tui.motion.synthesis import simulate
+from sar_tui.motion.synthesis import ReachShape, simulate
 from sar_tui.motion.trajectories import simulate_reaches
 from sar_tui.plugins import Catalogue
 from sar_tui.validation.report import Conditions, Report

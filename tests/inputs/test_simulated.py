@@ -11,8 +11,7 @@ from sar_tui.inputs.simulated import SimulatedSource
 from sar_tui.loop.clock import VirtualClock, host_now
 from sar_tui.model.units import MS, SECOND
 from sar_tui.motion.samples import Samples
-from sar_tui.motion.shapes import ReachShape
-from sar_tui.motion.synthesis import PROFILES, SimulatedHand
+from sar_tui.motion.synthesis import PROFILES, ReachShape, SimulatedHand
 
 WAIT_S = 60.0
 REACH = ReachShape(out_s=0.6, back_s=0.6, peak_out=4.0, peak_back=-4.0)

@@ -18,8 +18,8 @@ from sar_tui.inputs.sources import GuardedSource, open_source, source_names
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.model.units import SECOND
 from sar_tui.motion.reach_kinds import KINDS
-from sar_tui.motion.simulated_arm import SimulatedArm
 from sar_tui.motion.synthesis import PROFILES
+from sar_tui.motion.trajectories import SimulatedArm
 from tests.plugged_in import offer
 
 

@@ -14,9 +14,15 @@ from sar_tui.motion.fixed_threshold import FixedThresholdParameters
 from sar_tui.motion.orientation import OrientationParameters
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.samples import Recording
-from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.single_axis import SingleAxisParameters
-from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, Profile, simulate, table_4_1_recording
+from sar_tui.motion.synthesis import (
+    PROFILES,
+    TABLE_4_1,
+    Profile,
+    ReachShape,
+    simulate,
+    table_4_1_recording,
+)
 from tests.examples import examples
 
 NAMES = ["orientation", "single-axis", "fixed-threshold"]

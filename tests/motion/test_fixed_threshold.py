@@ -8,8 +8,14 @@ import pytest
 from sar_tui.motion.fixed_threshold import FixedThresholdParameters, find
 from sar_tui.motion.reach import Bounds
 from sar_tui.motion.samples import Recording
-from sar_tui.motion.shapes import ReachShape
-from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, Profile, simulate, table_4_1_recording
+from sar_tui.motion.synthesis import (
+    PROFILES,
+    TABLE_4_1,
+    Profile,
+    ReachShape,
+    simulate,
+    table_4_1_recording,
+)
 
 REACH = ReachShape(out_s=0.6, back_s=0.5, peak_out=2.0, peak_back=-2.4)
 

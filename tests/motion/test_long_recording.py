@@ -7,8 +7,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from sar_tui.motion.detection import DETECTORS, detect
-from sar_tui.motion.long_recording import SHORTEST_WINDOW_S, LongDetection, detect_long
+from sar_tui.motion.detection import (
+    DETECTORS,
+    SHORTEST_WINDOW_S,
+    LongDetection,
+    detect,
+    detect_long,
+)
 from sar_tui.motion.samples import SAMPLE, Samples, recording
 from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, SimulatedHand
 from tests.examples import first

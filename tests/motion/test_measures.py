@@ -11,15 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.motion.detection import detect
-from sar_tui.motion.grid import even
 from sar_tui.motion.imperfections import PERFECT, StrappedSensor
 from sar_tui.motion.measures import Version, measure
 from sar_tui.motion.reach import Bounds, Detected, Reach
 from sar_tui.motion.reach_kinds import KINDS
-from sar_tui.motion.rest import find_rest
+from sar_tui.motion.rest import even, find_rest
 from sar_tui.motion.samples import Floats, Recording
-from sar_tui.motion.shapes import ReachShape
-from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, Profile, TableRow, simulate
+from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, Profile, ReachShape, TableRow, simulate
 from sar_tui.motion.trajectories import SimulatedReaches, simulate_reaches
 from tests.claims.measures import true_measures
 from tests.examples import examples, first

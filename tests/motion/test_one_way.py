@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from sar_tui.motion.detection import detect_one_way
-from sar_tui.motion.long_recording import detect_long
+from sar_tui.motion.detection import detect_long, detect_one_way
 from sar_tui.motion.samples import SAMPLE, Recording, Samples
 from tests.examples import first
 

@@ -10,9 +10,7 @@ from sar_tui.motion.quaternions import from_rotation, multiply, rotate
 from sar_tui.motion.reach import Bounds
 from sar_tui.motion.reach_kinds import KINDS
 from sar_tui.motion.samples import Floats, Recording
-from sar_tui.motion.scenarios import scenarios
-from sar_tui.motion.shapes import ReachShape
-from sar_tui.motion.synthesis import simulate
+from sar_tui.motion.synthesis import ReachShape, scenarios, simulate
 from sar_tui.motion.trajectories import simulate_reaches
 from tests.examples import fewer
 

@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 
 from sar_tui.motion.detection import find
-from sar_tui.motion.grid import even
 from sar_tui.motion.plausibility import plausible
 from sar_tui.motion.reach import Bounds, Detected
 from sar_tui.motion.reach_kinds import KINDS
-from sar_tui.motion.rest import find_rest
+from sar_tui.motion.rest import even, find_rest
 from sar_tui.motion.samples import Recording
-from sar_tui.motion.scenarios import scenarios
+from sar_tui.motion.synthesis import scenarios
 from sar_tui.motion.trajectories import simulate_reaches
 from tests.examples import first
 from tests.motion import daily_life

@@ -10,12 +10,10 @@ from hypothesis import strategies as st
 
 from sar_tui.inputs.recording_file import read_recording
 from sar_tui.motion.samples import Floats, Samples
-from sar_tui.motion.scenarios import scenarios
 from sar_tui.motion.segmentation import Segmentation, segment
 from sar_tui.motion.segmenter import Segmenter
-from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.single_axis import SingleAxisParameters
-from sar_tui.motion.synthesis import PROFILES, SimulatedHand
+from sar_tui.motion.synthesis import PROFILES, ReachShape, SimulatedHand, scenarios
 from tests.examples import examples, first
 
 RECORDING = Path(__file__).parents[2] / "data/table-4.1.csv"

@@ -11,9 +11,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from sar_tui.motion.samples import Samples
-from sar_tui.motion.shapes import ReachShape
-from sar_tui.motion.simulated_arm import SimulatedArm
-from sar_tui.motion.synthesis import PROFILES
+from sar_tui.motion.synthesis import PROFILES, ReachShape
+from sar_tui.motion.trajectories import SimulatedArm
 from tests.examples import examples
 
 SECOND = 1_000_000_000

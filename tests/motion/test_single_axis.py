@@ -12,15 +12,17 @@ from hypothesis import strategies as st
 from sar_tui.motion.filters import Lowpass, smooth
 from sar_tui.motion.reach import Bounds
 from sar_tui.motion.samples import Floats, Recording
-from sar_tui.motion.scenarios import Scenario, random_reach, scenarios
 from sar_tui.motion.segmenter import Segmenter
-from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.single_axis import SingleAxisParameters, find
 from sar_tui.motion.synthesis import (
     PROFILES,
     TABLE_4_1,
     Profile,
+    ReachShape,
+    Scenario,
     Simulation,
+    random_reach,
+    scenarios,
     simulate,
     table_4_1_recording,
 )

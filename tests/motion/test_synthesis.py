@@ -8,14 +8,16 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from sar_tui.motion.shapes import ReachShape, minimum_jerk, waveform
 from sar_tui.motion.synthesis import (
     PROFILES,
     TABLE_4_1,
     Profile,
+    ReachShape,
     SimulatedHand,
+    minimum_jerk,
     simulate,
     table_4_1_recording,
+    waveform,
 )
 from tests.examples import examples
 

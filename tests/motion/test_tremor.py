@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sar_tui.motion.measures import ACTION_HZ, Band, tremor_amplitude, tremor_index
 from sar_tui.motion.rest import TREMOR_HZ
 from sar_tui.motion.samples import Floats
-from sar_tui.motion.shapes import minimum_jerk
-from sar_tui.motion.tremor import ACTION_HZ, Band, tremor_amplitude, tremor_index
+from sar_tui.motion.synthesis import minimum_jerk
 
 RATE_HZ = 250.0
 

@@ -5,12 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.motion.changes import changes
-from sar_tui.motion.movement import percentile, stretches
+from sar_tui.motion.arrays import changes, finite_only, lengths, mean_of, percentile
+from sar_tui.motion.boundaries import stretches
+from sar_tui.motion.measures import ACTION_HZ, tremor_amplitude, tremor_in_movement, tremor_index
 from sar_tui.motion.quaternions import from_rotation, integrate, multiply
 from sar_tui.motion.samples import Floats, Recording
-from sar_tui.motion.tremor import ACTION_HZ, tremor_amplitude, tremor_in_movement, tremor_index
-from sar_tui.motion.vectors import finite_only, lengths, mean_of
 from tests.examples import examples
 
 

@@ -14,8 +14,7 @@ from sar_tui.loop.node import Node
 from sar_tui.loop.session import Session
 from sar_tui.loop.topics import ATTEMPT_ENDED, PROPOSED, REACH, SENSOR, TRIAL
 from sar_tui.model.units import MS
-from sar_tui.motion.shapes import ReachShape
-from sar_tui.motion.synthesis import PROFILES, SimulatedHand
+from sar_tui.motion.synthesis import PROFILES, ReachShape, SimulatedHand
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.parameters import build
 from sar_tui.runs.plan import make_plan

@@ -10,8 +10,7 @@ from textual.app import App, ComposeResult
 
 from sar_tui.motion.analysis import AnalysisParameters, Finding, Window, analyse
 from sar_tui.motion.samples import SAMPLE, Samples
-from sar_tui.motion.shapes import ReachShape
-from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, SimulatedHand
+from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, ReachShape, SimulatedHand
 from sar_tui.motion.trace import MOST_POINTS, Trace, trace_of
 from sar_tui.widgets.speed_trace import SpeedTrace, draw_traces
 

@@ -10,8 +10,7 @@ from sar_tui.loop.node import Node
 from sar_tui.loop.topics import SENSOR, TRIAL
 from sar_tui.model import messages as m
 from sar_tui.model.units import MS
-from sar_tui.motion.shapes import ReachShape
-from sar_tui.motion.synthesis import PROFILES, SimulatedHand
+from sar_tui.motion.synthesis import PROFILES, ReachShape, SimulatedHand
 from sar_tui.plugins import Catalogue
 from tests.tasks.pairs.pairs_driver import SHORT, PairsDriver
 

@@ -17,9 +17,8 @@ from sar_tui.model.units import MS, SECOND
 from sar_tui.motion.analysis import AnalysisParameters, Finding, Window, analyse
 from sar_tui.motion.reach_kinds import end_of
 from sar_tui.motion.samples import Samples, unpack
-from sar_tui.motion.shapes import ReachShape
-from sar_tui.motion.simulated_arm import SimulatedArm
-from sar_tui.motion.synthesis import PROFILES, Profile, SimulatedHand
+from sar_tui.motion.synthesis import PROFILES, Profile, ReachShape, SimulatedHand
+from sar_tui.motion.trajectories import SimulatedArm
 from sar_tui.plugins import Catalogue
 from tests.loop_driver import LoopDriver
 

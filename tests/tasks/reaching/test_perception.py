@@ -13,8 +13,8 @@ from sar_tui.model.messages import SensorChanged
 from sar_tui.model.units import MS
 from sar_tui.motion.reach_kinds import end_of
 from sar_tui.motion.samples import Samples
-from sar_tui.motion.shapes import ReachShape
-from sar_tui.motion.simulated_arm import SimulatedArm
+from sar_tui.motion.synthesis import ReachShape
+from sar_tui.motion.trajectories import SimulatedArm
 from sar_tui.plugins import Catalogue
 from tests.examples import first
 from tests.tasks.reaching.reaching_driver import (

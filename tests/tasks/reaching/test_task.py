@@ -13,7 +13,7 @@ from sar_tui.model.messages import KeyPerceived, ReachPerceived
 from sar_tui.model.random_streams import RandomStreams
 from sar_tui.model.trial_types import Again, Performance, Result, Situation, Trial
 from sar_tui.model.units import SECOND
-from sar_tui.motion.shapes import ReachShape
+from sar_tui.motion.synthesis import ReachShape
 from sar_tui.plugins import Catalogue
 from tests.tasks.reaching.test_parameters import make
 
