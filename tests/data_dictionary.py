@@ -34,12 +34,12 @@ def with_tables(page: str, made: str) -> str:
 
 
 def _common() -> list[Column]:
-    """Return the columns that three tables or more have, with the same meaning."""
+    """Return the columns that two tables or more have, with the same meaning."""
     known: dict[tuple[str, str, str], list[Column]] = {}
     for table in TABLES.values():
         for column in table.columns:
             known.setdefault((column.name, column.meaning, column.more), []).append(column)
-    return [columns[0] for columns in known.values() if len(columns) >= 3]
+    return [columns[0] for columns in known.values() if len(columns) >= 2]
 
 
 def _about(table: Table, common: list[Column]) -> Iterator[str]:
@@ -58,6 +58,8 @@ def _about(table: Table, common: list[Column]) -> Iterator[str]:
 
 def _line(column: Column) -> str:
     meaning = column.meaning.replace(", axis {axis}", ", x, y, z")
+    if column.name.endswith("_ns"):
+        meaning = meaning.replace(", steady clock of the run", "")
     unsaid = [level for level in column.levels if level not in f"{meaning} {column.more}".lower()]
     unit = "" if not column.unit or column.unit in column.name else f" ({column.unit})"
     parts = (meaning, _names("", unsaid), column.more)
@@ -80,8 +82,8 @@ def _details(catalogue: Catalogue) -> Iterator[str]:
         declared = declared_keys(catalogue.task(name).Details)
         yield f"`details` of the task {name}:\n"
         for key, found in declared.items():
-            if name != "reaching" or f"`{key}`" not in measures:
+            if name == "keyboard" or f"`{key}`" not in measures:
                 yield f"- `{key}`: {found.meaning}"
-        if name == "reaching":
+        if name != "keyboard":
             yield "- the others: [movement measures](movement-measures.md)"
         yield ""
