@@ -3,8 +3,8 @@ or a sensor.
 """
 
 import math
-from collections.abc import Sequence
-from typing import Any, Literal
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal, NamedTuple
 
 import msgspec
 
@@ -33,17 +33,13 @@ from sar_tui.api.task import (
 )
 
 from . import reaches
-from .details import PairsDetails
-from .layouts import Pair, levels, owners
-from .parameters import PairsParameters
-from .policies import Response, cooperate, race
+from .parameters import PairsDetails, PairsParameters
 
 _SIDES: tuple[Literal["left"], Literal["right"]] = ("left", "right")
 _GAZE_EFFECT = 0.06
 """Relative slowing of a simulated participant after a look to the other side: about 25 ms (Friesen
 & Kingstone 1998; Driver et al. 1999).
 """
-
 _AGAIN = {
     "samples": "A sensor sent nothing during that reach, so it does not count.",
     "gap": "A sensor missed a part of that reach, so it does not count.",
@@ -51,6 +47,63 @@ _AGAIN = {
     "analysis": "That reach could not be measured, so it does not count.",
 }
 _NO_REACH = "I saw no whole reach. Wait for the signal, then reach out and come all the way back."
+ROWS: dict[str, tuple[str, str, str, str]] = {
+    "qwerty": ("1234567890", "qwertyuiop", "asdfghjkl;", "zxcvbnm,./"),
+    "azerty": ("&é\"'(-è_çà", "azertyuiop", "qsdfghjklm", "wxcvbn,;:!"),
+    "qwertz": ("1234567890", "qwertzuiop", "asdfghjklö", "yxcvbnm,.-"),
+}
+"""Character of each place without Shift: digits, top, home and bottom row, ten columns from the
+left.
+"""
+_HALF = 5
+_OUTWARDS = (3, 2, 1, 0, 4)
+"""Columns of the left hand from the index finger outwards, then the column between the hands."""
+_PAIRS = (2, 3, 4, 6, 8, 11)
+"""Number of keys for each seat, by level."""
+Pair = tuple[str, str]
+
+
+class Response(NamedTuple):
+    """The response of one seat.
+
+    Args:
+        asked: the response asked for: a key's name, or a reach.
+        is_over: True if no more is expected: the seat responded, or its sensor saw no whole reach.
+        done: the response; None for none.
+        at: time stamp of the key press or the movement onset (ns).
+        latency_ms: time from the prompt's onset.
+        is_real: False for an anticipation.
+        details: stored with the trial.
+        flags: added to ``trials.timing``.
+        remark: said to the participant if the attempt fails.
+    """
+
+    asked: str
+    is_over: bool = False
+    done: str | None = None
+    at: int | None = None
+    latency_ms: float | None = None
+    is_real: bool = False
+    details: Json = {}
+    flags: tuple[str, ...] = ()
+    remark: str = ""
+
+    @property
+    def is_right(self) -> bool:
+        """True if it is the response asked for."""
+        return self.done is not None and self.done.casefold() == self.asked.casefold()
+
+    def result(self, details: Json) -> Result:
+        """Return the result of this response alone, with its own reaction time."""
+        return Result(
+            correct=self.is_right,
+            response=self.done,
+            response_at=self.at,
+            value=self.latency_ms,
+            details={**details, "asked": self.asked, "right": self.is_right, **self.details},
+            flags=self.flags,
+            remark=self.remark,
+        )
 
 
 class PairsTask(Task):
@@ -379,3 +432,62 @@ def _mean(results: Sequence[Result], congruent: bool) -> float | None:
         and result.details.get("congruent") is congruent
     ]
     return math.fsum(values) / len(values) if values else None
+
+
+def owners(layout: str) -> dict[str, str]:
+    """Return the seat of each key, by the character it types: ``A`` or ``B``."""
+    return {
+        key: "A" if column < _HALF else "B"
+        for row in ROWS[layout]
+        for column, key in enumerate(row)
+    }
+
+
+def levels(layout: str) -> tuple[tuple[Pair, ...], ...]:
+    """Return the levels, easiest first: pairs of letters at mirrored places, for the same finger of
+    either hand.
+
+    The home row comes first, then the top, then the bottom row. Places without a plain letter on
+    both sides are left out.
+    """
+    _, top, home, bottom = ROWS[layout]
+    mirrored = [
+        (row[column], row[9 - column]) for row in (home, top, bottom) for column in _OUTWARDS
+    ]
+    letters = tuple(
+        pair for pair in mirrored if all(key.isascii() and key.isalpha() for key in pair)
+    )
+    return tuple(letters[:count] for count in _PAIRS)
+
+
+def race(responses: Mapping[str, Response], details: Json) -> Results:
+    """Return the results of a race: the fastest right response wins, or both if equal. Each keeps
+    its own time.
+    """
+    fair = {seat: one.latency_ms for seat, one in responses.items() if one.is_right and one.is_real}
+    fastest = min((latency for latency in fair.values() if latency is not None), default=None)
+    return {
+        seat: one.result({**details, "won": fastest is not None and fair.get(seat) == fastest})
+        for seat, one in responses.items()
+    }
+
+
+def cooperate(responses: Mapping[str, Response], details: Json, window_ms: float) -> Results:
+    """Return the results of cooperation: right if both are right within the window; both get the
+    later time.
+    """
+    latencies = [one.latency_ms for one in responses.values() if one.latency_ms is not None]
+    both = len(latencies) == len(responses)
+    gap = max(latencies) - min(latencies) if both else None
+    together = (
+        gap is not None
+        and gap <= window_ms
+        and all(one.is_right and one.is_real for one in responses.values())
+    )
+    shared: Json = {**details, "together": together, "between_ms": gap}
+    return {
+        seat: msgspec.structs.replace(
+            one.result(shared), correct=together, value=max(latencies) if together else None
+        )
+        for seat, one in responses.items()
+    }

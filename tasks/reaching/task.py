@@ -22,8 +22,7 @@ from sar_tui.api.task import (
     Trial,
 )
 
-from .details import ReachDetails
-from .parameters import ReachingParameters
+from .parameters import ReachDetails, ReachingParameters
 
 if TYPE_CHECKING:
     from sar_tui.api.task import AnalysisParameters

@@ -4,8 +4,7 @@ from collections.abc import Sequence
 
 from sar_tui.api.task import Act, Effect, Performance, RandomStreams, Stimulus, TrialEnded
 
-from .stopping import stop_signal_rt
-from .task import StopSignalTask
+from .task import StopSignalTask, stop_signal_rt
 
 
 def at_once(

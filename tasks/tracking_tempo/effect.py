@@ -5,8 +5,7 @@ from statistics import fmean
 
 from sar_tui.api.task import Act, Effect, Performance, RandomStreams, Stimulus, TrialEnded
 
-from .beats import swings
-from .task import TrackingTempoTask
+from .task import TrackingTempoTask, swings
 
 
 def on_the_beat(

@@ -4,14 +4,16 @@ Timing with a metronome is reviewed by Repp & Su (2013, Psychon Bull Rev 20:403-
 little ahead of the beat, by some tens of milliseconds, and vary by a few percent of its interval.
 """
 
+import math
 from collections.abc import Sequence
-from statistics import fmean
-from typing import Any
+from statistics import fmean, stdev
+from typing import Annotated, Any, NamedTuple
 
 from sar_tui.api.task import (
     Act,
     Again,
     Axis,
+    Details,
     Frame,
     Measure,
     Metric,
@@ -23,12 +25,11 @@ from sar_tui.api.task import (
     Situation,
     Stimulus,
     Task,
+    TaskParameters,
     Tone,
     Trial,
+    meta,
 )
-
-from .beats import LISTENED, in_time, swings
-from .parameters import TrackingTempoDetails, TrackingTempoParameters
 
 INTERVALS_MS = (1200.0, 1050.0, 900.0, 800.0, 700.0, 600.0)
 """From beat to beat, for each level."""
@@ -37,6 +38,91 @@ SPARE_MS = 500.0
 """From the end of the beats to the end of the trial: the turns are reported then."""
 FOLLOWED = 0.75
 """Share of beats that a right row has a turn at."""
+LISTENED = 3
+"""Beats at the beginning that are heard only. The next is where the hand sets off, and is not
+counted either.
+"""
+NEAR = 0.4
+"""A turn belongs to a beat if it is nearer than this share of the interval."""
+AHEAD_MS, NOISE_MS, NOISE_SHARE = 45.0, 18.0, 0.035
+"""Simulated people turn so long before the beat, and vary by so much at any tempo and by a share of
+the interval.
+"""
+_SWING_RAD = 0.6
+
+
+class InTime(NamedTuple):
+    """A row of beats.
+
+    Attributes:
+        asynchrony_ms: mean time from a beat to its turn; negative: ahead of it; None without any.
+        variation_ms: standard deviation of these times; None for fewer than three.
+        followed: share of beats that have exactly one turn.
+    """
+
+    asynchrony_ms: float | None
+    variation_ms: float | None
+    followed: float
+
+
+class TrackingTempoParameters(TaskParameters, frozen=True, kw_only=True):
+    """Parameters of the task."""
+
+    imu: Annotated[
+        str,
+        meta(
+            "Motion sensor",
+            help="phidget, phidget://host:port, simulated, recorded:FILE, or session:ID.",
+            min_length=1,
+            personal=True,
+        ),
+    ] = "phidget"
+    beats: Annotated[
+        int,
+        meta(
+            "Beats", help="Number of beats in a row. The first three are heard only.", ge=8, le=60
+        ),
+    ] = 14
+    prompts_per_attempt: Annotated[
+        int, meta("Rows", help="Number of rows of beats in an attempt.", ge=1, le=20)
+    ] = 2
+    attempts: Annotated[
+        int, meta("Attempts", help="Number of attempts in a session.", ge=1, le=200)
+    ] = 6
+    threshold: Annotated[
+        float,
+        meta(
+            "Goal",
+            "%",
+            "The variation about the beat must be below this share of its interval.",
+            ge=1,
+            le=50,
+        ),
+    ] = 7.0
+    neutral_band: Annotated[
+        float,
+        meta(
+            "Neutral band",
+            "%",
+            "Feedback is neutral within this distance of the goal.",
+            ge=0,
+            le=20,
+        ),
+    ] = 0.2
+    max_level: Annotated[
+        int, meta("Highest level", help="Each level has a faster beat.", ge=1, le=6)
+    ] = 6
+
+
+class TrackingTempoDetails(Details, frozen=True):
+    """Details of a row of beats."""
+
+    asynchrony_ms: Annotated[
+        float | None, "Mean time from a beat to the turn at it; negative: ahead of it."
+    ] = None
+    variation_ms: Annotated[float | None, "Standard deviation of these times."] = None
+    followed: Annotated[float | None, "Share of beats with one turn near them, 0 to 1."] = None
+    beat_ms: Annotated[float | None, "From beat to beat."] = None
 
 
 class TrackingTempoTask(Task):
@@ -174,3 +260,50 @@ class TrackingTempoTask(Task):
         return swings(
             beat * own, int(self.parameters.beats / own), performance.unsteadiness, streams
         )
+
+
+def in_time(beats: Sequence[int], turns: Sequence[int], beat_ms: float) -> InTime:
+    """Return how turns go with beats, both in ns. The first beat sets the hand in motion, and the
+    last ends it.
+    """
+    found: list[float] = []
+    counted = beats[1:-1]
+    for beat in counted:
+        near = [turn for turn in turns if abs(turn - beat) / 1e6 < NEAR * beat_ms]
+        if len(near) == 1:
+            found.append((near[0] - beat) / 1e6)
+    return InTime(
+        asynchrony_ms=fmean(found) if found else None,
+        variation_ms=stdev(found) if len(found) > 2 else None,
+        followed=len(found) / len(counted) if counted else 0.0,
+    )
+
+
+def swings(
+    beat_ms: float,
+    beats: int,
+    unsteadiness: float,
+    streams: RandomStreams,
+    ahead_ms: float = AHEAD_MS,
+) -> list[Act]:
+    """Return the swings of a simulated person, each pair as a movement out and back, from the first
+    counted beat on.
+    """
+    from sar_tui.api.task import ReachShape
+
+    spread = math.hypot(NOISE_MS, NOISE_SHARE * beat_ms) * (1 + unsteadiness)
+    noise = streams.generator("beats")
+    turns = [
+        beat * beat_ms - ahead_ms + noise.gauss(0.0, spread) for beat in range(LISTENED, beats)
+    ]
+    acts: list[Act] = []
+    for begin, turn, end in zip(turns[:-2:2], turns[1:-1:2], turns[2::2], strict=False):
+        out, back = (turn - begin) / 1000, (end - turn) / 1000
+        peaks = 1.875 * _SWING_RAD
+        acts.append(
+            (
+                begin,
+                ReachShape(out_s=out, back_s=back, peak_out=peaks / out, peak_back=-peaks / back),
+            )
+        )
+    return acts

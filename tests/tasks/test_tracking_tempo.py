@@ -30,7 +30,7 @@ def turns(tempo: type[Task]) -> Any:
 
 @pytest.fixture(scope="module")
 def beats(tempo: type[Task]) -> Any:
-    return sys.modules[f"{tempo.__module__.rpartition('.')[0]}.beats"]
+    return sys.modules[tempo.__module__]
 
 
 def swinging(period_s: float, seed: int, rate_hz: float = 100.0) -> tuple[Samples, list[float]]:

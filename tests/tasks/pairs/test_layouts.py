@@ -10,7 +10,7 @@ from sar_tui.plugins import Catalogue
 from sar_tui.rules.parameters import build
 
 KIND = Catalogue().task("pairs")
-LAYOUTS = importlib.import_module(KIND.__module__.rpartition(".")[0] + ".layouts")
+LAYOUTS = importlib.import_module(KIND.__module__)
 
 
 def make(**parameters: object) -> Task:
