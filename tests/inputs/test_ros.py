@@ -259,9 +259,7 @@ def test_constant_stamps_are_reported(connect: Callable[..., Bench]) -> None:
     assert bench.samples == []
 
 
-def test_it_is_detached_while_the_bridge_is_away(
-    connect: Callable[..., Bench],
-) -> None:
+def test_it_is_detached_while_the_bridge_is_away(connect: Callable[..., Bench]) -> None:
     bench = connect()
     bench.send(LOOKED_AT)
     bench.wait_for("attached")

@@ -140,10 +140,7 @@ async def test_snapshot_connects_and_messages_follow_in_order(panel: Panel) -> N
     frames = [each for each in panel.events if isinstance(each, list)]
     assert panel.events[1:3] == [Connection("connected"), WELCOME]
     # batches within the snapshot are skipped
-    assert frames == [
-        [Frame(*level(1))],
-        [Frame(*level(4))],
-    ]
+    assert frames == [[Frame(*level(1))], [Frame(*level(4))]]
 
 
 async def test_missing_batch_stops_messages_until_a_snapshot(panel: Panel) -> None:

@@ -24,13 +24,7 @@ def test_welcome_has_format_and_length() -> None:
         welcome.attempts,
         welcome.trials,
         welcome.spoken_names,
-    ) == (
-        "ms",
-        0,
-        7,
-        7,
-        {},
-    )
+    ) == ("ms", 0, 7, 7, {})
     assert welcome.parameters["prompts_per_attempt"] == 7
 
 

@@ -108,11 +108,7 @@ class Panel:
     @property
     def lines(self) -> list[Line]:
         now, state = self.now(), self.commands.state
-        return [
-            *state.log,
-            *(stop.line(now) for stop in state.stops),
-            *self.commands.log.lines,
-        ]
+        return [*state.log, *(stop.line(now) for stop in state.stops), *self.commands.log.lines]
 
     @property
     def texts(self) -> list[str]:
