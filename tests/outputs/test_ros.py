@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import re
 import sys
 import time
 from collections.abc import Callable
@@ -22,6 +23,8 @@ from tests.fake_rosbridge import Manner, RosBridge, hide_roslibpy, ros_bridge, w
 from tests.outputs.contract import THEME, WAIT_S, Rig
 from tests.outputs.ros_fixtures import BenchClock, RosRig, is_ready, robot_bench
 
+UNCONFIRMED = r"^The robot at .* did not confirm that it stopped\.$"
+
 
 @pytest.fixture(autouse=True)
 def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -31,6 +34,29 @@ def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def asked(robot: RosBridge, what: str) -> list[dict[str, Any]]:
     return [json.loads(data) for data in robot.data(f"/sar_tui/{what}")]
+
+
+def begin(rig: RosRig, action: str = "a") -> None:
+    """Request a gesture and wait until the robot has begun it."""
+    rig.ask("gesture", action)
+    rig.wait(lambda: rig.states(action, "gesture") == ["started"])
+
+
+def end(rig: RosRig, part: str, action: str) -> list[str]:
+    """Request a part if it was not, wait for its end, and return its states."""
+    if (action, part) not in rig.asked:
+        rig.ask(part, action)
+    rig.wait_for(part, action)
+    return rig.states(action, part)
+
+
+def answer(robot: RosBridge, report: Any) -> None:
+    robot.publish("/sar_tui/report", {"data": json.dumps(report)})
+
+
+def connect(rig: RosRig, robot: RosBridge) -> None:
+    rig.wait(lambda: robot.has_subscriber("/sar_tui/report"))
+    rig.wait(lambda: is_ready(rig))
 
 
 def reported(rig: Rig) -> list[tuple[str, str, str]]:
@@ -45,21 +71,16 @@ def test_the_robot_receives_speech_gesture_and_gaze() -> None:
         for part in rig.lasting:
             rig.wait_for(part, "praise")
         (said,), (moved,), (looked,) = (
-            asked(robot, "speech"),
-            asked(robot, "gesture"),
-            asked(robot, "gaze"),
+            asked(robot, each) for each in ("speech", "gesture", "gaze")
         )
-        assert said["text"] == "You were 40 milliseconds faster."
-        assert said["language"] == "en"
-        assert moved["gesture"] == "nod"
-        assert moved["keyframes"] == list(msgspec.to_builtins(THEME.gestures["nod"].keyframes))
-        assert looked["gaze"] == "up"
-        assert said["id"] == moved["id"] == looked["id"]
+        keyframes = list(msgspec.to_builtins(THEME.gestures["nod"].keyframes))
+        of = {"id": said["id"]}
+        assert said == of | {"text": "You were 40 milliseconds faster.", "language": "en"}
+        assert moved == of | {"gesture": "nod", "keyframes": keyframes}
+        assert looked == of | {"gaze": "up"}
         assert said["id"].startswith("praise-")
-        types = {
-            said["topic"]: said["type"] for said in robot.received if said["op"] == "advertise"
-        }
-        assert set(types.values()) == {"std_msgs/String"}
+        types = {each["type"] for each in robot.received if each["op"] == "advertise"}
+        assert types == {"std_msgs/String"}
 
 
 def test_the_topics_are_those_of_the_address() -> None:
@@ -69,12 +90,8 @@ def test_the_topics_are_those_of_the_address() -> None:
         rig.output.stop()
         wait_until(lambda: robot.data("/halt"))
         assert json.loads(robot.data("/tts/say")[0])["text"] == "Hello."
-        assert set(robot.ops("advertise")) == {
-            "/tts/say",
-            "/sar_tui/gesture",
-            "/sar_tui/gaze",
-            "/halt",
-        }
+        others = {"/sar_tui/gesture", "/sar_tui/gaze"}
+        assert set(robot.ops("advertise")) == {"/tts/say", "/halt", *others}
 
 
 def test_in_text_mode_a_robot_receives_plain_text_and_its_reports_are_in_order() -> None:
@@ -82,8 +99,7 @@ def test_in_text_mode_a_robot_receives_plain_text_and_its_reports_are_in_order()
         rig.ask("say", "a", "Hello.")
         rig.ask("say", "b", "Well done.")
         rig.wait_for("say", "a", "b")
-        rig.ask("gesture", "b", "wave")
-        rig.wait_for("gesture", "b")
+        end(rig, "gesture", "b")
         assert [state for _, _, state in reported(rig)] == ["started", "done"] * 3
         assert robot.data("/sar_tui/speech") == ["Hello.", "Well done."]
         assert robot.data("/sar_tui/gesture") == ["wave"]
@@ -100,10 +116,7 @@ def test_an_unacknowledged_part_fails_and_the_next_is_sent() -> None:
         assert rig.reports == []
         rig.clock.advance(1)
         assert reported(rig) == [("a", "say", "failed")]
-        assert (
-            rig.detail("a", "say")
-            == f"Sent to the robot at 127.0.0.1, port {robot.port}, which did not acknowledge it."
-        )
+        assert f"port {robot.port}, which did not acknowledge it" in rig.detail("a", "say")
         wait_until(lambda: len(asked(robot, "speech")) == 2)
 
 
@@ -118,20 +131,19 @@ def test_a_robot_that_never_reports_the_end_fails_after_a_time_that_grows_with_t
         assert "did not report that it was done" in rig.detail("short", "say")
 
 
-def test_a_failure_of_the_robot_is_quoted_in_one_line() -> None:
-    with robot_bench("failing") as (rig, _):
-        rig.ask("gesture", "a")
-        rig.wait_for("gesture", "a")
-        assert rig.states("a", "gesture") == ["failed"]
-        assert rig.detail("a", "gesture") == "My arm is␛[2J stuck."
-
-
-def test_a_part_aborted_by_the_robot_itself_is_reported_as_such() -> None:
-    with robot_bench("breaking off") as (rig, _):
-        rig.ask("gesture", "a")
-        rig.wait_for("gesture", "a")
-        assert rig.states("a", "gesture") == ["started", "aborted"]
-        assert rig.detail("a", "gesture") == "Somebody came too near."
+@pytest.mark.parametrize(
+    ("manner", "states", "detail"),
+    [
+        ("failing", ["failed"], "My arm is␛[2J stuck."),
+        ("breaking off", ["started", "aborted"], "Somebody came too near."),
+    ],
+)
+def test_an_end_of_the_robots_own_accord_is_quoted_in_one_line(
+    manner: Manner, states: list[str], detail: str
+) -> None:
+    with robot_bench(manner) as (rig, _):
+        assert end(rig, "gesture", "a") == states
+        assert rig.detail("a", "gesture") == detail
 
 
 def test_invalid_reports_are_ignored_and_reported() -> None:
@@ -140,42 +152,29 @@ def test_invalid_reports_are_ignored_and_reported() -> None:
         wait_until(lambda: asked(robot, "speech"))
         robot.publish("/sar_tui/report", {"data": 3})
         its = asked(robot, "speech")[0]["id"]
-        robot.publish("/sar_tui/report", {"data": json.dumps({"state": "started", "id": its})})
+        answer(robot, {"state": "started", "id": its})
         rig.wait(lambda: rig.states("a", "say") == ["started"])
         rig.clock.advance(ANSWER + LONGEST)
         assert rig.states("a", "say") == ["started", "failed"]
-        assert (
-            "One of its reports could not be understood: Expected `str`, got `int`"
-            in rig.detail("a", "say")
-        )
+        assert "could not be understood: Expected `str`, got `int`" in rig.detail("a", "say")
 
 
-@pytest.mark.parametrize(
-    "report",
-    [
-        {"state": "done", "id": "praise-of-another-session", "deed": "say"},
-        {"state": "done"},
-        {"state": "done", "deed": "say"},
-        {"state": "done", "id": 7},
-        {"state": "finished"},
-        {"state": ["done"]},
-        ["done"],
-        "done",
-        None,
-        {},
-    ],
-)
-def test_a_report_on_an_inactive_part_changes_nothing(report: Any) -> None:
+_DONE = {"state": "done"}
+OF_NOTHING: list[Any] = [
+    *[_DONE, _DONE | {"deed": "say"}, _DONE | {"id": 7}, _DONE | {"id": "other", "deed": "say"}],
+    *[{"state": "finished"}, {"state": ["done"]}, ["done"], "done", None, {}],
+]
+
+
+def test_reports_on_an_inactive_part_change_nothing() -> None:
     with robot_bench("slow") as (rig, robot):
         rig.ask("say", "praise", "Hello.")
         rig.wait(lambda: rig.states("praise", "say") == ["started"])
-        robot.publish("/sar_tui/report", {"data": json.dumps(report)})
+        for report in OF_NOTHING:
+            answer(robot, report)
         its = asked(robot, "speech")[0]["id"]
-        robot.publish(
-            "/sar_tui/report", {"data": json.dumps({"state": "aborted", "id": its, "deed": "say"})}
-        )
-        rig.wait_for("say", "praise")
-        assert rig.states("praise", "say") == ["started", "aborted"]
+        answer(robot, {"state": "aborted", "id": its, "deed": "say"})
+        assert end(rig, "say", "praise") == ["started", "aborted"]
 
 
 def test_a_stop_reaches_the_robot_and_the_part_is_aborted_on_confirmation() -> None:
@@ -193,14 +192,10 @@ def test_a_stop_reaches_the_robot_and_the_part_is_aborted_on_confirmation() -> N
         rig.clock.advance(CONFIRM - 1)
         assert len(rig.reports) == 3
         at = rig.clock.now()
+        its = asked(robot, "speech")[0]["id"]
         for part in ("say", "gesture"):
-            its = asked(robot, "speech")[0]["id"]
-            robot.publish(
-                "/sar_tui/report",
-                {"data": json.dumps({"state": "aborted", "id": its, "deed": part})},
-            )
-        rig.wait_for("say", "a")
-        rig.wait_for("gesture", "a")
+            answer(robot, {"state": "aborted", "id": its, "deed": part})
+            end(rig, part, "a")
         assert [(report[:3], report.at, report.detail) for report in rig.reports[3:]] == [
             (("a", "say", "aborted"), at, ""),
             (("a", "gesture", "aborted"), at, ""),
@@ -212,16 +207,14 @@ def test_a_part_that_ends_during_a_stop_is_aborted_or_failed() -> None:
     with robot_bench("slow") as (rig, robot):
         for action, state, detail in (("a", "done", ""), ("b", "failed", "My arm is stuck.")):
             robot.manner = "slow"
-            rig.ask("gesture", action)
-            rig.wait(lambda action=action: rig.states(action, "gesture") == ["started"])
+            begin(rig, action)
             robot.manner = "silent"
             rig.output.stop()
             its = asked(robot, "gesture")[-1]["id"]
-            answer = {"state": state, "id": its, "deed": "gesture", "detail": detail}
-            robot.publish("/sar_tui/report", {"data": json.dumps(answer)})
-            rig.wait_for("gesture", action)
-        assert rig.states("a", "gesture") == ["started", "aborted"]
-        assert rig.states("b", "gesture") == ["started", "failed"]
+            answer(robot, {"state": state, "id": its, "deed": "gesture", "detail": detail})
+            end(rig, "gesture", action)
+        assert end(rig, "gesture", "a") == ["started", "aborted"]
+        assert end(rig, "gesture", "b") == ["started", "failed"]
         assert rig.detail("b", "gesture") == "My arm is stuck."
 
 
@@ -239,8 +232,7 @@ def test_a_stop_of_one_action_names_it_and_waiting_parts_follow() -> None:
 
 def test_an_unconfirmed_stop_is_reported_and_the_next_part_is_sent() -> None:
     with robot_bench("slow") as (rig, robot):
-        rig.ask("gesture", "a")
-        rig.wait(lambda: rig.states("a", "gesture") == ["started"])
+        begin(rig)
         robot.manner = "silent"
         asked_at = rig.clock.now()
         rig.output.stop()
@@ -252,12 +244,8 @@ def test_an_unconfirmed_stop_is_reported_and_the_next_part_is_sent() -> None:
         rig.clock.advance(CONFIRM - SECOND)
         assert rig.states("a", "gesture") == ["started", "aborted"]
         assert rig.reports[-1].at == asked_at + CONFIRM
-        where = f"127.0.0.1, port {robot.port}"
-        assert (
-            rig.detail("a", "gesture") == f"The robot at {where} did not confirm that it stopped."
-        )
-        rig.wait_for("gesture", "b")
-        assert rig.states("b", "gesture") == ["started", "done"]
+        assert re.match(UNCONFIRMED, rig.detail("a", "gesture"))
+        assert end(rig, "gesture", "b") == ["started", "done"]
 
 
 def test_the_output_reports_an_unconfirmed_stop_before_the_node_gives_up() -> None:
@@ -268,13 +256,11 @@ def test_a_robot_lost_before_confirming_a_stop_has_failed_and_is_stopped_after_r
     None
 ):
     with robot_bench("slow") as (rig, robot):
-        rig.ask("gesture", "a")
-        rig.wait(lambda: rig.states("a", "gesture") == ["started"])
+        begin(rig)
         robot.manner = "silent"
         rig.output.stop()
         robot.leave()
-        rig.wait_for("gesture", "a")
-        assert rig.states("a", "gesture") == ["started", "failed"]
+        assert end(rig, "gesture", "a") == ["started", "failed"]
         before = len(asked(robot, "stop"))
         robot.arrive()
         rig.wait(lambda: len(asked(robot, "stop")) == before + 1)
@@ -284,8 +270,7 @@ def test_a_stop_of_a_lost_robot_reports_that_it_was_not_sent() -> None:
     with robot_bench("slow") as (rig, robot):
         rig.clock.advance(PATIENCE)
         rig.output.stop()
-        rig.ask("gesture", "a")
-        rig.wait(lambda: rig.states("a", "gesture") == ["started"])
+        begin(rig)
         robot.leave()
         rig.wait_for("gesture", "a")
         with pytest.raises(
@@ -296,8 +281,7 @@ def test_a_stop_of_a_lost_robot_reports_that_it_was_not_sent() -> None:
 
 def test_a_stop_that_cannot_be_sent_as_the_connection_breaks_has_failed() -> None:
     with robot_bench("slow") as (rig, robot):
-        rig.ask("gesture", "a")
-        rig.wait(lambda: rig.states("a", "gesture") == ["started"])
+        begin(rig)
         bridge = cast(Ros, rig.output)._bridge
         assert bridge
         robot.leave()
@@ -307,27 +291,20 @@ def test_a_stop_that_cannot_be_sent_as_the_connection_breaks_has_failed() -> Non
         assert rig.detail("a", "gesture").startswith("The robot could not be asked to stop. ")
 
 
-UNCONFIRMED = r"^The robot at .* did not confirm that it stopped\.$"
-
-
 def test_a_stop_is_not_confirmed_by_a_robot_that_was_lost_while_it_moved() -> None:
     with robot_bench("slow") as (rig, robot):
-        rig.ask("gesture", "a")
-        rig.wait(lambda: rig.states("a", "gesture") == ["started"])
+        begin(rig)
         its = asked(robot, "gesture")[0]["id"]
         robot.leave()
         rig.wait_for("gesture", "a")
         robot.arrive()
-        rig.wait(lambda: robot.has_subscriber("/sar_tui/report"))
-        rig.wait(lambda: is_ready(rig))
+        connect(rig, robot)
         with pytest.raises(OutputError, match=UNCONFIRMED):
             rig.output.stop()
         wait_until(lambda: asked(robot, "stop")[-1:] == [{"id": ""}])
         with pytest.raises(OutputError, match=UNCONFIRMED):
             rig.output.stop()
-        robot.publish(
-            "/sar_tui/report", {"data": json.dumps({"state": "done", "id": its, "part": "gesture"})}
-        )
+        answer(robot, {"state": "done", "id": its, "part": "gesture"})
         rig.wait(lambda: not cast(Ros, rig.output)._unended)
         rig.output.stop()
 
@@ -351,11 +328,9 @@ def test_a_robot_that_confirms_a_stop_has_stopped_altogether() -> None:
         rig.wait(lambda: len(asked(robot, "gaze")) == 1)
         rig.clock.advance(ANSWER)
         robot.manner = "slow"
-        rig.ask("gesture", "b")
-        rig.wait(lambda: rig.states("b", "gesture") == ["started"])
+        begin(rig, "b")
         rig.output.stop()
-        rig.wait_for("gesture", "b")
-        assert rig.states("b", "gesture") == ["started", "aborted"]
+        assert end(rig, "gesture", "b") == ["started", "aborted"]
         rig.output.stop()
 
 
@@ -367,18 +342,12 @@ def test_a_confirmed_stop_is_forgotten(manner: Manner, form: str) -> None:
         rig.wait(lambda: len(rig.reports) == 2)
         robot.lasts_s = 0
         rig.output.stop()
-        rig.ask("gesture", "b")
-        rig.wait_for("gesture", "b")
+        end(rig, "gesture", "b")
         rig.clock.advance(ANSWER + 1)
-        rig.ask("gesture", "c")
-        rig.wait_for("gesture", "c")
+        end(rig, "gesture", "c")
         assert [(action, state) for action, _, state in reported(rig)] == [
-            *[("a", "started")] * 2,
-            *[("a", "aborted")] * 2,
-            ("b", "started"),
-            ("b", "done"),
-            ("c", "started"),
-            ("c", "done"),
+            *[("a", "started"), ("a", "started"), ("a", "aborted"), ("a", "aborted")],
+            *[("b", "started"), ("b", "done"), ("c", "started"), ("c", "done")],
         ]
         assert not any("confirm" in report.detail for report in rig.reports)
 
@@ -394,16 +363,11 @@ def test_without_the_bridge_parts_fail_at_once_and_are_not_sent_after_reconnecti
             rig.ask("say", f"lost {minute}", "Two.")
             assert rig.states(f"lost {minute}", "say") == ["failed"]
             rig.clock.advance(1 * SECOND)
-        assert rig.detail("lost 0", "say") == (
-            f"The robot is not connected: there is no ROS bridge at 127.0.0.1, port {robot.port}. "
-            "Start rosbridge there."
-        )
+        assert f"no ROS bridge at 127.0.0.1, port {robot.port}" in rig.detail("lost 0", "say")
         robot.arrive()
-        rig.wait(lambda: robot.has_subscriber("/sar_tui/report"))
-        rig.wait(lambda: is_ready(rig))
+        connect(rig, robot)
         rig.ask("say", "after", "Three.")
-        rig.wait_for("say", "after")
-        assert rig.states("after", "say") == ["started", "done"]
+        assert end(rig, "say", "after") == ["started", "done"]
         assert [said["text"] for said in asked(robot, "speech")] == ["One.", "Three."]
 
 
@@ -429,8 +393,7 @@ def test_active_and_waiting_parts_fail_when_the_bridge_is_lost() -> None:
 def test_an_unsent_stop_is_sent_first_after_reconnecting() -> None:
     with robot_bench("slow") as (rig, robot):
         rig.clock.advance(PATIENCE)
-        rig.ask("gesture", "a")
-        rig.wait(lambda: rig.states("a", "gesture") == ["started"])
+        begin(rig)
         robot.leave()
         rig.wait_for("gesture", "a")
         with pytest.raises(OutputError):
@@ -444,10 +407,8 @@ def test_early_requests_wait_for_the_connection() -> None:
     with ros_bridge() as robot:
         rig = RosRig(Ros(f"ros://{robot.host}"), BenchClock(), ("say",))
         rig.ask("say", "greeting", "Hello.")
-        rig.wait(lambda: robot.has_subscriber("/sar_tui/report"))
-        rig.wait(lambda: is_ready(rig))
-        rig.wait_for("say", "greeting")
-        assert rig.states("greeting", "say") == ["started", "done"]
+        connect(rig, robot)
+        assert end(rig, "say", "greeting") == ["started", "done"]
         assert rig.reports[0].at >= SETTLE
         rig.output.close()
 
@@ -468,8 +429,7 @@ def test_without_the_package_parts_fail_with_what_to_install(
     hide_roslibpy(monkeypatch)
     rig = RosRig(Ros("ros://127.0.0.1"), BenchClock(), ("say",))
     rig.ask("say", "greeting", "Hello.")
-    rig.wait_for("say", "greeting")
-    assert rig.states("greeting", "say") == ["failed"]
+    assert end(rig, "say", "greeting") == ["failed"]
     assert "pip install -e '.[ros]'" in rig.detail("greeting", "say")
     rig.output.close()
 
@@ -480,10 +440,8 @@ def test_an_output_serves_several_sessions_across_a_restart_of_the_server() -> N
         for session in ("first", "second", "third"):
             rig = RosRig(output, BenchClock(), ("say",))
             rig.ask("say", "greeting", session)
-            rig.wait(lambda: robot.has_subscriber("/sar_tui/report"))
-            rig.wait(lambda rig=rig: is_ready(rig))
-            rig.wait_for("say", "greeting")
-            assert rig.states("greeting", "say") == ["started", "done"]
+            connect(rig, robot)
+            assert end(rig, "say", "greeting") == ["started", "done"]
             output.close()
             robot.leave()
             robot.arrive()
@@ -494,8 +452,7 @@ def test_an_output_serves_several_sessions_across_a_restart_of_the_server() -> N
 
 def test_closing_stops_the_robot() -> None:
     with robot_bench("slow") as (rig, robot):
-        rig.ask("gesture", "a")
-        rig.wait(lambda: rig.states("a", "gesture") == ["started"])
+        begin(rig)
         rig.output.close()
         rig.output.say("b", "Hello.")
         assert reported(rig) == [("a", "gesture", "started")]
@@ -583,11 +540,7 @@ def test_the_robot_in_the_documentation_answers_commands(monkeypatch: pytest.Mon
     receive("/sar_tui/stop", "b")
     next(iter(robot.due))()
     receive("/sar_tui/stop", "")
-    assert [(answer.id, answer.part, answer.state) for answer in robot.said] == [
-        ("a", "say", "started"),
-        ("a", "gesture", "started"),
-        ("b", "gaze", "started"),
-        ("b", "gaze", "aborted"),
-        ("a", "say", "done"),
-        ("a", "gesture", "aborted"),
+    assert [(said.id, said.part, said.state) for said in robot.said] == [
+        *[("a", "say", "started"), ("a", "gesture", "started"), ("b", "gaze", "started")],
+        *[("b", "gaze", "aborted"), ("a", "say", "done"), ("a", "gesture", "aborted")],
     ]
