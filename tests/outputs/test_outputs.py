@@ -1,6 +1,7 @@
 """Outputs by name: nodes for a session, or a clear error."""
 
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -33,24 +34,22 @@ PlugIn = Callable[..., None]
 NO_SET = "The can of the output lamp is not a frozenset of: say, show, gesture, gaze, tone."
 
 
+def entry(name: str, make: Any) -> Any:
+    return SimpleNamespace(name=name, value=f"somewhere:{name}", load=lambda: make)
+
+
 @pytest.fixture
 def plug_in(monkeypatch: pytest.MonkeyPatch) -> PlugIn:
     """Install an output with its factory."""
     entries: list[Any] = []
-
-    def install(name: str, make: Any) -> None:
-        entries.append(SimpleNamespace(name=name, value=f"somewhere:{name}", load=lambda: make))
-
     offer(monkeypatch, "sar_tui.outputs", entries)
-    return install
+    return lambda name, make: entries.append(entry(name, make))
 
 
-def made(*addresses: str, speech: str = "sound") -> list[tuple[str, tuple[str, ...]]]:
+def made(*addresses: str) -> list[tuple[str, tuple[str, ...]]]:
     """Return the names and parts of the outputs of some addresses."""
-    return [
-        (node.name, tuple(sorted(node._can)))
-        for node in open_outputs(addresses, speech, PLAIN_THEME)
-    ]
+    nodes = open_outputs(addresses, "sound", PLAIN_THEME)
+    return [(node.name, tuple(sorted(node._can))) for node in nodes]
 
 
 def problem(*addresses: str, speech: str = "sound") -> str:
@@ -66,16 +65,16 @@ def test_names_of_the_shipped_outputs() -> None:
     assert {"screen", "speech", "tones", "servo", "ros"} <= set(output_names())
 
 
-def test_the_screen_is_not_made_by_its_name() -> None:
-    assert open_outputs(["screen"], "sound", PLAIN_THEME) == []
-
-
-def test_each_output_is_made_with_its_abilities() -> None:
+def test_each_output_is_made_with_its_abilities_and_the_screen_by_others() -> None:
+    assert made("screen") == []
     assert made("screen", "speech") == [("speech", ("say",))]
-    ((name, can),) = made("servo")
-    assert (name, "gesture" in can) == ("servo", True)
-    ((name, can),) = made("ros://localhost:9090")
-    assert (name, "say" in can, "gesture" in can) == ("ros", True, True)
+    for address, name, abilities in (
+        ("servo", "servo", {"gesture"}),
+        ("ros://localhost:9090", "ros", {"say", "gesture"}),
+    ):
+        ((output, can),) = made(address)
+        assert output == name
+        assert abilities <= set(can)
 
 
 @pytest.mark.parametrize(
@@ -92,51 +91,37 @@ def test_tones_accompany_praise_only_on_request(address: str, can: tuple[str, ..
 
 
 def test_tones_precede_speech_in_any_order_of_names() -> None:
-    assert [name for name, _ in made("speech", "tones")] == [name for name, _ in made("tones", "speech")] == [
-        "tones",
-        "speech",
-    ]  # fmt: skip
+    for names in (("speech", "tones"), ("tones", "speech")):
+        assert [name for name, _ in made(*names)] == ["tones", "speech"]
 
 
 # --- what cannot be
 
 
-def test_an_unknown_name_is_reported_with_the_closest_match() -> None:
-    assert problem("speach").startswith(
-        'There is no output "speach". Did you mean speech? Choose one of: '
-    )
-    assert problem("").startswith('There is no output "".')
-
-
-@pytest.mark.parametrize("addresses", [("speech", "speech"), ("tones:go", "screen", "tones:end")])
-def test_no_output_is_made_twice(addresses: tuple[str, ...]) -> None:
-    assert problem(*addresses) == f"The output {addresses[0].partition(':')[0]} is named twice."
-
-
 @pytest.mark.parametrize(
-    ("address", "says"),
+    ("addresses", "says"),
     [
-        ("tones:gong", 'There is no tone "gong". Choose one of: go, success, end.'),
+        ("speach", 'There is no output "speach". Did you mean speech? Choose one of: '),
+        ("", 'There is no output ""'),
+        ("speech speech", "The output speech is named twice"),
+        ("tones:go screen tones:end", "The output tones is named twice"),
+        ("tones:gong", 'There is no tone "gong". Choose one of: go, success, end'),
         ("speech:loud", "belongs to the setting speech"),
+        ("screen:big", 'it was given "big"'),
+        *((address, "") for address in ("servo:?joint=", "servo:x")),
+        *((address, "") for address in ("ros", "ros:", "ros://", "ros://host:port")),
     ],
 )
-def test_invalid_options_are_refused(address: str, says: str) -> None:
-    assert says in problem(address)
-
-
-def test_the_screen_has_no_options() -> None:
-    assert problem("screen:big") == 'The screen has nothing after its name; it was given "big".'
-    with pytest.raises(OutputError):
-        open_outputs(["screen:big"], "sound", PLAIN_THEME)
-
-
-@pytest.mark.parametrize(
-    "address", ["servo:?joint=", "servo:x", "ros", "ros:", "ros://", "ros://host:port"]
-)
-def test_an_invalid_address_is_reported_in_a_sentence(address: str) -> None:
-    sentence = problem(address)
+def test_an_invalid_address_is_reported_in_a_sentence(addresses: str, says: str) -> None:
+    sentence = problem(*addresses.split(" "))
+    assert says in sentence
     assert sentence.endswith(".")
     assert "Error" not in sentence
+
+
+def test_the_screen_is_not_opened_with_options() -> None:
+    with pytest.raises(OutputError):
+        open_outputs(["screen:big"], "sound", PLAIN_THEME)
 
 
 def test_the_destination_of_speech_must_exist(tmp_path: Path) -> None:
@@ -150,44 +135,39 @@ def test_the_destination_of_speech_must_exist(tmp_path: Path) -> None:
 
 
 def test_an_output_of_a_plug_in_is_made_with_its_options(plug_in: PlugIn) -> None:
-    given: list[str] = []
-
-    def lamp(text: str) -> Output:
-        given.append(text)
-        return FakeOutput("lamp", frozenset({"tone"}))
-
-    plug_in("lamp", lamp)
+    plug_in("lamp", FakeOutput)
     assert "lamp" in output_names()
     (node,) = open_outputs(["lamp:red:3"], "sound", PLAIN_THEME)
-    assert (given, node.name) == (["red:3"], "lamp")
+    assert node.name == "red:3"
 
 
-def _breaks(_: str) -> Output:
-    raise RuntimeError("no lamp")
+def raising(error: Exception) -> Callable[[str], Output]:
+    def make(_: str) -> Output:
+        raise error
 
-
-def _refuses(_: str) -> Output:
-    raise OutputError("There is no lamp of that colour.")
+    return make
 
 
 @pytest.mark.parametrize(
     ("make", "says"),
     [
-        (_breaks, "The output lamp (somewhere:lamp) cannot be loaded: RuntimeError: no lamp."),
-        (_refuses, "There is no lamp of that colour."),
+        (
+            raising(RuntimeError("no lamp")),
+            "(somewhere:lamp) cannot be loaded: RuntimeError: no lamp.",
+        ),
+        (raising(OutputError("There is no such lamp.")), "There is no such lamp."),
         (lambda text: text, "The output lamp is not an Output."),
         (lambda text: Output(), "The output lamp has no name."),
         (lambda text: FakeOutput(7), "The output lamp has no name."),
-        # type: ignore[arg-type]
-        (lambda text: FakeOutput("lamp", None), NO_SET),  # type: ignore[arg-type]
-        (lambda text: FakeOutput("lamp", frozenset({"fly"})), NO_SET),  # type: ignore[arg-type]
+        (lambda text: FakeOutput("lamp", None), NO_SET),
+        (lambda text: FakeOutput("lamp", frozenset({"fly"})), NO_SET),
     ],
 )
 def test_an_unusable_plug_in_is_reported_in_a_sentence(
     plug_in: PlugIn, make: Any, says: str
 ) -> None:
     plug_in("lamp", make)
-    assert problem("lamp") == says
+    assert problem("lamp").endswith(says)
 
 
 def test_an_output_made_for_a_check_is_opened_once_and_then_a_new_one_is_made(
@@ -216,12 +196,7 @@ def test_a_reinstalled_plug_in_makes_its_own_output(
 ) -> None:
     plug_in("lamp", lambda text: FakeOutput("old"))
     check_outputs(["lamp"])
-    new = [
-        SimpleNamespace(
-            name="lamp", value="somewhere:lamp", load=lambda: lambda text: FakeOutput("new")
-        )
-    ]
-    offer(monkeypatch, "sar_tui.outputs", new)
+    offer(monkeypatch, "sar_tui.outputs", [entry("lamp", lambda text: FakeOutput("new"))])
     assert [name for name, _ in made("lamp")] == ["new"]
 
 
@@ -266,35 +241,24 @@ def test_a_simulated_session_uses_and_records_its_outputs(
 ) -> None:
     speaker = Speaker(700)
     plug_in("voice", lambda text: speaker)
-    session = simulate(
-        plan(keyboard, outputs=["screen", "voice:low"], attempts=2, encouragement=False),
-        PEOPLE["average"],
-        data,
-        catalogue,
-    )
-    database = connect(data)
-    actions = sessions.rows(database, "actions", session)
-    opened = [
-        record.message for record in sessions.history(database, session) if record.topic is OUTPUT
-    ]
-    row = sessions.find(database, data, session)
-    database.close()
-    assert [(message.output, message.address, message.can) for message in opened] == [
+    settings = {"outputs": ["screen", "voice:low"], "attempts": 2, "encouragement": False}
+    session = simulate(plan(keyboard, **settings), PEOPLE["average"], data, catalogue)
+    with closing(connect(data)) as database:
+        actions = sessions.rows(database, "actions", session)
+        history = list(sessions.history(database, session))
+        row = sessions.find(database, data, session)
+    opened = [record.message for record in history if record.topic is OUTPUT]
+    assert [(one.output, one.address, one.can) for one in opened] == [
         ("speech", "voice:low", ("say",))
     ]
     assert row["parameters"]["outputs"] == ["screen", "voice:low"]
-    spoken = [action["final"]["spoken"] for action in actions if action["decision"] == "accepted"]
-    assert [text for _, text in speaker.said] == spoken
+    accepted = [action for action in actions if action["decision"] == "accepted"]
+    assert [text for _, text in speaker.said] == [one["final"]["spoken"] for one in accepted]
     assert actions[-1]["kind"] == "goodbye"
-    lasted = {
-        a["kind"]: a["ended_ns"] - a["started_ns"] for a in actions if a["decision"] == "accepted"
-    }
-    assert lasted == {
-        "greeting": 700 * MS,
-        "instruction": 500 * MS,
-        "feedback": 700 * MS,
-        "goodbye": 700 * MS,
-    }, "the instruction is left after 1200 ms, and the goodbye heard to its end"
+    lasted = {one["kind"]: (one["ended_ns"] - one["started_ns"]) / MS for one in accepted}
+    assert lasted == {"greeting": 700, "instruction": 500, "feedback": 700, "goodbye": 700}, (
+        "the instruction is left after 1200 ms, and the goodbye heard to its end"
+    )
 
 
 def test_tone_names_are_those_of_the_message() -> None:
@@ -304,22 +268,9 @@ def test_tone_names_are_those_of_the_message() -> None:
 # --- outputs of earlier versions
 
 
-def test_an_output_with_the_method_wear_is_refused_in_a_sentence(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    def load() -> type[Output]:
-        class Lamp(Output):
-            name = "lamp"
-
-            def wear(self, theme: Theme) -> None: ...
-
-        return Lamp
-
-    entry = SimpleNamespace(name="lamp", value="somewhere:Lamp", load=load)
-    offer(monkeypatch, "sar_tui.outputs", [entry])
-    assert problem("lamp") == (
-        "Lamp is written for an earlier version of sar-tui: rename its method wear to apply_theme."
-    )
+def test_an_output_with_the_method_wear_is_refused_in_a_sentence(plug_in: PlugIn) -> None:
+    plug_in("lamp", lambda text: type("Lamp", (Output,), {"name": "lamp", "wear": print}))
+    assert "rename its method wear to apply_theme" in problem("lamp")
 
 
 def test_an_output_may_report_by_the_earlier_name() -> None:

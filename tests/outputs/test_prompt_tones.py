@@ -28,70 +28,61 @@ from tests.outputs.voice_fixtures import DEADLINE_S, NOBODY
 BEEP = Tone(880, 50)
 
 
-class Player:
-    """The program of the tones of prompts, and its replies."""
-
-    def __init__(self, setup: Setup) -> None:
-        self._replies: queue.SimpleQueue[Reply | None] = queue.SimpleQueue()
-        self.program = SoundProgram(TONES, setup, self._replies.put)
-        self.program.start()
-
-    def next(self) -> Reply | None:
-        return self._replies.get(timeout=DEADLINE_S)
-
-
 @contextmanager
-def playing(setup: Setup) -> Iterator[Player]:
-    player = Player(setup)
+def playing(setup: Setup) -> Iterator[tuple[SoundProgram, Callable[[], Reply | None]]]:
+    """Provide the program of the tones of prompts, and a function that returns its next reply."""
+    replies: queue.SimpleQueue[Reply | None] = queue.SimpleQueue()
+    program = SoundProgram(TONES, setup, replies.put)
+    program.start()
     try:
-        yield player
+        yield program, lambda: replies.get(timeout=DEADLINE_S)
     finally:
-        player.program.end()
+        program.end()
 
 
 def test_the_onset_of_a_tone_is_by_the_clock_of_the_card() -> None:
-    with playing(Setup(backends=NOBODY)) as player:
-        player.program.prepare("tones", warm([BEEP]))
-        player.program.send(cue(1, BEEP, 0))
-        first = player.next()
-        assert isinstance(first, Started)
-        assert (first.job, first.by) == (1, "device")
+    with playing(Setup(backends=NOBODY)) as (program, following):
+        program.prepare("tones", warm([BEEP]))
+        program.send(cue(1, BEEP, 0))
+        first: Any = following()
         planned = host_now() + 2000 * MS
-        player.program.send(cue(2, BEEP, planned))
-        onset = player.next()
-        assert isinstance(onset, Started)
-        assert (onset.job, onset.by) == (2, "device")
-        assert abs(onset.at - planned) < MS, "it is planned to the sample"
+        program.send(cue(2, BEEP, planned))
+        onset: Any = following()
+    assert [(type(one), one.job, one.by) for one in (first, onset)] == [
+        (Started, 1, "device"),
+        (Started, 2, "device"),
+    ]
+    assert abs(onset.at - planned) < MS, "it is planned to the sample"
 
 
 def test_the_loss_of_the_process_is_reported_and_it_can_be_started_again() -> None:
-    with playing(Setup(backends=NOBODY)) as player:
-        player.program.send(cue(1, BEEP, 0))
-        player.next()
-        assert player.program._process
-        child_process.kill(player.program._process)
-        assert player.next() is None
-        assert not player.program.is_running
-        player.program.start()
-        player.program.send(cue(2, BEEP, 0))
-        again = player.next()
+    with playing(Setup(backends=NOBODY)) as (program, following):
+        program.send(cue(1, BEEP, 0))
+        following()
+        assert program._process
+        child_process.kill(program._process)
+        assert following() is None
+        assert not program.is_running
+        program.start()
+        program.send(cue(2, BEEP, 0))
+        again = following()
         assert isinstance(again, Started)
         assert again.job == 2
 
 
 def test_a_tone_without_a_card_fails_with_a_sentence() -> None:
-    with playing(Setup(backends=("JACK",))) as player:
-        player.program.send(cue(1, BEEP, 0))
-        onset = player.next()
+    with playing(Setup(backends=("JACK",))) as (program, following):
+        program.send(cue(1, BEEP, 0))
+        onset = following()
     assert isinstance(onset, Ended)
     assert (onset.job, onset.state) == (1, "failed")
     assert "There is no sound card that can be used" in onset.detail
 
 
 def test_a_repeated_tone_is_written_into_a_file(tmp_path: Path) -> None:
-    with playing(Setup(str(tmp_path / "sounds"))) as player:
-        player.program.send(cue(1, Tone(500, 100, times=3, every_ms=400), 0))
-        started = player.next()
+    with playing(Setup(str(tmp_path / "sounds"))) as (program, following):
+        program.send(cue(1, Tone(500, 100, times=3, every_ms=400), 0))
+        started = following()
     assert isinstance(started, Started)
     assert started.by == "host"
     (file,) = (tmp_path / "sounds").iterdir()
@@ -100,13 +91,10 @@ def test_a_repeated_tone_is_written_into_a_file(tmp_path: Path) -> None:
 
 
 class Clock:
-    """A clock that a test sets; unlike the virtual one it is that of a live session."""
+    """A clock that stands still; unlike the virtual one it is that of a live session."""
 
     def now(self) -> int:
         return 5 * SECOND
-
-    def call_at(self, when: int, callback: Callable[[], object]) -> Any:
-        raise NotImplementedError
 
     def call_soon(self, callback: Callable[[], object]) -> None:
         callback()
@@ -141,29 +129,27 @@ class Source(Node):
 
     name = "source"
     emits = (TONES_AHEAD, TONE_DUE, VOIDED)
-    due = m.ToneDue(attempt=1, trial=2, presentation=1, frame=3, tone=BEEP, at=7)
 
     @on(KEY)
     def pressed(self, press: m.KeyPressed) -> None:
+        of: Any = {"attempt": 1, "trial": 2, "presentation": 1}
         match press.key:
             case "a":
                 self.emit(TONES_AHEAD, m.TonesAhead(tones=(BEEP,)))
             case "d":
-                self.emit(TONE_DUE, self.due)
+                self.emit(TONE_DUE, m.ToneDue(**of, frame=3, tone=BEEP, at=7))
             case "v":
-                self.emit(
-                    VOIDED, m.PromptVoided(attempt=1, trial=2, presentation=1, reason="pause")
-                )
+                self.emit(VOIDED, m.PromptVoided(**of, reason="pause"))
 
 
 class Rig:
     """A bus with the node, whose program is replaced, and the onsets that were reported."""
 
-    def __init__(self) -> None:
+    def __init__(self, clock: Any = None) -> None:
         self.began: list[m.ToneBegan] = []
         self.node = PromptTones("sound")
         self.program: Any = self.node._program
-        self._bus = Bus(Clock())
+        self._bus = Bus(clock or Clock())
         for each in (Source(), self.node):
             each.attach(self._bus)
         self._bus.subscribe(TONE_BEGAN, self.began.append)
@@ -171,6 +157,10 @@ class Rig:
     def press(self, keys: str) -> None:
         for key in keys:
             self._bus.publish(KEY, m.KeyPressed(key=key, at=1))
+
+    @property
+    def failed(self) -> list[str]:
+        return [one.detail for one in self.began if one.source == "failed"]
 
 
 @pytest.fixture
@@ -201,9 +191,9 @@ def test_a_tone_that_cannot_be_played_has_failed(rig: Rig) -> None:
     rig.press("d")
     rig.program.reply(Ended(1, "failed", 9, "There is no card."))
     rig.program.reply(None)
-    assert [(one.source, one.detail) for one in rig.began] == [
-        ("failed", "There is no card."),
-        ("failed", "The program that plays the tones of prompts has ended."),
+    assert rig.failed == [
+        "There is no card.",
+        "The program that plays the tones of prompts has ended.",
     ]
     rig.press("vd")
     assert rig.program.starts == 2, "it is started again, if it has ended"
@@ -212,19 +202,12 @@ def test_a_tone_that_cannot_be_played_has_failed(rig: Rig) -> None:
 def test_a_program_that_cannot_be_started_fails_the_tone(rig: Rig) -> None:
     rig.program.problem = OSError(11, "no more processes")
     rig.press("d")
-    assert [(one.source, one.detail) for one in rig.began] == [
-        ("failed", "They cannot be played (no more processes).")
-    ]
+    assert rig.failed == ["They cannot be played (no more processes)."]
 
 
-def test_on_a_virtual_clock_nothing_is_played(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(prompt_tones, "SoundProgram", Program)
-    node, bus, began = PromptTones("sound"), Bus(VirtualClock(5 * SECOND)), list[m.ToneBegan]()
-    for each in (Source(), node):
-        each.attach(bus)
-    bus.subscribe(TONE_BEGAN, began.append)
-    for key in "ad":
-        bus.publish(KEY, m.KeyPressed(key=key, at=1))
-    program: Any = node._program
-    assert (program.asked, program.starts) == ([], 0)
-    assert [(one.source, one.at) for one in began] == [("virtual", 5 * SECOND)]
+@pytest.mark.usefixtures("rig")
+def test_on_a_virtual_clock_nothing_is_played() -> None:
+    rig = Rig(VirtualClock(5 * SECOND))
+    rig.press("ad")
+    assert (rig.program.asked, rig.program.starts) == ([], 0)
+    assert [(one.source, one.at) for one in rig.began] == [("virtual", 5 * SECOND)]

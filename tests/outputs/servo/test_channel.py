@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from benchmarks.fake_phidget import SERVO_LIMITS
 from sar_tui.drivers.phidget import new_channel
 from sar_tui.loop.clock import LiveClock
 from sar_tui.outputs.servo.servo import Servo
@@ -19,30 +20,13 @@ class FakeServo:
     def __init__(self) -> None:
         self.servo = new_channel("RCServo")
         self.calls: list[tuple[str, Any]] = []
-        answers: dict[str, Any] = {
-            "getDeviceName": "PhidgetAdvancedServo 8-Motor",
-            "getDeviceSKU": "1061_1B",
-            "getDeviceSerialNumber": 1,
-            "getMinPosition": 0.0,
-            "getMaxPosition": 180.0,
-            "getMinVelocityLimit": 0.0,
-            "getMaxVelocityLimit": 6000.0,
-            "getMinAcceleration": 0.0,
-            "getMaxAcceleration": 320_000.0,
-            "getMinFailsafeTime": 500,
-        }
-        for name, answer in answers.items():
-            setattr(self.servo, name, lambda answer=answer: answer)
-        for name in (
-            "SpeedRampingState",
-            "VelocityLimit",
-            "Acceleration",
-            "TargetPosition",
-            "Engaged",
-        ):
-            setattr(
-                self.servo, f"set{name}", lambda value, name=name: self.calls.append((name, value))
-            )
+        device = {"DeviceName": "PhidgetAdvancedServo 8-Motor", "DeviceSKU": "1061_1B"}
+        for name, answer in {**device, "DeviceSerialNumber": 1, **SERVO_LIMITS}.items():
+            setattr(self.servo, f"get{name}", lambda answer=answer: answer)
+        settings = "SpeedRampingState VelocityLimit Acceleration TargetPosition Engaged"
+        for name in settings.split():
+            note = lambda value, name=name: self.calls.append((name, value))  # noqa: E731
+            setattr(self.servo, f"set{name}", note)
         self.servo.enableFailsafe = lambda ms: self.calls.append(("enableFailsafe", ms))
         self.servo.resetFailsafe = lambda: self.calls.append(("resetFailsafe", None))
 

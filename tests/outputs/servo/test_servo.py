@@ -21,6 +21,7 @@ from tests.outputs.contract import THEME, Rig
 from tests.outputs.servo_fixtures import UNSUPPORTED, PhidgetError, ServoBench
 
 BOTH = "?right_arm=0&nod=-5"
+IO_ERROR = PhidgetError(5, "Input/Output Error")
 
 
 @pytest.fixture
@@ -38,10 +39,28 @@ def live_clock() -> Iterator[LiveClock]:
 
 
 def make(bench: ServoBench, gesture: str = "wave", action: str = "a") -> str:
-    """Perform a gesture to its end; return its last state."""
-    bench.rig.ask("gesture", action, gesture)
+    """Perform a gesture to its end, if it is not under way; return its last state."""
+    if (action, "gesture") not in bench.rig.asked:
+        bench.rig.ask("gesture", action, gesture)
+    return over(bench, action)[-1]
+
+
+def over(bench: ServoBench, action: str = "a") -> list[str]:
+    """Wait until a gesture is over, and return its states."""
     bench.rig.wait_for("gesture", action)
-    return bench.rig.states(action, "gesture")[-1]
+    return bench.rig.states(action, "gesture")
+
+
+def why(bench: ServoBench, action: str = "a") -> str:
+    return bench.rig.detail(action, "gesture")
+
+
+def two_arms() -> ServoBench:
+    """Two motors, both of which take part in a wave."""
+    bench = ServoBench("?right_arm=0&left_arm=1")
+    both = Gesture((Keyframe(at_ms=500, right_arm=1, left_arm=1), Keyframe(at_ms=900)))
+    bench.servo.apply_theme(_with(wave=both))
+    return bench
 
 
 def begin(bench: ServoBench, action: str = "a") -> None:
@@ -55,15 +74,10 @@ def begin(bench: ServoBench, action: str = "a") -> None:
 
 def test_a_motor_is_prepared_when_it_is_attached_and_stays_limp(bench: ServoBench) -> None:
     [motor] = bench.channels
-    assert motor.facts["VelocityLimit"] == 180
-    assert motor.facts["Acceleration"] == 1000
-    assert motor.facts["SpeedRampingState"] is True
-    assert motor.facts["TargetPosition"] == 90
-    assert (motor.facts["IsLocal"], motor.facts["IsRemote"], motor.facts["Channel"]) == (
-        True,
-        False,
-        0,
-    )
+    assert motor.facts == motor.facts | {
+        **{"VelocityLimit": 180, "Acceleration": 1000, "SpeedRampingState": True},
+        **{"TargetPosition": 90, "IsLocal": True, "IsRemote": False, "Channel": 0},
+    }
     assert motor.sent("setEngaged") == []
 
 
@@ -81,12 +95,11 @@ def test_a_motor_is_engaged_while_a_gesture_is_under_way_and_limp_before_and_aft
     bench: ServoBench,
 ) -> None:
     make(bench)
-    engaged = [
-        (at, *arguments) for at, name, arguments in bench.channels[0].calls if name == "setEngaged"
-    ]
-    assert [on for _, on in engaged] == [True, False]
-    assert engaged[1][0] - engaged[0][0] == pytest.approx(700 * MS, abs=20 * MS)
-    assert bench.rig.reports[-1].at == engaged[1][0]
+    calls = bench.channels[0].calls
+    (began, _, on), (ended, _, off) = (call for call in calls if call[1] == "setEngaged")
+    assert (on, off) == ((True,), (False,))
+    assert ended - began == pytest.approx(700 * MS, abs=20 * MS)
+    assert bench.rig.reports[-1].at == ended
 
 
 def test_only_the_joints_that_take_part_are_engaged() -> None:
@@ -148,8 +161,8 @@ def test_a_gesture_that_none_of_the_joints_takes_part_in_is_done_at_once_and_say
     bench: ServoBench,
 ) -> None:
     assert make(bench, "nod") == "done"
-    assert bench.rig.states("a", "gesture") == ["started", "done"]
-    assert "none of the joints" in bench.rig.detail("a", "gesture")
+    assert over(bench) == ["started", "done"]
+    assert "none of the joints" in why(bench)
     assert bench.channels[0].sent("setEngaged") == []
 
 
@@ -157,13 +170,11 @@ def test_a_gesture_that_none_of_the_joints_takes_part_in_is_done_at_once_and_say
 
 
 def test_stop_makes_every_motor_limp_before_any_time_has_passed() -> None:
-    bench = ServoBench("?right_arm=0&left_arm=1")
-    both = Gesture((Keyframe(at_ms=500, right_arm=1, left_arm=1), Keyframe(at_ms=900)))
-    bench.servo.apply_theme(_with(wave=both))
+    bench = two_arms()
     begin(bench)
     asked = bench.rig.clock.now()
     bench.servo.stop()
-    bench.rig.wait_for("gesture", "a")
+    over(bench)
     for motor in bench.channels:
         assert motor.calls[-1] == (asked, "setEngaged", (False,))
     assert bench.rig.reports[-1][1:4] == ("gesture", "aborted", asked)
@@ -184,23 +195,18 @@ def test_after_a_stop_the_next_gesture_begins_where_the_motor_was_left_and_bring
 
 
 def test_a_motor_that_cannot_be_made_limp_is_reported_and_the_others_are() -> None:
-    bench = ServoBench("?right_arm=0&left_arm=1")
-    both = Gesture((Keyframe(at_ms=500, right_arm=1, left_arm=1), Keyframe(at_ms=900)))
-    bench.servo.apply_theme(_with(wave=both))
+    bench = two_arms()
     begin(bench)
     first, second = bench.channels
-    first.failing = {"setEngaged": PhidgetError(5, "Input/Output Error")}
+    first.failing = {"setEngaged": IO_ERROR}
     bench.servo.stop()
-    bench.rig.wait_for("gesture", "a")
+    over(bench)
     assert second.facts["Engaged"] is False
-    assert second.sent("close") == []
-    assert first.sent("close") == [None]
-    assert bench.rig.states("a", "gesture") == ["started", "failed"]
-    assert bench.rig.detail("a", "gesture") == (
-        f"The servo for {bench.servo._channels[0].place} could not be made limp (Input/Output "
-        "Error), "
-        "and its channel was closed: unplug it."
-    )
+    assert (first.sent("close"), second.sent("close")) == ([None], [])
+    assert over(bench) == ["started", "failed"]
+    place = bench.servo._channels[0].place
+    assert f"The servo for {place} could not be made limp (Input/Output Error)" in why(bench)
+    assert why(bench).endswith("its channel was closed: unplug it.")
 
 
 def test_a_motor_that_refuses_to_be_made_limp_is_reported_again(bench: ServoBench) -> None:
@@ -215,14 +221,11 @@ def test_a_motor_that_refuses_to_be_made_limp_is_reported_again(bench: ServoBenc
 
     motor.during["setEngaged"] = fail_once_more
     bench.servo.stop()
-    bench.rig.wait_for("gesture", "a")
+    over(bench)
     assert tried == ["first"]
     assert motor.facts["Engaged"] is False
     assert motor.sent("close") == []
-    assert (bench.rig.states("a", "gesture"), bench.rig.detail("a", "gesture")) == (
-        ["started", "aborted"],
-        "",
-    )
+    assert (over(bench), why(bench)) == (["started", "aborted"], "")
 
 
 @pytest.mark.parametrize("closes", [True, False])
@@ -233,25 +236,21 @@ def test_a_motor_that_cannot_be_made_limp_is_not_fed_any_more_until_it_is_to_mov
     [motor] = bench.channels
     bench.rig.ask("gesture", "a", "wave")
     bench.rig.wait(lambda: motor.facts["Engaged"])
-    motor.failing["setEngaged"] = PhidgetError(5, "Input/Output Error")
+    motor.failing["setEngaged"] = IO_ERROR
     if not closes:
-        motor.failing["close"] = PhidgetError(5, "Input/Output Error")
+        motor.failing["close"] = IO_ERROR
     bench.servo.stop()
-    bench.rig.wait_for("gesture", "a")
-    detail = bench.rig.detail("a", "gesture")
-    assert ("its channel was closed" in detail, "its channel could not be closed" in detail) == (
-        closes,
-        not closes,
-    )
-    assert detail.endswith("unplug it. Its failsafe releases it within some seconds.")
+    over(bench)
+    closed = "was closed" if closes else "could not be closed"
+    assert f"its channel {closed}" in why(bench)
+    assert why(bench).endswith("unplug it. Its failsafe releases it within some seconds.")
     fed = len(motor.sent("resetFailsafe"))
     bench.servo._channels[0].feed(live_clock.now() + 60 * SECOND)
     assert len(motor.sent("resetFailsafe")) == fed
     motor.failing.clear()
     motor.during["open"] = motor.plug_in
     bench.rig.ask("gesture", "b", "wave")
-    bench.rig.wait_for("gesture", "b")
-    assert bench.rig.states("b", "gesture") == ["started", "done"]
+    assert over(bench, "b") == ["started", "done"]
     bench.servo.close()
 
 
@@ -263,8 +262,8 @@ def test_close_makes_the_motor_limp_ends_what_was_asked_for_and_closes_the_chann
     bench.servo.close()
     assert [call[1] for call in bench.channels[0].calls][-1] == "close"
     assert bench.channels[0].facts["Engaged"] is False
-    assert bench.rig.states("a", "gesture") == ["started", "aborted"]
-    assert bench.rig.states("b", "gesture") == ["aborted"]
+    assert over(bench) == ["started", "aborted"]
+    assert over(bench, "b") == ["aborted"]
     assert set(bench.channels[0].handlers.values()) == {None}
 
 
@@ -300,13 +299,10 @@ def test_a_motor_that_is_pulled_out_in_mid_gesture_fails_it_and_works_again_when
 ) -> None:
     begin(bench)
     bench.channels[0].pull_out()
-    bench.rig.wait_for("gesture", "a")
-    assert bench.rig.states("a", "gesture") == ["started", "failed"]
-    assert "right_arm on channel 0 was lost while it moved. It was unplugged" in bench.rig.detail(
-        "a", "gesture"
-    )
+    assert over(bench) == ["started", "failed"]
+    assert "right_arm on channel 0 was lost while it moved. It was unplugged" in why(bench)
     assert make(bench, action="b") == "failed"
-    assert "plug in its controller" in bench.rig.detail("b", "gesture")
+    assert "plug in its controller" in why(bench, "b")
     bench.channels[0].put_back()
     before = len(bench.channels[0].targets)
     assert make(bench, action="c") == "done"
@@ -318,8 +314,8 @@ def test_an_earlier_error_is_not_reported_as_the_reason_for_unplugging(bench: Se
     bench.channels[0].err(4104, "No external power.")
     begin(bench)
     bench.channels[0].pull_out()
-    bench.rig.wait_for("gesture", "a")
-    assert bench.rig.detail("a", "gesture").endswith("It was unplugged: plug it in again.")
+    over(bench)
+    assert why(bench).endswith("It was unplugged: plug it in again.")
 
 
 @pytest.mark.parametrize("code", [52, 59])
@@ -329,21 +325,18 @@ def test_a_motor_that_is_lost_as_it_is_stopped_is_limp_already(
     begin(bench)
     bench.failing["setEngaged"] = PhidgetError(code, "Gone")
     bench.servo.stop()
-    bench.rig.wait_for("gesture", "a")
-    assert bench.rig.states("a", "gesture") == ["started", "aborted"]
+    assert over(bench) == ["started", "aborted"]
 
 
 def test_one_motor_that_is_pulled_out_leaves_no_other_engaged() -> None:
-    bench = ServoBench("?right_arm=0&left_arm=1")
-    both = Gesture((Keyframe(at_ms=500, right_arm=1, left_arm=1), Keyframe(at_ms=900)))
-    bench.servo.apply_theme(_with(wave=both))
+    bench = two_arms()
     begin(bench)
     left, right = bench.channels
     left.failing = {}
     left.pull_out()
-    bench.rig.wait_for("gesture", "a")
+    over(bench)
     assert right.facts["Engaged"] is False
-    assert "left_arm" in bench.rig.detail("a", "gesture")
+    assert "left_arm" in why(bench)
 
 
 def test_a_motor_that_is_lost_before_its_detachment_is_reported_fails_the_gesture(
@@ -353,16 +346,15 @@ def test_a_motor_that_is_lost_before_its_detachment_is_reported_fails_the_gestur
     bench.failing["setTargetPosition"] = bench.failing["setEngaged"] = PhidgetError(
         52, "Device not Attached"
     )
-    bench.rig.wait_for("gesture", "a")
-    assert bench.rig.states("a", "gesture") == ["started", "failed"]
-    assert "lost while it moved" in bench.rig.detail("a", "gesture")
+    assert over(bench) == ["started", "failed"]
+    assert "lost while it moved" in why(bench)
 
 
 @pytest.mark.parametrize("name", ["setEngaged", "setTargetPosition"])
 def test_a_motor_that_refuses_fails_the_gesture_in_its_words(bench: ServoBench, name: str) -> None:
-    bench.failing[name] = PhidgetError(5, "Input/Output Error")
+    bench.failing[name] = IO_ERROR
     assert make(bench) == "failed"
-    assert "Input/Output Error" in bench.rig.detail("a", "gesture")
+    assert "Input/Output Error" in why(bench)
     bench.failing.clear()
     bench.channels[0].during["open"] = bench.channels[0].plug_in
     assert make(bench, action="b") == "done"
@@ -373,10 +365,10 @@ def test_an_error_of_the_controller_is_reported_with_each_gesture_until_it_is_ov
 ) -> None:
     bench.channels[0].err(4104, "No external power.")
     make(bench)
-    assert bench.rig.detail("a", "gesture") == "It reports: No external power."
+    assert why(bench) == "It reports: No external power."
     bench.channels[0].err(4096, "All is well.")
     make(bench, action="b")
-    assert bench.rig.detail("b", "gesture") == ""
+    assert why(bench, "b") == ""
 
 
 # --- no motor
@@ -388,10 +380,10 @@ def test_without_a_controller_a_gesture_fails_with_what_to_do_after_a_second_and
     bench = ServoBench(plug=False)
     assert make(bench) == "failed"
     assert bench.rig.clock.now() == SECOND
-    assert "right_arm on channel 0: plug in its controller" in bench.rig.detail("a", "gesture")
+    assert "right_arm on channel 0: plug in its controller" in why(bench)
     assert make(bench, action="b") == "failed"
     assert bench.rig.clock.now() == SECOND
-    assert bench.rig.states("b", "gesture") == ["failed"]
+    assert over(bench, "b") == ["failed"]
 
 
 def test_the_first_gesture_is_made_if_the_controller_attaches_just_after_opening() -> None:
@@ -399,29 +391,28 @@ def test_the_first_gesture_is_made_if_the_controller_attaches_just_after_opening
     bench.rig.ask("gesture", "a")
     bench.rig.clock.advance(300 * MS)
     bench.channels[0].plug_in()
-    bench.rig.wait_for("gesture", "a")
-    assert bench.rig.states("a", "gesture") == ["started", "done"]
+    assert over(bench) == ["started", "done"]
 
 
-def test_a_controller_that_another_program_uses_is_reported_as_such() -> None:
-    bench = ServoBench(plug=False)
-    bench.channels[0].err(2, "Channel is in use.")
+@pytest.mark.parametrize(
+    ("reason", "says"),
+    [
+        ("in use", "Close the other program"),
+        ("not set up", "cannot be set up: Input/Output Error"),
+        ("denied", "/etc/udev/rules.d/70-phidget.rules"),
+    ],
+)
+def test_a_controller_that_cannot_be_used_is_reported_with_what_to_do(
+    reason: str, says: str
+) -> None:
+    bench = ServoBench(plug=False, denied=reason == "denied")
+    if reason == "in use":
+        bench.channels[0].err(2, "Channel is in use.")
+    elif reason == "not set up":
+        bench.failing["setTargetPosition"] = IO_ERROR
+        bench.channels[0].plug_in()
     assert make(bench) == "failed"
-    assert "Close the other program" in bench.rig.detail("a", "gesture")
-
-
-def test_a_controller_that_cannot_be_set_up_is_reported() -> None:
-    bench = ServoBench(plug=False)
-    bench.failing["setTargetPosition"] = PhidgetError(5, "Input/Output Error")
-    bench.channels[0].plug_in()
-    assert make(bench) == "failed"
-    assert "cannot be set up: Input/Output Error" in bench.rig.detail("a", "gesture")
-
-
-def test_a_controller_without_permission_is_reported_with_the_udev_rule() -> None:
-    bench = ServoBench(plug=False, denied=True)
-    assert make(bench) == "failed"
-    assert "/etc/udev/rules.d/70-phidget.rules" in bench.rig.detail("a", "gesture")
+    assert says in why(bench)
 
 
 @pytest.mark.parametrize(
@@ -430,28 +421,23 @@ def test_a_controller_without_permission_is_reported_with_the_udev_rule() -> Non
         (ModuleNotFoundError("No module named 'Phidget22'"), "pip install phidget22"),
         (OSError("libusb-1.0.so.0: cannot open shared object file"), "libusb-package"),
         (PhidgetError(28, "Unexpected Error"), "The servo cannot be opened: Unexpected Error"),
+        (None, "pip install phidget22"),
     ],
 )
 def test_a_driver_that_is_missing_fails_gestures_at_once_with_how_to_get_it(
-    error: Exception, cure: str
+    error: Exception | None, cure: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fail() -> Any:
+        assert error
         raise error
 
-    rig = Rig(Servo(make=fail, denied=lambda: False), VirtualClock(), ["gesture"])
+    monkeypatch.setitem(sys.modules, "Phidget22.Devices.RCServo", None)
+    servo = Servo(make=fail, denied=lambda: False) if error else Servo()
+    rig = Rig(servo, VirtualClock(), ["gesture"])
     rig.ask("gesture", "a")
     rig.wait_for("gesture", "a")
     assert rig.clock.now() == 0
     assert cure in rig.detail("a", "gesture")
-    rig.output.close()
-
-
-def test_phidget22_is_loaded_only_when_a_servo_is_opened(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "Phidget22.Devices.RCServo", None)
-    rig = Rig(Servo(), VirtualClock(), ["gesture"])
-    rig.ask("gesture", "a")
-    rig.wait_for("gesture", "a")
-    assert "pip install phidget22" in rig.detail("a", "gesture")
     rig.output.close()
 
 
@@ -500,9 +486,8 @@ def test_a_motor_released_by_its_failsafe_is_reopened_and_works_again(
         motor.err(4108, "Failsafe condition detected.")
     else:
         motor.failing["setTargetPosition"] = PhidgetError(59, "Failsafe Triggered")
-    bench.rig.wait_for("gesture", "a")
-    assert bench.rig.states("a", "gesture") == ["started", "failed"]
-    assert "failsafe released it" in bench.rig.detail("a", "gesture")
+    assert over(bench) == ["started", "failed"]
+    assert "failsafe released it" in why(bench)
     assert make(bench, action="b") == "done"
     assert [name for _, name, _ in motor.calls].count("open") == 2
 
@@ -514,8 +499,7 @@ def test_a_gesture_waits_for_a_motor_that_is_being_reopened(bench: ServoBench) -
     bench.rig.ask("gesture", "a")
     bench.rig.clock.advance(300 * MS)
     motor.plug_in()
-    bench.rig.wait_for("gesture", "a")
-    assert bench.rig.states("a", "gesture") == ["started", "done"]
+    assert over(bench) == ["started", "done"]
 
 
 def test_a_motor_that_cannot_be_reopened_is_reported(bench: ServoBench) -> None:
@@ -523,7 +507,7 @@ def test_a_motor_that_cannot_be_reopened_is_reported(bench: ServoBench) -> None:
     motor.failing["open"] = PhidgetError(28, "Unexpected Error")
     motor.err(4108, "Failsafe condition detected.")
     assert make(bench) == "failed"
-    assert "cannot be opened again: Unexpected Error" in bench.rig.detail("a", "gesture")
+    assert "cannot be opened again: Unexpected Error" in why(bench)
 
 
 def _with(**gestures: Gesture) -> Theme:
