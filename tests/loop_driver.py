@@ -3,26 +3,12 @@
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
+from sar_tui.loop import topics as t
 from sar_tui.loop.bus import Record, Topic
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.node import Node, on
 from sar_tui.loop.session import Session
 from sar_tui.loop.task import Task
-from sar_tui.loop.topics import (
-    COMMAND,
-    FOCUS,
-    FRAME,
-    KEY,
-    PASTE,
-    PROMPT,
-    SHOWN,
-    STORAGE,
-    STORED,
-    TONE_BEGAN,
-    TONE_DUE,
-    TRIAL,
-    WAITING,
-)
 from sar_tui.model import messages as m
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS, SECOND
@@ -39,7 +25,7 @@ class Screen(Node):
     """Shows prompts after ``SHOWING``, and acknowledges storage, unless switched off."""
 
     name = "screen"
-    emits = (SHOWN, STORED, TONE_BEGAN)
+    emits = (t.SHOWN, t.STORED, t.TONE_BEGAN)
 
     def __init__(self) -> None:
         super().__init__()
@@ -52,26 +38,26 @@ class Screen(Node):
         self.waiting: m.Waiting | None = None
         self.waiting_since = 0
 
-    @on(WAITING)
+    @on(t.WAITING)
     def now_waiting(self, waiting: m.Waiting) -> None:
         self.waiting, self.waiting_since = waiting, self.now
         if waiting.what != "response":
             self.onset = None
 
-    @on(PROMPT)
+    @on(t.PROMPT)
     def prompted(self, prompt: m.Prompt) -> None:
         self.prompt = prompt
         if self.shows:
             self.bus.clock.call_at(self.now + SHOWING, lambda: self.show(prompt))
 
-    @on(FRAME)
+    @on(t.FRAME)
     def frame_due(self, due: m.FrameDue) -> None:
         if self.shows:
             self.bus.clock.call_at(
                 max(due.at, self.now + SHOWING), lambda: self.show_frame(due.frame)
             )
 
-    @on(TONE_DUE)
+    @on(t.TONE_DUE)
     def tone_due(self, due: m.ToneDue) -> None:
         at = max(due.at, self.now + SHOWING)
         began = m.ToneBegan(
@@ -82,7 +68,7 @@ class Screen(Node):
             at=at,
             source=self.hears,
         )
-        self.bus.clock.call_at(at, lambda: self.emit(TONE_BEGAN, began))
+        self.bus.clock.call_at(at, lambda: self.emit(t.TONE_BEGAN, began))
 
     def show_frame(self, frame: int, at: int | None = None) -> None:
         assert self.prompt
@@ -96,7 +82,7 @@ class Screen(Node):
 
     def _report(self, prompt: m.Prompt, at: int, frame: int = 0) -> None:
         self.emit(
-            SHOWN,
+            t.SHOWN,
             m.Shown(
                 attempt=prompt.attempt,
                 trial=prompt.trial,
@@ -107,13 +93,13 @@ class Screen(Node):
             ),
         )
 
-    @on(TRIAL)
+    @on(t.TRIAL)
     def ended(self, trial: m.TrialEnded) -> None:
         if self.stores:
             self.store(trial.attempt, trial.trial)
 
     def store(self, attempt: int, trial: int) -> None:
-        self.emit(STORED, m.Stored(attempt=attempt, trial=trial))
+        self.emit(t.STORED, m.Stored(attempt=attempt, trial=trial))
 
 
 class LoopDriver:
@@ -172,7 +158,7 @@ class LoopDriver:
         self._last_press = self.clock.now()
         stamp = self.clock.now() if at is None else at
         self.session.bus.publish(
-            KEY, m.KeyPressed(key=key, at=stamp, loop_lag=lag, stalled=stalled)
+            t.KEY, m.KeyPressed(key=key, at=stamp, loop_lag=lag, stalled=stalled)
         )
 
     def hold(self, key: str, ms: int, every_ms: int = 30) -> None:
@@ -182,19 +168,19 @@ class LoopDriver:
             self.wait(every_ms)
 
     def paste(self, length: int = 5) -> None:
-        self.session.bus.publish(PASTE, m.Pasted(length=length, at=self.clock.now()))
+        self.session.bus.publish(t.PASTE, m.Pasted(length=length, at=self.clock.now()))
 
     def focus(self, focused: bool) -> None:
-        self.session.bus.publish(FOCUS, m.FocusChanged(focused=focused, at=self.clock.now()))
+        self.session.bus.publish(t.FOCUS, m.FocusChanged(focused=focused, at=self.clock.now()))
 
     def operate(self, command: Any, reason: str = "", value: int | None = None) -> None:
         self.session.bus.publish(
-            COMMAND, m.SessionCommand(command=command, reason=reason, value=value)
+            t.COMMAND, m.SessionCommand(command=command, reason=reason, value=value)
         )
 
     def disk(self, working: bool) -> None:
         self.session.bus.publish(
-            STORAGE, m.StorageChanged(working=working, reason="" if working else "full")
+            t.STORAGE, m.StorageChanged(working=working, reason="" if working else "full")
         )
 
     # --- time
@@ -236,7 +222,7 @@ class LoopDriver:
         prompt = self.to_prompt()
         self.wait(after_ms)
         self.press(prompt.expected if key is None else key)
-        return self.last(TRIAL)
+        return self.last(t.TRIAL)
 
     def attempt(self, after_ms: float = 400, wrong: int = 0) -> None:
         """Do a whole attempt, from its Enter to its end."""
@@ -256,4 +242,4 @@ class LoopDriver:
 
     @property
     def waiting(self) -> m.Waiting:
-        return self.last(WAITING)
+        return self.last(t.WAITING)

@@ -15,6 +15,7 @@ from sar_tui.model.messages import (
     OutputReport,
     Waiting,
 )
+from tests.facts import facts
 
 FOREPERIOD = Waiting(what="foreperiod", stage="trial")
 HALT = Halt(reason="stopped", asked=0)
@@ -44,12 +45,7 @@ def test_words_replace_others_and_joined_words_stand_below_them() -> None:
     state = after(
         action("Well done.", face="happy", valence="positive"), action("Rest.", joins=True)
     )
-    assert (state.words, state.more, state.face, state.valence) == (
-        "Well done.",
-        "Rest.",
-        "happy",
-        "positive",
-    )
+    assert facts(state, "words more face valence") == ("Well done.", "Rest.", "happy", "positive")
     state = after(action("Again."), state=state)
     assert (state.words, state.more, state.face) == ("Again.", "", "happy")
 

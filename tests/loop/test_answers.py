@@ -5,18 +5,8 @@ from typing import Any
 
 import pytest
 
+from sar_tui.loop import topics as t
 from sar_tui.loop.bus import Topic
-from sar_tui.loop.topics import (
-    ANSWERED,
-    COMMAND,
-    DECISION,
-    MODE,
-    NOTE_ADDED,
-    PENDING_APPROVAL,
-    PRESENCE,
-    REMARK,
-    SETTING,
-)
 from sar_tui.model import messages as m
 from sar_tui.model.theme import Theme
 from sar_tui.model.trial_types import Mark
@@ -43,7 +33,7 @@ class Answers:
         )
         self.driver.session.task.marks = marks
         joined = m.OperatorChanged(actor=ANNA, state="baton", operated=True, holder=ANNA)
-        self.driver.session.bus.publish(PRESENCE, joined)
+        self.driver.session.bus.publish(t.PRESENCE, joined)
         self.driver.wait(10_000)
 
     def act(self, topic: Topic[Any], act: m.OperatorAct) -> tuple[str, str] | None:
@@ -52,14 +42,14 @@ class Answers:
         return self.answer(act.id)
 
     def command(self, command: Any, reason: str = "", value: int | None = None) -> Any:
-        number = len(self.driver.all(COMMAND))
+        number = len(self.driver.all(t.COMMAND))
         act = m.SessionCommand(
             id=f"{command}{number}", command=command, reason=reason, value=value, actor=ANNA
         )
-        return self.act(COMMAND, act)
+        return self.act(t.COMMAND, act)
 
     def answer(self, id: str) -> tuple[str, str] | None:
-        found = [each for each in self.driver.all(ANSWERED) if each.id == id]
+        found = [each for each in self.driver.all(t.ANSWERED) if each.id == id]
         assert len(found) <= 1, "an act is answered once"
         assert all(each.actor == ANNA for each in found)
         return (found[0].outcome, found[0].why) if found else None
@@ -140,11 +130,11 @@ def test_a_mark_says_whether_it_was_removed(calm: Theme) -> None:
 def test_modes_notes_and_settings_are_answered(calm: Theme) -> None:
     session = Answers(calm)
     mode = m.ModeChanged(id="m", kind="feedback", mode="approve", actor=ANNA)
-    assert session.act(MODE, mode) == DONE
-    assert session.act(NOTE_ADDED, m.NoteAdded(id="n", text="coughs", actor=ANNA)) == DONE
+    assert session.act(t.MODE, mode) == DONE
+    assert session.act(t.NOTE_ADDED, m.NoteAdded(id="n", text="coughs", actor=ANNA)) == DONE
     goal = m.SettingChanged(id="s", name="threshold", value=700, actor=ANNA)
-    assert session.act(SETTING, goal) == DONE
-    wrong = session.act(SETTING, m.SettingChanged(id="w", name="seed", value=1, actor=ANNA))
+    assert session.act(t.SETTING, goal) == DONE
+    wrong = session.act(t.SETTING, m.SettingChanged(id="w", name="seed", value=1, actor=ANNA))
     assert wrong
     assert wrong[0] == "refused"
 
@@ -154,9 +144,9 @@ def test_a_decision_is_answered_and_a_second_one_is_late(calm: Theme, verdict: s
     session = Answers(calm, operator_feedback="approve")
     session.driver.enter()
     session.driver.attempt()
-    id = session.driver.last(PENDING_APPROVAL).proposal.id
-    assert session.act(DECISION, decision("1", id, verdict)) == DONE
-    late = session.act(DECISION, decision("2", id, "accept"))
+    id = session.driver.last(t.PENDING_APPROVAL).proposal.id
+    assert session.act(t.DECISION, decision("1", id, verdict)) == DONE
+    late = session.act(t.DECISION, decision("2", id, "accept"))
     assert late == ("late", "It was decided, or its time was over.")
 
 
@@ -167,7 +157,7 @@ def test_a_decision_is_answered_and_a_second_one_is_late(calm: Theme, verdict: s
 def test_a_remark_is_done_when_it_was_said(calm: Theme) -> None:
     session = Answers(calm, Speaker(1500))
     session.driver.start()
-    assert session.act(REMARK, remark("1")) is None, "a response is awaited"
+    assert session.act(t.REMARK, remark("1")) is None, "a response is awaited"
     session.driver.answer()
     session.driver.wait(1000)
     assert session.answer("1") is None
@@ -178,7 +168,7 @@ def test_a_remark_is_done_when_it_was_said(calm: Theme) -> None:
 def test_each_of_several_remarks_is_answered(calm: Theme) -> None:
     session = Answers(calm, Speaker(500))
     for id in "123":
-        session.act(REMARK, remark(id))
+        session.act(t.REMARK, remark(id))
     session.driver.wait(600)
     assert [session.answer(id) for id in "123"] == [DONE, None, None]
     session.driver.wait(5000)
@@ -188,20 +178,20 @@ def test_each_of_several_remarks_is_answered(calm: Theme) -> None:
 def test_text_on_a_screen_is_done_when_it_is_shown(calm: Theme) -> None:
     screen = FakeOutput("display", frozenset({"show"}))
     session = Answers(calm, screen)
-    assert session.act(REMARK, remark("1")) is None
+    assert session.act(t.REMARK, remark("1")) is None
     screen.report(screen.asked[-1][1], "show", "started")
     session.driver.wait(0)
     assert session.answer("1") == DONE
 
 
 def test_without_outputs_a_remark_is_done_at_once(calm: Theme) -> None:
-    assert Answers(calm).act(REMARK, remark("1")) == DONE
+    assert Answers(calm).act(t.REMARK, remark("1")) == DONE
 
 
 def test_a_remark_that_an_output_cannot_say_is_refused(calm: Theme) -> None:
     broken = FakeOutput("speech", frozenset({"say"}), breaks=("say",))
     session = Answers(calm, broken)
-    session.act(REMARK, remark("1"))
+    session.act(t.REMARK, remark("1"))
     session.driver.wait(0)
     assert session.answer("1") == ("refused", "An output failed: speech.")
 
@@ -209,7 +199,7 @@ def test_a_remark_that_an_output_cannot_say_is_refused(calm: Theme) -> None:
 def test_an_output_that_never_reports_is_given_up(calm: Theme) -> None:
     silent = FakeOutput("robot", frozenset({"say"}))
     session = Answers(calm, silent)
-    session.act(REMARK, remark("1"))
+    session.act(t.REMARK, remark("1"))
     session.driver.wait(120_000)
     answer = session.answer("1")
     assert answer
@@ -222,7 +212,7 @@ def test_an_output_that_never_reports_is_given_up(calm: Theme) -> None:
         (lambda session: session.command("stop"), ("refused", "The agent was stopped.")),
         (lambda session: session.command("end"), ("late", "The session had moved on.")),
         (
-            lambda session: session.act(DECISION, decision("3", "o2", "veto")),
+            lambda session: session.act(t.DECISION, decision("3", "o2", "veto")),
             ("refused", "It was cancelled."),
         ),
     ],
@@ -233,8 +223,8 @@ def test_a_remark_that_waits_and_is_dropped_was_not_said(
 ) -> None:
     session = Answers(calm, Speaker(500))
     session.driver.start()
-    session.act(REMARK, remark("1"))
-    session.act(REMARK, remark("2"))
+    session.act(t.REMARK, remark("1"))
+    session.act(t.REMARK, remark("2"))
     assert end(session) == DONE
     assert session.answer("2") == answer
 
@@ -256,8 +246,8 @@ def test_a_cancellation_is_answered_when_the_output_is_still(
         if what == "gesture":
             robot.report(action, "gesture", "done")
     session.driver.wait(10_000)
-    session.act(REMARK, m.Remark(id="1", gesture="nod", source="gesture", actor=ANNA))
-    assert session.act(DECISION, decision("2", "o1", "veto")) is None
+    session.act(t.REMARK, m.Remark(id="1", gesture="nod", source="gesture", actor=ANNA))
+    assert session.act(t.DECISION, decision("2", "o1", "veto")) is None
     robot.report("o1", "gesture", state)
     session.driver.wait(0)
     assert session.answer("2") == answer
@@ -271,9 +261,9 @@ def test_a_cancellation_is_answered_when_the_output_is_still(
 def test_an_act_without_an_id_is_not_answered(calm: Theme) -> None:
     session = Answers(calm, Speaker(500))
     session.driver.start()
-    session.act(REMARK, remark(""))
-    session.act(DECISION, decision("", "o1", "veto"))
-    session.act(NOTE_ADDED, m.NoteAdded(text="coughs"))
+    session.act(t.REMARK, remark(""))
+    session.act(t.DECISION, decision("", "o1", "veto"))
+    session.act(t.NOTE_ADDED, m.NoteAdded(text="coughs"))
     session.driver.operate("stop")
     session.driver.operate("end")
-    assert session.driver.all(ANSWERED) == []
+    assert session.driver.all(t.ANSWERED) == []

@@ -9,6 +9,7 @@ from sar_tui.loop.topics import ACTION, ATTEMPT_ENDED, THEME, TRIAL, WAITING
 from sar_tui.model.theme import Manner, Theme
 from sar_tui.outputs.node import OutputNode
 from sar_tui.plugins import Catalogue
+from tests.facts import facts
 from tests.loop_driver import LoopDriver
 from tests.outputs.fake_outputs import FakeOutput
 
@@ -58,12 +59,7 @@ def test_an_edited_theme_changes_words_and_manner_from_then_on(driver: LoopDrive
     assert first in CALM.phrases["positive_strong"]
     assert second == "Splendid."
     action = driver.all(ACTION)[-1]
-    assert (action.face, action.gesture, action.gaze, action.tone) == (
-        "neutral",
-        "shake",
-        "up",
-        "end",
-    )
+    assert facts(action, "face gesture gaze tone") == ("neutral", "shake", "up", "end")
 
 
 def test_every_output_receives_the_edited_theme() -> None:

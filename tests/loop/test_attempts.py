@@ -13,6 +13,7 @@ from sar_tui.model.trial_types import Result, Results, Target
 from sar_tui.model.units import MS
 from sar_tui.rules.judgement import degree
 from sar_tui.rules.parameters import build
+from tests.facts import facts
 from tests.lifting_task import Lift, attempt
 
 
@@ -116,18 +117,13 @@ def test_an_amended_attempt_is_scored_as_if_it_had_the_amended_results_from_the_
     assert amended is not None
     assert straight.first.ended.feedback != said.feedback
     assert amended.first.ended.feedback == said.feedback
-    assert (
-        amended.first.ended.metric,
-        amended.first.ended.correct,
-        amended.first.ended.outcome,
-        amended.first.ended.goal,
-    ) == (
+    assert facts(amended.first.ended, "metric correct outcome goal") == (
         straight.first.ended.metric,
         straight.first.ended.correct,
         straight.first.ended.outcome,
         straight.first.ended.goal,
     )
-    assert (under_way.attempt, under_way.trial, under_way.level) == (
+    assert facts(under_way, "attempt trial level") == (
         at_once.attempt,
         at_once.trial,
         at_once.level,
@@ -181,12 +177,7 @@ def test_a_level_set_by_hand_in_an_attempt_survives_its_amendment() -> None:
         amended.first.ended.outcome,
         amended.level,
         under_way.level,
-    ) == (
-        3,
-        "failure",
-        None,
-        8,
-    )
+    ) == (3, "failure", None, 8)
 
 
 # --- feedback
@@ -222,7 +213,7 @@ def test_attempts_since_the_last_feedback_are_counted_despite_amendments_and_req
         if amended is not None:
             again = under_way.amend(lift(value, correct=amended))
             assert again is not None
-            assert (again.first.ended.choice, again.first.ended.feedback) == (
+            assert facts(again.first.ended, "choice feedback") == (
                 choice,
                 scored.first.ended.feedback,
             )
@@ -243,10 +234,7 @@ def test_a_summary_reports_the_means_of_its_attempts(values: list[float], every:
     for number, value in enumerate(values, 1):
         scored = attempt(under_way, lift(value))
         assert scored.first.is_feedback_due == (number % every == 0)
-        assert (scored.first.ended.metric, scored.first.ended.choice) == (
-            value,
-            scored.first.feedback.choice,
-        )
+        assert facts(scored.first.ended, "metric choice") == (value, scored.first.feedback.choice)
         if scored.first.is_feedback_due:
             last = values[number - every : number]
             mean = sum(last) / every
@@ -262,9 +250,7 @@ def test_a_summary_reports_the_means_of_its_attempts(values: list[float], every:
 def test_a_summary_across_levels_uses_the_mean_goal() -> None:
     under_way = session_attempts(feedback_schedule="summary", feedback_every=3)
     answers = [attempt(under_way, lift(500)).first.feedback for _ in range(3)]
-    assert (answers[-1].goal, answers[-1].level) == (1100.0, 3), (
-        "the goals were 1000, 1100 and 1200"
-    )
+    assert facts(answers[-1], "goal level") == (1100.0, 3), "the goals were 1000, 1100 and 1200"
 
 
 def test_a_summary_uses_the_amended_result() -> None:

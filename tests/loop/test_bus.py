@@ -8,6 +8,7 @@ from sar_tui.loop.bus import FAULT, Bus, Record, Service, Topic
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.node import Node, TimedNode, on, serves
 from sar_tui.model.messages import Fault, FocusChanged, Message
+from tests.facts import each, facts
 
 
 class Said(Message, frozen=True, kw_only=True):
@@ -187,11 +188,7 @@ def test_a_handler_that_raises_publishes_a_fault_and_the_others_still_run(
     (fault, *rest) = [
         r.message for cascade in cascades for r in cascade if isinstance(r.message, Fault)
     ]
-    assert (fault.node, fault.topic, fault.error) == (
-        "clumsy",
-        "test/in",
-        "ZeroDivisionError: no luck",
-    )
+    assert facts(fault, "node topic error") == ("clumsy", "test/in", "ZeroDivisionError: no luck")
     assert "breaks" in fault.trace
     assert len(rest) == 1
 
@@ -289,9 +286,7 @@ def test_a_node_may_only_use_what_it_declares(bus: Bus) -> None:
     bus.subscribe(FAULT, faults.append)
     bus.publish(IN, said("go"))
     assert (Shy.receives(), Shy.answers()) == ((IN,), (DOUBLE,))
-    assert [fault.error for fault in faults] == [
-        "ValueError: shy does not declare that it asks test/double"
-    ]
+    assert each(faults, "error") == ["ValueError: shy does not declare that it asks test/double"]
     with pytest.raises(ValueError, match="does not declare that it emits test/kept"):
         node.emit(KEPT, said("secret"))
 

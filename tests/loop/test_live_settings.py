@@ -15,6 +15,7 @@ from sar_tui.model.theme import Theme
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.declaration import ParameterError
 from sar_tui.rules.parameters import build
+from tests.facts import facts
 from tests.lifting_task import Lift, LiftDriver
 from tests.loop_driver import LoopDriver
 
@@ -110,19 +111,12 @@ def test_the_last_attempt_is_scored_again_by_the_goal_that_it_had(calm: Theme) -
     driver.operate("mark", reason="leaned")
     again = driver.last(ATTEMPT_ENDED)
     assert again is not before
-    assert (again.attempt, again.goal, again.outcome) == (
-        before.attempt,
-        before.goal,
-        before.outcome,
-    )
+    assert facts(again, "attempt goal outcome") == (before.attempt, before.goal, before.outcome)
     driver.wait(1000)
     driver.press("enter")
     driver.lift(500)
     driver.lift(500)
-    assert (driver.last(ATTEMPT_ENDED).goal, driver.last(ATTEMPT_ENDED).outcome) == (
-        700,
-        "success",
-    ), "level 4"
+    assert facts(driver.last(ATTEMPT_ENDED), "goal outcome") == (700, "success"), "level 4"
 
 
 def _changed_session(driver: LoopDriver) -> None:

@@ -9,6 +9,7 @@ from sar_tui.loop.approvals import PendingApprovals
 from sar_tui.model.messages import Action, Decision, PendingApproval, Proposal
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import SECOND
+from tests.facts import facts
 
 PRAISE = Proposal(
     id="a1",
@@ -36,13 +37,8 @@ def pending(name: str, deadline: int | None) -> PendingApproval:
 
 def test_an_edited_valence_replaces_face_gesture_tone_and_degree(calm: Theme) -> None:
     action = edit(calm, valence="negative")
-    assert (action.face, action.gesture, action.tone, action.degree) == (
-        "encouraging",
-        "lean_in",
-        "",
-        "clear",
-    )
-    assert (action.text, action.decision, action.actor, action.decided) == (
+    assert facts(action, "face gesture tone degree") == ("encouraging", "lean_in", "", "clear")
+    assert facts(action, "text decision actor decided") == (
         "Well done.",
         "edited",
         "operator.ana",

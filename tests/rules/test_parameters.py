@@ -9,14 +9,8 @@ from hypothesis import strategies as st
 from msgspec import Meta
 
 from sar_tui.rules.declaration import Field, ParameterError, meta, read, show
-from sar_tui.rules.parameters import (
-    TaskParameters,
-    build,
-    changed,
-    fields,
-    grouped,
-    usable,
-)
+from sar_tui.rules.parameters import TaskParameters, build, changed, fields, grouped, usable
+from tests.facts import each
 
 
 class Parameters(TaskParameters, frozen=True, kw_only=True):
@@ -75,13 +69,7 @@ ONE_OF_THE_TASKS = st.sampled_from(
 def test_a_declared_field_has_all_that_a_form_needs() -> None:
     assert FIELDS["reach"] == Field("reach", "Reach", "cm", "How far.", 30.5, "float", 0, 100)
     assert FIELDS["hand"] == Field(
-        "hand",
-        "Hand",
-        "",
-        "",
-        "right",
-        "choice",
-        choices=("right", "left"),
+        "hand", "Hand", "", "", "right", "choice", choices=("right", "left")
     )
     assert FIELDS["undescribed"] == Field("undescribed", "Undescribed", "", "", 4, "int")
     assert [FIELDS[name].kind for name in ("mirrored", "words", "nickname")] == [
@@ -132,7 +120,7 @@ def test_numbers_outside_their_bounds_are_refused(value: float, name: str) -> No
             assert problem(**{name: given_as}).startswith(f"{field.title} is a number, ")
 
 
-@given(st.text(), st.sampled_from([field.name for field in fields(Parameters)]))
+@given(st.text(), st.sampled_from(each(fields(Parameters), "name")))
 def test_any_invalid_input_raises_one_sentence(text: str, name: str) -> None:
     problems: dict[str, str] = {}
     value: object = None

@@ -12,6 +12,7 @@ from sar_tui.rules import feedback_choice, judgement
 from sar_tui.rules.feedback import RAREST, History
 from sar_tui.rules.judgement import JudgedAttempt
 from sar_tui.rules.parameters import TaskParameters, build
+from tests.facts import facts
 
 TIME = Metric("time", unit="ms", better="lower")
 GOAL = 1000.0
@@ -270,12 +271,8 @@ def test_every_attempt_records_its_feedback_decision_and_reason(
     for result in results:
         attempt = judged(result, accuracy)
         history, choice = step(history, attempt, parameters, practice)
-        assert (choice.schedule, choice.content, choice.form) == (
-            schedule,
-            "results",
-            "quantitative",
-        )
-        assert (choice.compared_with, choice.delay_ms) == (
+        assert facts(choice, "schedule content form") == (schedule, "results", "quantitative")
+        assert facts(choice, "compared_with delay_ms") == (
             "best attempt",
             0 if schedule == "request" else 1500,
         )

@@ -17,6 +17,7 @@ from sar_tui.model.units import SECOND
 from sar_tui.outputs.node import OutputNode
 from sar_tui.plugin_calls import under_way
 from sar_tui.runs.plugin_watchdog import NotResponding, PluginWatchdog
+from tests.facts import each
 from tests.outputs.contract import THEME
 from tests.outputs.fake_outputs import FakeOutput
 
@@ -170,9 +171,7 @@ def test_a_handler_that_does_not_return_is_ended_by_an_error_of_its_node() -> No
     bus.subscribe(FAULT, faults.append)
     Listener(hangs, "handler").attach(bus)
     bus.publish(KEY, m.KeyPressed(key="f", at=0))
-    assert [(fault.node, fault.error) for fault in faults] == [
-        ("listener", "NotResponding: it took longer than 10 s")
-    ]
+    assert each(faults, "node error") == [("listener", "NotResponding: it took longer than 10 s")]
     assert hangs.looks == LOOKS + 1
     assert hangs.given_up == []
     assert under_way(hangs.dog._watched) is None

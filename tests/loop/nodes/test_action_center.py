@@ -16,6 +16,7 @@ from sar_tui.model.messages import Proposal, ThemeApplied
 from sar_tui.model.theme import FACES, GAZES, TONES, Manner, Theme
 from sar_tui.model.trial_types import Metric
 from sar_tui.plugins import Catalogue
+from tests.facts import facts
 from tests.lifting_task import Lift, LiftDriver
 from tests.loop.nodes.agent_driver import Agent
 
@@ -55,11 +56,7 @@ def test_the_agent_greets_gives_instructions_and_says_goodbye(
     assert (greeting.kind, greeting.face, greeting.gesture) == ("greeting", "happy", "wave")
     assert greeting.text in calm.phrases["greeting"]
     assert greeting.spoken == greeting.text
-    assert (instruction.kind, instruction.text, instruction.spoken) == (
-        "instruction",
-        "",
-        "Press Space, and lift.",
-    )
+    assert facts(instruction, "kind text spoken") == ("instruction", "", "Press Space, and lift.")
     driver.enter()
     lift_once(driver, GOOD)
     assert proposed(driver, "goodbye") == [], "the last feedback is read first"
@@ -220,12 +217,7 @@ def test_distance_from_the_goal_selects_text_face_and_gesture(
     said = agent.feedback_on(metric)
     answer = agent.said[-1]
     assert said in theme.phrases[situation]
-    assert (answer.kind, answer.valence, answer.degree, answer.attempt) == (
-        "feedback",
-        valence,
-        degree,
-        1,
-    )
+    assert facts(answer, "kind valence degree attempt") == ("feedback", valence, degree, 1)
     manner = theme.manner(situation)
     assert Manner(answer.face, answer.gesture, answer.gaze, answer.tone) == manner
     assert manner.tone == ("success" if valence == "positive" else "")
@@ -331,8 +323,4 @@ def test_an_edited_theme_is_used_from_then_on(calm: Theme) -> None:
     edited = msgspec.structs.replace(calm, phrases={**calm.phrases, **words}, manners=manner)
     agent.bus.publish(THEME, ThemeApplied(theme=edited))
     assert agent.feedback_on(500) == "Splendid."
-    assert (agent.said[-1].face, agent.said[-1].gesture, agent.said[-1].gaze) == (
-        "neutral",
-        "",
-        "up",
-    )
+    assert facts(agent.said[-1], "face gesture gaze") == ("neutral", "", "up")

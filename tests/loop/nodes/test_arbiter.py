@@ -6,23 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sar_tui.loop import topics as t
 from sar_tui.loop.bus import Bus, Record, Topic
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.node import Node, on
 from sar_tui.loop.nodes.arbiter import ACTION_TIMEOUT, PER_CHARACTER, Arbiter
-from sar_tui.loop.topics import (
-    ACTING,
-    ACTION,
-    COMMAND,
-    DROPPED,
-    HALT,
-    OUTPUT,
-    PROPOSED,
-    REPORT,
-    SESSION,
-    SESSION_ENDED,
-    WAITING,
-)
 from sar_tui.model import messages as m
 from sar_tui.model.units import MS, SECOND
 from sar_tui.outputs.node import OutputNode
@@ -46,16 +34,16 @@ class EventSource(Node):
     """Stub of the event handler and the action center."""
 
     name = "teller"
-    emits = (WAITING, PROPOSED, SESSION_ENDED)
+    emits = (t.WAITING, t.PROPOSED, t.SESSION_ENDED)
 
     @on(EVENT)
     def happened(self, event: Event) -> None:
         if event.waiting:
-            self.emit(WAITING, event.waiting)
+            self.emit(t.WAITING, event.waiting)
         if event.ended:
-            self.emit(SESSION_ENDED, event.ended)
+            self.emit(t.SESSION_ENDED, event.ended)
         for proposal in event.proposals:
-            self.emit(PROPOSED, proposal)
+            self.emit(t.PROPOSED, proposal)
 
 
 class ArbiterDriver:
@@ -78,9 +66,9 @@ class ArbiterDriver:
 
     def begin(self, outputs: dict[str, tuple[m.ActionPart, ...]], run: int = 1) -> None:
         for name, can in outputs.items():
-            self.bus.publish(OUTPUT, m.OutputOpened(output=name, address=name, can=can))
+            self.bus.publish(t.OUTPUT, m.OutputOpened(output=name, address=name, can=can))
         self.bus.publish(
-            SESSION, m.SessionStarted(run=run, task="lift", theme="calm", seed=1, rules=RULES)
+            t.SESSION, m.SessionStarted(run=run, task="lift", theme="calm", seed=1, rules=RULES)
         )
 
     def wait_for(self, what: Any, stage: Any = "trial", reason: str = "") -> None:
@@ -97,29 +85,29 @@ class ArbiterDriver:
         report = m.OutputReport(
             action=action, output=output, part=part, state=state, at=self.clock.now()
         )
-        self.bus.publish(REPORT, report)
+        self.bus.publish(t.REPORT, report)
 
     def stop(self, at: int = 0) -> None:
-        self.bus.publish(COMMAND, m.SessionCommand(command="stop", at=at))
+        self.bus.publish(t.COMMAND, m.SessionCommand(command="stop", at=at))
 
     def all(self, topic: Topic[Any]) -> list[Any]:
         return [record.message for record in self.records if record.topic is topic]
 
     @property
     def acted(self) -> list[str]:
-        return [action.id for action in self.all(ACTION)]
+        return [action.id for action in self.all(t.ACTION)]
 
     @property
     def dropped(self) -> list[tuple[str, str]]:
-        return [(dropped.id, dropped.reason) for dropped in self.all(DROPPED)]
+        return [(dropped.id, dropped.reason) for dropped in self.all(t.DROPPED)]
 
     @property
     def halted(self) -> list[tuple[str, str]]:
-        return [(halt.action, halt.reason) for halt in self.all(HALT)]
+        return [(halt.action, halt.reason) for halt in self.all(t.HALT)]
 
     @property
     def acting(self) -> list[bool]:
-        return [agent.acting for agent in self.all(ACTING)]
+        return [agent.acting for agent in self.all(t.ACTING)]
 
 
 def proposal(name: str, **how: Any) -> m.Proposal:
@@ -152,7 +140,7 @@ def test_outside_a_trial_proposals_are_passed_on_unchanged() -> None:
         "policy": "drop",
     }
     driver.propose("hello", **whole)
-    (action,) = driver.all(ACTION)
+    (action,) = driver.all(t.ACTION)
     assert action == m.Action(
         id="hello", text="hello", spoken="hello", decision="accepted", actor="agent", **whole
     )
@@ -233,10 +221,10 @@ def test_an_interrupting_action_halts_one_of_equal_or_lower_priority(driver: Arb
     driver.propose("a", priority=3)
     driver.propose("b", priority=3, policy="interrupt")
     assert driver.halted == [("a", "interrupted")]
-    assert [record.topic for record in driver.records if record.topic in (HALT, ACTION)] == [
-        ACTION,
-        HALT,
-        ACTION,
+    assert [record.topic for record in driver.records if record.topic in (t.HALT, t.ACTION)] == [
+        t.ACTION,
+        t.HALT,
+        t.ACTION,
     ]
     driver.report("a", "aborted")
     assert driver.acting == [True], "b continues"
@@ -341,7 +329,7 @@ def test_the_stop_key_stops_all_actions_and_drops_waiting_ones(driver: ArbiterDr
     pressed = driver.clock.now() - 5 * MS
     driver.stop(pressed)
     assert sorted(driver.dropped) == [("b", "stopped"), ("c", "stopped")]
-    (halt,) = driver.all(HALT)
+    (halt,) = driver.all(t.HALT)
     assert (halt.action, halt.reason, halt.asked) == ("", "stopped", pressed)
     driver.report("a", "aborted")
     driver.clock.advance(10 * SECOND)
@@ -356,7 +344,7 @@ def test_the_stop_key_works_in_a_trial_too(driver: ArbiterDriver) -> None:
     driver.stop()
     driver.wait_for("enter", "attempt")
     assert (driver.acted, driver.dropped) == ([], [("a", "stopped")])
-    assert driver.all(HALT)[0].asked == driver.clock.now(), (
+    assert driver.all(t.HALT)[0].asked == driver.clock.now(), (
         "without a time stamp it counts from its handling"
     )
 
@@ -364,7 +352,7 @@ def test_the_stop_key_works_in_a_trial_too(driver: ArbiterDriver) -> None:
 def test_other_commands_stop_nothing(driver: ArbiterDriver) -> None:
     driver.propose("a")
     for command in ("pause", "resume", "skip", "mark"):
-        driver.bus.publish(COMMAND, m.SessionCommand(command=command))  # type: ignore[arg-type]
+        driver.bus.publish(t.COMMAND, m.SessionCommand(command=command))  # type: ignore[arg-type]
     assert driver.halted == []
 
 
@@ -502,7 +490,7 @@ def test_actions_never_overlap_or_begin_in_a_trial_and_none_is_lost(
     assert driver.acting == [True, False] * (len(driver.acting) // 2)
     for output in ("speech", "robot"):
         said: list[str] = []
-        for report in driver.all(REPORT):
+        for report in driver.all(t.REPORT):
             if report.output == output and report.state == "started":
                 assert said == [], "one utterance is over before the next begins"
                 said.append(report.action)

@@ -7,6 +7,7 @@ import pytest
 from sar_tui.loop.topics import ATTEMPT_ENDED, ATTEMPT_STARTED, FEEDBACK, PROMPT
 from sar_tui.model.theme import Theme
 from sar_tui.model.trial_types import Situation, Stimulus
+from tests.facts import each
 from tests.loop_driver import LoopDriver
 from tests.staircase_task import Contrast
 
@@ -33,11 +34,7 @@ def test_it_is_kept_with_the_attempt_and_known_to_its_prompts(calm: Theme) -> No
     assert [started.condition for started in driver.all(ATTEMPT_STARTED)] == ["", "cued", ""]
     assert [ended.condition for ended in driver.all(ATTEMPT_ENDED)] == ["", "cued", ""]
     assert [feedback.condition for feedback in driver.all(FEEDBACK)] == ["", "cued", ""]
-    assert [prompt.text for prompt in driver.all(PROMPT)][::6] == [
-        "Now::",
-        "Now:cued:",
-        "Now::-cued",
-    ]
+    assert each(driver.all(PROMPT), "text")[::6] == ["Now::", "Now:cued:", "Now::-cued"]
 
 
 def test_it_is_the_same_in_a_resumed_session(calm: Theme) -> None:

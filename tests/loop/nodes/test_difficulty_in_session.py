@@ -11,6 +11,7 @@ from sar_tui.loop.topics import ATTEMPT_ENDED, DECISION, FEEDBACK, GOAL, LEVEL, 
 from sar_tui.model import messages as m
 from sar_tui.model.theme import Theme
 from sar_tui.plugins import Catalogue
+from tests.facts import each
 from tests.lifting_task import Lift, LiftDriver
 from tests.loop_driver import LoopDriver
 
@@ -43,13 +44,7 @@ def test_the_goal_follows_the_results_and_decides_on_success_and_feedback(calm: 
     assert goals(driver) == [1000, 800, 800, 700, 700], (
         "number 1 of 1, 2 of 2, and then 2 of the last 3 results"
     )
-    assert [each.outcome for each in ended] == [
-        "success",
-        "success",
-        "success",
-        "failure",
-        "failure",
-    ]
+    assert each(ended, "outcome") == ["success", "success", "success", "failure", "failure"]
     assert [each.goal for each in driver.all(FEEDBACK)] == goals(driver)
     assert [each.valence for each in driver.all(FEEDBACK)][3:] == ["negative", "negative"]
     assert {each.level for each in ended} == {1}
@@ -168,9 +163,9 @@ def test_a_session_is_resumed_with_the_goal_and_the_level_that_it_had(
     for driver in (straight, resumed):
         enter_and_do(driver, 650, 720)
     assert goals(resumed) == goals(straight)[3:]
-    assert [each.level for each in resumed.all(ATTEMPT_ENDED)] == [
-        each.level for each in straight.all(ATTEMPT_ENDED)
-    ][3:]
+    assert (
+        each(resumed.all(ATTEMPT_ENDED), "level") == each(straight.all(ATTEMPT_ENDED), "level")[3:]
+    )
 
 
 # --- a level that moves

@@ -7,24 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sar_tui.loop import topics as t
 from sar_tui.loop.task import Task
-from sar_tui.loop.topics import (
-    ACTION,
-    ATTEMPT_ENDED,
-    ATTEMPT_STARTED,
-    FEEDBACK,
-    LEVEL,
-    PROMPT,
-    SESSION_ENDED,
-    SHOWN,
-    TRIAL,
-    VOIDED,
-    WAITING,
-)
 from sar_tui.model.theme import Theme
 from sar_tui.model.trial_types import Details, Metric, Result, Situation, Stimulus, Trial
 from sar_tui.model.units import MS
 from sar_tui.rules.parameters import TaskParameters
+from tests.facts import each, facts
 from tests.loop_driver import LoopDriver
 
 NewSession = Callable[..., LoopDriver]
@@ -41,15 +30,15 @@ def new_session(keyboard: type[Task], calm: Theme) -> NewSession:
 
 
 def stages(driver: LoopDriver) -> list[str]:
-    return [waiting.what for waiting in driver.all(WAITING)]
+    return [waiting.what for waiting in driver.all(t.WAITING)]
 
 
 def flags(driver: LoopDriver) -> tuple[str, ...]:
-    return driver.last(TRIAL).timing.flags
+    return driver.last(t.TRIAL).timing.flags
 
 
 def numbers(driver: LoopDriver) -> list[tuple[int, int]]:
-    return [(trial.attempt, trial.trial) for trial in driver.all(TRIAL)]
+    return [(trial.attempt, trial.trial) for trial in driver.all(t.TRIAL)]
 
 
 # --- a normal session
@@ -59,7 +48,7 @@ def test_a_session_runs_from_the_instructions_to_its_end(new_session: NewSession
     driver = new_session()
     assert (driver.waiting.what, driver.waiting.stage) == ("enter", "instructions")
     driver.enter()
-    assert (driver.waiting.what, driver.waiting.stage, driver.waiting.attempt_name) == (
+    assert facts(driver.waiting, "what stage attempt_name") == (
         "enter",
         "attempt",
         "attempt 1 of 2",
@@ -72,11 +61,11 @@ def test_a_session_runs_from_the_instructions_to_its_end(new_session: NewSession
     assert (driver.waiting.stage, driver.waiting.attempt_name) == ("attempt", "attempt 2 of 2")
     driver.attempt()
     assert (driver.waiting.what, driver.waiting.stage) == ("enter", "review")
-    assert driver.all(SESSION_ENDED) == [], "the last feedback is read before the goodbye"
+    assert driver.all(t.SESSION_ENDED) == [], "the last feedback is read before the goodbye"
     driver.press("enter")
     assert driver.waiting.what == "nothing"
     assert numbers(driver) == [(1, 1), (1, 2), (1, 3), (2, 1), (2, 2), (2, 3)]
-    assert [end.status for end in driver.all(SESSION_ENDED)] == ["completed"]
+    assert [end.status for end in driver.all(t.SESSION_ENDED)] == ["completed"]
     assert driver.session.faults == []
 
 
@@ -84,7 +73,7 @@ def test_with_one_seat_it_is_always_its_turn(new_session: NewSession) -> None:
     driver = new_session()
     driver.enter()
     driver.attempt()
-    assert {waiting.seat for waiting in driver.all(WAITING)} == {"A"}
+    assert {waiting.seat for waiting in driver.all(t.WAITING)} == {"A"}
 
 
 def test_a_trial_is_quiet_then_foreperiod_then_prompt(new_session: NewSession) -> None:
@@ -100,8 +89,8 @@ def test_a_correct_key_is_stored_with_its_time_from_onset_to_stamp(new_session: 
     onset = driver.clock.now()
     driver.wait(432)
     driver.press(prompt.expected, at=driver.clock.now() - 2 * MS, lag=3 * MS)
-    trial = driver.last(TRIAL)
-    assert (trial.attempt, trial.trial, trial.stimulus, trial.response) == (
+    trial = driver.last(t.TRIAL)
+    assert facts(trial, "attempt trial stimulus response") == (
         1,
         1,
         prompt.stimulus,
@@ -120,39 +109,24 @@ def test_a_wrong_key_lowers_accuracy_and_is_not_in_the_metric(new_session: NewSe
     driver.enter()
     driver.press("enter")
     driver.answer(300, key="#")
-    wrong = driver.last(TRIAL)
-    assert (wrong.response, wrong.correct, wrong.reaction_time_ms, wrong.value) == (
-        "#",
-        False,
-        300.0,
-        None,
-    )
+    wrong = driver.last(t.TRIAL)
+    assert facts(wrong, "response correct reaction_time_ms value") == ("#", False, 300.0, None)
     driver.answer(400)
     driver.answer(500)
-    ended = driver.last(ATTEMPT_ENDED)
-    assert (ended.metric, ended.accuracy, ended.correct, ended.trials) == (
-        450.0,
-        pytest.approx(2 / 3),
-        2,
-        3,
-    )
+    ended = driver.last(t.ATTEMPT_ENDED)
+    assert facts(ended, "metric accuracy correct trials") == (450.0, pytest.approx(2 / 3), 2, 3)
     assert (ended.outcome, ended.feedback) == ("failure", "negative")
-    assert driver.last(FEEDBACK).reason == "accuracy"
+    assert driver.last(t.FEEDBACK).reason == "accuracy"
 
 
 def test_a_miss_is_stored_with_nulls_after_the_time_out(new_session: NewSession) -> None:
     driver = new_session(response_timeout_ms=2000)
     driver.start()
     driver.wait(2049)
-    assert driver.all(TRIAL) == []
+    assert driver.all(t.TRIAL) == []
     driver.wait(1)
-    miss = driver.last(TRIAL)
-    assert (miss.response, miss.response_at, miss.reaction_time_ms, miss.value) == (
-        None,
-        None,
-        None,
-        None,
-    )
+    miss = driver.last(t.TRIAL)
+    assert facts(miss, "response response_at reaction_time_ms value") == (None, None, None, None)
     assert not miss.correct
     assert miss.onset is not None
 
@@ -163,15 +137,10 @@ def test_an_attempt_with_no_correct_response_fails_with_an_empty_metric(
     driver = new_session(start_level=2, min_accuracy=0.0)
     driver.enter()
     driver.attempt(wrong=3)
-    ended = driver.last(ATTEMPT_ENDED)
-    assert (ended.metric, ended.accuracy, ended.outcome, ended.feedback) == (
-        None,
-        0.0,
-        "failure",
-        "negative",
-    )
-    assert driver.last(FEEDBACK).reason == "empty"
-    assert driver.last(LEVEL).level == 1
+    ended = driver.last(t.ATTEMPT_ENDED)
+    assert facts(ended, "metric accuracy outcome feedback") == (None, 0.0, "failure", "negative")
+    assert driver.last(t.FEEDBACK).reason == "empty"
+    assert driver.last(t.LEVEL).level == 1
 
 
 def test_success_raises_and_failure_lowers_the_level_of_the_next_attempt(
@@ -182,8 +151,8 @@ def test_success_raises_and_failure_lowers_the_level_of_the_next_attempt(
     driver.attempt(400)
     driver.attempt(1400)
     driver.attempt(400)
-    assert [ended.level for ended in driver.all(ATTEMPT_ENDED)] == [4, 5, 4]
-    assert [(change.previous, change.level, change.reason) for change in driver.all(LEVEL)] == [
+    assert [ended.level for ended in driver.all(t.ATTEMPT_ENDED)] == [4, 5, 4]
+    assert each(driver.all(t.LEVEL), "previous level reason") == [
         (4, 5, "success"),
         (5, 4, "failure"),
         (4, 5, "success"),
@@ -195,13 +164,13 @@ def test_an_attempt_is_in_memory_before_its_feedback(new_session: NewSession) ->
     driver.enter()
     for time_ms in (700, 700, 700, 650):
         driver.attempt(time_ms)
-    assert "0.05 seconds faster than last time" in driver.last(ACTION).text
+    assert "0.05 seconds faster than last time" in driver.last(t.ACTION).text
     topics = [
         record.topic
         for record in driver.records
-        if record.topic in (TRIAL, ATTEMPT_ENDED, FEEDBACK, ACTION)
+        if record.topic in (t.TRIAL, t.ATTEMPT_ENDED, t.FEEDBACK, t.ACTION)
     ]
-    assert topics[-4:] == [TRIAL, ATTEMPT_ENDED, FEEDBACK, ACTION]
+    assert topics[-4:] == [t.TRIAL, t.ATTEMPT_ENDED, t.FEEDBACK, t.ACTION]
 
 
 def test_feedback_frequency_is_independent_of_difficulty(new_session: NewSession) -> None:
@@ -211,13 +180,9 @@ def test_feedback_frequency_is_independent_of_difficulty(new_session: NewSession
     driver.enter()
     for _ in range(6):
         driver.attempt(400)
-    assert [ended.feedback for ended in driver.all(ATTEMPT_ENDED)] == [
-        "none",
-        "none",
-        "positive",
-    ] * 2
-    assert [feedback.attempt for feedback in driver.all(FEEDBACK)] == [3, 6]
-    assert [ended.level for ended in driver.all(ATTEMPT_ENDED)] == [1, 1, 2, 2, 3, 3]
+    assert each(driver.all(t.ATTEMPT_ENDED), "feedback") == ["none", "none", "positive"] * 2
+    assert [feedback.attempt for feedback in driver.all(t.FEEDBACK)] == [3, 6]
+    assert [ended.level for ended in driver.all(t.ATTEMPT_ENDED)] == [1, 1, 2, 2, 3, 3]
 
 
 def test_practice_gets_feedback_but_changes_neither_level_nor_count(
@@ -227,16 +192,12 @@ def test_practice_gets_feedback_but_changes_neither_level_nor_count(
     driver.enter()
     assert driver.waiting.attempt_name == "practice 1 of 1"
     driver.attempt(400)
-    assert driver.all(LEVEL) == []
+    assert driver.all(t.LEVEL) == []
     assert driver.waiting.attempt_name == "attempt 1 of 2"
     driver.attempt(400)
     driver.attempt(400)
-    ended = driver.all(ATTEMPT_ENDED)
-    assert [(attempt.attempt, attempt.practice, attempt.level) for attempt in ended] == [
-        (1, True, 3),
-        (2, False, 3),
-        (3, False, 4),
-    ]
+    ended = driver.all(t.ATTEMPT_ENDED)
+    assert each(ended, "attempt practice level") == [(1, True, 3), (2, False, 3), (3, False, 4)]
     assert [attempt.feedback for attempt in ended] == ["positive", "none", "positive"]
     assert driver.waiting.stage == "review"
 
@@ -246,7 +207,7 @@ def test_failures_in_practice_do_not_count_as_consecutive(new_session: NewSessio
     driver.enter()
     for _ in range(3):
         driver.attempt(1400)
-    assert driver.all(LEVEL) == []
+    assert driver.all(t.LEVEL) == []
 
 
 # --- keys outside the response window
@@ -263,11 +224,11 @@ def test_a_key_in_the_foreperiod_restarts_it_and_is_no_response(new_session: New
     assert driver.waiting.what == "quiet"
     prompt = driver.to_prompt()
     assert driver.clock.now() - pressed == (500 + 800 + 4) * MS
-    assert driver.all(TRIAL) == []
+    assert driver.all(t.TRIAL) == []
     driver.wait(400)
     driver.press(prompt.expected)
-    assert driver.last(TRIAL).timing.false_starts == 1
-    assert driver.last(TRIAL).reaction_time_ms == 400.0
+    assert driver.last(t.TRIAL).timing.false_starts == 1
+    assert driver.last(t.TRIAL).reaction_time_ms == 400.0
 
 
 def test_the_foreperiod_lies_between_its_bounds_and_differs_from_trial_to_trial(
@@ -276,14 +237,14 @@ def test_the_foreperiod_lies_between_its_bounds_and_differs_from_trial_to_trial(
     driver = new_session(prompts_per_attempt=20, foreperiod_min_ms=600, foreperiod_max_ms=900)
     driver.enter()
     driver.attempt()
-    waits = [trial.timing.foreperiod_ms for trial in driver.all(TRIAL)]
+    waits = [trial.timing.foreperiod_ms for trial in driver.all(t.TRIAL)]
     assert all(600 <= wait <= 900 for wait in waits)
     assert len(set(waits)) == 20
-    shown = [record.at for record in driver.records if record.topic is PROMPT]
+    shown = [record.at for record in driver.records if record.topic is t.PROMPT]
     began = [
         record.at
         for record in driver.records
-        if record.topic is WAITING and record.message.what == "foreperiod"
+        if record.topic is t.WAITING and record.message.what == "foreperiod"
     ]
     assert [(end - begin) / MS for begin, end in zip(began, shown, strict=True)] == pytest.approx(
         waits
@@ -320,7 +281,7 @@ def test_a_key_before_the_foreperiod_delays_it_and_is_no_false_start(
 def test_after_a_quiet_miss_the_foreperiod_begins_at_once(new_session: NewSession) -> None:
     driver = new_session(response_timeout_ms=2000)
     driver.start()
-    driver.until(lambda: driver.all(TRIAL))
+    driver.until(lambda: driver.all(t.TRIAL))
     missed = driver.clock.now()
     driver.until(lambda: driver.waiting.what == "foreperiod")
     assert driver.clock.now() == missed
@@ -333,11 +294,11 @@ def test_a_held_key_delays_the_prompt_until_it_is_released(new_session: NewSessi
     driver.wait(30)
     driver.hold("enter", ms=4000)
     released = driver.clock.now()
-    assert driver.all(PROMPT) == []
-    assert [started.attempt for started in driver.all(ATTEMPT_STARTED)] == [1]
+    assert driver.all(t.PROMPT) == []
+    assert [started.attempt for started in driver.all(t.ATTEMPT_STARTED)] == [1]
     driver.to_prompt()
     assert driver.clock.now() - released >= (500 - 30 + 500) * MS
-    assert driver.all(TRIAL) == []
+    assert driver.all(t.TRIAL) == []
 
 
 def test_a_held_enter_begins_no_attempt(new_session: NewSession) -> None:
@@ -346,7 +307,7 @@ def test_a_held_enter_begins_no_attempt(new_session: NewSession) -> None:
     driver.strike("enter")
     driver.wait(500)
     driver.hold("enter", ms=5000)
-    assert (driver.waiting.stage, driver.all(ATTEMPT_STARTED)) == ("attempt", [])
+    assert (driver.waiting.stage, driver.all(t.ATTEMPT_STARTED)) == ("attempt", [])
     driver.wait(200)
     driver.press("enter")
     assert driver.waiting.stage == "trial"
@@ -403,14 +364,14 @@ def test_a_key_before_onset_is_stored_as_an_anticipation_outside_the_metric(
     driver = new_session()
     driver.enter()
     driver.press("enter")
-    driver.until(lambda: driver.all(PROMPT))
-    prompt = driver.last(PROMPT)
+    driver.until(lambda: driver.all(t.PROMPT))
+    prompt = driver.last(t.PROMPT)
     driver.wait(1)
     driver.press(prompt.expected)
-    assert driver.all(TRIAL) == []
+    assert driver.all(t.TRIAL) == []
     driver.wait(3)
-    trial = driver.last(TRIAL)
-    assert (trial.response, trial.correct, trial.reaction_time_ms, trial.value) == (
+    trial = driver.last(t.TRIAL)
+    assert facts(trial, "response correct reaction_time_ms value") == (
         prompt.expected,
         True,
         None,
@@ -424,12 +385,12 @@ def test_the_first_of_two_keys_before_onset_is_the_response(new_session: NewSess
     driver = new_session()
     driver.enter()
     driver.press("enter")
-    driver.until(lambda: driver.all(PROMPT))
-    for key in ("#", driver.last(PROMPT).expected):
+    driver.until(lambda: driver.all(t.PROMPT))
+    for key in ("#", driver.last(t.PROMPT).expected):
         driver.wait(1)
         driver.press(key)
     driver.to_prompt()
-    assert [(trial.trial, trial.response) for trial in driver.all(TRIAL)] == [(1, "#")]
+    assert [(trial.trial, trial.response) for trial in driver.all(t.TRIAL)] == [(1, "#")]
     assert driver.session.faults == []
 
 
@@ -440,13 +401,13 @@ def test_a_key_stamped_after_onset_but_handled_before_it_is_a_response(
     driver.screen.shows = False
     driver.enter()
     driver.press("enter")
-    driver.until(lambda: driver.all(PROMPT))
+    driver.until(lambda: driver.all(t.PROMPT))
     onset = driver.clock.now() + 2 * MS
     driver.wait(300)
-    driver.press(driver.last(PROMPT).expected)
-    assert driver.all(TRIAL) == []
-    driver.screen.show(driver.last(PROMPT), at=onset)
-    assert driver.last(TRIAL).reaction_time_ms == 298.0
+    driver.press(driver.last(t.PROMPT).expected)
+    assert driver.all(t.TRIAL) == []
+    driver.screen.show(driver.last(t.PROMPT), at=onset)
+    assert driver.last(t.TRIAL).reaction_time_ms == 298.0
     assert flags(driver) == ()
 
 
@@ -470,7 +431,7 @@ def test_anticipations_are_correct_but_not_in_the_mean(new_session: NewSession) 
     driver.press("enter")
     for reaction in (50, 400, 600):
         driver.answer(reaction)
-    ended = driver.last(ATTEMPT_ENDED)
+    ended = driver.last(t.ATTEMPT_ENDED)
     assert (ended.metric, ended.accuracy) == (500.0, 1.0)
 
 
@@ -480,7 +441,7 @@ def test_a_key_stamped_in_time_counts_even_if_handled_late(new_session: NewSessi
     onset = driver.clock.now()
     driver.wait(2030)
     driver.press(prompt.expected, at=onset + 2000 * MS)
-    trial = driver.last(TRIAL)
+    trial = driver.last(t.TRIAL)
     assert (trial.reaction_time_ms, trial.correct, trial.timing.flags) == (2000.0, True, ())
     assert trial.timing.handler_delay_ms == 30.0
     driver.wait(5000)
@@ -493,7 +454,7 @@ def test_a_key_stamped_late_is_a_flagged_miss(new_session: NewSession) -> None:
     prompt = driver.start()
     driver.wait(2030)
     driver.press(prompt.expected)
-    trial = driver.last(TRIAL)
+    trial = driver.last(t.TRIAL)
     assert (trial.response, trial.reaction_time_ms, trial.correct) == (None, None, False)
     assert trial.timing.flags == ("late_key",)
 
@@ -504,7 +465,7 @@ def test_a_key_after_the_miss_belongs_to_no_trial(new_session: NewSession) -> No
     driver.wait(2060)
     driver.press(prompt.expected)
     assert numbers(driver) == [(1, 1)]
-    assert driver.last(TRIAL).response is None
+    assert driver.last(t.TRIAL).response is None
     assert driver.waiting.what == "quiet"
 
 
@@ -522,7 +483,7 @@ def test_repeats_of_a_held_key_never_count(new_session: NewSession) -> None:
     assert numbers(driver) == [(1, 1)]
     driver.wait(500)
     driver.press("f")
-    assert driver.last(TRIAL).trial == 2
+    assert driver.last(t.TRIAL).trial == 2
     assert "repeat_key" in flags(driver)
 
 
@@ -531,7 +492,7 @@ def test_a_paste_is_flagged_and_never_a_response(new_session: NewSession) -> Non
     driver.start()
     driver.wait(200)
     driver.paste()
-    assert driver.all(TRIAL) == []
+    assert driver.all(t.TRIAL) == []
     trial = driver.answer(300)
     assert (trial.correct, trial.timing.flags) == (True, ("paste",))
 
@@ -555,7 +516,7 @@ def test_a_lost_focus_is_flagged_and_never_a_response(new_session: NewSession) -
     driver.start()
     driver.focus(False)
     driver.focus(True)
-    assert driver.all(TRIAL) == []
+    assert driver.all(t.TRIAL) == []
     assert driver.answer(300).timing.flags == ("focus_lost",)
     assert driver.answer(300).timing.flags == ()
 
@@ -585,12 +546,12 @@ def test_an_onset_of_another_presentation_is_ignored(new_session: NewSession) ->
     stale = driver.screen.prompt
     driver.operate("repeat")
     driver.screen.shows = False
-    driver.until(lambda: len(driver.all(PROMPT)) == 2)
+    driver.until(lambda: len(driver.all(t.PROMPT)) == 2)
     assert stale is not None
     driver.screen.show(stale)
     driver.wait(300)
     driver.press(stale.expected)
-    assert driver.all(TRIAL) == []
+    assert driver.all(t.TRIAL) == []
 
 
 @pytest.mark.parametrize(
@@ -604,7 +565,7 @@ def test_case_is_ignored_unless_the_level_asks_for_shift(
     assert prompt.expected.isalpha()
     driver.wait(400)
     driver.press(typed(prompt.expected))
-    assert driver.last(TRIAL).correct is correct
+    assert driver.last(t.TRIAL).correct is correct
 
 
 # --- pauses and commands
@@ -630,7 +591,7 @@ def in_storing(driver: LoopDriver) -> None:
 
 def before_onset(driver: LoopDriver) -> None:
     in_foreperiod(driver)
-    driver.until(lambda: driver.all(PROMPT))
+    driver.until(lambda: driver.all(t.PROMPT))
 
 
 def in_response(driver: LoopDriver) -> None:
@@ -649,24 +610,24 @@ def test_a_trial_voided_by_a_pause_is_repeated_unchanged(
     undisturbed.enter()
     undisturbed.attempt()
     moment(driver)
-    done = len(driver.all(TRIAL))
+    done = len(driver.all(t.TRIAL))
     driver.operate("pause")
     assert (driver.waiting.what, driver.waiting.stage) == ("resume", "paused")
-    voided = driver.last(VOIDED)
+    voided = driver.last(t.VOIDED)
     assert (voided.attempt, voided.trial, voided.reason) == (1, done + 1, "pause")
     driver.wait(60_000)
     driver.press("enter")
     driver.press("f")
     assert driver.waiting.stage == "paused"
-    assert len(driver.all(TRIAL)) == done
+    assert len(driver.all(t.TRIAL)) == done
     driver.screen.stores = True
     if done:
         driver.screen.store(1, done)
     driver.operate("resume")
-    while len(driver.all(TRIAL)) < 3:
+    while len(driver.all(t.TRIAL)) < 3:
         driver.answer()
-    for trial, as_it_was in zip(driver.all(TRIAL), undisturbed.all(TRIAL), strict=True):
-        assert (trial.attempt, trial.trial, trial.stimulus) == (
+    for trial, as_it_was in zip(driver.all(t.TRIAL), undisturbed.all(t.TRIAL), strict=True):
+        assert facts(trial, "attempt trial stimulus") == (
             as_it_was.attempt,
             as_it_was.trial,
             as_it_was.stimulus,
@@ -720,7 +681,7 @@ def test_nothing_times_out_in_a_pause(new_session: NewSession) -> None:
     driver.start()
     driver.operate("pause")
     driver.wait(600_000)
-    assert driver.all(TRIAL) == []
+    assert driver.all(t.TRIAL) == []
     assert driver.waiting.stage == "paused"
 
 
@@ -731,12 +692,8 @@ def test_a_pause_between_attempts_voids_nothing_and_returns_there(new_session: N
     driver.operate("pause")
     assert driver.waiting.stage == "paused"
     driver.operate("resume")
-    assert (driver.waiting.what, driver.waiting.stage, driver.waiting.attempt) == (
-        "enter",
-        "attempt",
-        2,
-    )
-    assert driver.all(VOIDED) == []
+    assert facts(driver.waiting, "what stage attempt") == ("enter", "attempt", 2)
+    assert driver.all(t.VOIDED) == []
 
 
 def test_a_pause_in_the_instructions_returns_to_them(new_session: NewSession) -> None:
@@ -754,16 +711,12 @@ def test_the_reason_of_a_pause_is_reported_and_only_a_command_resumes(
     driver.start()
     driver.operate("pause")
     driver.operate("pause", reason=reason)
-    assert (driver.waiting.what, driver.waiting.stage, driver.waiting.reason) == (
-        "resume",
-        "paused",
-        reason,
-    )
+    assert facts(driver.waiting, "what stage reason") == ("resume", "paused", reason)
     driver.press("enter")
     assert driver.waiting.stage == "paused"
     driver.operate("resume")
     assert (driver.waiting.stage, driver.waiting.reason) == ("trial", "")
-    assert len(driver.all(VOIDED)) == 1
+    assert len(driver.all(t.VOIDED)) == 1
 
 
 @pytest.mark.parametrize(
@@ -775,20 +728,20 @@ def test_an_end_aborts_from_anywhere_and_is_final(
 ) -> None:
     driver = new_session()
     moment(driver)
-    done = len(driver.all(TRIAL))
+    done = len(driver.all(t.TRIAL))
     driver.operate("end")
     if done and not driver.screen.stores:
-        assert driver.all(SESSION_ENDED) == [], "the last trial is not on disk yet"
+        assert driver.all(t.SESSION_ENDED) == [], "the last trial is not on disk yet"
         driver.screen.store(1, done)
-    assert [end.status for end in driver.all(SESSION_ENDED)] == ["aborted"]
+    assert [end.status for end in driver.all(t.SESSION_ENDED)] == ["aborted"]
     assert driver.session.ended
     for act in ("resume", "skip", "repeat", "pause", "end"):
         driver.operate(act)
     driver.wait(60_000)
     assert driver.waiting.what == "nothing"
-    assert len(driver.all(TRIAL)) == done
-    assert len(driver.all(SESSION_ENDED)) == 1
-    assert driver.last(ACTION).kind == "goodbye"
+    assert len(driver.all(t.TRIAL)) == done
+    assert len(driver.all(t.SESSION_ENDED)) == 1
+    assert driver.last(t.ACTION).kind == "goodbye"
 
 
 @pytest.mark.parametrize("moment", IN_A_TRIAL)
@@ -797,10 +750,10 @@ def test_a_skipped_prompt_is_stored_and_the_next_follows(
 ) -> None:
     driver = new_session()
     moment(driver)
-    done = len(driver.all(TRIAL))
+    done = len(driver.all(t.TRIAL))
     driver.screen.stores = True
     driver.operate("skip")
-    skipped = driver.last(TRIAL)
+    skipped = driver.last(t.TRIAL)
     assert (skipped.trial, skipped.correct, skipped.response) == (done + 1, False, None)
     assert skipped.timing.flags == ("skipped",)
     assert driver.answer().trial == done + 2
@@ -811,7 +764,7 @@ def test_a_repeat_shows_the_prompt_again_under_its_number(new_session: NewSessio
     first = driver.start()
     driver.wait(100)
     driver.operate("repeat")
-    assert driver.last(VOIDED).reason == "repeat"
+    assert driver.last(t.VOIDED).reason == "repeat"
     again = driver.to_prompt()
     assert (again.trial, again.stimulus, again.presentation) == (first.trial, first.stimulus, 2)
 
@@ -822,9 +775,9 @@ def test_outside_a_trial_there_is_nothing_to_skip_or_repeat(
 ) -> None:
     driver = new_session()
     driver.enter()
-    said = len(driver.all(WAITING))
+    said = len(driver.all(t.WAITING))
     driver.operate(act)
-    assert (driver.all(TRIAL), driver.all(VOIDED), len(driver.all(WAITING))) == ([], [], said)
+    assert (driver.all(t.TRIAL), driver.all(t.VOIDED), len(driver.all(t.WAITING))) == ([], [], said)
 
 
 def test_a_level_set_between_attempts_applies_to_the_next_at_once(new_session: NewSession) -> None:
@@ -832,13 +785,9 @@ def test_a_level_set_between_attempts_applies_to_the_next_at_once(new_session: N
     driver.enter()
     driver.operate("level", value=5)
     assert driver.waiting.level == 5
-    assert (driver.last(LEVEL).previous, driver.last(LEVEL).level, driver.last(LEVEL).reason) == (
-        1,
-        5,
-        "operator",
-    )
+    assert facts(driver.last(t.LEVEL), "previous level reason") == (1, 5, "operator")
     driver.attempt()
-    assert driver.last(ATTEMPT_ENDED).level == 5
+    assert driver.last(t.ATTEMPT_ENDED).level == 5
     assert driver.waiting.level == 6
 
 
@@ -846,15 +795,15 @@ def test_a_level_set_in_an_attempt_applies_to_the_next(new_session: NewSession) 
     driver = new_session()
     driver.start()
     driver.operate("level", value=7)
-    while not driver.all(ATTEMPT_ENDED):
+    while not driver.all(t.ATTEMPT_ENDED):
         driver.answer()
-    assert {prompt.level for prompt in driver.all(PROMPT)} == {1}
-    assert driver.last(ATTEMPT_ENDED).level == 1
+    assert {prompt.level for prompt in driver.all(t.PROMPT)} == {1}
+    assert driver.last(t.ATTEMPT_ENDED).level == 1
     assert driver.waiting.level == 7
-    assert [(change.level, change.reason) for change in driver.all(LEVEL)] == [(7, "operator")]
+    assert [(change.level, change.reason) for change in driver.all(t.LEVEL)] == [(7, "operator")]
     driver.wait(1000)
     driver.begin_attempt()
-    assert driver.last(PROMPT).level == 7
+    assert driver.last(t.PROMPT).level == 7
 
 
 def test_a_level_set_in_a_pause_of_an_attempt_waits_for_its_end_too(
@@ -875,7 +824,7 @@ def test_a_level_set_stays_within_its_bounds(
     driver = new_session(min_level=2, max_level=6, start_level=3)
     driver.enter()
     driver.operate("level", value=asked)
-    assert driver.last(LEVEL).level == given
+    assert driver.last(t.LEVEL).level == given
 
 
 # --- the disk
@@ -887,10 +836,10 @@ def test_the_next_prompt_waits_until_the_trial_is_stored(new_session: NewSession
     driver.start()
     driver.answer()
     driver.wait(60_000)
-    assert len(driver.all(PROMPT)) == 1
+    assert len(driver.all(t.PROMPT)) == 1
     assert driver.waiting.what == "storage"
     driver.screen.store(1, 1)
-    assert len(driver.all(PROMPT)) == 2
+    assert len(driver.all(t.PROMPT)) == 2
 
 
 def test_an_acknowledgement_of_an_earlier_trial_is_not_enough(new_session: NewSession) -> None:
@@ -902,9 +851,9 @@ def test_an_acknowledgement_of_an_earlier_trial_is_not_enough(new_session: NewSe
     driver.answer()
     driver.wait(60_000)
     driver.screen.store(1, 1)
-    assert len(driver.all(PROMPT)) == 2
+    assert len(driver.all(t.PROMPT)) == 2
     driver.screen.store(1, 2)
-    assert len(driver.all(PROMPT)) == 3
+    assert len(driver.all(t.PROMPT)) == 3
 
 
 def test_a_key_while_the_trial_is_stored_restarts_the_foreperiod(new_session: NewSession) -> None:
@@ -913,9 +862,9 @@ def test_a_key_while_the_trial_is_stored_restarts_the_foreperiod(new_session: Ne
     driver.press("f")
     assert driver.waiting.what == "quiet"
     driver.screen.store(1, 1)
-    assert len(driver.all(PROMPT)) == 1
+    assert len(driver.all(t.PROMPT)) == 1
     driver.to_prompt()
-    assert len(driver.all(PROMPT)) == 2
+    assert len(driver.all(t.PROMPT)) == 2
 
 
 def test_the_first_prompt_of_an_attempt_waits_for_the_last_trial_of_the_one_before(
@@ -930,7 +879,7 @@ def test_the_first_prompt_of_an_attempt_waits_for_the_last_trial_of_the_one_befo
     driver.wait(60_000)
     assert (driver.waiting.what, driver.waiting.attempt) == ("storage", 2)
     driver.screen.store(1, 1)
-    assert driver.last(PROMPT).attempt == 2
+    assert driver.last(t.PROMPT).attempt == 2
 
 
 def test_a_session_is_complete_only_when_its_last_trial_is_stored(new_session: NewSession) -> None:
@@ -942,11 +891,11 @@ def test_a_session_is_complete_only_when_its_last_trial_is_stored(new_session: N
     driver.press("enter")
     driver.wait(60_000)
     assert (driver.waiting.what, driver.waiting.stage) == ("storage", "ended")
-    assert driver.all(SESSION_ENDED) == []
+    assert driver.all(t.SESSION_ENDED) == []
     driver.operate("end")
-    assert driver.all(SESSION_ENDED) == []
+    assert driver.all(t.SESSION_ENDED) == []
     driver.screen.store(1, 1)
-    assert driver.last(SESSION_ENDED).status == "completed"
+    assert driver.last(t.SESSION_ENDED).status == "completed"
 
 
 def test_at_the_end_too_an_acknowledgement_of_an_earlier_trial_is_not_enough(
@@ -960,9 +909,9 @@ def test_at_the_end_too_an_acknowledgement_of_an_earlier_trial_is_not_enough(
     driver.wait(1000)
     driver.press("enter")
     driver.screen.store(1, 1)
-    assert driver.all(SESSION_ENDED) == []
+    assert driver.all(t.SESSION_ENDED) == []
     driver.screen.store(1, 2)
-    assert driver.last(SESSION_ENDED).status == "completed"
+    assert driver.last(t.SESSION_ENDED).status == "completed"
 
 
 @pytest.mark.parametrize("moment", IN_A_TRIAL)
@@ -971,13 +920,9 @@ def test_a_disk_failure_pauses_and_enter_resumes_after_it(
 ) -> None:
     driver = new_session()
     moment(driver)
-    done = len(driver.all(TRIAL))
+    done = len(driver.all(t.TRIAL))
     driver.disk(False)
-    assert (driver.waiting.what, driver.waiting.stage, driver.waiting.reason) == (
-        "resume",
-        "paused",
-        "storage",
-    )
+    assert facts(driver.waiting, "what stage reason") == ("resume", "paused", "storage")
     for act in (
         lambda: driver.press("enter"),
         lambda: driver.operate("resume"),
@@ -987,11 +932,7 @@ def test_a_disk_failure_pauses_and_enter_resumes_after_it(
         assert (driver.waiting.stage, driver.waiting.reason) == ("paused", "storage")
     driver.wait(60_000)
     driver.disk(True)
-    assert (driver.waiting.what, driver.waiting.stage, driver.waiting.reason) == (
-        "enter",
-        "paused",
-        "restored",
-    )
+    assert facts(driver.waiting, "what stage reason") == ("enter", "paused", "restored")
     driver.screen.stores = True
     if done:
         driver.screen.store(1, done)
@@ -1027,8 +968,8 @@ def test_a_trial_is_repeated_if_the_program_was_suspended(new_session: NewSessio
     driver.wait(50)
     driver.clock.set(driver.clock.now() + 8000 * MS)
     driver.wait(0)
-    assert driver.all(TRIAL) == []
-    assert driver.last(VOIDED).reason == "stalled"
+    assert driver.all(t.TRIAL) == []
+    assert driver.last(t.VOIDED).reason == "stalled"
     again = driver.to_prompt()
     assert (again.trial, again.stimulus, again.presentation) == (prompt.trial, prompt.stimulus, 2)
 
@@ -1047,10 +988,10 @@ def test_a_foreperiod_begins_anew_if_the_program_was_suspended_in_it(
 ) -> None:
     driver = new_session()
     suspended_in_foreperiod(driver)
-    assert driver.all(PROMPT) == []
+    assert driver.all(t.PROMPT) == []
     went_on = driver.clock.now()
     timing = driver.answer().timing
-    assert driver.last(SHOWN).at - went_on >= timing.foreperiod_ms * MS
+    assert driver.last(t.SHOWN).at - went_on >= timing.foreperiod_ms * MS
     assert (timing.presentation, timing.false_starts, timing.flags) == (1, 0, ())
 
 
@@ -1061,13 +1002,13 @@ def test_a_trial_is_repeated_if_its_key_waited_while_the_program_was_suspended(
     prompt = driver.start()
     driver.wait(2800)
     driver.press(prompt.expected, stalled=True)
-    assert driver.all(TRIAL) == []
-    assert driver.last(VOIDED).reason == "stalled"
+    assert driver.all(t.TRIAL) == []
+    assert driver.last(t.VOIDED).reason == "stalled"
     again = driver.to_prompt()
     assert (again.trial, again.stimulus, again.presentation) == (prompt.trial, prompt.stimulus, 2)
     driver.wait(300)
     driver.press(again.expected)
-    assert driver.last(TRIAL).reaction_time_ms == 300.0
+    assert driver.last(t.TRIAL).reaction_time_ms == 300.0
 
 
 def test_a_miss_stores_the_delay_of_its_time_out(new_session: NewSession) -> None:
@@ -1076,7 +1017,7 @@ def test_a_miss_stores_the_delay_of_its_time_out(new_session: NewSession) -> Non
     driver.wait(900)
     driver.clock.set(driver.clock.now() + 300 * MS)
     driver.wait(60)
-    timing = driver.last(TRIAL).timing
+    timing = driver.last(t.TRIAL).timing
     assert 150 < timing.loop_lag_ms < 250
 
 
@@ -1119,16 +1060,16 @@ def test_a_result_that_cannot_be_stored_stops_the_session(
     assert len(driver.records) == said, "nothing continues by itself"
     driver.press("enter")
     driver.operate("resume")
-    assert driver.all(TRIAL) == []
+    assert driver.all(t.TRIAL) == []
     assert driver.waiting.stage == "broken"
 
 
 def test_a_working_disk_changes_nothing(new_session: NewSession) -> None:
     driver = new_session()
     driver.start()
-    said = len(driver.all(WAITING))
+    said = len(driver.all(t.WAITING))
     driver.disk(True)
-    assert len(driver.all(WAITING)) == said
+    assert len(driver.all(t.WAITING)) == said
 
 
 # --- tasks of more than one key
@@ -1164,8 +1105,8 @@ def test_a_task_may_judge_all_its_keys_at_the_end(calm: Theme) -> None:
     for _ in range(5):
         driver.wait(200)
         driver.press("space")
-    driver.until(lambda: driver.all(TRIAL))
-    assert (driver.last(TRIAL).value, driver.last(ATTEMPT_ENDED).outcome) == (5.0, "success")
+    driver.until(lambda: driver.all(t.TRIAL))
+    assert (driver.last(t.TRIAL).value, driver.last(t.ATTEMPT_ENDED).outcome) == (5.0, "success")
 
 
 class Counted(Taps):
@@ -1189,15 +1130,15 @@ def test_a_trial_without_a_response_stores_the_same_details_as_others_and_no_emp
 ) -> None:
     driver = LoopDriver(Counted, calm, attempts=2, response_timeout_ms=3000)
     driver.start()
-    driver.until(lambda: driver.all(TRIAL))
-    assert driver.last(TRIAL).response is None
-    assert driver.last(TRIAL).details == {"taps": None, "hand": "left"}
+    driver.until(lambda: driver.all(t.TRIAL))
+    assert driver.last(t.TRIAL).response is None
+    assert driver.last(t.TRIAL).details == {"taps": None, "hand": "left"}
     driver.begin_attempt()
     driver.wait(200)
     driver.press("j")
-    driver.until(lambda: len(driver.all(TRIAL)) == 2)
-    assert driver.last(TRIAL).response == "j"
-    assert driver.last(TRIAL).details == {"taps": 1, "hand": "right"}
+    driver.until(lambda: len(driver.all(t.TRIAL)) == 2)
+    assert driver.last(t.TRIAL).response == "j"
+    assert driver.last(t.TRIAL).details == {"taps": 1, "hand": "right"}
 
 
 def test_repeats_of_a_held_key_are_not_passed_to_the_task(calm: Theme) -> None:
@@ -1207,8 +1148,8 @@ def test_repeats_of_a_held_key_are_not_passed_to_the_task(calm: Theme) -> None:
     driver.start()
     driver.wait(200)
     driver.hold("space", ms=2000)
-    driver.until(lambda: driver.all(TRIAL))
-    assert driver.last(TRIAL).value == 1.0
+    driver.until(lambda: driver.all(t.TRIAL))
+    assert driver.last(t.TRIAL).value == 1.0
     assert "repeat_key" in flags(driver)
 
 
@@ -1247,7 +1188,7 @@ def test_a_text_that_a_task_cannot_give_stops_the_session_instead_of_a_blank_scr
     )
     assert driver.session.broken is not None
     assert driver.session.broken.error == said
-    assert driver.last(WAITING).stage == "broken"
+    assert driver.last(t.WAITING).stage == "broken"
 
 
 class Bounded(Taps):
@@ -1269,7 +1210,7 @@ def test_a_task_with_few_levels_stays_within_them(calm: Theme) -> None:
         driver.wait(300)
         driver.press("space")
         driver.wait(1500)
-    assert [ended.level for ended in driver.all(ATTEMPT_ENDED)] == [1, 2, 2, 2]
+    assert [ended.level for ended in driver.all(t.ATTEMPT_ENDED)] == [1, 2, 2, 2]
 
 
 # --- arbitrary input
@@ -1299,7 +1240,7 @@ def test_any_input_gives_every_trial_once_in_order(
         if act == "answer":
             if driver.screen.onset is not None:
                 driver.wait(what)
-                driver.press(driver.last(PROMPT).expected)
+                driver.press(driver.last(t.PROMPT).expected)
         elif act == "operate":
             driver.operate(what, value=5 if what == "level" else None)
         else:
@@ -1313,12 +1254,9 @@ def test_any_input_gives_every_trial_once_in_order(
         else:
             assert driver.clock.step()
     assert numbers(driver) == [(1, 1), (1, 2), (2, 1), (2, 2)]
-    assert [(ended.attempt, ended.trials) for ended in driver.all(ATTEMPT_ENDED)] == [
-        (1, 2),
-        (2, 2),
-    ]
-    assert driver.last(SESSION_ENDED).status == "completed"
+    assert each(driver.all(t.ATTEMPT_ENDED), "attempt trials") == [(1, 2), (2, 2)]
+    assert driver.last(t.SESSION_ENDED).status == "completed"
     assert driver.session.faults == []
-    for trial in driver.all(TRIAL):
+    for trial in driver.all(t.TRIAL):
         assert trial.value is None or (trial.correct and trial.value >= 100)
         assert trial.reaction_time_ms is None or 0 <= trial.reaction_time_ms <= 5000

@@ -7,21 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.loop.topics import (
-    ACTION,
-    ATTEMPT_ENDED,
-    ATTEMPT_STARTED,
-    COMMAND,
-    DROPPED,
-    FEEDBACK,
-    PROPOSED,
-    SESSION_ENDED,
-    TRIAL,
-    WAITING,
-)
+from sar_tui.loop import topics as t
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS, SECOND
 from sar_tui.plugins import Catalogue
+from tests.facts import each, facts
 from tests.lifting_task import Lift, LiftDriver
 
 NewSession = Callable[..., LiftDriver]
@@ -56,7 +46,7 @@ def feedback_times(driver: LiftDriver) -> list[int]:
     return [
         record.at
         for record in driver.records
-        if record.topic is ACTION and record.message.kind == "feedback"
+        if record.topic is t.ACTION and record.message.kind == "feedback"
     ]
 
 
@@ -66,14 +56,14 @@ def feedback_times(driver: LiftDriver) -> list[int]:
 def test_delayed_feedback_comes_exactly_on_time(new_session: NewSession) -> None:
     driver = new_session(feedback_delay_ms=DELAY_MS)
     lift(driver)
-    ended = driver.last(ATTEMPT_ENDED).ended
+    ended = driver.last(t.ATTEMPT_ENDED).ended
     assert (driver.waiting.what, driver.waiting.stage) == ("answer", "answer")
     driver.wait(DELAY_MS - 1)
     assert (feedback_times(driver), driver.waiting.what) == ([], "answer")
     driver.wait(1)
     assert feedback_times(driver) == [ended + DELAY_MS * MS]
     assert (driver.waiting.what, driver.waiting.stage) == ("enter", "attempt")
-    assert driver.last(FEEDBACK).due == ended + DELAY_MS * MS
+    assert driver.last(t.FEEDBACK).due == ended + DELAY_MS * MS
 
 
 def test_no_attempt_begins_before_the_feedback(new_session: NewSession) -> None:
@@ -82,10 +72,10 @@ def test_no_attempt_begins_before_the_feedback(new_session: NewSession) -> None:
     for _ in range(24):
         driver.press("enter")
         driver.wait(100)
-    assert (len(driver.all(ATTEMPT_STARTED)), feedback_times(driver)) == (1, [])
+    assert (len(driver.all(t.ATTEMPT_STARTED)), feedback_times(driver)) == (1, [])
     driver.wait(200)
     driver.press("enter")
-    assert len(driver.all(ATTEMPT_STARTED)) == 2
+    assert len(driver.all(t.ATTEMPT_STARTED)) == 2
     assert len(feedback_times(driver)) == 1
 
 
@@ -97,7 +87,7 @@ def test_the_review_waits_for_the_last_feedback(new_session: NewSession) -> None
     driver.wait(DELAY_MS)
     assert (len(feedback_times(driver)), driver.waiting.stage) == (1, "review")
     driver.press("enter")
-    assert driver.all(SESSION_ENDED)
+    assert driver.all(t.SESSION_ENDED)
 
 
 def test_without_feedback_there_is_no_wait(new_session: NewSession) -> None:
@@ -109,7 +99,7 @@ def test_without_feedback_there_is_no_wait(new_session: NewSession) -> None:
 def test_a_pause_in_the_delay_does_not_delay_the_feedback(new_session: NewSession) -> None:
     driver = new_session(feedback_delay_ms=DELAY_MS)
     lift(driver)
-    ended = driver.last(ATTEMPT_ENDED).ended
+    ended = driver.last(t.ATTEMPT_ENDED).ended
     driver.wait(500)
     driver.operate("pause")
     driver.wait(1000)
@@ -139,10 +129,10 @@ def test_a_session_ended_in_the_delay_gives_no_feedback_after_the_goodbye(
     driver.wait(500)
     driver.operate("end")
     driver.wait(10_000)
-    said = [action.kind for action in driver.all(ACTION)]
+    said = [action.kind for action in driver.all(t.ACTION)]
     assert said[-1] == "goodbye"
     assert "feedback" not in said
-    assert [dropped.reason for dropped in driver.all(DROPPED)] == ["late"]
+    assert [dropped.reason for dropped in driver.all(t.DROPPED)] == ["late"]
 
 
 @pytest.mark.parametrize("starts_at", [10 * SECOND, 0, 10**15])
@@ -160,20 +150,16 @@ def test_a_session_cut_off_in_the_delay_does_not_wait_for_feedback(
     resumed.session.begin(2)
     assert (resumed.waiting.what, resumed.waiting.reason) == ("enter", "interrupted")
     resumed.press("enter")
-    assert (resumed.waiting.what, resumed.waiting.stage, resumed.waiting.attempt) == (
-        "enter",
-        "attempt",
-        2,
-    )
+    assert facts(resumed.waiting, "what stage attempt") == ("enter", "attempt", 2)
     resumed.wait(300)
     resumed.press("enter")
     resumed.wait(0)
     lift(resumed)
-    assert resumed.last(TRIAL).attempt == 2
+    assert resumed.last(t.TRIAL).attempt == 2
     resumed.wait(DELAY_MS)
-    assert feedback_times(resumed) == [resumed.last(ATTEMPT_ENDED).ended + DELAY_MS * MS]
-    late = [proposal.id for proposal in driver.all(PROPOSED) if proposal.kind == "feedback"]
-    assert [dropped.id for dropped in resumed.all(DROPPED) if dropped.reason == "late"] == late
+    assert feedback_times(resumed) == [resumed.last(t.ATTEMPT_ENDED).ended + DELAY_MS * MS]
+    late = [proposal.id for proposal in driver.all(t.PROPOSED) if proposal.kind == "feedback"]
+    assert [dropped.id for dropped in resumed.all(t.DROPPED) if dropped.reason == "late"] == late
 
 
 def test_an_attempt_amended_in_the_delay_gets_the_amended_feedback_once(
@@ -185,11 +171,11 @@ def test_an_attempt_amended_in_the_delay_gets_the_amended_feedback_once(
     assert driver.waiting.what == "answer"
     driver.wait(10_000)
     assert len(feedback_times(driver)) == 1
-    assert [ended.outcome for ended in driver.all(ATTEMPT_ENDED)] == ["success", "failure"]
-    assert [ended.feedback for ended in driver.all(ATTEMPT_ENDED)] == ["positive", "negative"]
-    (feedback,) = [action for action in driver.all(ACTION) if action.kind == "feedback"]
+    assert [ended.outcome for ended in driver.all(t.ATTEMPT_ENDED)] == ["success", "failure"]
+    assert [ended.feedback for ended in driver.all(t.ATTEMPT_ENDED)] == ["positive", "negative"]
+    (feedback,) = [action for action in driver.all(t.ACTION) if action.kind == "feedback"]
     assert feedback.valence == "negative"
-    assert [dropped.reason for dropped in driver.all(DROPPED)].count("amended") == 1
+    assert [dropped.reason for dropped in driver.all(t.DROPPED)].count("amended") == 1
 
 
 @given(st.lists(st.integers(0, 1500), max_size=6), st.integers(0, 6000))
@@ -205,8 +191,8 @@ def test_with_any_pauses_feedback_comes_once_and_on_time(waits: list[int], delay
     driver.wait(10_000)
     driver.press("enter")
     (given,) = feedback_times(driver)
-    assert given >= driver.all(ATTEMPT_ENDED)[0].ended + delay_ms * MS
-    began = [record.at for record in driver.records if record.topic is ATTEMPT_STARTED]
+    assert given >= driver.all(t.ATTEMPT_ENDED)[0].ended + delay_ms * MS
+    began = [record.at for record in driver.records if record.topic is t.ATTEMPT_STARTED]
     assert len(began) == 2
     assert began[1] >= given
 
@@ -216,32 +202,28 @@ def test_with_any_pauses_feedback_comes_once_and_on_time(waits: list[int], delay
 
 def requests(driver: LiftDriver) -> list[str]:
     """Return the keys that request feedback, ``""`` if there is none, of all waits."""
-    return [waiting.ask for waiting in driver.all(WAITING)]
+    return [waiting.ask for waiting in driver.all(t.WAITING)]
 
 
 def test_feedback_on_request_is_given_once_when_requested(new_session: NewSession) -> None:
     driver = new_session(feedback_schedule="request", feedback_delay_ms=DELAY_MS)
     assert set(requests(driver)) == {""}
     lift(driver)
-    assert (driver.waiting.what, driver.waiting.stage, driver.waiting.ask) == (
-        "enter",
-        "attempt",
-        "tab",
-    )
-    assert driver.last(ATTEMPT_ENDED).feedback == "none"
+    assert facts(driver.waiting, "what stage ask") == ("enter", "attempt", "tab")
+    assert driver.last(t.ATTEMPT_ENDED).feedback == "none"
     driver.wait(7000)
     assert feedback_times(driver) == []
     driver.press("tab")
     requested = driver.clock.now()
     assert feedback_times(driver) == [requested], "requested feedback comes at once"
-    assert (driver.last(ATTEMPT_ENDED).feedback, driver.last(FEEDBACK).valence) == (
+    assert (driver.last(t.ATTEMPT_ENDED).feedback, driver.last(t.FEEDBACK).valence) == (
         "positive",
         "positive",
     )
     assert driver.waiting.ask == ""
-    before, after = (ended.choice for ended in driver.all(ATTEMPT_ENDED))
+    before, after = (ended.choice for ended in driver.all(t.ATTEMPT_ENDED))
     assert before is not None
-    assert after == driver.last(FEEDBACK).choice
+    assert after == driver.last(t.FEEDBACK).choice
     assert (before.due, after.due, after.why) == (False, True, "The participant asked for it.")
     driver.press("tab")
     assert len(feedback_times(driver)) == 1
@@ -256,7 +238,7 @@ def test_feedback_can_be_requested_until_the_next_attempt_begins(new_session: Ne
     lift(driver)
     assert (feedback_times(driver), driver.waiting.ask) == ([], "tab")
     driver.press("tab")
-    assert [feedback.attempt for feedback in driver.all(FEEDBACK)] == [2]
+    assert [feedback.attempt for feedback in driver.all(t.FEEDBACK)] == [2]
 
 
 def test_feedback_on_the_last_attempt_can_be_requested(new_session: NewSession) -> None:
@@ -283,12 +265,12 @@ def test_requested_feedback_is_kept_when_the_attempt_is_amended(new_session: New
     lift(driver)
     driver.press("tab")
     driver.operate("mark", reason="caught")
-    assert [(ended.feedback, ended.outcome) for ended in driver.all(ATTEMPT_ENDED)] == [
+    assert each(driver.all(t.ATTEMPT_ENDED), "feedback outcome") == [
         ("none", "success"),
         ("positive", "success"),
         ("positive", "failure"),
     ]
-    requested, amended = (ended.choice for ended in driver.all(ATTEMPT_ENDED)[1:])
+    requested, amended = (ended.choice for ended in driver.all(t.ATTEMPT_ENDED)[1:])
     assert requested == amended
     driver.press("tab")
     assert len(feedback_times(driver)) == 1
@@ -300,7 +282,7 @@ def test_a_request_after_an_amendment_gives_the_amended_feedback(new_session: Ne
     driver.operate("mark", reason="caught")
     assert driver.waiting.ask == "tab"
     driver.press("tab")
-    assert driver.last(FEEDBACK).valence == driver.last(ATTEMPT_ENDED).feedback == "negative"
+    assert driver.last(t.FEEDBACK).valence == driver.last(t.ATTEMPT_ENDED).feedback == "negative"
 
 
 def test_feedback_can_be_requested_after_a_resume(new_session: NewSession, calm: Theme) -> None:
@@ -323,4 +305,4 @@ def test_a_request_in_a_pause_is_ignored(new_session: NewSession) -> None:
     assert feedback_times(driver) == []
     driver.operate("resume")
     assert driver.waiting.ask == "tab"
-    assert len(driver.all(COMMAND)) == 2
+    assert len(driver.all(t.COMMAND)) == 2

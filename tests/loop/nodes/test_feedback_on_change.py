@@ -232,9 +232,7 @@ def test_a_reported_change_of_a_quality_stands_beside_its_mdc95() -> None:
 
 
 @pytest.mark.parametrize(
-    "told",
-    [Agent(Lift, VOICE, "qualitative"), agent("goal")],
-    ids=["in words", "from the goal"],
+    "told", [Agent(Lift, VOICE, "qualitative"), agent("goal")], ids=["in words", "from the goal"]
 )
 def test_without_a_judged_change_in_the_text_there_is_no_evidence(told: Agent) -> None:
     for metric in (900, 900, 900, 900, 900, 500):

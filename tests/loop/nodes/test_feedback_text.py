@@ -15,6 +15,7 @@ from sar_tui.model.trial_types import Metric
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.parameters import TaskParameters, build
 from sar_tui.rules.real_change import Change
+from tests.facts import each
 from tests.lifting_task import Lift
 from tests.loop.nodes.agent_driver import Agent, Spelled, spelled, spelling
 
@@ -94,11 +95,7 @@ def test_qualitative_feedback_has_no_number_and_quantitative_always_one(
 @example([lift(sway=0.0), lift(sway=40.0)], "last attempt", "both").via(
     "no previous value to compute a percentage from"
 )
-@given(
-    SESSIONS,
-    st.sampled_from(REFERENCES),
-    st.sampled_from(CONTENTS),
-)
+@given(SESSIONS, st.sampled_from(REFERENCES), st.sampled_from(CONTENTS))
 def test_the_form_both_gives_words_then_figures(
     attempts: list[dict[str, Any]], reference: str, about: str
 ) -> None:
@@ -106,7 +103,7 @@ def test_the_form_both_gives_words_then_figures(
     agents = {form: Agent(Lift, theme, form, about=about, **compared) for form in FORMS}
     for attempt in attempts:
         said = {
-            form: [part.situation for part in spelled(agent.feedback_on(**attempt))]
+            form: each(spelled(agent.feedback_on(**attempt)), "situation")
             for form, agent in agents.items()
         }
         assert set(said["qualitative"]) <= set(QUALITATIVE)
@@ -363,10 +360,7 @@ def test_the_parameters_decide_the_form(keyboard: type[Task]) -> None:
 def test_text_that_a_task_adds_holds_no_number(name: str, language: str) -> None:
     kind = CATALOGUE.task(name)
     task = kind(build(kind.Parameters, {"language": language}))
-    changes = [quality.improved for quality in task.qualities] + [
-        task.metric.improved,
-        task.metric.worsened,
-    ]
+    changes = [*each(task.qualities, "improved"), task.metric.improved, task.metric.worsened]
     added = [
         *changes,
         *(quality.aim for quality in task.qualities),

@@ -16,6 +16,7 @@ from sar_tui.model.theme import Theme
 from sar_tui.model.trial_types import Frame, Metric, Result, Stimulus, Trial
 from sar_tui.model.units import MS
 from sar_tui.store.messages import encoder
+from tests.facts import each
 from tests.loop_driver import LoopDriver
 
 PARAMETERS: dict[str, Any] = {"attempts": 2, "response_timeout_ms": 900}
@@ -110,9 +111,7 @@ def test_it_counts_from_the_first_frame_if_none_is_marked(calm: Theme) -> None:
         1,
     )
     driver.wait(2000)
-    assert [due.trial for due in driver.all(FRAME)] == [2], (
-        "the rest of the first prompt was never shown"
-    )
+    assert each(driver.all(FRAME), "trial") == [2], "the rest of the first prompt was never shown"
 
 
 def test_a_key_before_the_awaited_frame_is_flagged_and_no_response(calm: Theme) -> None:

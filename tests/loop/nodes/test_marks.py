@@ -9,6 +9,7 @@ from sar_tui.loop.marks import TrialMark
 from sar_tui.loop.session import Session
 from sar_tui.loop.topics import ACTION, ATTEMPT_ENDED, FEEDBACK, LEVEL, MARKED, TRIAL
 from sar_tui.model.theme import Theme
+from tests.facts import facts
 from tests.lifting_task import Lift, LiftDriver
 from tests.loop_driver import LoopDriver
 
@@ -47,10 +48,7 @@ def test_the_last_trials_mark_is_known_in_the_next_trial_and_after_a_resume(
         done=(1, 1), open=(1, 2), marks={(1, 1): "caught", (1, 2): ""}
     )
     resumed = LiftDriver(Lift, calm, attempts=3, start_level=3, history=driver.records)
-    assert (resumed.session.trial_mark.trial, resumed.session.trial_mark.present) == (
-        (1, 1),
-        "caught",
-    )
+    assert facts(resumed.session.trial_mark, "trial present") == ((1, 1), "caught")
 
 
 # --- the open trial
@@ -173,20 +171,10 @@ def test_a_mark_after_an_attempt_corrects_its_score_and_the_level(new_session: N
     mark(driver, "caught")
     assert marked(driver) == [(1, 2, "caught", False)]
     again = driver.last(ATTEMPT_ENDED)
-    assert (again.attempt, again.level, again.metric, again.correct, again.outcome) == (
-        1,
-        3,
-        400.0,
-        1,
-        "failure",
-    )
+    assert facts(again, "attempt level metric correct outcome") == (1, 3, 400.0, 1, "failure")
     assert (again.started, again.ended, again.goal) == (before.started, before.ended, before.goal)
     assert again.feedback == "positive", "the feedback that was given stands"
-    assert (driver.last(LEVEL).previous, driver.last(LEVEL).level, driver.last(LEVEL).reason) == (
-        4,
-        2,
-        "mark",
-    )
+    assert facts(driver.last(LEVEL), "previous level reason") == (4, 2, "mark")
     assert (driver.waiting.stage, driver.waiting.attempt, driver.waiting.level) == ("attempt", 2, 2)
     assert driver.waiting.goal == "Your goal: less than 1.1 seconds, with at least 80% right."
     assert len(driver.all(ACTION)) == said, "no further feedback is given"
@@ -223,12 +211,7 @@ def test_the_last_trial_of_the_last_attempt_can_be_marked(new_session: NewSessio
     mark(driver, "caught")
     assert marked(driver) == [(1, 2, "caught", False)]
     again = driver.last(ATTEMPT_ENDED)
-    assert (again.metric, again.correct, again.outcome, again.feedback) == (
-        400.0,
-        1,
-        "failure",
-        "positive",
-    )
+    assert facts(again, "metric correct outcome feedback") == (400.0, 1, "failure", "positive")
     assert driver.waiting.stage == "review"
     mark(driver, "leaned")
     assert driver.last(ATTEMPT_ENDED) == driver.all(ATTEMPT_ENDED)[0]

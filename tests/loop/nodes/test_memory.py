@@ -10,6 +10,7 @@ from sar_tui.loop.node import Node, on
 from sar_tui.loop.nodes.memory import Memory
 from sar_tui.loop.topics import ATTEMPT_ENDED, RECALL, SESSION
 from sar_tui.model.messages import AttemptEnded, Message, Recall, RecalledAttempts, SessionStarted
+from tests.facts import each
 
 
 class Done(Message, frozen=True, kw_only=True):
@@ -93,10 +94,7 @@ def test_an_attempt_scored_again_keeps_its_place(bus: Bus) -> None:
     end(bus, 1, metric=600.0)
     end(bus, 2)
     end(bus, 1, metric=900.0)
-    assert [(attempt.attempt, attempt.metric) for attempt in recall(bus).attempts] == [
-        (1, 900.0),
-        (2, 600.0),
-    ]
+    assert each(recall(bus).attempts, "attempt metric") == [(1, 900.0), (2, 600.0)]
 
 
 def test_each_seat_has_its_own_attempts(bus: Bus) -> None:

@@ -5,29 +5,14 @@ from typing import Any
 import msgspec
 import pytest
 
+from sar_tui.loop import topics as t
 from sar_tui.loop.task import Task
-from sar_tui.loop.topics import (
-    ACTING,
-    ACTION,
-    ARBITER_STATE,
-    ATTEMPT_ENDED,
-    COMMAND,
-    DECISION,
-    DROPPED,
-    LEVEL,
-    LEVEL_DECIDED,
-    MODE,
-    PENDING_APPROVAL,
-    PRESENCE,
-    REMARK,
-    SESSION_ENDED,
-    WAITING,
-)
 from sar_tui.model import messages as m
 from sar_tui.model.theme import Theme
 from sar_tui.model.trial_types import Result, Trial
 from sar_tui.outputs.node import OutputNode
 from sar_tui.plugins import Catalogue
+from tests.facts import each, facts
 from tests.lifting_task import Lift, LiftDriver
 from tests.loop_driver import LoopDriver
 from tests.outputs.fake_outputs import Speaker
@@ -44,7 +29,7 @@ def operated(theme: Theme, **settings: Any) -> LoopDriver:
         **{"encouragement": False, **settings},
     )
     driver.session.bus.publish(
-        PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True)
+        t.PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True)
     )
     driver.enter()
     driver.attempt()
@@ -55,18 +40,18 @@ def decide(driver: LoopDriver, action: str, verdict: Any, **how: Any) -> None:
     decision = m.Decision(
         action=action, verdict=verdict, actor="operator.ana", at=driver.clock.now(), **how
     )
-    driver.session.bus.publish(DECISION, decision)
+    driver.session.bus.publish(t.DECISION, decision)
 
 
 def feedback(driver: LoopDriver) -> list[m.Action]:
-    return [action for action in driver.all(ACTION) if action.kind == "feedback"]
+    return [action for action in driver.all(t.ACTION) if action.kind == "feedback"]
 
 
 def pending_feedback(driver: LoopDriver) -> str:
     """Return the id of the pending feedback."""
     return [
         pending.proposal.id
-        for pending in driver.all(PENDING_APPROVAL)
+        for pending in driver.all(t.PENDING_APPROVAL)
         if pending.proposal.kind == "feedback"
     ][-1]
 
@@ -77,11 +62,7 @@ def test_no_attempt_begins_while_feedback_is_decided_on(calm: Theme) -> None:
     driver.press("enter")
     assert driver.waiting.stage == "answer"
     decide(driver, pending_feedback(driver), "accept")
-    assert (driver.waiting.what, driver.waiting.stage, driver.waiting.attempt) == (
-        "enter",
-        "attempt",
-        2,
-    )
+    assert facts(driver.waiting, "what stage attempt") == ("enter", "attempt", 2)
     assert len(feedback(driver)) == 1
 
 
@@ -98,9 +79,7 @@ def test_manual_feedback_is_not_waited_for(calm: Theme) -> None:
     driver = operated(calm, operator_feedback="manual")
     assert driver.waiting.stage == "attempt"
     driver.press("enter")
-    assert [(dropped.reason, dropped.actor) for dropped in driver.all(DROPPED)] == [
-        ("manual", "agent")
-    ]
+    assert each(driver.all(t.DROPPED), "reason actor") == [("manual", "agent")]
     driver.to_prompt()
     assert feedback(driver) == []
 
@@ -109,16 +88,16 @@ def test_a_remark_during_the_delay_does_not_change_the_wait(calm: Theme) -> None
     driver = operated(
         calm, extra=[OutputNode(Speaker(1000), "speech", calm)], feedback_delay_ms=5000
     )
-    known = len(driver.all(WAITING))
-    driver.session.bus.publish(REMARK, m.Remark(text="Take your time.", actor="operator.ana"))
+    known = len(driver.all(t.WAITING))
+    driver.session.bus.publish(t.REMARK, m.Remark(text="Take your time.", actor="operator.ana"))
     driver.wait(3000)
-    assert [(one.acting, one.awaits_operator) for one in driver.all(ACTING)[-2:]] == [
+    assert each(driver.all(t.ACTING)[-2:], "acting awaits_operator") == [
         (True, False),
         (False, False),
     ]
-    assert len(driver.all(WAITING)) == known
+    assert len(driver.all(t.WAITING)) == known
     driver.wait(10_000)
-    assert [waiting.stage for waiting in driver.all(WAITING)[known:]] == ["attempt"]
+    assert [waiting.stage for waiting in driver.all(t.WAITING)[known:]] == ["attempt"]
 
 
 def test_after_a_pause_the_wait_for_a_decision_continues(calm: Theme) -> None:
@@ -162,9 +141,7 @@ def test_an_operator_of_an_earlier_run_decides_nothing_in_the_next(calm: Theme) 
     )
     driver.enter()
     driver.attempt()
-    assert [(action.actor, action.ground) for action in feedback(driver)] == [
-        ("agent", "no operator")
-    ]
+    assert each(feedback(driver), "actor ground") == [("agent", "no operator")]
 
 
 # --- the level
@@ -173,11 +150,9 @@ def test_an_operator_of_an_earlier_run_decides_nothing_in_the_next(calm: Theme) 
 def test_the_level_rises_when_the_operator_accepts(calm: Theme) -> None:
     driver = operated(calm, operator_difficulty="approve", operator_time_ms=60_000)
     assert driver.waiting.stage == "answer"
-    assert driver.all(LEVEL) == []
+    assert driver.all(t.LEVEL) == []
     decide(driver, "l1", "accept")
-    assert [(change.previous, change.level, change.reason) for change in driver.all(LEVEL)] == [
-        (1, 2, "success")
-    ]
+    assert each(driver.all(t.LEVEL), "previous level reason") == [(1, 2, "success")]
     assert (driver.waiting.stage, driver.waiting.level) == ("attempt", 2)
 
 
@@ -188,7 +163,7 @@ def test_an_operator_can_edit_the_level(calm: Theme, how: dict[str, Any], level:
     driver = operated(calm, operator_difficulty="approve", operator_time_ms=60_000)
     decide(driver, "l1", **how)
     assert driver.waiting.level == level
-    assert [change.reason for change in driver.all(LEVEL)] == ["operator"] * (level != 1)
+    assert [change.reason for change in driver.all(t.LEVEL)] == ["operator"] * (level != 1)
     driver.press("enter")
     assert driver.to_prompt().level == level
 
@@ -205,7 +180,7 @@ def test_after_the_last_attempt_no_level_is_proposed(calm: Theme) -> None:
     driver = lifted(calm, attempts=1, operator_difficulty="approve", operator_time_ms=60_000)
     assert driver.waiting.stage == "review"
     assert pending_ids(driver) == []
-    assert driver.all(LEVEL) == []
+    assert driver.all(t.LEVEL) == []
 
 
 def test_a_level_that_was_refused_can_be_proposed_again(calm: Theme) -> None:
@@ -231,7 +206,7 @@ def test_no_level_changes_once_the_session_is_being_ended(calm: Theme) -> None:
         operator_difficulty="approve",
     )
     driver.session.bus.publish(
-        PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True)
+        t.PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True)
     )
     driver.start()
     driver.answer()
@@ -241,8 +216,8 @@ def test_no_level_changes_once_the_session_is_being_ended(calm: Theme) -> None:
     driver.operate("end")
     assert (driver.waiting.what, driver.waiting.stage) == ("storage", "ended")
     decide(driver, "l1", "accept")
-    assert [decided.decision for decided in driver.all(LEVEL_DECIDED)] == ["accepted"]
-    assert driver.all(LEVEL) == []
+    assert [decided.decision for decided in driver.all(t.LEVEL_DECIDED)] == ["accepted"]
+    assert driver.all(t.LEVEL) == []
 
 
 def test_a_level_held_by_hand_stays(calm: Theme) -> None:
@@ -255,7 +230,7 @@ def test_a_level_held_by_hand_stays(calm: Theme) -> None:
 def test_a_level_set_by_hand_overrides_a_pending_one(calm: Theme) -> None:
     driver = operated(calm, operator_difficulty="veto", operator_time_ms=5000)
     driver.session.bus.publish(
-        COMMAND, m.SessionCommand(command="level", value=4, actor="operator.ana")
+        t.COMMAND, m.SessionCommand(command="level", value=4, actor="operator.ana")
     )
     driver.wait(10_000)
     assert driver.waiting.level == 4
@@ -264,18 +239,18 @@ def test_a_level_set_by_hand_overrides_a_pending_one(calm: Theme) -> None:
 def test_a_mark_withdraws_a_pending_level_that_no_longer_follows(calm: Theme) -> None:
     driver = LiftDriver(Lift, calm, operator_difficulty="approve", operator_time_ms=60_000)
     driver.session.bus.publish(
-        PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True)
+        t.PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True)
     )
     driver.begin_lifts()
     driver.lift()
     driver.lift()
-    assert [pending.proposal.id for pending in driver.last(ARBITER_STATE).pending] == ["l1"]
+    assert [pending.proposal.id for pending in driver.last(t.ARBITER_STATE).pending] == ["l1"]
     driver.operate("mark", reason="caught")
-    assert driver.last(ARBITER_STATE).pending == ()
+    assert driver.last(t.ARBITER_STATE).pending == ()
     decide(driver, "l1", "accept")
     assert (driver.waiting.stage, driver.waiting.level) == ("attempt", 1)
     driver.operate("mark", reason="caught")
-    assert [pending.proposal.id for pending in driver.last(ARBITER_STATE).pending] == ["l2"], (
+    assert each(driver.last(t.ARBITER_STATE).pending, "proposal.id") == ["l2"], (
         "the mark was removed"
     )
     decide(driver, "l2", "accept")
@@ -301,9 +276,7 @@ def test_a_pending_level_is_decided_without_an_operator_after_a_resume(
     )
     driver.press("enter")
     assert (driver.waiting.stage, driver.waiting.level) == ("attempt", level)
-    assert [
-        (decided.id, decided.actor, decided.ground) for decided in driver.all(LEVEL_DECIDED)
-    ] == [("l1", "agent", "no operator")]
+    assert each(driver.all(t.LEVEL_DECIDED), "id actor ground") == [("l1", "agent", "no operator")]
 
 
 def lifted(calm: Theme, task: type[Task] = Lift, **settings: Any) -> LiftDriver:
@@ -312,7 +285,7 @@ def lifted(calm: Theme, task: type[Task] = Lift, **settings: Any) -> LiftDriver:
         task, calm, **{"attempts": 3, "filler": "never", "encouragement": False, **settings}
     )
     driver.session.bus.publish(
-        PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True)
+        t.PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True)
     )
     driver.begin_lifts()
     driver.lift()
@@ -321,7 +294,7 @@ def lifted(calm: Theme, task: type[Task] = Lift, **settings: Any) -> LiftDriver:
 
 
 def pending_ids(driver: LoopDriver) -> list[str]:
-    return [pending.proposal.id for pending in driver.last(ARBITER_STATE).pending]
+    return [pending.proposal.id for pending in driver.last(t.ARBITER_STATE).pending]
 
 
 @pytest.mark.parametrize("attempts", [2, 3])
@@ -332,7 +305,7 @@ def test_a_level_that_follows_from_a_mark_is_pending_before_the_last_attempt_too
     decide(driver, "l1", "veto")
     driver.operate("mark", reason="caught")
     driver.operate("mark", reason="caught")
-    assert driver.all(LEVEL) == []
+    assert driver.all(t.LEVEL) == []
     assert pending_ids(driver) == ["l2"]
 
 
@@ -356,7 +329,7 @@ def test_a_mark_that_changes_no_outcome_keeps_the_operators_level(
     assert driver.waiting.level == level
     driver.lift()
     driver.lift()
-    assert [pending.level for pending in driver.last(ARBITER_STATE).pending] == [level + 1], (
+    assert each(driver.last(t.ARBITER_STATE).pending, "level") == [level + 1], (
         "the next step is from there"
     )
 
@@ -377,7 +350,7 @@ def test_a_mark_withdraws_a_pending_level_regardless_of_the_previous_outcome(cal
         operator_time_ms=60_000,
     )
     driver.session.bus.publish(
-        PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True)
+        t.PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True)
     )
     driver.begin_lifts()
     driver.lift(3000)
@@ -386,7 +359,7 @@ def test_a_mark_withdraws_a_pending_level_regardless_of_the_previous_outcome(cal
     driver.wait(300)
     driver.lift()
     driver.lift()
-    assert [one.outcome for one in driver.all(ATTEMPT_ENDED)] == ["failure", "success"]
+    assert [one.outcome for one in driver.all(t.ATTEMPT_ENDED)] == ["failure", "success"]
     assert pending_ids(driver) == ["l1"]
     driver.operate("mark", reason="caught")
     assert pending_ids(driver) == []
@@ -398,7 +371,7 @@ def test_pending_feedback_is_replaced_when_the_attempt_is_scored_again(calm: The
     assert driver.waiting.stage == "answer"
     decide(driver, pending_feedback(driver), "accept")
     assert [action.valence for action in feedback(driver)] == ["negative"]
-    assert driver.last(ATTEMPT_ENDED).feedback == "negative"
+    assert driver.last(t.ATTEMPT_ENDED).feedback == "negative"
 
 
 def test_given_feedback_is_not_repeated_while_the_level_is_pending(calm: Theme) -> None:
@@ -433,24 +406,22 @@ class UnevenCouple(Couple):
 def test_with_two_seats_the_session_waits_for_the_only_feedback(calm: Theme) -> None:
     bandwidth = {"feedback_schedule": "bandwidth", "feedback_tolerance": 70.0}
     driver = lifted(calm, UnevenCouple, feedback_delay_ms=5000, **bandwidth)
-    assert [one.feedback for one in driver.all(ATTEMPT_ENDED)] == ["none", "negative"]
+    assert [one.feedback for one in driver.all(t.ATTEMPT_ENDED)] == ["none", "negative"]
     assert driver.waiting.stage == "answer"
     driver.wait(5000)
     assert driver.waiting.stage == "attempt"
-    assert [(action.seat, action.joins, action.policy) for action in feedback(driver)] == [
-        ("B", False, "interrupt")
-    ]
+    assert each(feedback(driver), "seat joins policy") == [("B", False, "interrupt")]
 
 
 def test_with_two_seats_feedback_is_given_in_turn_with_gaze_to_each(calm: Theme) -> None:
     driver = lifted(calm, Couple)
-    assert [
-        (action.seat, action.joins, action.policy, action.gaze) for action in feedback(driver)
-    ] == [
+    assert each(feedback(driver), "seat joins policy gaze") == [
         ("A", False, "interrupt", "left"),
         ("B", True, "queue", "right"),
     ]
-    assert [action.gaze for action in driver.all(ACTION) if action.kind == "greeting"] == ["ahead"]
+    assert [action.gaze for action in driver.all(t.ACTION) if action.kind == "greeting"] == [
+        "ahead"
+    ]
 
 
 TWO_UNDECIDED = {"operator_feedback": "approve", "operator_time_ms": 60_000, "filler": "operator"}
@@ -461,7 +432,7 @@ def undecided_couple(calm: Theme) -> LiftDriver:
     driver = LiftDriver(Couple, calm, begin=False, attempts=3, encouragement=False, **TWO_UNDECIDED)
     driver.session.begin()
     driver.session.bus.publish(
-        PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True)
+        t.PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True)
     )
     driver.begin_lifts()
     driver.lift()
@@ -475,21 +446,19 @@ def test_with_two_seats_the_feedback_that_is_decided_on_second_joins_the_first(
 ) -> None:
     driver = undecided_couple(calm)
     waits = {
-        pending.proposal.seat: pending.proposal.id for pending in driver.last(ARBITER_STATE).pending
+        pending.proposal.seat: pending.proposal.id
+        for pending in driver.last(t.ARBITER_STATE).pending
     }
     for seat in order:
         decide(driver, waits[seat], "accept")
-    assert [(action.seat, action.joins) for action in feedback(driver)] == [
-        (order[0], False),
-        (order[1], True),
-    ]
+    assert each(feedback(driver), "seat joins") == [(order[0], False), (order[1], True)]
 
 
 def test_with_two_seats_no_filler_replaces_the_feedback_that_was_given_first(calm: Theme) -> None:
     driver = undecided_couple(calm)
     decide(driver, pending_feedback(driver), "accept")
     driver.wait(5000)
-    assert [action.kind for action in driver.all(ACTION)][-1] == "feedback"
+    assert [action.kind for action in driver.all(t.ACTION)][-1] == "feedback"
     assert driver.waiting.stage == "answer"
 
 
@@ -500,7 +469,7 @@ def test_with_two_seats_a_level_stays_pending_if_a_mark_changes_one_outcome_only
         calm, UnevenCouple, start_level=3, operator_difficulty="approve", operator_time_ms=60_000
     )
     driver.operate("mark", reason="caught")
-    assert {one.outcome for one in driver.all(ATTEMPT_ENDED)[-2:]} == {"failure"}
+    assert {one.outcome for one in driver.all(t.ATTEMPT_ENDED)[-2:]} == {"failure"}
     assert pending_ids(driver) == ["l1"]
     decide(driver, "l1", "accept")
     assert driver.waiting.level == 2
@@ -514,7 +483,7 @@ def test_with_two_seats_a_mark_that_changes_the_shared_outcome_proposes_one_leve
     )
     levels = []
     for _ in range(3):
-        (pending,) = driver.last(ARBITER_STATE).pending
+        (pending,) = driver.last(t.ARBITER_STATE).pending
         levels.append((pending.proposal.id, pending.level))
         driver.operate("mark", reason="caught")
     assert levels == [("l1", 4), ("l2", 2), ("l3", 4)]
@@ -524,25 +493,22 @@ def test_with_two_seats_only_unsaid_feedback_is_replaced(calm: Theme) -> None:
     driver = lifted(calm, Couple, operator_feedback="approve", operator_time_ms=60_000)
     decide(driver, pending_ids(driver)[0], "accept")
     driver.operate("mark", reason="caught")
-    assert [
-        (pending.seat, pending.proposal.valence) for pending in driver.last(ARBITER_STATE).pending
-    ] == [("B", "negative")]
-    assert {one.seat: one.feedback for one in driver.all(ATTEMPT_ENDED)} == {
+    assert each(driver.last(t.ARBITER_STATE).pending, "seat proposal.valence") == [
+        ("B", "negative")
+    ]
+    assert {one.seat: one.feedback for one in driver.all(t.ATTEMPT_ENDED)} == {
         "A": "positive",
         "B": "negative",
     }
     decide(driver, pending_ids(driver)[0], "accept")
-    assert [(action.seat, action.valence) for action in feedback(driver)] == [
-        ("A", "positive"),
-        ("B", "negative"),
-    ]
+    assert each(feedback(driver), "seat valence") == [("A", "positive"), ("B", "negative")]
 
 
 def test_feedback_that_becomes_pending_in_a_pause_is_waited_for_after_it(calm: Theme) -> None:
     driver = operated(calm, operator_feedback="manual")
     driver.operate("pause")
     driver.session.bus.publish(
-        MODE, m.ModeChanged(kind="feedback", mode="approve", actor="operator.ana")
+        t.MODE, m.ModeChanged(kind="feedback", mode="approve", actor="operator.ana")
     )
     driver.operate("resume")
     assert driver.waiting.stage == "answer"
@@ -573,7 +539,7 @@ def hurried(calm: Theme, kind: str, mode: str, **settings: Any) -> list[tuple[st
         **settings,
     )
     driver.session.bus.publish(
-        PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True)
+        t.PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True)
     )
     for attempt in range(4):
         while driver.screen.waiting is None or driver.screen.waiting.stage != "trial":
@@ -587,7 +553,7 @@ def hurried(calm: Theme, kind: str, mode: str, **settings: Any) -> list[tuple[st
     driver.wait(60_000)
     return [
         (action.kind, action.text, action.gesture)
-        for action in driver.all(ACTION)
+        for action in driver.all(t.ACTION)
         if action.kind != "instruction"
     ]
 
@@ -618,9 +584,9 @@ def test_encouragement_is_said_before_the_next_attempt_begins(calm: Theme, mode:
     driver.press("enter")
     assert driver.waiting.stage == "answer"
     driver.wait(10_000)
-    assert [action.kind for action in driver.all(ACTION)][-1] == "encouragement"
+    assert [action.kind for action in driver.all(t.ACTION)][-1] == "encouragement"
     assert (driver.waiting.stage, driver.waiting.attempt) == ("attempt", 2)
-    assert driver.all(DROPPED) == []
+    assert driver.all(t.DROPPED) == []
 
 
 @pytest.mark.parametrize(("verdict", "encouraged"), [("accept", 1), ("veto", 0)])
@@ -631,7 +597,7 @@ def test_encouragement_follows_the_level_that_the_operator_decides_on(
         calm, encouragement=True, operator_difficulty="approve", operator_time_ms=60_000
     )
     decide(driver, "l1", verdict)
-    assert [action.kind for action in driver.all(ACTION)].count("encouragement") == encouraged
+    assert [action.kind for action in driver.all(t.ACTION)].count("encouragement") == encouraged
 
 
 def test_an_operator_who_accepts_everything_is_not_noticed_by_the_participant(calm: Theme) -> None:
@@ -655,9 +621,11 @@ def test_an_operator_who_accepts_everything_is_not_noticed_by_the_participant(ca
                 ),
             )
             for record in driver.records
-            if record.topic is ACTION
+            if record.topic is t.ACTION
         ]
-        seen = [(record.at, record.message) for record in driver.records if record.topic is WAITING]
+        seen = [
+            (record.at, record.message) for record in driver.records if record.topic is t.WAITING
+        ]
         sessions.append((utterances, seen[-1]))
     assert sessions[0] == sessions[1] == sessions[2]
 
@@ -673,10 +641,14 @@ def test_with_a_fixed_delay_encouragement_of_the_agent_alone_comes_at_the_same_m
         )
         driver.wait(5000)
         times.append(
-            [(record.at, record.message.id) for record in driver.records if record.topic is ACTION]
+            [
+                (record.at, record.message.id)
+                for record in driver.records
+                if record.topic is t.ACTION
+            ]
         )
     assert times[0] == times[1]
-    assert driver.last(ACTION).kind == "encouragement"
+    assert driver.last(t.ACTION).kind == "encouragement"
 
 
 @pytest.mark.parametrize("pauses", [False, True])
@@ -687,7 +659,7 @@ def test_ending_a_session_after_its_last_attempt_completes_it(calm: Theme, pause
     if pauses:
         driver.operate("pause")
     driver.operate("end")
-    assert driver.last(SESSION_ENDED).status == "completed"
+    assert driver.last(t.SESSION_ENDED).status == "completed"
     early = operated(calm)
     early.operate("end")
-    assert early.last(SESSION_ENDED).status == "aborted"
+    assert early.last(t.SESSION_ENDED).status == "aborted"

@@ -6,27 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.loop.topics import (
-    ACTING,
-    ACTION,
-    ARBITER_STATE,
-    COMMAND,
-    DECIDED,
-    DECISION,
-    DROPPED,
-    FILLER_DUE,
-    LATE_DECISION,
-    LEVEL_DECIDED,
-    LEVEL_REQUEST,
-    MODE,
-    PENDING_APPROVAL,
-    PRESENCE,
-    REMARK,
-    TIMER,
-    UNSAID_FEEDBACK,
-)
+from sar_tui.loop import topics as t
 from sar_tui.model import messages as m
 from sar_tui.model.units import MS, SECOND
+from tests.facts import each, facts
 from tests.loop.nodes.test_arbiter import EVENT, ArbiterDriver, Event
 
 
@@ -40,42 +23,44 @@ class OperatedDriver(ArbiterDriver):
 
     def operator(self, state: Any, *, operated: bool) -> None:
         self.bus.publish(
-            PRESENCE, m.OperatorChanged(actor="operator.ana", state=state, operated=operated)
+            t.PRESENCE, m.OperatorChanged(actor="operator.ana", state=state, operated=operated)
         )
 
     def decide(self, action: str, verdict: Any, **how: Any) -> None:
         decision = m.Decision(
             action=action, verdict=verdict, actor="operator.ana", at=self.clock.now(), **how
         )
-        self.bus.publish(DECISION, decision)
+        self.bus.publish(t.DECISION, decision)
 
     def ask_for_level(self, previous: int, level: int, *, is_last: bool = False) -> bool:
         change = m.LevelChanged(previous=previous, level=level, reason="success")
         happens: list[bool] = []
         self.bus.subscribe(
-            COMMAND,
+            t.COMMAND,
             lambda _: happens.append(
-                self.bus.call(LEVEL_REQUEST, m.LevelRequest(change=change, is_last=is_last)).happens
+                self.bus.call(
+                    t.LEVEL_REQUEST, m.LevelRequest(change=change, is_last=is_last)
+                ).happens
             ),
         )
-        self.bus.publish(COMMAND, m.SessionCommand(command="mark"))
+        self.bus.publish(t.COMMAND, m.SessionCommand(command="mark"))
         return happens[0]
 
     def ask_unsaid(self, attempt: int) -> tuple[str, ...]:
-        return self.bus.call(UNSAID_FEEDBACK, m.UnsaidFeedbackRequest(attempt=attempt)).seats
+        return self.bus.call(t.UNSAID_FEEDBACK, m.UnsaidFeedbackRequest(attempt=attempt)).seats
 
     @property
     def said(self) -> list[m.Action]:
-        return self.all(ACTION)
+        return self.all(t.ACTION)
 
     @property
     def state(self) -> m.ArbiterState:
-        found: m.ArbiterState = self.all(ARBITER_STATE)[-1]
+        found: m.ArbiterState = self.all(t.ARBITER_STATE)[-1]
         return found
 
     @property
     def awaits_operator(self) -> bool:
-        found = self.all(ACTING)
+        found = self.all(t.ACTING)
         return bool(found and found[-1].awaits_operator)
 
 
@@ -86,13 +71,8 @@ def test_autonomous_feedback_is_given_at_once() -> None:
     driver = OperatedDriver()
     driver.propose("a1")
     (said,) = driver.said
-    assert (said.decision, said.actor, said.mode, said.ground) == (
-        "accepted",
-        "agent",
-        "autonomous",
-        "mode",
-    )
-    assert driver.all(PENDING_APPROVAL) == []
+    assert facts(said, "decision actor mode ground") == ("accepted", "agent", "autonomous", "mode")
+    assert driver.all(t.PENDING_APPROVAL) == []
 
 
 def test_in_veto_mode_a_proposal_is_made_at_the_deadline() -> None:
@@ -111,7 +91,7 @@ def test_a_vetoed_proposal_is_not_made() -> None:
     driver.decide("a1", "veto")
     driver.clock.advance(60 * SECOND)
     assert driver.said == []
-    (dropped,) = driver.all(DROPPED)
+    (dropped,) = driver.all(t.DROPPED)
     assert (dropped.id, dropped.reason, dropped.actor) == ("a1", "vetoed", "operator.ana")
 
 
@@ -130,7 +110,7 @@ def test_in_approve_mode_the_timeout_setting_applies_at_the_deadline(
     driver.propose("a1")
     driver.clock.advance(60 * SECOND)
     assert len(driver.said) == said
-    assert [dropped.reason for dropped in driver.all(DROPPED)] == ["expired"] * (1 - said)
+    assert [dropped.reason for dropped in driver.all(t.DROPPED)] == ["expired"] * (1 - said)
 
 
 def test_an_accepted_proposal_is_made_at_once_unchanged() -> None:
@@ -139,14 +119,14 @@ def test_an_accepted_proposal_is_made_at_once_unchanged() -> None:
     driver.clock.advance(700 * MS)
     driver.decide("a1", "accept")
     (said,) = driver.said
-    assert (said.text, said.decision, said.actor, said.ground) == (
+    assert facts(said, "text decision actor ground") == (
         "a1",
         "accepted",
         "operator.ana",
         "operator",
     )
     assert said.decided == SECOND + 700 * MS
-    assert driver.all(DECIDED) == [said]
+    assert driver.all(t.DECIDED) == [said]
 
 
 def test_in_manual_mode_a_proposal_waits_for_the_operator() -> None:
@@ -164,7 +144,7 @@ def test_an_edited_proposal_has_the_operators_text_and_valence() -> None:
     driver.propose("a1", valence="negative", gesture="lean_in", face="encouraging", degree="strong")
     driver.decide("a1", "edit", text="Good, 850 ms.", valence="positive")
     (said,) = driver.said
-    assert (said.text, said.spoken, said.valence, said.decision) == (
+    assert facts(said, "text spoken valence decision") == (
         "Good, 850 ms.",
         "Good, 850 ms.",
         "positive",
@@ -218,7 +198,7 @@ def test_with_delayed_feedback_the_timing_does_not_reveal_who_decided(
     driver.decide("a1", "accept")
     driver.clock.advance(10 * SECOND)
     ((at, _),) = [
-        (record.at, record.message) for record in driver.records if record.topic is ACTION
+        (record.at, record.message) for record in driver.records if record.topic is t.ACTION
     ]
     assert at == due
 
@@ -268,7 +248,7 @@ def test_accepting_what_was_decided_already_is_too_late() -> None:
     driver.propose("a1")
     driver.clock.advance(SECOND)
     driver.decide("a1", "accept")
-    assert [late.what for late in driver.all(LATE_DECISION)] == ["accept a1"]
+    assert [late.what for late in driver.all(t.LATE_DECISION)] == ["accept a1"]
     driver.wait_for("enter", "attempt")
     assert [said.actor for said in driver.said] == ["agent"]
 
@@ -350,7 +330,7 @@ def test_a_decision_after_the_deadline_is_reported_as_missed() -> None:
     driver.report("a1")
     driver.decide("a1", "veto")
     assert driver.acted == ["a1"]
-    (missed,) = driver.all(LATE_DECISION)
+    (missed,) = driver.all(t.LATE_DECISION)
     assert (missed.actor, missed.what) == ("operator.ana", "veto a1")
 
 
@@ -367,7 +347,7 @@ def test_the_current_action_cannot_be_edited() -> None:
     driver.decide("a1", "edit", text="Else.")
     driver.decide("a7", "veto")
     assert driver.halted == []
-    assert [missed.what for missed in driver.all(LATE_DECISION)] == ["edit a1", "veto a7"]
+    assert [missed.what for missed in driver.all(t.LATE_DECISION)] == ["edit a1", "veto a7"]
 
 
 def test_an_edited_action_is_published_when_decided_and_when_begun() -> None:
@@ -377,7 +357,7 @@ def test_an_edited_action_is_published_when_decided_and_when_begun() -> None:
     driver.decide("a1", "edit", text="Else.")
     driver.decide("a1", "edit", text="Other.")
     assert driver.said == []
-    assert [(one.text, one.decision) for one in driver.all(DECIDED)] == [
+    assert each(driver.all(t.DECIDED), "text decision") == [
         ("Else.", "edited"),
         ("Other.", "edited"),
     ]
@@ -400,7 +380,7 @@ def test_no_deadline_fires_once_nothing_is_pending() -> None:
     driver.decide("a1", "accept")
     driver.report("a1")
     driver.clock.advance(60 * SECOND)
-    assert driver.all(TIMER) == []
+    assert driver.all(t.TIMER) == []
 
 
 def test_a_queued_action_can_be_vetoed_or_edited() -> None:
@@ -417,9 +397,9 @@ def test_a_filler_covers_a_wait_of_more_than_a_second_once() -> None:
     driver = OperatedDriver(operator_feedback="approve", operator_time_ms=8000)
     driver.propose("a1")
     driver.clock.advance(SECOND - 1)
-    assert driver.all(FILLER_DUE) == []
+    assert driver.all(t.FILLER_DUE) == []
     driver.clock.advance(5 * SECOND)
-    assert driver.all(FILLER_DUE) == [m.FillerDue(id="a1")]
+    assert driver.all(t.FILLER_DUE) == [m.FillerDue(id="a1")]
 
 
 @pytest.mark.parametrize(("decided", "covered"), [("a1", "a2"), ("a2", "a1")])
@@ -429,7 +409,7 @@ def test_a_filler_covers_the_wait_of_either_seat(decided: str, covered: str) -> 
     driver.propose("a2", seat="B")
     driver.decide(decided, "veto")
     driver.clock.advance(4 * SECOND)
-    assert driver.all(FILLER_DUE) == [m.FillerDue(id=covered)]
+    assert driver.all(t.FILLER_DUE) == [m.FillerDue(id=covered)]
 
 
 def test_no_filler_for_manual_or_quick_feedback() -> None:
@@ -439,14 +419,14 @@ def test_no_filler_for_manual_or_quick_feedback() -> None:
     soon.propose("a1", due=soon.clock.now() + SECOND)
     for driver in (manual, soon):
         driver.clock.advance(10 * SECOND)
-        assert driver.all(FILLER_DUE) == []
+        assert driver.all(t.FILLER_DUE) == []
 
 
 def test_no_filler_for_other_kinds_than_feedback() -> None:
     driver = OperatedDriver(operator_encouragement="approve", operator_time_ms=5000)
     driver.propose("a1", kind="encouragement")
     driver.clock.advance(4 * SECOND)
-    assert driver.all(FILLER_DUE) == []
+    assert driver.all(t.FILLER_DUE) == []
 
 
 def test_no_filler_after_a_decision_in_time() -> None:
@@ -454,7 +434,7 @@ def test_no_filler_after_a_decision_in_time() -> None:
     driver.propose("a1")
     driver.decide("a1", "accept")
     driver.clock.advance(20 * SECOND)
-    assert driver.all(FILLER_DUE) == []
+    assert driver.all(t.FILLER_DUE) == []
 
 
 @pytest.mark.parametrize(("filler", "covered"), [("operator", 0), ("always", 1), ("never", 0)])
@@ -465,7 +445,7 @@ def test_a_delay_is_covered_as_the_filler_setting_says(
     driver = OperatedDriver(operated=operated, filler=filler)
     driver.propose("a1", due=driver.clock.now() + 4 * SECOND)
     driver.clock.advance(10 * SECOND)
-    assert len(driver.all(FILLER_DUE)) == covered
+    assert len(driver.all(t.FILLER_DUE)) == covered
 
 
 @pytest.mark.parametrize(("status", "said"), [("completed", ["a1", "a2"]), ("aborted", ["a1"])])
@@ -520,7 +500,7 @@ def test_when_the_operator_is_lost_pending_proposals_are_decided_at_once(
 def test_a_new_mode_applies_to_pending_proposals() -> None:
     driver = OperatedDriver(operator_feedback="manual")
     driver.propose("a1")
-    driver.bus.publish(MODE, m.ModeChanged(kind="feedback", mode="veto"))
+    driver.bus.publish(t.MODE, m.ModeChanged(kind="feedback", mode="veto"))
     driver.clock.advance(10 * SECOND)
     assert driver.acted == ["a1"]
 
@@ -528,15 +508,15 @@ def test_a_new_mode_applies_to_pending_proposals() -> None:
 def test_a_new_mode_leaves_other_kinds_pending() -> None:
     driver = OperatedDriver(operator_feedback="manual")
     driver.propose("a1")
-    driver.bus.publish(MODE, m.ModeChanged(kind="encouragement", mode="veto"))
-    assert [pending.proposal.id for pending in driver.all(PENDING_APPROVAL)] == ["a1"]
+    driver.bus.publish(t.MODE, m.ModeChanged(kind="encouragement", mode="veto"))
+    assert [pending.proposal.id for pending in driver.all(t.PENDING_APPROVAL)] == ["a1"]
 
 
 def test_switching_to_autonomous_makes_pending_proposals() -> None:
     driver = OperatedDriver(operator_feedback="approve")
     driver.propose("a1")
     driver.bus.publish(
-        MODE, m.ModeChanged(kind="feedback", mode="autonomous", actor="operator.ana")
+        t.MODE, m.ModeChanged(kind="feedback", mode="autonomous", actor="operator.ana")
     )
     assert [said.actor for said in driver.said] == ["operator.ana"]
 
@@ -558,16 +538,16 @@ def test_the_complete_state_is_published_for_operators() -> None:
 def test_the_state_is_published_only_when_it_changes() -> None:
     driver = OperatedDriver(operator_feedback="manual")
     driver.propose("a1")
-    found = len(driver.all(ARBITER_STATE))
+    found = len(driver.all(t.ARBITER_STATE))
     for _ in range(3):
         driver.wait_for("enter", "attempt")
-    assert len(driver.all(ARBITER_STATE)) == found
+    assert len(driver.all(t.ARBITER_STATE)) == found
 
 
 def test_without_an_operator_no_state_is_published() -> None:
     driver = OperatedDriver(operated=False)
     driver.propose("a1")
-    assert driver.all(ARBITER_STATE) == []
+    assert driver.all(t.ARBITER_STATE) == []
 
 
 # --- remarks of operators
@@ -577,12 +557,12 @@ def test_remarks_go_first_but_not_in_a_trial() -> None:
     driver = OperatedDriver()
     driver.wait_for("response")
     driver.propose("a1")
-    driver.bus.publish(REMARK, m.Remark(text="You are doing fine.", actor="operator.ana"))
+    driver.bus.publish(t.REMARK, m.Remark(text="You are doing fine.", actor="operator.ana"))
     assert driver.said == []
     driver.wait_for("enter", "attempt")
     assert driver.acted == ["o1"]
     (said, *_) = driver.said
-    assert (said.kind, said.decision, said.actor, said.spoken) == (
+    assert facts(said, "kind decision actor spoken") == (
         "remark",
         "initiated",
         "operator.ana",
@@ -602,7 +582,7 @@ def test_a_remark_has_the_manner_of_its_valence_unless_given(
     how: dict[str, Any], face: str, gesture: str
 ) -> None:
     driver = OperatedDriver()
-    driver.bus.publish(REMARK, m.Remark(text="You are doing fine.", actor="operator.ana", **how))
+    driver.bus.publish(t.REMARK, m.Remark(text="You are doing fine.", actor="operator.ana", **how))
     (said,) = driver.said
     assert (said.face, said.gesture, said.tone) == (face, gesture, "success" if how else "")
 
@@ -610,7 +590,7 @@ def test_a_remark_has_the_manner_of_its_valence_unless_given(
 def test_at_the_end_feedback_is_given_and_remarks_are_dropped() -> None:
     driver = OperatedDriver()
     driver.propose("a1")
-    driver.bus.publish(REMARK, m.Remark(text="Bye.", actor="operator.ana"))
+    driver.bus.publish(t.REMARK, m.Remark(text="Bye.", actor="operator.ana"))
     driver.propose("a2", policy="queue")
     driver.bus.publish(EVENT, Event(ended=m.SessionEnded(status="completed")))
     assert driver.dropped == [("o1", "late")]
@@ -620,9 +600,7 @@ def test_the_participants_stop_key_is_recorded_without_an_actor() -> None:
     driver = OperatedDriver(operator_feedback="manual")
     driver.propose("a1")
     driver.stop()
-    assert [(dropped.reason, dropped.actor) for dropped in driver.all(DROPPED)] == [
-        ("stopped", "agent")
-    ]
+    assert each(driver.all(t.DROPPED), "reason actor") == [("stopped", "agent")]
 
 
 def test_a_pending_gesture_is_dropped_by_a_trial() -> None:
@@ -636,12 +614,8 @@ def test_a_gesture_with_its_own_mode_is_pending_alone() -> None:
     driver = OperatedDriver(operator_gesture="approve")
     driver.propose("a1", gesture="nod")
     assert [(said.id, said.gesture) for said in driver.said] == [("a1", "")]
-    (pending,) = driver.all(PENDING_APPROVAL)
-    assert (pending.proposal.id, pending.proposal.kind, pending.proposal.text) == (
-        "a1.gesture",
-        "gesture",
-        "",
-    )
+    (pending,) = driver.all(t.PENDING_APPROVAL)
+    assert facts(pending.proposal, "id kind text") == ("a1.gesture", "gesture", "")
     driver.report("a1")
     driver.decide("a1.gesture", "accept")
     assert [said.gesture for said in driver.said][-1] == "nod"
@@ -654,14 +628,14 @@ def test_without_an_operator_a_controlled_gesture_is_dropped_or_made_with_its_wo
     driver = OperatedDriver(operated=False, operator_gesture="approve", operator_lost=lost)
     driver.propose("a1", gesture="nod")
     assert [(said.id, said.gesture) for said in driver.said] == [("a1", gesture)]
-    assert driver.all(PENDING_APPROVAL) == driver.all(DROPPED) == []
+    assert driver.all(t.PENDING_APPROVAL) == driver.all(t.DROPPED) == []
 
 
 def test_a_filler_keeps_its_gesture_in_any_mode() -> None:
     driver = OperatedDriver(operator_gesture="approve")
     driver.propose("a1", kind="filler", gesture="nod")
     assert [said.gesture for said in driver.said] == ["nod"]
-    assert driver.all(PENDING_APPROVAL) == []
+    assert driver.all(t.PENDING_APPROVAL) == []
 
 
 # --- the level
@@ -677,7 +651,7 @@ def test_in_autonomous_mode_a_change_of_level_happens_at_once() -> None:
 def test_after_the_last_attempt_a_controlled_level_stays(mode: str, happens: bool) -> None:
     driver = OperatedDriver(operator_difficulty=mode)
     assert driver.ask_for_level(2, 3, is_last=True) is happens
-    assert driver.all(PENDING_APPROVAL) == []
+    assert driver.all(t.PENDING_APPROVAL) == []
 
 
 def test_a_change_of_level_waits_for_an_operator() -> None:
@@ -685,7 +659,7 @@ def test_a_change_of_level_waits_for_an_operator() -> None:
     assert not driver.ask_for_level(2, 3)
     assert driver.awaits_operator
     driver.decide("l1", "accept")
-    (decided,) = driver.all(LEVEL_DECIDED)
+    (decided,) = driver.all(t.LEVEL_DECIDED)
     assert (decided.level, decided.decision, decided.actor) == (3, "accepted", "operator.ana")
 
 
@@ -701,12 +675,12 @@ def test_an_operator_decides_on_the_level(how: dict[str, Any], expected: str) ->
     driver = OperatedDriver(operator_difficulty="veto")
     driver.ask_for_level(2, 3)
     driver.decide("l1", **how)
-    assert [decided.decision for decided in driver.all(LEVEL_DECIDED)] == [expected]
+    assert [decided.decision for decided in driver.all(t.LEVEL_DECIDED)] == [expected]
 
 
 def test_a_level_set_by_hand_rejects_a_pending_one() -> None:
     driver = OperatedDriver(operator_difficulty="veto")
     driver.ask_for_level(2, 3)
-    driver.bus.publish(COMMAND, m.SessionCommand(command="level", value=1, actor="operator.ana"))
+    driver.bus.publish(t.COMMAND, m.SessionCommand(command="level", value=1, actor="operator.ana"))
     driver.clock.advance(60 * SECOND)
-    assert [decided.decision for decided in driver.all(LEVEL_DECIDED)] == ["rejected"]
+    assert [decided.decision for decided in driver.all(t.LEVEL_DECIDED)] == ["rejected"]

@@ -11,6 +11,7 @@ from sar_tui.model.theme import Theme
 from sar_tui.model.units import SECOND
 from sar_tui.rules.limits import is_rest_due
 from sar_tui.rules.parameters import TaskParameters
+from tests.facts import facts
 from tests.loop_driver import LoopDriver
 
 NewSession = Callable[..., LoopDriver]
@@ -51,11 +52,7 @@ def test_a_rest_is_due_after_so_many_attempts_or_minutes(
 
 
 def test_enter_does_not_skip_a_rest_and_may_lengthen_it(resting: LoopDriver) -> None:
-    assert (resting.waiting.what, resting.waiting.stage, resting.waiting.attempt) == (
-        "rest",
-        "rest",
-        3,
-    )
+    assert facts(resting.waiting, "what stage attempt") == ("rest", "rest", 3)
     assert resting.waiting.until - resting.clock.now() == 39 * SECOND
     resting.press("enter")
     resting.wait(38_000)

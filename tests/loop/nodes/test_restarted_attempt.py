@@ -7,6 +7,7 @@ import pytest
 from sar_tui.loop.session import Session
 from sar_tui.loop.topics import ATTEMPT_ENDED, ATTEMPT_STARTED, LEVEL, TRIAL
 from sar_tui.model.theme import Theme
+from tests.facts import each, facts
 from tests.loop_driver import LoopDriver
 from tests.staircase_task import Contrast
 
@@ -34,26 +35,18 @@ def test_it_begins_again_when_the_session_goes_on(calm: Theme) -> None:
     driver = interrupted(calm)
     driver.operate("resume")
     waiting = driver.waiting
-    assert (waiting.stage, waiting.what, waiting.attempt, waiting.trial) == (
-        "attempt",
-        "enter",
-        2,
-        1,
-    )
+    assert facts(waiting, "stage what attempt trial") == ("attempt", "enter", 2, 1)
     assert (waiting.attempt_name, waiting.restarts) == ("attempt 1 of 2", 1)
     assert waiting.notice == "This attempt begins again."
     driver.wait(300)
     for _ in range(2):
         driver.attempt()
-    assert [(started.attempt, started.practice) for started in driver.all(ATTEMPT_STARTED)] == [
+    assert each(driver.all(ATTEMPT_STARTED), "attempt practice") == [
         (1, False),
         (2, False),
         (3, False),
     ]
-    assert [(ended.attempt, ended.trials) for ended in driver.all(ATTEMPT_ENDED)] == [
-        (2, 6),
-        (3, 6),
-    ]
+    assert each(driver.all(ATTEMPT_ENDED), "attempt trials") == [(2, 6), (3, 6)]
     assert [trial.trial for trial in driver.all(TRIAL) if trial.attempt == 1] == [1, 2, 3], (
         "what was done stays"
     )
@@ -67,11 +60,7 @@ def test_it_begins_again_when_the_operator_repeats_a_prompt(calm: Theme) -> None
         driver.answer()
     driver.to_prompt()
     driver.operate("repeat")
-    assert (driver.waiting.stage, driver.waiting.attempt, driver.waiting.restarts) == (
-        "attempt",
-        2,
-        1,
-    )
+    assert facts(driver.waiting, "stage attempt restarts") == ("attempt", 2, 1)
     driver.wait(300)
     driver.attempt()
     assert [(ended.attempt, ended.trials) for ended in driver.all(ATTEMPT_ENDED)] == [(2, 6)]
@@ -107,10 +96,7 @@ def test_an_interrupted_practice_stays_practice(calm: Theme) -> None:
     assert driver.waiting.attempt_name == "attempt 1 of 1"
     assert driver.waiting.notice == "Practice is over. From here on it counts."
     driver.attempt()
-    assert [(ended.attempt, ended.practice) for ended in driver.all(ATTEMPT_ENDED)] == [
-        (2, True),
-        (3, False),
-    ]
+    assert each(driver.all(ATTEMPT_ENDED), "attempt practice") == [(2, True), (3, False)]
     assert driver.waiting.stage == "review"
 
 

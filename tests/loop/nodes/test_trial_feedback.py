@@ -6,24 +6,16 @@ from typing import Any
 
 import pytest
 
+from sar_tui.loop import topics as t
 from sar_tui.loop.session import Session
 from sar_tui.loop.task import Task
-from sar_tui.loop.topics import (
-    ATTEMPT_ENDED,
-    PROMPT,
-    SESSION_ENDED,
-    TRIAL,
-    TRIAL_FEEDBACK,
-    TRIAL_FEEDBACK_SHOWN,
-    VOIDED,
-    WAITING,
-)
 from sar_tui.loop.trial import trial_feedback
 from sar_tui.model import messages as m
 from sar_tui.model.random_streams import RandomStreams
 from sar_tui.model.theme import Theme
 from sar_tui.model.trial_types import Result, Show, Situation, Trial
 from sar_tui.model.units import MS
+from tests.facts import facts
 from tests.loop_driver import LoopDriver
 from tests.staircase_task import Contrast
 
@@ -50,21 +42,14 @@ def begun(task: type[Task], theme: Theme, **parameters: object) -> LoopDriver:
 def test_it_is_shown_for_its_time_before_the_next_foreperiod(calm: Theme) -> None:
     driver = begun(Points, calm)
     driver.answer()
-    shown = driver.last(TRIAL_FEEDBACK)
+    shown = driver.last(t.TRIAL_FEEDBACK)
     assert (shown.attempt, shown.trial, shown.text, shown.duration) == (1, 1, "+10", 800 * MS)
-    assert (driver.waiting.stage, driver.waiting.what, driver.waiting.trial) == (
-        "trial",
-        "result",
-        1,
-    )
+    assert facts(driver.waiting, "stage what trial") == ("trial", "result", 1)
     driver.wait(799)
     assert driver.waiting.what == "result"
     driver.wait(1)
     # it has been quiet since the response
-    assert (driver.waiting.what, driver.waiting.trial) == (
-        "foreperiod",
-        2,
-    )
+    assert (driver.waiting.what, driver.waiting.trial) == ("foreperiod", 2)
 
 
 def test_its_time_counts_from_when_it_was_on_the_screen(calm: Theme) -> None:
@@ -72,7 +57,7 @@ def test_its_time_counts_from_when_it_was_on_the_screen(calm: Theme) -> None:
     driver.answer()
     driver.wait(30)
     shown = m.TrialFeedbackShown(attempt=1, trial=1, at=driver.clock.now(), source="flush")
-    driver.session.bus.publish(TRIAL_FEEDBACK_SHOWN, shown)
+    driver.session.bus.publish(t.TRIAL_FEEDBACK_SHOWN, shown)
     driver.wait(799)
     assert driver.waiting.what == "result"
     driver.wait(1)
@@ -82,7 +67,7 @@ def test_its_time_counts_from_when_it_was_on_the_screen(calm: Theme) -> None:
 def test_a_trial_without_an_answer_goes_on_at_once(calm: Theme) -> None:
     driver = begun(Points, calm)
     driver.answer(key="x")
-    assert driver.all(TRIAL_FEEDBACK) == []
+    assert driver.all(t.TRIAL_FEEDBACK) == []
     assert driver.waiting.what == "quiet"
 
 
@@ -97,17 +82,17 @@ def test_keys_meanwhile_are_no_responses_and_lengthen_the_quiet(calm: Theme) -> 
     assert driver.waiting.what == "quiet"
     driver.wait(1)
     assert driver.waiting.what == "foreperiod"
-    assert len(driver.all(TRIAL)) == 1
-    assert driver.last(TRIAL).timing.false_starts == 0
+    assert len(driver.all(t.TRIAL)) == 1
+    assert driver.last(t.TRIAL).timing.false_starts == 0
 
 
 def test_after_the_last_trial_the_attempt_ends_when_it_was_seen(calm: Theme) -> None:
     driver = begun(Points, calm)
     for _ in range(6):
         driver.answer()
-    assert driver.all(ATTEMPT_ENDED) == []
+    assert driver.all(t.ATTEMPT_ENDED) == []
     driver.wait(800)
-    assert len(driver.all(ATTEMPT_ENDED)) == 1
+    assert len(driver.all(t.ATTEMPT_ENDED)) == 1
 
 
 @pytest.mark.parametrize("trials", [1, 6])
@@ -119,12 +104,12 @@ def test_a_pause_ends_it_and_repeats_nothing_that_was_done(calm: Theme, trials: 
     driver.wait(5000)
     assert driver.waiting.stage == "paused"
     driver.operate("resume")
-    assert len(driver.all(TRIAL)) == trials
+    assert len(driver.all(t.TRIAL)) == trials
     if trials == 6:
         assert (driver.waiting.what, driver.waiting.attempt) == ("enter", 2)
     else:
         assert driver.to_prompt().trial == 2
-        assert [voided.trial for voided in driver.all(VOIDED)] == [2]
+        assert [voided.trial for voided in driver.all(t.VOIDED)] == [2]
 
 
 @pytest.mark.parametrize(
@@ -138,8 +123,8 @@ def test_a_session_ended_meanwhile_keeps_the_attempt_that_is_over(
     for _ in range(trials):
         driver.answer()
     driver.operate("end")
-    assert len(driver.all(ATTEMPT_ENDED)) == trials // 6
-    assert driver.last(SESSION_ENDED).status == status
+    assert len(driver.all(t.ATTEMPT_ENDED)) == trials // 6
+    assert driver.last(t.SESSION_ENDED).status == status
 
 
 def test_the_attempt_can_be_left_out_meanwhile(calm: Theme) -> None:
@@ -149,7 +134,7 @@ def test_the_attempt_can_be_left_out_meanwhile(calm: Theme) -> None:
     driver.operate("skip", reason="attempt")
     driver.wait(5000)
     assert (driver.waiting.stage, driver.waiting.attempt) == ("attempt", 2)
-    assert driver.all(ATTEMPT_ENDED) == []
+    assert driver.all(t.ATTEMPT_ENDED) == []
 
 
 def test_a_mark_meanwhile_is_put_on_the_trial_that_is_over(calm: Theme) -> None:
@@ -160,7 +145,7 @@ def test_a_mark_meanwhile_is_put_on_the_trial_that_is_over(calm: Theme) -> None:
     for _ in range(5):
         driver.answer()
     driver.wait(1000)
-    assert driver.last(ATTEMPT_ENDED).correct == 5
+    assert driver.last(t.ATTEMPT_ENDED).correct == 5
 
 
 def test_a_level_set_meanwhile_holds_from_the_next_attempt(calm: Theme) -> None:
@@ -178,7 +163,7 @@ def test_a_session_resumed_meanwhile_goes_on_after_the_trial(calm: Theme, steps:
     driver = LoopDriver(Points, calm, attempts=2, history=whole.records)
     driver.press("enter")
     if steps == 6:
-        assert [ended.trials for ended in driver.all(ATTEMPT_ENDED)] == [6]
+        assert [ended.trials for ended in driver.all(t.ATTEMPT_ENDED)] == [6]
         driver.wait(300)
         driver.press("enter")
     prompt = driver.to_prompt()
@@ -206,24 +191,24 @@ def test_a_tick_or_a_cross_can_be_shown_for_tasks_that_show_nothing(
     driver = begun(keyboard, calm, trial_feedback_ms=500)
     driver.answer()
     driver.answer(key="#")
-    driver.until(lambda: len(driver.all(TRIAL)) == 3)
-    assert [shown.text for shown in driver.all(TRIAL_FEEDBACK)] == ["✓", "✗", "✗"]
-    assert driver.last(TRIAL).response is None
+    driver.until(lambda: len(driver.all(t.TRIAL)) == 3)
+    assert [shown.text for shown in driver.all(t.TRIAL_FEEDBACK)] == ["✓", "✗", "✗"]
+    assert driver.last(t.TRIAL).response is None
 
 
 def test_by_default_no_task_shows_it(keyboard: type[Task], calm: Theme) -> None:
     driver = begun(keyboard, calm)
     driver.answer()
-    assert driver.all(TRIAL_FEEDBACK) == []
-    assert "result" not in {waiting.what for waiting in driver.all(WAITING)}
-    assert driver.all(PROMPT)
+    assert driver.all(t.TRIAL_FEEDBACK) == []
+    assert "result" not in {waiting.what for waiting in driver.all(t.WAITING)}
+    assert driver.all(t.PROMPT)
 
 
 def test_a_task_that_shows_something_keeps_its_own(calm: Theme) -> None:
     driver = begun(Points, calm, trial_feedback_ms=500)
     driver.answer()
     driver.answer(key="x")
-    assert [(shown.text, shown.duration // MS) for shown in driver.all(TRIAL_FEEDBACK)] == [
+    assert [(shown.text, shown.duration // MS) for shown in driver.all(t.TRIAL_FEEDBACK)] == [
         ("+10", 800),
         ("✗", 500),
     ]
@@ -243,12 +228,7 @@ def test_two_seats_see_their_own_answer_each_in_their_half() -> None:
     results = {"A": Result(correct=True), "B": Result(correct=False, show=Show("late", ms=900))}
     shown = trial_feedback(SITUATION, results, ("A", "B"), 500)
     assert shown is not None
-    assert (shown.seat, shown.halves, shown.text, shown.duration) == (
-        "",
-        ("✓", "late"),
-        "✓ late",
-        900 * MS,
-    )
+    assert facts(shown, "seat halves text duration") == ("", ("✓", "late"), "✓ late", 900 * MS)
 
 
 def test_one_answer_for_both_is_shown_once() -> None:

@@ -9,6 +9,7 @@ from sar_tui.loop.script import MAX_PRESENTATIONS
 from sar_tui.loop.topics import ATTEMPT_ENDED, PROMPT, TRIAL, VOIDED, WAITING
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS
+from tests.facts import each, facts
 from tests.lifting_task import SLIPPED, Lift, LiftDriver
 
 NewSession = Callable[..., LiftDriver]
@@ -38,17 +39,7 @@ def numbers(driver: LiftDriver) -> list[tuple[int, int]]:
 def test_a_trial_waits_for_its_start_without_limit(new_session: NewSession) -> None:
     driver = new_session()
     driver.begin_lifts()
-    assert (
-        driver.waiting.what,
-        driver.waiting.stage,
-        driver.waiting.attempt,
-        driver.waiting.trial,
-    ) == (
-        "start",
-        "trial",
-        1,
-        1,
-    )
+    assert facts(driver.waiting, "what stage attempt trial") == ("start", "trial", 1, 1)
     assert driver.waiting.goal == "Weight 1. Stand still."
     driver.wait(3_600_000)
     assert driver.waiting.what == "start"
@@ -132,11 +123,7 @@ def test_each_trial_needs_a_start_and_each_attempt_enter(new_session: NewSession
     driver.lift()
     assert (driver.waiting.what, driver.waiting.trial) == ("start", 2)
     driver.lift()
-    assert (driver.waiting.what, driver.waiting.stage, driver.waiting.attempt) == (
-        "enter",
-        "attempt",
-        2,
-    )
+    assert facts(driver.waiting, "what stage attempt") == ("enter", "attempt", 2)
     driver.press("space")
     assert driver.waiting.stage == "attempt"
     driver.press("enter")
@@ -211,12 +198,7 @@ def test_a_trial_that_was_not_started_can_be_skipped(new_session: NewSession) ->
     driver.begin_lifts()
     driver.operate("skip")
     skipped = driver.last(TRIAL)
-    assert (skipped.trial, skipped.correct, skipped.onset, skipped.timing.flags) == (
-        1,
-        False,
-        None,
-        ("skipped",),
-    )
+    assert facts(skipped, "trial correct onset timing.flags") == (1, False, None, ("skipped",))
     assert (driver.waiting.what, driver.waiting.trial) == ("start", 2)
 
 
@@ -235,11 +217,7 @@ def test_after_a_resume_a_trial_must_be_started_again(
     resumed.press("enter")
     assert (resumed.waiting.what, resumed.waiting.trial) == ("start", 2)
     resumed.lift()
-    assert (
-        resumed.last(TRIAL).attempt,
-        resumed.last(TRIAL).trial,
-        resumed.last(TRIAL).correct,
-    ) == (1, 2, True)
+    assert facts(resumed.last(TRIAL), "attempt trial correct") == (1, 2, True)
 
 
 # --- with a signal, or without
@@ -298,11 +276,7 @@ def test_the_row_of_a_movement_has_its_onset_and_end(new_session: NewSession) ->
     trial = driver.last(TRIAL)
     end = driver.clock.now() - 300 * MS
     assert (trial.onset, trial.response_at, trial.value) == (end - 450 * MS, end, 450.0)
-    assert (trial.response, trial.correct, trial.details) == (
-        "lift",
-        True,
-        {"sway": 4.5, "grip": 50.0},
-    )
+    assert facts(trial, "response correct details") == ("lift", True, {"sway": 4.5, "grip": 50.0})
     assert trial.timing.flags == ()
 
 
@@ -337,7 +311,7 @@ def test_a_movement_that_begins_too_soon_is_an_anticipation(new_session: NewSess
     driver.wait(2000)
     driver.press("u")
     trial = driver.last(TRIAL)
-    assert (trial.reaction_time_ms, trial.value, trial.correct, trial.timing.flags) == (
+    assert facts(trial, "reaction_time_ms value correct timing.flags") == (
         99.0,
         None,
         True,
@@ -359,11 +333,7 @@ def test_a_movement_before_the_signal_is_an_anticipation_without_reaction_time(
     driver.wait(500)
     driver.press("u")
     trial = driver.last(TRIAL)
-    assert (trial.reaction_time_ms, trial.value, trial.timing.flags) == (
-        None,
-        None,
-        ("anticipation",),
-    )
+    assert facts(trial, "reaction_time_ms value timing.flags") == (None, None, ("anticipation",))
     assert trial.response_at - trial.onset == 503 * MS
 
 
@@ -377,17 +347,8 @@ def test_an_unmeasurable_trial_is_repeated_with_a_notice(new_session: NewSession
     driver.lift(end="?")
     assert driver.all(TRIAL) == []
     voided = driver.last(VOIDED)
-    assert (voided.attempt, voided.trial, voided.presentation, voided.reason) == (
-        1,
-        1,
-        1,
-        "slipped",
-    )
-    assert (driver.waiting.what, driver.waiting.trial, driver.waiting.notice) == (
-        "start",
-        1,
-        SLIPPED,
-    )
+    assert facts(voided, "attempt trial presentation reason") == (1, 1, 1, "slipped")
+    assert facts(driver.waiting, "what trial notice") == ("start", 1, SLIPPED)
     assert (first.notice, driver.waiting.goal) == ("", first.goal)
     driver.lift()
     assert numbers(driver) == [(1, 1)]
@@ -428,9 +389,7 @@ def test_repetitions_show_the_same_prompt(new_session: NewSession) -> None:
         driver.lift(end="?")
     driver.lift()
     prompts = driver.all(PROMPT)
-    assert [(prompt.trial, prompt.presentation) for prompt in prompts] == [
-        (1, n) for n in range(1, MAX_PRESENTATIONS + 1)
-    ]
+    assert each(prompts, "trial presentation") == [(1, n) for n in range(1, MAX_PRESENTATIONS + 1)]
     assert len({prompt.stimulus for prompt in prompts}) == 1
     shown = [record.at for record in driver.records if record.topic is PROMPT]
     began = [
@@ -469,9 +428,7 @@ def test_a_level_is_announced_at_the_start_and_when_it_changes(new_session: NewS
     driver.lift(end="d")
     assert (driver.waiting.stage, driver.waiting.notice) == ("attempt", "Weight 2 after 3")
     driver.operate("level", value=3)
-    assert (driver.waiting.stage, driver.waiting.notice) == ("attempt", ""), (
-        "the level did not change"
-    )
+    assert facts(driver.waiting, "stage notice") == ("attempt", ""), "the level did not change"
 
 
 def test_a_level_that_stays_is_not_announced_again(new_session: NewSession) -> None:

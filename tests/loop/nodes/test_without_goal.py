@@ -9,6 +9,7 @@ from sar_tui.loop.task import Task
 from sar_tui.loop.topics import ACTION, ATTEMPT_ENDED, FEEDBACK, GOAL, LEVEL
 from sar_tui.model.theme import Theme
 from sar_tui.model.trial_types import NO_METRIC, Target
+from tests.facts import each
 from tests.loop_driver import LoopDriver
 from tests.staircase_task import Contrast
 
@@ -49,9 +50,7 @@ def test_the_attempt_is_kept_and_not_judged(
 ) -> None:
     driver = played(kind, calm)
     ended = driver.all(ATTEMPT_ENDED)
-    assert [(one.metric, one.goal, one.outcome, one.feedback) for one in ended] == [
-        (metric, None, "none", "none")
-    ] * 3
+    assert each(ended, "metric goal outcome feedback") == [(metric, None, "none", "none")] * 3
     assert [(one.correct, one.trials, one.accuracy) for one in ended] == [(6, 6, 1.0)] * 3
     assert ended[1].qualities == {"gain": 0.0}
     assert driver.waiting.stage == "review"
@@ -91,11 +90,7 @@ def test_no_schedule_gives_feedback(calm: Theme, kind: type[Task], schedule: str
 def test_a_mark_amends_the_attempt(calm: Theme, kind: type[Task]) -> None:
     driver = played(kind, calm, attempts=2)
     driver.operate("mark", "slip")
-    assert [(one.attempt, one.correct) for one in driver.all(ATTEMPT_ENDED)] == [
-        (1, 6),
-        (2, 6),
-        (2, 5),
-    ]
+    assert each(driver.all(ATTEMPT_ENDED), "attempt correct") == [(1, 6), (2, 6), (2, 5)]
 
 
 @BOTH
@@ -115,7 +110,7 @@ def test_an_attempt_with_a_goal_among_others_is_judged(calm: Theme) -> None:
     driver = played(
         Aimless, calm, attempts=3, difficulty_policy="sequence", level_sequence=(1, 3, 1)
     )
-    assert [(one.goal, one.outcome) for one in driver.all(ATTEMPT_ENDED)] == [
+    assert each(driver.all(ATTEMPT_ENDED), "goal outcome") == [
         (None, "none"),
         (5.0, "success"),
         (None, "none"),
