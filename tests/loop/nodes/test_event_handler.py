@@ -9,187 +9,161 @@ from hypothesis import strategies as st
 
 from sar_tui.loop import topics as t
 from sar_tui.loop.task import Task
-from sar_tui.model.theme import Theme
 from sar_tui.model.trial_types import Details, Metric, Result, Situation, Stimulus, Trial
 from sar_tui.model.units import MS
-from sar_tui.rules.parameters import TaskParameters
+from sar_tui.plugins import Catalogue
 from tests.facts import each, facts
 from tests.loop_driver import LoopDriver
 
-NewSession = Callable[..., LoopDriver]
+CATALOGUE = Catalogue()
+KEYBOARD, CALM = CATALOGUE.task("keyboard"), CATALOGUE.theme("calm")
 
 
-@pytest.fixture
-def new_session(keyboard: type[Task], calm: Theme) -> NewSession:
-    """Start a keyboard session; by default two attempts of three prompts each."""
+def session(at: str = "instructions", **settings: Any) -> LoopDriver:
+    """Start a keyboard session, by default two attempts of three prompts, and go on to a place."""
+    driver = LoopDriver(KEYBOARD, CALM, **{"prompts_per_attempt": 3, "attempts": 2, **settings})
+    if at != "instructions":
+        driver.enter()
+    if at not in ("instructions", "attempt"):
+        driver.press("enter")
+    if at == "foreperiod":
+        driver.until(lambda: driver.waiting.what == "foreperiod")
+    elif at == "before onset":
+        driver.until(lambda: driver.all(t.PROMPT))
+    elif at == "prompt":
+        driver.to_prompt()
+    elif at == "storage":
+        driver.screen.stores = False
+        driver.answer()
+        driver.until(lambda: driver.waiting.what == "storage")
+    return driver
 
-    def start(**settings: Any) -> LoopDriver:
-        return LoopDriver(keyboard, calm, **{"prompts_per_attempt": 3, "attempts": 2, **settings})
 
-    return start
+def now(driver: LoopDriver, names: str = "what stage") -> tuple[Any, ...]:
+    return facts(driver.waiting, names)
 
 
 def stages(driver: LoopDriver) -> list[str]:
-    return [waiting.what for waiting in driver.all(t.WAITING)]
-
-
-def flags(driver: LoopDriver) -> tuple[str, ...]:
-    return driver.last(t.TRIAL).timing.flags
+    return each(driver.all(t.WAITING), "what")
 
 
 def numbers(driver: LoopDriver) -> list[tuple[int, int]]:
-    return [(trial.attempt, trial.trial) for trial in driver.all(t.TRIAL)]
+    return each(driver.all(t.TRIAL), "attempt trial")
+
+
+def ms_since(driver: LoopDriver, moment: int) -> float:
+    return (driver.clock.now() - moment) / MS
 
 
 # --- a normal session
 
 
-def test_a_session_runs_from_the_instructions_to_its_end(new_session: NewSession) -> None:
-    driver = new_session()
-    assert (driver.waiting.what, driver.waiting.stage) == ("enter", "instructions")
+def test_a_session_runs_from_the_instructions_to_its_end() -> None:
+    driver = session()
+    assert now(driver) == ("enter", "instructions")
     driver.enter()
-    assert facts(driver.waiting, "what stage attempt_name") == (
-        "enter",
-        "attempt",
-        "attempt 1 of 2",
-    )
-    assert (
-        driver.waiting.goal
-        == "Your goal: press the right key in less than 1 second on average, with 3 of 3 right."
-    )
+    assert now(driver, "what stage attempt_name") == ("enter", "attempt", "attempt 1 of 2")
+    assert "3 of 3 right" in driver.waiting.goal
     driver.attempt()
-    assert (driver.waiting.stage, driver.waiting.attempt_name) == ("attempt", "attempt 2 of 2")
+    assert now(driver, "stage attempt_name") == ("attempt", "attempt 2 of 2")
     driver.attempt()
-    assert (driver.waiting.what, driver.waiting.stage) == ("enter", "review")
+    assert now(driver) == ("enter", "review")
     assert driver.all(t.SESSION_ENDED) == [], "the last feedback is read before the goodbye"
     driver.press("enter")
     assert driver.waiting.what == "nothing"
     assert numbers(driver) == [(1, 1), (1, 2), (1, 3), (2, 1), (2, 2), (2, 3)]
-    assert [end.status for end in driver.all(t.SESSION_ENDED)] == ["completed"]
+    assert each(driver.all(t.SESSION_ENDED), "status") == ["completed"]
     assert driver.session.faults == []
+    assert {waiting.seat for waiting in driver.all(t.WAITING)} == {"A"}, "there is one seat"
 
 
-def test_with_one_seat_it_is_always_its_turn(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.enter()
-    driver.attempt()
-    assert {waiting.seat for waiting in driver.all(t.WAITING)} == {"A"}
+def test_a_trial_is_quiet_then_foreperiod_then_prompt() -> None:
+    assert stages(session("prompt"))[-3:] == ["quiet", "foreperiod", "response"]
 
 
-def test_a_trial_is_quiet_then_foreperiod_then_prompt(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.enter()
-    driver.begin_attempt()
-    assert stages(driver)[-3:] == ["quiet", "foreperiod", "response"]
-
-
-def test_a_correct_key_is_stored_with_its_time_from_onset_to_stamp(new_session: NewSession) -> None:
-    driver = new_session()
-    prompt = driver.start()
-    onset = driver.clock.now()
+def test_a_correct_key_is_stored_with_its_time_from_onset_to_stamp() -> None:
+    driver = session("prompt")
+    prompt, onset = driver.last(t.PROMPT), driver.clock.now()
     driver.wait(432)
     driver.press(prompt.expected, at=driver.clock.now() - 2 * MS, lag=3 * MS)
     trial = driver.last(t.TRIAL)
-    assert facts(trial, "attempt trial stimulus response") == (
-        1,
-        1,
-        prompt.stimulus,
-        prompt.expected,
-    )
-    assert trial.correct
+    answered = (1, 1, prompt.stimulus, prompt.expected, True)
+    assert facts(trial, "attempt trial stimulus response correct") == answered
     assert (trial.onset, trial.response_at) == (onset, onset + 430 * MS)
     assert trial.reaction_time_ms == trial.value == 430.0
-    timing = trial.timing
-    assert (timing.onset_source, timing.handler_delay_ms, timing.loop_lag_ms) == ("flush", 2.0, 3.0)
-    assert (timing.false_starts, timing.presentation, timing.flags) == (0, 1, ())
+    of_machine = facts(trial.timing, "onset_source handler_delay_ms loop_lag_ms")
+    assert of_machine == ("flush", 2.0, 3.0)
+    assert facts(trial.timing, "false_starts presentation flags") == (0, 1, ())
 
 
-def test_a_wrong_key_lowers_accuracy_and_is_not_in_the_metric(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.enter()
-    driver.press("enter")
-    driver.answer(300, key="#")
-    wrong = driver.last(t.TRIAL)
-    assert facts(wrong, "response correct reaction_time_ms value") == ("#", False, 300.0, None)
+def test_a_wrong_key_lowers_accuracy_and_is_not_in_the_metric() -> None:
+    driver = session("quiet")
+    wrong = driver.answer(300, key="#")
+    stored = facts(wrong, "response correct reaction_time_ms value")
+    assert stored == ("#", False, 300.0, None)
     driver.answer(400)
     driver.answer(500)
     ended = driver.last(t.ATTEMPT_ENDED)
-    assert facts(ended, "metric accuracy correct trials") == (450.0, pytest.approx(2 / 3), 2, 3)
-    assert (ended.outcome, ended.feedback) == ("failure", "negative")
+    assert facts(ended, "metric correct trials") == (450.0, 2, 3)
+    assert ended.accuracy == pytest.approx(2 / 3)
+    assert facts(ended, "outcome feedback") == ("failure", "negative")
     assert driver.last(t.FEEDBACK).reason == "accuracy"
 
 
-def test_a_miss_is_stored_with_nulls_after_the_time_out(new_session: NewSession) -> None:
-    driver = new_session(response_timeout_ms=2000)
-    driver.start()
+def test_a_miss_is_stored_with_nulls_after_the_time_out() -> None:
+    driver = session("prompt", response_timeout_ms=2000)
     driver.wait(2049)
     assert driver.all(t.TRIAL) == []
     driver.wait(1)
     miss = driver.last(t.TRIAL)
-    assert facts(miss, "response response_at reaction_time_ms value") == (None, None, None, None)
+    assert {*facts(miss, "response response_at reaction_time_ms value")} == {None}
     assert not miss.correct
     assert miss.onset is not None
+    missed = driver.clock.now()
+    driver.until(lambda: driver.waiting.what == "foreperiod")
+    assert driver.clock.now() == missed, "no key was pressed for long"
 
 
-def test_an_attempt_with_no_correct_response_fails_with_an_empty_metric(
-    new_session: NewSession,
-) -> None:
-    driver = new_session(start_level=2, min_accuracy=0.0)
-    driver.enter()
+def test_an_attempt_with_no_correct_response_fails_with_an_empty_metric() -> None:
+    driver = session("attempt", start_level=2, min_accuracy=0.0)
     driver.attempt(wrong=3)
-    ended = driver.last(t.ATTEMPT_ENDED)
-    assert facts(ended, "metric accuracy outcome feedback") == (None, 0.0, "failure", "negative")
-    assert driver.last(t.FEEDBACK).reason == "empty"
-    assert driver.last(t.LEVEL).level == 1
+    ended = facts(driver.last(t.ATTEMPT_ENDED), "metric accuracy outcome feedback")
+    assert ended == (None, 0.0, "failure", "negative")
+    assert (driver.last(t.FEEDBACK).reason, driver.last(t.LEVEL).level) == ("empty", 1)
 
 
-def test_success_raises_and_failure_lowers_the_level_of_the_next_attempt(
-    new_session: NewSession,
-) -> None:
-    driver = new_session(attempts=3, start_level=4)
-    driver.enter()
-    driver.attempt(400)
-    driver.attempt(1400)
-    driver.attempt(400)
-    assert [ended.level for ended in driver.all(t.ATTEMPT_ENDED)] == [4, 5, 4]
-    assert each(driver.all(t.LEVEL), "previous level reason") == [
-        (4, 5, "success"),
-        (5, 4, "failure"),
-        (4, 5, "success"),
-    ]
+def test_success_raises_and_failure_lowers_the_level_of_the_next_attempt() -> None:
+    driver = session("attempt", attempts=3, start_level=4)
+    for time_ms in (400, 1400, 400):
+        driver.attempt(time_ms)
+    assert each(driver.all(t.ATTEMPT_ENDED), "level") == [4, 5, 4]
+    changes = [(4, 5, "success"), (5, 4, "failure"), (4, 5, "success")]
+    assert each(driver.all(t.LEVEL), "previous level reason") == changes
 
 
-def test_an_attempt_is_in_memory_before_its_feedback(new_session: NewSession) -> None:
-    driver = new_session(attempts=5, difficulty_policy="fixed", feedback_form="quantitative")
-    driver.enter()
+def test_an_attempt_is_in_memory_before_its_feedback() -> None:
+    settings = {"difficulty_policy": "fixed", "feedback_form": "quantitative"}
+    driver = session("attempt", attempts=5, **settings)
     for time_ms in (700, 700, 700, 650):
         driver.attempt(time_ms)
     assert "0.05 seconds faster than last time" in driver.last(t.ACTION).text
-    topics = [
-        record.topic
-        for record in driver.records
-        if record.topic in (t.TRIAL, t.ATTEMPT_ENDED, t.FEEDBACK, t.ACTION)
-    ]
-    assert topics[-4:] == [t.TRIAL, t.ATTEMPT_ENDED, t.FEEDBACK, t.ACTION]
+    order = [t.TRIAL, t.ATTEMPT_ENDED, t.FEEDBACK, t.ACTION]
+    assert [one.topic for one in driver.records if one.topic in order][-4:] == order
 
 
-def test_feedback_frequency_is_independent_of_difficulty(new_session: NewSession) -> None:
-    driver = new_session(
-        attempts=6, prompts_per_attempt=1, feedback_every=3, consecutive_successes=2
-    )
-    driver.enter()
+def test_feedback_frequency_is_independent_of_difficulty() -> None:
+    every = {"prompts_per_attempt": 1, "feedback_every": 3, "consecutive_successes": 2}
+    driver = session("attempt", attempts=6, **every)
     for _ in range(6):
         driver.attempt(400)
-    assert each(driver.all(t.ATTEMPT_ENDED), "feedback") == ["none", "none", "positive"] * 2
-    assert [feedback.attempt for feedback in driver.all(t.FEEDBACK)] == [3, 6]
-    assert [ended.level for ended in driver.all(t.ATTEMPT_ENDED)] == [1, 1, 2, 2, 3, 3]
+    ended = driver.all(t.ATTEMPT_ENDED)
+    assert each(ended, "feedback") == ["none", "none", "positive"] * 2
+    assert each(driver.all(t.FEEDBACK), "attempt") == [3, 6]
+    assert each(ended, "level") == [1, 1, 2, 2, 3, 3]
 
 
-def test_practice_gets_feedback_but_changes_neither_level_nor_count(
-    new_session: NewSession,
-) -> None:
-    driver = new_session(practice_attempts=1, attempts=2, feedback_every=2, start_level=3)
-    driver.enter()
+def test_practice_gets_feedback_but_changes_neither_level_nor_count() -> None:
+    driver = session("attempt", practice_attempts=1, feedback_every=2, start_level=3)
     assert driver.waiting.attempt_name == "practice 1 of 1"
     driver.attempt(400)
     assert driver.all(t.LEVEL) == []
@@ -198,13 +172,13 @@ def test_practice_gets_feedback_but_changes_neither_level_nor_count(
     driver.attempt(400)
     ended = driver.all(t.ATTEMPT_ENDED)
     assert each(ended, "attempt practice level") == [(1, True, 3), (2, False, 3), (3, False, 4)]
-    assert [attempt.feedback for attempt in ended] == ["positive", "none", "positive"]
+    assert each(ended, "feedback") == ["positive", "none", "positive"]
     assert driver.waiting.stage == "review"
 
 
-def test_failures_in_practice_do_not_count_as_consecutive(new_session: NewSession) -> None:
-    driver = new_session(practice_attempts=2, attempts=1, start_level=3, consecutive_failures=3)
-    driver.enter()
+def test_failures_in_practice_do_not_count_as_consecutive() -> None:
+    failures = {"start_level": 3, "consecutive_failures": 3}
+    driver = session("attempt", practice_attempts=2, attempts=1, **failures)
     for _ in range(3):
         driver.attempt(1400)
     assert driver.all(t.LEVEL) == []
@@ -213,96 +187,68 @@ def test_failures_in_practice_do_not_count_as_consecutive(new_session: NewSessio
 # --- keys outside the response window
 
 
-def test_a_key_in_the_foreperiod_restarts_it_and_is_no_response(new_session: NewSession) -> None:
-    driver = new_session(foreperiod_min_ms=800, foreperiod_max_ms=800)
-    driver.enter()
-    driver.press("enter")
-    driver.until(lambda: driver.waiting.what == "foreperiod")
+@pytest.mark.parametrize("disturb", [lambda driver: driver.press("f"), LoopDriver.paste])
+def test_a_key_in_the_foreperiod_restarts_it_and_is_no_response(
+    disturb: Callable[[LoopDriver], None],
+) -> None:
+    driver = session("foreperiod", foreperiod_min_ms=800, foreperiod_max_ms=800)
     driver.wait(700)
-    driver.press("f")
+    disturb(driver)
     pressed = driver.clock.now()
     assert driver.waiting.what == "quiet"
-    prompt = driver.to_prompt()
-    assert driver.clock.now() - pressed == (500 + 800 + 4) * MS
+    driver.to_prompt()
+    assert ms_since(driver, pressed) == 500 + 800 + 4
     assert driver.all(t.TRIAL) == []
-    driver.wait(400)
-    driver.press(prompt.expected)
-    assert driver.last(t.TRIAL).timing.false_starts == 1
-    assert driver.last(t.TRIAL).reaction_time_ms == 400.0
+    assert facts(driver.answer(400), "timing.false_starts reaction_time_ms") == (1, 400.0)
 
 
-def test_the_foreperiod_lies_between_its_bounds_and_differs_from_trial_to_trial(
-    new_session: NewSession,
-) -> None:
-    driver = new_session(prompts_per_attempt=20, foreperiod_min_ms=600, foreperiod_max_ms=900)
-    driver.enter()
+def test_the_foreperiod_lies_between_its_bounds_and_differs_from_trial_to_trial() -> None:
+    bounds = {"foreperiod_min_ms": 600, "foreperiod_max_ms": 900}
+    driver = session("attempt", prompts_per_attempt=20, **bounds)
     driver.attempt()
-    waits = [trial.timing.foreperiod_ms for trial in driver.all(t.TRIAL)]
+    waits = each(driver.all(t.TRIAL), "timing.foreperiod_ms")
     assert all(600 <= wait <= 900 for wait in waits)
     assert len(set(waits)) == 20
-    shown = [record.at for record in driver.records if record.topic is t.PROMPT]
-    began = [
-        record.at
-        for record in driver.records
-        if record.topic is t.WAITING and record.message.what == "foreperiod"
-    ]
-    assert [(end - begin) / MS for begin, end in zip(began, shown, strict=True)] == pytest.approx(
-        waits
-    )
+    shown = [one.at for one in driver.records if one.topic is t.PROMPT]
+    waited = [one for one in driver.records if one.topic is t.WAITING]
+    began = [one.at for one in waited if one.message.what == "foreperiod"]
+    lasted = [(end - begin) / MS for begin, end in zip(began, shown, strict=True)]
+    assert lasted == pytest.approx(waits)
 
 
-def test_a_foreperiod_begins_only_after_half_a_second_without_keys(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.enter()
-    driver.press("enter")
-    entered = driver.clock.now()
-    driver.until(lambda: driver.waiting.what == "foreperiod")
-    assert driver.clock.now() - entered == 500 * MS
-    driver.answer(300)
-    answered = driver.clock.now()
-    driver.until(lambda: driver.waiting.what == "foreperiod")
-    assert driver.clock.now() - answered == 500 * MS
+def test_a_foreperiod_begins_only_after_half_a_second_without_keys() -> None:
+    driver = session("quiet")
+    for press in (lambda: None, lambda: driver.answer(300)):
+        press()
+        pressed = driver.clock.now()
+        driver.until(lambda: driver.waiting.what == "foreperiod")
+        assert ms_since(driver, pressed) == 500
 
 
-def test_a_key_before_the_foreperiod_delays_it_and_is_no_false_start(
-    new_session: NewSession,
-) -> None:
-    driver = new_session()
-    driver.enter()
-    driver.press("enter")
+def test_a_key_before_the_foreperiod_delays_it_and_is_no_false_start() -> None:
+    driver = session("quiet")
     driver.wait(300)
     driver.press("f")
     pressed = driver.clock.now()
     driver.until(lambda: driver.waiting.what == "foreperiod")
-    assert driver.clock.now() - pressed == 500 * MS
+    assert ms_since(driver, pressed) == 500
     assert driver.answer().timing.false_starts == 0
 
 
-def test_after_a_quiet_miss_the_foreperiod_begins_at_once(new_session: NewSession) -> None:
-    driver = new_session(response_timeout_ms=2000)
-    driver.start()
-    driver.until(lambda: driver.all(t.TRIAL))
-    missed = driver.clock.now()
-    driver.until(lambda: driver.waiting.what == "foreperiod")
-    assert driver.clock.now() == missed
-
-
-def test_a_held_key_delays_the_prompt_until_it_is_released(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.enter()
-    driver.press("enter")
+def test_a_held_key_delays_the_prompt_until_it_is_released() -> None:
+    driver = session("quiet")
     driver.wait(30)
     driver.hold("enter", ms=4000)
     released = driver.clock.now()
     assert driver.all(t.PROMPT) == []
-    assert [started.attempt for started in driver.all(t.ATTEMPT_STARTED)] == [1]
+    assert each(driver.all(t.ATTEMPT_STARTED), "attempt") == [1]
     driver.to_prompt()
-    assert driver.clock.now() - released >= (500 - 30 + 500) * MS
+    assert ms_since(driver, released) >= 500 - 30 + 500
     assert driver.all(t.TRIAL) == []
 
 
-def test_a_held_enter_begins_no_attempt(new_session: NewSession) -> None:
-    driver = new_session()
+def test_a_held_enter_begins_no_attempt() -> None:
+    driver = session()
     driver.wait(1000)
     driver.strike("enter")
     driver.wait(500)
@@ -313,17 +259,15 @@ def test_a_held_enter_begins_no_attempt(new_session: NewSession) -> None:
     assert driver.waiting.stage == "trial"
 
 
-def test_an_enter_that_was_down_when_the_session_began_skips_nothing(
-    new_session: NewSession,
-) -> None:
-    driver = new_session()
+def test_an_enter_that_was_down_when_the_session_began_skips_nothing() -> None:
+    driver = session()
     driver.hold("enter", ms=5000)
     assert driver.waiting.stage == "instructions"
 
 
 @pytest.mark.parametrize("between_ms", [20, 80, 300, 590])
-def test_a_doubled_enter_passes_one_screen_only(new_session: NewSession, between_ms: int) -> None:
-    driver = new_session(attempts=1, prompts_per_attempt=1)
+def test_a_doubled_enter_passes_one_screen_only(between_ms: int) -> None:
+    driver = session(attempts=1, prompts_per_attempt=1)
     passed = []
     for _ in range(3):
         driver.wait(1000)
@@ -336,21 +280,18 @@ def test_a_doubled_enter_passes_one_screen_only(new_session: NewSession, between
     assert passed == ["instructions", "attempt", "review"]
 
 
-def test_an_attempt_begins_only_after_quiet_keys(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.enter()
+def test_an_attempt_begins_only_after_quiet_keys() -> None:
+    driver = session("attempt")
     driver.wait(2000)
     driver.strike("x")
-    driver.wait(690)
-    driver.strike("enter")
-    assert driver.waiting.stage == "attempt"
-    driver.wait(700)
-    driver.strike("enter")
-    assert driver.waiting.stage == "trial"
+    for wait_ms, stage in ((690, "attempt"), (700, "trial")):
+        driver.wait(wait_ms)
+        driver.strike("enter")
+        assert driver.waiting.stage == stage
 
 
-def test_only_enter_begins_an_attempt(new_session: NewSession) -> None:
-    driver = new_session()
+def test_only_enter_begins_an_attempt() -> None:
+    driver = session()
     driver.press("space")
     assert driver.waiting.stage == "instructions"
     driver.enter()
@@ -358,196 +299,140 @@ def test_only_enter_begins_an_attempt(new_session: NewSession) -> None:
     assert driver.waiting.stage == "attempt"
 
 
-def test_a_key_before_onset_is_stored_as_an_anticipation_outside_the_metric(
-    new_session: NewSession,
-) -> None:
-    driver = new_session()
-    driver.enter()
-    driver.press("enter")
-    driver.until(lambda: driver.all(t.PROMPT))
-    prompt = driver.last(t.PROMPT)
+def test_a_key_before_onset_is_stored_as_an_anticipation_outside_the_metric() -> None:
+    driver = session("before onset")
+    expected = driver.last(t.PROMPT).expected
     driver.wait(1)
-    driver.press(prompt.expected)
+    driver.press(expected)
     assert driver.all(t.TRIAL) == []
     driver.wait(3)
     trial = driver.last(t.TRIAL)
-    assert facts(trial, "response correct reaction_time_ms value") == (
-        prompt.expected,
-        True,
-        None,
-        None,
-    )
+    stored = facts(trial, "response correct reaction_time_ms value timing.flags")
+    assert stored == (expected, True, None, None, ("anticipation",))
     assert trial.response_at == trial.onset - 3 * MS
-    assert trial.timing.flags == ("anticipation",)
 
 
-def test_the_first_of_two_keys_before_onset_is_the_response(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.enter()
-    driver.press("enter")
-    driver.until(lambda: driver.all(t.PROMPT))
+def test_the_first_of_two_keys_before_onset_is_the_response() -> None:
+    driver = session("before onset")
     for key in ("#", driver.last(t.PROMPT).expected):
         driver.wait(1)
         driver.press(key)
     driver.to_prompt()
-    assert [(trial.trial, trial.response) for trial in driver.all(t.TRIAL)] == [(1, "#")]
+    assert each(driver.all(t.TRIAL), "trial response") == [(1, "#")]
     assert driver.session.faults == []
 
 
-def test_a_key_stamped_after_onset_but_handled_before_it_is_a_response(
-    new_session: NewSession,
-) -> None:
-    driver = new_session()
+def test_a_key_stamped_after_onset_but_handled_before_it_is_a_response() -> None:
+    driver = session("quiet")
     driver.screen.shows = False
-    driver.enter()
-    driver.press("enter")
     driver.until(lambda: driver.all(t.PROMPT))
     onset = driver.clock.now() + 2 * MS
     driver.wait(300)
     driver.press(driver.last(t.PROMPT).expected)
     assert driver.all(t.TRIAL) == []
     driver.screen.show(driver.last(t.PROMPT), at=onset)
-    assert driver.last(t.TRIAL).reaction_time_ms == 298.0
-    assert flags(driver) == ()
+    assert facts(driver.last(t.TRIAL), "reaction_time_ms timing.flags") == (298.0, ())
 
 
 @pytest.mark.parametrize(
     ("reaction", "flagged"), [(0, True), (99, True), (99.999, True), (100, False), (101, False)]
 )
-def test_faster_than_a_tenth_of_a_second_is_an_anticipation(
-    new_session: NewSession, reaction: float, flagged: bool
-) -> None:
-    driver = new_session()
-    driver.start()
-    trial = driver.answer(reaction)
+def test_faster_than_a_tenth_of_a_second_is_an_anticipation(reaction: float, flagged: bool) -> None:
+    trial = session("prompt").answer(reaction)
     assert trial.reaction_time_ms == reaction
     assert ("anticipation" in trial.timing.flags) is flagged
     assert trial.value == (None if flagged else reaction)
 
 
-def test_anticipations_are_correct_but_not_in_the_mean(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.enter()
-    driver.press("enter")
+def test_anticipations_are_correct_but_not_in_the_mean() -> None:
+    driver = session("quiet")
     for reaction in (50, 400, 600):
         driver.answer(reaction)
-    ended = driver.last(t.ATTEMPT_ENDED)
-    assert (ended.metric, ended.accuracy) == (500.0, 1.0)
+    assert facts(driver.last(t.ATTEMPT_ENDED), "metric accuracy") == (500.0, 1.0)
 
 
-def test_a_key_stamped_in_time_counts_even_if_handled_late(new_session: NewSession) -> None:
-    driver = new_session(response_timeout_ms=2000)
-    prompt = driver.start()
+def test_a_key_stamped_in_time_counts_even_if_handled_late() -> None:
+    driver = session("prompt", response_timeout_ms=2000)
     onset = driver.clock.now()
     driver.wait(2030)
-    driver.press(prompt.expected, at=onset + 2000 * MS)
+    driver.press(driver.last(t.PROMPT).expected, at=onset + 2000 * MS)
     trial = driver.last(t.TRIAL)
-    assert (trial.reaction_time_ms, trial.correct, trial.timing.flags) == (2000.0, True, ())
+    assert facts(trial, "reaction_time_ms correct timing.flags") == (2000.0, True, ())
     assert trial.timing.handler_delay_ms == 30.0
     driver.wait(5000)
     assert numbers(driver)[0] == (1, 1)
     assert numbers(driver).count((1, 1)) == 1
 
 
-def test_a_key_stamped_late_is_a_flagged_miss(new_session: NewSession) -> None:
-    driver = new_session(response_timeout_ms=2000)
-    prompt = driver.start()
+def test_a_key_stamped_late_is_a_flagged_miss() -> None:
+    driver = session("prompt", response_timeout_ms=2000)
     driver.wait(2030)
-    driver.press(prompt.expected)
-    trial = driver.last(t.TRIAL)
-    assert (trial.response, trial.reaction_time_ms, trial.correct) == (None, None, False)
-    assert trial.timing.flags == ("late_key",)
+    driver.press(driver.last(t.PROMPT).expected)
+    missed = facts(driver.last(t.TRIAL), "response reaction_time_ms correct timing.flags")
+    assert missed == (None, None, False, ("late_key",))
 
 
-def test_a_key_after_the_miss_belongs_to_no_trial(new_session: NewSession) -> None:
-    driver = new_session(response_timeout_ms=2000)
-    prompt = driver.start()
+def test_a_key_after_the_miss_belongs_to_no_trial() -> None:
+    driver = session("prompt", response_timeout_ms=2000)
     driver.wait(2060)
-    driver.press(prompt.expected)
-    assert numbers(driver) == [(1, 1)]
-    assert driver.last(t.TRIAL).response is None
+    driver.press(driver.last(t.PROMPT).expected)
+    assert each(driver.all(t.TRIAL), "trial response") == [(1, None)]
     assert driver.waiting.what == "quiet"
 
 
-def test_repeats_of_a_held_key_never_count(new_session: NewSession) -> None:
-    driver = new_session(quiet_ms=0, foreperiod_min_ms=0, foreperiod_max_ms=0, levels=["f"])
-    driver.enter()
-    driver.press("enter")
-    driver.to_prompt()
+def test_repeats_of_a_held_key_never_count() -> None:
+    at_once = {"quiet_ms": 0, "foreperiod_min_ms": 0, "foreperiod_max_ms": 0}
+    driver = session("prompt", levels=["f"], **at_once)
     driver.wait(300)
-    driver.press("f")
-    driver.wait(30)
-    for _ in range(20):
+    for _ in range(21):
         driver.press("f")
         driver.wait(30)
     assert numbers(driver) == [(1, 1)]
     driver.wait(500)
     driver.press("f")
     assert driver.last(t.TRIAL).trial == 2
-    assert "repeat_key" in flags(driver)
+    assert "repeat_key" in driver.last(t.TRIAL).timing.flags
 
 
-def test_a_paste_is_flagged_and_never_a_response(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.start()
+def test_a_paste_is_flagged_and_never_a_response() -> None:
+    driver = session("prompt")
     driver.wait(200)
     driver.paste()
     assert driver.all(t.TRIAL) == []
-    trial = driver.answer(300)
-    assert (trial.correct, trial.timing.flags) == (True, ("paste",))
+    assert facts(driver.answer(300), "correct timing.flags") == (True, ("paste",))
 
 
-def test_a_paste_in_the_foreperiod_restarts_it(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.enter()
-    driver.press("enter")
-    driver.until(lambda: driver.waiting.what == "foreperiod")
-    driver.wait(100)
-    driver.paste()
-    pasted = driver.clock.now()
-    assert driver.waiting.what == "quiet"
-    driver.until(lambda: driver.waiting.what == "foreperiod")
-    assert driver.clock.now() - pasted == 500 * MS
-    assert driver.answer().timing.false_starts == 1
-
-
-def test_a_lost_focus_is_flagged_and_never_a_response(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.start()
+def test_a_lost_focus_is_flagged_and_never_a_response() -> None:
+    driver = session("prompt")
     driver.focus(False)
     driver.focus(True)
     assert driver.all(t.TRIAL) == []
-    assert driver.answer(300).timing.flags == ("focus_lost",)
-    assert driver.answer(300).timing.flags == ()
+    assert [driver.answer(300).timing.flags for _ in range(2)] == [("focus_lost",), ()]
 
 
-def test_every_trial_without_focus_is_flagged(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.enter()
+def test_every_trial_without_focus_is_flagged() -> None:
+    driver = session("attempt")
     driver.focus(False)
     driver.press("enter")
-    assert driver.answer().timing.flags == ("focus_lost",)
-    assert driver.answer().timing.flags == ("focus_lost",)
+    assert [driver.answer().timing.flags for _ in range(2)] == [("focus_lost",)] * 2
     driver.focus(True)
     assert driver.answer().timing.flags == ()
 
 
-def test_an_onset_stamped_after_refresh_is_flagged(new_session: NewSession) -> None:
-    driver = new_session()
+def test_an_onset_stamped_after_refresh_is_flagged() -> None:
+    driver = session()
     driver.screen.source = "refresh"
     driver.start()
-    trial = driver.answer()
-    assert (trial.timing.onset_source, trial.timing.flags) == ("refresh", ("onset_refresh",))
+    stamped = facts(driver.answer().timing, "onset_source flags")
+    assert stamped == ("refresh", ("onset_refresh",))
 
 
-def test_an_onset_of_another_presentation_is_ignored(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.start()
-    stale = driver.screen.prompt
+def test_an_onset_of_another_presentation_is_ignored() -> None:
+    driver = session("prompt")
+    stale = driver.last(t.PROMPT)
     driver.operate("repeat")
     driver.screen.shows = False
     driver.until(lambda: len(driver.all(t.PROMPT)) == 2)
-    assert stale is not None
     driver.screen.show(stale)
     driver.wait(300)
     driver.press(stale.expected)
@@ -558,271 +443,186 @@ def test_an_onset_of_another_presentation_is_ignored(new_session: NewSession) ->
     ("level", "typed", "correct"), [(1, str.upper, True), (16, str.swapcase, False)]
 )
 def test_case_is_ignored_unless_the_level_asks_for_shift(
-    new_session: NewSession, level: int, typed: Callable[[str], str], correct: bool
+    level: int, typed: Callable[[str], str], correct: bool
 ) -> None:
-    driver = new_session(start_level=level)
-    prompt = driver.start()
-    assert prompt.expected.isalpha()
-    driver.wait(400)
-    driver.press(typed(prompt.expected))
-    assert driver.last(t.TRIAL).correct is correct
+    driver = session("prompt", start_level=level)
+    expected = driver.last(t.PROMPT).expected
+    assert expected.isalpha()
+    assert driver.answer(400, typed(expected)).correct is correct
 
 
 # --- pauses and commands
 
-
-def in_quiet(driver: LoopDriver) -> None:
-    driver.enter()
-    driver.press("enter")
-
-
-def in_foreperiod(driver: LoopDriver) -> None:
-    in_quiet(driver)
-    driver.until(lambda: driver.waiting.what == "foreperiod")
-    driver.wait(100)
-
-
-def in_storing(driver: LoopDriver) -> None:
-    driver.screen.stores = False
-    driver.start()
-    driver.answer()
-    driver.until(lambda: driver.waiting.what == "storage")
-
-
-def before_onset(driver: LoopDriver) -> None:
-    in_foreperiod(driver)
-    driver.until(lambda: driver.all(t.PROMPT))
-
-
-def in_response(driver: LoopDriver) -> None:
-    driver.start()
-    driver.wait(100)
-
-
-IN_A_TRIAL = [in_quiet, in_foreperiod, in_storing, before_onset, in_response]
+IN_A_TRIAL = ["quiet", "foreperiod", "storage", "before onset", "prompt"]
 
 
 @pytest.mark.parametrize("moment", IN_A_TRIAL)
-def test_a_trial_voided_by_a_pause_is_repeated_unchanged(
-    new_session: NewSession, moment: Callable[[LoopDriver], None]
-) -> None:
-    driver, undisturbed = new_session(seed=5), new_session(seed=5)
-    undisturbed.enter()
+def test_a_trial_voided_by_a_pause_is_repeated_unchanged(moment: str) -> None:
+    undisturbed = session("attempt", seed=5)
     undisturbed.attempt()
-    moment(driver)
+    driver = session(moment, seed=5)
     done = len(driver.all(t.TRIAL))
     driver.operate("pause")
-    assert (driver.waiting.what, driver.waiting.stage) == ("resume", "paused")
-    voided = driver.last(t.VOIDED)
-    assert (voided.attempt, voided.trial, voided.reason) == (1, done + 1, "pause")
+    assert now(driver) == ("resume", "paused")
+    assert facts(driver.last(t.VOIDED), "attempt trial reason") == (1, done + 1, "pause")
     driver.wait(60_000)
     driver.press("enter")
     driver.press("f")
-    assert driver.waiting.stage == "paused"
-    assert len(driver.all(t.TRIAL)) == done
+    assert (driver.waiting.stage, len(driver.all(t.TRIAL))) == ("paused", done)
     driver.screen.stores = True
     if done:
         driver.screen.store(1, done)
     driver.operate("resume")
     while len(driver.all(t.TRIAL)) < 3:
         driver.answer()
-    for trial, as_it_was in zip(driver.all(t.TRIAL), undisturbed.all(t.TRIAL), strict=True):
-        assert facts(trial, "attempt trial stimulus") == (
-            as_it_was.attempt,
-            as_it_was.trial,
-            as_it_was.stimulus,
-        )
-        assert trial.timing.foreperiod_ms == as_it_was.timing.foreperiod_ms
+    same = "attempt trial stimulus timing.foreperiod_ms"
+    assert each(driver.all(t.TRIAL), same) == each(undisturbed.all(t.TRIAL), same)
     assert driver.session.faults == []
 
 
-def test_a_repeated_prompt_counts_its_presentations(new_session: NewSession) -> None:
-    driver = new_session()
-    first = driver.start()
+def test_a_repeated_prompt_counts_its_presentations() -> None:
+    driver = session("prompt")
+    first = driver.last(t.PROMPT)
     driver.operate("pause")
     driver.operate("resume")
-    again = driver.to_prompt()
-    assert (again.trial, again.stimulus, first.presentation, again.presentation) == (
-        1,
-        first.stimulus,
-        1,
-        2,
-    )
+    assert facts(driver.to_prompt(), "trial stimulus presentation") == (1, first.stimulus, 2)
+    assert first.presentation == 1
     assert driver.answer().timing.presentation == 2
 
 
-def test_flags_of_a_voided_prompt_are_not_on_its_repetition(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.enter()
-    driver.press("enter")
-    driver.until(lambda: driver.waiting.what == "foreperiod")
+def test_flags_of_a_voided_prompt_are_not_on_its_repetition() -> None:
+    driver = session("foreperiod")
     driver.press("f")
     driver.to_prompt()
     driver.paste()
     driver.operate("pause")
     driver.operate("resume")
-    timing = driver.answer().timing
-    assert (timing.false_starts, timing.flags) == (0, ())
+    assert facts(driver.answer().timing, "false_starts flags") == (0, ())
 
 
-def test_after_a_pause_come_a_quiet_time_and_a_whole_foreperiod(new_session: NewSession) -> None:
-    driver = new_session(foreperiod_min_ms=700, foreperiod_max_ms=700)
-    driver.start()
+def test_after_a_pause_come_a_quiet_time_and_a_whole_foreperiod() -> None:
+    driver = session("prompt", foreperiod_min_ms=700, foreperiod_max_ms=700)
     driver.operate("pause")
-    driver.wait(10_000)
+    driver.wait(600_000)
+    assert (driver.all(t.TRIAL), driver.waiting.stage) == ([], "paused"), "nothing times out"
     driver.operate("resume")
     resumed = driver.clock.now()
     driver.to_prompt()
-    assert driver.clock.now() - resumed == (500 + 700 + 4) * MS
+    assert ms_since(driver, resumed) == 500 + 700 + 4
 
 
-def test_nothing_times_out_in_a_pause(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.start()
-    driver.operate("pause")
-    driver.wait(600_000)
-    assert driver.all(t.TRIAL) == []
-    assert driver.waiting.stage == "paused"
-
-
-def test_a_pause_between_attempts_voids_nothing_and_returns_there(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.enter()
-    driver.attempt()
-    driver.operate("pause")
-    assert driver.waiting.stage == "paused"
-    driver.operate("resume")
-    assert facts(driver.waiting, "what stage attempt") == ("enter", "attempt", 2)
+@pytest.mark.parametrize(("played", "stage"), [(0, "instructions"), (1, "attempt")])
+@pytest.mark.parametrize("storage", [False, True])
+def test_a_pause_outside_an_attempt_voids_nothing_and_returns_there(
+    played: int, stage: str, storage: bool
+) -> None:
+    driver = session("attempt" if played else "instructions")
+    for _ in range(played):
+        driver.attempt()
+    before = now(driver, "what stage attempt")
+    assert before[:2] == ("enter", stage)
+    if storage:
+        driver.disk(False)
+        driver.disk(True)
+        driver.press("enter")
+    else:
+        driver.operate("pause")
+        assert driver.waiting.stage == "paused"
+        driver.operate("resume")
+    assert now(driver, "what stage attempt") == before
     assert driver.all(t.VOIDED) == []
 
 
-def test_a_pause_in_the_instructions_returns_to_them(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.operate("pause")
-    driver.operate("resume")
-    assert driver.waiting.stage == "instructions"
-
-
 @pytest.mark.parametrize("reason", ["tired", "pain", "finished"])
-def test_the_reason_of_a_pause_is_reported_and_only_a_command_resumes(
-    new_session: NewSession, reason: str
-) -> None:
-    driver = new_session()
-    driver.start()
+def test_the_reason_of_a_pause_is_reported_and_only_a_command_resumes(reason: str) -> None:
+    driver = session("prompt")
     driver.operate("pause")
     driver.operate("pause", reason=reason)
-    assert facts(driver.waiting, "what stage reason") == ("resume", "paused", reason)
+    assert now(driver, "what stage reason") == ("resume", "paused", reason)
     driver.press("enter")
     assert driver.waiting.stage == "paused"
     driver.operate("resume")
-    assert (driver.waiting.stage, driver.waiting.reason) == ("trial", "")
+    assert now(driver, "stage reason") == ("trial", "")
     assert len(driver.all(t.VOIDED)) == 1
 
 
-@pytest.mark.parametrize(
-    "moment",
-    [*IN_A_TRIAL, lambda driver: None, LoopDriver.enter, lambda driver: driver.operate("pause")],
-)
-def test_an_end_aborts_from_anywhere_and_is_final(
-    new_session: NewSession, moment: Callable[[LoopDriver], None]
-) -> None:
-    driver = new_session()
-    moment(driver)
+@pytest.mark.parametrize("moment", [*IN_A_TRIAL, "instructions", "attempt", "paused"])
+def test_an_end_aborts_from_anywhere_and_is_final(moment: str) -> None:
+    driver = session(moment if moment != "paused" else "instructions")
+    if moment == "paused":
+        driver.operate("pause")
     done = len(driver.all(t.TRIAL))
     driver.operate("end")
-    if done and not driver.screen.stores:
+    if done:
         assert driver.all(t.SESSION_ENDED) == [], "the last trial is not on disk yet"
         driver.screen.store(1, done)
-    assert [end.status for end in driver.all(t.SESSION_ENDED)] == ["aborted"]
+    assert each(driver.all(t.SESSION_ENDED), "status") == ["aborted"]
     assert driver.session.ended
     for act in ("resume", "skip", "repeat", "pause", "end"):
         driver.operate(act)
     driver.wait(60_000)
     assert driver.waiting.what == "nothing"
-    assert len(driver.all(t.TRIAL)) == done
-    assert len(driver.all(t.SESSION_ENDED)) == 1
+    assert (len(driver.all(t.TRIAL)), len(driver.all(t.SESSION_ENDED))) == (done, 1)
     assert driver.last(t.ACTION).kind == "goodbye"
 
 
 @pytest.mark.parametrize("moment", IN_A_TRIAL)
-def test_a_skipped_prompt_is_stored_and_the_next_follows(
-    new_session: NewSession, moment: Callable[[LoopDriver], None]
-) -> None:
-    driver = new_session()
-    moment(driver)
+def test_a_skipped_prompt_is_stored_and_the_next_follows(moment: str) -> None:
+    driver = session(moment)
     done = len(driver.all(t.TRIAL))
     driver.screen.stores = True
     driver.operate("skip")
-    skipped = driver.last(t.TRIAL)
-    assert (skipped.trial, skipped.correct, skipped.response) == (done + 1, False, None)
-    assert skipped.timing.flags == ("skipped",)
+    skipped = facts(driver.last(t.TRIAL), "trial correct response timing.flags")
+    assert skipped == (done + 1, False, None, ("skipped",))
     assert driver.answer().trial == done + 2
 
 
-def test_a_repeat_shows_the_prompt_again_under_its_number(new_session: NewSession) -> None:
-    driver = new_session()
-    first = driver.start()
-    driver.wait(100)
+def test_a_repeat_shows_the_prompt_again_under_its_number() -> None:
+    driver = session("prompt")
+    first = driver.last(t.PROMPT)
     driver.operate("repeat")
     assert driver.last(t.VOIDED).reason == "repeat"
-    again = driver.to_prompt()
-    assert (again.trial, again.stimulus, again.presentation) == (first.trial, first.stimulus, 2)
+    again = facts(driver.to_prompt(), "trial stimulus presentation")
+    assert again == (first.trial, first.stimulus, 2)
 
 
 @pytest.mark.parametrize("act", ["skip", "repeat"])
-def test_outside_a_trial_there_is_nothing_to_skip_or_repeat(
-    new_session: NewSession, act: str
-) -> None:
-    driver = new_session()
-    driver.enter()
+def test_outside_a_trial_there_is_nothing_to_skip_or_repeat(act: str) -> None:
+    driver = session("attempt")
     said = len(driver.all(t.WAITING))
     driver.operate(act)
     assert (driver.all(t.TRIAL), driver.all(t.VOIDED), len(driver.all(t.WAITING))) == ([], [], said)
 
 
-def test_a_level_set_between_attempts_applies_to_the_next_at_once(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.enter()
+def test_a_level_set_between_attempts_applies_to_the_next_at_once() -> None:
+    driver = session("attempt")
     driver.operate("level", value=5)
     assert driver.waiting.level == 5
     assert facts(driver.last(t.LEVEL), "previous level reason") == (1, 5, "operator")
     driver.attempt()
-    assert driver.last(t.ATTEMPT_ENDED).level == 5
-    assert driver.waiting.level == 6
+    assert (driver.last(t.ATTEMPT_ENDED).level, driver.waiting.level) == (5, 6)
 
 
-def test_a_level_set_in_an_attempt_applies_to_the_next(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.start()
+@pytest.mark.parametrize("paused", [False, True])
+def test_a_level_set_in_an_attempt_applies_to_the_next(paused: bool) -> None:
+    driver = session("prompt")
+    if paused:
+        driver.operate("pause")
     driver.operate("level", value=7)
+    if paused:
+        driver.operate("resume")
     while not driver.all(t.ATTEMPT_ENDED):
         driver.answer()
-    assert {prompt.level for prompt in driver.all(t.PROMPT)} == {1}
-    assert driver.last(t.ATTEMPT_ENDED).level == 1
-    assert driver.waiting.level == 7
-    assert [(change.level, change.reason) for change in driver.all(t.LEVEL)] == [(7, "operator")]
+    assert {*each(driver.all(t.PROMPT), "level")} == {1}
+    assert (driver.last(t.ATTEMPT_ENDED).level, driver.waiting.level) == (1, 7)
+    assert each(driver.all(t.LEVEL), "level reason") == [(7, "operator")]
     driver.wait(1000)
-    driver.begin_attempt()
-    assert driver.last(t.PROMPT).level == 7
-
-
-def test_a_level_set_in_a_pause_of_an_attempt_waits_for_its_end_too(
-    new_session: NewSession,
-) -> None:
-    driver = new_session()
-    driver.start()
-    driver.operate("pause")
-    driver.operate("level", value=7)
-    driver.operate("resume")
-    assert driver.to_prompt().level == 1
+    assert driver.begin_attempt().level == 7
 
 
 @pytest.mark.parametrize(("asked", "given"), [(0, 2), (-3, 2), (99, 6), (4, 4)])
-def test_a_level_set_stays_within_its_bounds(
-    new_session: NewSession, asked: int, given: int
-) -> None:
-    driver = new_session(min_level=2, max_level=6, start_level=3)
-    driver.enter()
+def test_a_level_set_stays_within_its_bounds(asked: int, given: int) -> None:
+    driver = session("attempt", min_level=2, max_level=6, start_level=3)
     driver.operate("level", value=asked)
     assert driver.last(t.LEVEL).level == given
 
@@ -830,35 +630,20 @@ def test_a_level_set_stays_within_its_bounds(
 # --- the disk
 
 
-def test_the_next_prompt_waits_until_the_trial_is_stored(new_session: NewSession) -> None:
-    driver = new_session()
+def test_the_next_prompt_waits_until_its_own_predecessor_is_stored() -> None:
+    driver = session("prompt")
     driver.screen.stores = False
-    driver.start()
-    driver.answer()
-    driver.wait(60_000)
-    assert len(driver.all(t.PROMPT)) == 1
-    assert driver.waiting.what == "storage"
-    driver.screen.store(1, 1)
-    assert len(driver.all(t.PROMPT)) == 2
+    for trial in (1, 2):
+        driver.answer()
+        driver.wait(60_000)
+        driver.screen.store(1, trial - 1)
+        assert (len(driver.all(t.PROMPT)), driver.waiting.what) == (trial, "storage")
+        driver.screen.store(1, trial)
+        assert len(driver.all(t.PROMPT)) == trial + 1
 
 
-def test_an_acknowledgement_of_an_earlier_trial_is_not_enough(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.start()
-    driver.answer()
-    driver.to_prompt()
-    driver.screen.stores = False
-    driver.answer()
-    driver.wait(60_000)
-    driver.screen.store(1, 1)
-    assert len(driver.all(t.PROMPT)) == 2
-    driver.screen.store(1, 2)
-    assert len(driver.all(t.PROMPT)) == 3
-
-
-def test_a_key_while_the_trial_is_stored_restarts_the_foreperiod(new_session: NewSession) -> None:
-    driver = new_session()
-    in_storing(driver)
+def test_a_key_while_the_trial_is_stored_restarts_the_foreperiod() -> None:
+    driver = session("storage")
     driver.press("f")
     assert driver.waiting.what == "quiet"
     driver.screen.store(1, 1)
@@ -867,72 +652,48 @@ def test_a_key_while_the_trial_is_stored_restarts_the_foreperiod(new_session: Ne
     assert len(driver.all(t.PROMPT)) == 2
 
 
-def test_the_first_prompt_of_an_attempt_waits_for_the_last_trial_of_the_one_before(
-    new_session: NewSession,
-) -> None:
-    driver = new_session(prompts_per_attempt=1)
+def test_the_first_prompt_of_an_attempt_waits_for_the_last_trial_of_the_one_before() -> None:
+    driver = session("prompt", prompts_per_attempt=1)
     driver.screen.stores = False
-    driver.start()
     driver.answer()
     driver.wait(1000)
     driver.press("enter")
     driver.wait(60_000)
-    assert (driver.waiting.what, driver.waiting.attempt) == ("storage", 2)
+    assert now(driver, "what attempt") == ("storage", 2)
     driver.screen.store(1, 1)
     assert driver.last(t.PROMPT).attempt == 2
 
 
-def test_a_session_is_complete_only_when_its_last_trial_is_stored(new_session: NewSession) -> None:
-    driver = new_session(attempts=1, prompts_per_attempt=1)
+def test_a_session_is_complete_only_when_its_last_trial_is_stored() -> None:
+    driver = session("prompt", attempts=1, prompts_per_attempt=2)
     driver.screen.stores = False
-    driver.start()
-    driver.answer()
+    driver.operate("skip")
+    driver.operate("skip")
     driver.wait(60_000)
     driver.press("enter")
     driver.wait(60_000)
-    assert (driver.waiting.what, driver.waiting.stage) == ("storage", "ended")
-    assert driver.all(t.SESSION_ENDED) == []
+    assert now(driver) == ("storage", "ended")
     driver.operate("end")
-    assert driver.all(t.SESSION_ENDED) == []
     driver.screen.store(1, 1)
-    assert driver.last(t.SESSION_ENDED).status == "completed"
-
-
-def test_at_the_end_too_an_acknowledgement_of_an_earlier_trial_is_not_enough(
-    new_session: NewSession,
-) -> None:
-    driver = new_session(attempts=1, prompts_per_attempt=2)
-    driver.screen.stores = False
-    driver.start()
-    driver.operate("skip")
-    driver.operate("skip")
-    driver.wait(1000)
-    driver.press("enter")
-    driver.screen.store(1, 1)
-    assert driver.all(t.SESSION_ENDED) == []
+    assert driver.all(t.SESSION_ENDED) == [], "an earlier trial is not enough"
     driver.screen.store(1, 2)
     assert driver.last(t.SESSION_ENDED).status == "completed"
 
 
 @pytest.mark.parametrize("moment", IN_A_TRIAL)
-def test_a_disk_failure_pauses_and_enter_resumes_after_it(
-    new_session: NewSession, moment: Callable[[LoopDriver], None]
-) -> None:
-    driver = new_session()
-    moment(driver)
+def test_a_disk_failure_pauses_and_enter_resumes_after_it(moment: str) -> None:
+    driver = session(moment)
     done = len(driver.all(t.TRIAL))
     driver.disk(False)
-    assert facts(driver.waiting, "what stage reason") == ("resume", "paused", "storage")
-    for act in (
-        lambda: driver.press("enter"),
-        lambda: driver.operate("resume"),
-        lambda: driver.operate("pause", "tired"),
-    ):
-        act()
-        assert (driver.waiting.stage, driver.waiting.reason) == ("paused", "storage")
+    assert now(driver, "what stage reason") == ("resume", "paused", "storage")
+    driver.press("enter")
+    driver.operate("resume")
+    assert now(driver, "stage reason") == ("paused", "storage")
+    driver.operate("pause", "tired")
+    assert now(driver, "stage reason") == ("paused", "storage")
     driver.wait(60_000)
     driver.disk(True)
-    assert facts(driver.waiting, "what stage reason") == ("enter", "paused", "restored")
+    assert now(driver, "what stage reason") == ("enter", "paused", "restored")
     driver.screen.stores = True
     if done:
         driver.screen.store(1, done)
@@ -940,18 +701,8 @@ def test_a_disk_failure_pauses_and_enter_resumes_after_it(
     assert driver.answer().trial == done + 1
 
 
-def test_a_disk_failure_between_attempts_returns_there(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.enter()
-    driver.disk(False)
-    driver.disk(True)
-    driver.press("enter")
-    assert driver.waiting.stage == "attempt"
-
-
-def test_a_disk_failure_in_a_pause_is_reported_first(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.start()
+def test_a_disk_failure_in_a_pause_is_reported_first() -> None:
+    driver = session("prompt")
     driver.operate("pause", reason="tired")
     driver.disk(False)
     assert driver.waiting.reason == "storage"
@@ -962,114 +713,88 @@ def test_a_disk_failure_in_a_pause_is_reported_first(new_session: NewSession) ->
     assert driver.waiting.reason == "tired", "the reason a person gave is not forgotten"
 
 
-def test_a_trial_is_repeated_if_the_program_was_suspended(new_session: NewSession) -> None:
-    driver = new_session()
-    prompt = driver.start()
-    driver.wait(50)
-    driver.clock.set(driver.clock.now() + 8000 * MS)
-    driver.wait(0)
+def test_a_working_disk_changes_nothing() -> None:
+    driver = session("prompt")
+    said = len(driver.all(t.WAITING))
+    driver.disk(True)
+    assert len(driver.all(t.WAITING)) == said
+
+
+# --- faults of the machine, keys held, results that cannot be stored
+
+
+@pytest.mark.parametrize("by_key", [False, True])
+def test_a_trial_is_repeated_if_the_program_was_suspended(by_key: bool) -> None:
+    driver = session("prompt")
+    prompt = driver.last(t.PROMPT)
+    if by_key:
+        driver.wait(2800)
+        driver.press(prompt.expected, stalled=True)
+    else:
+        driver.clock.set(driver.clock.now() + 8000 * MS)
+        driver.wait(0)
     assert driver.all(t.TRIAL) == []
     assert driver.last(t.VOIDED).reason == "stalled"
-    again = driver.to_prompt()
-    assert (again.trial, again.stimulus, again.presentation) == (prompt.trial, prompt.stimulus, 2)
+    again = facts(driver.to_prompt(), "trial stimulus presentation")
+    assert again == (prompt.trial, prompt.stimulus, 2)
+    assert driver.answer(300).reaction_time_ms == 300.0
 
 
-def suspended_in_foreperiod(driver: LoopDriver) -> None:
-    """Suspend the program for four seconds in the first foreperiod."""
-    driver.enter()
-    driver.press("enter")
-    driver.until(lambda: driver.waiting.what == "foreperiod")
+def test_a_foreperiod_begins_anew_if_the_program_was_suspended_in_it() -> None:
+    driver = session("foreperiod")
     driver.clock.set(driver.clock.now() + 4000 * MS)
     driver.wait(0)
-
-
-def test_a_foreperiod_begins_anew_if_the_program_was_suspended_in_it(
-    new_session: NewSession,
-) -> None:
-    driver = new_session()
-    suspended_in_foreperiod(driver)
     assert driver.all(t.PROMPT) == []
     went_on = driver.clock.now()
     timing = driver.answer().timing
     assert driver.last(t.SHOWN).at - went_on >= timing.foreperiod_ms * MS
-    assert (timing.presentation, timing.false_starts, timing.flags) == (1, 0, ())
+    assert facts(timing, "presentation false_starts flags") == (1, 0, ())
 
 
-def test_a_trial_is_repeated_if_its_key_waited_while_the_program_was_suspended(
-    new_session: NewSession,
-) -> None:
-    driver = new_session()
-    prompt = driver.start()
-    driver.wait(2800)
-    driver.press(prompt.expected, stalled=True)
-    assert driver.all(t.TRIAL) == []
-    assert driver.last(t.VOIDED).reason == "stalled"
-    again = driver.to_prompt()
-    assert (again.trial, again.stimulus, again.presentation) == (prompt.trial, prompt.stimulus, 2)
-    driver.wait(300)
-    driver.press(again.expected)
-    assert driver.last(t.TRIAL).reaction_time_ms == 300.0
-
-
-def test_a_miss_stores_the_delay_of_its_time_out(new_session: NewSession) -> None:
-    driver = new_session(response_timeout_ms=1000)
-    driver.start()
+def test_a_miss_stores_the_delay_of_its_time_out() -> None:
+    driver = session("prompt", response_timeout_ms=1000)
     driver.wait(900)
     driver.clock.set(driver.clock.now() + 300 * MS)
     driver.wait(60)
-    timing = driver.last(t.TRIAL).timing
-    assert 150 < timing.loop_lag_ms < 250
+    assert 150 < driver.last(t.TRIAL).timing.loop_lag_ms < 250
 
 
-def test_a_participant_who_holds_a_key_is_asked_to_release_it(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.enter()
-    driver.begin_attempt()
+def test_a_participant_who_holds_a_key_is_asked_to_release_it() -> None:
+    driver = session("quiet")
     driver.answer()
     driver.hold("f", 2500)
     assert driver.waiting.reason == ""
     driver.hold("f", 1500)
-    assert (driver.waiting.what, driver.waiting.reason) == ("quiet", "held")
+    assert now(driver, "what reason") == ("quiet", "held")
     driver.wait(600)
-    assert (driver.waiting.what, driver.waiting.reason) == ("foreperiod", "")
+    assert now(driver, "what reason") == ("foreperiod", "")
 
 
 @pytest.mark.parametrize(
     "result",
     [
-        Result(correct=True, response=("j",)),  # type: ignore[arg-type]
-        Result(correct=True, response="j", details={"keys": [1, 2]}),  # type: ignore[dict-item]
-        Result(correct=True, response="j", details={"key": object()}),  # type: ignore[dict-item]
-        Result(correct=True, response="j", value=float("nan")),
-        Result(correct=True, response="j", details={"share": float("inf")}),
+        {"response": ("j",)},
+        {"details": {"keys": [1, 2]}},
+        {"details": {"key": object()}},
+        {"value": float("nan")},
+        {"details": {"share": float("inf")}},
     ],
 )
-def test_a_result_that_cannot_be_stored_stops_the_session(
-    new_session: NewSession, result: Result
-) -> None:
-    driver = new_session()
-    driver.start()
-    driver.session.task.perceived = lambda trial, percept: result  # type: ignore[method-assign]
+def test_a_result_that_cannot_be_stored_stops_the_session(result: dict[str, Any]) -> None:
+    driver = session("prompt")
+    unstorable = Result(**{"correct": True, "response": "j", **result})
+    driver.session.task.perceived = lambda trial, percept: unstorable  # type: ignore[method-assign]
     driver.press("f")
     fault = driver.session.broken
     assert fault is not None
     assert "cannot be stored" in fault.error
-    assert (driver.waiting.what, driver.waiting.stage) == ("nothing", "broken")
+    assert now(driver) == ("nothing", "broken")
     said = len(driver.records)
     driver.wait(60_000)
     assert len(driver.records) == said, "nothing continues by itself"
     driver.press("enter")
     driver.operate("resume")
-    assert driver.all(t.TRIAL) == []
-    assert driver.waiting.stage == "broken"
-
-
-def test_a_working_disk_changes_nothing(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.start()
-    said = len(driver.all(t.WAITING))
-    driver.disk(True)
-    assert len(driver.all(t.WAITING)) == said
+    assert (driver.all(t.TRIAL), driver.waiting.stage) == ([], "broken")
 
 
 # --- tasks of more than one key
@@ -1092,15 +817,17 @@ class Taps(Task):
         return None
 
     def timed_out(self, trial: Trial) -> Result:
-        return Result(
-            correct=True, response=f"{len(trial.percepts)} taps", value=float(len(trial.percepts))
-        )
+        taps = len(trial.percepts)
+        return Result(correct=True, response=f"{taps} taps", value=float(taps))
 
 
-def test_a_task_may_judge_all_its_keys_at_the_end(calm: Theme) -> None:
-    driver = LoopDriver(
-        Taps, calm, attempts=1, threshold=3, neutral_band=0, response_timeout_ms=3000
-    )
+def tapping(task: type[Task] = Taps, **settings: Any) -> LoopDriver:
+    some = {"attempts": 1, "threshold": 3, "neutral_band": 0, "response_timeout_ms": 3000}
+    return LoopDriver(task, CALM, **{**some, **settings})
+
+
+def test_a_task_may_judge_all_its_keys_at_the_end() -> None:
+    driver = tapping()
     driver.start()
     for _ in range(5):
         driver.wait(200)
@@ -1118,112 +845,90 @@ class Counted(Taps):
 
     def timed_out(self, trial: Trial) -> Result:
         taps = len(trial.percepts)
-        return Result(
-            correct=bool(taps),
-            response="j" * taps,
-            details={"taps": taps, "hand": "right"} if taps else {},
-        )
+        details = {"taps": taps, "hand": "right"} if taps else {}
+        return Result(correct=bool(taps), response="j" * taps, details=details)
 
 
-def test_a_trial_without_a_response_stores_the_same_details_as_others_and_no_empty_response(
-    calm: Theme,
-) -> None:
-    driver = LoopDriver(Counted, calm, attempts=2, response_timeout_ms=3000)
+def test_a_trial_without_a_response_stores_the_details_of_others_and_no_empty_response() -> None:
+    driver = tapping(Counted, attempts=2)
     driver.start()
     driver.until(lambda: driver.all(t.TRIAL))
-    assert driver.last(t.TRIAL).response is None
-    assert driver.last(t.TRIAL).details == {"taps": None, "hand": "left"}
     driver.begin_attempt()
     driver.wait(200)
     driver.press("j")
     driver.until(lambda: len(driver.all(t.TRIAL)) == 2)
-    assert driver.last(t.TRIAL).response == "j"
-    assert driver.last(t.TRIAL).details == {"taps": 1, "hand": "right"}
+    stored = [(None, {"taps": None, "hand": "left"}), ("j", {"taps": 1, "hand": "right"})]
+    assert each(driver.all(t.TRIAL), "response details") == stored
 
 
-def test_repeats_of_a_held_key_are_not_passed_to_the_task(calm: Theme) -> None:
-    driver = LoopDriver(
-        Taps, calm, attempts=1, threshold=3, neutral_band=0, response_timeout_ms=3000
-    )
+def test_repeats_of_a_held_key_are_not_passed_to_the_task() -> None:
+    driver = tapping()
     driver.start()
     driver.wait(200)
     driver.hold("space", ms=2000)
     driver.until(lambda: driver.all(t.TRIAL))
     assert driver.last(t.TRIAL).value == 1.0
-    assert "repeat_key" in flags(driver)
+    assert "repeat_key" in driver.last(t.TRIAL).timing.flags
 
 
-class Brittle(Taps):
-    name = "brittle"
+def failing(value: object) -> Callable[..., object]:
+    """Return a method that returns the value, or raises it."""
 
-    def timed_out(self, trial: Trial) -> Result:
-        raise ZeroDivisionError("no taps")
+    def give(*_: object) -> object:
+        if isinstance(value, Exception):
+            raise value
+        return value
+
+    return give
 
 
-def test_a_task_that_raises_stops_the_session_with_a_fault(calm: Theme) -> None:
-    driver = LoopDriver(Brittle, calm, attempts=1)
+NO_WORDS = ZeroDivisionError("no words")
+
+
+def test_a_task_that_raises_stops_the_session_with_a_fault() -> None:
+    driver = tapping(type("Brittle", (Taps,), {"name": "brittle", "timed_out": failing(NO_WORDS)}))
     driver.start()
     assert driver.session.broken is None
     driver.wait(10_000)
     assert driver.session.broken is not None
-    assert driver.session.broken.error == "ZeroDivisionError: no taps"
+    assert driver.session.broken.error == "ZeroDivisionError: no words"
 
 
-@pytest.mark.parametrize("value", ["raised", None, ("a", "b")])
+@pytest.mark.parametrize("value", [NO_WORDS, None, ("a", "b")])
 @pytest.mark.parametrize("method", ["instructions", "goal", "notice"])
 def test_a_text_that_a_task_cannot_give_stops_the_session_instead_of_a_blank_screen(
-    calm: Theme, method: str, value: object
+    method: str, value: object
 ) -> None:
-    def give(*_: object) -> object:
-        if value == "raised":
-            raise ZeroDivisionError("no words")
-        return value
-
-    driver = LoopDriver(type("Mute", (Taps,), {"name": "mute", method: give}), calm, attempts=1)
+    driver = tapping(type("Mute", (Taps,), {"name": "mute", method: failing(value)}))
     driver.enter()
-    said = (
-        "ZeroDivisionError: no words"
-        if value == "raised"
-        else f"TypeError: {method}() returned {value}, not a text"
-    )
+    no_text = f"TypeError: {method}() returned {value}, not a text"
+    said = "ZeroDivisionError: no words" if value is NO_WORDS else no_text
     assert driver.session.broken is not None
     assert driver.session.broken.error == said
-    assert driver.last(t.WAITING).stage == "broken"
+    assert driver.waiting.stage == "broken"
 
 
-class Bounded(Taps):
-    name = "bounded"
-    Parameters = TaskParameters
-
-    @property
-    def levels(self) -> int:
-        return 2
-
-
-def test_a_task_with_few_levels_stays_within_them(calm: Theme) -> None:
-    driver = LoopDriver(
-        Bounded, calm, attempts=4, threshold=0, neutral_band=0, response_timeout_ms=1000
-    )
+def test_a_task_with_few_levels_stays_within_them() -> None:
+    bounded = type("Bounded", (Taps,), {"name": "bounded", "levels": property(lambda task: 2)})
+    driver = tapping(bounded, attempts=4, threshold=0, response_timeout_ms=1000)
     driver.enter()
     for _ in range(4):
         driver.begin_attempt()
         driver.wait(300)
         driver.press("space")
         driver.wait(1500)
-    assert [ended.level for ended in driver.all(t.ATTEMPT_ENDED)] == [1, 2, 2, 2]
+    assert each(driver.all(t.ATTEMPT_ENDED), "level") == [1, 2, 2, 2]
 
 
 # --- arbitrary input
 
+COMMANDS = ["pause", "resume", "skip", "repeat", "level"]
 ACTS = st.lists(
     st.one_of(
         st.tuples(st.just("press"), st.sampled_from(["enter", "f", "j", "space", "left"])),
         st.tuples(st.just("wait"), st.sampled_from([1, 30, 99, 500, 1000, 3000])),
-        st.tuples(
-            st.just("operate"), st.sampled_from(["pause", "resume", "skip", "repeat", "level"])
-        ),
-        st.tuples(st.just("disk"), st.booleans()),
-        st.tuples(st.just("focus"), st.booleans()),
+        st.tuples(st.just("operate"), st.sampled_from(COMMANDS)),
+        st.tuples(st.sampled_from(["disk", "focus"]), st.booleans()),
         st.just(("paste", 3)),
         st.just(("answer", 400)),
     ),
@@ -1232,19 +937,15 @@ ACTS = st.lists(
 
 
 @given(ACTS)
-def test_any_input_gives_every_trial_once_in_order(
-    keyboard: type[Task], calm: Theme, acts: list[tuple[str, Any]]
-) -> None:
-    driver = LoopDriver(keyboard, calm, prompts_per_attempt=2, attempts=2, start_level=3)
+def test_any_input_gives_every_trial_once_in_order(acts: list[tuple[str, Any]]) -> None:
+    driver = session(prompts_per_attempt=2, start_level=3)
     for act, what in acts:
-        if act == "answer":
-            if driver.screen.onset is not None:
-                driver.wait(what)
-                driver.press(driver.last(t.PROMPT).expected)
-        elif act == "operate":
+        if act == "operate":
             driver.operate(what, value=5 if what == "level" else None)
-        else:
+        elif act != "answer":
             getattr(driver, act)(what)
+        elif driver.screen.onset is not None:
+            driver.answer(what)
     driver.disk(True)
     driver.operate("resume")
     while not driver.session.ended:
