@@ -171,9 +171,6 @@ def _trial(row: Row, detector: DetectorName | None) -> _Trial:
     try:
         if not detector:
             asked[name.replace("-", "_")] = msgspec.json.decode(details["detector_parameters"])
-            asked["measures_version"] = details.get("measures_version") or (
-                2 if name == "orientation" else 1
-            )
         parameters = msgspec.convert(asked, AnalysisParameters)
     except msgspec.MsgspecError as error:
         raise Refused(

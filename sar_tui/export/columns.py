@@ -279,7 +279,5 @@ def as_bool(value: int | None) -> bool | None:
 
 
 def finite(value: Any) -> Any:
-    """Return a number, or None for an infinite one, as earlier versions stored it for a missing
-    result.
-    """
+    """Return a number, or None for one that is not finite, as a database from elsewhere may hold."""
     return None if isinstance(value, float) and not math.isfinite(value) else value

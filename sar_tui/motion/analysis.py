@@ -12,7 +12,7 @@ from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
 from sar_tui.motion.faults import turns_too_far
 from sar_tui.motion.filters import TooSlow
 from sar_tui.motion.fixed_threshold import FixedThresholdParameters
-from sar_tui.motion.measures import Version, measure
+from sar_tui.motion.measures import MEASURES_VERSION, measure
 from sar_tui.motion.orientation import OrientationParameters
 from sar_tui.motion.reach import Bounds, Detected, Hand, Reach
 from sar_tui.motion.rest import even
@@ -31,7 +31,7 @@ BESIDE_NS = 200_000_000
 SATURATED_NS = 300_000_000
 """Longest hole that is attributed to saturation, if the sensor reported saturation."""
 _TIMES = {"reach_time_ms", "out_ms", "back_ms", "dwell_ms", "turn_after_ms"}
-_OF_VERSION_2 = (
+_ROUNDED = (
     "excursion_deg", "straightness", "return_error_deg", "inclination_rest_deg",
     "inclination_target_deg", "tremor_rest_hz", "tremor_rest_rad_s", "tremor_action_rad_s",
 )  # fmt: skip
@@ -44,26 +44,22 @@ FEWEST = 10
 
 
 class AnalysisParameters(msgspec.Struct, frozen=True, kw_only=True):
-    """Settings of the analysis: the detector that counts, the hand, and each detector's parameters.
-
-    ``measures_version``: 1 measures as sessions of rules 1 to 4 did, 2 as all others do.
-    """
+    """Settings of the analysis: the detector that counts, the hand, and each detector's parameters."""
 
     detector: DetectorName = "orientation"
     hand: Hand = "right"
     orientation: OrientationParameters = OrientationParameters()
     single_axis: SingleAxisParameters = SingleAxisParameters()
     fixed_threshold: FixedThresholdParameters = FixedThresholdParameters()
-    measures_version: Version = 2
 
     @property
     def each(self) -> dict[DetectorName, msgspec.Struct]:
         """The parameters of every detector whose time is stored."""
-        older: dict[DetectorName, msgspec.Struct] = {
+        return {
+            "orientation": self.orientation,
             "single-axis": self.single_axis,
             "fixed-threshold": self.fixed_threshold,
         }
-        return older if self.measures_version == 1 else {"orientation": self.orientation, **older}
 
 
 class Window(msgspec.Struct, frozen=True, kw_only=True):
@@ -121,9 +117,7 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
         "window_to_ns": window.to_ns,
         "samples": len(inside),
     }
-    version = parameters.measures_version
-    if version > 1:
-        known["measures_version"] = version
+    known["measures_version"] = MEASURES_VERSION
     if len(inside) < FEWEST:
         return Finding(details=known, invalid="samples", flags=window.flags)
     whole = recording(inside, window.from_ns, window.flags)
@@ -135,8 +129,8 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
         try:
             found = find(whole, name, its_parameters, parameters.hand, grid)
         except Exception as error:  # whatever is wrong in a detector, the session goes on
-            if name == parameters.detector or (version == 1 and isinstance(error, ValueError)):
-                why = "rate" if version == 1 or isinstance(error, TooSlow) else "analysis"
+            if name == parameters.detector:
+                why = "rate" if isinstance(error, TooSlow) else "analysis"
                 return Finding(details=known, invalid=why, flags=window.flags)
             times_ms[name] = known[f"{STORED_NAMES[name]}_reach_time_ms"] = None
             continue
@@ -145,14 +139,11 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
         )
         if name == parameters.detector:
             known["reaches"] = len(found.reaches)
-        if version > 1:
-            found = found._replace(reaches=_fastest(found))
+        found = found._replace(reaches=_fastest(found))
         if name == parameters.detector:
-            reaches = measure(found, whole, version)
-        times_ms[name] = known[f"{STORED_NAMES[name]}_reach_time_ms"] = _reach_time_ms(
-            found, whole, version
-        )
-    too_far = version > 1 and turns_too_far(whole.time_s, whole.rate)
+            reaches = measure(found, whole)
+        times_ms[name] = known[f"{STORED_NAMES[name]}_reach_time_ms"] = _reach_time_ms(found, whole)
+    too_far = turns_too_far(whole.time_s, whole.rate)
     reach = _largest(reaches)
     holes = _holes(inside["at"], window)
     if reach is None:
@@ -160,7 +151,7 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
         return Finding(details=known, flags=flags, invalid="gap" if holes else "")
     warnings = {
         "several": known["reaches"] != 1,
-        "disagree": version > 1 and _disagree(times_ms, parameters.detector),
+        "disagree": _disagree(times_ms, parameters.detector),
         "too_far": too_far,
     }
     flags = tuple(
@@ -176,13 +167,13 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
         onset_ns=onset_ns,
         turn_ns=_stamp(reach.turn_s, window),
         end_ns=end_ns,
-        details=known | measures(reach, version),
+        details=known | measures(reach),
         flags=flags,
         invalid="gap" if has_hole else "",
     )
 
 
-def measures(reach: Reach, version: Version = 2) -> Measured:
+def measures(reach: Reach) -> Measured:
     """Return a reach as flat fields, times in ms. If the sensor was beyond its range, only the
     times are valid.
     """
@@ -206,11 +197,8 @@ def measures(reach: Reach, version: Version = 2) -> Measured:
         "ldlj_back": reach.ldlj_back,
         "tremor_index": reach.tremor_index,
     }
-    if version > 1:
-        values = {name: getattr(reach, name) for name in _OF_VERSION_2}
-        measured |= {
-            name: None if value is None else round(value, 4) for name, value in values.items()
-        }
+    values = {name: getattr(reach, name) for name in _ROUNDED}
+    measured |= {name: None if value is None else round(value, 4) for name, value in values.items()}
     if not {"saturated", "clipped"}.isdisjoint(reach.flags):
         measured |= dict.fromkeys(measured.keys() - _TIMES)
     return measured
@@ -235,12 +223,12 @@ def _fastest(found: Detected) -> tuple[Bounds, ...]:
     return (max(found.reaches, key=peak),)
 
 
-def _reach_time_ms(found: Detected, recording: Recording, version: Version) -> float | None:
+def _reach_time_ms(found: Detected, recording: Recording) -> float | None:
     """Return the duration of the largest reach; which one that is needs measuring only if there are
     several.
     """
     if len(found.reaches) > 1:
-        largest = _largest(measure(found, recording, version))
+        largest = _largest(measure(found, recording))
         return round(largest.reach_time_s * 1000, 3) if largest else None
     return next(
         (round((bounds.end_s - bounds.onset_s) * 1000, 3) for bounds in found.reaches), None

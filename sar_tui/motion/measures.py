@@ -1,7 +1,7 @@
 """Measures of a reach with known boundaries, and of tremor at rest and in movement."""
 
 import math
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import msgspec
 import numpy as np
@@ -16,7 +16,8 @@ from sar_tui.motion.rest import TREMOR_HZ
 from sar_tui.motion.samples import Floats, Recording
 from sar_tui.motion.smoothness import ldlj, movement_units, sparc
 
-Version = Literal[1, 2]
+MEASURES_VERSION = 2
+"""Version of the measures of a reach, stored with each."""
 """1: peaks are sought up to the turn, and only the measures exist that sessions of rules 1 to 4
 stored.
 """
@@ -81,7 +82,7 @@ class Turned(NamedTuple):
     inclination_target_deg: float | None
 
 
-def measure(found: Detected, recording: Recording, version: Version = 2) -> tuple[Reach, ...]:
+def measure(found: Detected, recording: Recording) -> tuple[Reach, ...]:
     """Measure every reach that was found. The recording's flags, except that of gaps, are added to
     each reach's own.
 
@@ -98,15 +99,10 @@ def measure(found: Detected, recording: Recording, version: Version = 2) -> tupl
     if found.tremor_hz is not None:
         calm = _Rates.of(spectrum.below(cutoff, found.tremor_hz), found.by_norm)
     flags = tuple(flag for flag in recording.flags if flag != "gap")
-    if version == 1:
-        return tuple(
-            _measured(found, light, calm, bounds, flags, version) for bounds in found.reaches
-        )
     reaches = []
     for bounds in found.reaches:
-        reach = _measured(
-            found, light, calm, _ordered(bounds), (*flags, *_clipped(bounds, recording)), version
-        )
+        own_flags = (*flags, *_clipped(bounds, recording))
+        reach = _measured(found, light, calm, _ordered(bounds), own_flags)
         reaches.append(_extended(reach, found, calm.rate, recording))
     return tuple(reaches)
 
@@ -138,36 +134,28 @@ def _measured(
     calm: _Rates,
     bounds: Bounds,
     flags: tuple[str, ...],
-    version: Version,
 ) -> Reach:
-    part = slice(None) if version == 1 else _between(found.time_s, bounds.onset_s, bounds.end_s)
+    part = _between(found.time_s, bounds.onset_s, bounds.end_s)
     time, rate_hz, axis = found.time_s[part], found.rate_hz, np.asarray(bounds.axis)
     turn_s = _turn(time, light.rate[part] @ axis, bounds)
     arrival_s, departure_s = min(bounds.arrival_s, turn_s), max(bounds.departure_s, turn_s)
-    if version > 1 and bounds.arrival_s >= bounds.departure_s:
+    if bounds.arrival_s >= bounds.departure_s:
         middle_s = (bounds.arrival_s + bounds.departure_s) / 2
         turn_s = turn_s if abs(turn_s - middle_s) <= TURN_WITHIN_S else middle_s
         arrival_s = departure_s = turn_s
     leaves = (time >= bounds.onset_s) & (time <= arrival_s)
     returns = (time >= departure_s) & (time <= bounds.end_s)
-    whole = (time >= bounds.onset_s) & (time <= bounds.end_s)
     (leaving, returning), (calm_leaving, calm_returning) = (
         light.about(axis, part),
         calm.about(axis, part),
     )
     way_out, way_back = np.maximum(leaving[leaves], 0.0), np.maximum(-returning[returns], 0.0)
     out_s, back_s = arrival_s - bounds.onset_s, bounds.end_s - departure_s
-    if version == 1:
-        out = leaving[(time >= bounds.onset_s) & (time <= turn_s)]
-        back = returning[(time > turn_s) & (time <= bounds.end_s)]
-        time_to_peak_s = float(out.argmax()) / rate_hz if len(out) else 0.0
-        is_out_long = is_back_long = True
-    else:
-        out, back = leaving[leaves], returning[returns]
-        time_to_peak_s = (
-            min(out_s, float(time[leaves][out.argmax()]) - bounds.onset_s) if len(out) else 0.0
-        )
-        is_out_long, is_back_long = out_s >= SHORTEST_WAY_S, back_s >= SHORTEST_WAY_S
+    out, back = leaving[leaves], returning[returns]
+    time_to_peak_s = (
+        min(out_s, float(time[leaves][out.argmax()]) - bounds.onset_s) if len(out) else 0.0
+    )
+    is_out_long, is_back_long = out_s >= SHORTEST_WAY_S, back_s >= SHORTEST_WAY_S
     return Reach(
         onset_s=bounds.onset_s,
         turn_s=turn_s,
@@ -185,7 +173,7 @@ def _measured(
         sparc_back=sparc(way_back, rate_hz) if is_back_long else None,
         ldlj_out=ldlj(way_out, rate_hz) if is_out_long else None,
         ldlj_back=ldlj(way_back, rate_hz) if is_back_long else None,
-        tremor_index=tremor_index(found.rate[part][whole], rate_hz) if version == 1 else None,
+        tremor_index=None,
         flags=tuple(dict.fromkeys((*bounds.flags, *flags))),
     )
 

@@ -14,7 +14,7 @@ from sar_tui.progress.task_level import AttemptResult
 from sar_tui.store import provenance, wellbeing
 from sar_tui.store.counted import COUNTS, KEPT
 from sar_tui.store.records import Record
-from sar_tui.store.sessions import FINITE_METRIC, status_now
+from sar_tui.store.sessions import status_now
 from sar_tui.store.training_days import UTC_OFFSET, trained_at
 
 _SESSIONS = (
@@ -27,7 +27,7 @@ _SESSIONS = (
     " ORDER BY sessions.rowid"
 )
 _ATTEMPTS = (
-    f"SELECT attempts.session, attempts.seat, level, {FINITE_METRIC}, correct, trials,"
+    "SELECT attempts.session, attempts.seat, level, metric, correct, trials,"
     " nullif(outcome, 'none')='success', max(0, ended_ns - started_ns)"
     " FROM seats CROSS JOIN attempts ON attempts.session=seats.session AND attempts.seat=seats.seat"
     " WHERE participant=:who AND NOT practice {among} ORDER BY attempts.session, attempt"

@@ -120,13 +120,12 @@ _OF_TRIALS = (
     "attempts.session=trials.session"
     " AND attempts.attempt=trials.attempt AND attempts.seat=trials.seat"
 )
-_REACTION = "CASE WHEN abs(reaction_time_ms) < 9e999 THEN reaction_time_ms END AS reaction_time_ms"
 _ONSET = _TIME.format(row="trials", at="trials.onset_ns", run="trials.run")
 _FLAGS = "json_extract(timing, '$.flags') AS flags"
 
 _ATTEMPTS = f"""
 SELECT {_WHO.format(row="attempts")}, attempts.seat, {_ATTEMPT},
-    CASE WHEN abs(metric) < 9e999 THEN metric END AS metric, accuracy, correct, trials, feedback,
+    metric, accuracy, correct, trials, feedback,
     {
     _TIME.format(
         row="attempts",
@@ -136,17 +135,16 @@ SELECT {_WHO.format(row="attempts")}, attempts.seat, {_ATTEMPT},
     )
 },
     (SELECT avg(reaction_time_ms) FROM trials WHERE trials.session=attempts.session
-        AND trials.attempt=attempts.attempt AND trials.seat=attempts.seat AND trials.correct
-        AND abs(reaction_time_ms) < 9e999) AS reaction_time_ms
+        AND trials.attempt=attempts.attempt AND trials.seat=attempts.seat AND trials.correct) AS reaction_time_ms
 FROM attempts JOIN sessions ON sessions.id=attempts.session"""
 
 _TRIALS = f"""
 SELECT {_WHO.format(row="trials")}, trials.trial, trials.seat, {_ATTEMPT}, stimulus, response, trials.correct,
-    {_REACTION}, {_ONSET}, {_FLAGS}
+    reaction_time_ms, {_ONSET}, {_FLAGS}
 {_OF_TRIALS}"""
 
 _REACHES = f"""
-SELECT {_WHO.format(row="trials")}, trials.trial, trials.seat, {_ATTEMPT}, trials.correct, {_REACTION}, {_ONSET},
+SELECT {_WHO.format(row="trials")}, trials.trial, trials.seat, {_ATTEMPT}, trials.correct, reaction_time_ms, {_ONSET},
     {", ".join(f"json_extract(details, '$.{name}') AS {name}" for names in _REACH.values() for name in names)}, {_FLAGS}
 {_OF_TRIALS}
 WHERE json_extract(details, '$.reach_time_ms') IS NOT NULL"""

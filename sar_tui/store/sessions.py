@@ -31,9 +31,6 @@ Row = dict[str, Any]
 
 Table = Literal["attempts", "trials", "actions", "runs", "imu_streams", "seats", "answers"]
 
-FINITE_METRIC = "CASE WHEN abs(metric) < 9e999 THEN metric END"
-"""Result of an attempt, in SQL. Earlier versions stored infinite numbers, too: they are none."""
-
 
 def new_id() -> str:
     """Return a random id for a session."""
@@ -153,12 +150,12 @@ def best(
     comparable = [row["id"] for row in live if is_comparable(row)]
     best_of = "min" if metric.better == "lower" else "max"
     rows = db.execute(
-        f"SELECT level, condition, {best_of}({FINITE_METRIC})"
+        f"SELECT level, condition, {best_of}(metric)"
         " FROM attempts JOIN sessions ON sessions.id = attempts.session"
         " JOIN seats ON seats.session = attempts.session AND seats.seat = attempts.seat AND "
         "participant=?"
         " WHERE attempts.session IN (SELECT value FROM json_each(?)) AND NOT practice AND "
-        f"{FINITE_METRIC} IS NOT NULL"
+        f"metric IS NOT NULL"
         " AND metric_unit=? AND COALESCE(accuracy, 1) >= COALESCE(json_extract(parameters, "
         "'$.min_accuracy'), 0)"
         " GROUP BY level, condition",

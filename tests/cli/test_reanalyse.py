@@ -92,20 +92,6 @@ def test_another_detector_can_be_asked_for(call: Call) -> None:
     assert (first["details"]["detector"], first["equal"]) == ("thesis", False)
 
 
-def test_a_reach_is_measured_by_the_version_it_was_recorded_with(
-    call: Call, tmp_path: Path
-) -> None:
-    settings = ("--seed", 5, "--attempts", 2, "--set", "detector=single-axis")
-    call("simulate reaching --user average", *settings)
-    change(
-        tmp_path,
-        "UPDATE trials SET details = json_remove(details, '$.measures_version') WHERE attempt = 2",
-    )
-    first, second = call("reanalyse last --json").json["trials"]
-    assert first["details"]["measures_version"] == 2
-    assert "measures_version" not in second["details"]
-
-
 def test_people_read_a_table_and_a_sentence(call: Call, reached: str) -> None:
     called = call("reanalyse last")
     assert (called.code, called.err) == (0, "")

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from sar_tui.motion.detection import detect
 from sar_tui.motion.imperfections import PERFECT, StrappedSensor
-from sar_tui.motion.measures import Version, measure
+from sar_tui.motion.measures import measure
 from sar_tui.motion.reach import Bounds, Detected, Reach
 from sar_tui.motion.reach_kinds import KINDS
 from sar_tui.motion.rest import even, find_rest
@@ -63,11 +63,9 @@ def measured(
     bounds: Bounds | None = None,
     *,
     by_norm: bool = True,
-    version: Version = 2,
 ) -> Reach:
-    (reach,) = measure(
-        found_at(recording, bounds or bounds_of(ONE_AXIS), by_norm=by_norm), recording, version
-    )
+    found = found_at(recording, bounds or bounds_of(ONE_AXIS), by_norm=by_norm)
+    (reach,) = measure(found, recording)
     return reach
 
 
@@ -171,27 +169,17 @@ def test_a_reach_without_a_rest_at_its_target_turns_where_it_turns(
     assert reach.turn_s == pytest.approx(2.0 + row.shape.out_s, abs=0.02)
 
 
-def test_a_peak_after_the_arrival_is_sought_by_version_1_only() -> None:
+def test_the_peak_is_sought_on_the_way_out() -> None:
     early = msgspec.structs.replace(bounds_of(ONE_AXIS), arrival_s=2.3)
-    recording = simulate([ONE_AXIS]).recording
-    shares = [
-        reach.time_to_peak_s / reach.out_s
-        for reach in (
-            measured(recording, early, by_norm=False, version=version) for version in (1, 2)
-        )
-    ]
-    assert shares == [pytest.approx(0.5 / 0.3, abs=0.02), pytest.approx(1.0, abs=0.02)]
+    reach = measured(simulate([ONE_AXIS]).recording, early, by_norm=False)
+    assert reach.time_to_peak_s / reach.out_s == pytest.approx(1.0, abs=0.02)
 
 
 def test_a_way_too_short_for_its_spectrum_has_no_smoothness() -> None:
     short = ReachShape(out_s=0.12, back_s=0.5, peak_out=8.0, peak_back=-2.0)
-    recording = simulate([short]).recording
-    then, now = (
-        measured(recording, bounds_of(short), by_norm=False, version=version) for version in (1, 2)
-    )
-    assert then.sparc_out == pytest.approx(-1.25, abs=0.03), "smoother than a minimum-jerk movement"
-    assert (now.sparc_out, now.ldlj_out) == (None, None)
-    assert now.sparc_back == then.sparc_back
+    reach = measured(simulate([short]).recording, bounds_of(short), by_norm=False)
+    assert (reach.sparc_out, reach.ldlj_out) == (None, None)
+    assert reach.sparc_back is not None
 
 
 # --- tremor
@@ -257,14 +245,9 @@ def test_sparc_depends_on_neither_rate_nor_noise_and_ldlj_on_both() -> None:
     assert [ldlj for _, ldlj in noisy.values()] == pytest.approx([-6.7, -6.8, -6.2, -5.6], abs=0.3)
 
 
-# --- versions
+# --- what is measured
 
 
-def test_version_1_has_only_its_own_measures() -> None:
-    recording = simulate([ONE_AXIS]).recording
-    assert {
-        name for name in EXTENDED if getattr(measured(recording, version=1), name) is not None
-    } == set()
-    assert {name for name in EXTENDED if getattr(measured(recording), name) is None} == {
-        "tremor_rest_hz"
-    }
+def test_all_is_measured_of_a_plain_reach_but_a_tremor_at_rest() -> None:
+    reach = measured(simulate([ONE_AXIS]).recording)
+    assert {name for name in EXTENDED if getattr(reach, name) is None} == {"tremor_rest_hz"}
