@@ -230,10 +230,7 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
     ] = "results"
     detector: Annotated[
         DetectorName,
-        meta(
-            "Detector",
-            help="Finds the reach that counts. Results of all detectors are stored.",
-        ),
+        meta("Detector", help="Finds the reach that counts. Results of all detectors are stored."),
     ] = "orientation"
     go_signal: Annotated[
         bool,

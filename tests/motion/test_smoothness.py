@@ -48,9 +48,7 @@ def test_a_gaussian_movement_has_its_known_smoothness() -> None:
 @pytest.mark.slow
 def test_smoothness_agrees_with_monalysa() -> None:
     # imports slowly, in every process that collects tests
-    from monalysa.quality import (
-        smoothness as monalysa,
-    )
+    from monalysa.quality import smoothness as monalysa
 
     for number, speed in enumerate(random_profiles(50)):
         rate_hz = 50.0 + 4 * number
@@ -124,10 +122,7 @@ def test_a_steady_speed_has_no_jerk_to_measure() -> None:
     assert ldlj(np.ones(200), 250) is None
 
 
-@given(
-    st.lists(st.floats(0, 1e300), max_size=80),
-    st.sampled_from([0.0, 10.0, 50.0, 100.0, 250.0]),
-)
+@given(st.lists(st.floats(0, 1e300), max_size=80), st.sampled_from([0.0, 10.0, 50.0, 100.0, 250.0]))
 def test_every_measure_is_finite(values: list[float], rate_hz: float) -> None:
     speed = np.array(values)
     for value in (sparc(speed, rate_hz), ldlj(speed, rate_hz)):

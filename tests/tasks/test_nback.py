@@ -62,10 +62,7 @@ def test_letters_keep_their_pace_and_only_the_first_press_counts(
     driver.wait(1000)
     (first,) = driver.all(TRIAL)
     # nothing comes before the first letter
-    assert (first.response, first.correct) == (
-        "space",
-        False,
-    )
+    assert (first.response, first.correct) == ("space", False)
     assert first.reaction_time_ms == pytest.approx(700, abs=10)
     driver.wait(2500)
     assert len(driver.all(TRIAL)) == 2

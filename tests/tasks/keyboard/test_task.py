@@ -241,9 +241,7 @@ RESULTS = st.lists(
 
 
 @given(RESULTS)
-def test_the_score_is_the_mean_reaction_time_and_the_accuracy(
-    results: list[Result],
-) -> None:
+def test_the_score_is_the_mean_reaction_time_and_the_accuracy(results: list[Result]) -> None:
     score = make().score(results)
     good = [
         r.value
@@ -272,21 +270,12 @@ def test_the_default_parameters_are_those_of_the_thesis() -> None:
     assert {
         name: defaults[name]
         for name in ("prompts_per_attempt", "attempts", "threshold", "neutral_band")
-    } == {
-        "prompts_per_attempt": 20,
-        "attempts": 20,
-        "threshold": 1000.0,
-        "neutral_band": 10.0,
-    }
+    } == {"prompts_per_attempt": 20, "attempts": 20, "threshold": 1000.0, "neutral_band": 10.0}
     assert (
         defaults["consecutive_successes"],
         defaults["consecutive_failures"],
         defaults["min_accuracy"],
-    ) == (
-        1,
-        1,
-        0.8,
-    )
+    ) == (1, 1, 0.8)
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from sar_tui.loop.bus import Record, Topic
 from sar_tui.loop.node import Node
 from sar_tui.loop.topics import IMU, REACH, TRIAL
 from sar_tui.model.messages import ImuBlock, ReachPerceived, TrialEnded
-from sar_tui.model.units import MS, SECOND
+from sar_tui.model.units import MS
 from sar_tui.motion.analysis import AnalysisParameters, Finding, Window, analyse
 from sar_tui.motion.reach_kinds import end_of
 from sar_tui.motion.samples import Samples, unpack
@@ -99,7 +99,11 @@ class ReachingDriver(LoopDriver):
         """Do a whole reach: space, out and back, space."""
         self.start()
         self.move(300, shape)
-        self.wait(300 + shape.duration_s * 1000 + 400)
+        return self.finish(300 + shape.duration_s * 1000 + 400)
+
+    def finish(self, after_ms: float) -> TrialEnded:
+        """Press space after a time (ms), and continue until the trial is a row."""
+        self.wait(after_ms)
         self.press("space")
         return self.to_row()
 
@@ -188,15 +192,3 @@ def merged(records: Iterable[Record], *topics: Topic[ImuBlock]) -> list[Record]:
             last[record.topic] = len(found)
         found.append(record)
     return found
-
-
-__all__ = [
-    "FLICK",
-    "REACH_OUT",
-    "SECOND",
-    "ReachingDriver",
-    "analysed_again",
-    "arm_that_holds",
-    "merged",
-    "ms",
-]

@@ -12,6 +12,8 @@ from sar_tui.plugins import Catalogue
 from sar_tui.rules.declaration import ParameterError
 from sar_tui.rules.parameters import build, fields
 
+CM = "marker_distances_cm"
+
 
 def make(**parameters: object) -> Task:
     kind = Catalogue().task("reaching")
@@ -21,41 +23,17 @@ def make(**parameters: object) -> Task:
 @pytest.mark.parametrize(
     ("parameters", "name", "part"),
     [
-        ({"marker_distances_cm": []}, "marker_distances_cm", "1 to 200 cm away; name one or more"),
-        ({"marker_distances_cm": [0.5, 20]}, "marker_distances_cm", "1 to 200 cm"),
-        ({"marker_distances_cm": [20, 201]}, "marker_distances_cm", "1 to 200 cm"),
-        ({"marker_distances_cm": [20, float("nan")]}, "marker_distances_cm", "1 to 200 cm"),
-        (
-            {"marker_distances_cm": [20, 15]},
-            "marker_distances_cm",
-            "from the nearest marker to the farthest",
-        ),
-        (
-            {"marker_distances_cm": [15, 15]},
-            "marker_distances_cm",
-            "from the nearest marker to the farthest",
-        ),
+        ({CM: []}, CM, "1 to 200 cm away; name one or more"),
+        ({CM: [0.5, 20]}, CM, "1 to 200 cm"),
+        ({CM: [20, 201]}, CM, "1 to 200 cm"),
+        ({CM: [20, float("nan")]}, CM, "1 to 200 cm"),
+        ({CM: [20, 15]}, CM, "from the nearest marker to the farthest"),
+        ({CM: [15, 15]}, CM, "from the nearest marker to the farthest"),
         ({"goal_times_ms": [900]}, "goal_times_ms", "6 markers, and 1 goals"),
-        (
-            {"marker_distances_cm": [15, 20], "goal_times_ms": [900, 99]},
-            "goal_times_ms",
-            "between 100 and 60000 ms",
-        ),
-        (
-            {"marker_distances_cm": [15], "goal_times_ms": [60_001]},
-            "goal_times_ms",
-            "between 100 and 60000 ms",
-        ),
-        (
-            {"marker_distances_cm": [15, 20], "start_level": 3},
-            "start_level",
-            "2 markers, so there is no level 3",
-        ),
-        (
-            {"marker_distances_cm": [15, 20], "min_level": 3, "start_level": 3},
-            "min_level",
-            "2 markers, so there is no level 3",
-        ),
+        ({CM: [15, 20], "goal_times_ms": [900, 99]}, "goal_times_ms", "between 100 and 60000 ms"),
+        ({CM: [15], "goal_times_ms": [60_001]}, "goal_times_ms", "between 100 and 60000 ms"),
+        ({CM: [15, 20], "start_level": 3}, "start_level", "there is no level 3"),
+        ({CM: [15, 20], "min_level": 3, "start_level": 3}, "min_level", "there is no level 3"),
         ({"start_level": 4, "max_level": 3}, "start_level", "3"),
         ({"reaches_per_attempt": 0}, "reaches_per_attempt", "1 to 50"),
         ({"still_ms": 999}, "still_ms", "1000 to 60000"),
