@@ -10,7 +10,7 @@ from sar_tui.model.theme import Theme
 from sar_tui.model.trial_types import Result
 from sar_tui.plugins import Catalogue
 from sar_tui.simulation.effect import Effect, mean_time
-from sar_tui.validation.effects import effects, play
+from sar_tui.validation.effects import play
 from tests.loop_driver import LoopDriver
 
 
@@ -87,16 +87,3 @@ def test_people_press_at_some_squares_and_sooner_than_at_circles(
     usual = mean_time([trial for trial in trials if trial.data["go"]])
     assert usual is not None
     assert fmean(times) < usual
-
-
-def test_people_who_never_press_at_squares_are_told_from_those_who_do(
-    gonogo: type[Task], calm: Theme
-) -> None:
-    (effect,) = (effect for kind, effect in effects(Catalogue()) if kind is gonogo)
-    for rehearsal, is_shown in ((None, True), (effect.without, False)):
-        values = [
-            effect.measure(play(gonogo, effect, calm, seed, rehearsal)) for seed in range(1, 7)
-        ]
-        assert (
-            effect.low <= fmean(value for value in values if value is not None) <= effect.high
-        ) is is_shown

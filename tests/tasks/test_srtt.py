@@ -4,7 +4,6 @@ simulated people.
 
 from collections import Counter
 from itertools import pairwise
-from statistics import fmean
 
 import pytest
 
@@ -65,14 +64,3 @@ def test_learning_is_the_difference_from_the_last_attempt_with_the_sequence(
     assert task.learning(past("sequence", 590), history) == {}
     assert task.learning(past("random", 660), []) == {}
     assert task.learning(past("random", None), history) == {}
-
-
-@pytest.mark.slow
-def test_people_learn_the_sequence_and_those_without_learning_do_not(
-    srtt: type[Task], calm: Theme
-) -> None:
-    (effect,) = (effect for kind, effect in effects(Catalogue()) if kind is srtt)
-    for rehearsal, is_shown in ((None, True), (effect.without, False)):
-        values = [effect.measure(play(srtt, effect, calm, seed, rehearsal)) for seed in range(1, 5)]
-        mean = fmean(value for value in values if value is not None)
-        assert (effect.low <= mean <= effect.high) is is_shown

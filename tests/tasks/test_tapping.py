@@ -1,7 +1,7 @@
 """The tapping task: the taps of a round, their regularity, and what is no tap."""
 
 import itertools
-from statistics import fmean, stdev
+from statistics import stdev
 
 import pytest
 
@@ -10,7 +10,6 @@ from sar_tui.loop.topics import PROMPT, TRIAL
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS
 from sar_tui.plugins import Catalogue
-from sar_tui.validation.effects import effects, play
 from tests.loop_driver import LoopDriver
 
 
@@ -84,15 +83,3 @@ def test_a_round_without_taps_is_missed(driver: LoopDriver) -> None:
     row = driver.last(TRIAL)
     assert (row.correct, row.value, row.details["taps"]) == (False, None, 0)
     assert driver.all(PROMPT)
-
-
-def test_people_tap_at_the_published_rate_and_those_without_hurry_do_not(
-    tapping: type[Task], calm: Theme
-) -> None:
-    (effect,) = (effect for kind, effect in effects(Catalogue()) if kind is tapping)
-    for rehearsal, is_shown in ((None, True), (effect.without, False)):
-        values = [
-            effect.measure(play(tapping, effect, calm, seed, rehearsal)) for seed in range(1, 6)
-        ]
-        mean = fmean(value for value in values if value is not None)
-        assert (effect.low <= mean <= effect.high) is is_shown

@@ -57,15 +57,10 @@ def test_a_prompt_names_the_key_in_plain_text() -> None:
 
 def test_an_arrow_is_drawn_and_named() -> None:
     task = make(choice_set="arrow keys")
-    found = {
-        (s.text, s.glyph, s.hint) for s in (task.stimulus(situation(t, level=3)) for t in range(60))
-    }
-    assert found == {
-        ("Press: left", "←", "arrow key"),
-        ("Press: right", "→", "arrow key"),
-        ("Press: up", "↑", "arrow key"),
-        ("Press: down", "↓", "arrow key"),
-    }
+    asked = [task.stimulus(situation(trial, level=3)) for trial in range(60)]
+    drawn = {"left": "←", "right": "→", "up": "↑", "down": "↓"}
+    assert {each.name: each.glyph for each in asked} == drawn
+    assert all((each.text, each.hint) == (f"Press: {each.name}", "arrow key") for each in asked)
 
 
 @given(st.permutations(range(1, 21)), st.integers(1, 10), st.sampled_from(["random", "repeating"]))
@@ -74,17 +69,14 @@ def test_prompts_do_not_depend_on_the_order_of_requests(
 ) -> None:
     task = make(sequence=sequence)
     asked = {trial: task.stimulus(situation(trial, level=level)) for trial in order}
-    assert [asked[trial].name for trial in range(1, 21)] == prompts(
-        make(sequence=sequence), level=level
-    )
+    again = prompts(make(sequence=sequence), level=level)
+    assert [asked[trial].name for trial in range(1, 21)] == again
 
 
 def test_random_prompts_differ_between_attempts_and_seeds() -> None:
     task = make()
-    sequences = {
-        tuple(prompts(task, attempt=a, level=6, seed=s)) for a, s in product(range(1, 5), range(4))
-    }
-    assert len(sequences) == 16
+    each = product(range(1, 5), range(4))
+    assert len({tuple(prompts(task, attempt=a, level=6, seed=s)) for a, s in each}) == 16
 
 
 @given(st.integers(2, 15), st.integers(1, 10), st.integers(0, 99))
@@ -121,20 +113,12 @@ def test_custom_levels_are_used_as_given() -> None:
 @pytest.mark.parametrize(
     ("parameters", "name", "part"),
     [
-        (
-            {"levels": ["aa"]},
-            "levels",
-            "'aa' names no key, a key twice, or one that cannot be typed",
-        ),
+        ({"levels": ["aa"]}, "levels", "'aa' names no key, a key twice"),
         ({"levels": ["a\t"]}, "levels", "cannot be typed"),
         ({"levels": ["ab", ""]}, "levels", "'' names no key"),
         ({"levels": ["ab"], "start_level": 2}, "start_level", "only 1 levels"),
         ({"choice_set": "arrow keys", "start_level": 4}, "start_level", "only 3 levels"),
-        (
-            {"choice_set": "arrow keys", "start_level": 5, "min_level": 5},
-            "start_level",
-            "no level 5",
-        ),
+        ({"choice_set": "arrow keys", "start_level": 5, "min_level": 5}, "start_level", "level 5"),
         ({"threshold": 99}, "threshold", "100 to 60000"),
         ({"prompts_per_attempt": 0}, "prompts_per_attempt", "1 to 200"),
         ({"layout": "dvorak"}, "layout", "qwerty, azerty, qwertz, not dvorak"),
@@ -186,22 +170,20 @@ def test_the_hint_says_if_shift_is_needed(layout: str, key: str, hint: str) -> N
 @pytest.mark.parametrize(
     ("parameters", "seconds", "right"),
     [
-        ({}, "1 second", ", with at least 16 of 20 right"),
-        ({"threshold": 850}, "0.85 seconds", ", with at least 16 of 20 right"),
-        (
-            {"min_accuracy": 0.7, "prompts_per_attempt": 10},
-            "1 second",
-            ", with at least 7 of 10 right",
-        ),
-        ({"min_accuracy": 0.81}, "1 second", ", with at least 17 of 20 right"),
+        ({}, "1 second", "16 of 20"),
+        ({"threshold": 850}, "0.85 seconds", "16 of 20"),
+        ({"min_accuracy": 0.7, "prompts_per_attempt": 10}, "1 second", "7 of 10"),
+        ({"min_accuracy": 0.81}, "1 second", "17 of 20"),
         ({"min_accuracy": 0, "threshold": 2000}, "2 seconds", ""),
     ],
 )
 def test_the_goal_is_described_in_words(
     parameters: dict[str, object], seconds: str, right: str
 ) -> None:
-    expected = f"Your goal: press the right key in less than {seconds} on average{right}."
-    assert make(**parameters).goal(1) == expected
+    goal = make(**parameters).goal(1)
+    assert f"less than {seconds} " in goal
+    assert right in goal
+    assert ("at least" in goal) == bool(right)
 
 
 @given(st.integers(1, 200), st.integers(0, 100))
@@ -243,12 +225,9 @@ RESULTS = st.lists(
 @given(RESULTS)
 def test_the_score_is_the_mean_reaction_time_and_the_accuracy(results: list[Result]) -> None:
     score = make().score(results)
-    good = [
-        r.value
-        for r in results
-        if r.correct and r.value is not None and "anticipation" not in r.flags
-    ]
-    right = sum(1 for r in results if r.correct)
+    counting = [r for r in results if r.correct and "anticipation" not in r.flags]
+    good = [r.value for r in counting if r.value is not None]
+    right = sum(r.correct for r in results)
     assert score.metric == (pytest.approx(sum(good) / len(good)) if good else None)
     assert (score.correct, score.trials) == (right, len(results))
     assert score.accuracy == right / len(results)
@@ -264,18 +243,14 @@ def test_a_slip_is_never_the_right_key(expected: str, seed: int) -> None:
 
 
 def test_the_default_parameters_are_those_of_the_thesis() -> None:
-    defaults = {
-        field.name: field.default for field in fields(Catalogue().task("keyboard").Parameters)
-    }
-    assert {
-        name: defaults[name]
-        for name in ("prompts_per_attempt", "attempts", "threshold", "neutral_band")
-    } == {"prompts_per_attempt": 20, "attempts": 20, "threshold": 1000.0, "neutral_band": 10.0}
-    assert (
-        defaults["consecutive_successes"],
-        defaults["consecutive_failures"],
-        defaults["min_accuracy"],
-    ) == (1, 1, 0.8)
+    it = make().parameters
+    assert (it.prompts_per_attempt, it.attempts, it.threshold, it.neutral_band) == (
+        20,
+        20,
+        1000,
+        10,
+    )
+    assert (it.consecutive_successes, it.consecutive_failures, it.min_accuracy) == (1, 1, 0.8)
 
 
 @pytest.mark.parametrize(
