@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 from sar_tui.loop.attempt_state import AttemptScore
 from sar_tui.loop.attempts import Attempts
 from sar_tui.loop.task import Task
+from sar_tui.model.messages import Prompt
 from sar_tui.model.trial_types import (
     Again,
     Details,
@@ -24,6 +25,7 @@ from sar_tui.model.trial_types import (
     Trial,
 )
 from sar_tui.model.units import MS
+from sar_tui.plugins import Catalogue
 from sar_tui.rules.declaration import meta
 from sar_tui.rules.parameters import TaskParameters
 from tests.loop_driver import LoopDriver
@@ -137,16 +139,34 @@ class LiftDriver(LoopDriver):
         self.press("enter")
         self.wait(300)
 
+    def to_lift(self) -> Prompt:
+        """Start a lift, and wait until its prompt is on the screen."""
+        self.press("space")
+        return self.to_prompt()
+
     def lift(self, time_ms: float = 400, end: str = "u") -> None:
         """Start a lift and do it."""
         assert self.waiting.what == "start", self.waiting
-        self.press("space")
-        self.to_prompt()
+        self.to_lift()
         self.wait(200)
         self.press("k")
         self.wait(time_ms)
         self.press(end)
         self.wait(300)
+
+
+def lifting(at: str = "start", task: type[Task] = Lift, **settings: Any) -> LiftDriver:
+    """Start a session, by default of two attempts, and go on to its first ``attempt``, the
+    ``start`` of the first lift, or its ``prompt``.
+    """
+    driver = LiftDriver(task, Catalogue().theme("calm"), **{"attempts": 2, **settings})
+    if at == "attempt":
+        driver.enter()
+    elif at in ("start", "prompt"):
+        driver.begin_lifts()
+    if at == "prompt":
+        driver.to_lift()
+    return driver
 
 
 def attempt(under_way: Attempts, *trials: Results) -> AttemptScore:

@@ -1,277 +1,242 @@
 """A lost sensor pauses the session, which resumes when it returns."""
 
-from collections.abc import Callable
 from typing import Any
 
 import pytest
 
 from sar_tui.app.screens.waiting_text import waiting_text
-from sar_tui.loop.topics import PROMPT, SENSOR, SESSION_ENDED, TRIAL, VOIDED, WAITING
+from sar_tui.loop import topics as t
 from sar_tui.model.messages import SensorChanged, SensorState
-from sar_tui.model.theme import Theme
-from tests.lifting_task import Lift, LiftDriver, SensedLift
+from tests.facts import each, facts
+from tests.lifting_task import Lift, LiftDriver, SensedLift, lifting
 
-NewSession = Callable[..., LiftDriver]
-
-
-@pytest.fixture
-def new_session(calm: Theme) -> NewSession:
-    """Start a session of two attempts of two lifts each, before anything is known of the sensor."""
-
-    def start(task: type[Lift] = SensedLift, **settings: Any) -> LiftDriver:
-        return LiftDriver(task, calm, **{"attempts": 2, **settings})
-
-    return start
+LOST = ("sensor", "paused", "sensor")
+AT_START = ("start", "trial", "")
+AT_REVIEW = ("enter", "review", "")
+RESTORED = ("enter", "paused", "restored")
 
 
-@pytest.fixture
-def lifting(new_session: NewSession) -> LiftDriver:
-    """Start a session with a working sensor, ready for the first lift."""
-    driver = new_session()
+def sensed(at: str = "start", **settings: Any) -> LiftDriver:
+    """Start a session with a working sensor, by default ready for the first lift."""
+    driver = lifting("instructions", SensedLift, **settings)
     sensor(driver, "attached")
-    driver.begin_lifts()
+    if at == "start":
+        driver.begin_lifts()
     return driver
 
 
 def sensor(driver: LiftDriver, state: SensorState, detail: str = "") -> None:
-    driver.session.bus.publish(
-        SENSOR, SensorChanged(state=state, at=driver.clock.now(), detail=detail)
-    )
+    changed = SensorChanged(state=state, at=driver.clock.now(), detail=detail)
+    driver.session.bus.publish(t.SENSOR, changed)
 
 
-def waiting_state(driver: LiftDriver) -> tuple[str, str, str]:
-    return driver.waiting.what, driver.waiting.stage, driver.waiting.reason
+def place(driver: LiftDriver) -> tuple[Any, ...]:
+    return facts(driver.waiting, "what stage reason")
 
 
-LOST = ("sensor", "paused", "sensor")
-AT_START = ("start", "trial", "")
-
-
-def test_the_session_waits_for_the_sensor_after_the_instructions(new_session: NewSession) -> None:
-    driver = new_session()
-    assert waiting_state(driver) == ("enter", "instructions", "")
+def test_the_session_waits_for_the_sensor_after_the_instructions() -> None:
+    driver = lifting("instructions", SensedLift)
+    assert place(driver) == ("enter", "instructions", "")
     driver.enter()
-    assert waiting_state(driver) == LOST
+    assert place(driver) == LOST
     driver.press("enter")
     driver.wait(60_000)
-    assert waiting_state(driver) == LOST
+    assert place(driver) == LOST
     sensor(driver, "attached")
-    assert waiting_state(driver) == ("enter", "attempt", "")
+    assert place(driver) == ("enter", "attempt", "")
 
 
-def test_a_working_sensor_causes_no_pause(lifting: LiftDriver) -> None:
-    lifting.lift()
-    assert all(waiting.reason != "sensor" for waiting in lifting.all(WAITING))
+def test_a_working_sensor_causes_no_pause() -> None:
+    driver = sensed()
+    driver.lift()
+    assert "sensor" not in each(driver.all(t.WAITING), "reason")
 
 
-def test_a_task_without_sensors_ignores_them(new_session: NewSession) -> None:
-    driver = new_session(Lift)
-    driver.begin_lifts()
+def test_a_task_without_sensors_ignores_them() -> None:
+    driver = lifting("start", Lift)
     sensor(driver, "detached")
-    assert waiting_state(driver) == AT_START
+    assert place(driver) == AT_START
     driver.operate("pause")
     driver.operate("resume")
-    assert waiting_state(driver) == AT_START
+    assert place(driver) == AT_START
 
 
 @pytest.mark.parametrize(
     ("loss", "cure"), [("detached", "attached"), ("stalled", "flowing"), ("ended", "attached")]
 )
-def test_a_lost_sensor_voids_the_trial(
-    lifting: LiftDriver, loss: SensorState, cure: SensorState
-) -> None:
-    lifting.press("space")
-    lifting.to_prompt()
-    lifting.press("k")
-    sensor(lifting, loss, "It is loose.")
-    assert waiting_state(lifting) == LOST
-    assert lifting.waiting.detail == "It is loose."
-    assert (lifting.last(VOIDED).trial, lifting.last(VOIDED).reason) == (1, "sensor")
-    lifting.wait(60_000)
-    lifting.press("enter")
-    lifting.press("space")
-    assert waiting_state(lifting) == LOST
-    sensor(lifting, cure)
-    assert waiting_state(lifting) == AT_START
-    assert lifting.waiting.detail == ""
-    lifting.wait(1000)
-    lifting.lift()
-    assert [(trial.trial, trial.correct) for trial in lifting.all(TRIAL)] == [(1, True)]
-    assert lifting.last(TRIAL).timing.presentation == 2
+def test_a_lost_sensor_voids_the_trial(loss: SensorState, cure: SensorState) -> None:
+    driver = sensed()
+    driver.to_lift()
+    driver.press("k")
+    sensor(driver, loss, "It is loose.")
+    assert (place(driver), driver.waiting.detail) == (LOST, "It is loose.")
+    assert facts(driver.last(t.VOIDED), "trial reason") == (1, "sensor")
+    driver.wait(60_000)
+    driver.press("enter")
+    driver.press("space")
+    assert place(driver) == LOST
+    sensor(driver, cure)
+    assert (place(driver), driver.waiting.detail) == (AT_START, "")
+    driver.wait(1000)
+    driver.lift()
+    assert each(driver.all(t.TRIAL), "trial correct timing.presentation") == [(1, True, 2)]
 
 
-@pytest.mark.parametrize(
-    ("loss", "says"),
-    [("stalled", "The session goes on by itself once"), ("ended", "so the session cannot go on.")],
-)
-def test_the_screen_says_whether_the_sensor_can_come_back(
-    lifting: LiftDriver, loss: SensorState, says: str
-) -> None:
-    sensor(lifting, loss)
-    session = lifting.session
-    shown = waiting_text(lifting.waiting, session.task, is_recording_over=session.is_recording_over)
+@pytest.mark.parametrize(("loss", "says"), [("stalled", "by itself"), ("ended", "cannot go on")])
+def test_the_screen_says_whether_the_sensor_can_come_back(loss: SensorState, says: str) -> None:
+    driver = sensed()
+    sensor(driver, loss)
+    over = driver.session.is_recording_over
+    shown = waiting_text(driver.waiting, driver.session.task, is_recording_over=over)
     assert shown is not None
     assert says in shown.text
 
 
-def test_a_new_reason_of_the_loss_is_published(lifting: LiftDriver) -> None:
-    sensor(lifting, "stalled", "Nothing comes.")
-    sensor(lifting, "error", "The cable is broken.")
-    assert (waiting_state(lifting), lifting.waiting.detail) == (LOST, "The cable is broken.")
+def test_a_new_reason_of_the_loss_is_published() -> None:
+    driver = sensed()
+    sensor(driver, "stalled", "Nothing comes.")
+    sensor(driver, "error", "The cable is broken.")
+    assert (place(driver), driver.waiting.detail) == (LOST, "The cable is broken.")
 
 
 @pytest.mark.parametrize("state", ["gap", "saturated", "error"])
-def test_a_sensor_error_without_loss_stops_nothing(lifting: LiftDriver, state: SensorState) -> None:
-    lifting.press("space")
-    lifting.to_prompt()
-    said = len(lifting.all(WAITING))
-    sensor(lifting, state, "something")
-    assert len(lifting.all(WAITING)) == said
-    assert lifting.all(VOIDED) == []
+def test_a_sensor_error_without_loss_stops_nothing(state: SensorState) -> None:
+    driver = sensed()
+    driver.to_lift()
+    said = len(driver.all(t.WAITING))
+    sensor(driver, state, "something")
+    assert (len(driver.all(t.WAITING)), driver.all(t.VOIDED)) == (said, [])
 
 
-def test_a_sensor_lost_between_attempts_pauses_the_session(lifting: LiftDriver) -> None:
-    lifting.lift()
-    lifting.lift()
-    sensor(lifting, "detached")
-    assert waiting_state(lifting) == LOST
-    lifting.press("enter")
-    assert waiting_state(lifting) == LOST
-    sensor(lifting, "attached")
-    assert (waiting_state(lifting), lifting.waiting.attempt) == (("enter", "attempt", ""), 2)
-    assert lifting.all(VOIDED) == []
-
-
-def test_after_the_last_attempt_a_lost_sensor_is_ignored(new_session: NewSession) -> None:
-    driver = new_session(attempts=1, lifts=1)
-    sensor(driver, "attached")
-    driver.begin_lifts()
+def test_a_sensor_lost_between_attempts_pauses_the_session() -> None:
+    driver = sensed()
+    driver.lift()
     driver.lift()
     sensor(driver, "detached")
-    assert waiting_state(driver) == ("enter", "review", "")
-    driver.operate("pause")
-    driver.operate("resume")
-    assert waiting_state(driver) == ("enter", "review", "")
     driver.press("enter")
-    assert [ended.status for ended in driver.all(SESSION_ENDED)] == ["completed"]
-
-
-def test_a_sensor_lost_before_the_last_feedback_is_ignored(new_session: NewSession) -> None:
-    driver = new_session(attempts=1, feedback_delay_ms=3000)
+    assert place(driver) == LOST
     sensor(driver, "attached")
-    driver.begin_lifts()
+    assert (place(driver), driver.waiting.attempt) == (("enter", "attempt", ""), 2)
+    assert driver.all(t.VOIDED) == []
+
+
+@pytest.mark.parametrize("delay_ms", [0, 3000])
+def test_after_the_last_attempt_a_lost_sensor_is_ignored(delay_ms: int) -> None:
+    driver = sensed(attempts=1, lifts=1, feedback_delay_ms=delay_ms)
     driver.lift()
-    driver.lift()
-    assert waiting_state(driver) == ("answer", "answer", "")
+    assert place(driver) == (("answer", "answer", "") if delay_ms else AT_REVIEW)
     sensor(driver, "detached")
     driver.operate("pause")
     driver.operate("resume")
-    driver.wait(3000)
-    assert waiting_state(driver) == ("enter", "review", "")
+    driver.wait(delay_ms)
+    assert place(driver) == AT_REVIEW
     driver.press("enter")
-    assert driver.last(SESSION_ENDED).status == "completed"
+    assert each(driver.all(t.SESSION_ENDED), "status") == ["completed"]
 
 
-def test_a_sensor_lost_in_the_instructions_pauses_after_them(new_session: NewSession) -> None:
-    driver = new_session()
-    sensor(driver, "attached")
+def test_a_sensor_lost_in_the_instructions_pauses_after_them() -> None:
+    driver = sensed("instructions")
     sensor(driver, "detached", "Gone.")
-    assert waiting_state(driver) == ("enter", "instructions", "")
+    assert place(driver) == ("enter", "instructions", "")
     driver.enter()
-    assert (waiting_state(driver), driver.waiting.detail) == (LOST, "Gone.")
+    assert (place(driver), driver.waiting.detail) == (LOST, "Gone.")
 
 
-def test_a_persons_pause_is_not_ended_by_the_sensor(lifting: LiftDriver) -> None:
-    lifting.operate("pause", reason="tired")
-    paused = waiting_state(lifting)
-    sensor(lifting, "detached")
-    assert waiting_state(lifting) == paused
-    sensor(lifting, "attached")
-    assert waiting_state(lifting) == paused
-    lifting.operate("resume")
-    assert waiting_state(lifting) == AT_START
+def test_a_persons_pause_is_not_ended_by_the_sensor() -> None:
+    driver = sensed()
+    driver.operate("pause", reason="tired")
+    paused = place(driver)
+    for state in ("detached", "attached"):
+        sensor(driver, state)  # type: ignore[arg-type]
+        assert place(driver) == paused
+    driver.operate("resume")
+    assert place(driver) == AT_START
 
 
-def test_resuming_with_a_lost_sensor_waits_for_the_sensor(lifting: LiftDriver) -> None:
-    lifting.operate("pause")
-    sensor(lifting, "stalled", "Nothing comes.")
-    lifting.operate("resume")
-    assert (waiting_state(lifting), lifting.waiting.detail) == (LOST, "Nothing comes.")
-    sensor(lifting, "flowing")
-    assert waiting_state(lifting) == AT_START
-    assert [voided.reason for voided in lifting.all(VOIDED)] == ["pause"]
+def test_resuming_with_a_lost_sensor_waits_for_the_sensor() -> None:
+    driver = sensed()
+    driver.operate("pause")
+    sensor(driver, "stalled", "Nothing comes.")
+    driver.operate("resume")
+    assert (place(driver), driver.waiting.detail) == (LOST, "Nothing comes.")
+    sensor(driver, "flowing")
+    assert place(driver) == AT_START
+    assert each(driver.all(t.VOIDED), "reason") == ["pause"]
 
 
-def test_a_pause_during_sensor_loss_outlasts_its_return(lifting: LiftDriver) -> None:
-    sensor(lifting, "detached")
-    lifting.operate("pause", reason="pain")
-    assert waiting_state(lifting) == ("resume", "paused", "pain")
-    sensor(lifting, "attached")
-    assert waiting_state(lifting) == ("resume", "paused", "pain")
+def test_a_pause_during_sensor_loss_outlasts_its_return() -> None:
+    driver = sensed()
+    sensor(driver, "detached")
+    driver.operate("pause", reason="pain")
+    assert place(driver) == ("resume", "paused", "pain")
+    sensor(driver, "attached")
+    assert place(driver) == ("resume", "paused", "pain")
 
 
-def test_a_session_that_waits_for_a_sensor_can_be_ended(lifting: LiftDriver) -> None:
-    sensor(lifting, "detached")
-    lifting.operate("end")
-    assert [ended.status for ended in lifting.all(SESSION_ENDED)] == ["aborted"]
-    sensor(lifting, "attached")
-    assert lifting.waiting.stage == "ended"
+def test_a_session_that_waits_for_a_sensor_can_be_ended() -> None:
+    driver = sensed()
+    sensor(driver, "detached")
+    driver.operate("end")
+    assert each(driver.all(t.SESSION_ENDED), "status") == ["aborted"]
+    sensor(driver, "attached")
+    assert driver.waiting.stage == "ended"
 
 
-def test_a_sensor_that_returns_during_a_disk_failure_starts_nothing(lifting: LiftDriver) -> None:
-    sensor(lifting, "detached")
-    lifting.disk(False)
-    assert lifting.waiting.reason == "storage"
-    sensor(lifting, "attached")
-    assert (lifting.waiting.stage, lifting.waiting.reason) == ("paused", "storage")
-    lifting.disk(True)
-    assert waiting_state(lifting) == ("enter", "paused", "restored")
-    lifting.press("enter")
-    assert waiting_state(lifting) == AT_START
+# --- with a disk that fails, too
 
 
-def test_after_a_disk_failure_the_session_waits_for_a_lost_sensor(lifting: LiftDriver) -> None:
-    sensor(lifting, "detached")
-    lifting.disk(False)
-    sensor(lifting, "stalled")
-    lifting.disk(True)
-    assert waiting_state(lifting) == LOST
-    sensor(lifting, "attached")
-    assert waiting_state(lifting) == AT_START
+def test_a_sensor_that_returns_during_a_disk_failure_starts_nothing() -> None:
+    driver = sensed()
+    sensor(driver, "detached")
+    driver.disk(False)
+    assert driver.waiting.reason == "storage"
+    sensor(driver, "attached")
+    assert facts(driver.waiting, "stage reason") == ("paused", "storage")
+    driver.disk(True)
+    assert place(driver) == RESTORED
+    driver.press("enter")
+    assert place(driver) == AT_START
 
 
-def test_a_sensor_lost_during_a_disk_failure_is_waited_for_afterwards(lifting: LiftDriver) -> None:
-    lifting.disk(False)
-    sensor(lifting, "detached")
-    assert lifting.waiting.reason == "storage"
-    lifting.disk(True)
-    assert waiting_state(lifting) == ("enter", "paused", "restored")
-    lifting.press("enter")
-    assert waiting_state(lifting) == LOST
+def test_after_a_disk_failure_the_session_waits_for_a_lost_sensor() -> None:
+    driver = sensed()
+    sensor(driver, "detached")
+    driver.disk(False)
+    sensor(driver, "stalled")
+    driver.disk(True)
+    assert place(driver) == LOST
+    sensor(driver, "attached")
+    assert place(driver) == AT_START
+
+
+def test_a_sensor_lost_during_a_disk_failure_is_waited_for_afterwards() -> None:
+    driver = sensed()
+    driver.disk(False)
+    sensor(driver, "detached")
+    assert driver.waiting.reason == "storage"
+    driver.disk(True)
+    assert place(driver) == RESTORED
+    driver.press("enter")
+    assert place(driver) == LOST
+
+
+# --- after a resume
 
 
 @pytest.mark.parametrize("lost", [False, True])
-def test_a_resumed_session_waits_for_enter_then_for_its_sensor(
-    lifting: LiftDriver, calm: Theme, lost: bool
-) -> None:
-    lifting.lift()
+@pytest.mark.parametrize("reports", ["before Enter", "after Enter"])
+def test_a_resumed_session_waits_for_enter_then_for_its_sensor(lost: bool, reports: str) -> None:
+    driver = sensed()
+    driver.lift()
     if lost:
-        sensor(lifting, "detached")
-    resumed = LiftDriver(SensedLift, calm, attempts=2, history=lifting.records)
-    assert waiting_state(resumed) == ("enter", "paused", "interrupted")
+        sensor(driver, "detached")
+    resumed = lifting("instructions", SensedLift, history=driver.records)
+    if reports == "before Enter":
+        sensor(resumed, "attached")
+    assert place(resumed) == ("enter", "paused", "interrupted")
     resumed.press("enter")
-    assert waiting_state(resumed) == LOST, "the sensor of this run has not reported yet"
-    sensor(resumed, "attached")
-    assert (waiting_state(resumed), resumed.waiting.trial) == (AT_START, 2)
-    assert resumed.all(PROMPT) == []
-
-
-def test_a_resumed_session_with_a_working_sensor_only_waits_for_enter(
-    lifting: LiftDriver, calm: Theme
-) -> None:
-    sensor(lifting, "detached")
-    resumed = LiftDriver(SensedLift, calm, attempts=2, history=lifting.records)
-    sensor(resumed, "attached")
-    assert waiting_state(resumed) == ("enter", "paused", "interrupted")
-    resumed.press("enter")
-    assert waiting_state(resumed) == AT_START
+    if reports == "after Enter":
+        assert place(resumed) == LOST, "the sensor of this run has not reported yet"
+        sensor(resumed, "attached")
+    assert (place(resumed), resumed.waiting.trial) == (AT_START, 2)
+    assert resumed.all(t.PROMPT) == []

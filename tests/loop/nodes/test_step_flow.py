@@ -2,6 +2,8 @@
 is lost.
 """
 
+from typing import Any
+
 import pytest
 from msgspec.structs import replace
 
@@ -9,38 +11,52 @@ from sar_tui.loop.task import Task
 from sar_tui.loop.topics import PROPOSED, SESSION_ENDED, STEP_ENDED
 from sar_tui.model import messages as m
 from sar_tui.model.step import Entry, Step, points, problem
+from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.keys import UNREAD
+from tests.facts import each, facts
 from tests.loop_driver import LoopDriver
 
-TWO = {"attempts": 2, "prompts_per_attempt": 1}
+CATALOGUE = Catalogue()
+KEYBOARD, CALM = CATALOGUE.task("keyboard"), CATALOGUE.theme("calm")
+TWO: dict[str, Any] = {"attempts": 2, "prompts_per_attempt": 1}
 
 
-def questioned(keyboard: type[Task], *steps: Step, **parameters: object) -> LoopDriver:
-    class Questioned(keyboard):  # type: ignore[misc, valid-type]
-        @property
-        def steps(self) -> tuple[Step, ...]:
-            return steps
-
-    theme = Catalogue().theme("calm")
-    return LoopDriver(Questioned, theme, **{**TWO, **parameters})
+def questioned(*steps: Step, kind: type[Task] = KEYBOARD, **parameters: Any) -> LoopDriver:
+    """Start a session with these steps, and leave its instructions."""
+    task = type("Questioned", (kind,), {"steps": property(lambda task: steps)})
+    driver = LoopDriver(task, CALM, **{**TWO, **parameters})
+    driver.enter()
+    return driver
 
 
-def asked(driver: LoopDriver) -> m.AskedStep | None:
-    return driver.waiting.step
+def asked_after_one(*steps: Step, **parameters: Any) -> LoopDriver:
+    driver = questioned(*steps, **parameters)
+    driver.attempt()
+    return driver
+
+
+def asked(driver: LoopDriver) -> m.AskedStep:
+    shown = driver.waiting.step
+    assert shown is not None
+    return shown
 
 
 def settle(driver: LoopDriver) -> None:
     driver.wait(500)
 
 
-def answer(driver: LoopDriver, *keys: str) -> m.StepEnded:
+def answer(driver: LoopDriver, *keys: str, end: str = "enter") -> m.StepEnded:
     settle(driver)
-    for key in (*keys, "enter"):
+    for key in (*keys, end):
         driver.press(key)
     ended = driver.last(STEP_ENDED)
     settle(driver)
     return ended
+
+
+def place(driver: LoopDriver) -> tuple[str, int]:
+    return (driver.waiting.stage, driver.waiting.attempt)
 
 
 PAIN = Step(name="pain", text="How strong is your pain?", kind="number", every=1)
@@ -49,55 +65,35 @@ STILL = Step(name="still", kind="calibration", text="Keep still.", seconds=3, af
 LAST = Step(name="word", kind="text", text="Anything else?")
 
 
-def test_a_step_before_the_first_attempt_comes_after_the_instructions(keyboard: type[Task]) -> None:
-    driver = questioned(keyboard, READ)
-    driver.enter()
-    shown = asked(driver)
-    assert shown is not None
-    assert (driver.waiting.what, driver.waiting.stage, shown.step.text) == (
-        "step",
-        "step",
-        READ.text,
-    )
-    settle(driver)
-    driver.press("enter")
-    assert driver.last(STEP_ENDED).status == "done"
-    assert (driver.waiting.stage, driver.waiting.attempt) == ("attempt", 1)
+def test_a_step_before_the_first_attempt_comes_after_the_instructions() -> None:
+    driver = questioned(READ)
+    assert facts(driver.waiting, "what stage step.step.text") == ("step", "step", READ.text)
+    assert answer(driver).status == "done"
+    assert place(driver) == ("attempt", 1)
 
 
-def test_a_question_after_each_attempt_is_answered_with_the_keyboard(keyboard: type[Task]) -> None:
-    driver = questioned(keyboard, PAIN)
-    driver.enter()
-    driver.attempt()
-    shown = asked(driver)
-    assert shown is not None
-    assert (shown.number, shown.entry) == (1, Entry())
+def test_a_question_after_each_attempt_is_answered_with_the_keyboard() -> None:
+    driver = asked_after_one(PAIN)
+    assert facts(asked(driver), "number entry") == (1, Entry())
     ended = answer(driver, "1", "0")
-    assert (ended.name, ended.attempt, ended.status, ended.answer) == ("pain", 1, "answered", 10)
+    assert facts(ended, "name attempt status answer") == ("pain", 1, "answered", 10)
     assert ended.shown < ended.ended
-    assert (driver.waiting.stage, driver.waiting.attempt) == ("attempt", 2)
+    assert place(driver) == ("attempt", 2)
     driver.attempt()
     assert answer(driver, "3").number == 2
     assert driver.waiting.stage == "review"
 
 
-def test_the_next_attempt_does_not_begin_before_the_answer(keyboard: type[Task]) -> None:
-    driver = questioned(keyboard, PAIN)
-    driver.enter()
-    driver.attempt()
+def test_the_next_attempt_does_not_begin_before_the_answer() -> None:
+    driver = asked_after_one(PAIN)
     settle(driver)
     driver.press("enter")
-    shown = asked(driver)
-    assert shown is not None
-    assert shown.entry.is_missing
+    assert asked(driver).entry.is_missing
     assert driver.all(STEP_ENDED) == []
 
 
-def test_enter_that_was_meant_for_what_stood_there_before_answers_nothing(
-    keyboard: type[Task],
-) -> None:
-    driver = questioned(keyboard, READ)
-    driver.enter()
+def test_enter_that_was_meant_for_what_stood_there_before_answers_nothing() -> None:
+    driver = questioned(READ)
     driver.wait(290)
     driver.strike("enter")
     assert driver.all(STEP_ENDED) == []
@@ -105,11 +101,8 @@ def test_enter_that_was_meant_for_what_stood_there_before_answers_nothing(
     assert driver.last(STEP_ENDED).status == "done"
 
 
-def test_a_number_that_was_meant_for_the_question_before_answers_nothing(
-    keyboard: type[Task],
-) -> None:
-    driver = questioned(keyboard, PAIN)
-    driver.enter()
+def test_a_number_that_was_meant_for_the_question_before_answers_nothing() -> None:
+    driver = questioned(PAIN)
     driver.begin_attempt()
     driver.answer()
     driver.until(lambda: driver.waiting.what == "step")
@@ -121,60 +114,41 @@ def test_a_number_that_was_meant_for_the_question_before_answers_nothing(
     assert driver.waiting != before
 
 
-def test_a_calibration_lasts_its_time_and_ends_by_itself(keyboard: type[Task]) -> None:
-    driver = questioned(keyboard, STILL)
-    driver.enter()
-    driver.attempt()
+def test_a_calibration_lasts_its_time_and_ends_by_itself() -> None:
+    driver = asked_after_one(STILL)
     settle(driver)
     driver.press("enter")
-    until = driver.waiting.until
-    assert until - driver.clock.now() > 1_000_000_000
+    assert driver.waiting.until - driver.clock.now() > SECOND
     driver.until(lambda: driver.all(STEP_ENDED))
     ended = driver.last(STEP_ENDED)
-    assert (ended.kind, ended.status, ended.ended - ended.shown) == (
-        "calibration",
-        "done",
-        3_000_000_000,
-    )
+    assert facts(ended, "kind status") == ("calibration", "done")
+    assert ended.ended - ended.shown == 3 * SECOND
 
 
-def test_tab_declines_and_is_no_request_for_feedback(keyboard: type[Task]) -> None:
-    driver = questioned(keyboard, PAIN, feedback_schedule="request")
-    driver.enter()
-    driver.attempt()
-    settle(driver)
-    driver.press("tab")
-    assert (driver.last(STEP_ENDED).status, driver.last(STEP_ENDED).answer) == ("declined", None)
+def test_tab_declines_and_is_no_request_for_feedback() -> None:
+    driver = asked_after_one(PAIN, feedback_schedule="request")
+    assert facts(answer(driver, end="tab"), "status answer") == ("declined", None)
 
 
-def test_an_operator_can_skip_a_step(keyboard: type[Task]) -> None:
-    driver = questioned(keyboard, PAIN)
-    driver.enter()
-    driver.attempt()
+def test_an_operator_can_skip_a_step() -> None:
+    driver = asked_after_one(PAIN)
     driver.operate("skip")
     assert driver.last(STEP_ENDED).status == "skipped"
     assert driver.waiting.stage == "attempt"
 
 
-def test_a_skip_ends_the_step_that_the_operator_saw_and_not_the_next(keyboard: type[Task]) -> None:
-    driver = questioned(keyboard, PAIN, LAST, attempts=1)
-    driver.enter()
-    driver.attempt()
+def test_a_skip_ends_the_step_that_the_operator_saw_and_not_the_next() -> None:
+    driver = asked_after_one(PAIN, LAST, attempts=1)
     answer(driver, "4")
     driver.operate("skip", reason="step", value=1)
-    shown = asked(driver)
-    assert shown is not None
-    assert shown.number == 2
+    assert asked(driver).number == 2
     driver.operate("skip", reason="step", value=2)
-    ended = driver.last(STEP_ENDED)
-    assert (ended.name, ended.status, ended.answer) == ("word", "skipped", None)
+    assert facts(driver.last(STEP_ENDED), "name status answer") == ("word", "skipped", None)
     assert driver.waiting.stage == "review"
 
 
-def test_a_pause_keeps_what_was_typed(keyboard: type[Task]) -> None:
-    driver = questioned(keyboard, LAST, attempts=1)
-    driver.enter()
-    driver.attempt()
+def test_a_pause_keeps_what_was_typed() -> None:
+    driver = asked_after_one(LAST, attempts=1)
     for key in "ok":
         driver.press(key)
     driver.operate("pause")
@@ -184,172 +158,123 @@ def test_a_pause_keeps_what_was_typed(keyboard: type[Task]) -> None:
     assert driver.waiting.stage == "review"
 
 
-def test_a_session_that_is_ended_while_its_last_question_stands_is_complete(
-    keyboard: type[Task],
-) -> None:
-    driver = questioned(keyboard, LAST, attempts=1)
-    driver.enter()
-    driver.attempt()
+def test_a_session_that_is_ended_while_its_last_question_stands_is_complete() -> None:
+    driver = asked_after_one(LAST, attempts=1)
     driver.operate("end")
     assert driver.last(SESSION_ENDED).status == "completed"
     assert driver.all(STEP_ENDED) == []
 
 
-def test_a_resumed_session_asks_again_and_does_not_repeat_what_was_answered(
-    keyboard: type[Task],
-) -> None:
-    again = Step(name="again", text="And now?", kind="number", every=1)
-    first = questioned(keyboard, PAIN, again)
-    first.enter()
-    first.attempt()
+def test_a_resumed_session_asks_again_and_does_not_repeat_what_was_answered() -> None:
+    first = asked_after_one(PAIN, Step(name="again", text="And now?", kind="number", every=1))
     answer(first, "3")
     first.press("5")
-    assert asked(first) is not None
-    kind = type(first.session.task)
-    second = LoopDriver(kind, Catalogue().theme("calm"), history=first.records, **TWO)
-    assert (second.waiting.stage, second.waiting.reason) == ("paused", "interrupted")
+    second = LoopDriver(type(first.session.task), CALM, history=first.records, **TWO)
+    assert facts(second.waiting, "stage reason") == ("paused", "interrupted")
     second.press("enter")
-    shown = asked(second)
-    assert shown is not None
-    assert (shown.step.name, shown.number, shown.entry.chosen) == ("again", 2, (5,))
+    assert facts(asked(second), "step.name number entry.chosen") == ("again", 2, (5,))
     assert answer(second).answer == 5
-    assert (second.waiting.stage, second.waiting.attempt) == ("attempt", 2)
+    assert place(second) == ("attempt", 2)
 
 
-def test_the_steps_that_a_session_was_begun_with_are_kept_by_its_record(
-    keyboard: type[Task],
-) -> None:
-    first = LoopDriver(keyboard, Catalogue().theme("calm"), begin=False, **TWO)
+def test_the_steps_that_a_session_was_begun_with_are_kept_by_its_record() -> None:
+    first = LoopDriver(KEYBOARD, CALM, begin=False, **TWO)
     first.session.steps = (PAIN,)
     first.session.begin(1)
     first.enter()
     first.attempt()
-    assert asked(first) is not None
-    second = LoopDriver(keyboard, Catalogue().theme("calm"), history=first.records, **TWO)
+    second = LoopDriver(KEYBOARD, CALM, history=first.records, **TWO)
     second.press("enter")
     assert answer(second, "2").name == "pain"
 
 
-def test_the_question_is_spoken_once(keyboard: type[Task]) -> None:
-    driver = questioned(keyboard, PAIN)
-    driver.enter()
-    driver.attempt()
+def test_the_question_is_spoken_once() -> None:
+    driver = asked_after_one(PAIN)
     answer(driver, "1", "2", "4")
-    said = [each.spoken for each in driver.all(PROPOSED) if each.kind == "instruction"]
+    said = [one.spoken for one in driver.all(PROPOSED) if one.kind == "instruction"]
     assert said[1:] == ["How strong is your pain?"]
 
 
 @pytest.mark.parametrize("every", [0, 1])
-def test_therapists_choose_questions_by_name(keyboard: type[Task], every: int) -> None:
-    driver = LoopDriver(
-        keyboard,
-        Catalogue().theme("calm"),
-        **TWO,
-        questions=("pain", "effort"),
-        questions_every=every,
-    )
+def test_therapists_choose_questions_by_name(every: int) -> None:
+    chosen = {"questions": ("pain", "effort"), "questions_every": every}
+    driver = LoopDriver(KEYBOARD, CALM, **TWO, **chosen)
     driver.enter()
     for _ in range(2):
         driver.attempt()
-        while asked(driver):
+        while driver.waiting.step:
             answer(driver, "2")
-    assert [each.name for each in driver.all(STEP_ENDED)] == ["pain", "effort"] * (1 + every)
+    assert each(driver.all(STEP_ENDED), "name") == ["pain", "effort"] * (1 + every)
 
 
-def test_questions_are_in_the_language_of_the_session(keyboard: type[Task]) -> None:
-    spanish = {
-        "attempts": 1,
-        "prompts_per_attempt": 1,
-        "questions": ("pain", "effort"),
-        "language": "es",
-    }
-    driver = LoopDriver(keyboard, Catalogue().theme("calm", "es"), **spanish)
+def test_questions_are_in_the_language_of_the_session() -> None:
+    spanish = {**TWO, "attempts": 1, "questions": ("pain", "effort"), "language": "es"}
+    driver = LoopDriver(KEYBOARD, CATALOGUE.theme("calm", "es"), **spanish)
     driver.enter()
     driver.attempt()
-    shown = asked(driver)
-    assert shown is not None
-    assert shown.step.text == "¿Cuánto dolor hay ahora?"
-    assert "ningún dolor" in shown.step.labels
+    assert "dolor" in asked(driver).step.text
+    assert "ningún dolor" in asked(driver).step.labels
     answer(driver, "1")
-    shown = asked(driver)
-    assert shown is not None
-    assert points(shown.step)[0].label == "nada"
+    assert points(asked(driver).step)[0].label == "nada"
 
 
-CONSENT = Step(
-    name="consent",
-    kind="choice",
-    text="Do you agree?",
-    labels=("yes", "no"),
-    before=True,
-    required="yes",
-)
+# --- a required answer
+
+AGREE: Any = {"before": True, "required": "yes"}
+CONSENT = Step(name="consent", kind="choice", text="Agreed?", labels=("yes", "no"), **AGREE)
 FEELING = Step(name="feeling", kind="number", text="How do you feel?", before=True)
 
 
-def test_the_required_answer_lets_the_session_begin(keyboard: type[Task]) -> None:
-    driver = questioned(keyboard, FEELING, CONSENT)
-    driver.enter()
+def test_the_required_answer_lets_the_session_begin() -> None:
+    driver = questioned(FEELING, CONSENT)
     assert driver.session.awaits_agreement
     assert answer(driver, "1").name == "consent", "it comes before all others"
     assert not driver.session.awaits_agreement
     answer(driver, "5")
-    assert (driver.waiting.stage, driver.waiting.attempt) == ("attempt", 1)
+    assert place(driver) == ("attempt", 1)
 
 
 @pytest.mark.parametrize("keys", [("2", "enter"), ("tab",)])
-def test_any_other_answer_ends_the_session_before_the_first_attempt(
-    keyboard: type[Task], keys: tuple[str, ...]
-) -> None:
-    driver = questioned(keyboard, FEELING, CONSENT)
-    driver.enter()
-    settle(driver)
-    for key in keys:
-        driver.press(key)
-    settle(driver)
+def test_any_other_answer_ends_the_session_before_the_first_attempt(keys: tuple[str, ...]) -> None:
+    driver = questioned(FEELING, CONSENT)
+    *typed, end = keys
+    answer(driver, *typed, end=end)
     assert driver.last(SESSION_ENDED).status == "refused"
-    assert [ended.name for ended in driver.all(STEP_ENDED)] == ["consent"]
+    assert each(driver.all(STEP_ENDED), "name") == ["consent"]
     assert driver.session.awaits_agreement
-    assert not [each for each in driver.all(PROPOSED) if getattr(each, "kind", "") == "goodbye"]
+    assert "goodbye" not in each(driver.all(PROPOSED), "kind")
 
 
-def test_enter_without_an_answer_and_an_operator_who_skips_do_not_agree(
-    keyboard: type[Task],
-) -> None:
-    driver = questioned(keyboard, CONSENT)
-    driver.enter()
+def test_enter_without_an_answer_and_an_operator_who_skips_do_not_agree() -> None:
+    driver = questioned(CONSENT)
     settle(driver)
     driver.press("enter")
     driver.operate("skip")
-    shown = asked(driver)
-    assert shown is not None
-    assert shown.step.name == "consent"
+    assert asked(driver).step.name == "consent"
     assert driver.all(STEP_ENDED) == []
 
 
-@pytest.mark.parametrize("is_asked", [False, True])
+@pytest.mark.parametrize(
+    ("reached", "status"),
+    [("instructions", "refused"), ("question", "refused"), ("agreed", "aborted")],
+)
 def test_a_session_that_is_ended_before_all_agreed_is_kept_as_refused(
-    keyboard: type[Task], is_asked: bool
+    reached: str, status: str
 ) -> None:
-    driver = questioned(keyboard, CONSENT, FEELING)
-    if is_asked:
-        driver.enter()
+    if reached == "instructions":
+        task = type("Questioned", (KEYBOARD,), {"steps": (CONSENT, FEELING)})
+        driver = LoopDriver(task, CALM, **TWO)
+    else:
+        driver = questioned(CONSENT, FEELING)
+    if reached == "agreed":
+        answer(driver, "1")
     settle(driver)
     driver.operate("end")
-    assert driver.last(SESSION_ENDED).status == "refused"
+    assert driver.last(SESSION_ENDED).status == status
 
 
-def test_a_session_that_is_ended_after_all_agreed_is_aborted(keyboard: type[Task]) -> None:
-    driver = questioned(keyboard, CONSENT, FEELING)
-    driver.enter()
-    answer(driver, "1")
-    driver.operate("end")
-    assert driver.last(SESSION_ENDED).status == "aborted"
-
-
-def test_in_a_task_for_two_one_refusal_ends_the_session(catalogue: Catalogue) -> None:
-    driver = questioned(catalogue.task("pairs"), CONSENT, prompts_per_attempt=2)
-    driver.enter()
+def test_in_a_task_for_two_one_refusal_ends_the_session() -> None:
+    driver = questioned(CONSENT, kind=CATALOGUE.task("pairs"), prompts_per_attempt=2)
     answer(driver, "1")
     assert driver.session.awaits_agreement
     answer(driver, "2")
