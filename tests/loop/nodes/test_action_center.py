@@ -1,6 +1,5 @@
 """The action center proposes text, face and gesture to fit the events of a session."""
 
-from collections.abc import Callable
 from itertools import pairwise
 from typing import Any
 
@@ -10,184 +9,125 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.loop.nodes.action_center import RULES
-from sar_tui.loop.task import Task
 from sar_tui.loop.topics import PROPOSED, THEME
 from sar_tui.model.messages import Proposal, ThemeApplied
-from sar_tui.model.theme import FACES, GAZES, TONES, Manner, Theme
+from sar_tui.model.theme import FACES, GAZES, TONES, Manner
 from sar_tui.model.trial_types import Metric
 from sar_tui.plugins import Catalogue
-from tests.facts import facts
-from tests.lifting_task import Lift, LiftDriver
+from tests.facts import each, facts
+from tests.lifting_task import Lift, LiftDriver, lifting
 from tests.loop.nodes.agent_driver import Agent
 
-NewSession = Callable[..., LiftDriver]
+CATALOGUE = Catalogue()
+KEYBOARD, CALM = CATALOGUE.task("keyboard"), CATALOGUE.theme("calm")
+THEMES = ["calm", "playful", "high-contrast"]
+GOOD, BAD = 400.0, 1900.0
+METRICS = [500.0, 800.0, 950.0, 1005.0, 1050.0, 1200.0, 2000.0, None]
 
 
-@pytest.fixture
-def new_session(calm: Theme) -> NewSession:
-    """Start a session; by default five attempts of one lift each."""
-
-    def start(**settings: Any) -> LiftDriver:
-        return LiftDriver(Lift, calm, **{"attempts": 5, "lifts": 1, "start_level": 3, **settings})
-
-    return start
+def session(at: str = "instructions", *times_ms: float, **settings: Any) -> LiftDriver:
+    """Start a session of five attempts of one lift each, and do some."""
+    driver = lifting(at, Lift, **{"attempts": 5, "lifts": 1, "start_level": 3, **settings})
+    for time_ms in times_ms:
+        driver.press("enter")
+        driver.lift(time_ms)
+    return driver
 
 
 def proposed(driver: LiftDriver, *kinds: str) -> list[Proposal]:
     return [proposal for proposal in driver.all(PROPOSED) if not kinds or proposal.kind in kinds]
 
 
-def lift_once(driver: LiftDriver, time_ms: float) -> None:
-    driver.press("enter")
-    driver.lift(time_ms)
-
-
-GOOD, BAD = 400.0, 1900.0
-
-
 # --- greeting, instructions, goodbye
 
 
-def test_the_agent_greets_gives_instructions_and_says_goodbye(
-    new_session: NewSession, calm: Theme
-) -> None:
-    driver = new_session(attempts=1)
+def test_the_agent_greets_gives_instructions_and_says_goodbye() -> None:
+    driver = session(attempts=1)
     greeting, instruction = proposed(driver)
-    assert (greeting.kind, greeting.face, greeting.gesture) == ("greeting", "happy", "wave")
-    assert greeting.text in calm.phrases["greeting"]
+    assert facts(greeting, "kind face gesture") == ("greeting", "happy", "wave")
     assert greeting.spoken == greeting.text
+    assert greeting.text in CALM.phrases["greeting"]
     assert facts(instruction, "kind text spoken") == ("instruction", "", "Press Space, and lift.")
-    driver.enter()
-    lift_once(driver, GOOD)
+    driver.begin_lifts()
+    driver.lift(GOOD)
     assert proposed(driver, "goodbye") == [], "the last feedback is read first"
     driver.press("enter")
     (goodbye,) = proposed(driver, "goodbye")
-    assert goodbye.text in calm.phrases["goodbye"]
+    assert goodbye.text in CALM.phrases["goodbye"]
 
 
-def test_instructions_are_given_once_per_run(new_session: NewSession) -> None:
-    driver = new_session()
+def test_instructions_are_given_once_per_run() -> None:
+    driver = session()
     driver.operate("pause")
     driver.operate("resume")
     assert driver.waiting.stage == "instructions"
     assert len(proposed(driver, "instruction")) == 1
 
 
-def test_instructions_are_given_again_after_an_interruption_in_them(
-    new_session: NewSession, calm: Theme
-) -> None:
-    driver = new_session()
-    resumed = LiftDriver(Lift, calm, attempts=5, lifts=1, start_level=3, history=driver.records)
-    assert [proposal.kind for proposal in proposed(resumed)] == ["greeting", "instruction"]
+def test_after_an_interruption_instructions_are_given_again_or_the_participant_is_welcomed() -> (
+    None
+):
+    again = session(history=session().records)
+    assert each(proposed(again), "kind") == ["greeting", "instruction"]
+    (welcome,) = proposed(session(history=session("start").records))
+    assert welcome.text in CALM.phrases["welcome_back"]
 
 
-def test_a_resumed_session_welcomes_the_participant_back(
-    new_session: NewSession, calm: Theme
-) -> None:
-    driver = new_session()
-    driver.begin_lifts()
-    resumed = LiftDriver(Lift, calm, attempts=5, lifts=1, start_level=3, history=driver.records)
-    assert [proposal.text in calm.phrases["welcome_back"] for proposal in proposed(resumed)] == [
-        True
-    ]
-
-
-def test_an_aborted_session_ends_with_a_goodbye_too(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.begin_lifts()
+def test_an_aborted_session_ends_with_a_goodbye_too() -> None:
+    driver = session("start")
     driver.operate("end")
-    assert [proposal.kind for proposal in proposed(driver)][-1] == "goodbye"
+    assert proposed(driver)[-1].kind == "goodbye"
 
 
 # --- between attempts
 
 
-def test_encouragement_precedes_a_new_level_and_follows_two_failures(
-    new_session: NewSession,
-) -> None:
-    driver = new_session(attempts=6)
-    driver.enter()
-    for time_ms in (GOOD, BAD, GOOD, BAD, BAD):
-        lift_once(driver, time_ms)
-    proposals = [
-        (proposal.attempt, proposal.joins) for proposal in proposed(driver, "encouragement")
-    ]
-    assert proposals == [(2, True), (6, True)], (
-        "level 4 is new before attempt 2; attempts 4 and 5 failed"
-    )
-
-
-def test_encouragement_fits_what_has_just_happened(new_session: NewSession, calm: Theme) -> None:
-    driver = new_session(attempts=6)
-    driver.enter()
-    for time_ms in (GOOD, BAD, GOOD, BAD, BAD):
-        lift_once(driver, time_ms)
+def test_encouragement_precedes_a_new_level_and_follows_two_failures() -> None:
+    driver = session("attempt", GOOD, BAD, GOOD, BAD, BAD, attempts=6)
     new_level, missed = proposed(driver, "encouragement")
-    assert new_level.text in calm.phrases["encouragement_new_level"]
-    assert missed.text in calm.phrases["encouragement"]
+    assert facts(new_level, "attempt joins") == (2, True), "level 4 is new"
+    assert facts(missed, "attempt joins") == (6, True), "attempts 4 and 5 failed"
+    assert new_level.text in CALM.phrases["encouragement_new_level"]
+    assert missed.text in CALM.phrases["encouragement"]
 
 
-def test_feedback_says_nothing_twice_and_not_what_the_last_feedback_said(
-    new_session: NewSession,
-) -> None:
-    driver = new_session(attempts=8, encouragement=False, rest_every=0, max_level=3)
-    driver.enter()
-    for _ in range(8):
-        lift_once(driver, GOOD)
-    texts = [proposal.text for proposal in proposed(driver, "feedback")]
+def test_feedback_says_nothing_twice_and_not_what_the_last_feedback_said() -> None:
+    quiet = {"encouragement": False, "rest_every": 0, "max_level": 3}
+    driver = session("attempt", *[GOOD] * 8, attempts=8, **quiet)
+    texts = each(proposed(driver, "feedback"), "text")
     assert [text for text in texts if text.lower().count("goal") > 1] == []
     openings = [text.split(".")[0] for text in texts]
     assert all(one != other for one, other in pairwise(openings)), openings
 
 
-def test_the_first_attempt_gets_no_encouragement(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.enter()
-    assert proposed(driver, "encouragement", "rest") == []
+def test_the_first_attempt_gets_no_encouragement() -> None:
+    assert proposed(session("attempt"), "encouragement", "rest") == []
 
 
-def test_encouragement_can_be_left_out(new_session: NewSession) -> None:
-    driver = new_session(encouragement=False)
-    driver.enter()
-    for _ in range(3):
-        lift_once(driver, GOOD)
+def test_encouragement_can_be_left_out() -> None:
+    driver = session("attempt", GOOD, GOOD, GOOD, encouragement=False)
     assert proposed(driver, "encouragement") == []
 
 
-@pytest.mark.parametrize(("every", "before"), [(0, []), (1, [2, 3, 4, 5]), (2, [3, 5]), (4, [5])])
+@pytest.mark.parametrize(
+    ("every", "practice", "before"),
+    [(0, 0, []), (1, 0, [2, 3, 4, 5]), (2, 0, [3, 5]), (4, 0, [5]), (2, 2, [5])],
+)
 def test_a_rest_is_suggested_every_n_scored_attempts_but_not_after_the_last(
-    new_session: NewSession, every: int, before: list[int]
+    every: int, practice: int, before: list[int]
 ) -> None:
-    driver = new_session(rest_every=every)
-    driver.enter()
-    for _ in range(5):
-        lift_once(driver, GOOD)
-    assert [proposal.attempt for proposal in proposed(driver, "rest")] == before
+    driver = session("attempt", *[GOOD] * 5, rest_every=every, practice_attempts=practice)
+    assert each(proposed(driver, "rest"), "attempt") == before
 
 
-def test_practice_does_not_count_towards_a_rest(new_session: NewSession) -> None:
-    driver = new_session(rest_every=2, practice_attempts=2)
-    driver.enter()
-    for _ in range(4):
-        lift_once(driver, GOOD)
-    assert [proposal.attempt for proposal in proposed(driver, "rest")] == [5]
-
-
-def test_rest_and_encouragement_are_not_both_given(new_session: NewSession) -> None:
-    driver = new_session(rest_every=1)
-    driver.enter()
-    for _ in range(4):
-        lift_once(driver, GOOD)
-    assert proposed(driver, "encouragement") == [], (
-        "each was harder, and a rest was suggested before each"
-    )
+def test_rest_and_encouragement_are_not_both_given() -> None:
+    driver = session("attempt", *[GOOD] * 4, rest_every=1)
+    assert proposed(driver, "encouragement") == [], "each was harder, with a rest before it"
     assert len(proposed(driver, "rest")) == 4
 
 
-def test_encouragement_is_given_once_per_attempt(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.enter()
-    lift_once(driver, GOOD)
+def test_encouragement_is_given_once_per_attempt() -> None:
+    driver = session("attempt", GOOD)
     for level in (7, 8):
         driver.operate("level", value=level)
     assert len(proposed(driver, "encouragement")) == 1
@@ -208,31 +148,29 @@ def test_encouragement_is_given_once_per_attempt(new_session: NewSession) -> Non
         (2000.0, "negative", "strong", "negative_strong"),
     ],
 )
-@pytest.mark.parametrize("name", ["calm", "playful", "high-contrast"])
+@pytest.mark.parametrize("name", THEMES)
 def test_distance_from_the_goal_selects_text_face_and_gesture(
-    catalogue: Catalogue, name: str, metric: float, valence: str, degree: str, situation: str
+    name: str, metric: float, valence: str, degree: str, situation: str
 ) -> None:
-    theme = catalogue.theme(name)
+    theme = CATALOGUE.theme(name)
     agent = Agent(Lift, theme, "qualitative")
-    said = agent.feedback_on(metric)
+    assert agent.feedback_on(metric) in theme.phrases[situation]
     answer = agent.said[-1]
-    assert said in theme.phrases[situation]
     assert facts(answer, "kind valence degree attempt") == ("feedback", valence, degree, 1)
     manner = theme.manner(situation)
     assert Manner(answer.face, answer.gesture, answer.gaze, answer.tone) == manner
     assert manner.tone == ("success" if valence == "positive" else "")
 
 
-def test_every_manner_is_known_to_the_outputs(catalogue: Catalogue) -> None:
-    for name in catalogue.theme_names():
-        agent = Agent(Lift, catalogue.theme(name))
-        for metric in (500.0, 800.0, 950.0, 1005.0, 1050.0, 1200.0, 2000.0, None):
+def test_every_manner_is_known_to_the_outputs() -> None:
+    for name in CATALOGUE.theme_names():
+        agent = Agent(Lift, CATALOGUE.theme(name))
+        for metric in METRICS:
             agent.feedback_on(metric)
-        for said in agent.said:
-            assert said.face in FACES
-            assert said.gesture in ("", *catalogue.theme(name).gestures)
-            assert said.gaze in ("", *GAZES)
-            assert said.tone in ("", *TONES)
+        assert {*each(agent.said, "face")} <= {*FACES}
+        assert {*each(agent.said, "gesture")} <= {"", *CATALOGUE.theme(name).gestures}
+        assert {*each(agent.said, "gaze")} <= {"", *GAZES}
+        assert {*each(agent.said, "tone")} <= {"", *TONES}
 
 
 class Heights(Lift):
@@ -242,29 +180,23 @@ class Heights(Lift):
     metric = Metric("height", "cm", "lower", improved="lower", worsened="higher")
 
 
-def test_units_are_spoken_in_full(calm: Theme) -> None:
-    agent = Agent(Heights, calm)
+def test_units_are_spoken_in_full() -> None:
+    agent = Agent(Heights, CALM)
     agent.feedback_on(700.0)
     (said,) = agent.said
     assert "700 cm" in said.text
     assert said.spoken == said.text.replace(" cm", " centimetres")
 
 
-def test_priorities_and_policies_of_the_kinds(calm: Theme) -> None:
-    assert {kind for kind, rule in RULES.items() if rule.policy == "drop"} == {
-        "instruction",
-        "encouragement",
-        "rest",
-        "filler",
-    }
+def test_priorities_and_policies_of_the_kinds() -> None:
+    helps = {"instruction", "encouragement", "rest"}
+    assert {kind for kind, rule in RULES.items() if rule.policy == "drop"} == {*helps, "filler"}
     assert {kind for kind, rule in RULES.items() if rule.policy == "interrupt"} == {"feedback"}
-    helps = max(
-        rule.priority for kind, rule in RULES.items() if rule.policy == "drop" and kind != "filler"
-    )
-    assert RULES["filler"].priority > RULES["feedback"].priority  # a filler is not interrupted
-    assert helps < RULES["greeting"].priority < RULES["feedback"].priority
-    assert min(RULES, key=lambda kind: RULES[kind].priority) in ("goodbye", "rest")
-    agent = Agent(Lift, calm)
+    priority = {kind: rule.priority for kind, rule in RULES.items()}
+    assert priority["filler"] > priority["feedback"], "a filler is not interrupted"
+    assert max(priority[kind] for kind in helps) < priority["greeting"] < priority["feedback"]
+    assert min(RULES, key=lambda kind: priority[kind]) in ("goodbye", "rest")
+    agent = Agent(Lift, CALM)
     agent.feedback_on(700.0)
     assert (agent.said[-1].priority, agent.said[-1].policy) == RULES["feedback"]
 
@@ -272,12 +204,11 @@ def test_priorities_and_policies_of_the_kinds(calm: Theme) -> None:
 # --- choice of phrases
 
 
-@given(st.lists(st.sampled_from([500.0, 800.0, 950.0, 1005.0, 1050.0, 1200.0, 2000.0, None]), max_size=20),
-       st.sampled_from(["calm", "playful", "high-contrast"]), st.integers(0, 1000))  # fmt: skip
+@given(st.lists(st.sampled_from(METRICS), max_size=20), st.sampled_from(THEMES), st.integers(0, 99))
 def test_a_phrase_is_not_used_twice_in_a_row(
-    catalogue: Catalogue, metrics: list[float | None], name: str, seed: int
+    metrics: list[float | None], name: str, seed: int
 ) -> None:
-    theme = catalogue.theme(name)
+    theme = CATALOGUE.theme(name)
     agent = Agent(Lift, theme, "qualitative", seed)
     said = [agent.feedback_on(metric) for metric in metrics]
     for wordings in theme.phrases.values():
@@ -286,8 +217,8 @@ def test_a_phrase_is_not_used_twice_in_a_row(
 
 
 @given(st.integers(0, 1000))
-def test_a_phrase_with_figures_is_not_used_twice_in_a_row(catalogue: Catalogue, seed: int) -> None:
-    agent = Agent(catalogue.task("keyboard"), catalogue.theme("calm"), "quantitative", seed)
+def test_a_phrase_with_figures_is_not_used_twice_in_a_row(seed: int) -> None:
+    agent = Agent(KEYBOARD, CALM, "quantitative", seed)
     said = [agent.feedback_on(700, level) for level in range(1, 9)]
     assert all(one != other for one, other in pairwise(said))
 
@@ -295,32 +226,27 @@ def test_a_phrase_with_figures_is_not_used_twice_in_a_row(catalogue: Catalogue, 
 @pytest.mark.parametrize(
     ("form", "situation"), [("qualitative", "positive_strong"), ("quantitative", "positive_first")]
 )
-def test_every_phrase_is_used(keyboard: type[Task], calm: Theme, form: str, situation: str) -> None:
-    said = {Agent(keyboard, calm, form, seed).feedback_on(700) for seed in range(30)}
-    assert said == {
-        wording.format(value="0.70 seconds", goal="1 second") for wording in calm.phrases[situation]
-    }
+def test_every_phrase_is_used(form: str, situation: str) -> None:
+    said = {Agent(KEYBOARD, CALM, form, seed).feedback_on(700) for seed in range(30)}
+    slots = {"value": "0.70 seconds", "goal": "1 second"}
+    assert said == {wording.format(**slots) for wording in CALM.phrases[situation]}
 
 
-def test_the_same_seed_says_the_same(keyboard: type[Task], calm: Theme) -> None:
-    def session() -> list[str]:
-        agent = Agent(keyboard, calm, "both", seed=9)
-        return [agent.feedback_on(700 + 10 * attempt) for attempt in range(10)]
-
-    assert session() == session()
+def test_the_same_seed_says_the_same() -> None:
+    one, other = (Agent(KEYBOARD, CALM, "both", seed=9) for _ in range(2))
+    for metric in range(700, 800, 10):
+        assert one.feedback_on(metric) == other.feedback_on(metric)
 
 
 # --- another theme
 
 
-def test_an_edited_theme_is_used_from_then_on(calm: Theme) -> None:
-    agent = Agent(Lift, calm, "qualitative")
+def test_an_edited_theme_is_used_from_then_on() -> None:
+    agent = Agent(Lift, CALM, "qualitative")
     agent.feedback_on(500)
-    words, manner = (
-        {"positive_strong": ("Splendid.",)},
-        {"positive_strong": Manner("neutral", "", "up")},
-    )
-    edited = msgspec.structs.replace(calm, phrases={**calm.phrases, **words}, manners=manner)
+    phrases = {**CALM.phrases, "positive_strong": ("Splendid.",)}
+    manners = {"positive_strong": Manner("neutral", "", "up")}
+    edited = msgspec.structs.replace(CALM, phrases=phrases, manners=manners)
     agent.bus.publish(THEME, ThemeApplied(theme=edited))
     assert agent.feedback_on(500) == "Splendid."
     assert facts(agent.said[-1], "face gesture gaze") == ("neutral", "", "up")
