@@ -25,6 +25,7 @@ def lists() -> str:
     names = {name: topic for name, topic in vars(topics).items() if isinstance(topic, Topic)} | {
         "FAULT": FAULT
     }
+    said: dict[type, str] = {}
     rows = ["| name | topic | message and fields | |", "|---|---|---|---|"]
     for name, topic in names.items():
         fields = ", ".join(
@@ -37,9 +38,9 @@ def lists() -> str:
         ].rstrip(".")
         kind = ", ".join([topic.origin] + ["kept"] * topic.keep + ["stream"] * topic.stream)
         summary = summary.replace("``", "`")
-        rows.append(
-            f"| `{name}` | `{topic.name}` | `{topic.type.__name__}`: {summary}. {fields} | {kind} |"
-        )
+        first = said.setdefault(topic.type, name)
+        told = f"{summary}. {fields}" if first == name else f"as `{first}`"
+        rows.append(f"| `{name}` | `{topic.name}` | `{topic.type.__name__}`: {told} | {kind} |")
     return _HEADING + _ABOUT + "\n".join(rows) + "\n"
 
 
