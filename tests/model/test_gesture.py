@@ -1,6 +1,7 @@
 """Gestures start from the current pose, move smoothly through their keyframes and end at rest."""
 
 import math
+from itertools import pairwise
 
 import pytest
 from hypothesis import given
@@ -59,12 +60,10 @@ def test_it_never_jumps_or_exceeds_the_speed_of_its_easing(
     now, then = gesture.pose_at(ms, start), gesture.pose_at(ms + later, start)
     for joint in JOINTS:
         way = [getattr(place, joint) for place in places]
-        fastest = max(
-            abs(b - a) / (t - s) for a, b, s, t in zip(way, way[1:], times, times[1:], strict=False)
-        )
-        assert (
-            abs(getattr(then, joint) - getattr(now, joint)) <= fastest * math.pi / 2 * later + 1e-9
-        )
+        steps = zip(pairwise(way), pairwise(times), strict=True)
+        fastest = max(abs(b - a) / (t - s) for (a, b), (s, t) in steps)
+        moved = abs(getattr(then, joint) - getattr(now, joint))
+        assert moved <= fastest * math.pi / 2 * later + 1e-9
 
 
 @given(gestures(), poses)
