@@ -57,10 +57,8 @@ def simulate(
     generator = np.random.default_rng([seed, list(KINDS).index(kind), 15])
     motion = WristMotion(minutes * 60.0, rate_hz, generator)
     KINDS[kind].add(motion)
-    return DailyLife(
-        motion.measured(),
-        tuple(sorted(trip for trip in motion.trips if trip.to_s < motion.lasts_s)),
-    )
+    trips = sorted(trip for trip in motion.trips if trip.to_s < motion.lasts_s)
+    return DailyLife(motion.measured(), tuple(trips))
 
 
 def _sit(motion: WristMotion) -> None:

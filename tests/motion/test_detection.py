@@ -67,10 +67,8 @@ def test_phases_and_dwell_sum_to_the_whole_reach(detector: str, dwell_s: float) 
 
 
 def test_smoothness_is_measured_per_phase() -> None:
-    smooth, halting = (
-        the_reach(REACH),
-        the_reach(ReachShape(out_s=2, back_s=2, submovements=6, seed=2)),
-    )
+    smooth = the_reach(REACH)
+    halting = the_reach(ReachShape(out_s=2, back_s=2, submovements=6, seed=2))
     for reach in (smooth, halting):
         assert None not in (reach.sparc_out, reach.sparc_back, reach.ldlj_out, reach.ldlj_back)
     assert smooth.sparc_out == pytest.approx(-1.4, abs=0.03)
@@ -99,11 +97,9 @@ def test_extension_is_positive_and_return_negative_for_either_hand(
         assert reach.peak_return_rad_s == pytest.approx(-2.4, rel=0.03)
         assert ("reversed" in reach.flags) == (hand == "right")
 
-
-def test_peaks_of_a_tilted_sensor_are_about_the_axis_of_the_reach() -> None:
-    reach = the_reach(REACH, PROFILES["tilted"])
-    assert reach.peak_extension_rad_s == pytest.approx(2.0, rel=0.03)
-    assert reach.peak_return_rad_s == pytest.approx(-2.4, rel=0.03)
+    tilted = the_reach(REACH, PROFILES["tilted"])
+    assert tilted.peak_extension_rad_s == pytest.approx(2.0, rel=0.03)
+    assert tilted.peak_return_rad_s == pytest.approx(-2.4, rel=0.03)
 
 
 def test_faults_of_the_recording_are_flagged_on_its_reaches() -> None:
@@ -161,18 +157,11 @@ def test_each_detector_has_a_version_and_its_own_parameters() -> None:
     recording = simulate([REACH]).recording
     assert detect(recording, "fixed-threshold", FixedThresholdParameters(threshold_rad_s=3.0)) == ()
     assert detect(recording, "single-axis", SingleAxisParameters(least_rad=2.0)) == ()
-    with pytest.raises(
-        ValueError, match="takes SingleAxisParameters, not FixedThresholdParameters"
-    ):
+    with pytest.raises(ValueError, match="takes SingleAxisParameters, not FixedThreshold"):
         detect(recording, "single-axis", FixedThresholdParameters())
 
-
-def test_an_unknown_detector_is_refused_with_the_known_ones() -> None:
-    with pytest.raises(
-        ValueError,
-        match="no detector named 'best'; there are: orientation, single-axis, fixed-threshold",
-    ):
-        detect(simulate([REACH]).recording, "best")
+    with pytest.raises(ValueError, match="no detector named 'best'; there are: orientation, sin"):
+        detect(recording, "best")
 
 
 @pytest.mark.parametrize(

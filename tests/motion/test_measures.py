@@ -28,24 +28,16 @@ EXTENDED = {
     "excursion_deg", "straightness", "return_error_deg", "inclination_rest_deg",
     "inclination_target_deg", "tremor_rest_hz", "tremor_rest_rad_s", "tremor_action_rad_s",
 }  # fmt: skip
-LARGEST_ERRORS = {
-    "excursion_deg": 0.5,
-    "straightness": 0.06,
-    "return_error_deg": 0.5,
-    "inclination_rest_deg": 1.2,
-    "inclination_target_deg": 1.2,
-}
+LARGEST_ERRORS = {"excursion_deg": 0.5, "straightness": 0.06, "return_error_deg": 0.5}
+LARGEST_ERRORS |= {"inclination_rest_deg": 1.2, "inclination_target_deg": 1.2}
 
 
 def bounds_of(shape: ReachShape, onset_s: float = 2.0) -> Bounds:
     """The true boundaries of a reach about z."""
     arrival_s, end_s = onset_s + shape.out_s, onset_s + shape.duration_s
+    departure_s = arrival_s + shape.dwell_s
     return Bounds(
-        onset_s=onset_s,
-        arrival_s=arrival_s,
-        departure_s=arrival_s + shape.dwell_s,
-        end_s=end_s,
-        axis=Z,
+        onset_s=onset_s, arrival_s=arrival_s, departure_s=departure_s, end_s=end_s, axis=Z
     )
 
 
@@ -58,12 +50,7 @@ def found_at(recording: Recording, bounds: Bounds, *, by_norm: bool = True) -> D
     )
 
 
-def measured(
-    recording: Recording,
-    bounds: Bounds | None = None,
-    *,
-    by_norm: bool = True,
-) -> Reach:
+def measured(recording: Recording, bounds: Bounds | None = None, *, by_norm: bool = True) -> Reach:
     found = found_at(recording, bounds or bounds_of(ONE_AXIS), by_norm=by_norm)
     (reach,) = measure(found, recording)
     return reach
@@ -189,9 +176,8 @@ def test_a_way_too_short_for_its_spectrum_has_no_smoothness() -> None:
 def test_tremor_at_rest_is_measured_and_removed_from_movement_units_and_path(
     hz: float, rad_s: float
 ) -> None:
-    reach = measured(
-        simulate([ONE_AXIS], Profile(tremor_hz=hz, tremor_rad_s=rad_s), seed=2).recording
-    )
+    profile = Profile(tremor_hz=hz, tremor_rad_s=rad_s)
+    reach = measured(simulate([ONE_AXIS], profile, seed=2).recording)
     assert reach.tremor_rest_hz == pytest.approx(hz, abs=0.3)
     across = 0.5
     assert reach.tremor_rest_rad_s == pytest.approx(rad_s * math.hypot(1.0, across), rel=0.05)
@@ -235,14 +221,14 @@ def smoothness(rate_hz: float, noise_deg_s: float) -> tuple[float, float]:
 
 @pytest.mark.slow
 def test_sparc_depends_on_neither_rate_nor_noise_and_ldlj_on_both() -> None:
-    clean = {rate_hz: smoothness(rate_hz, 0.0) for rate_hz in (50.0, 100.0, 250.0, 1000.0)}
-    noisy = {rate_hz: smoothness(rate_hz, 1.0) for rate_hz in (50.0, 100.0, 250.0, 1000.0)}
-    for sparc, _ in (*clean.values(), *noisy.values()):
-        assert sparc == pytest.approx(-1.405, abs=0.01)
-    assert [ldlj for _, ldlj in clean.values()] == pytest.approx(
-        [-5.13, -5.21, -5.25, -5.27], abs=0.03
-    )
-    assert [ldlj for _, ldlj in noisy.values()] == pytest.approx([-6.7, -6.8, -6.2, -5.6], abs=0.3)
+    expected = {
+        0.0: pytest.approx([-5.13, -5.21, -5.25, -5.27], abs=0.03),
+        1.0: pytest.approx([-6.7, -6.8, -6.2, -5.6], abs=0.3),
+    }
+    for noise_deg_s, ldlj in expected.items():
+        found = [smoothness(rate_hz, noise_deg_s) for rate_hz in (50.0, 100.0, 250.0, 1000.0)]
+        assert [sparc for sparc, _ in found] == pytest.approx([-1.405] * 4, abs=0.01)
+        assert [each for _, each in found] == ldlj
 
 
 # --- what is measured

@@ -69,30 +69,23 @@ def test_a_short_rest_after_every_repetition_is_part_of_the_rhythm() -> None:
 
 def test_the_amplitude_may_change() -> None:
     rate = swinging(np.arange(0, 12, 0.005), 100)
-    assert (
-        counted(noisy(rate * np.linspace(1.0, 0.6, len(rate))[:, np.newaxis], seed=4)).count == 12
-    )
+    fading = np.linspace(1.0, 0.6, len(rate))[:, np.newaxis]
+    assert counted(noisy(rate * fading, seed=4)).count == 12
 
 
-def test_tremor_on_top_adds_no_repetitions() -> None:
+def test_tremor_adds_no_repetitions_and_alone_has_none() -> None:
     rate = swinging(np.arange(0, 10, 0.005), 100)
     tremor = np.sin(2 * np.pi * 5 * np.arange(len(rate)) / 100)[:, np.newaxis]
     assert counted(noisy(rate + tremor, seed=5)).count == 10
+    assert counted(noisy(tremor * np.ones(3), seed=6)) == Repetitions(0)
 
 
-def test_tremor_alone_has_no_repetitions() -> None:
-    tremor = np.sin(2 * np.pi * 5 * np.arange(2000) / 100)[:, np.newaxis] * np.ones(3)
-    assert counted(noisy(tremor, seed=6)) == Repetitions(0)
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_a_hand_at_rest_does_nothing(seed: int) -> None:
-    assert counted(np.random.default_rng(seed).normal(0, 0.02, (3000, 3))) == Repetitions(0)
-
-
-@pytest.mark.parametrize("length", [0, 1, 30])
-def test_too_short_a_recording_has_no_repetitions(length: int) -> None:
-    assert counted(np.ones((length, 3))) == Repetitions(0)
+def test_a_hand_at_rest_and_too_short_a_recording_have_no_repetitions() -> None:
+    for seed in range(5):
+        assert counted(np.random.default_rng(seed).normal(0, 0.02, (3000, 3))) == Repetitions(0)
+    for length in (0, 1, 30):
+        assert counted(np.ones((length, 3))) == Repetitions(0)
+    assert find_repetitions(Recording(np.empty(0), np.empty((0, 3)))) == Repetitions(0)
 
 
 def test_the_count_is_independent_of_the_sampling_rate() -> None:
@@ -100,14 +93,11 @@ def test_the_count_is_independent_of_the_sampling_rate() -> None:
         assert counted(swinging(np.arange(0, 9, 1 / (2 * rate_hz)), rate_hz), rate_hz).count == 9
 
 
-def test_a_sample_that_is_not_a_number_is_refused() -> None:
+def test_samples_that_are_no_number_or_of_unequal_length_are_refused() -> None:
     rate = swinging(np.arange(0, 5, 0.005), 100)
     rate[7, 1] = np.nan
     with pytest.raises(ValueError, match="not a number"):
         counted(rate)
-
-
-def test_rate_and_acceleration_of_unequal_length_are_refused() -> None:
     with pytest.raises(ValueError, match="do not match"):
         count_repetitions(np.zeros((500, 3)), np.zeros((499, 3)), 100)
 
@@ -120,10 +110,6 @@ def test_a_recording_may_start_late_and_miss_samples() -> None:
     result = find_repetitions(Recording(time_s[there], rate[there], rate[there]))
     assert result.count == 8
     assert result.turns_s == pytest.approx([31 + 2 * number for number in range(8)], abs=0.3)
-
-
-def test_a_recording_without_samples_has_no_repetitions() -> None:
-    assert find_repetitions(Recording(np.empty(0), np.empty((0, 3)))) == Repetitions(0)
 
 
 class Set(NamedTuple):

@@ -102,23 +102,17 @@ def test_a_hand_at_rest_does_not_reach(name: str) -> None:
     assert find(simulate([], PROFILES[name], rest_s=20).recording).reaches == ()
 
 
-@pytest.mark.parametrize(
-    "shape",
-    [
-        ReachShape(out_s=0.08, back_s=0.08, peak_out=2.0, peak_back=-2.0),
-        ReachShape(out_s=0.8, back_s=0.5, peak_out=2.0, peak_back=-1e-9),
-        ReachShape(out_s=0.6, back_s=0.5, peak_out=0.05, peak_back=-0.06),
-        ReachShape(out_s=0.6, back_s=0.5, dwell_s=4.0),
-    ],
-    ids=[
-        "a flick of the wrist",
-        "out and never back",
-        "hardly any turning",
-        "a rest of 4 s between",
-    ],
-)
-def test_other_movements_are_not_reaches(shape: ReachShape) -> None:
-    assert find(simulate([shape], NOISY).recording).reaches == ()
+OTHER_MOVEMENTS = {
+    "a flick of the wrist": ReachShape(out_s=0.08, back_s=0.08, peak_out=2.0, peak_back=-2.0),
+    "out and never back": ReachShape(out_s=0.8, back_s=0.5, peak_out=2.0, peak_back=-1e-9),
+    "hardly any turning": ReachShape(out_s=0.6, back_s=0.5, peak_out=0.05, peak_back=-0.06),
+    "a rest of 4 s between": ReachShape(out_s=0.6, back_s=0.5, dwell_s=4.0),
+}
+
+
+@pytest.mark.parametrize("name", OTHER_MOVEMENTS)
+def test_other_movements_are_not_reaches(name: str) -> None:
+    assert find(simulate([OTHER_MOVEMENTS[name]], NOISY).recording).reaches == ()
 
 
 def test_empty_and_very_short_recordings_have_no_reach() -> None:
@@ -139,8 +133,8 @@ def test_the_hand_arrives_rests_and_departs() -> None:
     ("axis", "hand", "flags"),
     [
         ((0.0, 0.0, 1.0), "right", ()),
-        ((0.0, 0.0, -1.0), "left", ()),
         ((0.0, 0.0, -1.0), "right", ("reversed",)),
+        ((0.0, 0.0, -1.0), "left", ()),
         ((0.0, 0.0, 1.0), "left", ("reversed",)),
         ((1.0, 0.0, -0.1), "right", ()),
         ((-0.6, 0.8, 0.0), "left", ()),
@@ -181,9 +175,8 @@ def test_a_reach_that_the_recording_cuts_off_ends_with_it(to_s: float) -> None:
 
 
 def test_a_reach_longer_than_the_longest_is_ended() -> None:
-    (reach,) = find(
-        simulate([PAUSED], NOISY).recording, SingleAxisParameters(longest_s=2.0)
-    ).reaches
+    recording = simulate([PAUSED], NOISY).recording
+    (reach,) = find(recording, SingleAxisParameters(longest_s=2.0)).reaches
     assert "timed_out" in reach.flags
     assert duration(reach) == pytest.approx(2.0)
     assert reach.departure_s <= reach.end_s
@@ -204,13 +197,10 @@ def test_samples_that_are_not_a_number_are_left_out() -> None:
     assert duration(reach) == pytest.approx(1.1, abs=0.02)
 
 
-@given(
-    rate=st.lists(
-        st.tuples(*[st.floats(width=32, min_value=-40, max_value=40) | st.just(math.nan)] * 3),
-        min_size=0,
-        max_size=200,
-    )
-)
+AXIS = st.floats(width=32, min_value=-40, max_value=40) | st.just(math.nan)
+
+
+@given(rate=st.lists(st.tuples(AXIS, AXIS, AXIS), max_size=200))
 @examples(40)
 def test_reaches_in_any_signal_are_ordered_and_within_the_recording(
     rate: list[tuple[float, float, float]],
@@ -231,9 +221,8 @@ def test_a_low_pass_keeps_a_bias_and_halves_the_power_at_its_cutoff() -> None:
     wave = np.sin(2 * np.pi * 8 * np.arange(2000) / 250)
     lowpass = Lowpass(8.0, 250.0)
     passed = np.array(lowpass.filter([(0.0, value, 2 * value) for value in wave.tolist()]))
-    assert passed[1000:].max(axis=0) == pytest.approx(
-        [0.0, math.sqrt(0.5), math.sqrt(2.0)], abs=0.01
-    )
+    expected = [0.0, math.sqrt(0.5), math.sqrt(2.0)]
+    assert passed[1000:].max(axis=0) == pytest.approx(expected, abs=0.01)
 
 
 def test_filters_add_no_delay_and_a_notch_removes_a_tremor() -> None:
@@ -253,9 +242,8 @@ def states(recording: Recording, cuts: list[int]) -> list[tuple[bool, float, flo
     edges = [0, *cuts, len(recording.time_s)]
     for first, last in pairwise(edges):
         segmenter.push(recording.time_s[first:last], recording.rate[first:last])
-        reported.append(
-            (segmenter.moving, segmenter.still_for_s, segmenter.began_s, segmenter.returned)
-        )
+        state = segmenter.moving, segmenter.still_for_s, segmenter.began_s, segmenter.returned
+        reported.append(state)
     return reported
 
 
@@ -297,17 +285,10 @@ def test_the_end_of_a_reach_is_detected_in_time(scenario: Scenario) -> None:
         assert not segmenter.moving
 
 
-def test_a_pause_at_the_target_is_not_the_end() -> None:
-    made = simulate([PAUSED], NOISY)
-    assert watched(made)[0][0] > 4.3 + 0.7
-
-
-def test_an_earlier_reach_does_not_count() -> None:
-    made = simulate([REACH], NOISY)
-    _, segmenter = watched(made)
-    assert segmenter.has_reached(1.8)
-    assert not segmenter.has_reached(3.5)
-    assert not segmenter.has_reached(2.9)
+def test_a_pause_at_the_target_is_not_the_end_and_an_earlier_reach_does_not_count() -> None:
+    assert watched(simulate([PAUSED], NOISY))[0][0] > 4.3 + 0.7
+    _, segmenter = watched(simulate([REACH], NOISY))
+    assert [segmenter.has_reached(since_s) for since_s in (1.8, 2.9, 3.5)] == [True, False, False]
 
 
 def test_a_bias_that_jumps_is_learnt_after_the_time_out() -> None:

@@ -49,9 +49,8 @@ def test_samples_do_not_depend_on_how_they_are_requested(cuts: list[int], rate_h
 
 
 def test_another_seed_gives_other_noise() -> None:
-    assert (
-        a_hand(seed=1).samples(0, SECOND).tobytes() != a_hand(seed=2).samples(0, SECOND).tobytes()
-    )
+    one, other = (a_hand(seed=seed).samples(0, SECOND).tobytes() for seed in (1, 2))
+    assert one != other
 
 
 def test_samples_lie_on_the_grid_of_the_first_call() -> None:
@@ -90,9 +89,8 @@ def test_submovements_are_at_two_per_cent_where_the_reach_begins_and_ends(
     form = waveform(shape)
     assert form.rate.max() == pytest.approx(1, abs=0.03)
     assert form.rate.min() == pytest.approx(-1, abs=0.03)
-    assert np.interp([0.0, shape.duration_s], form.time_s, np.abs(form.rate)) == pytest.approx(
-        [0.02, 0.02], abs=0.006
-    )
+    at_edges = np.interp([0.0, shape.duration_s], form.time_s, np.abs(form.rate))
+    assert at_edges == pytest.approx([0.02, 0.02], abs=0.006)
 
 
 def test_a_twitch_comes_before_the_reach_and_lasts_80_ms() -> None:
@@ -102,7 +100,9 @@ def test_a_twitch_comes_before_the_reach_and_lasts_80_ms() -> None:
     assert before[-1] - before[0] == pytest.approx(0.08, abs=0.005)
 
 
-def test_a_reach_without_time_or_with_one_submovement_is_refused() -> None:
+def test_a_reach_without_time_axis_or_with_one_submovement_is_refused() -> None:
+    with pytest.raises(ValueError, match="axis"):
+        SimulatedHand(Profile(axis=(0.0, 0.0, 0.0)))
     hand = SimulatedHand(PROFILES["clean"])
     with pytest.raises(ValueError, match="takes time"):
         hand.move(0, ReachShape(out_s=0.0, back_s=1.0))
@@ -117,9 +117,8 @@ def test_a_hand_at_rest_measures_gravity_which_turns_with_it() -> None:
     assert acceleration is not None
     assert acceleration[:400].mean(axis=0) == pytest.approx([0, 0, 9.81], abs=0.01)
     angle = 2.0 * 0.5 * 8 / 15
-    assert acceleration[-400:].mean(axis=0) == pytest.approx(
-        [0, 9.81 * math.sin(angle), 9.81 * math.cos(angle)], abs=0.02
-    )
+    turned = [0, 9.81 * math.sin(angle), 9.81 * math.cos(angle)]
+    assert acceleration[-400:].mean(axis=0) == pytest.approx(turned, abs=0.02)
 
 
 def test_a_sensor_shows_its_noise_and_bias_at_rest() -> None:
@@ -128,16 +127,13 @@ def test_a_sensor_shows_its_noise_and_bias_at_rest() -> None:
     assert rate.mean(axis=0) == pytest.approx([0.1, -0.2, 0.3], abs=0.005)
     assert rate.std(axis=0) == pytest.approx([0.05] * 3, rel=0.05)
 
-
-def test_the_error_of_a_drifting_sensor_grows() -> None:
-    rate = SimulatedHand(Profile(drift_rad_s_per_s=0.01)).samples(0, 10 * SECOND)["rate"]
-    assert rate[-1] == pytest.approx([0.1] * 3, abs=0.001)
+    drifting = SimulatedHand(Profile(drift_rad_s_per_s=0.01)).samples(0, 10 * SECOND)["rate"]
+    assert drifting[-1] == pytest.approx([0.1] * 3, abs=0.001)
 
 
 def test_a_tremor_has_its_frequency_and_amplitude() -> None:
-    rate = SimulatedHand(Profile(tremor_hz=5, tremor_rad_s=0.15)).samples(0, 8 * SECOND)["rate"][
-        :, 2
-    ]
+    hand = SimulatedHand(Profile(tremor_hz=5, tremor_rad_s=0.15))
+    rate = hand.samples(0, 8 * SECOND)["rate"][:, 2]
     spectrum = np.abs(np.fft.rfft(rate))
     assert np.fft.rfftfreq(len(rate), 1 / 250)[spectrum.argmax()] == pytest.approx(5, abs=0.3)
     assert rate.max() == pytest.approx(0.15, rel=0.01)
@@ -149,22 +145,14 @@ def test_on_a_tilted_sensor_only_a_tenth_is_about_z() -> None:
     assert np.linalg.norm(rate, axis=1).max() == pytest.approx(2.0, abs=0.03)
 
 
-def test_a_lossy_sensor_loses_its_share() -> None:
+def test_a_lossy_sensor_loses_its_share_and_samples_beyond_the_range_are_dropped() -> None:
     samples = SimulatedHand(PROFILES["lossy"]).samples(0, 10 * SECOND)
     assert len(samples) == pytest.approx(2250, abs=60)
-
-
-def test_samples_beyond_the_range_are_dropped_and_flagged() -> None:
     profile = Profile(saturation_rad_s=1.5)
     recording = simulate([REACH], profile).recording
     assert np.abs(recording.rate).max() <= 1.5
     assert recording.flags == ("saturated",)
     assert not simulate([REACH]).recording.flags
-
-
-def test_an_axis_of_no_length_is_refused() -> None:
-    with pytest.raises(ValueError, match="axis"):
-        SimulatedHand(Profile(axis=(0.0, 0.0, 0.0)))
 
 
 def test_the_reaches_of_the_table_have_its_times_and_amplitudes() -> None:

@@ -91,11 +91,10 @@ def test_gravity_is_about_along_z_for_a_hand_on_the_table_and_against_it_for_a_s
 def test_the_left_arm_mirrors_the_right_one(kind: str) -> None:
     right, left = perfect(kind, rate_hz=100.0), perfect(kind, rate_hz=100.0, arm="left")
     assert np.allclose(left.recording.rate, right.recording.rate * (1.0, -1.0, -1.0), atol=1e-9)
-    assert left.recording.acceleration is not None
-    assert right.recording.acceleration is not None
-    assert np.allclose(
-        left.recording.acceleration, right.recording.acceleration * (-1.0, 1.0, 1.0), atol=1e-5
-    )
+    felt, mirrored = left.recording.acceleration, right.recording.acceleration
+    assert felt is not None
+    assert mirrored is not None
+    assert np.allclose(felt, mirrored * (-1.0, 1.0, 1.0), atol=1e-5)
     assert left.truth == right.truth
 
 
@@ -120,10 +119,9 @@ def test_the_true_times_are_those_at_which_the_rate_is_two_per_cent_of_its_peak_
     assert times.onset_s < times.arrival_s <= times.departure_s < times.end_s
     time_s, speed = made.recording.time_s, np.linalg.norm(made.recording.rate, axis=1)
     turn_s = (times.arrival_s + times.departure_s) / 2.0
-    for way, bounds in (
-        (time_s < turn_s, (times.onset_s, times.arrival_s)),
-        (time_s >= turn_s, (times.departure_s, times.end_s)),
-    ):
+    ways = (time_s < turn_s, time_s >= turn_s)
+    edges = ((times.onset_s, times.arrival_s), (times.departure_s, times.end_s))
+    for way, bounds in zip(ways, edges, strict=True):
         fast = time_s[way][speed[way] >= 0.02 * speed[way].max()]
         assert (fast[0], fast[-1]) == pytest.approx(bounds, abs=0.005)
 
@@ -142,10 +140,8 @@ def test_a_reach_turns_the_hand_away_and_back_within_the_times_and_speeds_of_peo
     assert 0.8 < times.end_s - times.onset_s < 9.0
     assert degrees.max() > 10.0
     assert degrees[-1] < 10.0
-    assert (
-        degrees[(time_s > times.arrival_s) & (time_s < times.departure_s + 0.02)].max()
-        > 0.5 * degrees.max()
-    )
+    at_target = (time_s > times.arrival_s) & (time_s < times.departure_s + 0.02)
+    assert degrees[at_target].max() > 0.5 * degrees.max()
     if kind == "submovements":
         assert times.end_s - times.onset_s > 2.0
     if kind == "point-and-hold":
@@ -190,28 +186,23 @@ def test_samples_can_lack_the_accelerometer() -> None:
 @pytest.mark.parametrize("rate_hz", [50.0, 100.0, 250.0])
 def test_samples_come_at_the_rate_in_order_though_their_times_jitter(rate_hz: float) -> None:
     sensor = msgspec.structs.replace(PERFECT, jitter_s=0.5)
-    time_s = simulate_reaches(
-        "cross-arm", 1, rate_hz=rate_hz, imperfections=sensor
-    ).recording.time_s
+    made = simulate_reaches("cross-arm", 1, rate_hz=rate_hz, imperfections=sensor)
+    time_s = made.recording.time_s
     assert (np.diff(time_s) > 0).all()
     assert np.diff(time_s).std() > 0.2 / rate_hz
     assert len(time_s) / (time_s[-1] - time_s[0]) == pytest.approx(rate_hz, rel=0.01)
 
 
 def test_a_sensor_adds_bias_drift_and_noise_and_holds_its_range() -> None:
+    bias = (0.1, -0.2, 0.3)
     sensor = StrappedSensor(
-        noise_rad_s=0.02,
-        bias_rad_s=(0.1, -0.2, 0.3),
-        drift_rad_s_per_s=0.01,
-        range_rad_s=1.0,
-        lost=0.1,
+        noise_rad_s=0.02, bias_rad_s=bias, drift_rad_s_per_s=0.01, range_rad_s=1.0, lost=0.1
     )
     recording = simulate_reaches("forearm-rotation", 1, rest_s=10.0, imperfections=sensor).recording
     still = recording.time_s < 9.0
     assert recording.rate[still].mean(axis=0) == pytest.approx([0.145, -0.155, 0.345], abs=0.005)
-    assert recording.rate[still].std(axis=0) == pytest.approx(
-        [math.hypot(0.02, 0.026)] * 3, rel=0.1
-    )
+    spread = math.hypot(0.02, 0.026)
+    assert recording.rate[still].std(axis=0) == pytest.approx([spread] * 3, rel=0.1)
     assert np.abs(recording.rate).max() == 1.0
     assert (np.abs(recording.rate) == 1.0).any(axis=1).sum() > 5
     assert np.isin(recording.time_s.round(9), (np.arange(9000) / 100).round(9)).all()
@@ -219,11 +210,8 @@ def test_a_sensor_adds_bias_drift_and_noise_and_holds_its_range() -> None:
 
 
 def test_a_tremor_of_action_comes_with_the_reach_only_and_one_of_rest_stays() -> None:
-    made = simulate_reaches(
-        "point-and-hold",
-        1,
-        imperfections=StrappedSensor(action_tremor_rad_s=0.3, action_tremor_hz=8.0),
-    )
+    shaking = StrappedSensor(action_tremor_rad_s=0.3, action_tremor_hz=8.0)
+    made = simulate_reaches("point-and-hold", 1, imperfections=shaking)
     (times,) = made.times
     time_s, rate = made.recording.time_s, made.recording.rate
     assert made.truth == perfect("point-and-hold", 1).truth
