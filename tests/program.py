@@ -22,6 +22,17 @@ class Called(NamedTuple):
     def json(self) -> Any:
         return json.loads(self.out)
 
+    def refused(self, *said: str, code: int = 2) -> None:
+        """Assert that nothing was printed but an error with each of these texts."""
+        assert (self.code, self.out) == (code, ""), self
+        words = " ".join(self.err.split())
+        assert not [text for text in said if text not in words], (said, words)
+
+    def shows(self, *said: str, code: int = 0) -> None:
+        """Assert that each of these texts was printed, and no error."""
+        assert (self.code, self.err) == (code, ""), self
+        assert not [text for text in said if text not in self.out], (said, self.out)
+
 
 Call = Callable[..., Called]
 
@@ -36,16 +47,8 @@ def call(
     monkeypatch.setenv("SAR_TUI_DATA", str(tmp_path / "data"))
     monkeypatch.setenv("COLUMNS", "160")
     monkeypatch.setenv("TERM", "xterm-256color")
-    for name in (
-        "SAR_TUI_DEBUG",
-        "NO_COLOR",
-        "FORCE_COLOR",
-        "SSH_CONNECTION",
-        "SSH_TTY",
-        "SSH_CLIENT",
-        "TMUX",
-        "STY",
-    ):
+    names = "SAR_TUI_DEBUG NO_COLOR FORCE_COLOR SSH_CONNECTION SSH_TTY SSH_CLIENT TMUX STY"
+    for name in names.split():
         monkeypatch.delenv(name, raising=False)
 
     def program(command: object = "", *arguments: object) -> Called:
@@ -63,17 +66,5 @@ def call(
 @pytest.fixture
 def simulated(call: Call) -> str:
     """A short simulated session; its id."""
-    called = call(
-        "simulate",
-        "keyboard",
-        "--user",
-        "average",
-        "--seed",
-        1,
-        "--attempts",
-        4,
-        "-p",
-        "p01",
-        "--json",
-    )
+    called = call("simulate keyboard --user average --seed 1 --attempts 4 -p p01 --json")
     return str(called.json["session"])

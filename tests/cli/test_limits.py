@@ -31,64 +31,43 @@ def limited(
     )
 
 
-def test_a_file_that_may_not_grow_is_one_sentence_with_the_limit(
-    call: Call, simulated: str, tmp_path: Path
-) -> None:
-    done = limited(tmp_path / "data", "backup", bytes=8192)
-    assert (done.returncode, done.stdout) == (1, "")
-    assert done.stderr.endswith(
-        "This login may write no file larger than 8,192 bytes (ulimit -f).\n"
-    )
-    assert done.stderr.count("\n") == 1
+@pytest.mark.usefixtures("simulated")
+def test_a_file_that_may_not_grow_is_one_sentence_with_the_limit(call: Call, data: Path) -> None:
+    done = limited(data, "backup", bytes=8192)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
+    assert "may write no file larger than 8,192 bytes (ulimit -f)." in done.stderr
     assert call("check").code == 0
 
 
 def test_a_run_under_a_limit_leaves_no_module_that_is_cut_short(tmp_path: Path) -> None:
+    root, checkout = Path(sar_tui.__file__).parents[1], tmp_path / "checkout"
     ignored = shutil.ignore_patterns("__pycache__")
     for name in ("sar_tui", "tasks", "themes"):
-        shutil.copytree(
-            Path(sar_tui.__file__).parents[1] / name, tmp_path / "checkout" / name, ignore=ignored
-        )
-    limited(tmp_path / "data", "tasks", bytes=4096, program=tmp_path / "checkout")
-    kept = [path.name for path in (tmp_path / "checkout").rglob("*.pyc")]
-    assert "commands.cpython" not in " ".join(kept)
-    assert all(path.stat().st_size < 4096 for path in (tmp_path / "checkout").rglob("*.pyc"))
+        shutil.copytree(root / name, checkout / name, ignore=ignored)
+    limited(tmp_path / "data", "tasks", bytes=4096, program=checkout)
+    kept = list(checkout.rglob("*.pyc"))
+    assert not [path for path in kept if path.name.startswith("commands.cpython")]
+    assert all(path.stat().st_size < 4096 for path in kept)
 
 
-def test_a_module_that_is_cut_short_is_one_sentence_that_says_what_to_do(
-    call: Call, simulated: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def fail(*_: object, **__: object) -> None:
-        raise EOFError("marshal data too short")
-
-    monkeypatch.setattr("sar_tui.store.sessions.listing", fail)
-    called = call("sessions")
-    assert (called.code, called.out) == (1, "")
-    assert called.err.startswith(
-        "A module that Python keeps compiled is cut short, as by a full disk."
-    )
-    assert "-m compileall -fq" in called.err
-
-
-def test_a_thread_that_cannot_be_started_is_one_sentence(
-    call: Call, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.fixture
+def no_threads(monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(_: Thread) -> None:
         raise RuntimeError("can't start new thread")
 
     monkeypatch.setattr(Thread, "start", fail)
+
+
+@pytest.mark.usefixtures("no_threads")
+def test_a_thread_that_cannot_be_started_is_one_sentence(call: Call) -> None:
     called = call("doctor")
-    assert (called.code, called.out) == (1, "")
-    assert called.err.startswith("The system starts no more threads for this login: ")
+    called.refused("The system starts no more threads for this login: ", code=1)
     assert called.err.count("\n") == 1
 
 
+@pytest.mark.usefixtures("simulated", "no_threads")
 def test_a_command_goes_on_if_its_progress_can_have_no_thread(
-    call: Call, simulated: str, monkeypatch: pytest.MonkeyPatch
+    call: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fail(_: Thread) -> None:
-        raise RuntimeError("can't start new thread")
-
     monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
-    monkeypatch.setattr(Thread, "start", fail)
     assert call("check").code == 0

@@ -32,6 +32,7 @@ from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import participants, programmes, sessions
 from sar_tui.store.database import connect
 from sar_tui.store.programmes import Programme
+from tests.edit import edit
 from tests.examples import examples
 from tests.program import Call
 
@@ -41,12 +42,10 @@ WHY = ("--reason", "Reached the goal", "--author", "ana")
 def save(
     data: Path, after: int, author: str = "ana", reason: str = "Start", **parameters: Any
 ) -> None:
+    who = {"after": after, "author": author, "reason": reason}
     with closing(connect(data)) as database:
         participants.add(database, "P07")
-        changed = Programme(parameters)
-        programmes.save(
-            database, "P07", "keyboard", changed, after=after, author=author, reason=reason
-        )
+        programmes.save(database, "P07", "keyboard", Programme(parameters), **who)
 
 
 def newest(data: Path) -> Programme:
@@ -59,21 +58,15 @@ def newest(data: Path) -> Programme:
 
 def test_a_programme_shows_what_differs_who_saved_it_and_why(call: Call, data: Path) -> None:
     save(data, 0, attempts=12, threshold=900.0)
-    called = call("programme show p07")
-    assert (called.code, called.err) == (0, "")
-    words = " ".join(called.out.split())
-    assert "P07, Keyboard reaction: version 1" in words
-    assert "by ana Why Start Theme calm" in words
-    assert "Attempts 12 20 attempts" in words
-    assert "Goal 900 ms 1000 threshold" in words
+    words = " ".join(call("programme show p07").out.split())
+    for part in (
+        "P07, Keyboard reaction: version 1", "by ana Why Start Theme calm",
+        "Attempts 12 20 attempts", "Goal 900 ms 1000 threshold",
+    ):  # fmt: skip
+        assert part in words
     (row,) = call("programme show P07 keyboard --json").json["programmes"]
     assert row["parameters"] == {"attempts": 12, "threshold": 900.0}
-    assert (row["participant"], row["task"], row["version"], row["author"]) == (
-        "P07",
-        "keyboard",
-        1,
-        "ana",
-    )
+    assert [row[name] for name in ("participant", "version", "author")] == ["P07", 1, "ana"]
 
 
 def test_the_history_tells_who_changed_what_and_why_the_newest_first(
@@ -81,20 +74,16 @@ def test_the_history_tells_who_changed_what_and_why_the_newest_first(
 ) -> None:
     save(data, 0, attempts=12)
     save(data, 1, "ben", "Tired after eight", attempts=8)
-    called = call("programme history P07")
-    lines = [line for line in called.out.splitlines() if "Attempts" in line]
-    assert "by ben" in lines[0]
-    assert "Attempts 12 → 8" in lines[0]
-    assert "Tired after eight" in lines[0]
-    assert "Attempts 20 → 12" in lines[1]
+    out = call("programme history P07").out
+    newer, older = (line for line in out.splitlines() if "Attempts" in line)
+    assert all(part in newer for part in ("by ben", "Attempts 12 → 8", "Tired after eight"))
+    assert "Attempts 20 → 12" in older
     rows = call("programme history P07 --json").json["versions"]
     assert [row["version"] for row in rows] == [2, 1]
-    assert rows[0]["changes"] == [
-        {"name": "attempts", "title": "Attempts", "unit": "", "before": 12, "after": 8}
-    ]
-    assert (
-        call("programme show P07 --version 1 keyboard --json").json["programmes"][0]["version"] == 1
-    )
+    (change,) = rows[0]["changes"]
+    assert [change[name] for name in ("name", "before", "after")] == ["attempts", 12, 8]
+    (first,) = call("programme show P07 --version 1 keyboard --json").json["programmes"]
+    assert first["version"] == 1
 
 
 def test_a_participant_without_a_programme_and_one_who_does_not_exist_are_told_apart(
@@ -103,34 +92,27 @@ def test_a_participant_without_a_programme_and_one_who_does_not_exist_are_told_a
     with closing(connect(data)) as database:
         participants.add(database, "P07")
     for command in ("show", "history"):
-        called = call("programme", command, "P07")
-        assert called.code == 0
-        assert "P07 has no programme yet" in called.out
-        assert call("programme", command, "P09") == (
-            2,
-            "",
-            "There is no participant P09. Is it P07?\n",
-        )
-    assert "its defaults are used" in call("programme show P07 keyboard").out
+        call("programme", command, "P07").shows("P07 has no programme yet")
+        call("programme", command, "P09").refused("There is no participant P09. Is it P07?")
+    call("programme show P07 keyboard").shows("its defaults are used")
 
 
-def test_a_session_shows_the_version_that_it_ran(call: Call, data: Path, simulated: str) -> None:
+@pytest.mark.usefixtures("simulated")
+def test_a_session_shows_the_version_that_it_ran(call: Call, data: Path) -> None:
     save(data, 0, attempts=12)
     with closing(connect(data)) as database:
         database.execute("UPDATE seats SET participant='P07'")
         database.execute("UPDATE sessions SET programme=1")
-    called = call("show last")
-    assert "Programme    version 1 by ana: Start" in called.out
+    call("show last").shows("Programme    version 1 by ana: Start")
     assert call("show last --json").json["session"]["programme"] == 1
 
 
 def test_values_that_cannot_be_used_any_more_are_told(call: Call, data: Path) -> None:
     save(data, 0, attempts=12, tempo=3)
-    assert (
-        "! Not used: The setting tempo does not exist any more." in call("programme show P07").out
-    )
+    why = "The setting tempo does not exist any more."
+    call("programme show P07").shows(f"! Not used: {why}")
     (row,) = call("programme show P07 --json").json["programmes"]
-    assert row["left_out"] == {"tempo": "The setting tempo does not exist any more."}
+    assert row["left_out"] == {"tempo": why}
     assert call("programme history P07").code == 0
     assert call("programme export P07 keyboard").code == 0
 
@@ -141,34 +123,19 @@ def test_values_that_cannot_be_used_any_more_are_told(call: Call, data: Path) ->
 def test_an_exported_programme_names_every_setting_and_is_imported_for_another(
     call: Call, data: Path, tmp_path: Path, keyboard: type[Task]
 ) -> None:
-    save(data, 0, attempts=12, levels=["fj", "dfjk"], choice_set="left hand")
+    settings = {"attempts": 12, "levels": ["fj", "dfjk"], "choice_set": "left hand"}
+    save(data, 0, **settings)
     text = call("programme export P07 keyboard").out
-    assert all(
-        f"\n{field.name} = " in text or f"\n# {field.name} = " in text
-        for field in fields(keyboard.Parameters)
-    )
-    assert tomllib.loads(text)["parameters"] == {
-        "attempts": 12,
-        "levels": ["fj", "dfjk"],
-        "choice_set": "left hand",
-    }
+    for field in fields(keyboard.Parameters):
+        assert f"\n{field.name} = " in text or f"\n# {field.name} = " in text
+    assert tomllib.loads(text)["parameters"] == settings
     file = tmp_path / "p07.toml"
-    assert call("programme export P07 keyboard --to", file).code == 0
-    assert call("programme export P07 keyboard --to", file).code == 2
-    called = call("programme import p08 keyboard", file, *WHY, "--new")
-    assert called.out == "Saved version 1 of the programme of P08 for Keyboard reaction.\n"
+    assert [call("programme export P07 keyboard --to", file).code for _ in range(2)] == [0, 2]
+    imported = call("programme import p08 keyboard", file, *WHY, "--new")
+    imported.shows("Saved version 1 of the programme of P08")
     (row,) = call("programme show P08 --json").json["programmes"]
-    assert row["parameters"] == {
-        "attempts": 12,
-        "levels": ["fj", "dfjk"],
-        "choice_set": "left hand",
-    }
-    assert row["reason"] == "Reached the goal"
-    again = call("programme import p08 keyboard", file, *WHY)
-    assert (
-        again.out
-        == "Nothing differs from version 1 of the programme of P08 for Keyboard reaction.\n"
-    )
+    assert (row["parameters"], row["reason"]) == (settings, "Reached the goal")
+    call("programme import p08 keyboard", file, *WHY).shows("Nothing differs from version 1")
 
 
 def test_a_file_exported_before_another_change_is_refused_unless_it_is_meant(
@@ -178,10 +145,9 @@ def test_a_file_exported_before_another_change_is_refused_unless_it_is_meant(
     file = tmp_path / "p07.toml"
     call("programme export P07 keyboard --to", file)
     save(data, 1, "ben", "Tired", attempts=8)
-    file.write_text(file.read_text().replace("attempts = 12", "attempts = 15"))
+    edit(file, "attempts = 12", "attempts = 15")
     refused = call("programme import P07 keyboard", file, *WHY)
-    assert (refused.code, refused.out) == (2, "")
-    assert "changed meanwhile: version 2 by ben (Tired). Nothing was saved." in refused.err
+    refused.refused("changed meanwhile: version 2 by ben (Tired). Nothing was saved.")
     assert newest(data).parameters == {"attempts": 8}
     assert call("programme import P07 keyboard", file, "--anyway", *WHY).code == 0
     assert (newest(data).version, newest(data).parameters) == (3, {"attempts": 15})
@@ -190,35 +156,27 @@ def test_a_file_exported_before_another_change_is_refused_unless_it_is_meant(
 @pytest.mark.parametrize(
     ("content", "says"),
     [
-        (
-            'task = "keyboard"\n[parameters]\nattempts = 0\n',
-            "Attempts is a whole number, 1 to 200, not 0.",
-        ),
-        (
-            'task = "keyboard"\n[parameters]\nattemps = 3\n',
-            "There is no parameter attemps. Did you mean attempts?",
-        ),
-        ('task = "keyboard"\n[parameters]\nlanguage = "de"\n', "has no phrases in de"),
-        ('task = "keyboard"\ntheme = "gone"\n', "There is no theme gone."),
-        ('task = "reaching"\n', "This programme is for the task reaching, not keyboard."),
-        (
-            'task = "keyboard"\nattempts = 3\n',
-            "has unknown entries: attempts. Settings belong under [parameters].",
-        ),
+        ("[parameters]\nattempts = 0", "Attempts is a whole number, 1 to 200, not 0."),
+        ("[parameters]\nattemps = 3", "There is no parameter attemps. Did you mean attempts?"),
+        ('[parameters]\nlanguage = "de"', "has no phrases in de"),
+        ('theme = "gone"', "There is no theme gone."),
+        ("attempts = 3", "unknown entries: attempts. Settings belong under [parameters]."),
         ("attempts 3", "is not valid TOML"),
-        ("", "is not a programme"),
+        (None, "is not a programme"),
         ("\udcff", "is not a text in UTF-8"),
     ],
 )
 def test_a_file_that_does_not_fit_is_refused_with_the_reason(
-    call: Call, data: Path, tmp_path: Path, content: str, says: str
+    call: Call, data: Path, tmp_path: Path, content: str | None, says: str
 ) -> None:
     save(data, 0, attempts=12)
     file = tmp_path / "file.toml"
-    file.write_bytes(content.encode(errors="surrogateescape"))
-    called = call("programme import P07 keyboard", file, *WHY)
-    assert (called.code, called.out) == (2, "")
-    assert says in called.err
+    text = "" if content is None else f'task = "keyboard"\n{content}\n'
+    file.write_bytes(text.encode(errors="surrogateescape"))
+    call("programme import P07 keyboard", file, *WHY).refused(says)
+    file.write_text('task = "reaching"\n')
+    refused = call("programme import P07 keyboard", file, *WHY)
+    refused.refused("This programme is for the task reaching, not keyboard.")
     assert newest(data).version == 1
 
 
@@ -240,10 +198,8 @@ def test_a_new_parameter_is_exported_and_listed_without_further_changes(
         Parameters = More
 
     exported = write(Drummed, "P07", Programme({"tempo": 5}, version=1))
-    assert (
-        "# Tempo (beats). How fast the drum beats. Allowed: 1 to 9. Default: 3.\ntempo = 5\n"
-        in exported
-    )
+    described = "# Tempo (beats). How fast the drum beats. Allowed: 1 to 9. Default: 3."
+    assert f"{described}\ntempo = 5\n" in exported
     assert parse(exported, "it").parameters == {"tempo": 5}
 
 
@@ -252,17 +208,11 @@ def test_a_new_parameter_is_exported_and_listed_without_further_changes(
 def test_every_programme_that_is_written_is_read_the_same(
     keyboard: type[Task], reason: str, language: str, levels: list[str], threshold: float
 ) -> None:
-    values = {"language": language, "levels": levels, "threshold": threshold, "no\nmore": reason}
-    text = write(keyboard, "P07", Programme(values, "calm", 3, "2026", reason, reason))
-    there = parse(text, "it")
-    del values["no\nmore"]
-    assert there.parameters == values
-    assert (there.participant, there.version, there.theme, there.reason) == (
-        "P07",
-        3,
-        "calm",
-        reason,
-    )
+    values = {"language": language, "levels": levels, "threshold": threshold}
+    given = Programme({**values, "no\nmore": reason}, "calm", 3, "2026", reason, reason)
+    there = parse(write(keyboard, "P07", given), "it")
+    assert (there.parameters, there.participant) == (values, "P07")
+    assert (there.version, there.theme, there.reason) == (3, "calm", reason)
 
 
 # --- presets
@@ -286,22 +236,15 @@ def test_each_task_ships_presets_that_fit_and_set_the_same_settings(
 def test_a_preset_states_the_exercise_and_leaves_what_is_the_persons(
     call: Call, data: Path
 ) -> None:
-    save(data, 0, choice_set="left hand", attempts=3, feedback_every=4, minutes_a_day=20)
-    assert call("programme import P07 keyboard --preset severe", *WHY).code == 0
-    severe = newest(data).parameters
-    assert (severe["choice_set"], severe["attempts"], severe["threshold"]) == (
-        "left hand",
-        6,
-        3000.0,
-    )
-    assert call("programme import P07 keyboard --preset mild", *WHY).code == 0
-    assert newest(data).parameters == {
-        "choice_set": "left hand",
-        "minutes_a_day": 20,
-        "practice_attempts": 1,
-    }
-    unknown = call("programme import P07 keyboard --preset light", *WHY)
-    assert unknown.err == "The task keyboard has no preset light. It has: mild, moderate, severe.\n"
+    kept = {"choice_set": "left hand", "minutes_a_day": 20}
+    save(data, 0, attempts=3, feedback_every=4, **kept)
+    for name, sets in (
+        ("severe", {"attempts": 6, "threshold": 3000.0}),
+        ("mild", {"practice_attempts": 1}),
+    ):
+        assert call("programme import P07 keyboard --preset", name, *WHY).code == 0
+        assert (kept | sets).items() <= newest(data).parameters.items()
+    assert newest(data).parameters == {**kept, "practice_attempts": 1}
 
 
 def own_preset(data: Path, name: str, text: str) -> None:
@@ -312,34 +255,22 @@ def own_preset(data: Path, name: str, text: str) -> None:
 
 def test_nothing_is_left_of_the_preset_before(call: Call, data: Path) -> None:
     """Whichever two follow each other, and whatever they name."""
-    own_preset(
-        data,
-        "slow",
-        '[parameters]\nfeedback_every = 3\nlevels = ["fj", "dfjk"]\noperator_feedback = "veto"',
-    )
+    settings = 'feedback_every = 3\nlevels = ["fj", "dfjk"]\noperator_feedback = "veto"'
+    own_preset(data, "slow", f"[parameters]\n{settings}")
     own_preset(data, "quick", "[parameters]\nthreshold = 700.0")
     assert call("programme import P07 keyboard --preset quick", *WHY, "--new").code == 0
-    alone = newest(data).parameters
-    assert alone == {"threshold": 700.0}
-    for before in ("slow", "severe", "mild"):
-        assert call("programme import P07 keyboard --preset", before, *WHY).code == 0
-        assert call("programme import P07 keyboard --preset quick", *WHY).code == 0
-        assert newest(data).parameters == alone
+    for name in ("slow", "quick", "severe", "quick", "mild", "quick"):
+        assert call("programme import P07 keyboard --preset", name, *WHY).code == 0
+        assert (newest(data).parameters == {"threshold": 700.0}) is (name == "quick")
 
 
 def test_what_a_preset_names_of_the_person_stays_and_is_told(call: Call, data: Path) -> None:
     save(data, 0, choice_set="left hand", language="es")
-    own_preset(
-        data,
-        "mine",
-        'theme = "playful"\n[parameters]\nchoice_set = "right hand"\nlanguage = "en"\nattempts = 7',
-    )
-    called = call("programme import P07 keyboard --preset mine", *WHY)
-    assert (
-        called.err
-        == "! The preset also names what belongs to the person or the place, and stays: Keys, "
-        "Language.\n"
-    )
+    settings = 'choice_set = "right hand"\nlanguage = "en"\nattempts = 7'
+    own_preset(data, "mine", f'theme = "playful"\n[parameters]\n{settings}')
+    said = call("programme import P07 keyboard --preset mine", *WHY).err
+    assert said.startswith("! The preset also names what belongs to the person")
+    assert said.endswith("and stays: Keys, Language.\n")
     assert newest(data).parameters == {"choice_set": "left hand", "language": "es", "attempts": 7}
     assert newest(data).theme == "calm"
 
@@ -352,31 +283,16 @@ def test_the_scope_of_a_preset_is_each_setting_but_the_persons(
     in the docs.
     """
     kind = catalogue.task(task)
-    personal = {field.name for field in fields(kind.Parameters) if field.personal}
-    common = {
-        "language",
-        "outputs",
-        "speech",
-        "operator_joins",
-        "ask_wellbeing",
-        "pain_limit",
-        "pain_rise",
-    }
-    limits = {field.name for field in fields(kind.Parameters) if field.group == "Limits"}
-    own = {
-        "imu",
-        "imu_b",
-        "imu_trunk",
-        "hand",
-        "hand_b",
-        "layout",
-        "choice_set",
-        "marker_distances_cm",
-        "respond_with",
-    }
-    assert common | limits <= personal <= common | limits | own
-    assert own & {field.name for field in fields(kind.Parameters)} <= personal
-    changed = {field.name: "another" for field in fields(kind.Parameters)}
+    declared = fields(kind.Parameters)
+    personal = {field.name for field in declared if field.personal}
+    common = {field.name for field in declared if field.group == "Limits"}
+    common |= set(
+        "language outputs speech operator_joins ask_wellbeing pain_limit pain_rise".split()
+    )
+    own = "imu imu_b imu_trunk hand hand_b layout choice_set marker_distances_cm respond_with"
+    assert common <= personal <= common | set(own.split())
+    assert set(own.split()) & {field.name for field in declared} <= personal
+    changed = {field.name: "another" for field in declared}
     after = applied(kind, ProgrammeFile(task), changed)
     assert {name for name, value in after.items() if value == "another"} == personal
 
@@ -386,10 +302,8 @@ def test_a_programme_is_kept_as_a_preset_of_ones_own(call: Call, data: Path) -> 
     assert call("programme export P07 keyboard --preset left-arm").code == 0
     kind = Catalogue().task("keyboard")
     kept = find(data, kind, "left-arm")
-    assert kept.parameters.keys() == {
-        field.name for field in fields(kind.Parameters) if not field.personal
-    }
-    assert (kept.participant, kept.theme) == ("", "")
+    exercise = {field.name for field in fields(kind.Parameters) if not field.personal}
+    assert (kept.parameters.keys(), kept.participant, kept.theme) == (exercise, "", "")
     assert call("programme export P07 keyboard --preset ../x").code == 2
     names = [row["name"] for row in call("programme presets keyboard --json").json["presets"]]
     assert names == ["mild", "moderate", "severe", "left-arm"]
@@ -399,13 +313,8 @@ def test_a_programme_is_kept_as_a_preset_of_ones_own(call: Call, data: Path) -> 
 
 
 def test_a_preset_that_cannot_be_read_is_listed_with_the_reason(call: Call, data: Path) -> None:
-    folder = data / "presets" / "keyboard"
-    folder.mkdir(parents=True)
-    (folder / "mine.toml").write_text("attempts 3")
-    called = call("programme presets keyboard")
-    assert called.code == 0
-    assert "mild" in called.out
-    assert "is not valid TOML" in called.out
+    own_preset(data, "mine", "attempts 3")
+    call("programme presets keyboard").shows("mild", "is not valid TOML")
 
 
 # --- the record

@@ -24,6 +24,12 @@ show zzz -> There is no session zzz. `sar-tui sessions` lists them.
 wizard '' -> The session's id is missing: it is empty.
 tasks check '' -> a name is missing: it is empty.
 themes check '' -> a name is missing: it is empty.
+themes check noon -> There is no theme or folder noon. Choose one of: calm, high-contrast, playful.
+themes new calm -> There is a theme calm already. Choose another name.
+themes new evening --from noon -> There is no theme noon. Choose one of: calm, high-contrast, playful.
+tasks show juggling -> There is no task juggling
+tasks new mine --from chess -> chess
+tasks check /no/such -> /no/such
 link check '' -> a name is missing: it is empty.
 --tasks /no/such tasks -> There is no folder /no/such for tasks.
 tasks --tasks /no/such -> There is no folder /no/such for tasks.

@@ -84,10 +84,7 @@ def test_notes_marks_and_pauses_are_printed_with_their_times(call: Call, tmp_pat
     with sqlite3.connect(tmp_path / "data" / "sar-tui.db") as connection:
         began, last = connection.execute("SELECT min(at_ns), max(at_ns) FROM events").fetchone()
         for topic, message in (
-            (
-                "operator/note",
-                {"text": "Tired today.", "actor": who, "at": began + 27_000_000_000},
-            ),
+            ("operator/note", {"text": "Tired today.", "actor": who, "at": began + 27_000_000_000}),
             ("operator/note", {"label": "yawn", "actor": who, "at": began + 28_500_000_000}),
             ("operator/act", {"command": "pause", "reason": "pain"}),
         ):

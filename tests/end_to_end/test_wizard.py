@@ -76,11 +76,7 @@ def test_operator_decisions_reach_the_participant_and_are_stored(data: Path) -> 
     assert _shares_four_words(approved["text"], seen), "what was seen would be found"
     assert [
         (row["proposed"]["text"], row["final"] and row["final"]["text"]) for row in feedback
-    ] == [
-        (vetoed["text"], None),
-        (edited["text"], WORDS),
-        (approved["text"], approved["text"]),
-    ]
+    ] == [(vetoed["text"], None), (edited["text"], WORDS), (approved["text"], approved["text"])]
     messages = [
         (row["decision"], row["actor"], row["mode"], row["ground"], row["reason"])
         for row in feedback
