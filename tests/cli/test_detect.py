@@ -4,8 +4,9 @@ sentence.
 
 import csv
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -34,6 +35,11 @@ def recorded() -> list[Row]:
         return [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
 
 
+def reaches(call: Call, path: Path, *options: str) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = call("detect", path, *options, "--json").json["reaches"]
+    return found
+
+
 @pytest.fixture
 def write(tmp_path: Path) -> Write:
     """Write rows to a file and return its path."""
@@ -52,11 +58,7 @@ def write(tmp_path: Path) -> Write:
 def test_the_recording_that_ships_holds_the_eight_reaches_of_table_4_1(call: Call) -> None:
     printed = call("detect", SAMPLE, "--json").json
     assert set(printed) == {"detector", "rate_hz", "reaches"}
-    assert (printed["detector"], printed["rate_hz"], len(printed["reaches"])) == (
-        "orientation",
-        125.0,
-        8,
-    )
+    assert (printed["detector"], printed["rate_hz"]) == ("orientation", 125.0)
     for reach, line in zip(printed["reaches"], TABLE_4_1, strict=True):
         assert set(reach) == {field.name for field in msgspec.structs.fields(Reach)}
         assert reach["reach_time_s"] == pytest.approx(line.reach_time_s, abs=0.06)
@@ -67,7 +69,7 @@ def test_the_recording_that_ships_holds_the_eight_reaches_of_table_4_1(call: Cal
 
 def test_another_detector_finds_other_times(call: Call) -> None:
     printed = call("detect", SAMPLE, "--detector", "fixed-threshold", "--json").json
-    assert (printed["detector"], len(printed["reaches"])) == ("fixed-threshold", 8)
+    assert printed["detector"] == "fixed-threshold"
     for reach, line in zip(printed["reaches"], TABLE_4_1, strict=True):
         assert reach["reach_time_s"] < line.reach_time_s
 
@@ -76,15 +78,8 @@ def test_people_read_a_table_the_flags_in_words_and_a_sentence(
     call: Call, write: Write, recorded: list[Row]
 ) -> None:
     called = call("detect", write([row for row in recorded if 1.7 < row["t"] < 8]))
-    assert (called.code, called.err) == (0, "")
-    assert "SPARC" in called.out
-    assert (
-        "no_rest: the hand was not still before it, so the sensor's bias is a guess\n" in called.out
-    )
-    assert called.out.endswith(
-        "2 reaches in 6.3 s at 125 samples a second, by the orientation detector: 1.323 to 1.391 "
-        "s, median 1.357 s.\n"
-    )
+    called.shows("SPARC", "no_rest: the hand was not still before it", "1.323 to 1.391 s, median")
+    assert called.out.splitlines()[-1].startswith("2 reaches in 6.3 s at 125 samples a second")
 
 
 @pytest.mark.parametrize("columns", [40, 80])
@@ -94,12 +89,10 @@ def test_every_figure_is_printed_whole_however_narrow_the_terminal(
     """Times since 1970 have ten digits before the point."""
     monkeypatch.setenv("COLUMNS", str(columns))
     path = write([{**row, "t": row["t"] + 1_700_000_000} for row in recorded])
-    reach = call("detect", path, "--json").json["reaches"][0]
+    reach = reaches(call, path)[0]
     times = [f"{reach[name]:.3f}" for name in ("onset_s", "turn_s", "end_s", "reach_time_s")]
-    rest = [
-        f"{reach[name]:.2f}"
-        for name in ("peak_extension_rad_s", "peak_return_rad_s", "sparc_out", "sparc_back")
-    ]
+    names = ("peak_extension_rad_s", "peak_return_rad_s", "sparc_out", "sparc_back")
+    rest = [f"{reach[name]:.2f}" for name in names]
     row = ["1", *times, f"{reach['excursion_deg']:.0f}", *rest, "–"]
     assert row in [line.split() for line in call("detect", path).out.splitlines()]
 
@@ -112,11 +105,8 @@ def test_a_recording_without_a_reach_is_no_error(
     call: Call, write: Write, recorded: list[Row]
 ) -> None:
     path = write(recorded[:150])
-    assert call("detect", path, "--json").json["reaches"] == []
-    assert (
-        call("detect", path).out
-        == "No reach in 1.2 s at 125 samples a second, by the orientation detector.\n"
-    )
+    assert reaches(call, path) == []
+    call("detect", path).shows("No reach in 1.2 s at 125 samples a second")
 
 
 @pytest.mark.parametrize("begin", [5, -20, 1_700_000_000])
@@ -124,11 +114,7 @@ def test_times_are_relative_to_the_file(
     call: Call, write: Write, recorded: list[Row], begin: float
 ) -> None:
     late = write([row | {"t": row["t"] + begin} for row in recorded])
-    for now, then in zip(
-        call("detect", late, "--json").json["reaches"],
-        call("detect", SAMPLE, "--json").json["reaches"],
-        strict=True,
-    ):
+    for now, then in zip(reaches(call, late), reaches(call, SAMPLE), strict=True):
         for name in ("onset_s", "turn_s", "end_s"):
             assert now[name] == pytest.approx(then[name] + begin, rel=0, abs=1e-4)
 
@@ -136,41 +122,32 @@ def test_times_are_relative_to_the_file(
 def test_a_recording_that_begins_without_a_still_second_is_analysed_and_flagged(
     call: Call, write: Write, recorded: list[Row]
 ) -> None:
-    first, *others = call(
-        "detect", write([row for row in recorded if row["t"] > 1.7]), "--json"
-    ).json["reaches"]
+    first, *others = reaches(call, write([row for row in recorded if row["t"] > 1.7]))
     assert "no_rest" in first["flags"]
-    assert len(others) == 7
-    assert all(reach["flags"] == [] for reach in others)
+    assert [reach["flags"] for reach in others] == [[]] * 7
 
 
 def test_missing_samples_are_flagged(call: Call, write: Write, recorded: list[Row]) -> None:
-    first, *_ = call("detect", write([*recorded[:300], *recorded[340:]]), "--json").json["reaches"]
+    first, *_ = reaches(call, write([*recorded[:300], *recorded[340:]]))
     assert first["flags"] == ["gap"]
 
 
 def test_the_units_of_a_file_can_be_named(call: Call, write: Write, recorded: list[Row]) -> None:
-    other = [
-        {
-            name: math.degrees(v) if name[0] == "w" else v / 9.80665 if name[0] == "a" else v
-            for name, v in row.items()
-        }
-        for row in recorded
-    ]
-    printed = call("detect", write(other), "--rate", "deg/s", "--acceleration", "g", "--json").json
-    for now, then in zip(
-        printed["reaches"], call("detect", SAMPLE, "--json").json["reaches"], strict=True
-    ):
+    units = {"w": math.degrees(1.0), "a": 1 / 9.80665, "t": 1.0}
+    other = [{name: value * units[name[0]] for name, value in row.items()} for row in recorded]
+    named = reaches(call, write(other), "--rate", "deg/s", "--acceleration", "g")
+    for now, then in zip(named, reaches(call, SAMPLE), strict=True):
         assert now["reach_time_s"] == pytest.approx(then["reach_time_s"], abs=1e-6)
 
 
 def test_the_outward_direction_is_reversed_for_the_left_hand(call: Call) -> None:
-    right, left = (
-        call("detect", SAMPLE, "--hand", hand, "--json").json["reaches"]
-        for hand in ("right", "left")
-    )
-    assert all("reversed" in reach["flags"] for reach in left)
-    assert not any("reversed" in reach["flags"] for reach in right)
+    for hand in ("right", "left"):
+        found = {"reversed" in reach["flags"] for reach in reaches(call, SAMPLE, "--hand", hand)}
+        assert found == {hand == "left"}
+
+
+def rows_at(times: Iterable[float]) -> str:
+    return "t,wx,wy,wz\n" + "".join(f"{time},0,0,0\n" for time in times)
 
 
 def swings(path: Path, count: int, begin: float = 0.0) -> Path:
@@ -184,16 +161,11 @@ def swings(path: Path, count: int, begin: float = 0.0) -> Path:
     return path
 
 
-def test_repetitions_are_counted_in_a_sentence(call: Call, tmp_path: Path) -> None:
+def test_repetitions_are_counted(call: Call, tmp_path: Path) -> None:
     called = call("detect", swings(tmp_path / "swings.npz", 7), "--repetitions")
-    assert (called.code, called.err) == (0, "")
-    assert called.out == "7 repetitions in 14.0 s at 100 samples a second, one every 2.00 s.\n"
-
-
-def test_repetitions_as_json_have_times_of_the_file(call: Call, tmp_path: Path) -> None:
-    printed = call(
-        "detect", swings(tmp_path / "swings.npz", 7, begin=100.0), "--repetitions", "--json"
-    ).json
+    called.shows("7 repetitions in 14.0 s at 100 samples a second, one every 2.00 s.\n")
+    late = swings(tmp_path / "swings.npz", 7, begin=100.0)
+    printed = call("detect", late, "--repetitions", "--json").json
     assert set(printed) == {"rate_hz", "repetitions", "period_s", "turns_s"}
     assert (printed["rate_hz"], printed["repetitions"]) == (100.0, 7)
     assert printed["period_s"] == pytest.approx(2.0, abs=0.05)
@@ -204,13 +176,7 @@ def test_a_recording_without_a_rhythm_has_no_repetitions(call: Call, tmp_path: P
     path = tmp_path / "still.npz"
     rest = np.random.default_rng(1).normal(0, 0.01, (3, 1000))
     np.savez(path, t=np.arange(1000) / 100, wx=rest[0], wy=rest[1], wz=rest[2])
-    called = call("detect", path, "--repetitions")
-    assert (called.code, called.err) == (0, "")
-    assert called.out == (
-        "No repetitions in 10.0 s at 100 samples a second: counting needs at least two of 0.5 to "
-        "10 s each, "
-        "in one rhythm.\n"
-    )
+    call("detect", path, "--repetitions").shows("No repetitions in 10.0 s at 100 samples a second")
     printed = call("detect", path, "--repetitions", "--json").json
     assert (printed["repetitions"], printed["period_s"], printed["turns_s"]) == (0, None, [])
 
@@ -219,11 +185,9 @@ def test_repetitions_of_a_recorded_exercise(call: Call, tmp_path: Path) -> None:
     """A set of 20 repetitions, recorded at 50 Hz by a watch: the first of seglearn's data."""
     path = tmp_path / "watch.npz"
     whole = watch_sets()[0]
-    names = ("wx", "wy", "wz", "ax", "ay", "az")
-    columns = dict(zip(names, (*whole.rate.T, *whole.acceleration.T), strict=True))
-    np.savez(path, t=np.arange(len(whole.rate)) / WATCH_HZ, **columns)
-    called = call("detect", path, "--repetitions")
-    assert called.out.startswith("20 repetitions in ")
+    columns = zip("wx wy wz".split(), whole.rate.T, strict=True)
+    np.savez(path, t=np.arange(len(whole.rate)) / WATCH_HZ, **dict(columns))
+    call("detect", path, "--repetitions").shows("20 repetitions in ")
 
 
 def test_npz_files_are_read_too(call: Call, tmp_path: Path, recorded: list[Row]) -> None:
@@ -242,47 +206,22 @@ def test_npz_files_are_read_too(call: Call, tmp_path: Path, recorded: list[Row])
         ("t,wx,wy,wz\n0,1,2\n", "line 2: 3 values for 4 columns"),
         ("t,wx,wy,wz\n0,1,2,three\n", '"three" in the column wz is not a number.'),
         ("t,wx,wy,wz\n0,1,2,nan\n", "nan in the column wz is no measurement"),
-        ("t,wx,wy,wz\n" + "".join(f"{n % 5},0,0,0\n" for n in range(30)), "it must be later."),
-        ("t,wx,wy,wz\n" + "".join(f"{n},0,0,0\n" for n in range(30)), "1 samples a second"),
-        (
-            "t,wx,wy,wz\n" + "".join(f"{n / 100 + (n > 20) * 1e8},0,0,0\n" for n in range(40)),
-            "check that t is in seconds, or cut it where samples are missing.",
-        ),
+        (rows_at(n % 5 for n in range(30)), "it must be later."),
+        (rows_at(range(30)), "1 samples a second"),
+        (rows_at(n / 100 + (n > 20) * 1e8 for n in range(40)), "cut it where samples are missing."),
+        (b"\xff\xfe\x00\x01", ""),
+        (b"PK\x03\x04 no archive", ""),
     ],
-    ids=[
-        "empty",
-        "header",
-        "column",
-        "semicolons",
-        "short line",
-        "word",
-        "nan",
-        "back",
-        "slow",
-        "hole",
-    ],
+    ids=lambda value: str(value)[:30],
 )
 def test_a_bad_file_exits_with_2_and_one_sentence(
-    call: Call, tmp_path: Path, text: str, says: str
+    call: Call, tmp_path: Path, text: str | bytes, says: str
 ) -> None:
-    path = tmp_path / "bad.csv"
-    path.write_text(text)
+    path = tmp_path / ("bad.npz" if text[:2] == b"PK" else "bad.csv")
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
     called = call("detect", path)
-    assert (called.code, called.out) == (2, "")
-    assert says in called.err
-    assert str(path) in called.err
+    called.refused(says, str(path))
     assert called.err.count("\n") == 1
-
-
-@pytest.mark.parametrize(
-    "data", [b"\xff\xfe\x00\x01", b"PK\x03\x04 no archive"], ids=["csv", "npz"]
-)
-def test_a_file_that_is_not_a_recording_exits_with_2(
-    call: Call, tmp_path: Path, data: bytes
-) -> None:
-    path = tmp_path / f"bad.{'npz' if data.startswith(b'PK') else 'csv'}"
-    path.write_bytes(data)
-    assert call("detect", path).code == 2
 
 
 def test_the_choices_are_the_available_detectors() -> None:
@@ -298,27 +237,25 @@ def test_reaches_without_a_way_back_have_no_measures_of_it(call: Call, write: Wr
     time_s = np.arange(600) / 100
     share = np.clip((time_s - 2.0) / 1.0, 0.0, 1.0)
     turning = 30.0 * (share * (1.0 - share)) ** 2
-    path = write(
-        [
-            {"t": t, "wx": 0.0, "wy": 0.6 * w, "wz": 0.8 * w}
-            for t, w in zip(time_s, turning, strict=True)
-        ]
-    )
-    assert call("detect", path, "--json").json["reaches"] == []
-    (reach,) = call("detect", path, "--one-way", "--json").json["reaches"]
+    moved = zip(time_s, turning, strict=True)
+    path = write([{"t": t, "wx": 0.0, "wy": 0.6 * w, "wz": 0.8 * w} for t, w in moved])
+    assert reaches(call, path) == []
+    (reach,) = reaches(call, path, "--one-way")
     assert set(reach) == {field.name for field in msgspec.structs.fields(Reach)}
     assert reach["reach_time_s"] == reach["out_s"] == pytest.approx(1.0, abs=0.08)
     assert reach["excursion_deg"] == pytest.approx(math.degrees(1.0), abs=2.0)
-    assert {
-        reach[name] for name in ("turn_s", "back_s", "dwell_s", "peak_return_rad_s", "sparc_back")
-    } == {None}
-    assert "One reach in" in call("detect", path, "--one-way").out
+    of_the_way_back = ("turn_s", "back_s", "dwell_s", "peak_return_rad_s", "sparc_back")
+    assert {reach[name] for name in of_the_way_back} == {None}
+    call("detect", path, "--one-way").shows("One reach in")
 
 
 def test_a_recording_in_radians_read_as_degrees_gets_a_hint(call: Call) -> None:
     hint = "If the file is in rad/s, leave out --rate deg/s."
     called = call("detect", SAMPLE, "--rate", "deg/s")
-    assert (called.code, called.out.startswith("No reach in")) == (0, True)
-    assert hint in called.err
-    assert call("detect", SAMPLE, "--rate", "deg/s", "--json").json["reaches"] == []
-    assert hint not in call("detect", SAMPLE).err
+    assert (called.code, called.out.startswith("No reach in"), hint in called.err) == (
+        0,
+        True,
+        True,
+    )
+    assert reaches(call, SAMPLE, "--rate", "deg/s") == []
+    assert call("detect", SAMPLE).err == ""

@@ -14,6 +14,8 @@ from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
 from tests.program import Call
 
+SIMULATE = "simulate reaching --user average --seed 5 --attempts 2"
+
 
 def change(folder: Path, statement: str, *values: object) -> None:
     with sqlite3.connect(folder / "data" / "sar-tui.db") as connection:
@@ -23,6 +25,11 @@ def change(folder: Path, statement: str, *values: object) -> None:
 def stored_rows(folder: Path) -> list[str]:
     with sqlite3.connect(folder / "data" / "sar-tui.db") as connection:
         return list(connection.iterdump())
+
+
+def recorded(call: Call, session: str) -> list[dict[str, Any]]:
+    trials: list[dict[str, Any]] = call("show", session, "--json").json["trials"]
+    return trials
 
 
 @pytest.fixture(scope="module")
@@ -41,11 +48,6 @@ def reached(reaches: tuple[Path, str], tmp_path: Path) -> str:
     return session
 
 
-def recorded(call: Call, session: str) -> list[dict[str, Any]]:
-    trials: list[dict[str, Any]] = call("show", session, "--json").json["trials"]
-    return trials
-
-
 def test_the_same_detector_gives_exactly_what_was_recorded(call: Call, reached: str) -> None:
     printed = call("reanalyse", reached, "--json").json
     assert set(printed) == {"session", "detector", "trials"}
@@ -62,44 +64,37 @@ def test_the_same_detector_gives_exactly_what_was_recorded(call: Call, reached: 
 @pytest.mark.parametrize(
     "settings",
     [
-        ("detector=fixed-threshold", "thesis_threshold_rad_s=0.3"),
-        ("go_signal=yes", "reaches_per_attempt=2"),
-        ("hand=left",),
-        ("response_timeout_ms=1500",),
+        "--set detector=fixed-threshold --set thesis_threshold_rad_s=0.3",
+        "--set go_signal=yes --set reaches_per_attempt=2",
+        "--set hand=left",
+        "--set response_timeout_ms=1500",
     ],
-    ids=["fixed threshold", "go signal", "left", "time-out"],
 )
-def test_the_results_are_the_same_for_any_settings(call: Call, settings: tuple[str, ...]) -> None:
-    options = [word for setting in settings for word in ("--set", setting)]
-    call("simulate reaching --user average --seed 5 --attempts 2", *options)
+def test_the_results_are_the_same_for_any_settings(call: Call, settings: str) -> None:
+    call(f"{SIMULATE} {settings}")
     trials = call("reanalyse last --json").json["trials"]
     assert all(row["equal"] for row in trials)
     assert any(row["reach_time_ms"] for row in trials)
 
 
 def test_another_detector_can_be_asked_for(call: Call) -> None:
-    call("simulate reaching --user average --seed 5 --attempts 2")
+    call(SIMULATE)
     printed = call("reanalyse last --detector fixed-threshold --json").json
     assert printed["detector"] == "fixed-threshold"
-    trials = recorded(call, "last")
-    assert [row["reach_time_ms"] for row in printed["trials"]] == [
-        trial["details"]["thesis_reach_time_ms"] for trial in trials
-    ]
+    times = [trial["details"]["thesis_reach_time_ms"] for trial in recorded(call, "last")]
+    assert [row["reach_time_ms"] for row in printed["trials"]] == times
     first, _ = printed["trials"]
-    assert first["difference_ms"] == pytest.approx(
-        first["reach_time_ms"] - first["recorded_ms"], abs=1e-3
-    )
+    differs = first["reach_time_ms"] - first["recorded_ms"]
+    assert first["difference_ms"] == pytest.approx(differs, abs=1e-3)
     assert (first["details"]["detector"], first["equal"]) == ("thesis", False)
 
 
-def test_people_read_a_table_and_a_sentence(call: Call, reached: str) -> None:
+@pytest.mark.usefixtures("reached")
+def test_people_read_a_table_and_a_sentence(call: Call) -> None:
     called = call("reanalyse last")
-    assert (called.code, called.err) == (0, "")
-    assert "difference, ms" in called.out
-    assert called.out.endswith(
-        "3 of 3 trials are exactly as recorded. "
-        "Recorded: orientation (version 1) detector. Now: orientation (version 1) detector.\n"
-    )
+    called.shows("difference, ms", "3 of 3 trials are exactly as recorded.")
+    detector = "orientation (version 1) detector."
+    assert called.out.endswith(f"Recorded: {detector} Now: {detector}\n")
 
 
 def test_nothing_that_was_recorded_changes(call: Call, tmp_path: Path, reached: str) -> None:
@@ -114,9 +109,8 @@ def test_samples_that_were_never_stored_are_reported(
 ) -> None:
     change(tmp_path, "DELETE FROM imu_chunks")
     called = call("reanalyse", reached)
-    assert called.code == 0
-    assert "Attempt 1, trial 1: 1941 of its samples were never stored." in called.out
-    assert "0 of 3 trials are exactly as recorded, and in 3 there is no reach now." in called.out
+    called.shows("Attempt 1, trial 1: 1941 of its samples were never stored.")
+    called.shows("0 of 3 trials are exactly as recorded, and in 3 there is no reach now.")
     first, *_ = call("reanalyse", reached, "--json").json["trials"]
     assert (first["reach_time_ms"], first["difference_ms"]) == (None, None)
     assert "samples" in first["flags"]
@@ -137,38 +131,19 @@ def test_samples_from_before_a_reattachment_are_not_used(
 
 def test_damaged_samples_are_a_failure_in_words(call: Call, tmp_path: Path, reached: str) -> None:
     change(tmp_path, "UPDATE imu_chunks SET crc32=crc32+1 WHERE seq=3")
-    called = call("reanalyse", reached)
-    assert (called.code, called.out) == (1, "")
-    assert called.err == f"Block 3 of sensor stream 1 of session {reached} is damaged.\n"
+    said = f"Block 3 of sensor stream 1 of session {reached} is damaged."
+    call("reanalyse", reached).refused(said, code=1)
 
 
-def test_sessions_of_two_are_refused_with_a_reason(call: Call) -> None:
-    few = (
-        "--attempts",
-        1,
-        "--set",
-        "prompts_per_attempt=2",
-        "--set",
-        "respond_with=reaches",
-        "--seed",
-        1,
-        "--json",
-    )
-    session = call("simulate pairs --user average --user average", *few).json["session"]
-    called = call("reanalyse", session)
-    assert (called.code, called.out) == (2, "")
-    assert called.err == (
-        f"The session {session} (pairs) has two participants. Their reaches cannot be found again: "
-        "the samples are stored, but not which sensor each reach came from.\n"
-    )
-
-
-def test_a_session_without_reaches_is_bad_input(call: Call, simulated: str) -> None:
-    called = call("reanalyse", simulated)
-    assert called.code == 2
-    assert called.err.startswith(
-        f"The session {simulated} (keyboard) has no reach that can be found again"
-    )
+def test_sessions_of_two_and_those_without_reaches_are_refused_with_a_reason(
+    call: Call, simulated: str
+) -> None:
+    few = "--attempts 1 --set prompts_per_attempt=2 --set respond_with=reaches --seed 1 --json"
+    session = call(f"simulate pairs --user average --user average {few}").json["session"]
+    said = f"The session {session} (pairs) has two participants."
+    call("reanalyse", session).refused(said, "not which sensor each reach came from.")
+    said = f"The session {simulated} (keyboard) has no reach that can be found again"
+    call("reanalyse", simulated).refused(said)
 
 
 def test_a_detector_that_no_longer_exists_is_bad_input(
@@ -176,7 +151,6 @@ def test_a_detector_that_no_longer_exists_is_bad_input(
 ) -> None:
     details = recorded(call, reached)[0]["details"] | {"detector": "clairvoyant"}
     change(tmp_path, "UPDATE trials SET details=? WHERE attempt=1", json.dumps(details))
-    called = call("reanalyse", reached)
-    assert called.code == 2
-    assert "Attempt 1, trial 1 was found by the detector clairvoyant" in called.err
+    said = "Attempt 1, trial 1 was found by the detector clairvoyant"
+    call("reanalyse", reached).refused(said)
     assert call("reanalyse", reached, "--detector", "single-axis").code == 0

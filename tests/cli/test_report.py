@@ -2,6 +2,7 @@
 
 import re
 import sqlite3
+from collections.abc import Collection
 from pathlib import Path
 
 import msgspec
@@ -17,70 +18,60 @@ from tests.program import Call
 from tests.store.by_hand import add_message
 
 PAGE = (Path(__file__).parents[2] / "docs" / "data-dictionary.md").read_text(encoding="utf-8")
-SHORT = "simulate keyboard --user average --set prompts_per_attempt=3 --seed 1 --json".split()
-BUSY = (
-    "--set",
-    "operator_difficulty=approve",
-    "--set",
-    "operator_encouragement=veto",
-    "--set",
-    "threshold=700",
+SHORT = "simulate keyboard --user average --set prompts_per_attempt=3 --seed 1 --json"
+DOCUMENTED = set(
+    re.findall(r"`([^`\n]+)`", PAGE.partition("`report wizard`: ")[2].partition("\n## ")[0])
 )
+BUSY = "--set operator_difficulty=approve --set operator_encouragement=veto --set threshold=700"
 
 
-def keys(value: object) -> set[str]:
-    """Return all names in a JSON value, at any depth."""
+def keys(value: object, data: Collection[str] = ()) -> set[str]:
+    """Return all names in a JSON value, at any depth, but those in fields that hold data."""
     match value:
         case dict():
-            return set(value).union(*map(keys, value.values()))
+            parts = (keys(part, data) for name, part in value.items() if name not in data)
+            return set(value).union(*parts)
         case list():
-            return set().union(*map(keys, value))
+            return set().union(*(keys(part, data) for part in value))
         case _:
             return set()
 
 
+def played(call: Call, options: str) -> str:
+    return str(call(f"{SHORT} {options}").json["session"])
+
+
 def test_json_has_every_field_and_the_data_dictionary_describes_each(call: Call) -> None:
-    session = call(*SHORT, "--operator", "absent", "--attempts", 20, *BUSY).json["session"]
+    session = played(call, f"--operator absent --attempts 20 {BUSY}")
     printed = call("report wizard", session, "--json").json
     assert set(printed) == set(WizardReport.__struct_fields__)
     assert printed["session"] == session
-    section = PAGE.partition("`report wizard`: ")[2].partition("\n## ")[0]
-    documented = set(re.findall(r"`([^`\n]+)`", section))
     data = {"initiated", "answers", "therapist", "counts", "valence_table", "agreement_by_kind"}
     named_by_data = set().union(*(keys(printed[name]) for name in data & set(printed)))
-    assert keys(printed) - documented - named_by_data == set()
-    assert {"deviations", "absences", "agreement"} <= documented
+    assert keys(printed) - DOCUMENTED - named_by_data == set()
+    assert {"deviations", "absences", "agreement"} <= DOCUMENTED
 
 
 def test_the_printed_report_has_operators_latencies_and_agreement(call: Call) -> None:
-    session = call(*SHORT, "--operator", "careful", "--attempts", 20, *BUSY).json["session"]
-    called = call("report wizard", session)
+    session = played(call, f"--operator careful --attempts 20 {BUSY}")
     made = call("report wizard", session, "--json").json
-    assert (called.code, called.err) == (0, "")
-    assert f"Session {session}: keyboard, SIM, simulated." in called.out
-    assert "Operators: operator.simulated. There was an operator for" in called.out
-    agreed = made["agreement"]
-    assert (
-        f"Operators decided on {agreed['decided']} proposals: {agreed['accepted']} as proposed"
-        in called.out
-    )
-    assert f"{made['decision_ms']['median']:.1f}" in called.out
-    assert "█" in called.out
-    assert "Cohen's kappa" in called.out
-    assert "(Riek 2012)" in called.out
-    assert (
-        "Plan: operator_feedback approve, operator_encouragement veto, operator_difficulty "
-        "approve, " in called.out
-    )
-    assert (
-        "operator_time_ms 4000, operator_ms_per_word 250, operator_timeout act, operator_lost "
-        "autonomous" in called.out
+    decided, accepted = made["agreement"]["decided"], made["agreement"]["accepted"]
+    call("report wizard", session).shows(
+        f"Session {session}: keyboard, SIM, simulated.",
+        "Operators: operator.simulated. There was an operator for",
+        f"Operators decided on {decided} proposals: {accepted} as proposed",
+        f"{made['decision_ms']['median']:.1f}",
+        "█",
+        "Cohen's kappa",
+        "(Riek 2012)",
+        "Plan: operator_feedback approve, operator_encouragement veto, operator_difficulty approve",
+        "operator_time_ms 4000, operator_ms_per_word 250, operator_timeout act",
     )
 
 
 def test_notes_marks_and_pauses_are_printed_with_their_times(call: Call, tmp_path: Path) -> None:
-    session = call(*SHORT, "--operator", "careful", "--attempts", 2).json["session"]
-    who, began = "operator.simulated", 0
+    session = played(call, "--operator careful --attempts 2")
+    who = "operator.simulated"
     with sqlite3.connect(tmp_path / "data" / "sar-tui.db") as connection:
         began, last = connection.execute("SELECT min(at_ns), max(at_ns) FROM events").fetchone()
         for topic, message in (
@@ -102,8 +93,7 @@ def test_notes_marks_and_pauses_are_printed_with_their_times(call: Call, tmp_pat
 
 
 def test_sessions_and_show_mention_an_operator(call: Call) -> None:
-    alone = call(*SHORT, "--attempts", 1).json["session"]
-    session = call(*SHORT, "--operator", "careful", "--attempts", 1).json["session"]
+    alone, session = played(call, "--attempts 1"), played(call, "--operator careful --attempts 1")
     assert f"`sar-tui report wizard {session}`" in call("show", session).out
     assert "report wizard" not in call("show", alone).out
     lines = {line.split()[0]: line for line in call("sessions").out.splitlines()}
@@ -113,16 +103,12 @@ def test_sessions_and_show_mention_an_operator(call: Call) -> None:
 
 
 def test_absences_and_deviations_are_printed(call: Call) -> None:
-    session = call(*SHORT, "--operator", "absent", "--attempts", 20).json["session"]
+    session = played(call, "--operator absent --attempts 20")
     made = call("report wizard", session, "--json").json
     assert made["absences"], "this seed's operator goes"
-    out = call("report wizard", session).out
-    first = made["absences"][0]
-    assert (
-        f"No operator from {first['at_s']:.1f} s of run 1 on, for {first['duration_s']:.1f} s"
-        in out
-    )
-    assert f"lost {made['counts']['lost']}" in out
+    begins, lasts = (made["absences"][0][name] for name in ("at_s", "duration_s"))
+    absent = f"No operator from {begins:.1f} s of run 1 on, for {lasts:.1f} s"
+    call("report wizard", session).shows(absent, f"lost {made['counts']['lost']}")
 
 
 def test_a_session_without_an_operator_says_so_in_one_sentence(call: Call, simulated: str) -> None:
@@ -139,10 +125,8 @@ def test_an_unreadable_record_is_one_sentence(call: Call, simulated: str, tmp_pa
         connection.execute("UPDATE messages SET topic=last_insert_rowid() WHERE seq=3")
     called = call("report wizard", simulated)
     assert called.code != 0
-    assert (
-        called.err
-        == f"Message 3 of session {simulated} cannot be read by this version of sar-tui.\n"
-    )
+    assert called.err.startswith(f"Message 3 of session {simulated} cannot be read by this")
+    assert called.err.count("\n") == 1
 
 
 # --- simulate --operator
@@ -152,23 +136,24 @@ def test_the_option_offers_every_profile() -> None:
     assert {name.value for name in OperatorName} == set(PROFILES)
 
 
-def test_with_an_operator_feedback_needs_approval_unless_set_otherwise(call: Call) -> None:
-    def mode(*options: object) -> str:
-        session = call(*SHORT, "--attempts", 2, *options).json["session"]
-        return str(
-            call("show", session, "--json").json["session"]["parameters"]["operator_feedback"]
-        )
-
-    assert mode() == "autonomous"
-    assert mode("--operator", "careful") == "approve"
-    assert mode("--operator", "careful", "--set", "operator_feedback=veto") == "veto"
+@pytest.mark.parametrize(
+    ("options", "mode"),
+    [
+        ("", "autonomous"),
+        ("--operator careful", "approve"),
+        ("--operator careful --set operator_feedback=veto", "veto"),
+    ],
+)
+def test_with_an_operator_feedback_needs_approval_unless_set_otherwise(
+    call: Call, options: str, mode: str
+) -> None:
+    shown = call("show", played(call, f"--attempts 2 {options}"), "--json").json
+    assert shown["session"]["parameters"]["operator_feedback"] == mode
 
 
 def test_the_same_seed_gives_the_same_report(call: Call) -> None:
     def made(seed: int) -> dict[str, object]:
-        session = call(*SHORT, "--attempts", 6, "--operator", "hasty", "--seed", seed).json[
-            "session"
-        ]
+        session = played(call, f"--attempts 6 --operator hasty --seed {seed}")
         return {**call("report wizard", session, "--json").json, "session": ""}
 
     assert made(7) == made(7) != made(8)
@@ -177,68 +162,40 @@ def test_the_same_seed_gives_the_same_report(call: Call) -> None:
 @pytest.fixture
 def two_operated(call: Call) -> tuple[str, str]:
     """Two sessions with an operator, and a third without one."""
-    first = call(*SHORT, "--operator", "careful", "--attempts", 3, *BUSY).json["session"]
-    second = call(
-        *SHORT, "--operator", "hasty", "--attempts", 3, "--set", "operator_feedback=approve"
-    ).json["session"]
-    call(*SHORT, "--attempts", 1)
+    first = played(call, f"--operator careful --attempts 3 {BUSY}")
+    second = played(call, "--operator hasty --attempts 3 --set operator_feedback=approve")
+    played(call, "--attempts 1")
     return first, second
 
 
 @pytest.mark.parametrize(
-    ("kind", "report"),
-    [("wizard", WizardStudy), ("intervention", InterventionReport)],
-    ids=["wizard", "intervention"],
+    ("kind", "report"), [("wizard", WizardStudy), ("intervention", InterventionReport)]
 )
+@pytest.mark.usefixtures("two_operated")
 def test_json_of_several_sessions_is_described_in_the_data_dictionary(
-    call: Call, two_operated: tuple[str, str], kind: str, report: type[msgspec.Struct]
+    call: Call, kind: str, report: type[msgspec.Struct]
 ) -> None:
-    printed = call("report", kind, "--all", "--simulated", "--json").json
+    printed = call(f"report {kind} --all --simulated --json").json
     assert list(printed) == list(report.__struct_fields__)
-    documented = set(
-        re.findall(r"`([^`\n]+)`", PAGE.partition("`report wizard`: ")[2].partition("\n## ")[0])
+    data = (
+        "counts agreement_by_kind valence_table settings statuses modes feedback outputs deviations "
+        "pauses events"
     )
-    data = {
-        "counts",
-        "agreement_by_kind",
-        "valence_table",
-        "settings",
-        "statuses",
-        "modes",
-        "feedback",
-        "outputs",
-    }
-    data |= {"deviations", "pauses", "events"}
-
-    def fields(value: object) -> set[str]:
-        match value:
-            case dict():
-                nested = (fields(part) for name, part in value.items() if name not in data)
-                return set(value).union(*nested)
-            case list():
-                return set().union(*map(fields, value))
-            case _:
-                return set()
-
-    assert fields(printed) - documented == set()
+    assert keys(printed, data.split()) - DOCUMENTED == set()
 
 
 def test_a_page_of_a_report_is_self_contained_and_not_overwritten(
     call: Call, two_operated: tuple[str, str], tmp_path: Path
 ) -> None:
-    for name, arguments in (
-        ("one", ("wizard", two_operated[0])),
-        ("study", ("wizard", "--all", "--simulated")),
-        ("intervention", ("intervention", "--all", "--simulated")),
-    ):
-        page = tmp_path / f"{name}.html"
-        assert call("report", *arguments, "--html", page).code == 0
+    every = "--all --simulated"
+    for what in (f"wizard {two_operated[0]}", f"wizard {every}", f"intervention {every}"):
+        page = tmp_path / f"{what.replace(' ', '')}.html"
+        assert call(f"report {what} --html", page).code == 0
         text = page.read_text(encoding="utf-8")
         assert "<table>" in text
         assert not re.search("<script|src=|href=|url\\(", text)
         assert page.stat().st_mode & 0o777 == 0o600
-        again = call("report", *arguments, "--html", page)
-        assert (again.code, "not overwritten" in again.err) == (2, True)
+        call(f"report {what} --html", page).refused("not overwritten")
 
 
 def test_a_page_that_could_not_be_written_whole_is_not_there(tmp_path: Path) -> None:
@@ -255,6 +212,5 @@ def test_a_session_is_excluded_with_its_reason(call: Call, two_operated: tuple[s
     printed = call(*ask, f"{first}=Fire alarm.", "--json").json
     assert [each["session"] for each in printed["sessions"]] == [second]
     assert {"session": first, "why": "Fire alarm."} in printed["excluded"]
-    for text, said in ((f"{first}=", "Say why"), ("nope=x", "None of these sessions")):
-        called = call(*ask, text)
-        assert (called.code, said in called.err) == (2, True)
+    call(*ask, f"{first}=").refused("Say why")
+    call(*ask, "nope=x").refused("None of these sessions")
