@@ -5,10 +5,12 @@ import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from sar_tui.cli.errors import Refused
-from sar_tui.plugins import Catalogue, task_folder
+
+if TYPE_CHECKING:
+    from sar_tui.plugins import Catalogue
 
 _TEMPLATE = Path(__file__).parent / "new_task"
 _OWN_TEXT = (".py", ".toml", ".md")
@@ -17,7 +19,7 @@ _CLASS = re.compile(r"^class (\w+)Task\(Task\)", re.MULTILINE)
 _THEME_NAME = "[a-z][a-z0-9]*(-[a-z0-9]+)*"
 
 
-def new_task(name: str, to: Path, model: str | None, catalogue: Catalogue) -> Path:
+def new_task(name: str, to: Path, model: str | None, catalogue: "Catalogue") -> Path:
     """Create the folder of a new task and return its absolute path.
 
     Args:
@@ -30,6 +32,8 @@ def new_task(name: str, to: Path, model: str | None, catalogue: Catalogue) -> Pa
         Refused: the name cannot be used.
         PluginError: there is no such model.
     """
+    from sar_tui.plugins import task_folder  # help loads no plug-ins
+
     if not name.isidentifier() or not name.islower():
         raise Refused(
             f"{name!r} is not a valid name of a task. Use a Python name in small letters, such as "
@@ -50,7 +54,7 @@ def new_task(name: str, to: Path, model: str | None, catalogue: Catalogue) -> Pa
     return folder
 
 
-def new_theme(name: str, to: Path, model: str, catalogue: Catalogue) -> Path:
+def new_theme(name: str, to: Path, model: str, catalogue: "Catalogue") -> Path:
     """Create the folder of a new theme, a copy of ``model``, and return its absolute path.
 
     Raises:
