@@ -87,19 +87,6 @@ def test_show_works_when_the_task_is_gone(call: Call, tmp_path: Path, simulated:
     call("show", simulated).shows("reaction time (ms)")  # as the task declared it
 
 
-def test_infinite_results_of_earlier_versions_are_no_results(
-    call: Call, tmp_path: Path, simulated: str
-) -> None:
-    change(tmp_path, "UPDATE attempts SET metric=9e999 WHERE attempt=2")
-    change(tmp_path, "UPDATE attempts SET metric=-9e999 WHERE attempt=3")
-    called = call("show", simulated)
-    called.shows()
-    assert called.out.count("× no result") == 3, "two rows of the table, and the plot's legend"
-    rows = call("show", simulated, "--json").json["attempts"]
-    assert [row["metric"] is None for row in rows] == [False, True, True, False]
-    assert call("progress P01").code == 0
-
-
 def test_show_a_session_without_attempts(call: Call, tmp_path: Path, simulated: str) -> None:
     change(tmp_path, "DELETE FROM attempts")
     change(tmp_path, "DELETE FROM trials")
