@@ -124,7 +124,7 @@ def add(
     else:  # a new participant is added with the first answer: the session may not begin
         code = check_own(participant)
     record = Record(
-        id=secrets.token_hex(3),
+        id=_new_id(db),
         kind=kind.name,
         participant=code,
         at=date,
@@ -139,6 +139,14 @@ def add(
         record = msgspec.structs.replace(record, id=earlier.id, version=earlier.version + 1)
     add_participant(db, code)
     return _insert(db, record)
+
+
+def _new_id(db: sqlite3.Connection) -> str:
+    """Return an id that no record has."""
+    while True:
+        id = secrets.token_hex(3)
+        if not db.execute("SELECT 1 FROM records WHERE id=?", (id,)).fetchone():
+            return id
 
 
 def correct(
