@@ -6,7 +6,6 @@ It has rows in every table. Make it anew while the release is not out; afterward
 import gzip
 import sqlite3
 import tempfile
-from collections.abc import Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -17,17 +16,14 @@ from sar_tui.loop.node import Node
 from sar_tui.loop.topics import COMMAND, NOTE_ADDED
 from sar_tui.model.messages import NoteAdded, SessionCommand
 from sar_tui.model.units import SECOND
-from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import resume, start
-from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.operator import PROFILES, SimulatedOperator
-from sar_tui.simulation.participant import SimulatedParticipant
-from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import exports, programmes, sites
 from sar_tui.store.database import FILE, connect, transaction
 from sar_tui.store.merge import conflicts
 from sar_tui.store.tables import PROGRAMMES
+from tests.played import catalogue, play, simulated, somebody
 from tests.recorded import event, score, told
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -53,15 +49,8 @@ def make(folder: Path) -> None:
         told(database, "P01", "before", "pain", "2", session=session)
         event(database, "P01", "2026-11-02", what="Dizzy for a minute.", severity="mild")
         score(database, "P01", "FMA-UE", "2026-11-02", 42)
-        exports.record(
-            database,
-            author="ana",
-            recipient="",
-            format="csv",
-            sessions=[session],
-            options={},
-            manifest="0" * 64,
-        )
+        export = {"recipient": "", "format": "csv", "sessions": [session], "options": {}}
+        exports.record(database, author="ana", manifest="0" * 64, **export)
         sites.set_own(database, "ZURICH")
         with transaction(database) as connection:
             connection.execute("INSERT INTO same_people VALUES ('P01@BERN', 'P02')")
@@ -82,71 +71,31 @@ def _play_sessions(folder: Path) -> None:
     """Simulate two keyboard sessions, one of them with an operator, one of reaching and one of pairs
     with an operator; and play a live one that is interrupted and resumed.
     """
-    operated = {**FEW, "operator_feedback": "approve"}
-    _simulate(folder, "keyboard", ("P01",), "average", {"attempts": 4, **FEW})
-    _simulate(
-        folder,
-        "keyboard",
-        ("P02",),
-        "poor",
-        {"attempts": 3, "threshold": 700, **operated},
-        operator="careful",
+    operated = {**FEW, "operator_feedback": "approve", "operator": "careful"}
+    simulated(folder, "keyboard", "P01", seed=5, attempts=4, **FEW)
+    simulated(folder, "keyboard", "P02", seed=5, user="poor", attempts=3, threshold=700, **operated)
+    simulated(
+        folder, "reaching", "P01", seed=5, user="competent", attempts=1, reaches_per_attempt=2
     )
-    _simulate(folder, "reaching", ("P01",), "competent", {"attempts": 1, "reaches_per_attempt": 2})
-    _simulate(
-        folder, "pairs", ("P01", "P02"), "average", {"attempts": 2, **operated}, operator="careful"
-    )
-    _play_resumed(folder)
-
-
-def _simulate(
-    folder: Path,
-    task: str,
-    codes: Sequence[str],
-    user: str,
-    settings: Mapping[str, object],
-    operator: str = "",
-) -> None:
-    plan = make_plan(Catalogue(), task, codes, settings, seed=5, mode="simulated")
-    simulate(plan, PEOPLE[user], folder, Catalogue(), operator=PROFILES.get(operator))
-
-
-def _play_resumed(folder: Path) -> None:
-    def participants(task: Any, theme: Any, seed: int) -> list[SimulatedParticipant]:
-        return [SimulatedParticipant(PEOPLE["average"], task, seed)]
-
+    simulated(folder, "pairs", "P01", "P02", seed=5, attempts=2, **operated)
     clock = VirtualClock()
-    plan = make_plan(Catalogue(), "keyboard", ["P01"], {"attempts": 3, **FEW}, seed=4)
-    run = start(plan, folder, Catalogue(), clock, participants)
-    for steps in (20, 10**6):
-        run.begin()
-        for _ in range(steps):
-            if run.session.ended or not clock.step():
-                break
-        run.recorder.write()
-        run.close()
-        if steps == 20:
-            clock = VirtualClock(1000 * SECOND)
-            run = resume(run.id, folder, Catalogue(), clock, participants)
+    plan = make_plan(catalogue(), "keyboard", ["P01"], {"attempts": 3, **FEW}, seed=4)
+    session = play(start(plan, folder, catalogue(), clock, somebody), clock, steps=20)
+    clock = VirtualClock(1000 * SECOND)
+    play(resume(session, folder, catalogue(), clock, somebody), clock)
 
 
 def _play_interrupted(folder: Path) -> str:
     """Play a session with questions, an operator, a note and a pause, until its power fails."""
 
     def participants(task: Any, theme: Any, seed: int) -> list[Node]:
-        operator = SimulatedOperator(PROFILES["careful"], seed)
-        return [SimulatedParticipant(PEOPLE["average"], task, seed), operator]
+        return [*somebody(task, theme, seed), SimulatedOperator(PROFILES["careful"], seed)]
 
-    settings = {
-        "attempts": 3,
-        "prompts_per_attempt": 4,
-        "questions": ["effort", "remark"],
-        "questions_every": 1,
-        "operator_feedback": "approve",
-    }
+    settings = {"attempts": 3, "prompts_per_attempt": 4, "questions": ["effort", "remark"],
+                "questions_every": 1, "operator_feedback": "approve"}  # fmt: skip
     clock = VirtualClock()
-    plan = make_plan(Catalogue(), "keyboard", ["P01"], settings, seed=9)
-    run = start(plan, folder, Catalogue(), clock, participants)
+    plan = make_plan(catalogue(), "keyboard", ["P01"], settings, seed=9)
+    run = start(plan, folder, catalogue(), clock, participants)
     run.begin()
     run.session.bus.publish(NOTE_ADDED, NoteAdded(text="Sits well.", actor="operator.ana"))
     for _ in range(55):

@@ -7,6 +7,7 @@ import sqlite3
 import zlib
 from contextlib import closing
 from pathlib import Path
+from sqlite3 import Connection
 from typing import Any
 
 import pytest
@@ -15,13 +16,11 @@ from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.node import Node
 from sar_tui.loop.topics import COMMAND, NOTE_ADDED
 from sar_tui.model.messages import NoteAdded, RecordChanged, SessionCommand
-from sar_tui.plugins import Catalogue
 from sar_tui.replay.replay import replay
 from sar_tui.runs.plan import make_plan
-from sar_tui.runs.run import Run, resume, start
+from sar_tui.runs.run import resume, start
 from sar_tui.runs.sensors import simulated_nodes
 from sar_tui.simulation.operator import PROFILES, SimulatedOperator
-from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import messages, sessions
 from sar_tui.store.backup import back_up, rehearse
@@ -30,8 +29,11 @@ from sar_tui.store.integrity import Flaw, flaws
 from sar_tui.store.record_changes import change_status, erase_note, log
 from sar_tui.store.repair import repair
 from sar_tui.store.rescue import copy_session
+from tests.played import catalogue, somebody
+from tests.played import play as to_end
 from tests.program import Call
 from tests.runs.test_resume import interrupted
+from tests.store.by_hand import sql, value
 
 SETTINGS: dict[str, Any] = {
     "attempts": 3,
@@ -43,35 +45,24 @@ SETTINGS: dict[str, Any] = {
 def nodes_of(name: str, clock: VirtualClock) -> Any:
     def make(task: Any, theme: Any, seed: int) -> list[Node]:
         person = PEOPLE["average"]
-        if name == "reaching":
-            return [
-                *simulated_nodes(person, task, seed, clock, person),
-                SimulatedOperator(PROFILES["careful"], seed),
-            ]
-        return [
-            SimulatedParticipant(person, task, seed),
-            SimulatedOperator(PROFILES["careful"], seed),
-        ]
+        hands = (
+            simulated_nodes(person, task, seed, clock, person)
+            if name == "reaching"
+            else somebody(task, theme, seed)
+        )
+        return [*hands, SimulatedOperator(PROFILES["careful"], seed)]
 
     return make
-
-
-def to_end(run: Run, clock: VirtualClock) -> None:
-    while not run.session.ended:
-        assert clock.step()
-    run.recorder.write()
-    run.close()
 
 
 def play(folder: Path, name: str) -> str:
     """Play a live session of two runs, with a note, a pause for pain and answers to questions;
     return its id.
     """
-    catalogue = Catalogue()
     few = {"reaches_per_attempt": 2} if name == "reaching" else {"prompts_per_attempt": 4}
-    plan = make_plan(catalogue, name, ["P01"], {**SETTINGS, **few}, seed=4)
+    plan = make_plan(catalogue(), name, ["P01"], {**SETTINGS, **few}, seed=4)
     clock = VirtualClock()
-    run = start(plan, folder, catalogue, clock, nodes_of(name, clock))
+    run = start(plan, folder, catalogue(), clock, nodes_of(name, clock))
     run.begin()
     run.session.bus.publish(NOTE_ADDED, NoteAdded(text="sits well", actor="operator.ana"))
     while not sum(len(cascade) for cascade in run.recorder._queue) > 250:
@@ -81,10 +72,7 @@ def play(folder: Path, name: str) -> str:
     run.recorder.write()
     run.close()
     clock = VirtualClock(10**14)
-    run = resume(run.id, folder, catalogue, clock, nodes_of(name, clock))
-    run.begin()
-    to_end(run, clock)
-    return run.id
+    return to_end(resume(run.id, folder, catalogue(), clock, nodes_of(name, clock)), clock)
 
 
 @pytest.fixture(scope="module")
@@ -193,31 +181,12 @@ ALTERATIONS: dict[str, tuple[int, str]] = {
 
 def test_sessions_as_they_were_recorded_are_whole(recorded: tuple[str, str], data: Path) -> None:
     assert found(data) == []
-    with closing(connect(data)) as database:
-        tables = (
-            "trials",
-            "attempts",
-            "actions",
-            "answers",
-            "notes",
-            "records",
-            "imu_chunks",
-            "runs",
-        )
-        counts = [
-            database.execute(f"SELECT count(*) FROM {table}").fetchone()[0] for table in tables
-        ]
-    assert min(counts) > 0, counts
-
-
-def test_there_are_thirty_four_alterations_and_more() -> None:
-    assert len(ALTERATIONS) >= 34
+    for table in "trials attempts actions answers notes records imu_chunks runs".split():
+        assert value(data, f"SELECT count(*) FROM {table}") > 0, table
 
 
 @pytest.mark.parametrize("name", ALTERATIONS)
-def test_an_alteration_is_found_and_names_the_session(
-    name: str, recorded: tuple[str, str], data: Path
-) -> None:
+def test_an_alteration_is_found_and_named(name: str, recorded: tuple[str, str], data: Path) -> None:
     which, statement = ALTERATIONS[name]
     session, other = recorded[which], recorded[1 - which]
     alter(data, statement, session)
@@ -226,23 +195,13 @@ def test_an_alteration_is_found_and_names_the_session(
     assert not [flaw for flaw in told if flaw.where == other]
 
 
-# --- what else knows the hashes
+OF_ROWS = ("a response", "the last trial deleted", "a trial added", "levels", "an action deleted",
+           "a note", "an answer", "the status", "the time of the end")  # fmt: skip
 
 
-OF_ROWS = (
-    "a response",
-    "the last trial deleted",
-    "a trial added",
-    "levels",
-    "an action deleted",
-    "a note",
-    "an answer",
-)
-
-
-@pytest.mark.parametrize("name", [*OF_ROWS, "the status", "the time of the end"])
+@pytest.mark.parametrize("name", OF_ROWS)
 def test_a_repair_makes_altered_results_again_from_the_log(
-    name: str, recorded: tuple[str, str], data: Path, call: Call
+    name: str, recorded: tuple[str, str], data: Path
 ) -> None:
     before = contents(data)
     alter(data, ALTERATIONS[name][1], recorded[KEYS])
@@ -256,13 +215,13 @@ def test_a_repair_makes_altered_results_again_from_the_log(
 
 
 def contents(data: Path) -> dict[str, list[Any]]:
-    tables = {"sessions": "id", "trials": "session", "attempts": "session", "actions": "session", "answers": "session",
-              "notes": "session"}  # fmt: skip
-    with closing(connect(data)) as database:
-        return {
-            table: sorted(map(repr, database.execute(f"SELECT * FROM {table} ORDER BY {of}")))
-            for table, of in tables.items()
-        }
+    tables = {"sessions": "id"} | dict.fromkeys(
+        "trials attempts actions answers notes".split(), "session"
+    )
+    return {
+        table: sorted(map(repr, sql(data, f"SELECT * FROM {table} ORDER BY {of}")))
+        for table, of in tables.items()
+    }
 
 
 @pytest.mark.parametrize(
@@ -288,14 +247,11 @@ def test_no_text_of_a_message_stops_the_check(
     "beside",
     ["{", "[7]", '[["chunk"]]', '[["run", "x", []]]', '[[["a"]]]', "[[]]", '[["facts", 1]]'],
 )
-def test_no_text_beside_a_hash_stops_the_check(
+def test_no_text_of_a_hash_stops_a_check(
     beside: str, recorded: tuple[str, str], data: Path
 ) -> None:
-    alter(
-        data,
-        f"UPDATE log_hashes SET beside='{beside}' WHERE session=:s AND number=2",
-        recorded[SENSOR],
-    )
+    where = "WHERE session=:s AND number=2"
+    alter(data, f"UPDATE log_hashes SET beside='{beside}' {where}", recorded[SENSOR])
     assert {flaw.where for flaw in found(data)} == {recorded[SENSOR]}
 
 
@@ -321,15 +277,13 @@ def test_no_value_of_another_type_stops_the_check(
     assert recorded[SENSOR] in {flaw.where for flaw in found(data)}
 
 
-def test_altered_results_are_told_beside_altered_facts(
-    recorded: tuple[str, str], data: Path
-) -> None:
+def test_altered_results_are_told_beside_facts(recorded: tuple[str, str], data: Path) -> None:
     alter(data, ALTERATIONS["the seed"][1], recorded[KEYS])
     alter(data, ALTERATIONS["a response"][1], recorded[KEYS])
     assert [flaw.kind for flaw in found(data)] == ["log", "rows"]
 
 
-def test_a_repair_leaves_a_session_as_it_is_whose_log_was_altered(
+def test_a_repair_leaves_sessions_of_altered_logs_as_is(
     recorded: tuple[str, str], data: Path
 ) -> None:
     alter(data, ALTERATIONS["a message's text"][1], recorded[KEYS])
@@ -352,18 +306,13 @@ def test_an_altered_database_is_not_merged(
 ) -> None:
     other = tmp_path / "other"
     other.mkdir()
-    shutil.copyfile(data / FILE, other / FILE)
-    (data / FILE).unlink()
-    assert call("site", "BERN", "--data", data).code == 0
+    (data / FILE).rename(other / FILE)
+    assert call("site BERN --data", data).code == 0
     called = call("merge", other, "--site", "BASEL", "--data", data)
     assert called.code == 0, called.err
-    with closing(connect(data)) as database:
-        assert [row["participant"] for row in sessions.listing(database, data)] == [
-            "P01@BASEL",
-            "P01@BASEL",
-        ]
+    assert sql(data, "SELECT participant FROM seats") == [("P01@BASEL",)] * 2
     assert found(data) == [], "the hashes were made with the code P01"
-    assert call("merge", "--same", "P01@BASEL=P07", "--data", data).code == 0
+    assert call("merge --same P01@BASEL=P07 --data", data).code == 0
     assert found(data) == []
     alter(other, ALTERATIONS["a response"][1], recorded[KEYS])
     called = call("merge", other, "--site", "BASEL", "--data", data)
@@ -371,85 +320,66 @@ def test_an_altered_database_is_not_merged(
     assert "Rows of trials are not as its log has them: 3 changed." in called.err
 
 
-def test_a_session_that_was_moved_to_another_participant_is_whole(
-    recorded: tuple[str, str], data: Path
-) -> None:
+def test_a_session_moved_to_another_person_is_whole(recorded: tuple[str, str], data: Path) -> None:
     with closing(connect(data)) as database, transaction(database):
-        database.execute("INSERT INTO participants (code, created_at) VALUES ('P02', '')")
-        database.execute("UPDATE seats SET participant='P02' WHERE session=?", (recorded[KEYS],))
-        move = RecordChanged(
-            change="moved", actor="ana", at="", details={"before": "P01", "after": "P02"}
-        )
+        sql(database, "INSERT INTO participants (code, created_at) VALUES ('P02', '')")
+        sql(database, "UPDATE seats SET participant='P02' WHERE session=?", recorded[KEYS])
+        details = {"before": "P01", "after": "P02"}
+        move = RecordChanged(change="moved", actor="ana", at="", details=details)
         log(database, recorded[KEYS], move)
     assert found(data) == []
     alter(data, "UPDATE seats SET participant='P01' WHERE session=:s", recorded[KEYS])
     assert [flaw.where for flaw in found(data)] == [recorded[KEYS]]
 
 
+def note_of(database: Connection, session: str) -> int:
+    """Return the number of the first note."""
+    logged = messages.read(database, session)
+    return next(one.seq for one in logged if isinstance(one.message, NoteAdded))
+
+
 def test_a_note_that_was_erased_leaves_its_hash(recorded: tuple[str, str], data: Path) -> None:
     session = recorded[KEYS]
     with closing(connect(data)) as database:
-        seq = next(
-            one.seq
-            for one in messages.read(database, session)
-            if isinstance(one.message, NoteAdded)
-        )
+        seq = note_of(database, session)
         assert not erase_note(database, data, session, seq + 1, actor="ana", reason="no note")
         assert erase_note(database, data, session, seq, actor="ana", reason="a name")
         assert list(flaws(database)) == []
-        assert database.execute(
-            "SELECT text, label FROM notes WHERE session=?", (session,)
-        ).fetchall() == [("", "")]
-        assert replay(database, data, Catalogue(), sessions.find(database, data, session)).identical
-    assert (data / FILE).read_bytes().count(b"sits well") == 2, (
-        "the message and the row of the other session"
-    )
-    alter(
-        data,
-        f"UPDATE messages SET at_ns=at_ns+1 WHERE session_number={_LOG} AND seq={seq + 1}",
-        session,
-    )
+        assert sql(database, "SELECT text, label FROM notes WHERE session=?", session) == [("", "")]
+        row = sessions.find(database, data, session)
+        assert replay(database, data, catalogue(), row).identical
+    left = (data / FILE).read_bytes().count(b"sits well")
+    assert left == 2, "the message and the row of the other session"
+    where = f"WHERE session_number={_LOG} AND seq={seq + 1}"
+    alter(data, f"UPDATE messages SET at_ns=at_ns+1 {where}", session)
     assert {flaw.where for flaw in found(data)} == {session}
 
 
-def test_nothing_else_can_be_put_in_place_of_a_note_that_was_erased(
+def test_an_erased_note_cannot_be_replaced_by_another(
     recorded: tuple[str, str], data: Path
 ) -> None:
-    session = recorded[KEYS]
+    session, other = recorded[KEYS], NoteAdded(text="sits badly", actor="operator.ana")
     with closing(connect(data)) as database:
-        seq = next(
-            one.seq
-            for one in messages.read(database, session)
-            if isinstance(one.message, NoteAdded)
-        )
+        seq = note_of(database, session)
         assert erase_note(database, data, session, seq, actor="ana", reason="a name")
-        messages.replace(
-            database, session, seq, NOTE_ADDED, NoteAdded(text="sits badly", actor="operator.ana")
-        )
-        database.execute("UPDATE notes SET text='sits badly' WHERE session=?", (session,))
+        messages.replace(database, session, seq, NOTE_ADDED, other)
+        sql(database, "UPDATE notes SET text='sits badly' WHERE session=?", session)
         assert {flaw.kind for flaw in flaws(database)} == {"log"}
 
 
-def test_a_session_that_was_discarded_and_restored_is_whole(
-    recorded: tuple[str, str], data: Path
-) -> None:
+def test_a_discarded_and_restored_session_is_whole(recorded: tuple[str, str], data: Path) -> None:
+    session = recorded[KEYS]
     with closing(connect(data)) as database:
-        assert change_status(
-            database, data, recorded[KEYS], "discarded", actor="ana", reason="by mistake"
-        )
-        assert list(flaws(database)) == []
-        assert change_status(database, data, recorded[KEYS], "restored", actor="ana")
-        assert list(flaws(database)) == []
-        assert replay(
-            database, data, Catalogue(), sessions.find(database, data, recorded[KEYS])
-        ).identical
-    alter(data, "UPDATE sessions SET status='discarded' WHERE id=:s", recorded[KEYS])
+        for change in ("discarded", "restored"):
+            assert change_status(database, data, session, change, actor="ana", reason="by mistake")
+            assert list(flaws(database)) == []
+        row = sessions.find(database, data, session)
+        assert replay(database, data, catalogue(), row).identical
+    alter(data, "UPDATE sessions SET status='discarded' WHERE id=:s", session)
     assert [flaw.kind for flaw in found(data)] == ["rows"]
 
 
-def test_the_same_messages_have_the_same_hash_whatever_the_numbers_of_topics(
-    data: Path, tmp_path: Path
-) -> None:
+def test_equal_messages_have_equal_hashes_whatever_their_topics(data: Path, tmp_path: Path) -> None:
     """A rescue file, or a database that was merged, has other numbers of sessions and topics."""
     session = interrupted(data)
     other = tmp_path / "other"
@@ -468,8 +398,7 @@ OF_SCHEMA = {
     "view v_attempts": "DROP VIEW v_attempts;CREATE VIEW v_attempts AS SELECT session, metric*0.9 "
     "AS m FROM attempts",
     "view events": f"DROP VIEW events;CREATE VIEW events AS {_ENDLESS} SELECT x AS session, 0 AS "
-    "seq, 0 AS run, 0 AS"
-    " at_ns, '' AS topic, '' AS message FROM more",
+    "seq, 0 AS run, 0 AS at_ns, '' AS topic, '' AS message FROM more",
     "view v_reaches": "DROP VIEW v_reaches",
     "trigger better": "CREATE TRIGGER better AFTER INSERT ON records BEGIN DELETE FROM notes; END",
 }

@@ -2,20 +2,17 @@
 
 import os
 import shutil
-import sqlite3
 from contextlib import closing
 from pathlib import Path
 
 import pytest
 
-from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import make_plan
-from sar_tui.runs.simulate import simulate
-from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store.database import FILE, connect
 from sar_tui.store.integrity import flaws
 from sar_tui.store.repair import repair
+from tests.played import simulated
 from tests.program import Call
+from tests.store.by_hand import sql, value
 
 PAGE = 4096
 TABLES = ("sessions", "attempts", "trials", "messages")
@@ -25,19 +22,9 @@ TABLES = ("sessions", "attempts", "trials", "messages")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A data folder with six sessions, in one file."""
     folder = tmp_path_factory.mktemp("whole")
-    catalogue = Catalogue()
     for seed in range(6):
-        plan = make_plan(
-            catalogue,
-            "keyboard",
-            ["P01"],
-            {"attempts": 5, "prompts_per_attempt": 10},
-            seed=seed,
-            mode="simulated",
-        )
-        simulate(plan, PEOPLE["average"], folder, catalogue)
-    with closing(sqlite3.connect(folder / FILE)) as database:
-        database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+        simulated(folder, seed=seed, attempts=5, prompts_per_attempt=10)
+    sql(folder, "PRAGMA wal_checkpoint(TRUNCATE)")
     return folder
 
 
@@ -49,16 +36,11 @@ def copy(whole: Path, data: Path) -> Path:
 
 
 def counts(folder: Path) -> dict[str, int]:
-    with closing(connect(folder)) as database:
-        return {
-            table: database.execute(f"SELECT count(*) FROM {table}").fetchone()[0]
-            for table in TABLES
-        }
+    return {table: value(folder, f"SELECT count(*) FROM {table}") for table in TABLES}
 
 
 def ids(folder: Path) -> set[str]:
-    with closing(connect(folder)) as database:
-        return {id for (id,) in database.execute("SELECT id FROM sessions")}
+    return {id for (id,) in sql(folder, "SELECT id FROM sessions")}
 
 
 def overwrite(path: Path, at: int, data: bytes) -> None:
@@ -79,9 +61,7 @@ def test_a_file_with_a_damaged_header_stays_as_it_is(copy: Path, call: Call) -> 
 
 
 @pytest.mark.parametrize("share", [0.95, 0.85, 0.7, 0.5, 0.3])
-def test_what_is_left_of_a_file_that_was_cut_short_is_read(
-    share: float, copy: Path, whole: Path
-) -> None:
+def test_what_is_left_of_a_file_cut_short_is_read(share: float, copy: Path, whole: Path) -> None:
     size = int((copy / FILE).stat().st_size * share)
     os.truncate(copy / FILE, size + 17)
     before = counts(whole)
@@ -102,29 +82,15 @@ def test_what_is_left_of_a_file_that_was_cut_short_is_read(
 
 
 def _lacks(folder: Path, whole: Path, session: str) -> bool:
-    query = (
-        "SELECT count(*) FROM messages WHERE session_number=(SELECT number FROM "
-        "session_numbers WHERE id=?)"
-    )
-    found = []
-    for each in (folder, whole):
-        with closing(connect(each)) as database:
-            found.append(database.execute(query, (session,)).fetchone()[0])
-    return found[0] < found[1]
+    number = "SELECT number FROM session_numbers WHERE id=?"
+    query = f"SELECT count(*) FROM messages WHERE session_number=({number})"
+    return bool(value(folder, query, session) < value(whole, query, session))
 
 
-def test_the_rows_that_are_missing_are_counted_by_session_and_table(
-    copy: Path, whole: Path
-) -> None:
+def test_missing_rows_are_counted_by_session_and_table(copy: Path, whole: Path) -> None:
     """A leaf of messages is zeroed: those of its page are lost, and no others."""
-    with closing(connect(whole)) as database:
-        leaves = [
-            page
-            for page, kind in database.execute(
-                "SELECT pageno, pagetype FROM dbstat WHERE name='messages'"
-            )
-            if kind == "leaf"
-        ]
+    query = "SELECT pageno FROM dbstat WHERE name='messages' AND pagetype='leaf'"
+    leaves = [page for (page,) in sql(whole, query)]
     overwrite(copy / FILE, (leaves[len(leaves) // 2] - 1) * PAGE, bytes(PAGE))
     before = counts(whole)
     done = repair(copy)

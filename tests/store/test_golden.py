@@ -11,14 +11,12 @@ import pytest
 from sar_tui import __version__
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.model.units import SECOND
-from sar_tui.plugins import Catalogue
 from sar_tui.runs.run import resume
-from sar_tui.simulation.participant import SimulatedParticipant
-from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import FILE, connect
 from sar_tui.store.integrity import flaws
 from sar_tui.store.tables import TABLES
+from tests.played import catalogue, play, somebody
 from tests.program import Call
 from tests.store.make_golden import RELEASES, unpack
 from tests.store.test_database import schema_of
@@ -54,7 +52,7 @@ def test_this_release_has_a_golden_database_with_rows_in_every_table(data: Path)
     assert [name for name, (_, there) in stored.items() if not there] == []
 
 
-def test_it_gets_the_tables_of_a_new_database_and_keeps_its_rows(
+def test_it_gets_all_new_tables_and_keeps_its_rows(
     release: str, data: Path, tmp_path: Path
 ) -> None:
     before = rows(data)
@@ -66,25 +64,12 @@ def test_it_gets_the_tables_of_a_new_database_and_keeps_its_rows(
             assert database.execute(f"SELECT {listed} FROM {table}").fetchall() == there
 
 
-def test_its_interrupted_session_is_resumed_and_completed(
-    release: str, data: Path, catalogue: Catalogue
-) -> None:
+def test_its_interrupted_session_is_resumed(release: str, data: Path) -> None:
     with closing(connect(data)) as database:
         row = sessions.latest_interrupted(database, data)
     assert row
     clock = VirtualClock(1000 * SECOND)
-    run = resume(
-        row["id"],
-        data,
-        catalogue,
-        clock,
-        lambda task, theme, seed: [SimulatedParticipant(PEOPLE["average"], task, 7)],
-    )
-    run.begin()
-    while not run.session.ended:
-        assert clock.step()
-    run.recorder.write()
-    run.close()
+    play(resume(row["id"], data, catalogue(), clock, somebody), clock)
     with closing(connect(data)) as database:
         assert sessions.find(database, data, row["id"])["status"] == "completed"
         trials = sessions.rows(database, "trials", row["id"])

@@ -2,8 +2,9 @@
 
 import json
 import zlib
-from contextlib import closing
+from collections.abc import Iterable
 from pathlib import Path
+from sqlite3 import Connection
 from typing import Any
 
 import numpy as np
@@ -32,21 +33,13 @@ from sar_tui.motion.samples import SAMPLE, Samples, pack, unpack
 from sar_tui.store import imu, sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.recorder import Recorder
+from sar_tui.store.tables import IMU_CHUNKS
 from tests.examples import examples
+from tests.store.by_hand import sql
+from tests.store.test_sessions import enter
 from tests.tasks.reaching.reaching_driver import ReachingDriver, merged
 
-NAMES = (
-    "session",
-    "stream",
-    "seq",
-    "n",
-    "t0_ns",
-    "t1_ns",
-    "before_event",
-    "at_ns",
-    "crc32",
-    "data",
-)
+NAMES = tuple(column.name for column in IMU_CHUNKS.columns)
 
 
 # --- rows of messages
@@ -74,26 +67,22 @@ def chunks(*records: Record, streams: imu.StreamRows | None = None) -> list[dict
 
 def test_samples_without_a_message_between_them_are_one_chunk() -> None:
     (chunk,) = chunks(attached(1), block(2, 10, 20), block(2, 30, at=35), key(2))
-    assert (chunk["n"], chunk["t0_ns"], chunk["t1_ns"]) == (3, 10, 30)
-    assert (chunk["before_event"], chunk["at_ns"]) == (2, 35)
+    names = ("n", "t0_ns", "t1_ns", "before_event", "at_ns")
+    assert [chunk[name] for name in names] == [3, 10, 30, 2, 35]
     assert unpack(chunk["data"])["at"].tolist() == [10, 20, 30]
     assert chunk["crc32"] == zlib.crc32(chunk["data"])
 
 
-def test_a_message_between_samples_divides_them() -> None:
-    first, second = chunks(attached(1), block(2, 10), key(2), block(3, 20), block(3, 30))
-    assert [(c["stream"], c["seq"], c["before_event"], c["n"]) for c in (first, second)] == [
-        (1, 1, 2, 1),
-        (1, 2, 3, 2),
-    ]
-
-
-def test_samples_precede_the_message_derived_from_them() -> None:
+def test_a_message_between_samples_divides_them_and_a_block_precedes_what_is_derived_from_it() -> (
+    None
+):
     """A block has no number of its own: it carries the number of the message that is derived from
     it.
     """
-    first, second = chunks(attached(1), block(2, 10), block(2, 20), key(2), key(3), block(4, 30))
-    assert [(c["before_event"], c["t1_ns"]) for c in (first, second)] == [(2, 20), (4, 30)]
+    records = (attached(1), block(2, 10), block(2, 20), key(2), key(3), block(4, 30))
+    names = ("stream", "seq", "before_event", "n", "t1_ns")
+    found = [[chunk[name] for name in names] for chunk in chunks(*records)]
+    assert found == [[1, 1, 2, 2, 20], [1, 2, 4, 1, 30]]
 
 
 def test_each_attachment_of_a_sensor_begins_a_stream_whose_chunks_are_counted_from_one() -> None:
@@ -108,38 +97,30 @@ def test_each_attachment_of_a_sensor_begins_a_stream_whose_chunks_are_counted_fr
     streams, rows, _ = imu.StreamRows("s", 4).rows(records)
     assert [(row[1], row[2]) for row in rows] == [(1, 1), (1, 2), (2, 1)]
     assert [row[:4] for row in streams] == [("s", 1, "A", 4), ("s", 2, "A", 4)]
-    assert streams[1][4:] == ("test", "By hand", "7", 250.0, 5.0, 0.0, imu.layout(), 3, "hand")
+    assert streams[1][4:] == (*facts.values(), 0.0, imu.layout(), 3, "hand")
 
 
-def test_sensors_on_hand_and_trunk_have_streams_of_their_own_and_a_replay_gets_the_trunk_first(
-    data: Path,
+def test_hand_and_trunk_have_their_own_streams_and_a_replay_gets_the_trunk_first(
+    database: Connection,
 ) -> None:
     trunk = Record(1, 1, TRUNK_SENSOR, SensorChanged(state="attached", at=1))
     leaning = Record(5, 40, TRUNK_IMU, block(5, 10, 20).message)
-    with closing(connect(data)) as database:
-        streams, rows, _ = imu.StreamRows("s", 1).rows(
-            [attached(1), trunk, block(5, 30), leaning, block(5, 50), key(5)]
-        )
-        database.executemany(imu.INSERT_STREAM, streams)
-        database.executemany(imu.INSERT_CHUNK, rows)
-        found = [
-            (record.topic, len(unpack(record.message.samples)))
-            for record in imu.blocks(database, "s")
-        ]
-        assert found == [(TRUNK_IMU, 2), (IMU, 2)]
-        assert [len(imu.samples(database, "s", part=part)) for part in ("hand", "trunk")] == [2, 2]
-        resumed = imu.resume_streams(database, "s", 2)
+    records = [attached(1), trunk, block(5, 30), leaning, block(5, 50), key(5)]
+    streams, rows, _ = imu.StreamRows("s", 1).rows(records)
+    database.executemany(imu.INSERT_STREAM, streams)
+    database.executemany(imu.INSERT_CHUNK, rows)
+    found = [(each.topic, len(unpack(each.message.samples))) for each in imu.blocks(database, "s")]
+    assert found == [(TRUNK_IMU, 2), (IMU, 2)]
+    assert [len(imu.samples(database, "s", part=part)) for part in ("hand", "trunk")] == [2, 2]
+    resumed = imu.resume_streams(database, "s", 2)
     assert [row[1:3] for row in resumed.rows([leaning, block(5, 60)])[1]] == [(2, 2), (1, 2)]
 
 
-@pytest.mark.parametrize(
-    "state", ["detached", "gap", "saturated", "stalled", "flowing", "error", "ended"]
-)
+@pytest.mark.parametrize("state", "detached gap saturated stalled flowing error ended".split())
 def test_other_statuses_of_a_sensor_do_not_begin_a_stream(state: Any) -> None:
     other = Record(3, 3, SENSOR, SensorChanged(state=state, at=3))
-    streams, rows, _ = imu.StreamRows("s", 1).rows(
-        [attached(1), block(2, 10), key(2), other, block(4, 20)]
-    )
+    records = [attached(1), block(2, 10), key(2), other, block(4, 20)]
+    streams, rows, _ = imu.StreamRows("s", 1).rows(records)
     assert (len(streams), [(row[1], row[2]) for row in rows]) == (1, [(1, 1), (1, 2)])
 
 
@@ -171,30 +152,16 @@ class StoredSession:
         of: "StoredSession | None" = None,
         **parameters: Any,
     ) -> None:
-        self.data = data
-        self.database = connect(data)
-        history = None
-        if of is None:
-            self.id = sessions.new_id()
-            made = {
-                "task": "reaching",
-                "theme": "calm",
-                "participant": "P01",
-                "seed": 1,
-                "mode": "live",
-            }
-            sessions.create(self.database, self.id, parameters={}, software={}, machine={}, **made)  # type: ignore[arg-type]
-        else:
-            self.id = of.id
-            history = list(sessions.history(self.database, self.id))
+        self.data, self.inline = data, inline
+        self.database, self.reader = connect(data), connect(data)
+        self.id = of.id if of else enter(self.database, task="reaching")
+        history = list(sessions.history(self.database, self.id)) if of else None
         run = sessions.begin_run(self.database, self.id, software={}, machine={})
         self.driver = ReachingDriver(begin=False, history=history, **parameters)
         self.driver.screen.stores = False
-        self.recorder = Recorder(
-            self.database, self.id, run, self.driver.session.bus, inline=inline
-        )
+        bus = self.driver.session.bus
+        self.recorder = Recorder(self.database, self.id, run, bus, inline=inline)
         self.driver.session.begin(run)
-        self.reader = connect(data)
 
     def do(self, reaches: int) -> "StoredSession":
         """Do a number of reaches, one per attempt, starting at the instructions."""
@@ -204,6 +171,8 @@ class StoredSession:
             self.driver.wait(300)
             self.driver.begin()
             self.driver.reach()
+        if self.inline:
+            self.recorder.write()
         return self
 
     def write(self) -> None:
@@ -215,51 +184,46 @@ class StoredSession:
     def history(self) -> list[Record]:
         return list(sessions.history(self.reader, self.id))
 
-    def chunks(self) -> list[dict[str, Any]]:
-        return list(
-            Database(self.reader).query(
-                "SELECT * FROM imu_chunks WHERE session=? ORDER BY stream, seq", [self.id]
-            )
-        )
+    @property
+    def streams(self) -> list[dict[str, Any]]:
+        return sessions.rows(self.reader, "imu_streams", self.id)
+
+    def chunks(self, stream: int = 0) -> list[dict[str, Any]]:
+        """Return the chunks of a stream, or of all, which must be counted from one."""
+        query = "SELECT * FROM imu_chunks WHERE session=? ORDER BY stream, seq"
+        found = list(Database(self.reader).query(query, [self.id]))
+        for each in {chunk["stream"] for chunk in found}:
+            seqs = [chunk["seq"] for chunk in found if chunk["stream"] == each]
+            assert seqs == list(range(1, len(seqs) + 1))
+        return [chunk for chunk in found if stream in (0, chunk["stream"])]
 
     def samples(self, from_ns: int = 0, to_ns: int = 2**62, run: int | None = None) -> Samples:
         return imu.samples(self.reader, self.id, from_ns, to_ns, run)
 
+    def assert_whole(self) -> None:
+        """All that passed is stored, and derived again from what is stored."""
+        assert self.samples().tobytes() == self.driver.samples.tobytes()
+        assert merged(self.history) == merged(self.driver.records)
+        assert replayed(self.history, self.driver) == events(self.driver.records)
+
 
 def test_every_sample_of_a_session_is_stored_as_it_was_measured(data: Path) -> None:
     stored = StoredSession(data).do(2)
-    stored.recorder.write()
     assert len(stored.driver.samples) > 1500
     assert stored.samples().tobytes() == stored.driver.samples.tobytes()
-    (stream,) = sessions.rows(stored.reader, "imu_streams", stored.id)
-    assert (stream["stream"], stream["run"], stream["source"], stream["rate_hz"]) == (
-        1,
-        1,
-        "simulated",
-        250.0,
-    )
-    assert [chunk["seq"] for chunk in stored.chunks()] == list(range(1, len(stored.chunks()) + 1))
+    (stream,) = stored.streams
+    names = ("stream", "run", "source", "rate_hz")
+    assert [stream[name] for name in names] == [1, 1, "simulated", 250.0]
     assert sum(chunk["n"] for chunk in stored.chunks()) == len(stored.driver.samples)
+    blocks = [record for record in stored.driver.records if record.topic is IMU]
+    assert len(stored.chunks()) < len(blocks) / 4, "few rows, not one a block"
 
 
-def test_the_history_holds_messages_and_samples_in_the_order_in_which_they_passed(
-    data: Path,
-) -> None:
-    stored = StoredSession(data).do(2)
-    stored.recorder.write()
-    assert merged(stored.history) == merged(stored.driver.records)
-    assert len(stored.chunks()) < len([r for r in stored.driver.records if r.topic is IMU]) / 4, (
-        "few rows, not one a block"
-    )
-
-
-def test_a_trial_is_not_acknowledged_before_the_samples_it_was_made_of_are_there(
-    data: Path,
-) -> None:
+def test_a_trial_is_not_acknowledged_before_its_samples_are_there(data: Path) -> None:
     stored = StoredSession(data, inline=False).do(1)
-    assert STORED not in {record.topic for record in stored.driver.records}
+    assert stored.driver.all(STORED) == []
     stored.write()
-    assert STORED in {record.topic for record in stored.driver.records}
+    assert stored.driver.all(STORED) != []
     details = stored.driver.last(TRIAL).details
     inside = stored.samples(int(details["window_from_ns"] or 0), int(details["window_to_ns"] or 0))
     assert len(inside) == details["samples"]
@@ -272,14 +236,12 @@ def test_chunks_of_samples_do_not_depend_on_how_many_messages_are_written_at_a_t
     for group in (1, 100, 5000):
         monkeypatch.setattr("sar_tui.store.recorder.GROUP", group)
         stored = StoredSession(tmp_path / str(group)).do(2)
-        stored.recorder.write()
         chunks.append([{**chunk, "session": ""} for chunk in stored.chunks()])
     assert chunks[0] == chunks[1] == chunks[2]
 
 
 def test_samples_are_found_by_when_they_were_measured(data: Path) -> None:
     stored = StoredSession(data).do(1)
-    stored.recorder.write()
     stamps = stored.driver.samples["at"]
     for first, last in [(0, 1), (100, 100), (249, 900), (0, len(stamps) - 1)]:
         found = stored.samples(int(stamps[first]), int(stamps[last]))
@@ -291,29 +253,26 @@ def test_samples_are_found_by_when_they_were_measured(data: Path) -> None:
 
 
 @pytest.mark.parametrize("change", ["a byte", "cut short", "another block's"])
-def test_a_damaged_block_is_reported_by_its_number_and_never_taken_for_samples(
-    data: Path, change: str
-) -> None:
+def test_a_damaged_block_is_named_and_never_taken_for_samples(data: Path, change: str) -> None:
     stored = StoredSession(data).do(1)
-    stored.recorder.write()
     number = len(stored.chunks()) // 2
-    whole = stored.chunks()[number - 1]["data"]
-    damaged = {
+    damaged, following = stored.chunks()[number - 1 : number + 1]
+    whole = damaged["data"]
+    bad = {
         "a byte": bytes([whole[0] ^ 1]) + whole[1:],
         "cut short": whole[: -SAMPLE.itemsize],
-        "another block's": stored.chunks()[number]["data"],
+        "another block's": following["data"],
     }[change]
-    with stored.reader:
-        stored.reader.execute(
-            "UPDATE imu_chunks SET data=? WHERE session=? AND seq=?", (damaged, stored.id, number)
-        )
+    sql(data, "UPDATE imu_chunks SET data=? WHERE session=? AND seq=?", bad, stored.id, number)
     words = f"Block {number} of sensor stream 1 of session {stored.id} is damaged"
-    with pytest.raises(StoreError, match=words):
-        stored.samples()
-    with pytest.raises(StoreError, match=words):
-        list(stored.history)
-    before = stored.chunks()[number - 1]["t0_ns"]
-    assert len(stored.samples(0, before)), "what is not damaged can still be read"
+    for read in (stored.samples, lambda: stored.history):
+        with pytest.raises(StoreError, match=words):
+            read()
+    assert len(stored.samples(0, damaged["t0_ns"])), "what is not damaged can still be read"
+
+
+def events(records: Iterable[Record]) -> list[Record]:
+    return [record for record in records if record.topic is not IMU]
 
 
 # --- resumed
@@ -325,27 +284,17 @@ def replayed(history: list[Record], driver: ReachingDriver) -> list[Record]:
     derived: list[Record] = []
     again.bus.tap(derived.extend)
     again.replay(history)
-    return [record for record in derived if record.topic is not IMU]
+    return events(derived)
 
 
 @pytest.mark.parametrize(
     "parameters",
-    [
-        {},
-        {"go_signal": True},
-        {"sensor": "patient"},
-        {"detector": "fixed-threshold"},
-    ],
+    [{}, {"go_signal": True}, {"sensor": "patient"}, {"detector": "fixed-threshold"}],
 )
-def test_a_session_with_a_sensor_is_derived_again_from_the_database(
-    data: Path, parameters: dict[str, Any]
-) -> None:
+def test_a_sensors_session_is_derived_again_from_rows(data: Path, parameters: Any) -> None:
     stored = StoredSession(data, **parameters).do(2)
-    stored.recorder.write()
     assert len(stored.driver.all(REACH)) >= 2
-    assert replayed(stored.history, stored.driver) == [
-        r for r in stored.driver.records if r.topic is not IMU
-    ]
+    stored.assert_whole()
 
 
 @examples(15)
@@ -356,29 +305,25 @@ def test_a_session_cut_off_anywhere_and_written_in_any_batches_can_be_replayed(
     """Samples that were written together are read as one block, including a long wait for a go
     signal.
     """
-    stored = StoredSession(
-        tmp_path_factory.mktemp("stored"),
-        inline=False,
-        go_signal=data.draw(st.booleans()),
-        attempts=1,
-    )
-    driver, pauses = stored.driver, st.integers(20, 900)
+    folder, signal = tmp_path_factory.mktemp("stored"), data.draw(st.booleans())
+    stored = StoredSession(folder, inline=False, go_signal=signal, attempts=1)
+    driver = stored.driver
+
+    def wait(most: int) -> None:
+        for _ in range(data.draw(st.integers(0, most))):
+            driver.wait(data.draw(st.integers(20, 900)))
+            stored.write()
+
     driver.start_session(rest_ms=1000)
     driver.start()
     driver.move(200)
-    for _ in range(data.draw(st.integers(0, 8))):
-        driver.wait(data.draw(pauses))
-        stored.write()
+    wait(8)
     if data.draw(st.booleans()):
         driver.press("space")
-    for _ in range(data.draw(st.integers(0, 4))):
-        driver.wait(data.draw(pauses))
-        stored.write()
-    events = [record for record in stored.history if record.topic is not IMU]
-    assert replayed(stored.history, driver) == events
-    resumed = StoredSession(
-        stored.data, of=stored, go_signal=driver.session.task.has_foreperiod, attempts=1
-    )
+    wait(4)
+    assert replayed(stored.history, driver) == events(stored.history)
+    go_signal = driver.session.task.has_foreperiod
+    resumed = StoredSession(stored.data, of=stored, go_signal=go_signal, attempts=1)
     assert resumed.driver.session.faults == []
 
 
@@ -400,58 +345,48 @@ def test_a_second_run_has_its_own_stream_with_the_next_number(data: Path) -> Non
     second.driver.wait(2000)
     assert second.driver.reach().correct
     second.recorder.write()
-    streams = sessions.rows(second.reader, "imu_streams", second.id)
-    assert [(stream["stream"], stream["run"]) for stream in streams] == [(1, 1), (2, 2)]
-    later = [chunk for chunk in second.chunks() if chunk["stream"] == 2]
+    assert [(stream["stream"], stream["run"]) for stream in second.streams] == [(1, 1), (2, 2)]
     assert second.chunks()[: len(before)] == before
-    assert [chunk["seq"] for chunk in later] == list(range(1, len(later) + 1))
     assert second.samples(run=2).tobytes() == second.driver.samples.tobytes()
     assert second.samples(run=1).tobytes() == first.driver.samples.tobytes()
-    seqs = [record.seq for record in second.history if record.topic is not IMU]
-    assert seqs == list(range(1, len(seqs) + 1))
+    assert [each.seq for each in events(second.history)] == list(
+        range(1, len(events(second.history)) + 1)
+    )
     assert merged(second.history) == merged([*cut, *second.driver.records])
-    assert replayed(second.history, second.driver) == [
-        r for r in second.history if r.topic is not IMU
-    ]
+    assert replayed(second.history, second.driver) == events(second.history)
 
 
 # --- a full disk
 
 
-def test_samples_wait_in_order_while_the_disk_is_full_and_none_is_lost_or_doubled(
-    data: Path,
-) -> None:
+def test_samples_wait_while_the_disk_is_full_and_none_is_lost_or_doubled(data: Path) -> None:
     stored = StoredSession(data, inline=False)
-    stored.driver.start_session(rest_ms=500)
+    driver = stored.driver
+    driver.start_session(rest_ms=500)
     stored.write()
     there = stored.chunks()
-    stored.database.execute("PRAGMA query_only=1")
-    stored.driver.wait(1000)
+    sql(stored.database, "PRAGMA query_only=1")
+    driver.wait(1000)
     for _ in range(3):
         stored.write()
-        stored.driver.wait(700)
-    assert [storage.working for storage in stored.driver.all(STORAGE)] == [False]
-    assert (stored.driver.waiting.stage, stored.driver.waiting.reason) == ("paused", "storage")
+        driver.wait(700)
+    assert [storage.working for storage in driver.all(STORAGE)] == [False]
+    assert (driver.waiting.stage, driver.waiting.reason) == ("paused", "storage")
     assert stored.chunks() == there
 
-    stored.database.execute("PRAGMA query_only=0")
+    sql(stored.database, "PRAGMA query_only=0")
     stored.write()
-    assert stored.driver.waiting.reason == "restored"
-    stored.driver.enter()
-    stored.driver.wait(2000)
-    stored.driver.start()
-    stored.driver.move(200)
-    stored.driver.wait(2000)
-    stored.driver.press("space")
-    stored.driver.to_row()
+    assert driver.waiting.reason == "restored"
+    driver.enter()
+    driver.wait(2000)
+    driver.start()
+    driver.move(200)
+    driver.wait(2000)
+    driver.press("space")
+    driver.to_row()
     stored.write()
     stored.write()
-    assert stored.samples().tobytes() == stored.driver.samples.tobytes()
-    assert merged(stored.history) == merged(stored.driver.records)
-    assert [chunk["seq"] for chunk in stored.chunks()] == list(range(1, len(stored.chunks()) + 1))
-    assert replayed(stored.history, stored.driver) == [
-        r for r in stored.driver.records if r.topic is not IMU
-    ]
+    stored.assert_whole()
 
 
 def test_a_sensor_detached_and_attached_again_has_two_streams_in_one_run(data: Path) -> None:
@@ -459,14 +394,12 @@ def test_a_sensor_detached_and_attached_again_has_two_streams_in_one_run(data: P
     driver = stored.driver
     for state in ("detached", "attached"):
         driver.wait(100)
-        driver.session.bus.publish(
-            SENSOR, SensorChanged(state=state, at=driver.clock.now(), rate_hz=250.0)
-        )  # type: ignore[arg-type]
+        changed = SensorChanged(state=state, at=driver.clock.now(), rate_hz=250.0)  # type: ignore[arg-type]
+        driver.session.bus.publish(SENSOR, changed)
     driver.wait(500)
     stored.recorder.write()
-    streams = sessions.rows(stored.reader, "imu_streams", stored.id)
-    assert [(stream["stream"], stream["run"]) for stream in streams] == [(1, 1), (2, 1)]
-    second = [chunk for chunk in stored.chunks() if chunk["stream"] == 2]
+    assert [(stream["stream"], stream["run"]) for stream in stored.streams] == [(1, 1), (2, 1)]
+    second = stored.chunks(2)
     assert sum(chunk["n"] for chunk in second) == pytest.approx(0.5 * 250, abs=3)
-    assert second[0]["t0_ns"] >= streams[1]["attached_ns"] - 10 * MS
+    assert second[0]["t0_ns"] >= stored.streams[1]["attached_ns"] - 10 * MS
     assert stored.samples().tobytes() == driver.samples.tobytes()

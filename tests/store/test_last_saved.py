@@ -1,5 +1,6 @@
 """Data that was saved and is no longer in the database after a crash is reported."""
 
+import os
 import shutil
 import sqlite3
 from collections.abc import Callable
@@ -14,67 +15,44 @@ from sar_tui.store.safeguard import forget, losses
 from sar_tui.store.troubles import troubles
 from tests.store.test_rescue import Safe
 
+
+def flip(log: Path, place: int | None) -> None:
+    """Change a byte of a log; None: one in the middle."""
+    frames = bytearray(log.read_bytes())
+    middle = WAL_HEADER + (len(frames) // FRAME // 2) * FRAME + 99
+    frames[middle if place is None else place] ^= 1
+    log.write_bytes(frames)
+
+
+DAMAGE: dict[str, Callable[[Path], object]] = {
+    "its last byte is another": lambda log: flip(log, -1),
+    "a byte of its header is another": lambda log: flip(log, 17),
+    "a byte in its middle is another": lambda log: flip(log, None),
+    "it is cut short": lambda log: os.truncate(log, log.stat().st_size - 5),
+    "it is deleted": Path.unlink,
+}
+
+
 WAL_HEADER, FRAME = 32, 24 + 4096
-
-
-def after_a_crash(recorded: Safe, copy: Path) -> Path:
-    """Return a copy of the data folder as it is when the program is killed now."""
-    shutil.copytree(recorded.data, copy)
-    return copy
 
 
 @pytest.fixture
 def crashed(data: Path, tmp_path: Path) -> Path:
-    """The data folder after a crash in the fourth trial."""
-    recorded = Safe(data)
-    recorded.to_trial(4)
-    return after_a_crash(recorded, tmp_path / "crashed")
+    """A copy of the data folder as it is when the program is killed in the fourth trial."""
+    recorded = Safe(data, 4)
+    return Path(shutil.copytree(recorded.data, tmp_path / "crashed"))
 
 
-def flip_the_last_byte(log: Path) -> None:
-    frames = bytearray(log.read_bytes())
-    frames[-1] ^= 1
-    log.write_bytes(frames)
-
-
-def flip_a_byte_of_the_header(log: Path) -> None:
-    frames = bytearray(log.read_bytes())
-    frames[17] ^= 1
-    log.write_bytes(frames)
-
-
-def flip_a_byte_in_the_middle(log: Path) -> None:
-    frames = bytearray(log.read_bytes())
-    frames[WAL_HEADER + (len(frames) // FRAME // 2) * FRAME + 99] ^= 1
-    log.write_bytes(frames)
-
-
-def cut_short(log: Path) -> None:
-    with log.open("r+b") as file:
-        file.truncate(log.stat().st_size - 5)
-
-
-@pytest.mark.parametrize(
-    "damage",
-    [
-        flip_the_last_byte,
-        flip_a_byte_of_the_header,
-        flip_a_byte_in_the_middle,
-        cut_short,
-        Path.unlink,
-    ],
-)
-def test_a_damaged_or_deleted_log_is_reported(
-    crashed: Path, damage: Callable[[Path], None]
-) -> None:
-    damage(crashed / f"{FILE}-wal")
+@pytest.mark.parametrize("damage", DAMAGE)
+def test_a_damaged_or_deleted_log_is_told(crashed: Path, damage: str) -> None:
+    DAMAGE[damage](crashed / f"{FILE}-wal")
     with closing(connect(crashed)) as database:
         (loss,) = losses(database, crashed)
         assert (loss.saved.attempt, loss.saved.trial) == (2, 1)
         assert loss.kept is None or loss.kept.seq < loss.saved.seq
         (text,) = troubles(database, crashed)
         assert text.startswith(
-            f"Data was lost: session {loss.session} was saved up to attempt 2, trial 1, but "
+            f"Data was lost: session {loss.session} was saved up to attempt 2, trial 1"
         )
         assert losses(database, crashed) == [loss], "it is told until somebody accepts it"
 
@@ -114,8 +92,7 @@ def test_a_note_that_cannot_be_read_is_no_loss(crashed: Path, content: bytes) ->
 
 
 def test_a_session_in_the_database_file_needs_no_note(data: Path) -> None:
-    recorded = Safe(data)
-    recorded.to_trial(1)
+    recorded = Safe(data, 1)
     (note,) = (data / SAVED).iterdir()
     forget(recorded.reader, data, recorded.id)
     assert not note.exists()
@@ -124,8 +101,7 @@ def test_a_session_in_the_database_file_needs_no_note(data: Path) -> None:
 
 
 def test_a_session_in_a_rescue_file_is_no_loss(data: Path) -> None:
-    recorded = Safe(data)
-    recorded.to_trial(1)
+    recorded = Safe(data, 1)
     for path in data.glob(f"{FILE}*"):
         path.unlink()
     recorded.to_trial(2)

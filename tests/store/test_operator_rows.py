@@ -15,6 +15,7 @@ from sar_tui.loop.topics import (
 from sar_tui.model import messages as m
 from sar_tui.model.units import MS, SECOND
 from sar_tui.store import sessions
+from tests.store.by_hand import sql
 from tests.store.test_recorder import Recorded
 
 ANA = "operator.ana"
@@ -33,66 +34,70 @@ class Operated(Recorded):
         super().__init__(data, **{**quiet, **parameters})
         self._verdicts = verdicts
         self._count = 0
+        self.bus = self.session.bus
         self.session.begin()
-        self.session.bus.publish(
-            PRESENCE, m.OperatorChanged(actor=ANA, state="joined", operated=True)
-        )
-        self.session.bus.subscribe(PENDING_APPROVAL, self._decide_later)
+        self.presence("joined", True)
+        self.bus.subscribe(PENDING_APPROVAL, self._decide_later)
+
+    def presence(self, state: Any, operated: bool) -> None:
+        self.bus.publish(PRESENCE, m.OperatorChanged(actor=ANA, state=state, operated=operated))
+
+    def remark(self) -> None:
+        at = self.clock.now()
+        self.bus.publish(REMARK, m.Remark(text="Well held.", actor=ANA, at=at))
+
+    def see_later(self, id: str, ms: int, actor: str = ANA, late: int = 0) -> None:
+        """Report a proposal as seen, some time from now."""
+
+        def see() -> None:
+            at = self.clock.now() + late
+            self.bus.publish(PROPOSAL_SEEN, m.ProposalSeen(action=id, actor=actor, at=at))
+
+        self.clock.call_at(self.clock.now() + ms * MS, see)
 
     def _decide_later(self, approval: m.PendingApproval) -> None:
         """Report the proposal as seen after 200 ms, and decide on it after 700 ms."""
         self._count += 1
-        now, bus, clock = self.clock.now(), self.session.bus, self.clock
-        id = approval.proposal.id
-        clock.call_at(
-            now + 200 * MS,
-            lambda: bus.publish(
-                PROPOSAL_SEEN, m.ProposalSeen(action=id, actor=ANA, at=clock.now())
-            ),
-        )
+        id, at = approval.proposal.id, self.clock.now() + 700 * MS
+        self.see_later(id, 200)
         if verdict := self._verdicts.get(self._count):
-            reported = m.Decision(action=id, actor=ANA, at=now + 700 * MS, **verdict)
-            clock.call_at(now + 700 * MS, lambda: bus.publish(DECISION, reported))
+            reported = m.Decision(action=id, actor=ANA, at=at, **verdict)
+            self.clock.call_at(at, lambda: self.bus.publish(DECISION, reported))
 
     def rows(self, kind: str) -> list[dict[str, Any]]:
         """Finish the session and return the stored actions of a kind."""
         self.finish()
         self.recorder.write()
-        return [
-            row for row in sessions.rows(self.reader, "actions", self.id) if row["kind"] == kind
-        ]
+        return [row for row in self.actions if row["kind"] == kind]
+
+
+def picked(rows: list[dict[str, Any]], *names: str) -> list[tuple[Any, ...]]:
+    return [tuple(row[name] for name in names) for row in rows]
 
 
 def test_approved_edited_and_vetoed_actions_can_be_told_apart(data: Path) -> None:
-    operated = Operated(
-        data,
-        {1: {"verdict": "accept"}, 2: {"verdict": "edit", "text": "Fine."}, 3: {"verdict": "veto"}},
-        operator_feedback="approve",
-        operator_ms_per_word=0,
-    )
+    verdicts = {
+        1: {"verdict": "accept"},
+        2: {"verdict": "edit", "text": "Fine."},
+        3: {"verdict": "veto"},
+    }
+    operated = Operated(data, verdicts, operator_feedback="approve", operator_ms_per_word=0)
     rows = operated.rows("feedback")
-    assert [
-        (row["decision"], row["actor"], row["mode"], row["ground"], row["reason"]) for row in rows
-    ] == [
+    assert picked(rows, "decision", "actor", "mode", "ground", "reason") == [
         ("accepted", ANA, "approve", "operator", None),
         ("edited", ANA, "approve", "operator", None),
         ("rejected", ANA, "approve", "operator", "vetoed"),
     ]
-    assert [row["final"] and row["final"]["text"] for row in rows] == [
-        rows[0]["proposed"]["text"],
-        "Fine.",
-        None,
-    ]
-    assert rows[1]["proposed"]["text"] != "Fine."
+    first, second = (row["proposed"]["text"] for row in rows[:2])
+    assert [row["final"] and row["final"]["text"] for row in rows] == [first, "Fine.", None]
+    assert second != "Fine."
     for row in rows:
-        assert row["shown_ns"] - row["proposed_ns"] == 200 * MS
-        assert row["decided_ns"] - row["proposed_ns"] == 700 * MS
-        assert row["deadline_ns"] - row["proposed_ns"] == 4 * SECOND
-    assert [row["started_ns"] for row in rows] == [
-        rows[0]["decided_ns"],
-        rows[1]["decided_ns"],
-        None,
-    ]
+        since = {
+            name: row[f"{name}_ns"] - row["proposed_ns"]
+            for name in ("shown", "decided", "deadline")
+        }
+        assert since == {"shown": 200 * MS, "decided": 700 * MS, "deadline": 4 * SECOND}
+    assert [row["started_ns"] for row in rows] == [*(row["decided_ns"] for row in rows[:2]), None]
 
 
 def test_a_proposal_that_expired_is_stored_with_its_deadline(data: Path) -> None:
@@ -110,85 +115,55 @@ def test_a_proposal_that_expired_is_stored_with_its_deadline(data: Path) -> None
 
 def test_a_decision_without_an_operator_is_stored_as_such(data: Path) -> None:
     operated = Operated(data, {}, operator_feedback="approve")
-    gone = m.OperatorChanged(actor=ANA, state="lost", operated=False)
-    operated.session.bus.subscribe(
-        PENDING_APPROVAL, lambda _: operated.session.bus.publish(PRESENCE, gone)
-    )
+    operated.bus.subscribe(PENDING_APPROVAL, lambda _: operated.presence("lost", False))
     rows = operated.rows("feedback")
-    assert [(row["decision"], row["actor"], row["ground"]) for row in rows] == [
-        ("accepted", "agent", "no operator")
-    ] * 3
+    assert picked(rows, "decision", "actor", "ground") == [("accepted", "agent", "no operator")] * 3
 
 
 def test_an_operators_own_words_and_notes_are_stored_with_their_times(data: Path) -> None:
     operated = Operated(data, {})
-    bus = operated.session.bus
-    bus.publish(REMARK, m.Remark(text="Well held.", actor=ANA, at=operated.clock.now()))
-    bus.publish(NOTE_ADDED, m.NoteAdded(text="coughs", actor=ANA, at=12 * MS))
-    bus.publish(NOTE_ADDED, m.NoteAdded(label="pain", actor=ANA, at=13 * MS))
+    operated.remark()
+    for at, note in ((12 * MS, {"text": "coughs"}), (13 * MS, {"label": "pain"})):
+        operated.bus.publish(NOTE_ADDED, m.NoteAdded(actor=ANA, at=at, **note))
     (own,) = operated.rows("remark")
-    assert (own["id"], own["proposed"], own["proposed_ns"]) == ("o1", None, None)
-    assert (own["decision"], own["actor"], own["mode"]) == ("initiated", ANA, "manual")
+    assert picked([own], "id", "proposed", "proposed_ns", "decision", "actor", "mode") == [
+        ("o1", None, None, "initiated", ANA, "manual")
+    ]
     assert own["final"]["text"] == "Well held."
     assert own["decided_ns"] <= own["started_ns"] <= own["ended_ns"]
-    notes = operated.reader.execute(
-        "SELECT at_ns, author, text, label FROM notes ORDER BY at_ns"
-    ).fetchall()
+    notes = sql(data, "SELECT at_ns, author, text, label FROM notes ORDER BY at_ns")
     assert notes == [(12 * MS, ANA, "coughs", ""), (13 * MS, ANA, "", "pain")]
 
 
+LEVELS_APPROVED = {"operator_difficulty": "approve", "threshold": 60_000, "min_accuracy": 0}
+"""Settings by which each attempt raises the level, if the operator lets it."""
+
+
 def test_level_changes_that_needed_approval_are_rows_too(data: Path) -> None:
-    operated = Operated(
-        data,
-        {1: {"verdict": "veto"}, 2: {"verdict": "edit", "level": 4}},
-        operator_difficulty="approve",
-        operator_time_ms=2000,
-        threshold=60_000,
-        min_accuracy=0,
-        attempts=4,
-    )
-    rows = operated.rows("difficulty")
-    assert [(row["id"], row["decision"], row["ground"]) for row in rows] == [
-        ("l1", "rejected", "operator"),
-        ("l2", "edited", "operator"),
-        ("l3", "accepted", "deadline"),
+    verdicts = {1: {"verdict": "veto"}, 2: {"verdict": "edit", "level": 4}}
+    operated = Operated(data, verdicts, **LEVELS_APPROVED, operator_time_ms=2000, attempts=4)
+    assert picked(operated.rows("difficulty"), "id", "decision", "ground", "final") == [
+        ("l1", "rejected", "operator", None),
+        ("l2", "edited", "operator", {"level": 4}),
+        ("l3", "accepted", "deadline", {"level": 5}),
     ]
-    assert [row["final"] for row in rows] == [None, {"level": 4}, {"level": 5}]
-    levels = operated.reader.execute("SELECT level FROM attempts ORDER BY attempt").fetchall()
+    levels = sql(data, "SELECT level FROM attempts ORDER BY attempt")
     assert levels == [(1,), (1,), (4,), (5,)]
 
 
 def test_a_level_change_dropped_without_an_operator_is_a_row_too(data: Path) -> None:
-    operated = Operated(
-        data,
-        {},
-        operator_difficulty="approve",
-        operator_lost="silent",
-        threshold=60_000,
-        min_accuracy=0,
-    )
-    gone = m.OperatorChanged(actor=ANA, state="left", operated=False)
-    operated.session.bus.publish(PRESENCE, gone)
-    rows = operated.rows("difficulty")
-    assert [
-        (row["id"], row["final"], row["decision"], row["actor"], row["ground"]) for row in rows
-    ] == [
-        ("l1", None, "rejected", "agent", "no operator"),
-        ("l2", None, "rejected", "agent", "no operator"),
-    ]
+    operated = Operated(data, {}, **LEVELS_APPROVED, operator_lost="silent")
+    operated.presence("left", False)
+    rows = picked(operated.rows("difficulty"), "id", "final", "decision", "actor", "ground")
+    assert rows == [(id, None, "rejected", "agent", "no operator") for id in ("l1", "l2")]
 
 
 def test_the_first_time_a_proposal_was_seen_is_stored(data: Path) -> None:
     operated = Operated(data, {1: {"verdict": "accept"}}, operator_feedback="approve")
-    bus, clock = operated.session.bus, operated.clock
-
-    def see_again(approval: m.PendingApproval) -> None:
-        late = m.ProposalSeen(
-            action=approval.proposal.id, actor="observer.ben", at=clock.now() + 900 * MS
-        )
-        clock.call_at(clock.now() + 300 * MS, lambda: bus.publish(PROPOSAL_SEEN, late))
-
-    bus.subscribe(PENDING_APPROVAL, see_again)
+    operated.bus.subscribe(
+        PENDING_APPROVAL,
+        lambda seen: operated.see_later(seen.proposal.id, 300, "observer.ben", 900 * MS),
+    )
     first = operated.rows("feedback")[0]
     assert first["shown_ns"] - first["proposed_ns"] == 200 * MS
 
@@ -196,42 +171,32 @@ def test_the_first_time_a_proposal_was_seen_is_stored(data: Path) -> None:
 def test_an_operators_stop_differs_from_the_participants(data: Path) -> None:
     operated = Operated(data, {}, operator_feedback="approve", operator_time_ms=60_000)
     stop = m.SessionCommand(command="stop", actor=ANA)
-    bus, clock = operated.session.bus, operated.clock
-    bus.subscribe(
-        PENDING_APPROVAL,
-        lambda _: clock.call_at(clock.now() + 1, lambda: bus.publish(COMMAND, stop)),
-    )
-    rows = operated.rows("feedback")
-    reported = [(row["decision"], row["actor"], row["reason"], row["ground"]) for row in rows]
-    assert reported == [("dropped", ANA, "stopped", "operator")] * 3
+
+    def stop_soon(_: object) -> None:
+        operated.clock.call_at(
+            operated.clock.now() + 1, lambda: operated.bus.publish(COMMAND, stop)
+        )
+
+    operated.bus.subscribe(PENDING_APPROVAL, stop_soon)
+    rows = picked(operated.rows("feedback"), "decision", "actor", "reason", "ground")
+    assert rows == [("dropped", ANA, "stopped", "operator")] * 3
 
 
 def test_stored_rows_do_not_depend_on_how_writes_are_batched(data: Path) -> None:
+    edits = {1: {"verdict": "edit", "text": "Fine."}, 2: {"verdict": "edit", "level": 3}}
     stored = []
-    for folder, is_apart in (("apart", True), ("together", False)):
+    for folder in ("apart", "together"):
         operated = Operated(
-            data / folder,
-            {
-                1: {"verdict": "edit", "text": "Fine."},
-                2: {"verdict": "edit", "level": 3},
-                4: {"verdict": "veto"},
-            },
-            operator_feedback="approve",
-            operator_difficulty="approve",
-            operator_time_ms=2000,
-            threshold=60_000,
-            min_accuracy=0,
-        )
-        bus = operated.session.bus
-        if is_apart:
-            bus.tap(lambda _, recorder=operated.recorder: recorder.write())
-        bus.publish(REMARK, m.Remark(text="Well held.", actor=ANA, at=operated.clock.now()))
+            data / folder, {**edits, 4: {"verdict": "veto"}}, **LEVELS_APPROVED,
+            operator_feedback="approve", operator_time_ms=2000,
+        )  # fmt: skip
+        if folder == "apart":
+            operated.bus.tap(lambda _, recorder=operated.recorder: recorder.write())
+        operated.remark()
         operated.rows("feedback")
-        tables = [
-            sessions.rows(operated.reader, name, operated.id)
-            for name in ("actions", "trials", "attempts")
-        ]
-        stored.append([sorted(str({**row, "session": ""}) for row in rows) for rows in tables])
+        tables = ("actions", "trials", "attempts")
+        rows = [sessions.rows(operated.reader, name, operated.id) for name in tables]
+        stored.append([sorted(str({**row, "session": ""}) for row in each) for each in rows])
     apart, together = stored
     assert len(apart[0]) > 8
     assert apart == together

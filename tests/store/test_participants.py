@@ -1,8 +1,8 @@
 """Participants are stored as codes, with their saved settings."""
 
 import re
-import sqlite3
 from pathlib import Path
+from sqlite3 import Connection
 
 import pytest
 from hypothesis import given
@@ -13,6 +13,7 @@ from sar_tui.store.database import StoreError, connect
 from sar_tui.store.locks import hold
 from sar_tui.store.participants import add, check_code, codes, last_task, last_used, newest_first
 from sar_tui.store.programmes import Programme
+from tests.store.by_hand import sql
 from tests.store.test_sessions import enter
 
 
@@ -59,41 +60,28 @@ def test_a_code_that_is_unsafe_as_a_file_name_is_refused(code: str) -> None:
     assert check_code(kept) == kept
 
 
-def test_someone_entered_twice_is_one_participant(database: sqlite3.Connection) -> None:
+def test_someone_entered_twice_is_one_participant(database: Connection, data: Path) -> None:
     assert [add(database, code) for code in ("p02", "P02", "P01")] == ["P02", "P02", "P01"]
-    assert codes(database) == ["P01", "P02"]
+    assert codes(database) == codes(connect(data)) == ["P01", "P02"]
 
 
-def test_a_disk_that_refuses_someone_is_reported(database: sqlite3.Connection) -> None:
+def test_a_disk_that_refuses_someone_is_reported(database: Connection) -> None:
     database.execute("PRAGMA query_only=1")
     with pytest.raises(StoreError, match="is read-only"):
         add(database, "P01")
     assert codes(database) == []
 
 
-def test_someone_entered_is_there_for_the_next_program(
-    database: sqlite3.Connection, data: Path
-) -> None:
-    add(database, "P01")
-    assert codes(connect(data)) == ["P01"]
-
-
-def test_the_participant_used_last_is_that_of_the_last_live_run(
-    database: sqlite3.Connection,
-) -> None:
+def test_the_one_used_last_is_of_the_last_live_run(database: Connection) -> None:
     assert last_used(database) is None
     first, second = enter(database, "P01"), enter(database, "P02", partner="P09")
     simulated = enter(database, "P03", mode="simulated")
-    for session in (first, second, simulated):
+    for session, expected in ((first, "P01"), (second, "P02"), (simulated, "P02"), (first, "P01")):
         sessions.begin_run(database, session, software={}, machine={})
-    assert last_used(database) == "P02"
-    sessions.begin_run(database, first, software={}, machine={})
-    assert last_used(database) == "P01"
+        assert last_used(database) == expected
 
 
-def test_participants_are_listed_from_the_newest_session_or_addition_on(
-    database: sqlite3.Connection, data: Path
-) -> None:
+def test_the_newest_session_or_addition_is_listed_first(database: Connection, data: Path) -> None:
     for code in ("P01", "P02", "P03"):
         add(database, code)
     second = enter(database, "P02")
@@ -104,30 +92,25 @@ def test_participants_are_listed_from_the_newest_session_or_addition_on(
 
 
 def test_a_participant_waits_with_an_interrupted_session_that_is_not_long_past(
-    database: sqlite3.Connection, data: Path
+    database: Connection, data: Path
 ) -> None:
+    def waiting() -> set[str]:
+        return {each.code for each in newest_first(database, data) if each.is_interrupted}
+
     for code in ("P01", "P02", "P03", "P04"):
         add(database, code)
-    left, running, _simulated = (
-        enter(database, "P01"),
-        enter(database, "P02"),
-        enter(database, "P03", mode="simulated"),
-    )
+    left, running = enter(database, "P01"), enter(database, "P02")
+    enter(database, "P03", mode="simulated")
     enter(database, "P04")
     for _ in range(5):
-        database.execute(
-            "UPDATE sessions SET status='completed' WHERE id=?", (enter(database, "P04"),)
-        )
-    lock = hold(data, "session", running)
-    assert {each.code for each in newest_first(database, data) if each.is_interrupted} == {"P01"}
-    lock.release()
-    database.execute("UPDATE sessions SET status='dismissed' WHERE id=?", (left,))
-    assert {each.code for each in newest_first(database, data) if each.is_interrupted} == {"P02"}
+        sql(database, "UPDATE sessions SET status='completed' WHERE id=?", enter(database, "P04"))
+    with hold(data, "session", running):
+        assert waiting() == {"P01"}
+    sql(database, "UPDATE sessions SET status='dismissed' WHERE id=?", left)
+    assert waiting() == {"P02"}
 
 
-def test_the_last_task_is_that_of_the_newest_live_session_or_programme(
-    database: sqlite3.Connection,
-) -> None:
+def test_the_last_task_is_of_the_newest_live_session_or_programme(database: Connection) -> None:
     add(database, "P01")
     assert last_task(database, "P01") is None
     programmes.save(database, "P01", "reaching", Programme(), after=0)

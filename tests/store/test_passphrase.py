@@ -28,10 +28,21 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> _Clock:
     return _Clock()
 
 
-def test_only_the_passphrase_that_was_set_is_right(data: Path, clock: _Clock) -> None:
-    stored = Passphrase(data, clock)
-    assert not stored.is_set
-    stored.set(RIGHT)
+@pytest.fixture
+def stored(data: Path, clock: _Clock) -> Passphrase:
+    """A passphrase that was set."""
+    made = Passphrase(data, clock)
+    assert not made.is_set
+    made.set(RIGHT)
+    return made
+
+
+def try_wrong_ones(stored: Passphrase) -> None:
+    for _ in range(FREE_TRIES):
+        assert not stored.check("wrong one")
+
+
+def test_only_the_passphrase_that_was_set_is_right(stored: Passphrase, clock: _Clock) -> None:
     assert stored.is_set
     assert stored.check(RIGHT)
     for wrong in ("", "Quiet river", RIGHT + " ", "\x00\x1b", "\ud800"):
@@ -39,38 +50,34 @@ def test_only_the_passphrase_that_was_set_is_right(data: Path, clock: _Clock) ->
         assert not stored.check(wrong)
 
 
-def test_the_file_is_private_and_does_not_hold_the_passphrase(data: Path, clock: _Clock) -> None:
-    Passphrase(data, clock).set(RIGHT)
-    Passphrase(data, clock).check("another one")
+def test_the_file_is_private_and_does_not_hold_the_passphrase(
+    stored: Passphrase, data: Path
+) -> None:
+    stored.check("another one")
     for name in (passphrase.FILE, passphrase.LOG):
         assert stat.S_IMODE((data / name).stat().st_mode) == 0o600
         for secret in (b"quiet", b"river", b"another"):
             assert secret not in (data / name).read_bytes()
     first = (data / passphrase.FILE).read_bytes()
-    Passphrase(data, clock).set(RIGHT)
+    stored.set(RIGHT)
     assert (data / passphrase.FILE).read_bytes() != first, "each has a salt of its own"
     assert sorted(os.listdir(data)) == [passphrase.FILE, passphrase.LOG]
 
 
-def test_an_accent_may_be_typed_in_one_part_or_two(data: Path, clock: _Clock) -> None:
-    stored = Passphrase(data, clock)
+def test_an_accent_may_be_typed_in_one_part_or_two(stored: Passphrase) -> None:
     stored.set("canci\u00f3n azul")
     assert stored.check("cancio\u0301n azul")
 
 
-def test_a_short_one_is_refused_and_the_earlier_one_stays(data: Path, clock: _Clock) -> None:
-    stored = Passphrase(data, clock)
-    stored.set(RIGHT)
+def test_a_short_one_is_refused_and_the_earlier_one_stays(stored: Passphrase) -> None:
     with pytest.raises(StoreError, match="at least 6"):
         stored.set("abc")
     assert stored.check(RIGHT)
 
 
-def test_wrong_ones_in_a_row_are_followed_by_longer_and_longer_waits(
-    data: Path, clock: _Clock
+def test_wrong_ones_are_followed_by_longer_and_longer_waits(
+    stored: Passphrase, clock: _Clock
 ) -> None:
-    stored = Passphrase(data, clock)
-    stored.set(RIGHT)
     waits = []
     for _ in range(FREE_TRIES + 8):
         assert not stored.check("wrong one")
@@ -81,53 +88,35 @@ def test_wrong_ones_in_a_row_are_followed_by_longer_and_longer_waits(
     assert stored.wait_s == 0
 
 
-def test_during_the_wait_not_even_the_right_one_is_taken_and_nothing_is_logged(
-    data: Path, clock: _Clock
+def test_during_the_wait_none_is_taken_and_nothing_is_logged(
+    stored: Passphrase, data: Path, clock: _Clock
 ) -> None:
-    stored = Passphrase(data, clock)
-    stored.set(RIGHT)
-    for _ in range(FREE_TRIES):
-        stored.check("wrong one")
+    try_wrong_ones(stored)
     assert not stored.check(RIGHT)
     assert len(stored.tries()) == FREE_TRIES
+    assert Passphrase(data, clock).wait_s == stored.wait_s == 5, "after a restart, too"
 
 
-def test_a_restart_of_the_program_does_not_shorten_the_wait(data: Path, clock: _Clock) -> None:
-    stored = Passphrase(data, clock)
-    stored.set(RIGHT)
-    for _ in range(FREE_TRIES):
-        stored.check("wrong one")
-    assert Passphrase(data, clock).wait_s == stored.wait_s == 5
-
-
-def test_a_clock_that_is_set_back_does_not_lock_the_therapist_out(
-    data: Path, clock: _Clock
+def test_a_clock_set_back_does_not_lock_the_therapist_out(
+    stored: Passphrase, clock: _Clock
 ) -> None:
-    stored = Passphrase(data, clock)
-    stored.set(RIGHT)
-    for _ in range(FREE_TRIES):
-        stored.check("wrong one")
+    try_wrong_ones(stored)
     clock.now -= 1_000_000
     assert stored.check(RIGHT)
 
 
-def test_every_try_is_logged_with_its_time_and_screen(data: Path, clock: _Clock) -> None:
-    stored = Passphrase(data, clock)
-    stored.set(RIGHT)
+def test_every_try_is_logged_with_its_time_and_screen(stored: Passphrase, clock: _Clock) -> None:
     stored.check("wrong one", "pause")
     stored.check(RIGHT, "patient mode")
-    assert [(each.result, each.where, each.seconds) for each in stored.tries()] == [
-        ("wrong", "pause", clock.now),
-        ("right", "patient mode", clock.now),
-    ]
+    tries = [(each.result, each.where, each.seconds) for each in stored.tries()]
+    assert tries == [("wrong", "pause", clock.now), ("right", "patient mode", clock.now)]
 
 
-def test_without_a_log_the_waits_are_kept_by_the_program(data: Path, clock: _Clock) -> None:
-    stored = Passphrase(data, clock)
-    stored.set(RIGHT)
+def test_without_a_log_the_waits_are_kept_by_the_program(
+    stored: Passphrase, data: Path, clock: _Clock
+) -> None:
     (data / passphrase.LOG).mkdir()
-    for _ in range(FREE_TRIES):
-        stored.check("wrong one")
+    try_wrong_ones(stored)
     assert stored.wait_s == 5
     clock.now += 5
     assert stored.check(RIGHT)
@@ -136,28 +125,22 @@ def test_without_a_log_the_waits_are_kept_by_the_program(data: Path, clock: _Clo
 @pytest.mark.parametrize(
     "lines", [b"\x00\xff\n{", b'{"at":"no date","result":"wrong"}\n' * 5, b"[]\n"]
 )
-def test_a_damaged_log_locks_nobody_out(lines: bytes, data: Path, clock: _Clock) -> None:
-    stored = Passphrase(data, clock)
-    stored.set(RIGHT)
+def test_a_damaged_log_locks_nobody_out(lines: bytes, stored: Passphrase, data: Path) -> None:
     (data / passphrase.LOG).write_bytes(lines)
     assert stored.check(RIGHT)
 
 
 @pytest.mark.parametrize("content", [b"", b"{}", b'{"salt":"","key":"","cost":1000000000}'])
-def test_a_damaged_passphrase_is_never_right_and_says_what_to_do(
-    content: bytes, data: Path, clock: _Clock
+def test_a_damaged_one_is_never_right_and_says_so(
+    content: bytes, stored: Passphrase, data: Path
 ) -> None:
-    data.mkdir(exist_ok=True)
     (data / passphrase.FILE).write_bytes(content)
-    stored = Passphrase(data, clock)
     assert stored.is_set
     with pytest.raises(StoreError, match="sar-tui passphrase"):
         stored.check("")
 
 
-def test_a_kept_passphrase_guards_on_when_its_file_is_removed(data: Path, clock: _Clock) -> None:
-    stored = Passphrase(data, clock)
-    stored.set(RIGHT)
+def test_a_kept_passphrase_guards_on_when_its_file_is_removed(stored: Passphrase) -> None:
     stored.keep()
     stored.remove()
     assert stored.is_set

@@ -15,9 +15,7 @@ def test_each_picture_of_a_task_has_its_hash(tmp_path: Path, keyboard: type[Task
     assert found["pictures"] == {"pictures/cat.PNG": hashlib.sha256(b"a cat").hexdigest()}
 
 
-def test_a_task_without_pictures_is_described_as_before(
-    tmp_path: Path, keyboard: type[Task]
-) -> None:
+def test_a_task_without_pictures_has_no_hashes(tmp_path: Path, keyboard: type[Task]) -> None:
     (tmp_path / "task.py").write_text("", encoding="utf-8")
     for code in (tmp_path, tmp_path / "task.py"):
         assert "pictures" not in software(keyboard, "own", code, tmp_path)["task"]

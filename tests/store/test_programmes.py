@@ -1,10 +1,10 @@
 """Programmes: settings as versions. None is ever overwritten, and none is lost."""
 
-import sqlite3
 import subprocess
 import sys
 from contextlib import closing
 from pathlib import Path
+from sqlite3 import Connection
 from typing import Any
 
 import pytest
@@ -14,21 +14,19 @@ from sar_tui.store.programmes import Programme, Superseded, find, newest, save, 
 
 
 def saved(
-    database: sqlite3.Connection, after: int, author: str = "", reason: str = "", **parameters: Any
+    database: Connection, after: int, author: str = "", reason: str = "", **parameters: Any
 ) -> Programme:
     changed = Programme(parameters)
     return save(database, "P07", "keyboard", changed, after=after, author=author, reason=reason)
 
 
-def test_a_participant_without_a_programme_has_the_defaults(database: sqlite3.Connection) -> None:
+def test_a_participant_without_a_programme_has_the_defaults(database: Connection) -> None:
     assert newest(database, "P07", "keyboard") == Programme({}, "calm", 0)
     assert versions(database, "P07", "keyboard") == []
     assert tasks(database, "P07") == []
 
 
-def test_each_version_keeps_who_changed_it_when_and_why(
-    database: sqlite3.Connection, data: Path
-) -> None:
+def test_each_version_keeps_who_changed_it_when_and_why(database: Connection, data: Path) -> None:
     first = saved(database, 0, "ana", "Start", attempts=5, levels=["fj", "dfjk"], threshold=850.5)
     second = saved(database, 1, "ben", "Goal reached four times", attempts=5, threshold=800.0)
     with closing(connect(data)) as again:
@@ -41,20 +39,18 @@ def test_each_version_keeps_who_changed_it_when_and_why(
     assert second.created_at >= first.created_at > "2000"
 
 
-def test_programmes_belong_to_a_participant_and_a_task(database: sqlite3.Connection) -> None:
+def test_programmes_belong_to_a_participant_and_a_task(database: Connection) -> None:
     saved(database, 0, attempts=5)
     assert newest(database, "P08", "keyboard") == newest(database, "P07", "reaching") == Programme()
 
 
-def test_a_programme_that_did_not_change_has_no_new_version(database: sqlite3.Connection) -> None:
+def test_a_programme_that_did_not_change_has_no_new_version(database: Connection) -> None:
     first = saved(database, 0, "ana", attempts=5)
     assert saved(database, 1, "ben", attempts=5) == first
     assert versions(database, "P07", "keyboard") == [first]
 
 
-def test_the_second_of_two_therapists_is_told_and_overwrites_nothing(
-    database: sqlite3.Connection, data: Path
-) -> None:
+def test_the_second_of_two_therapists_overwrites_nothing(database: Connection, data: Path) -> None:
     saved(database, 0, attempts=5)
     with closing(connect(data)) as other:
         theirs = saved(other, 1, "ben", "Tired", attempts=3)
@@ -66,7 +62,7 @@ def test_the_second_of_two_therapists_is_told_and_overwrites_nothing(
     assert caught.value.newest == newest(database, "P07", "keyboard") == theirs
 
 
-def test_a_version_that_does_not_exist_is_named(database: sqlite3.Connection) -> None:
+def test_a_version_that_does_not_exist_is_named(database: Connection) -> None:
     with pytest.raises(StoreError, match="The programme of P07 for keyboard has no version 4"):
         find(database, "P07", "keyboard", 4)
 

@@ -5,12 +5,12 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from sar_tui.store import sessions
 from sar_tui.store.database import FILE, StoreError, connect, connect_to_read
+from tests.store.test_sessions import enter
 
 REFUSED = "cannot be written to|is read-only|may you write to it"
 """Pattern of the messages: the system refuses the owner of the files and anybody else at different
@@ -39,19 +39,9 @@ def archive() -> Iterator[Path]:
     """
     user = os.geteuid()
     with tempfile.TemporaryDirectory() as name:
-        top = Path(name)
-        folder = top / "data"
-        database = connect(folder)
-        facts: Any = {
-            "theme": "calm",
-            "seed": 1,
-            "parameters": {},
-            "software": {},
-            "machine": {},
-            "mode": "live",
-        }
-        sessions.create(database, "s1", task="keyboard", participant="P01", **facts)
-        database.close()
+        top, folder = Path(name), Path(name) / "data"
+        with closing(connect(folder)) as database:
+            enter(database)
         (folder / "locks").mkdir(mode=0o700)
         for path in (top, folder, folder / "locks"):
             path.chmod(0o555)
@@ -68,9 +58,8 @@ def archive() -> Iterator[Path]:
 
 def test_the_sessions_of_a_folder_that_is_read_only_are_listed(archive: Path) -> None:
     with closing(connect_to_read(archive)) as database:
-        assert [(row["id"], row["status"]) for row in sessions.listing(database, archive)] == [
-            ("s1", "interrupted")
-        ]
+        (row,) = sessions.listing(database, archive)
+        assert (row["task"], row["status"]) == ("keyboard", "interrupted")
     with pytest.raises(StoreError, match=REFUSED):
         connect(archive)
 

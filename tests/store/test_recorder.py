@@ -2,8 +2,9 @@
 
 import sqlite3
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from sqlite3 import Connection
 from typing import Any
 
 import msgspec
@@ -27,7 +28,6 @@ from sar_tui.model.messages import (
 from sar_tui.model.units import SECOND
 from sar_tui.outputs.node import OutputNode
 from sar_tui.outputs.output import Output, Report
-from sar_tui.plugins import Catalogue
 from sar_tui.rules.parameters import build
 from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
@@ -37,20 +37,14 @@ from sar_tui.store.messages import numbers
 from sar_tui.store.recorder import GROUP, Recorder
 from sar_tui.store.tables import ATTEMPTS, TRIALS, Table
 from tests.outputs.fake_outputs import FakeOutput, Speaker
+from tests.played import catalogue
+from tests.store.by_hand import sql, value
+from tests.store.test_sessions import enter
 
 A_TRIAL = TrialEnded(
-    attempt=1,
-    trial=1,
-    stimulus="f",
-    response="f",
-    correct=True,
-    onset=0,
-    response_at=1,
-    reaction_time_ms=1.0,
-    value=1.0,
-    timing=Timing("virtual", 0.0, 0.0, 0, 1, 0.0, ()),
-    details={},
-)
+    attempt=1, trial=1, stimulus="f", response="f", correct=True, onset=0, response_at=1,
+    reaction_time_ms=1.0, value=1.0, timing=Timing("virtual", 0.0, 0.0, 0, 1, 0.0, ()), details={},
+)  # fmt: skip
 
 
 class Recorded:
@@ -59,44 +53,22 @@ class Recorded:
     """
 
     def __init__(
-        self,
-        data: Path,
-        *,
-        inline: bool = True,
-        seed: int = 3,
-        speech: Output | None = None,
-        robot: Output | None = None,
+        self, data: Path, *, inline: bool = True, seed: int = 3, outputs: Sequence[Output] = (),
         **parameters: Any,
-    ) -> None:
-        catalogue = Catalogue()
-        kind = catalogue.task("keyboard")
-        task: Task = kind(
-            build(kind.Parameters, {"attempts": 2, "prompts_per_attempt": 3, **parameters})
-        )
+    ) -> None:  # fmt: skip
+        theme, kind = catalogue().theme("calm"), catalogue().task("keyboard")
+        settings = {"attempts": 2, "prompts_per_attempt": 3, **parameters}
+        task: Task = kind(build(kind.Parameters, settings))
         extra: list[Node] = [SimulatedParticipant(PEOPLE["average"], task, seed)]
-        theme = catalogue.theme("calm")
-        extra += [OutputNode(output, output.name, theme) for output in (speech, robot) if output]
+        extra += [OutputNode(output, output.name, theme) for output in outputs]
         self.clock = VirtualClock()
         self.session = Session(task, theme, self.clock, seed, extra)
-        self.database = connect(data)
-        self.id = sessions.new_id()
-        sessions.create(
-            self.database,
-            self.id,
-            task="keyboard",
-            theme="calm",
-            participant="P01",
-            seed=seed,
-            parameters=task.parameters,
-            software={},
-            machine={},
-            mode="live",
-        )
+        self.database, self.reader = connect(data), connect(data)
+        self.id = enter(self.database, seed=seed, parameters=task.parameters)
         sessions.begin_run(self.database, self.id, software={}, machine={})
         self.recorder = Recorder(self.database, self.id, 1, self.session.bus, inline=inline)
         self.records: list[Record] = []
         self.session.bus.tap(self.records.extend)
-        self.reader = connect(data)
 
     def step(self) -> bool:
         return not self.session.ended and self.clock.step()
@@ -104,6 +76,13 @@ class Recorded:
     def finish(self) -> "Recorded":
         while self.step():
             pass
+        return self
+
+    def play(self) -> "Recorded":
+        """Play the whole session, and store it."""
+        self.session.begin()
+        self.finish()
+        self.recorder.write()
         return self
 
     def until(self, is_so: Callable[[], object]) -> None:
@@ -116,12 +95,16 @@ class Recorded:
         thread.start()
         thread.join()
 
+    def write_and_hear(self) -> None:
+        """Write in another thread, and take what it tells."""
+        self.write_on_a_thread()
+        self.clock.advance(0)
+
     def take_first_number(self) -> None:
         """Store a message with the number of the first."""
         here = numbers(self.reader, self.id)
-        self.reader.execute(
-            "INSERT INTO messages VALUES (?,1,1,0,?,'[]')", (here.session, here.topics["input/key"])
-        )
+        topic = here.topics["input/key"]
+        sql(self.reader, "INSERT INTO messages VALUES (?,1,1,0,?,'[]')", here.session, topic)
 
     def all(self, topic: Any) -> list[Any]:
         return [record.message for record in self.records if record.topic is topic]
@@ -129,11 +112,17 @@ class Recorded:
     def stored(self, table: str) -> list[Any]:
         """Return what another program sees in the database."""
         order = "seq" if table == "events" else "rowid"
-        return list(
-            Database(self.reader).query(
-                f"SELECT * FROM {table} WHERE session=? ORDER BY {order}", [self.id]
-            )
-        )
+        query = f"SELECT * FROM {table} WHERE session=? ORDER BY {order}"
+        return list(Database(self.reader).query(query, [self.id]))
+
+    @property
+    def trials(self) -> list[tuple[int, int]]:
+        """Attempts and trials that are stored."""
+        return [(row["attempt"], row["trial"]) for row in self.stored("trials")]
+
+    @property
+    def actions(self) -> list[dict[str, Any]]:
+        return sessions.rows(self.reader, "actions", self.id)
 
     @property
     def history(self) -> list[Record]:
@@ -141,43 +130,31 @@ class Recorded:
 
 
 def test_a_whole_session_is_in_the_tables_as_it_was_on_the_bus(data: Path) -> None:
-    recorded = Recorded(data)
-    recorded.session.begin()
-    recorded.finish()
-    recorded.recorder.write()
+    recorded = Recorded(data).play()
     assert recorded.history == recorded.records
     assert recorded.recorder.pending == 0
-    runs = {
-        row["run"] for table in ("events", "trials", "attempts") for row in recorded.stored(table)
-    }
-    assert runs == {1}
-    (row,) = Database(recorded.reader).query("SELECT status, ended_at FROM sessions")
-    assert (row["status"], row["ended_at"] is not None) == ("completed", True)
+    tables = ("events", "trials", "attempts")
+    assert {row["run"] for table in tables for row in recorded.stored(table)} == {1}
+    ((status, ended),) = sql(data, "SELECT status, ended_at FROM sessions")
+    assert (status, ended is not None) == ("completed", True)
 
 
 @pytest.mark.parametrize(("table", "topic"), [(TRIALS, TRIAL), (ATTEMPTS, ATTEMPT_ENDED)])
 def test_a_row_has_the_fields_of_its_message(data: Path, table: Table, topic: Topic[Any]) -> None:
-    recorded = Recorded(data)
-    recorded.session.begin()
-    recorded.finish()
+    recorded = Recorded(data).play()
     rows = sessions.rows(recorded.reader, table.name, recorded.id)  # type: ignore[arg-type]
     columns = [column for column in table.columns if column.name not in ("session", "run")]
     for row, message in zip(rows, recorded.all(topic), strict=True):
         fields = msgspec.json.decode(msgspec.json.encode(message))
-        assert [row[column.name] for column in columns] == [
-            fields[column.field or column.name] for column in columns
-        ]
+        for column in columns:
+            assert row[column.name] == fields[column.field or column.name], column.name
 
 
 def test_an_action_has_its_proposal_its_decision_and_each_moment(data: Path) -> None:
-    recorded = Recorded(data)
-    recorded.session.begin()
-    recorded.finish()
-    recorded.recorder.write()
-    rows = sessions.rows(recorded.reader, "actions", recorded.id)
+    recorded = Recorded(data).play()
     kinds = ["greeting", "instruction", "feedback", "feedback", "goodbye"]
-    assert [row["kind"] for row in rows] == kinds
-    for row, action in zip(rows, recorded.all(ACTION), strict=True):
+    assert [row["kind"] for row in recorded.actions] == kinds
+    for row, action in zip(recorded.actions, recorded.all(ACTION), strict=True):
         assert row["final"] == msgspec.to_builtins(action)
         assert row["proposed"]["text"] == row["final"]["text"]
         assert (row["decision"], row["actor"]) == ("accepted", "agent")
@@ -185,44 +162,36 @@ def test_an_action_has_its_proposal_its_decision_and_each_moment(data: Path) -> 
 
 
 def test_a_dropped_action_is_stored_with_who_dropped_it(data: Path) -> None:
-    speech = Speaker(60_000)
-    recorded = Recorded(data, speech=speech)
+    recorded = Recorded(data, outputs=[Speaker(60_000)])
     recorded.session.begin()
     recorded.clock.advance(SECOND)
-    stopped_at = recorded.clock.now()
-    recorded.session.bus.publish(COMMAND, SessionCommand(command="stop", at=stopped_at))
+    at = recorded.clock.now()
+    recorded.session.bus.publish(COMMAND, SessionCommand(command="stop", at=at))
     recorded.finish()
     recorded.recorder.write()
-    rows = {row["kind"]: row for row in sessions.rows(recorded.reader, "actions", recorded.id)}
-    greeting, instruction = rows["greeting"], rows["instruction"]
-    assert (greeting["decision"], greeting["started_ns"], greeting["ended_ns"]) == (
-        "accepted",
-        0,
-        stopped_at,
-    )
-    assert (instruction["decision"], instruction["actor"], instruction["final"]) == (
+    greeting, instruction = recorded.actions[:2]
+    names = ("kind", "decision", "started_ns", "ended_ns")
+    assert [greeting[name] for name in names] == ["greeting", "accepted", 0, at]
+    names = ("kind", "decision", "actor", "final", "decided_ns", "started_ns")
+    assert [instruction[name] for name in names] == [
+        "instruction",
         "dropped",
         "stop",
         None,
-    )
-    assert (instruction["decided_ns"], instruction["started_ns"]) == (stopped_at, None)
+        at,
+        None,
+    ]
     assert instruction["proposed"]["spoken"] == recorded.session.task.instructions()
 
 
 def test_an_utterance_that_is_too_late_is_dropped_by_the_agent(data: Path) -> None:
-    recorded = Recorded(data, speech=Speaker(5000))
-    recorded.session.begin()
-    recorded.finish()
-    recorded.recorder.write()
-    rows = {row["kind"]: row for row in sessions.rows(recorded.reader, "actions", recorded.id)}
-    assert (rows["instruction"]["decision"], rows["instruction"]["actor"]) == ("dropped", "agent")
+    _, row, *_ = Recorded(data, outputs=[Speaker(5000)]).play().actions
+    assert (row["kind"], row["decision"], row["actor"]) == ("instruction", "dropped", "agent")
 
 
-def test_an_action_begins_with_its_first_part_and_ends_with_its_last_in_any_order_of_the_reports(
-    data: Path,
-) -> None:
+def test_an_action_lasts_from_its_first_part_to_its_last_in_any_order(data: Path) -> None:
     robot = FakeOutput("robot", frozenset({"say"}))
-    recorded = Recorded(data, speech=Speaker(2000), robot=robot)
+    recorded = Recorded(data, outputs=[Speaker(2000), robot])
     recorded.session.begin()
     recorded.clock.advance(SECOND // 2)
     robot.report("a1", "say", "started")
@@ -230,11 +199,10 @@ def test_an_action_begins_with_its_first_part_and_ends_with_its_last_in_any_orde
     robot._send_report(Report("a1", "say", "done", SECOND))
     recorded.clock.advance(0)
     recorded.recorder.write()
-    greeting = sessions.rows(recorded.reader, "actions", recorded.id)[0]
-    assert (greeting["started_ns"], greeting["ended_ns"]) == (0, 2 * SECOND)
+    assert [recorded.actions[0][f"{end}_ns"] for end in ("started", "ended")] == [0, 2 * SECOND]
 
 
-def test_on_a_virtual_clock_each_trial_is_acknowledged_at_once_and_many_are_one_transaction(
+def test_on_a_virtual_clock_trials_are_acknowledged_at_once_and_written_together(
     data: Path,
 ) -> None:
     recorded = Recorded(data, attempts=12, prompts_per_attempt=20)
@@ -246,7 +214,7 @@ def test_on_a_virtual_clock_each_trial_is_acknowledged_at_once_and_many_are_one_
     recorded.finish()
     trials = [(attempt, trial) for attempt in range(1, 13) for trial in range(1, 21)]
     assert [(stored.attempt, stored.trial) for stored in recorded.all(STORED)] == trials
-    assert [(row["attempt"], row["trial"]) for row in recorded.stored("trials")] == trials
+    assert recorded.trials == trials
     assert statements.count("COMMIT") == 1 + len(recorded.records) // GROUP == 2
     recorded.recorder.write()
     assert recorded.history == recorded.records
@@ -258,24 +226,18 @@ def test_the_messages_do_not_depend_on_how_many_are_written_at_a_time(
     histories = []
     for group in (1, 7, 2000):
         monkeypatch.setattr("sar_tui.store.recorder.GROUP", group)
-        recorded = Recorded(tmp_path / str(group))
-        recorded.session.begin()
-        recorded.finish()
-        recorded.recorder.write()
-        histories.append(recorded.history)
+        histories.append(Recorded(tmp_path / str(group)).play().history)
     assert histories[0] == histories[1] == histories[2]
 
 
-def test_on_a_thread_nothing_is_written_until_it_runs_and_then_the_trial_is_acknowledged(
-    data: Path,
-) -> None:
+def test_on_a_thread_a_trial_is_acknowledged_once_it_was_written(data: Path) -> None:
     recorded = Recorded(data, inline=False)
     recorded.session.begin()
     recorded.until(lambda: recorded.all(TRIAL))
     assert recorded.stored("events") == []
     recorded.until(lambda: recorded.all(WAITING)[-1].what == "storage")
     recorded.write_on_a_thread()
-    assert [(row["attempt"], row["trial"]) for row in recorded.stored("trials")] == [(1, 1)]
+    assert recorded.trials == [(1, 1)]
     assert recorded.all(STORED) == []
     recorded.until(lambda: recorded.all(STORED))
     assert recorded.all(STORED) == [Stored(attempt=1, trial=1)]
@@ -300,12 +262,12 @@ def test_a_stopped_thread_writes_the_remaining_messages_and_ends(data: Path) -> 
 
 def fill(recorded: Recorded) -> None:
     """Fill the disk: the database can no longer grow."""
-    (pages,) = recorded.database.execute("PRAGMA page_count").fetchone()
-    recorded.database.execute(f"PRAGMA max_page_count={pages}")
+    pages = value(recorded.database, "PRAGMA page_count")
+    sql(recorded.database, f"PRAGMA max_page_count={pages}")
 
 
 def make_room(recorded: Recorded) -> None:
-    recorded.database.execute("PRAGMA max_page_count=1000000")
+    sql(recorded.database, "PRAGMA max_page_count=1000000")
 
 
 def test_on_a_full_disk_only_stored_trials_are_acknowledged_and_later_all(data: Path) -> None:
@@ -314,9 +276,7 @@ def test_on_a_full_disk_only_stored_trials_are_acknowledged_and_later_all(data: 
 
     def check(stored: Stored) -> None:
         acknowledged.append((stored.attempt, stored.trial))
-        assert acknowledged[-1] in {
-            (row["attempt"], row["trial"]) for row in recorded.stored("trials")
-        }
+        assert acknowledged[-1] in recorded.trials
 
     recorded.session.bus.subscribe(STORED, check)
     recorded.session.begin()
@@ -324,91 +284,72 @@ def test_on_a_full_disk_only_stored_trials_are_acknowledged_and_later_all(data: 
     while not recorded.all(STORAGE):
         before = len(recorded.all(WAITING))
         recorded.until(lambda before=before: len(recorded.all(WAITING)) > before)
-        recorded.write_on_a_thread()
-        recorded.clock.advance(0)
-        there = {(row["attempt"], row["trial"]) for row in recorded.stored("trials")}
-        assert set(acknowledged) <= there
+        recorded.write_and_hear()
+        assert set(acknowledged) <= set(recorded.trials)
     (refusal,) = recorded.all(STORAGE)
     assert not refusal.working
     assert "The disk is full" in refusal.reason
     waiting = recorded.all(WAITING)[-1]
     assert (waiting.stage, waiting.reason) == ("paused", "storage")
-    before = len(recorded.stored("trials"))
+    there = recorded.trials
     for _ in range(3):
-        recorded.write_on_a_thread()
-        recorded.clock.advance(0)
+        recorded.write_and_hear()
     assert len(recorded.all(STORAGE)) == 1
     assert recorded.recorder.pending > 0
-    assert len(recorded.stored("trials")) == before
+    assert recorded.trials == there
 
     make_room(recorded)
-    recorded.write_on_a_thread()
-    recorded.clock.advance(0)
+    recorded.write_and_hear()
     assert [storage.working for storage in recorded.all(STORAGE)] == [False, True]
     assert recorded.all(WAITING)[-1].reason == "restored"
     while not recorded.session.ended:
         assert recorded.step()
         if recorded.all(WAITING)[-1].what == "storage":
-            recorded.write_on_a_thread()
-            recorded.clock.advance(0)
+            recorded.write_and_hear()
     recorded.write_on_a_thread()
     assert len(recorded.all(STORAGE)) == 2
     assert acknowledged == [(attempt, trial) for attempt in (1, 2, 3) for trial in range(1, 21)]
     assert recorded.history == recorded.records
-    assert [(row["attempt"], row["trial"]) for row in recorded.stored("trials")] == acknowledged
+    assert recorded.trials == acknowledged
     assert recorded.session.faults == []
 
 
 def test_a_recorder_of_its_own_keeps_few_pages_in_memory(data: Path) -> None:
-    recorded = Recorded(data, inline=False)
-    assert recorded.database.execute("PRAGMA cache_size").fetchone() == (-256,)
+    assert value(Recorded(data, inline=False).database, "PRAGMA cache_size") == -256
 
 
-def test_another_error_than_a_full_disk_is_reported_and_everything_is_stored(data: Path) -> None:
-    recorded = Recorded(data, inline=False)
-    recorded.session.begin()
-    recorded.take_first_number()
-    for _ in range(3):
-        recorded.write_on_a_thread()
-        recorded.clock.advance(0)
-    (refusal,) = recorded.all(STORAGE)
-    assert not refusal.working
-    assert "UNIQUE constraint failed: messages.session_number, messages.seq" in refusal.reason
-    assert "full" not in refusal.reason
-    assert recorded.recorder.pending > 0
-    recorded.reader.execute("DELETE FROM messages")
-    recorded.write_on_a_thread()
-    recorded.clock.advance(0)
-    assert [storage.working for storage in recorded.all(STORAGE)] == [False, True]
-
-
-def test_a_second_error_of_another_kind_is_reported_too(data: Path) -> None:
-    recorded = Recorded(data, inline=False)
-    recorded.session.begin()
-    recorded.database.execute("PRAGMA query_only=1")
-    recorded.write_on_a_thread()
-    recorded.database.execute("PRAGMA query_only=0")
-    recorded.take_first_number()
-    recorded.write_on_a_thread()
-    recorded.clock.advance(0)
-    first, second = [storage.reason for storage in recorded.all(STORAGE)]
-    assert "is read-only" in first
-    assert "UNIQUE constraint failed" in second
-
-
-@pytest.mark.parametrize(("value", "why"), [(object(), "TypeError"), (2**70, "OverflowError")])
-def test_a_message_that_cannot_be_written_down_does_not_end_the_thread(
-    data: Path, value: Any, why: str
+def test_other_errors_than_a_full_disk_are_reported_each_and_everything_is_stored(
+    data: Path,
 ) -> None:
     recorded = Recorded(data, inline=False)
     recorded.session.begin()
-    trial = msgspec.structs.replace(
-        A_TRIAL, **({"details": {"odd": value}} if why == "TypeError" else {"onset": value})
-    )
-    recorded.recorder([Record(1000, 0, TRIAL, trial)])
+    sql(recorded.database, "PRAGMA query_only=1")
+    recorded.write_and_hear()
+    sql(recorded.database, "PRAGMA query_only=0")
+    recorded.take_first_number()
+    for _ in range(3):
+        recorded.write_and_hear()
+    first, second = recorded.all(STORAGE)
+    assert (first.working, second.working) == (False, False)
+    assert "is read-only" in first.reason
+    assert "UNIQUE constraint failed: messages.session_number, messages.seq" in second.reason
+    assert "full" not in second.reason
+    assert recorded.recorder.pending > 0
+    sql(recorded.reader, "DELETE FROM messages")
+    recorded.write_and_hear()
+    assert recorded.all(STORAGE)[-1].working
+
+
+@pytest.mark.parametrize(
+    ("odd", "why"),
+    [({"details": {"odd": object()}}, "TypeError"), ({"onset": 2**70}, "OverflowError")],
+)
+def test_a_message_that_cannot_be_written_ends_no_thread(data: Path, odd: Any, why: str) -> None:
+    recorded = Recorded(data, inline=False)
+    recorded.session.begin()
+    recorded.recorder([Record(1000, 0, TRIAL, msgspec.structs.replace(A_TRIAL, **odd))])
     for _ in range(2):
-        recorded.write_on_a_thread()
-        recorded.clock.advance(0)
+        recorded.write_and_hear()
     (refusal,) = recorded.all(STORAGE)
     assert f"cannot be stored ({why}: " in refusal.reason
     assert recorded.recorder.pending > 0
@@ -426,29 +367,13 @@ def test_on_a_virtual_clock_a_full_disk_raises_and_everything_before_it_is_kept(
     recorded.session.begin()
     with pytest.raises(StoreError, match="The disk is full"):
         recorded.finish()
-    stored = [(row["attempt"], row["trial"]) for row in recorded.stored("trials")]
-    assert stored == [(trial.attempt, trial.trial) for trial in recorded.all(TRIAL)][: len(stored)]
-    pending = recorded.recorder.pending
-    assert pending > 0
+    done = [(trial.attempt, trial.trial) for trial in recorded.all(TRIAL)]
+    assert recorded.trials == done[: len(recorded.trials)]
+    assert recorded.recorder.pending > 0
     make_room(recorded)
     recorded.recorder.write()
     assert recorded.recorder.pending == 0
     assert recorded.history[: len(recorded.records)] == recorded.records
-
-
-def test_two_programs_on_one_database_are_both_whole(data: Path) -> None:
-    one, other = Recorded(data, seed=1), Recorded(data, seed=2)
-    for recorded in (one, other):
-        recorded.session.begin()
-    going = [one, other]
-    while going:
-        going = [recorded for recorded in going if recorded.step()]
-    for recorded in (one, other):
-        recorded.recorder.write()
-        assert recorded.history == recorded.records
-        assert len(recorded.stored("trials")) == 6
-    assert one.history != other.history
-    assert one.database.execute("PRAGMA integrity_check").fetchone() == ("ok",)
 
 
 def test_two_threads_on_one_database_are_both_whole(data: Path) -> None:
@@ -457,10 +382,8 @@ def test_two_threads_on_one_database_are_both_whole(data: Path) -> None:
     for recorded in pair:
         recorded.session.begin()
     while not all(recorded.session.ended for recorded in pair):
-        for recorded in pair:
-            recorded.until(
-                lambda r=recorded: r.session.ended or r.all(WAITING)[-1].what == "storage"
-            )
+        for each in pair:
+            each.until(lambda r=each: r.session.ended or r.all(WAITING)[-1].what == "storage")
         threads = [threading.Thread(target=recorded.recorder.try_write) for recorded in pair]
         for thread in threads:
             thread.start()
@@ -472,13 +395,14 @@ def test_two_threads_on_one_database_are_both_whole(data: Path) -> None:
         recorded.recorder.write()
         assert recorded.history == recorded.records
         assert len(recorded.stored("trials")) == 6
+    assert pair[0].history != pair[1].history
+    assert value(data, "PRAGMA integrity_check") == "ok"
 
 
-def test_streams_are_not_written_as_events(database: sqlite3.Connection) -> None:
+def test_streams_are_not_written_as_events(database: Connection) -> None:
     bus = Bus(VirtualClock())
     recorder = Recorder(database, "s", 1, bus, inline=True)
-    bus.publish(
-        Topic("imu/sample", KeyPressed, origin="input", stream=True), KeyPressed(key="x", at=0)
-    )
+    topic = Topic("imu/sample", KeyPressed, origin="input", stream=True)
+    bus.publish(topic, KeyPressed(key="x", at=0))
     recorder.write()
-    assert list(Database(database)["events"].rows) == []
+    assert sql(database, "SELECT * FROM events") == []

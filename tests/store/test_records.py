@@ -1,10 +1,10 @@
 """Records are kept with all their versions, and belong to a person, a day or a session."""
 
 import random
-import sqlite3
 from contextlib import closing
 from datetime import UTC, date, datetime
 from pathlib import Path
+from sqlite3 import Connection
 
 import pytest
 
@@ -20,39 +20,25 @@ from sar_tui.store.database import StoreError, connect
 from sar_tui.store.integrity import flaws
 from sar_tui.store.rescue import copy_session
 from tests.recorded import event, score, told
-
-FACTS = {"theme": "calm", "seed": 1, "parameters": {}, "software": {}, "machine": {}}
+from tests.store.by_hand import sql
 
 
 @pytest.fixture(autouse=True)
-def a_participant(database: sqlite3.Connection) -> None:
+def a_participant(database: Connection) -> None:
     participants.add(database, "P01")
 
 
-def new_session(
-    database: sqlite3.Connection, name: str, participant: str = "P01", partner: str = ""
-) -> None:
-    participants.add(database, participant)
+def new_session(database: Connection, name: str, code: str = "P01", partner: str = "") -> None:
+    participants.add(database, code)
     sessions.create(
-        database,
-        name,
-        task="keyboard",
-        participant=participant,
-        partner=partner,
-        mode="live",
-        **FACTS,
-    )  # type: ignore[arg-type]
+        database, name, task="keyboard", participant=code, partner=partner, mode="live",
+        theme="calm", seed=1, parameters={}, software={}, machine={},
+    )  # fmt: skip
 
 
-# --- versions
-
-
-def test_a_correction_adds_a_version_and_keeps_the_ones_before(
-    database: sqlite3.Connection,
-) -> None:
-    first = event(
-        database, "p01", "2026-03-01T14:30", what=" Cramp ", severity="Mild", author="ana"
-    )
+def test_a_correction_adds_a_version_and_keeps_others(database: Connection) -> None:
+    given = {"what": " Cramp ", "severity": "Mild", "author": "ana"}
+    first = event(database, "p01", "2026-03-01T14:30", **given)
     assert (first.at, first.content) == ("2026-03-01 14:30", {"what": "Cramp", "severity": "mild"})
     second = records.correct(database, first.id, {"outcome": "Gone"}, author="ben")
     assert second.content == {**first.content, "outcome": "Gone"}
@@ -61,7 +47,16 @@ def test_a_correction_adds_a_version_and_keeps_the_ones_before(
     assert [(one.version, one.recorded_by) for one in versions] == [(1, "ana"), (2, "ben")]
 
 
-def test_of_a_score_the_last_entry_of_a_day_counts(database: sqlite3.Connection) -> None:
+def test_a_new_record_never_gets_the_id_of_another(
+    database: Connection, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn = iter(["aaaaaa", "aaaaaa", "bbbbbb"])
+    monkeypatch.setattr("secrets.token_hex", lambda _: next(drawn))
+    for id in ("aaaaaa", "bbbbbb"):
+        assert event(database, "P01", "2026-03-01", what="Fell", severity="mild").id == id
+
+
+def test_of_a_score_the_last_entry_of_a_day_counts(database: Connection) -> None:
     for value in (30, 31):
         last = score(database, "P01", "arat", "2026-03-01", value)
     score(database, "P01", "arat", "2026-04-01", 32)
@@ -71,9 +66,7 @@ def test_of_a_score_the_last_entry_of_a_day_counts(database: sqlite3.Connection)
     assert records.listing(database, participant="P02") == []
 
 
-def test_what_was_entered_by_mistake_counts_no_longer_and_can_be_entered_anew(
-    database: sqlite3.Connection,
-) -> None:
+def test_what_was_entered_by_mistake_can_be_entered_anew(database: Connection) -> None:
     entered = score(database, "P01", "ARAT", "2026-03-01", 30)
     records.correct(database, entered.id, {}, removed=True, author="ben")
     assert records.listing(database) == []
@@ -82,7 +75,7 @@ def test_what_was_entered_by_mistake_counts_no_longer_and_can_be_entered_anew(
     assert [one.content["score"] for one in records.listing(database)] == [31]
 
 
-def test_what_cannot_be_corrected_is_refused(database: sqlite3.Connection) -> None:
+def test_what_cannot_be_corrected_is_refused(database: Connection) -> None:
     entered = event(database, "P01", "2026-03-01", what="Fell", severity="mild")
     new_session(database, "abc")
     database.execute(records.PAUSES, ("abc-7", "abc", "A", "pain", records.now()))
@@ -107,42 +100,31 @@ def test_what_cannot_be_corrected_is_refused(database: sqlite3.Connection) -> No
         ("adverse-event", "9999-01-01", "Onset 9999-01-01 is in the future."),
     ],
 )
-def test_a_date_that_cannot_be_is_refused(
-    database: sqlite3.Connection, kind: str, at: str, says: str
-) -> None:
+def test_an_impossible_date_is_refused(database: Connection, kind: str, at: str, says: str) -> None:
     with pytest.raises(StoreError, match=says):
         records.add(database, find(kind), "P01", at, {"score": 1} if kind == "ARAT" else {})
     assert records.listing(database) == []
 
 
-# --- sessions
-
-
-@pytest.mark.parametrize(
-    ("onset", "session"),
-    [
-        ("2026-03-01 10:00", "abc"),
-        ("2026-03-01 10:20", "abc"),
-        ("2026-03-01 10:21", None),
-        ("2026-03-01 09:59", None),
-        ("2026-03-01", None),
-    ],
-)
-def test_an_event_with_a_time_belongs_to_the_session_under_way(
-    database: sqlite3.Connection, onset: str, session: str | None
-) -> None:
+def test_an_event_with_a_time_belongs_to_the_session_under_way(database: Connection) -> None:
     new_session(database, "abc")
-    began, ended = (
-        datetime.fromisoformat(f"2026-03-01 {at}").astimezone().astimezone(UTC).isoformat()
-        for at in ("10:00:30", "10:20:30")
-    )
-    database.execute("UPDATE sessions SET started_at=?, ended_at=?", (began, ended))
-    entered = event(database, "P01", onset, what="Fell", severity="mild")
-    assert entered.session == session
-    assert records.session_at(database, "P02", onset) is None
+    times = (datetime.fromisoformat(f"2026-03-01 {at}") for at in ("10:00:30", "10:20:30"))
+    stamps = [time.astimezone().astimezone(UTC).isoformat() for time in times]
+    sql(database, "UPDATE sessions SET started_at=?, ended_at=?", *stamps)
+    for time, session in (
+        (" 10:00", "abc"),
+        (" 10:20", "abc"),
+        (" 10:21", None),
+        (" 09:59", None),
+        ("", None),
+    ):
+        onset = f"2026-03-01{time}"
+        entered = event(database, "P01", onset, what="Fell", severity="mild")
+        assert entered.session == session, onset
+        assert records.session_at(database, "P02", onset) is None
 
 
-def test_answers_before_a_session_belong_to_it_once_it_begins(database: sqlite3.Connection) -> None:
+def test_answers_before_a_session_belong_to_it_once_it_begins(database: Connection) -> None:
     told(database, "P01", "before", "pain", "8")
     since = records.now()
     told(database, "P01", "before", "pain", "2")
@@ -154,9 +136,7 @@ def test_answers_before_a_session_belong_to_it_once_it_begins(database: sqlite3.
     assert [one.session for one in wellbeing.of_participant(database, "P02")] == [None]
 
 
-def test_a_copied_session_keeps_the_answers_that_the_target_has(
-    database: sqlite3.Connection, tmp_path: Path
-) -> None:
+def test_a_copied_session_keeps_answers_of_the_target(database: Connection, tmp_path: Path) -> None:
     with closing(connect(tmp_path / "other")) as other:
         for each in (database, other):
             new_session(each, "abc")
@@ -168,18 +148,13 @@ def test_a_copied_session_keeps_the_answers_that_the_target_has(
     assert sorted(one.content["rating"] for one in known) == [2, 3]
 
 
-def test_what_a_new_participant_says_before_a_session_that_does_not_begin_is_whole(
-    database: sqlite3.Connection,
-) -> None:
+def test_answers_before_a_session_that_does_not_begin_are_whole(database: Connection) -> None:
     told(database, "P09", "before", "pain", "9")
     assert list(flaws(database)) == []
     assert participants.codes(database) == ["P01", "P09"]
 
 
-# --- pain and tiredness
-
-
-def test_ratings_are_the_last_answers_of_each_seat(database: sqlite3.Connection) -> None:
+def test_ratings_are_the_last_answers_of_each_seat(database: Connection) -> None:
     new_session(database, "abc", partner="P02")
     for answer in ("4", "5"):
         told(database, "P01", "before", "pain", answer, session="abc")
@@ -191,13 +166,13 @@ def test_ratings_are_the_last_answers_of_each_seat(database: sqlite3.Connection)
     assert wellbeing.history(database, "P02") == [SessionRatings(fatigue_after=10)]
 
 
-def test_sessions_without_an_answer_are_known_without_ratings(database: sqlite3.Connection) -> None:
+def test_sessions_without_an_answer_are_known_without_ratings(database: Connection) -> None:
     new_session(database, "abc")
     assert wellbeing.of_session(database, "abc") == []
     assert wellbeing.history(database, "P01") == [SessionRatings()]
 
 
-def rated(database: sqlite3.Connection, participant: str, answers: list[tuple[str, str]]) -> None:
+def rated(database: Connection, participant: str, answers: list[tuple[str, str]]) -> None:
     """Store a session for each pain before and tiredness after it; an empty answer was not
     asked.
     """
@@ -209,26 +184,21 @@ def rated(database: sqlite3.Connection, participant: str, answers: list[tuple[st
             told(database, participant, "after", "tiredness", tired, session=session)
 
 
-def test_the_newest_ratings_tell_the_therapist_what_all_of_them_do(
-    database: sqlite3.Connection,
-) -> None:
+def test_the_newest_ratings_tell_what_all_of_them_do(database: Connection) -> None:
     rng = random.Random(7)
-    reasons = []
+    reasons: set[str] = set()
     for number in range(20):
-        answers = [
-            (rng.choice(["", "", "0", "1", "2", "7"]), rng.choice(["", "", "6", "8"]))
-            for _ in range(24)
-        ]
-        code = f"P{number}"
-        rated(database, code, answers)
-        reasons.append(tell_therapist(wellbeing.history(database, code)))
-        newest = tell_therapist(wellbeing.newest_ratings(database, code))
-        assert newest == reasons[-1], answers
-    assert {"stop", "tired"} <= {reason for each in reasons for reason in each}
+        pains, tired = ["", "", "0", "1", "2", "7"], ["", "", "6", "8"]
+        answers = [(rng.choice(pains), rng.choice(tired)) for _ in range(24)]
+        rated(database, code := f"P{number}", answers)
+        told_by_all = tell_therapist(wellbeing.history(database, code))
+        assert tell_therapist(wellbeing.newest_ratings(database, code)) == told_by_all, answers
+        reasons |= set(told_by_all)
+    assert {"stop", "tired"} <= reasons
 
 
 def test_pain_over_sessions_far_apart_is_told_in_the_same_words_everywhere(
-    database: sqlite3.Connection, tmp_path: Path, catalogue: Catalogue, keyboard: type[Task]
+    database: Connection, tmp_path: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     rated(database, "P01", [("0", "2"), *[("2", "")] * 3, *[("", "")] * 12, ("3", "")])
     card = read_card(database, tmp_path, catalogue, "P01", keyboard, date(2026, 3, 1))

@@ -4,7 +4,6 @@ brought back.
 
 import os
 import shutil
-import sqlite3
 import stat
 from collections.abc import Callable
 from contextlib import closing, suppress
@@ -22,13 +21,18 @@ from sar_tui.store.database import (
     StoreError,
     connect,
     open_file,
-    transaction,
 )
 from sar_tui.store.integrity import flaws
 from sar_tui.store.programmes import Programme
 from sar_tui.store.rescue import bring_back, rescue_files
 from sar_tui.store.safeguard import Safeguard
+from tests.store.by_hand import sql
 from tests.store.test_recorder import Recorded
+
+
+def refuse(*_: object) -> Any:
+    raise StoreError("The disk is full.", temporary=True)
+
 
 pytestmark = pytest.mark.skipif(
     os.name != "posix", reason="Windows does not remove a file that is open"
@@ -65,91 +69,95 @@ class Safe(Recorded):
     test.
     """
 
-    def __init__(self, data: Path, **parameters: Any) -> None:
+    def __init__(self, data: Path, trials: int = 0, **parameters: Any) -> None:
         super().__init__(data, inline=False, attempts=2, prompts_per_attempt=3, **parameters)
         self.data = data
         self.safeguard = self.recorder.safeguard = Safeguard(data, self.id, self.database)
         self.session.begin()
+        self.to_trial(trials)
 
     def to_trial(self, number: int) -> None:
         """Continue until this many trials are acknowledged."""
         while len(self.all(STORED)) < number:
             if self.all(WAITING)[-1].what == "storage":
-                self.write_on_a_thread()
-                self.clock.advance(0)
+                self.write_and_hear()
             else:
                 assert self.step()
 
+    def end(self) -> None:
+        """Play to the end, and end the recorder's thread."""
+        self.finish()
+        self.recorder.run(lambda: True)
+        self.reader.close()
+
     @property
-    def rescue(self) -> sqlite3.Connection:
+    def rescue_file(self) -> Path:
         (path,) = rescue_files(self.data)
-        return open_file(path)
+        return path
+
+    def assert_rescued(self, trials: int | None = None, saved: int = 0) -> None:
+        """The rescue file holds all that was not saved before."""
+        with closing(open_file(self.rescue_file)) as rescue:
+            assert list(sessions.history(rescue, self.id)) == self.records[saved:]
+            assert trials is None or len(sessions.rows(rescue, "trials", self.id)) == trials
+
+    def assert_back(self, trials: int | None = None) -> None:
+        """The database holds all, and no rescue file has more."""
+        with closing(connect(self.data)) as database:
+            assert list(sessions.history(database, self.id)) == self.records
+            assert [flaw for flaw in flaws(database) if flaw.kind in ("log", "rows")] == []
+            if trials:
+                assert len(sessions.rows(database, "trials", self.id)) == trials
+                assert sessions.stored_status(database, self.id) == "completed"
 
 
 @pytest.mark.parametrize("happens", [delete, replace, move_away, delete_the_log, empty])
 def test_a_session_whose_database_is_gone_goes_on_in_a_rescue_file_with_all_that_was_in_it(
     data: Path, happens: Callable[[Path], None]
 ) -> None:
-    database = connect(data)
-    participants.add(database, "P09")
-    recorded = Safe(data)
-    recorded.to_trial(2)
+    participants.add(connect(data), "P09")
+    recorded = Safe(data, 2)
     happens(data)
     recorded.to_trial(4)
     recorded.recorder.write()
-    with closing(recorded.rescue) as rescue:
-        assert list(sessions.history(rescue, recorded.id)) == recorded.records
-        assert len(sessions.rows(rescue, "trials", recorded.id)) == len(recorded.all(STORED)) == 4
-        if happens is not empty:  # its pages can be read by nobody
-            assert participants.codes(rescue) == ["P09"]
+    recorded.assert_rescued(trials=4)
+    if happens is not empty:  # its pages can be read by nobody
+        assert participants.codes(open_file(recorded.rescue_file)) == ["P09"]
 
 
 def test_the_experimenter_is_told_and_the_trial_is_repeated(data: Path) -> None:
-    recorded = Safe(data)
-    recorded.to_trial(1)
+    recorded = Safe(data, 1)
     recorded.until(lambda: recorded.all(WAITING)[-1].what == "response")
     delete(data)
-    recorded.write_on_a_thread()
-    recorded.clock.advance(0)
+    recorded.write_and_hear()
     (changed,) = recorded.all(STORAGE)
-    (path,) = rescue_files(data)
     assert changed.working
-    assert (
-        changed.reason
-        == f"{data / FILE} was removed while it was in use. The session goes on in {path}."
-    )
+    assert f"{data / FILE} was removed while it was in use" in changed.reason
+    assert str(recorded.rescue_file) in changed.reason
     waiting = recorded.all(WAITING)[-1]
     assert (waiting.stage, waiting.reason, waiting.detail) == ("paused", "restored", changed.reason)
 
 
 def test_a_database_that_is_damaged_is_left_and_what_could_not_be_read_is_said(data: Path) -> None:
-    recorded = Safe(data)
-    recorded.to_trial(2)
+    recorded = Safe(data, 2)
     saved = len(recorded.history)
-    size = (data / FILE).stat().st_size
     for name in (FILE, f"{FILE}-wal"):
         with (data / name).open("r+b") as file:
             file.write(b"\xff" * (data / name).stat().st_size)
-    assert (data / FILE).stat().st_size == size
-    recorded.database.execute("PRAGMA shrink_memory")
+    sql(recorded.database, "PRAGMA shrink_memory")
     recorded.to_trial(4)
     recorded.recorder.write()
-    assert (
-        "is damaged." in recorded.safeguard.text
-        or "is not a SQLite database." in recorded.safeguard.text
-    )
-    assert recorded.safeguard.text.endswith(" What was done before that is not in it.")
-    with closing(recorded.rescue) as rescue:
-        assert list(sessions.history(rescue, recorded.id)) == recorded.records[saved:]
-        assert len(sessions.rows(rescue, "trials", recorded.id)) == 2
+    said = recorded.safeguard.text
+    assert "is damaged." in said or "is not a SQLite database." in said
+    assert said.endswith(" What was done before that is not in it.")
+    recorded.assert_rescued(trials=2, saved=saved)
 
 
-def test_what_followed_is_added_to_what_the_database_has(
+def test_what_followed_is_added_to_the_database(
     data: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As when a disk is taken away during a session, and comes back."""
-    recorded = Safe(data)
-    recorded.to_trial(2)
+    recorded = Safe(data, 2)
     away = data.with_name("away")
     data.rename(away)
 
@@ -160,21 +168,13 @@ def test_what_followed_is_added_to_what_the_database_has(
 
     monkeypatch.setattr(recorded.safeguard._rescue, "copy_all", unreadable)
     recorded.to_trial(6)
-    while recorded.step():
-        pass
-    recorded.recorder.run(lambda: True)
-    recorded.reader.close()
-    (rescue,) = rescue_files(data)
-    rescue.rename(away / rescue.name)
+    recorded.end()
+    recorded.rescue_file.rename(away / recorded.rescue_file.name)
     shutil.rmtree(data)
     away.rename(data)
     (brought,) = bring_back(data)
     assert brought.problem == ""
-    with closing(connect(data)) as database:
-        assert list(sessions.history(database, recorded.id)) == recorded.records
-        assert len(sessions.rows(database, "trials", recorded.id)) == 6
-        assert sessions.stored_status(database, recorded.id) == "completed"
-        assert [flaw for flaw in flaws(database) if flaw.kind in ("log", "rows")] == []
+    recorded.assert_back(trials=6)
 
 
 def test_a_file_system_whose_file_numbers_change_does_not_fill_up(
@@ -183,8 +183,7 @@ def test_a_file_system_whose_file_numbers_change_does_not_fill_up(
     def changed(_: StoreConnection) -> None:
         raise Moved("It was replaced.")
 
-    recorded = Safe(data)
-    recorded.to_trial(1)
+    recorded = Safe(data, 1)
     monkeypatch.setattr(StoreConnection, "check", changed)
     for _ in range(20):
         with suppress(Moved):
@@ -193,66 +192,43 @@ def test_a_file_system_whose_file_numbers_change_does_not_fill_up(
 
 
 def test_a_rescue_file_is_private(data: Path) -> None:
-    recorded = Safe(data)
-    recorded.to_trial(1)
+    recorded = Safe(data, 1)
     delete(data)
     before = os.umask(0)
     try:
         recorded.to_trial(2)
     finally:
         os.umask(before)
-    (path,) = rescue_files(data)
-    assert stat.S_IMODE(path.stat().st_mode) == 0o600
+    assert stat.S_IMODE(recorded.rescue_file.stat().st_mode) == 0o600
 
 
 def test_a_trial_is_not_acknowledged_while_it_can_be_written_nowhere(
     data: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    recorded = Safe(data)
-    recorded.to_trial(1)
+    recorded = Safe(data, 1)
     delete(data)
     with monkeypatch.context() as patched:
-
-        def refuse(_: StoreConnection) -> StoreConnection:
-            raise StoreError("The disk is full.", temporary=True)
-
         patched.setattr(recorded.safeguard._rescue, "copy_all", refuse)
         recorded.until(lambda: len(recorded.all(TRIAL)) == 2)
-        recorded.write_on_a_thread()
-        recorded.clock.advance(0)
+        recorded.write_and_hear()
         assert recorded.all(STORAGE)[-1].reason == "The disk is full."
         assert len(recorded.all(STORED)) == 1
         assert recorded.recorder.pending > 0
-    recorded.write_on_a_thread()
-    recorded.clock.advance(0)
+    recorded.write_and_hear()
     assert len(recorded.all(STORED)) == 2
-    with closing(recorded.rescue) as rescue:
-        assert len(sessions.rows(rescue, "trials", recorded.id)) == 2
+    recorded.recorder.write()
+    recorded.assert_rescued(trials=2)
 
 
 def test_a_rescue_file_that_is_removed_too_is_followed_by_another(data: Path) -> None:
-    recorded = Safe(data)
-    recorded.to_trial(1)
+    recorded = Safe(data, 1)
     delete(data)
     recorded.to_trial(2)
-    (first,) = rescue_files(data)
-    for path in data.glob(f"{first.name}*"):
+    for path in data.glob(f"{recorded.rescue_file.name}*"):
         path.unlink()
     recorded.to_trial(3)
     recorded.recorder.write()
-    with closing(recorded.rescue) as rescue:
-        assert list(sessions.history(rescue, recorded.id)) == recorded.records
-
-
-def test_a_write_to_a_database_that_was_removed_is_refused(data: Path) -> None:
-    database = connect(data)
-    participants.add(database, "P01")
-    delete(data)
-    with pytest.raises(Moved, match="was removed while it was in use"):
-        participants.add(database, "P02")
-
-
-# --- a database that is locked at the end
+    recorded.assert_rescued()
 
 
 @pytest.fixture
@@ -260,28 +236,27 @@ def locked(data: Path) -> Safe:
     """A session whose database another program keeps locked, with messages that were not
     written.
     """
-    recorded = Safe(data)
-    recorded.to_trial(2)
-    recorded.database.execute("PRAGMA busy_timeout=0")
-    recorded.reader.execute("BEGIN IMMEDIATE")
+    recorded = Safe(data, 2)
+    sql(recorded.database, "PRAGMA busy_timeout=0")
+    sql(recorded.reader, "BEGIN IMMEDIATE")
     recorded.until(lambda: len(recorded.all(TRIAL)) == 3)
     return recorded
 
 
-def test_what_a_locked_database_refuses_at_the_end_is_in_a_rescue_file(
+def test_what_a_locked_database_refuses_is_in_a_rescue_file_and_brought_back(
     data: Path, locked: Safe
 ) -> None:
     locked.recorder.run(lambda: True)
     assert locked.recorder.pending == 0
     assert "keeps sar-tui.db locked" in locked.safeguard.text
-    with closing(locked.rescue) as rescue:
-        assert list(sessions.history(rescue, locked.id)) == locked.records
-        assert len(sessions.rows(rescue, "trials", locked.id)) == 3
+    locked.assert_rescued(trials=3)
+    sql(locked.reader, "ROLLBACK")
+    assert [brought.session for brought in bring_back(data)] == [locked.id]
+    locked.assert_back()
 
 
 def test_a_short_lock_is_waited_for_without_a_word_and_a_long_one_is_reported(locked: Safe) -> None:
-    locked.write_on_a_thread()
-    locked.clock.advance(0)
+    locked.write_and_hear()
     assert locked.all(STORAGE) == []
     for _ in range(10):
         locked.write_on_a_thread()
@@ -292,94 +267,57 @@ def test_a_short_lock_is_waited_for_without_a_word_and_a_long_one_is_reported(lo
 def test_without_room_for_a_rescue_file_none_is_left(
     data: Path, locked: Safe, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def refuse(*_: object) -> None:
-        raise StoreError("The disk is full.", temporary=True)
-
     monkeypatch.setattr("sar_tui.store.rescue.copy_session", refuse)
     locked.recorder.run(lambda: True)
     assert (locked.recorder.pending > 0, locked.safeguard.text) == (True, "")
-    assert rescue_files(data) == []
     assert list(data.glob("sar-tui-rescue*")) == []
 
 
 def test_a_rescue_file_that_cannot_be_written_to_either_is_removed_and_the_one_before_stays(
     data: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    recorded = Safe(data)
-    recorded.to_trial(2)
+    recorded = Safe(data, 2)
     delete(data)
     recorded.to_trial(3)
-    (before,) = rescue_files(data)
-
-    def refuse(_: sqlite3.Connection) -> None:
-        raise StoreError("The disk is full.", temporary=True)
-
+    before = recorded.rescue_file
     recorded.until(lambda: len(recorded.all(TRIAL)) == 4)
     monkeypatch.setattr("sar_tui.store.recorder.transaction", refuse)
     recorded.recorder.run(lambda: True)
-    assert rescue_files(data) == [before]
+    assert recorded.rescue_file == before
     assert str(before) in recorded.safeguard.text
     assert recorded.recorder.pending > 0
 
 
-# --- bringing it back
-
-
 def rescued(data: Path, happens: Callable[[Path], None] = delete) -> Safe:
     """A session that ended in a rescue file."""
-    recorded = Safe(data)
-    recorded.to_trial(2)
+    recorded = Safe(data, 2)
     happens(data)
     recorded.to_trial(6)
-    while recorded.step():
-        pass
-    recorded.recorder.run(lambda: True)
-    recorded.reader.close()
+    recorded.end()
     return recorded
 
 
 @pytest.mark.parametrize("happens", [delete, replace, delete_the_log])
-def test_a_session_in_a_rescue_file_is_brought_back_once(
+def test_a_rescued_session_is_brought_back_once(
     data: Path, happens: Callable[[Path], None]
 ) -> None:
     recorded = rescued(data, happens)
-    (path,) = rescue_files(data)
+    path = recorded.rescue_file
     (brought,) = bring_back(data)
     assert (brought.file, brought.session, brought.participants, brought.task, brought.problem) == (
         path, recorded.id, "P01", "keyboard", "",
     )  # fmt: skip
-    with closing(connect(data)) as database:
-        assert list(sessions.history(database, recorded.id)) == recorded.records
-        assert len(sessions.rows(database, "trials", recorded.id)) == 6
-        assert sessions.stored_status(database, recorded.id) == "completed"
-    assert rescue_files(data) == []
-    assert len(list(data.glob("sar-tui-rescued-*.db"))) == 1
-    assert bring_back(data) == []
-
-
-def test_what_a_locked_database_lacked_is_brought_back(data: Path, locked: Safe) -> None:
-    locked.recorder.run(lambda: True)
-    locked.reader.execute("ROLLBACK")
-    assert [brought.session for brought in bring_back(data)] == [locked.id]
-    with closing(connect(data)) as database:
-        assert list(sessions.history(database, locked.id)) == locked.records
-        assert [flaw for flaw in flaws(database) if flaw.kind in ("log", "rows")] == []
-
-
-def test_files_that_were_brought_back_are_all_kept(data: Path) -> None:
-    recorded = rescued(data)
-    (path,) = rescue_files(data)
-    for _ in range(3):
-        bring_back(data)
+    recorded.assert_back(trials=6)
+    assert rescue_files(data) == bring_back(data) == []
+    for number in range(1, 4):
+        assert len(list(data.glob("sar-tui-rescued-*.db"))) == number, "all are kept"
         shutil.copy(data / f"sar-tui-rescued-{recorded.id}.db", path)
-    assert len(list(data.glob("sar-tui-rescued-*.db"))) == 3
+        bring_back(data)
 
 
-def test_a_session_that_went_on_differently_since_is_not_overwritten(
-    data: Path, locked: Safe
-) -> None:
+def test_a_session_that_went_on_differently_is_not_overwritten(data: Path, locked: Safe) -> None:
     locked.recorder.run(lambda: True)
-    locked.reader.execute("ROLLBACK")
+    sql(locked.reader, "ROLLBACK")
     with closing(connect(data)) as database:
         sessions.begin_run(database, locked.id, software={}, machine={})
         before = sessions.rows(database, "trials", locked.id)
@@ -392,34 +330,22 @@ def test_a_session_that_went_on_differently_since_is_not_overwritten(
 def test_participants_and_programmes_that_the_database_lacks_are_brought_back(data: Path) -> None:
     with closing(connect(data)) as database:
         participants.add(database, "P09")
-        programmes.save(
-            database,
-            "P09",
-            "keyboard",
-            Programme({"attempts": 3}),
-            after=0,
-            author="Ana",
-            reason="Tired",
-        )
+        own = Programme({"attempts": 3})
+        programmes.save(database, "P09", "keyboard", own, after=0, author="Ana", reason="Tired")
+        saved = programmes.versions(database, "P09", "keyboard")
     rescued(data)
     bring_back(data)
     with closing(connect(data)) as database:
         assert participants.codes(database) == ["P09"]
-        (programme,) = programmes.versions(database, "P09", "keyboard")
-        assert (programme.parameters, programme.author, programme.reason) == (
-            {"attempts": 3},
-            "Ana",
-            "Tired",
-        )
+        assert programmes.versions(database, "P09", "keyboard") == saved != []
 
 
 def test_a_transaction_in_a_database_that_stays_is_not_refused(data: Path) -> None:
     database = connect(data)
     for code in ("P01", "P02"):
-        with transaction(database) as connection:
-            connection.execute(
-                "INSERT INTO participants (code, created_at) VALUES (?, 'now')", (code,)
-            )
-        with closing(connect(data)) as other:
-            other.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+        participants.add(database, code)
+        sql(data, "PRAGMA wal_checkpoint(TRUNCATE)")
     assert participants.codes(database) == ["P01", "P02"]
+    delete(data)
+    with pytest.raises(Moved, match="was removed while it was in use"):
+        participants.add(database, "P03")

@@ -1,8 +1,9 @@
 """Sessions are found, listed and read as they were stored."""
 
-import sqlite3
 import tempfile
+from contextlib import closing
 from pathlib import Path
+from sqlite3 import Connection
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,7 +11,6 @@ import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sqlite_utils import Database
 
 from sar_tui.loop.task import Task
 from sar_tui.loop.topics import ALL
@@ -21,75 +21,61 @@ from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.locks import hold
 from tests.examples import examples
-from tests.store.by_hand import add_message
+from tests.store.by_hand import add_message, insert, sql
 
 VERSION = Catalogue().task("keyboard").version
 
 
-def enter(database: sqlite3.Connection, participant: str = "P01", **more: Any) -> str:
-    facts = {
-        "task": "keyboard",
-        "theme": "calm",
-        "seed": 5,
-        "mode": "live",
-        "parameters": {"attempts": 3},
-    }
-    facts |= {"software": {"task": {"version": VERSION}}}
+def enter(database: Connection, participant: str = "P01", **more: Any) -> str:
+    """Store a new session, and return its id."""
+    facts = {"task": "keyboard", "theme": "calm", "seed": 5, "mode": "live", "machine": {},
+             "parameters": {"attempts": 3}, "software": {"task": {"version": VERSION}}}  # fmt: skip
     session = sessions.new_id()
-    sessions.create(database, session, participant=participant, machine={}, **(facts | more))
+    sessions.create(database, session, participant=participant, **(facts | more))
     return session
 
 
-def test_a_new_session_is_a_row_with_its_facts(database: sqlite3.Connection, data: Path) -> None:
+def listed(database: Connection, data: Path, what: str = "id", **asked: Any) -> list[Any]:
+    return [row[what] for row in sessions.listing(database, data, **asked)]
+
+
+def test_a_new_session_is_a_row_with_its_facts(database: Connection, data: Path) -> None:
     session = enter(database)
     row = sessions.find(database, data, session)
-    assert (row["id"], row["task"], row["theme"], row["seed"], row["mode"]) == (
-        session,
-        "keyboard",
-        "calm",
-        5,
-        "live",
-    )
-    assert (row["participant"], row["parameters"], row["attempts"]) == ("P01", {"attempts": 3}, 0)
+    expected = {"id": session, "task": "keyboard", "theme": "calm", "seed": 5, "mode": "live",
+                "participant": "P01", "parameters": {"attempts": 3}, "attempts": 0,
+                "ended_at": None}  # fmt: skip
+    assert {name: row[name] for name in expected} == expected
     assert row["started_at"].endswith("+00:00")
-    assert row["ended_at"] is None
 
 
-def test_ids_are_random_text(database: sqlite3.Connection) -> None:
-    ids = {enter(database) for _ in range(50)}
-    assert len(ids) == 50
-    assert all(len(session) == 10 and session.isalnum() for session in ids)
-
-
-def test_a_running_session_nobody_holds_was_interrupted(
-    database: sqlite3.Connection, data: Path
-) -> None:
+def test_a_running_session_nobody_holds_was_interrupted(database: Connection, data: Path) -> None:
     session = enter(database)
-    lock = hold(data, "session", session)
-    assert [row["status"] for row in sessions.listing(database, data)] == ["running"]
-    lock.release()
-    assert [row["status"] for row in sessions.listing(database, data)] == ["interrupted"]
+    with hold(data, "session", session):
+        assert listed(database, data, "status") == ["running"]
+    assert listed(database, data, "status") == ["interrupted"]
 
 
-def test_the_newest_session_comes_first(database: sqlite3.Connection, data: Path) -> None:
+def test_the_newest_session_comes_first(database: Connection, data: Path) -> None:
     entered = [enter(database) for _ in range(5)]
-    assert [row["id"] for row in sessions.listing(database, data)] == entered[::-1]
-    assert [row["id"] for row in sessions.listing(database, data, limit=2)] == entered[:-3:-1]
+    assert len(set(entered)) == 5
+    assert all(len(session) == 10 and session.isalnum() for session in entered)
+    assert listed(database, data) == entered[::-1]
+    assert listed(database, data, limit=2) == entered[:-3:-1]
 
 
-def test_a_clock_that_was_set_back_does_not_change_which_session_is_the_last(
-    database: sqlite3.Connection, data: Path
+def test_a_clock_set_back_does_not_change_the_last_session(
+    database: Connection, data: Path
 ) -> None:
     earlier, last = enter(database, "P01"), enter(database, "P02")
-    database.execute(
-        "UPDATE sessions SET started_at='2031-01-01T00:00:00+00:00' WHERE id=?", (earlier,)
-    )
+    sql(database, "UPDATE sessions SET started_at='2031-01-01T00:00:00+00:00' WHERE id=?", earlier)
     assert sessions.find(database, data, "last")["id"] == last
-    assert [row["id"] for row in sessions.listing(database, data)] == [last, earlier]
+    assert listed(database, data) == [last, earlier]
+    assert listed(database, data, participant="P01") == [earlier]
 
 
-def test_an_export_lists_damaged_sessions_too_and_keeps_equal_facts_once(
-    database: sqlite3.Connection, data: Path
+def test_an_export_lists_damaged_sessions_and_shares_facts(
+    database: Connection, data: Path
 ) -> None:
     earliest, _, _ = (enter(database) for _ in range(3))
     database.execute("UPDATE sessions SET machine='{broken' WHERE id=?", (earliest,))
@@ -98,77 +84,51 @@ def test_an_export_lists_damaged_sessions_too_and_keeps_equal_facts_once(
     assert second["software"] is third["software"], "thousands of sessions would fill the memory"
 
 
-def test_the_sessions_of_one_participant_are_theirs_alone(
-    database: sqlite3.Connection, data: Path
-) -> None:
-    mine, _ = enter(database, "P01"), enter(database, "P02")
-    assert [row["id"] for row in sessions.listing(database, data, participant="P01")] == [mine]
-
-
-def test_a_session_is_found_by_its_id_its_beginning_or_as_the_last(
-    database: sqlite3.Connection, data: Path
-) -> None:
-    session = enter(database)
-    last = enter(database)
-    database.execute("UPDATE sessions SET id='aab0000001' WHERE id=?", (session,))
-    database.execute("UPDATE seats SET session='aab0000001' WHERE session=?", (session,))
-    database.execute("UPDATE sessions SET id='aac0000002' WHERE id=?", (last,))
-    database.execute("UPDATE seats SET session='aac0000002' WHERE session=?", (last,))
-    assert sessions.find(database, data, "aab0000001")["id"] == "aab0000001"
-    assert sessions.find(database, data, "aab")["id"] == "aab0000001"
-    assert sessions.find(database, data, "last")["id"] == "aac0000002"
-    for name, why in (
-        ("aa", "More than one session begins with aa"),
-        ("x", "There is no session x"),
-        ("", "no session"),
-    ):
+def test_a_session_is_found_by_id_beginning_or_as_last(database: Connection, data: Path) -> None:
+    for id in ("aab0000001", "aac0000002"):
+        session = enter(database)
+        sql(database, "UPDATE sessions SET id=? WHERE id=?", id, session)
+        sql(database, "UPDATE seats SET session=? WHERE session=?", id, session)
+    for name, id in {"aab0000001": "aab0000001", "aab": "aab0000001", "last": "aac0000002"}.items():
+        assert sessions.find(database, data, name)["id"] == id
+    for name, why in {
+        "aa": "More than one session begins with aa",
+        "x": "There is no session x",
+        "": "no session",
+    }.items():
         with pytest.raises(StoreError, match=why) as caught:
             sessions.find(database, data, name)
         assert caught.value.bad_input
 
 
 @pytest.mark.parametrize("name", ["last", "abc", "%", "_", "' OR 1=1 --"])
-def test_a_session_that_does_not_exist_is_not_found(
-    database: sqlite3.Connection, data: Path, name: str
-) -> None:
+def test_a_session_that_is_missing_is_told(database: Connection, data: Path, name: str) -> None:
     with pytest.raises(StoreError, match="There is no session"):
         sessions.find(database, data, name)
 
 
-def test_each_run_has_its_number_its_anchor_and_its_program(database: sqlite3.Connection) -> None:
+def test_each_run_has_its_number_its_anchor_and_its_program(database: Connection) -> None:
     session, other = enter(database), enter(database)
-    numbers = [
-        sessions.begin_run(database, s, software={"python": "3"}, machine={"flags": ["ssh"]})
-        for s in (session, session, other, session)
-    ]
-    assert numbers == [1, 2, 1, 3]
+    facts = {"software": {"python": "3"}, "machine": {"flags": ["ssh"]}}
+    order = (session, session, other, session)
+    assert [sessions.begin_run(database, each, **facts) for each in order] == [1, 2, 1, 3]
     run = sessions.rows(database, "runs", session)[0]
-    assert (run["software"], run["machine"]) == ({"python": "3"}, {"flags": ["ssh"]})
+    assert {name: run[name] for name in facts} == facts
     assert set(run["clock_anchor"]) == {"clock_ns", "utc", "utc_offset_s"}
     assert run["pid"] > 0
 
 
-def test_only_a_running_session_is_marked_as_interrupted(
-    database: sqlite3.Connection, data: Path
-) -> None:
+def test_only_a_running_session_is_marked_as_interrupted(database: Connection, data: Path) -> None:
     done = enter(database)
-    database.execute("UPDATE sessions SET status='completed'")
-    cut = enter(database)
-    for session in (done, cut):
+    sql(database, "UPDATE sessions SET status='completed'")
+    for session in (done, enter(database)):
         sessions.interrupt(database, session)
-    assert {row["id"]: row["status"] for row in sessions.listing(database, data)} == {
-        done: "completed",
-        cut: "interrupted",
-    }
+    assert listed(database, data, "status") == ["interrupted", "completed"]
 
 
-def test_correct_is_a_count_in_attempts_and_a_bool_in_trials(database: sqlite3.Connection) -> None:
-    Database(database)["attempts"].insert(
-        {"session": "s", "attempt": 1, "seat": "A", "practice": 0, "correct": 1, "trials": 1}
-    )
-    Database(database)["trials"].insert(
-        {"session": "s", "attempt": 1, "trial": 1, "seat": "A", "correct": 1, "timing": "{}"}
-    )
+def test_correct_is_a_count_in_attempts_and_a_bool_in_trials(database: Connection) -> None:
+    insert(database, "attempts", session="s", correct=1, trials=1)
+    insert(database, "trials", session="s", correct=1, timing="{}")
     (attempt,) = sessions.rows(database, "attempts", "s")
     (trial,) = sessions.rows(database, "trials", "s")
     assert (attempt["practice"], type(attempt["correct"]), attempt["trials"]) == (False, int, 1)
@@ -180,9 +140,7 @@ def test_correct_is_a_count_in_attempts_and_a_bool_in_trials(database: sqlite3.C
     ("topic", "message"),
     [("input/none", "{}"), ("input/key", "{}"), ("input/key", "not json"), ("input/key", "[1]")],
 )
-def test_a_message_that_cannot_be_read_is_reported(
-    database: sqlite3.Connection, topic: str, message: str
-) -> None:
+def test_an_unreadable_message_is_reported(database: Connection, topic: str, message: str) -> None:
     session = enter(database)
     add_message(database, session, 1, 0, topic, message)
     with pytest.raises(StoreError, match=f"Message 1 of session {session} cannot be read"):
@@ -200,7 +158,7 @@ ROWS = st.lists(
             "mode": st.sampled_from(["live", "live", "simulated", "replayed"]),
             "level": st.integers(1, 3),
             "metric": st.none() | st.floats(1, 3000),
-            "unit": st.sampled_from(["ms", "ms", "taps/s"]),
+            "metric_unit": st.sampled_from(["ms", "ms", "taps/s"]),
             "practice": st.booleans(),
         }
     ),
@@ -213,93 +171,73 @@ ROWS = st.lists(
 def test_the_best_result_is_from_live_sessions_by_level_without_practice(
     rows: list[dict[str, Any]], metric: Metric
 ) -> None:
-    with tempfile.TemporaryDirectory() as folder:
-        database = connect(Path(folder))
+    mine = {
+        "participant": "P01",
+        "task": "keyboard",
+        "mode": "live",
+        "metric_unit": metric.unit,
+        "practice": False,
+    }
+    parameters = TaskParameters()
+    task: Any = SimpleNamespace(
+        name="keyboard", version=VERSION, metric=metric, parameters=parameters
+    )
+    with tempfile.TemporaryDirectory() as folder, closing(connect(Path(folder))) as database:
         entered = []
         for number, row in enumerate(rows, 1):
             session = enter(database, row["participant"], task=row["task"], mode=row["mode"])
             entered.append(session)
-            Database(database)["attempts"].insert(
-                {
-                    "session": session,
-                    "attempt": number,
-                    "seat": "A",
-                    "practice": row["practice"],
-                    "level": row["level"],
-                    "metric": row["metric"],
-                    "metric_unit": row["unit"],
-                }
-            )
-
-        def expected(without: str = "") -> dict[str, float]:
+            result = {name: row[name] for name in ("practice", "level", "metric", "metric_unit")}
+            insert(database, "attempts", session=session, attempt=number, **result)
+        for without in ("", *entered):
             best: dict[str, float] = {}
             for session, row in zip(entered, rows, strict=True):
                 level, value = str(row["level"]), row["metric"]
-                whose = (row["participant"], row["task"], row["mode"], row["unit"])
-                mine = whose == ("P01", "keyboard", "live", metric.unit)
-                if mine and not row["practice"] and value is not None and session != without:
-                    known = best.get(level)
-                    best[level] = (
-                        value if known is None or metric.is_better(value, known) else known
-                    )
-            return best
-
-        task: Any = SimpleNamespace(
-            name="keyboard", version=VERSION, metric=metric, parameters=TaskParameters()
-        )
-        assert sessions.best(database, "P01", task) == expected()
-        for session in entered:
-            assert sessions.best(database, "P01", task, without=session) == expected(
-                without=session
-            )
-        database.close()
+                counts = row | mine == row and value is not None and session != without
+                if counts and (level not in best or metric.is_better(value, best[level])):
+                    best[level] = value
+            assert sessions.best(database, "P01", task, without=without) == best
 
 
-def test_the_best_result_excludes_other_keys_and_low_accuracy(
-    database: sqlite3.Connection, keyboard: type[Task]
+def attempt_of(
+    database: Connection, task: Task, metric: float, accuracy: float = 1.0, version: str = VERSION
 ) -> None:
-    done = [("both hands", 1.0, 900.0), ("left hand", 1.0, 500.0), ("both hands", 0.4, 300.0)]
-    for keys, accuracy, metric in done:
-        parameters = build(
-            keyboard.Parameters, {"choice_set": keys, "feedback_form": "qualitative"}
-        )
-        row = {
-            "session": enter(database, parameters=msgspec.to_builtins(parameters)),
-            "attempt": 1,
-            "seat": "A",
-        }
-        row |= {
-            "practice": 0,
-            "level": 1,
-            "metric": metric,
-            "metric_unit": "ms",
-            "accuracy": accuracy,
-        }
-        Database(database)["attempts"].insert(row)
+    """Store an attempt of a session with the settings of a task."""
+    parameters, software = msgspec.to_builtins(task.parameters), {"task": {"version": version}}
+    session = enter(database, parameters=parameters, software=software)
+    insert(
+        database,
+        "attempts",
+        session=session,
+        level=1,
+        metric=metric,
+        metric_unit="ms",
+        accuracy=accuracy,
+    )
+
+
+def test_the_best_result_has_the_keys_and_accuracy(
+    database: Connection, keyboard: type[Task]
+) -> None:
+    def with_keys(keys: str, **more: Any) -> Task:
+        return keyboard(build(keyboard.Parameters, {"choice_set": keys, **more}))
+
+    for keys, accuracy, metric in (
+        ("both hands", 1.0, 900.0),
+        ("left hand", 1.0, 500.0),
+        ("both hands", 0.4, 300.0),
+    ):
+        attempt_of(database, with_keys(keys, feedback_form="qualitative"), metric, accuracy)
     for keys, best in (("both hands", 900.0), ("left hand", 500.0)):
-        task = keyboard(build(keyboard.Parameters, {"choice_set": keys}))
-        assert sessions.best(database, "P01", task) == {"1": best}
+        assert sessions.best(database, "P01", with_keys(keys)) == {"1": best}
 
 
 def test_the_best_result_excludes_earlier_versions_of_the_task_whose_levels_were_others(
-    database: sqlite3.Connection, keyboard: type[Task]
+    database: Connection, keyboard: type[Task]
 ) -> None:
     task = keyboard(build(keyboard.Parameters, {}))
     for version, metric in (("1", 300.0), (keyboard.version, 700.0)):
-        stored = {
-            "parameters": msgspec.to_builtins(task.parameters),
-            "software": {"task": {"version": version}},
-        }
-        row = {
-            "session": enter(database, **stored),
-            "attempt": 1,
-            "seat": "A",
-            "practice": 0,
-            "level": 1,
-        }
-        Database(database)["attempts"].insert(
-            row | {"metric": metric, "metric_unit": "ms", "accuracy": 1.0}
-        )
+        attempt_of(database, task, metric, version=version)
     assert sessions.best(database, "P01", task) == {"1": 700.0}
 
 

@@ -2,10 +2,10 @@
 terminal obeys.
 """
 
-import sqlite3
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from pathlib import Path
+from sqlite3 import Connection
 
 import pytest
 
@@ -17,28 +17,28 @@ from tests.recorded import event, score
 
 
 @pytest.fixture
-def database(data: Path) -> Iterator[sqlite3.Connection]:
+def database(data: Path) -> Iterator[Connection]:
     with closing(connect(data)) as opened:
         participants.add(opened, "P01")
         yield opened
 
 
-def told(database: sqlite3.Connection, text: str) -> object:
+def told(database: Connection, text: str) -> object:
     return event(database, "P01", "2026-01-01", what=text, severity="mild")
 
 
-def noted(database: sqlite3.Connection, text: str) -> object:
+def noted(database: Connection, text: str) -> object:
     return score(database, "P01", "ARAT", "2026-01-02", 5, text)
 
 
-def reasoned(database: sqlite3.Connection, text: str) -> object:
+def reasoned(database: Connection, text: str) -> object:
     return programmes.save(database, "P01", "keyboard", Programme(), after=0, reason=text)
 
 
 @pytest.mark.parametrize("store", [told, noted, reasoned])
 @pytest.mark.parametrize("text", ["a\x1b[2J", "a\u202eb", "a\x00b", "a\x9bb", "a\udc80b"])
 def test_what_a_terminal_would_obey_is_refused_where_it_is_typed(
-    database: sqlite3.Connection, store: Callable[[sqlite3.Connection, str], object], text: str
+    database: Connection, store: Callable[[Connection, str], object], text: str
 ) -> None:
     with pytest.raises(
         StoreError, match=r"has control characters|bytes that are not UTF-8"

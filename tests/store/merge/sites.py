@@ -10,13 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from sar_tui.store import sites
-from sar_tui.store.database import FILE, connect
+from sar_tui.store.database import FILE, connect, transaction
 from sar_tui.store.merge import merge as merging
 from sar_tui.store.merge.merge import Merged
 from sar_tui.store.merge.people import People, in_full, stored_pairs
 from sar_tui.store.sites import OF_SITES
+from sar_tui.store.tables import TABLES
+from tests.store.by_hand import insert, sql, value
 
-_LOCAL = ("session_numbers", "topics", "checkpoints", "site")
+_LOCAL = ("session_numbers", "topics", "site")
 """Tables with numbers of one database only."""
 _TOPICS = (("input/key", '[["key"],["at"]]'), ("event_handler/trial", '[["trial"]]'))
 
@@ -29,31 +31,16 @@ def site(folder: Path, code: str) -> Path:
 
 
 def play(
-    folder: Path,
-    session: str,
-    participant: str = "P01",
-    *,
-    trials: int = 2,
-    began: str = "2026-03-01T10:00:00+00:00",
-    status: str = "completed",
-    mode: str = "live",
-) -> str:
+    folder: Path, session: str, participant: str = "P01", *, trials: int = 2,
+    began: str = "2026-03-01T10:00:00+00:00", status: str = "completed", mode: str = "live",
+) -> str:  # fmt: skip
     """Store a session with some trials, and return its id."""
-    with closing(connect(folder)) as db:
-        db.execute("BEGIN")
-        db.execute(
-            "INSERT OR IGNORE INTO participants (code, created_at) VALUES (?,?)",
-            (participant, began),
-        )
-        db.execute(
-            "INSERT INTO sessions (id, task, theme, status, started_at, seed, parameters, "
-            "software, machine, mode)"
-            " VALUES (?,'keyboard','calm',?,?,1,'{}','{}','{}',?)",
-            (session, status, began, mode),
-        )
-        db.execute("INSERT INTO seats VALUES (?,'A',?)", (session, participant))
-        db.execute("INSERT INTO session_numbers (id) VALUES (?)", (session,))
-        db.execute("COMMIT")
+    with closing(connect(folder)) as db, transaction(db):
+        known = "INSERT OR IGNORE INTO participants (code, created_at) VALUES (?,?)"
+        sql(db, known, participant, began)
+        insert(db, "sessions", id=session, status=status, started_at=began, mode=mode)
+        insert(db, "seats", session=session, participant=participant)
+        sql(db, "INSERT INTO session_numbers (id) VALUES (?)", session)
     go_on(folder, session, trials=trials, status=status)
     return session
 
@@ -62,78 +49,46 @@ def go_on(
     folder: Path, session: str, *, trials: int = 1, status: str = "completed", response: str = "f"
 ) -> None:
     """Add trials to a session in another run of the program."""
-    with closing(connect(folder)) as db:
-        db.execute("BEGIN")
-        (run,) = db.execute(
-            "SELECT coalesce(max(run), 0) + 1 FROM runs WHERE session=?", (session,)
-        ).fetchone()
+    with closing(connect(folder)) as db, transaction(db):
+        run = value(db, "SELECT coalesce(max(run), 0) + 1 FROM runs WHERE session=?", session)
+        last = value(db, "SELECT coalesce(max(trial), 0) FROM trials WHERE session=?", session)
+        number = value(db, "SELECT number FROM session_numbers WHERE id=?", session)
         anchor = json.dumps({"clock_ns": run, "utc": "2026-03-01T10:00:00+00:00"})
-        db.execute(
-            "INSERT INTO runs (session, run, clock_anchor, pid) VALUES (?,?,?,7)",
-            (session, run, anchor),
-        )
+        insert(db, "runs", session=session, run=run, clock_anchor=anchor, pid=7)
         db.executemany("INSERT OR IGNORE INTO topics (name, fields) VALUES (?,?)", _TOPICS)
-        (number,) = db.execute(
-            "SELECT number FROM session_numbers WHERE id=?", (session,)
-        ).fetchone()
-        query = "SELECT coalesce(max(trial), 0) FROM trials WHERE session=?"
-        (last,) = db.execute(query, (session,)).fetchone()
         for trial in range(last + 1, last + trials + 1):
-            for offset, topic in enumerate(_TOPICS):
-                db.execute(
-                    "INSERT INTO messages SELECT ?,?,?,?,id,? FROM topics WHERE (name, "
-                    "fields)=(?,?)",
-                    (
-                        number,
-                        2 * trial + offset - 1,
-                        run,
-                        1000 * trial,
-                        f'["{response}",{trial}]',
-                        *topic,
-                    ),
-                )
-            db.execute(
-                "INSERT INTO trials (session, attempt, trial, seat, run, stimulus, response, "
-                "correct, onset_ns, response_ns, reaction_time_ms, timing, details, data)"
-                " VALUES (?,1,?,'A',?,'F',?,1,?,?,?,'{}','{}','{}')",
-                (session, trial, run, response, 1000 * trial, 1500 * trial, 1 / trial),
+            at, text = 1000 * trial, f'["{response}",{trial}]'
+            for seq, topic in enumerate(_TOPICS, 2 * trial - 1):
+                id = value(db, "SELECT id FROM topics WHERE (name, fields)=(?,?)", *topic)
+                sql(db, "INSERT INTO messages VALUES (?,?,?,?,?,?)", number, seq, run, at, id, text)
+            insert(
+                db, "trials", session=session, trial=trial, run=run, stimulus="F", response=response,
+                correct=1, onset_ns=at, response_ns=1500 * trial, reaction_time_ms=1 / trial,
+                timing="{}", details="{}", data="{}",
+            )  # fmt: skip
+            insert(
+                db, "notes", session=session, at_ns=trial % 2, author="op", text='"so"', label=""
             )
-            db.execute(
-                "INSERT INTO notes (session, at_ns, author, text, label)"
-                " VALUES (?,?,'op','\"so\"','')",
-                (session, trial % 2),
-            )
-        db.execute(
-            "INSERT OR REPLACE INTO attempts (session, attempt, seat, run, practice, level, "
-            "metric, trials, qualities,"
-            " correct, accuracy, outcome, started_ns, ended_ns) VALUES "
-            "(?,1,'A',?,0,1,?,?,'{}',1,1,'success',1,9)",
-            (session, run, 1 / (last + trials + 1), last + trials),
-        )
-        db.execute(
-            "UPDATE sessions SET status=?, ended_at=? WHERE id=?",
-            (status, f"2026-03-02T{run:02}", session),
-        )
-        db.execute("COMMIT")
+        count = last + trials
+        sql(db, "DELETE FROM attempts WHERE session=?", session)
+        insert(
+            db, "attempts", session=session, run=run, metric=1 / (count + 1), trials=count,
+            qualities="{}", correct=1, accuracy=1, outcome="success", started_ns=1, ended_ns=9,
+        )  # fmt: skip
+        ended = f"2026-03-02T{run:02}"
+        sql(db, "UPDATE sessions SET status=?, ended_at=? WHERE id=?", status, ended, session)
 
 
 def change(folder: Path, statement: str, *values: object) -> None:
     """Change a database behind the program's back."""
-    with closing(connect(folder)) as db:
-        db.execute(statement, values)
+    sql(folder, statement, *values)
 
 
 def save_programme(
     folder: Path, participant: str, version: int, parameters: str, at: str = "2026-03-01"
 ) -> None:
-    row = (participant, version, at, parameters)
-    change(
-        folder,
-        "INSERT INTO programmes (participant, task, version, created_at, author, reason, "
-        "parameters, theme, site)"
-        " VALUES (?,'keyboard',?,?,'','',?,'calm','')",
-        *row,
-    )
+    row = {"participant": participant, "version": version, "created_at": at}
+    insert(folder, "programmes", parameters=parameters, **row)
 
 
 def copy(folder: Path, to: Path) -> Path:
@@ -159,13 +114,9 @@ def holds(folder: Path) -> dict[str, Counter[Any]]:
     """Return all rows by table. Codes, sites and the numbers of sessions and topics are in full."""
     with closing(connect(folder)) as db:
         people = People(sites.own(db), stored_pairs(db))
-        tables = [
-            name for (name,) in db.execute("SELECT name FROM sqlite_master WHERE type='table'")
-        ]
-        wanted = [
-            name for name in tables if not name.startswith(("_", "sqlite")) and name not in _LOCAL
-        ]
-        return {table: Counter(_in_words(db, table, people)) for table in wanted}
+        return {
+            table: Counter(_in_words(db, table, people)) for table in TABLES if table not in _LOCAL
+        }
 
 
 def _in_words(db: sqlite3.Connection, table: str, people: People) -> list[Any]:
@@ -173,8 +124,7 @@ def _in_words(db: sqlite3.Connection, table: str, people: People) -> list[Any]:
     if table == "messages":
         query = (
             "SELECT session_numbers.id AS session, seq, run, at_ns, name, fields, message FROM "
-            "messages"
-            " JOIN session_numbers ON number=session_number JOIN topics ON topics.id=topic"
+            "messages JOIN session_numbers ON number=session_number JOIN topics ON topics.id=topic"
         )
     found = db.execute(query)
     names = [name for name, *_ in found.description]

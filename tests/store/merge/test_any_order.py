@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.examples import examples
+from tests.store.by_hand import insert, sql
 from tests.store.merge.sites import change, copy, go_on, holds, merge, play, save_programme, site
 
 SITES = ("BERN", "BASEL", "CHUR")
@@ -35,78 +36,67 @@ class World:
                 self.take_copy, self.merge)  # fmt: skip
         self.random.choice(acts)(code)
 
+    def copies_of(self, code: str) -> list[Path]:
+        return [path for of, path in self.copies if of == code]
+
+    def person(self) -> str:
+        return f"P0{self.random.randint(1, 2)}"
+
     def play(self, code: str) -> None:
         self._number += 1
+        id = f"{self._number:010x}"
         began = f"2026-03-{self.random.randint(1, 28):02}T10:00:00+00:00"
-        status = self.random.choice(_STATES)
-        id, who = f"{self._number:010x}", f"P0{self.random.randint(1, 2)}"
-        mode = self.random.choice(("live", "live", "simulated"))
-        play(
-            self.sites[code],
-            id,
-            who,
-            trials=self.random.randint(0, 2),
-            began=began,
-            status=status,
-            mode=mode,
-        )
+        given = {"status": self.random.choice(_STATES), "began": began}
+        mode, trials = self.random.choice(("live", "live", "simulated")), self.random.randint(0, 2)
+        play(self.sites[code], id, self.person(), trials=trials, mode=mode, **given)
         self._sessions.setdefault(self.sites[code], []).append(id)
 
     def go_on(self, code: str) -> None:
         """Let a session go on, sometimes in a copy, so that there are two records of it."""
         if found := self._sessions.get(self.sites[code]):
-            places = [
-                path for of, path in self.copies if of == code and holds_session(path, found[-1])
-            ]
+            places = [path for path in self.copies_of(code) if holds_session(path, found[-1])]
             place = self.random.choice([self.sites[code], self.sites[code], *places])
-            go_on(
-                place,
-                found[-1],
-                response=self.random.choice("fj"),
-                status=self.random.choice(_STATES),
-            )
+            response, status = self.random.choice("fj"), self.random.choice(_STATES)
+            go_on(place, found[-1], response=response, status=status)
 
     def dismiss(self, code: str) -> None:
         if found := self._sessions.get(self.sites[code]):
-            change(
-                self.sites[code],
-                "UPDATE sessions SET status='dismissed' WHERE id=? AND status<>'completed'",
-                found[-1],
-            )
+            dismiss = "UPDATE sessions SET status='dismissed' WHERE id=? AND status<>'completed'"
+            change(self.sites[code], dismiss, found[-1])
 
     def programme(self, code: str) -> None:
-        places = [self.sites[code], *(path for of, path in self.copies if of == code)]
         version, attempts = self.random.randint(1, 2), self.random.randint(1, 3)
-        statement = "DELETE FROM programmes WHERE participant='P01' AND version=?"
-        place = self.random.choice(places)
-        change(place, statement, version)
+        place = self.random.choice([self.sites[code], *self.copies_of(code)])
+        change(place, "DELETE FROM programmes WHERE participant='P01' AND version=?", version)
         save_programme(place, "P01", version, f'{{"attempts":{attempts}}}', f"2026-0{attempts}-01")
 
     def record(self, code: str) -> None:
         self._number += 1
-        who, at = f"P0{self.random.randint(1, 2)}", f"2026-04-01T{self._number:06}"
-        for statement, values in (
-            *(
-                (
-                    "INSERT OR IGNORE INTO records (id, version, kind, participant, seat, at,"
-                    " content, recorded_at) VALUES (?,?,?,?,'A',?,'{}',?)",
-                    (id, version, kind, who, at, at),
-                )
-                for id, version, kind in (
-                    (f"{self._number:06}", 1, "pain"),
-                    ("abc", 1, "adverse-event"),
-                    ("abc", 2, "adverse-event"),
-                )
-            ),
-            ("INSERT INTO exports VALUES (NULL,?,'','','csv','[]','{}','','')", (at,)),
-        ):
-            change(self.sites[code], statement, *values)
+        place, at = self.sites[code], f"2026-04-01T{self._number:06}"
+        records = (
+            (f"{self._number:06}", 1, "pain"),
+            ("abc", 1, "adverse-event"),
+            ("abc", 2, "adverse-event"),
+        )
+        given, stamps = {"participant": self.person()}, {"at": at, "recorded_at": at}
+        for id, version, kind in records:
+            if not sql(place, "SELECT 1 FROM records WHERE (id, version)=(?,?)", id, version):
+                insert(place, "records", id=id, version=version, kind=kind, **given, **stamps)
+        insert(
+            place,
+            "exports",
+            number=None,
+            exported_at=at,
+            format="csv",
+            sessions="[]",
+            options="{}",
+            site="",
+        )
 
     def edit(self, code: str) -> None:
-        if places := [path for of, path in self.copies if of == code]:
-            change(
-                self.random.choice(places), "UPDATE trials SET correct=0 WHERE trial=1 AND run=1"
-            )
+        if places := self.copies_of(code):
+            place = self.random.choice(places)
+            change(place, "UPDATE trials SET correct=0 WHERE trial=1 AND run=1")
 
     def take_copy(self, code: str) -> None:
         self.copies.append((code, copy(self.sites[code], self.folder / f"copy-{len(self.copies)}")))
@@ -119,7 +109,7 @@ class World:
 
 
 def holds_session(folder: Path, session: str) -> bool:
-    return any(row[0] == session for row in holds(folder)["sessions"])
+    return bool(sql(folder, "SELECT 1 FROM sessions WHERE id=?", session))
 
 
 @pytest.fixture(autouse=True)

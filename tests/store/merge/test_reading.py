@@ -13,7 +13,8 @@ from sar_tui.plugins import Catalogue
 from sar_tui.store import participants, results, sessions, sites
 from sar_tui.store.database import FILE, RESCUE, connect
 from sar_tui.store.rescue import bring_back
-from tests.store.merge.sites import change, copy, holds, merge, play, site
+from tests.store.by_hand import sql
+from tests.store.merge.sites import copy, holds, merge, play, site
 
 
 @pytest.fixture
@@ -21,32 +22,28 @@ def zurich(tmp_path: Path) -> Path:
     """A database with three sessions of P01, the clock having been set back before the last, and
     four of Bern.
     """
-    folder = site(tmp_path / "zurich", "ZURICH")
-    for number, day in enumerate((1, 10, 5)):
-        play(folder, f"a{number}", began=f"2026-03-{day:02}T10:00:00+00:00")
-    bern = site(tmp_path / "bern", "BERN")
-    for number, day in enumerate((20, 2, 11, 9)):
+
+    def of(day: int) -> dict[str, str]:
         status = "interrupted" if day == 20 else "completed"
-        play(
-            bern,
-            f"b{number}",
-            f"P0{1 + number % 2}",
-            began=f"2026-03-{day:02}T10:00:00+00:00",
-            status=status,
-        )
+        return {"began": f"2026-03-{day:02}T10:00:00+00:00", "status": status}
+
+    folder, bern = site(tmp_path / "zurich", "ZURICH"), site(tmp_path / "bern", "BERN")
+    for number, day in enumerate((1, 10, 5)):
+        play(folder, f"a{number}", **of(day))
+    for number, day in enumerate((20, 2, 11, 9)):
+        play(bern, f"b{number}", f"P0{1 + number % 2}", **of(day))
     merge(folder, bern)
     return folder
 
 
-def test_sessions_are_in_the_order_of_time_and_those_of_this_site_as_they_were_stored(
-    zurich: Path,
-) -> None:
-    with closing(connect(zurich)) as database:
-        listed = [row["id"] for row in sessions.listing(database, zurich)]
-        assert listed == ["b0", "b2", "a2", "a1", "b3", "b1", "a0"]
-        assert [
-            row["id"] for row in sessions.listing(database, zurich, participant="P01@BERN")
-        ] == ["b0", "b2"]
+def listed(folder: Path, **asked: str) -> list[str]:
+    with closing(connect(folder)) as database:
+        return [row["id"] for row in sessions.listing(database, folder, **asked)]
+
+
+def test_sessions_are_in_order_of_time_and_this_sites_as_they_were_stored(zurich: Path) -> None:
+    assert listed(zurich) == ["b0", "b2", "a2", "a1", "b3", "b1", "a0"]
+    assert listed(zurich, participant="P01@BERN") == ["b0", "b2"]
     play(zurich, "a3", began="2026-03-12T10:00:00+00:00")
     with closing(connect(zurich)) as database:
         assert sessions.find(database, zurich, "last")["id"] == "a3"
@@ -54,21 +51,17 @@ def test_sessions_are_in_the_order_of_time_and_those_of_this_site_as_they_were_s
 
 def test_a_person_with_two_codes_has_all_sessions_in_order(zurich: Path) -> None:
     merge(zurich, None, same=("P01@BERN=P01",))
+    assert listed(zurich, participant="P01") == ["b0", "b2", "a2", "a1", "a0"]
     with closing(connect(zurich)) as database:
-        found = [row["id"] for row in sessions.listing(database, zurich, participant="P01")]
-        assert found == ["b0", "b2", "a2", "a1", "a0"]
         assert participants.codes(database) == ["P01"]
         assert list(results.sessions_of(database, "P01@BERN")) == []
 
 
-def test_the_first_screen_lists_the_participants_of_this_site(
-    zurich: Path, catalogue: Catalogue
-) -> None:
+def test_the_first_screen_lists_this_sites_participants(zurich: Path, catalogue: Catalogue) -> None:
+    sql(zurich, "UPDATE sessions SET software='{}'")
     with closing(connect(zurich)) as database:
-        change(zurich, "UPDATE sessions SET software='{}'")
-        assert [each.code for each in read_participants(database, zurich, date(2026, 3, 30))] == [
-            "P01"
-        ]
+        shown = read_participants(database, zurich, date(2026, 3, 30))
+        assert [each.code for each in shown] == ["P01"]
         assert participants.last_used(database) == "P01"
         listed = read_sessions(database, zurich, catalogue, None)
         assert [line.who for line in listed.lines][:2] == ["P01@BERN", "P01@BERN"]

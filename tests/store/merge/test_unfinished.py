@@ -76,9 +76,7 @@ merge.merge(Path(sys.argv[1]), Path(sys.argv[2]), start=lambda step: lambda done
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
-def test_a_merge_that_is_killed_leaves_nothing_once_there_is_another(
-    zurich: Path, bern: Path
-) -> None:
+def test_the_next_merge_removes_what_a_killed_one_left(zurich: Path, bern: Path) -> None:
     before = holds(zurich)
     killed = subprocess.run(
         [sys.executable, "-c", _KILLED, zurich, bern], check=False, capture_output=True
