@@ -5,7 +5,7 @@ trained, or in which order all of them did.
 import json
 import re
 import zipfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from datetime import datetime, timedelta
 from pathlib import Path
 from typing import Any
@@ -33,51 +33,50 @@ def by_clocks(folder: Path, known: Mapping[str, datetime]) -> Iterator[tuple[str
                 readings = _first_by_person(rows, column, a_second)
                 zeros = [known[code] - readings[code] for code in known if code in readings]
                 if zeros and len(set(readings.values())) > 1:
-                    yield (
-                        f"{table}.{column} in {unit}",
-                        {code: zeros[0] + each for code, each in readings.items()},
-                    )
+                    guesses = {code: zeros[0] + each for code, each in readings.items()}
+                    yield f"{table}.{column} in {unit}", guesses
+
+
+def _people(folder: Path) -> dict[str, str]:
+    """Return the participants by their sessions."""
+    return {row["session"]: row["participant"] for row in read_csv(folder, "sessions")}
 
 
 def by_times_of_day(folder: Path, known: Mapping[str, datetime]) -> Iterator[tuple[str, Guesses]]:
     """Yield guesses by a clock that is printed beside a shifted time: equal differences are those
     of one start.
     """
-    runs = [row for row in read_csv(folder, "runs") if row["clock_ns"] is not None]
-    people = {row["session"]: row["participant"] for row in read_csv(folder, "sessions")}
-    clocks = {
-        people[row["session"]]: timedelta(microseconds=row["clock_ns"] / 1000) for row in runs
-    }
+    people, clocks = _people(folder), {}
+    for row in read_csv(folder, "runs"):
+        if row["clock_ns"] is not None:
+            clocks[people[row["session"]]] = timedelta(microseconds=row["clock_ns"] / 1000)
     for code, true in known.items():
-        yield (
-            "runs.clock_ns beside a known date",
-            {other: true + at - clocks[code] for other, at in clocks.items()},
-        )
+        guesses = {other: true + at - clocks[code] for other, at in clocks.items()}
+        yield "runs.clock_ns beside a known date", guesses
 
 
 def by_order(folder: Path, enrolled: Sequence[datetime]) -> Iterator[tuple[str, Guesses]]:
     """Yield guesses by what may be in the order of enrolment: rows, names, ids, seeds, versions,
     times of files.
     """
+
+    def in_order(codes: Iterable[str]) -> Guesses:
+        return dict(zip(dict.fromkeys(codes), enrolled, strict=False))
+
     for table, rows in _tables(folder):
-        ranked = list(dict.fromkeys(row["participant"] for row in rows))
-        yield f"order of rows in {table}", dict(zip(ranked, enrolled, strict=False))
+        yield f"order of rows in {table}", in_order(row["participant"] for row in rows)
         for column in rows[0] if rows else ():
-            if column not in ("participant", *_DATES):
-                values = {
-                    row["participant"]: row[column] for row in rows[::-1] if row[column] is not None
-                }
-                if len(set(values.values())) > 1:
-                    ranked = sorted(
-                        values, key=lambda code: (str(type(values[code])), values[code], code)
-                    )
-                    yield f"order of {table}.{column}", dict(zip(ranked, enrolled, strict=False))
-    people = {row["session"]: row["participant"] for row in read_csv(folder, "sessions")}
+            given = [row for row in rows[::-1] if row[column] is not None]
+            values = {row["participant"]: row[column] for row in given}
+            if column not in ("participant", *_DATES) and len(set(values.values())) > 1:
+                ranks = {code: (str(type(each)), each, code) for code, each in values.items()}
+                yield f"order of {table}.{column}", in_order(sorted(values, key=ranks.__getitem__))
+    people = _people(folder)
     manifest = json.loads((folder / "sar-tui-export.json").read_text("utf-8"))
-    yield "sessions of the manifest", _in_order(manifest["sessions"], people, enrolled)
     timing = json.loads((folder / "timing.json").read_text("utf-8"))
     measured = [session for each in timing["passports"] for session in each["sessions"]]
-    yield "sessions of timing.json", _in_order(measured, people, enrolled)
+    for name, found in (("the manifest", manifest["sessions"]), ("timing.json", measured)):
+        yield f"sessions of {name}", in_order(people[each] for each in found if each in people)
 
 
 def by_files(
@@ -100,16 +99,11 @@ def by_files(
         "times": lambda path: path.stat().st_mtime_ns,
         "times in a zip archive": zipped.__getitem__,
     }
-    files = [
-        (path, code)
-        for path in folder.rglob("*")
-        for name, code in people.items()
-        if name in path.as_posix()
-    ]
     for what, key in keys.items():
         firsts: dict[str, Any] = {}
-        for path, code in files:
-            firsts[code] = min(firsts.get(code, key(path)), key(path))
+        for path in folder.rglob("*"):
+            for code in [people[name] for name in people if name in path.as_posix()]:
+                firsts[code] = min(firsts.get(code, key(path)), key(path))
         ranked = sorted(firsts, key=lambda code: (firsts[code], code))
         yield f"{what} of files", dict(zip(ranked, enrolled, strict=False))
 
@@ -118,23 +112,17 @@ def identified(
     guesses: Guesses, true: Mapping[str, datetime], known: Mapping[str, datetime] = {}
 ) -> int:
     """Return the number of people whose date was not known, and was guessed to the day."""
-    return sum(
-        each.date() == true[code].date() for code, each in guesses.items() if code not in known
-    )
+    unknown = [code for code in guesses if code not in known]
+    return sum(guesses[code].date() == true[code].date() for code in unknown)
 
 
 def _tables(folder: Path) -> Iterator[tuple[str, list[dict[str, Any]]]]:
     """Yield each table with the participant of each row."""
-    people = {row["session"]: row["participant"] for row in read_csv(folder, "sessions")}
+    people = _people(folder)
     for path in sorted(folder.glob("*.csv")):
         rows = read_csv(folder, path.stem)
-        yield (
-            path.stem,
-            [
-                row | {"participant": row.get("participant") or people[row["session"]]}
-                for row in rows
-            ],
-        )
+        owners = [row.get("participant") or people[row["session"]] for row in rows]
+        yield path.stem, [row | {"participant": who} for row, who in zip(rows, owners, strict=True)]
 
 
 def _first_by_person(
@@ -148,13 +136,6 @@ def _first_by_person(
         if isinstance(value, int | float) and abs(value / a_second) < 1e10:
             found.setdefault(row["participant"], timedelta(seconds=value / a_second))
     return found
-
-
-def _in_order(
-    sessions: Sequence[str], people: Mapping[str, str], enrolled: Sequence[datetime]
-) -> Guesses:
-    ranked = list(dict.fromkeys(people[session] for session in sessions if session in people))
-    return dict(zip(ranked, enrolled, strict=False))
 
 
 def written(folder: Path) -> Iterator[tuple[str, str]]:
@@ -190,18 +171,13 @@ def clock_readings(text: str) -> list[str]:
 
     In ms and s only fractions do: other numbers are as large.
     """
-    found = _NUMBER.findall(text)
-    fine = [
-        number
-        for number in found
-        if any(_is_reading(float(number), UNITS[unit]) for unit in ("ns", "us"))
-    ]
-    return fine + [
-        number
-        for number in found
-        if not float(number).is_integer()
-        and any(_is_reading(float(number), UNITS[u]) for u in ("ms", "s"))
-    ]
+
+    def reads(number: str) -> bool:
+        value = float(number)
+        units = ("ns", "us") if value.is_integer() else UNITS
+        return any(_is_reading(value, UNITS[unit]) for unit in units)
+
+    return [number for number in _NUMBER.findall(text) if reads(number)]
 
 
 def _is_reading(number: float, a_second: float) -> bool:

@@ -3,14 +3,16 @@
 import csv
 import json
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from sar_tui.export.export import Exported, Options, export
-from sar_tui.export.registry import load
-from sar_tui.plugins import Catalogue
+from sar_tui.export.registry import Format, load
 from sar_tui.store.database import connect_to_read
 from sar_tui.store.selection import Request
+from tests.played import catalogue
 
 ALL = Request(everything=True, mixed=True)
 
@@ -24,15 +26,20 @@ def export_csv(data: Path, folder: Path, request: Request = ALL, **options: Any)
 
 
 def export_as(
-    format: str, data: Path, folder: Path, request: Request = ALL, **options: Any
+    form: str | Format, data: Path, folder: Path, request: Request = ALL, **options: Any
 ) -> Exported:
-    database = connect_to_read(data)
-    try:
-        return export(
-            database, data, Catalogue(), request, load(format), folder, no_bar, Options(**options)
-        )
-    finally:
-        database.close()
+    """Export sessions in a format, or in the format of a name."""
+    made = load(form) if isinstance(form, str) else form
+    with closing(connect_to_read(data)) as database:
+        given = Options(**options)
+        return export(database, data, catalogue(), request, made, folder, no_bar, given)
+
+
+def csv_of(data: Path, table: str, **options: Any) -> list[dict[str, Any]]:
+    """Export sessions as CSV files into a folder of its own, and return the rows of a table."""
+    with TemporaryDirectory() as folder:
+        export_csv(data, Path(folder) / "out", **options)
+        return read_csv(Path(folder) / "out", table)
 
 
 def read_csv(folder: Path, table: str) -> list[dict[str, Any]]:

@@ -50,13 +50,9 @@ def with_octave(folder: Path) -> Iterator[tuple[str, str, str, list[Any]]]:
     """Yield file, table, field and its values, as Octave reads them; samples of all sensors one
     after the other.
     """
+    command = ["octave-cli", "--eval", _DUMP]
     done = subprocess.run(
-        ["octave-cli", "--eval", _DUMP],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=120,
+        command, cwd=folder, capture_output=True, text=True, check=True, timeout=120
     )
     for line in done.stdout.splitlines():
         file, table, name, kind, *values = line.split(" ")
@@ -72,12 +68,8 @@ def with_scipy(folder: Path) -> Iterator[tuple[str, str, str, list[Any]]]:
         for table in set(tables.dtype.names) - {"units", "imu"}:
             (fields,) = tables[table][0]
             for name in fields.dtype.names:
-                yield (
-                    path.name,
-                    table,
-                    name,
-                    [_value(value) for value in fields[name][:, 0].tolist()],
-                )
+                values = fields[name][:, 0].tolist()
+                yield path.name, table, name, [_value(value) for value in values]
 
 
 def _value(value: Any) -> Any:

@@ -8,31 +8,10 @@ from pathlib import Path
 from typing import Any
 
 _NAME = re.compile(r"([a-z]+-[a-zA-Z0-9]+)(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv")
-_KEYWORDS = {
-    "study",
-    "site",
-    "subject",
-    "session",
-    "task",
-    "condition",
-    "trial",
-    "stimulus",
-    "description",
-}
-_ROOT = {
-    "dataset_description.json",
-    "README.md",
-    "README.txt",
-    "CHANGES.md",
-    "CHANGES.txt",
-    ".psychdsignore",
-}
-_SCHEMA_ORG = (
-    "https://schema.org/",
-    "http://schema.org/",
-    "https://schema.org",
-    "http://schema.org",
-)
+_KEYWORDS = set("study site subject session task condition trial stimulus description".split())
+_ROOT = {"dataset_description.json", "README.md", "README.txt", "CHANGES.md", "CHANGES.txt",
+         ".psychdsignore"}  # fmt: skip
+_SCHEMA_ORG = [f"http{s}://schema.org{end}" for s in ("s", "") for end in ("/", "")]
 
 
 def complaints(folder: Path) -> list[str]:

@@ -124,9 +124,7 @@ def test_every_format_has_a_validator() -> None:
 
 
 @pytest.mark.parametrize("format", BUNDLED)
-def test_all_tasks_in_one_export_pass_the_validator(
-    data: Path, tmp_path: Path, format: str
-) -> None:
+def test_all_tasks_in_one_export_are_valid(data: Path, tmp_path: Path, format: str) -> None:
     assert faults(data, tmp_path / "out", format) == []
     if format == "csv":
         assert sorted(row["task"] for row in read_csv(tmp_path / "out", "sessions")) == TASKS
@@ -139,9 +137,7 @@ def test_all_tasks_in_one_export_pass_the_validator(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("format", BUNDLED)
-def test_all_tasks_pass_the_validator_whatever_leaves(
-    data: Path, tmp_path: Path, format: str
-) -> None:
+def test_all_tasks_are_valid_whatever_leaves(data: Path, tmp_path: Path, format: str) -> None:
     assert faults(data, tmp_path / "recoded", format, recode=tmp_path / "map.csv") == []
     assert faults(data, tmp_path / "noted", format, with_notes=True) == []
 

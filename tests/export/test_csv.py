@@ -9,17 +9,17 @@ import pytest
 
 from sar_tui.model.messages import FeedbackChoice
 from sar_tui.model.messages.loop import Timing
-from sar_tui.store.database import connect
 from sar_tui.store.selection import Request
 from tests.export.exported import export_csv, read_csv
 from tests.export.test_round_trip import stored_trials
 from tests.export.varied import NOTE, store_trials, varied
 from tests.program import Call
+from tests.store.by_hand import sql
 
 
 @pytest.mark.slow
 def test_the_files_are_what_their_description_says(call: Call, tmp_path: Path) -> None:
-    varied(call, tmp_path / "data")
+    varied(tmp_path / "data")
     folder = tmp_path / "out"
     export_csv(tmp_path / "data", folder, with_notes=True, with_events=True)
     found = frictionless.validate(str(folder / "datapackage.json"))
@@ -30,7 +30,7 @@ def test_the_files_are_what_their_description_says(call: Call, tmp_path: Path) -
     assert any(row["state"] == "gap" for row in read_csv(folder, "sensor_faults"))
 
 
-def test_every_field_of_the_timing_and_of_a_choice_has_a_column(
+def test_every_field_of_timing_and_choice_has_a_column(
     call: Call, simulated: str, tmp_path: Path
 ) -> None:
     export_csv(tmp_path / "data", tmp_path / "out")
@@ -45,12 +45,12 @@ def test_every_field_of_the_timing_and_of_a_choice_has_a_column(
 def test_a_task_that_is_not_installed_leaves_with_numbers_but_without_texts_that_nobody_declared(
     call: Call, simulated: str, tmp_path: Path
 ) -> None:
-    with closing(connect(tmp_path / "data")) as database:
-        database.execute("UPDATE sessions SET task='gone'")
-        database.execute(
-            "UPDATE trials SET details=json_set(details, '$.remark', 'Ana is tired', '$.good', "
-            "json('true'))"
-        )
+    sql(tmp_path / "data", "UPDATE sessions SET task='gone'")
+    sql(
+        tmp_path / "data",
+        "UPDATE trials SET details=json_set(details, '$.remark', 'Ana is tired', '$.good', "
+        "json('true'))",
+    )
     exported = export_csv(tmp_path / "data", tmp_path / "out")
     rows, stored = read_csv(tmp_path / "out", "trials"), stored_trials(tmp_path / "data")
     assert {row["details_choices"] for row in rows} == {row["details"]["choices"] for row in stored}
@@ -68,9 +68,7 @@ def test_a_session_without_a_trial_leaves_with_an_empty_table(tmp_path: Path) ->
     assert frictionless.validate(str(tmp_path / "out" / "datapackage.json")).valid
 
 
-def test_the_mean_reaction_time_is_the_databases(
-    call: Call, simulated: str, tmp_path: Path
-) -> None:
+def test_the_mean_reaction_time_is_the_stored(call: Call, simulated: str, tmp_path: Path) -> None:
     export_csv(tmp_path / "data", tmp_path / "out")
     with closing(sqlite3.connect(tmp_path / "data" / "sar-tui.db")) as database:
         stored = [

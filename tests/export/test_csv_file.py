@@ -47,7 +47,7 @@ def test_every_text_is_one_cell_without_control_characters(text: str) -> None:
     assert len(read) == 1 or not read.startswith(tuple("=+-@\t\r")) or float(read)
 
 
-def test_what_an_operator_typed_leaves_as_a_text_in_every_format(
+def test_typed_formulas_leave_as_text_in_all_formats(
     call: Call, simulated: str, tmp_path: Path
 ) -> None:
     with closing(sqlite3.connect(tmp_path / "data" / "sar-tui.db")) as database, database:

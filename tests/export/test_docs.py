@@ -44,11 +44,9 @@ def study(call: Call, simulated: str, tmp_path: Path, monkeypatch: pytest.Monkey
     with closing(sqlite3.connect(tmp_path / "data" / "sar-tui.db")) as database:
         rows = database.execute(
             "SELECT task, participant, level, avg(reaction_time_ms), avg(json_extract(details, "
-            "'$.reach_time_ms'))"
-            " FROM trials JOIN attempts USING (session, attempt, seat) JOIN seats USING (session, "
-            "seat)"
-            " JOIN sessions ON sessions.id=session WHERE trials.correct AND NOT practice GROUP BY "
-            "1, 2, 3"
+            "'$.reach_time_ms')) FROM trials JOIN attempts USING (session, attempt, seat) JOIN "
+            "seats USING (session, seat) JOIN sessions ON sessions.id=session WHERE "
+            "trials.correct AND NOT practice GROUP BY 1, 2, 3"
         ).fetchall()
     means: Means = {
         name: {
@@ -73,8 +71,7 @@ def _add_odd_trials(data: Path) -> None:
         )
         columns = (
             "session, trial, seat, run, stimulus, response, correct, onset_ns, response_ns, "
-            "reaction_time_ms, timing,"
-            " details"
+            "reaction_time_ms, timing, details"
         )
         database.execute(
             f"INSERT INTO trials (attempt, {columns}) SELECT 99, {columns} FROM trials WHERE "
@@ -158,7 +155,7 @@ def _octave(source: str) -> list[str]:
     return done.stdout.splitlines()
 
 
-def test_the_format_of_the_page_works(
+def test_the_pages_format_works(
     study: Means, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from sar_tui.export import registry

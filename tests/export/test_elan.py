@@ -2,8 +2,8 @@
 
 import re
 import sys
-from contextlib import closing
 from datetime import datetime
+from itertools import chain
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -13,12 +13,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.export.formats.elan import Annotation, Tier, annotation, document
-from sar_tui.store.database import connect
 from tests.export.exported import export_as, export_csv, read_csv
 from tests.export.resumed import resumed
 from tests.export.test_outputs import REPORTS, store_messages, store_reports
 from tests.export.varied import NOTE, store_trials, varied
 from tests.program import Call
+from tests.store.by_hand import insert, sql
 
 Tiers = dict[str, list[tuple[int, int, str]]]
 MS = 1_000_000
@@ -34,28 +34,24 @@ def read_eaf(path: Path) -> Tiers:
     assert root.tag == "ANNOTATION_DOCUMENT"
     assert (root.get("FORMAT"), root.get("VERSION")) == ("3.0", "3.0")
     assert datetime.fromisoformat(root.attrib["DATE"]).tzinfo
-    slots = {
-        slot.attrib["TIME_SLOT_ID"]: int(slot.attrib["TIME_VALUE"])
-        for slot in root.iter("TIME_SLOT")
-    }
-    assert len(slots) == len(list(root.iter("TIME_SLOT")))
-    assert list(slots.values()) == sorted(slots.values())
+
+    def unique(tag: str, name: str) -> list[str]:
+        found = [each.attrib[name] for each in root.iter(tag)]
+        assert len(set(found)) == len(found)
+        return found
+
+    times = [int(slot.attrib["TIME_VALUE"]) for slot in root.iter("TIME_SLOT")]
+    slots = dict(zip(unique("TIME_SLOT", "TIME_SLOT_ID"), times, strict=True))
+    assert times == sorted(times)
     types = {each.attrib["LINGUISTIC_TYPE_ID"] for each in root.iter("LINGUISTIC_TYPE")}
-    names = [tier.attrib["TIER_ID"] for tier in root.iter("TIER")]
-    assert len(set(names)) == len(names)
-    ids = [each.attrib["ANNOTATION_ID"] for each in root.iter("ALIGNABLE_ANNOTATION")]
-    used = [
-        each.attrib[f"TIME_SLOT_REF{end}"]
-        for each in root.iter("ALIGNABLE_ANNOTATION")
-        for end in (1, 2)
-    ]
-    assert len(set(ids)) == len(ids)
-    assert sorted(used) == sorted(slots), "each slot is of one end of one annotation"
+    ids = unique("ALIGNABLE_ANNOTATION", "ANNOTATION_ID")
+    ends = (unique("ALIGNABLE_ANNOTATION", f"TIME_SLOT_REF{end}") for end in (1, 2))
+    assert sorted(chain(*ends)) == sorted(slots), "each slot is of one end of one annotation"
     assert all(re.fullmatch(r"[a-z]+\d+", id) for id in [*ids, *slots])
-    tiers: Tiers = {}
+    tiers: Tiers = {name: [] for name in unique("TIER", "TIER_ID")}
     for tier in root.iter("TIER"):
         assert tier.attrib["LINGUISTIC_TYPE_REF"] in types
-        found = tiers[tier.attrib["TIER_ID"]] = []
+        found = tiers[tier.attrib["TIER_ID"]]
         for (each,) in tier:
             start, end = (slots[each.attrib[f"TIME_SLOT_REF{number}"]] for number in (1, 2))
             assert 0 <= start < end
@@ -65,8 +61,8 @@ def read_eaf(path: Path) -> Tiers:
     return tiers
 
 
-def test_every_act_of_varied_sessions_is_there(call: Call, tmp_path: Path) -> None:
-    varied(call, tmp_path / "data")
+def test_every_act_of_varied_sessions_is_there(tmp_path: Path) -> None:
+    varied(tmp_path / "data")
     export_csv(tmp_path / "data", tmp_path / "csv", with_notes=True)
     export_as("elan", tmp_path / "data", tmp_path / "out", with_notes=True)
     for session in read_csv(tmp_path / "csv", "sessions"):
@@ -76,97 +72,71 @@ def test_every_act_of_varied_sessions_is_there(call: Call, tmp_path: Path) -> No
 
         def own(table: str, of: str = session["session"], **equal: Any) -> list[dict[str, Any]]:
             rows = read_csv(tmp_path / "csv", table)
-            return [
-                row
-                for row in rows
-                if row["session"] == of and all(row[k] == v for k, v in equal.items())
-            ]
+            return [row for row in rows if row | equal == row and row["session"] == of]
 
         (run,) = own("runs")
         for seat in "AB" if session["partner"] else "A":
-            trials = [
-                row for row in own("trials", seat=seat) if row["onset_ns"] or row["response_ns"]
-            ]
-            begun = [
-                round(((row["onset_ns"] or row["response_ns"]) - run["clock_ns"]) / MS)
-                for row in trials
-            ]
+            shown = [row["onset_ns"] or row["response_ns"] for row in own("trials", seat=seat)]
+            begun = [round((at - run["clock_ns"]) / MS) for at in shown if at]
             assert sorted(start for start, _, _ in _all(tiers, f"{seat} trials")) == sorted(begun)
             assert len(_all(tiers, f"{seat} attempts")) == len(own("attempts", seat=seat))
             effort, remark = own("answers", seat=seat)
-            assert [value for _, _, value in _all(tiers, f"{seat} questions")] == [
-                "effort: "
-                f"{effort['status'] if effort['value'] is None else format(effort['value'], 'g')}",
+            known = effort["value"] is not None
+            assert values(tiers, f"{seat} questions") == [
+                f"effort: {format(effort['value'], 'g') if known else effort['status']}",
                 f"remark: {remark['words'] or remark['status']}",
             ]
         for deed in ("say", "show", "gesture", "gaze", "tone"):
             done = [row for row in own("outputs", deed=deed) if row["started_ns"] is not None]
             assert len(_all(tiers, f"agent {deed}")) == len(done)
         assert len(_all(tiers, "operator")) == len(own("actions", decided_by="operator"))
-        assert f"operator: pausa: {NOTE.replace(chr(13), '')}" in [
-            value for _, _, value in _all(tiers, "notes")
-        ]
+        assert f"operator: pausa: {NOTE.replace(chr(13), '')}" in values(tiers, "notes")
         assert len(_all(tiers, "sensors")) == len(own("sensor_faults"))
 
 
 def _all(tiers: Tiers, name: str) -> list[tuple[int, int, str]]:
     """Return the annotations of a tier, and of those that what overlaps went to."""
-    return [
-        each
-        for found, values in tiers.items()
-        if re.fullmatch(rf"{name}( \d+)?", found)
-        for each in values
-    ]
+    names = [found for found in tiers if re.fullmatch(rf"{name}( \d+)?", found)]
+    return [each for found in names for each in tiers[found]]
 
 
-def test_texts_leave_only_if_they_are_asked_for(call: Call, tmp_path: Path) -> None:
-    varied(call, tmp_path / "data")
-    export_as("elan", tmp_path / "data", tmp_path / "out")
+def values(tiers: Tiers, name: str) -> list[str]:
+    return [value for _, _, value in _all(tiers, name)]
+
+
+def test_texts_leave_only_if_they_are_asked_for(tmp_path: Path) -> None:
+    data = tmp_path / "data"
+    varied(data)
+    export_as("elan", data, tmp_path / "out")
     written = "".join(path.read_text("utf-8") for path in (tmp_path / "out").glob("*.eaf"))
-    with closing(connect(tmp_path / "data")) as database:
-        said = [
-            text
-            for (text,) in database.execute("SELECT json_extract(final, '$.text') FROM actions")
-            if text
-        ]
-        typed = (
-            "SELECT json_extract(answer, '$') FROM answers WHERE kind='text' AND status='answered'"
-        )
-        said += [words for (words,) in database.execute(typed)]
-    assert said
-    assert not [text for text in (*said, "me duele", "pausa") if text in written]
+    said = sql(data, "SELECT json_extract(final, '$.text') FROM actions WHERE final IS NOT NULL")
+    typed = "FROM answers WHERE kind='text' AND status='answered'"
+    said += sql(data, f"SELECT json_extract(answer, '$') {typed}")
+    texts = [text for (text,) in said if text]
+    assert texts
+    assert not [text for text in (*texts, "me duele", "pausa") if text in written]
     assert ">feedback<" in written
     assert ">operator: note<" in written
 
 
 def test_the_parts_of_an_action_are_tiers(tmp_path: Path) -> None:
-    store_trials(tmp_path / "data", [])
-    with closing(connect(tmp_path / "data")) as database:
-        database.execute(
-            "INSERT INTO actions (session, id, kind, final, decision, actor) VALUES ('s1', 'a1', "
-            "'greeting', ?, "
-            "'accepted', 'agent')",
-            ('{"text": "Hola, \\"Ana\\" <3 & \\u001b", "spoken": "¡Hola!"}',),
-        )
-        database.execute(
-            "INSERT INTO runs (session, run, clock_anchor) VALUES ('s1', 1, ?)",
-            ('{"clock_ns": 0, "utc": "2026-01-01T00:00:00+00:00"}',),
-        )
+    data = tmp_path / "data"
+    store_trials(data, [])
+    final = '{"text": "Hola, \\"Ana\\" <3 & \\u001b", "spoken": "¡Hola!"}'
+    given = {"kind": "greeting", "decision": "accepted", "actor": "agent"}
+    insert(data, "actions", session="s1", id="a1", final=final, **given)
+    anchor = '{"clock_ns": 0, "utc": "2026-01-01T00:00:00+00:00"}'
+    insert(data, "runs", session="s1", clock_anchor=anchor)
     gazes = [(id, "screen", "gaze", "started", at) for id, at in (("a1", 200), ("cue-2", 900))]
-    store_reports(
-        tmp_path / "data", [(*report[:4], report[4] * MS) for report in (*REPORTS, *gazes)]
-    )
-    store_messages(
-        tmp_path / "data", "output/sync", [{"what": "flash", "at": 7 * MS, "source": "flush"}]
-    )
-    export_as("elan", tmp_path / "data", tmp_path / "out", with_notes=True)
+    store_reports(data, [(*report[:4], report[4] * MS) for report in (*REPORTS, *gazes)])
+    store_messages(data, "output/sync", [{"what": "flash", "at": 7 * MS, "source": "flush"}])
+    export_as("elan", data, tmp_path / "out", with_notes=True)
     tiers = read_eaf(tmp_path / "out" / "session_s1.eaf")
     assert tiers["agent say"] == [(30, 40, "greeting: ¡Hola!"), (60, 70, "greeting: ¡Hola!")]
     assert tiers["agent show"] == [(20, 120, 'greeting: Hola, "Ana" <3 & \ufffd')], "no known end"
     assert tiers["agent tone"] == [], "never started"
-    assert [times[:2] for times in tiers["agent gaze"]] == [(200, 900), (900, 1000)], (
-        "until the next"
-    )
+    gazes_seen = [times[:2] for times in tiers["agent gaze"]]
+    assert gazes_seen == [(200, 900), (900, 1000)], "until the next"
     assert (7, 107, "flash") in _all(tiers, "session")
 
 
@@ -175,19 +145,15 @@ def test_a_resumed_session_goes_on_on_the_time_line(tmp_path: Path) -> None:
     export_as("elan", tmp_path / "data", tmp_path / "out", with_notes=True)
     (path,) = (tmp_path / "out").glob("*.eaf")
     tiers = read_eaf(path)
-    assert [value for _, _, value in _all(tiers, "session")] == ["run 1", "run 2"]
-    assert {value for _, _, value in _all(tiers, "notes")} == {
-        "operator: in run 1",
-        "operator: in run 2",
-    }
+    assert values(tiers, "session") == ["run 1", "run 2"]
+    assert set(values(tiers, "notes")) == {"operator: in run 1", "operator: in run 2"}
     assert len(_all(tiers, "A trials")) == 6
     export_csv(tmp_path / "data", tmp_path / "csv")
     (run, _), (_, cut) = (read_csv(tmp_path / "csv", table) for table in ("runs", "attempts"))
     begun = round((cut["started_ns"] - run["clock_ns"]) / MS)
     assert begun in [start for start, _, _ in _all(tiers, "A attempts")], "in the first run"
-    assert max(end for tier in tiers.values() for _, end, _ in tier) < 60_000, (
-        "the clocks of both runs are related"
-    )
+    ends = [end for tier in tiers.values() for _, end, _ in tier]
+    assert max(ends) < 60_000, "the clocks of both runs are related"
 
 
 def test_a_run_whose_start_is_not_stored_is_named(call: Call, tmp_path: Path) -> None:
@@ -206,19 +172,17 @@ def test_any_acts_make_a_valid_document_and_none_is_lost(
 ) -> None:
     path = tmp_path_factory.mktemp("eaf") / "a.eaf"
     given: list[Annotation] = [annotation(*act) for act in acts]
-    made = document([Tier("notes", given), Tier("empty", [])], "2026-01-01T00:00:00+00:00")
-    made.to_file(path)
-    tiers = read_eaf(path)
-    assert sorted(each[:2] for each in _all(tiers, "notes")) == sorted(
-        (each.start, each.end) for each in given
-    )
+    tiers = [Tier("notes", given), Tier("empty", [])]
+    document(tiers, "2026-01-01T00:00:00+00:00").to_file(path)
+    found = [each[:2] for each in _all(read_eaf(path), "notes")]
+    assert sorted(found) == sorted((each.start, each.end) for each in given)
 
 
 def test_without_pympi_a_sentence_says_how_to_install_it(
     call: Call, simulated: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "pympi", None)
-    called = call("export", "--all", "--simulated", "--format", "elan", "--to", tmp_path / "out")
+    called = call("export --all --simulated --format elan --to", tmp_path / "out")
     assert called.code == 1
     assert "pip install -e '.[export]'" in called.err
     assert not (tmp_path / "out").exists()

@@ -15,11 +15,11 @@ import pytest
 
 from sar_tui.export.registry import names
 from sar_tui.export.target import LOCK
-from sar_tui.plugins import Catalogue
 from sar_tui.store.database import FILE, connect
 from tests.export.exported import export_as
 from tests.export.hard_study import EMPTY, INTERRUPTED, store_study
 from tests.program import Call
+from tests.store.by_hand import sql
 from tests.store.make_golden import RELEASES, unpack
 
 FORMATS = names()
@@ -30,7 +30,7 @@ EVERYTHING = ("--all", "--mixed")
 def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A data folder, closed, with all that is hard to export."""
     data = tmp_path_factory.mktemp("stored") / "data"
-    store_study(data, Catalogue())
+    store_study(data)
     return data
 
 
@@ -71,10 +71,7 @@ def small_disk(largest: int) -> Iterator[None]:
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     before = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     # would be cut off, too
-    writes_bytecode, sys.dont_write_bytecode = (
-        not sys.dont_write_bytecode,
-        True,
-    )
+    writes_bytecode, sys.dont_write_bytecode = (not sys.dont_write_bytecode, True)
     resource.setrlimit(resource.RLIMIT_FSIZE, (largest, hard))
     try:
         yield
@@ -111,9 +108,7 @@ def test_a_target_that_cannot_be_written_is_named(study: Path, call: Call, forma
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="symbolic links")
-def test_a_link_is_no_way_to_replace_what_it_points_to(
-    study: Path, tmp_path: Path, call: Call
-) -> None:
+def test_a_link_is_no_way_to_replace_its_target(study: Path, tmp_path: Path, call: Call) -> None:
     (tmp_path / "elsewhere").mkdir()
     (tmp_path / "elsewhere" / "thesis.tex").write_text("x")
     (tmp_path / "out").symlink_to(tmp_path / "elsewhere")
@@ -124,9 +119,7 @@ def test_a_link_is_no_way_to_replace_what_it_points_to(
 
 
 @pytest.mark.parametrize("format", FORMATS)
-def test_hard_sessions_leave_or_are_named_and_the_others_leave(
-    study: Path, tmp_path: Path, format: str
-) -> None:
+def test_hard_sessions_are_named_and_others_leave(study: Path, tmp_path: Path, format: str) -> None:
     with closing(connect(study)) as database:
         database.execute("UPDATE sessions SET task='forgotten' WHERE task='pairs'")
         stored = {id for (id,) in database.execute("SELECT id FROM sessions")}
@@ -142,8 +135,7 @@ def test_hard_sessions_leave_or_are_named_and_the_others_leave(
 @pytest.mark.parametrize("format", FORMATS)
 def test_sessions_of_every_release_leave(tmp_path: Path, format: str, release: str) -> None:
     data = unpack(release, tmp_path / "data")
-    with closing(sqlite3.connect(data / FILE)) as database:
-        stored = {id for (id,) in database.execute("SELECT id FROM sessions")}
+    stored = {id for (id,) in sql(data, "SELECT id FROM sessions")}
     assert set(export_as(format, data, tmp_path / "out").sessions) == stored
 
 

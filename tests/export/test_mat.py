@@ -3,7 +3,6 @@ say.
 """
 
 import sys
-from contextlib import closing
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -13,13 +12,13 @@ import scipy.io
 from scipy.io.matlab import MatWriteError
 
 from sar_tui.export.formats.mat import short_names
-from sar_tui.store.database import connect
 from tests.export import mat_files
-from tests.export.exported import export_as, export_csv, read_csv
+from tests.export.exported import export_as, read_csv
 from tests.export.resumed import resumed
 from tests.export.varied import NOTE, store_trials, varied
 from tests.needs_statistics import needs_octave
 from tests.program import Call
+from tests.store.by_hand import sql
 
 
 def as_columns(folder: Path, table: str) -> dict[str, list[Any]]:
@@ -29,18 +28,21 @@ def as_columns(folder: Path, table: str) -> dict[str, list[Any]]:
 
 
 def sorted_rows(columns: dict[str, list[Any]], names: Any) -> list[Any]:
-    return sorted(zip(*(columns[name] for name in names), strict=True), key=repr)
+    """Return the rows of some columns; all numbers are floats."""
+    rows = zip(*(columns[name] for name in names), strict=True)
+    plain = [tuple(float(v) if type(v) in (int, bool) else v for v in row) for row in rows]
+    return sorted(plain, key=repr)
 
 
 @needs_octave
-def test_octave_reads_every_table_as_the_csv_files_have_it(call: Call, tmp_path: Path) -> None:
-    varied(call, tmp_path / "data")
-    with closing(connect(tmp_path / "data")) as database:
-        database.execute("UPDATE sessions SET task='gone' WHERE task='pairs'")
-        database.execute("UPDATE imu_chunks SET data=zeroblob(60) WHERE stream=1 AND seq=2")
-    written = export_csv(tmp_path / "data", tmp_path / "csv", with_notes=True, with_events=True)
-    exported = export_as(
-        "mat", tmp_path / "data", tmp_path / "mat", with_notes=True, with_events=True
+def test_octave_reads_every_table_as_the_csv_files_have_it(tmp_path: Path) -> None:
+    data = tmp_path / "data"
+    varied(data)
+    sql(data, "UPDATE sessions SET task='gone' WHERE task='pairs'")
+    sql(data, "UPDATE imu_chunks SET data=zeroblob(60) WHERE stream=1 AND seq=2")
+    written, exported = (
+        export_as(form, data, tmp_path / form, with_notes=True, with_events=True)
+        for form in ("csv", "mat")
     )
     assert (exported.sessions, exported.problems) == (written.sessions, written.problems)
     assert any("is damaged" in problem for problem in exported.problems)
@@ -48,15 +50,7 @@ def test_octave_reads_every_table_as_the_csv_files_have_it(call: Call, tmp_path:
     samples = found.pop("imu")
     for table, columns in found.items():
         expected = as_columns(tmp_path / "csv", table)
-        floats = {
-            name: [float(v) if type(v) in (int, bool) else v for v in values]
-            for name, values in columns.items()
-        }
-        plain = {
-            name: [float(v) if type(v) in (int, bool) else v for v in values]
-            for name, values in expected.items()
-        }
-        assert sorted_rows(floats, expected) == sorted_rows(plain, expected)
+        assert sorted_rows(columns, expected) == sorted_rows(expected, expected)
         if expected:
             assert {name for name in columns if not name.endswith("_s")} <= set(expected)
         else:
@@ -65,15 +59,12 @@ def test_octave_reads_every_table_as_the_csv_files_have_it(call: Call, tmp_path:
     imu = as_columns(tmp_path / "csv", "imu")
     assert (samples["at_ns"], samples["host_ns"]) == (imu["at_ns"], imu["host_ns"])
     measured = [name for name in imu if name not in ("session", "stream", "at_ns", "host_ns")]
-    width = 1 + len(measured)
     for number, name in enumerate(measured, 1):
-        assert samples["data"][number::width] == imu[name]
+        assert samples["data"][number :: 1 + len(measured)] == imu[name]
 
 
 @needs_octave
-def test_seconds_go_on_when_a_session_is_resumed_after_its_computer_went_down(
-    tmp_path: Path,
-) -> None:
+def test_seconds_go_on_in_a_session_resumed_after_its_computer_went_down(tmp_path: Path) -> None:
     resumed(tmp_path / "data")
     export_as("mat", tmp_path / "data", tmp_path / "out")
     rows = mat_files.rows(tmp_path / "out", "trials")
@@ -98,24 +89,20 @@ def test_names_that_are_too_long_for_matlab_are_shortened_in_the_same_way_always
     assert short_names(long[1:]) == {long[1]: short[long[1]]}
 
 
-def test_the_codebook_describes_every_field(call: Call, simulated: str, tmp_path: Path) -> None:
-    with closing(connect(tmp_path / "data")) as database:
-        name = "$.a_detail_with_a_name_too_long_for_matlab_ms"
-        database.execute(f"UPDATE trials SET details=json_set(details, '{name}', 1.5)")
-    export_as("mat", tmp_path / "data", tmp_path / "out")
-    lines = mat_files.codebook(tmp_path / "out")
+def test_the_codebook_describes_every_field(simulated: str, tmp_path: Path) -> None:
+    path = "$.a_detail_with_a_name_too_long_for_matlab_ms"
+    sql(tmp_path / "data", f"UPDATE trials SET details=json_set(details, '{path}', 1.5)")
+    out = tmp_path / "out"
+    export_as("mat", tmp_path / "data", out)
+    lines = mat_files.codebook(out)
     described = {(line["table"], line["name"]) for line in lines}
-    assert {
-        (table, name) for _, table, name, _ in mat_files.with_scipy(tmp_path / "out")
-    } <= described
+    assert {(table, name) for _, table, name, _ in mat_files.with_scipy(out)} <= described
     (long,) = (line for line in lines if "too_long" in line["full_name"])
     assert len(long["name"]) == 31
     assert (long["unit"], long["type"], long["missing"]) == ("ms", "double", "NaN")
-    units = scipy.io.loadmat(tmp_path / "out" / f"session_{simulated}.mat", simplify_cells=True)[
-        "session"
-    ]["units"]
-    assert units["trials"][long["name"]] == "ms"
-    assert units["trials"]["onset_s"] == "s"
+    file = scipy.io.loadmat(out / f"session_{simulated}.mat", simplify_cells=True)
+    units = file["session"]["units"]["trials"]
+    assert (units[long["name"]], units["onset_s"]) == ("ms", "s")
 
 
 def test_an_empty_session_leaves(tmp_path: Path) -> None:
@@ -138,7 +125,7 @@ def test_a_session_too_large_for_a_file_is_named_and_the_rest_leaves(
             raise MatWriteError("Matrix too large to save with Matlab 5 format")
 
     monkeypatch.setattr(scipy.io, "savemat", full)
-    called = call("export", "--all", "--mixed", "--format", "mat", "--to", tmp_path / "out")
+    called = call("export --all --mixed --format mat --to", tmp_path / "out")
     assert called.code == 1
     assert f"Session {simulated} is left out" in called.err
     assert [path.name for path in (tmp_path / "out").glob("session_*")] == ["session_s1.mat"]
@@ -148,7 +135,7 @@ def test_without_scipy_a_sentence_says_how_to_install_it(
     call: Call, simulated: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "scipy.io", None)
-    called = call("export", "--all", "--simulated", "--format", "mat", "--to", tmp_path / "out")
+    called = call("export --all --simulated --format mat --to", tmp_path / "out")
     assert called.code == 1
     assert "pip install -e '.[export]'" in called.err
     assert not (tmp_path / "out").exists()

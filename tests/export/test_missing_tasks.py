@@ -3,14 +3,17 @@ it lacks.
 """
 
 import json
-from contextlib import closing
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from sar_tui.store.database import connect
+from sar_tui.export.registry import BUNDLED
 from tests.export.exported import export_as, export_csv, read_csv
+from tests.played import simulated
 from tests.program import Call
+from tests.store.by_hand import sql
 
 _SOURCE = """
 from typing import Annotated
@@ -46,53 +49,43 @@ class Gone(Task):
 
 
 @pytest.fixture
-def data(call: Call, tmp_path: Path) -> Path:
+def data(tmp_path: Path) -> Path:
     """A session of a task that is not here any more, beside one of a task that is."""
-    for task in ("gonogo", "keyboard"):
-        call("simulate", task, "--user", "average", "--attempts", 1, "-p", "P01", "--seed", 3)
-    with closing(connect(tmp_path / "data")) as database:
-        kept = json.dumps(
-            {"side": "left", "force": 2.5, "ready": True, "steps": [1, 2], "remark": "too far out"}
-        )
-        database.execute(
-            "UPDATE trials SET details=? WHERE session=(SELECT id FROM sessions WHERE "
-            "task='gonogo')",
-            (kept,),
-        )
-        database.execute("UPDATE sessions SET task='gone', software=json_remove(software, '$.task.title')"
-                         " WHERE task='gonogo'")  # fmt: skip
-    return tmp_path / "data"
+    folder = tmp_path / "data"
+    gone = simulated(folder, "gonogo", attempts=1)
+    simulated(folder, attempts=1)
+    kept = {"side": "left", "force": 2.5, "ready": True, "steps": [1, 2], "remark": "too far out"}
+    sql(folder, "UPDATE trials SET details=? WHERE session=?", json.dumps(kept), gone)
+    without = "task='gone', software=json_remove(software, '$.task.title')"
+    sql(folder, f"UPDATE sessions SET {without} WHERE id=?", gone)
+    return folder
+
+
+def rows_of_gone(folder: Path) -> list[dict[str, Any]]:
+    return [row for row in read_csv(folder, "trials") if row["task"] == "gone"]
 
 
 _SAID = (
     "The task gone cannot be loaded, so nothing says what its details are: they leave as they are "
-    "stored, except for "
-    "texts of several words, which somebody may have typed (details_remark). Give the folder that "
-    "the task is in with "
-    "--tasks DIR to have all of them, each with its meaning, or add --with-notes."
+    "stored, except for texts of several words, which somebody may have typed (details_remark). "
+    "Give the folder that the task is in with --tasks DIR to have all of them, each with its "
+    "meaning, or add --with-notes."
 )
 
 
-def test_details_of_a_task_that_cannot_be_loaded_leave_as_they_are_stored(
-    data: Path, tmp_path: Path
-) -> None:
+def test_details_of_a_missing_task_leave_as_they_are_stored(data: Path, tmp_path: Path) -> None:
     exported = export_csv(data, tmp_path / "out")
-    rows = [row for row in read_csv(tmp_path / "out", "trials") if row["task"] == "gone"]
-    assert {
-        (row["details_side"], row["details_force"], row["details_ready"], row["details_steps"])
-        for row in rows
-    } == {("left", 2.5, True, "[1,2]")}
+    for row in rows_of_gone(tmp_path / "out"):
+        found = [row[f"details_{name}"] for name in ("side", "force", "ready", "steps")]
+        assert found == ["left", 2.5, True, "[1,2]"]
     assert (exported.notices, exported.problems) == ([_SAID], [])
     package = json.loads((tmp_path / "out" / "datapackage.json").read_text())
-    (fields,) = (
-        each["schema"]["fields"] for each in package["resources"] if each["name"] == "trials"
-    )
-    assert "the task gone" in next(
-        field["description"] for field in fields if field["name"] == "details_side"
-    )
+    (trials,) = (each for each in package["resources"] if each["name"] == "trials")
+    described = {field["name"]: field["description"] for field in trials["schema"]["fields"]}
+    assert "the task gone" in described["details_side"]
 
 
-@pytest.mark.parametrize("format", ["csv", "bids", "psych-ds", "mat", "elan", "parquet"])
+@pytest.mark.parametrize("format", BUNDLED)
 def test_an_export_says_which_declaration_it_lacks(data: Path, tmp_path: Path, format: str) -> None:
     assert export_as(format, data, tmp_path / "out").notices == [_SAID]
     (manifest,) = (tmp_path / "out").rglob("sar-tui-export.json")
@@ -101,51 +94,50 @@ def test_an_export_says_which_declaration_it_lacks(data: Path, tmp_path: Path, f
         assert _SAID in readme.read_text()
 
 
-def test_all_details_leave_with_texts_or_with_the_task(
-    call: Call, data: Path, tmp_path: Path
+@pytest.fixture
+def export(call: Call, data: Path, tmp_path: Path) -> Callable[..., str]:
+    """Export everything into a folder, with a task of one's own; return what it said."""
+
+    def with_task(folder: str, source: str = "") -> str:
+        own = tmp_path / "own"
+        if source:
+            (own / "gone").mkdir(parents=True)
+            (own / "gone" / "task.py").write_text(source)
+        tasks = ("--tasks", own) if source else ()
+        called = call("export --all --simulated --to", tmp_path / folder, *tasks)
+        assert called.code == 0
+        return called.err
+
+    return with_task
+
+
+def test_all_details_leave_with_texts_or_the_task(
+    export: Callable[..., str], data: Path, tmp_path: Path
 ) -> None:
     with_notes = export_csv(data, tmp_path / "noted", with_notes=True)
     assert "details_remark" not in with_notes.notices[0]
-    rows = [row for row in read_csv(tmp_path / "noted", "trials") if row["task"] == "gone"]
-    assert {row["details_remark"] for row in rows} == {"too far out"}
-    (tmp_path / "own" / "gone").mkdir(parents=True)
-    (tmp_path / "own" / "gone" / "task.py").write_text(_SOURCE)
-    to = ("--all", "--simulated", "--to")
-    called = call("export", *to, tmp_path / "with", "--tasks", tmp_path / "own")
-    assert (called.code, called.err) == (0, "")
-    rows = [row for row in read_csv(tmp_path / "with", "trials") if row["task"] == "gone"]
-    assert {row["details_remark"] for row in rows} == {"too far out"}
-    called = call("export", *to, tmp_path / "without")
-    assert (called.code, called.err) == (0, f"! {_SAID}\n")
+    assert export("with", _SOURCE) == ""
+    for folder in ("noted", "with"):
+        assert {row["details_remark"] for row in rows_of_gone(tmp_path / folder)} == {"too far out"}
+    assert export("without") == f"! {_SAID}\n"
 
 
-def test_a_task_that_fails_to_load_is_named_alike(call: Call, data: Path, tmp_path: Path) -> None:
-    (tmp_path / "own" / "gone").mkdir(parents=True)
-    (tmp_path / "own" / "gone" / "task.py").write_text("import nothing_of_this_name")
-    called = call(
-        "export", "--all", "--simulated", "--to", tmp_path / "out", "--tasks", tmp_path / "own"
-    )
-    assert (called.code, called.err) == (0, f"! {_SAID}\n")
+def test_a_task_that_fails_to_load_is_named_alike(export: Callable[..., str]) -> None:
+    assert export("out", "import nothing_of_this_name") == f"! {_SAID}\n"
 
 
-def test_a_detail_that_an_installed_task_does_not_declare_stays_a_text(
-    data: Path, tmp_path: Path
-) -> None:
-    with closing(connect(data)) as database:
-        database.execute(
-            "UPDATE trials SET details=json_set(details, '$.side', 'left', '$.told', 'ouch')"
-        )
+def test_a_detail_an_installed_task_does_not_declare_is_text(data: Path, tmp_path: Path) -> None:
+    sql(data, "UPDATE trials SET details=json_set(details, '$.side', 'left', '$.told', 'ouch')")
     exported = export_csv(data, tmp_path / "out")
     assert {"trials.details_side", "trials.details_told"} <= set(exported.left_out)
 
 
-def test_settings_that_all_tasks_have_leave_for_a_task_that_cannot_be_loaded(
-    data: Path, tmp_path: Path
-) -> None:
+def test_settings_that_all_tasks_have_leave_for_a_missing_one(data: Path, tmp_path: Path) -> None:
     export_csv(data, tmp_path / "out")
     here = {row["session"]: row["task"] for row in read_csv(tmp_path / "out", "sessions")}
-    rows = [
-        row for row in read_csv(tmp_path / "out", "parameters") if here[row["session"]] == "gone"
-    ]
-    (schedule,) = (row for row in rows if row["parameter"] == "feedback_schedule")
+    (schedule,) = (
+        row
+        for row in read_csv(tmp_path / "out", "parameters")
+        if (here[row["session"]], row["parameter"]) == ("gone", "feedback_schedule")
+    )
     assert (schedule["value"], bool(schedule["title"])) == ("every", True)

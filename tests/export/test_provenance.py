@@ -2,28 +2,28 @@
 
 import hashlib
 import json
-from contextlib import closing
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from sar_tui.rules.version import RULES
-from sar_tui.store.database import connect
-from tests.export.exported import export_csv, read_csv
-from tests.program import Call
+from tests.export.exported import csv_of, export_csv, read_csv
+from tests.played import simulated
+from tests.store.by_hand import sql
 
 TIMING = {"measured_at": "2026-03-01T10:00:00+00:00", "median_ms": 0.21, "robust_sd_ms": 0.07, "p99_ms": 0.9,
           "verdict": "fit", "n": 300, "where": "the clinic's back room"}  # fmt: skip
 
 
 @pytest.fixture
-def measured(call: Call, tmp_path: Path) -> str:
+def measured(tmp_path: Path) -> str:
     """A session on a machine whose timing was measured, beside one where it was not; its id."""
-    call("simulate", "keyboard", "--user", "poor", "--attempts", 1, "-p", "P02")
-    (tmp_path / "data" / "timing.json").write_text(json.dumps(TIMING))
-    called = call("simulate", "keyboard", "--user", "poor", "--attempts", 3, "-p", "P01", "--json")
-    return str(called.json["session"])
+    data = tmp_path / "data"
+    simulated(data, "keyboard", "P02", user="poor", attempts=1)
+    (data / "timing.json").write_text(json.dumps(TIMING))
+    return simulated(data, user="poor", attempts=3)
 
 
 def test_a_session_names_the_timing_it_was_recorded_with(measured: str, tmp_path: Path) -> None:
@@ -31,42 +31,41 @@ def test_a_session_names_the_timing_it_was_recorded_with(measured: str, tmp_path
     (passport,) = json.loads((tmp_path / "out" / "timing.json").read_text())["passports"]
     rows = {row["session"]: row["timing_sha256"] for row in read_csv(tmp_path / "out", "sessions")}
     assert passport["sessions"] == [measured]
-    assert passport["timing"] == {name: value for name, value in TIMING.items() if name != "where"}
+    assert passport["timing"] == {name: each for name, each in TIMING.items() if name != "where"}
     canonical = json.dumps(passport["timing"], sort_keys=True, separators=(",", ":"))
-    assert (
-        passport["sha256"] == hashlib.sha256(canonical.encode()).hexdigest() == rows.pop(measured)
-    )
+    hashed = hashlib.sha256(canonical.encode()).hexdigest()
+    assert passport["sha256"] == hashed == rows.pop(measured)
     assert list(rows.values()) == [None]
 
 
-def test_the_date_of_the_measurement_does_not_leave_with_shifted_dates(
-    measured: str, tmp_path: Path
-) -> None:
-    export_csv(tmp_path / "data", tmp_path / "out", recode=tmp_path / "map.csv")
+def methods(tmp_path: Path, **options: Any) -> str:
+    """Export all sessions, and return the methods in words."""
+    export_csv(tmp_path / "data", tmp_path / "out", **options)
+    return (tmp_path / "out" / "methods.md").read_text()
+
+
+def test_the_date_of_the_measurement_leaves_with_no_recoded(measured: str, tmp_path: Path) -> None:
+    assert "2026-03-01" not in methods(tmp_path, recode=tmp_path / "map.csv")
     assert "2026-03-01" not in (tmp_path / "out" / "timing.json").read_text()
-    assert "2026-03-01" not in (tmp_path / "out" / "methods.md").read_text()
 
 
 def test_methods_are_told_in_words(measured: str, tmp_path: Path) -> None:
-    export_csv(tmp_path / "data", tmp_path / "out")
-    text = (tmp_path / "out" / "methods.md").read_text()
-    assert (
-        "2 participants did the task “Keyboard reaction” (version 2) in 2 simulated sessions"
-        in text
-    )
-    assert "Attempts planned in a session: 1 or 3, 20 prompts in each." in text
-    assert "The level followed the rule “one-up-one-down”, up to level 20." in text
-    assert "median 0.21 ms, robust SD 0.07 ms, 99th percentile 0.90 ms (fit)" in text
-    assert "Before 1 session, the error of reaction times had not been measured." in text
+    text = methods(tmp_path)
+    for said in (
+        "2 participants did the task “Keyboard reaction” (version 2) in 2 simulated sessions",
+        "Attempts planned in a session: 1 or 3, 20 prompts in each.",
+        "The level followed the rule “one-up-one-down”, up to level 20.",
+        "median 0.21 ms, robust SD 0.07 ms, 99th percentile 0.90 ms (fit)",
+        "Before 1 session, the error of reaction times had not been measured.",
+    ):
+        assert said in text
     manifest = json.loads((tmp_path / "out" / "sar-tui-export.json").read_text())
     assert {"timing.json", "methods.md"} <= {file["path"] for file in manifest["files"]}
 
 
 def test_a_record_without_parameters_has_methods_too(measured: str, tmp_path: Path) -> None:
-    with closing(connect(tmp_path / "data")) as database:
-        database.execute("UPDATE sessions SET parameters='{}', software='{}', machine='{}'")
-    export_csv(tmp_path / "data", tmp_path / "out")
-    text = (tmp_path / "out" / "methods.md").read_text()
+    sql(tmp_path / "data", "UPDATE sessions SET parameters='{}', software='{}', machine='{}'")
+    text = methods(tmp_path)
     assert "All that is random follows from the seed" in text
     assert "Sessions ran on a system that is not recorded." in text
     assert "None" not in text
@@ -75,28 +74,16 @@ def test_a_record_without_parameters_has_methods_too(measured: str, tmp_path: Pa
 def test_sessions_and_runs_say_by_which_rules_and_numpy_and_in_which_time_zone_they_were_made(
     measured: str, tmp_path: Path
 ) -> None:
-    with closing(connect(tmp_path / "data")) as database:
-        database.execute(
-            "UPDATE runs SET clock_anchor=json_set(clock_anchor, '$.utc_offset_s', 20700)"
-        )
-    export_csv(tmp_path / "data", tmp_path / "out")
-    for row in read_csv(tmp_path / "out", "sessions"):
-        assert (row["loop_rules"], row["numpy"]) == (RULES, version("numpy"))
-    for row in read_csv(tmp_path / "out", "runs"):
-        assert (row["utc_offset_s"], row["numpy"]) == (20700, version("numpy"))
-    export_csv(tmp_path / "data", tmp_path / "recoded", recode=tmp_path / "map.csv")
-    assert {row["loop_rules"] for row in read_csv(tmp_path / "recoded", "sessions")} == {RULES}
-    assert all(
-        "utc_offset_s" not in file.read_text() for file in (tmp_path / "recoded").rglob("*.csv")
-    )
-    assert (
-        "runs.utc_offset_s"
-        in json.loads((tmp_path / "recoded" / "sar-tui-export.json").read_text())["left_out"]
-    )
-
-
-def test_a_session_recorded_without_offset_has_none(measured: str, tmp_path: Path) -> None:
-    with closing(connect(tmp_path / "data")) as database:
-        database.execute("UPDATE runs SET clock_anchor=json_remove(clock_anchor, '$.utc_offset_s')")
-    export_csv(tmp_path / "data", tmp_path / "out")
-    assert {row["utc_offset_s"] for row in read_csv(tmp_path / "out", "runs")} == {None}
+    data, out, numpy = tmp_path / "data", tmp_path / "recoded", version("numpy")
+    sql(data, "UPDATE runs SET clock_anchor=json_set(clock_anchor, '$.utc_offset_s', 20700)")
+    for row in csv_of(data, "sessions"):
+        assert (row["loop_rules"], row["numpy"]) == (RULES, numpy)
+    for row in csv_of(data, "runs"):
+        assert (row["utc_offset_s"], row["numpy"]) == (20700, numpy)
+    export_csv(data, out, recode=tmp_path / "map.csv")
+    assert {row["loop_rules"] for row in read_csv(out, "sessions")} == {RULES}
+    assert [path for path in out.rglob("*.csv") if "utc_offset_s" in path.read_text()] == []
+    manifest = json.loads((out / "sar-tui-export.json").read_text())
+    assert "runs.utc_offset_s" in manifest["left_out"]
+    sql(data, "UPDATE runs SET clock_anchor=json_remove(clock_anchor, '$.utc_offset_s')")
+    assert {row["utc_offset_s"] for row in csv_of(data, "runs")} == {None}

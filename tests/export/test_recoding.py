@@ -13,7 +13,6 @@ from typing import Any
 
 import frictionless
 import pytest
-from sqlite_utils import Database
 
 from sar_tui.export import recoding as recoding_module
 from sar_tui.export.errors import ExportError
@@ -21,79 +20,74 @@ from sar_tui.export.export import _UNRECORDED
 from sar_tui.export.recoding import Recoding, shifted
 from sar_tui.store import participants
 from sar_tui.store.database import connect
-from tests.export.exported import export_as, export_csv, read_csv
+from tests.export.exported import csv_of, export_as, export_csv, read_csv
+from tests.played import simulated
 from tests.program import Call
+from tests.store.by_hand import insert, sql, value
 
 CODES = {"ANNA", "BEA", "CARL"}
 
 
 @pytest.fixture
-def data(call: Call, tmp_path: Path) -> Path:
+def data(tmp_path: Path) -> Path:
     """Sessions of three persons, two of them together, and what was entered about one."""
-    for code in ("CARL", "ANNA"):
-        call("simulate", "keyboard", "--user", "poor", "--attempts", 1, "-p", code)
-    call(
-        "simulate",
-        "pairs",
-        "--user",
-        "poor",
-        "--attempts",
-        1,
-        "-p",
-        "ANNA",
-        "-p",
-        "BEA",
-        "--set",
-        "address=code",
+    folder, by = (
+        tmp_path / "data",
+        {"recorded_by": "me", "recorded_at": "2026-03-01T10:00:00+00:00"},
     )
-    with closing(connect(tmp_path / "data")) as database:
+    for code in ("CARL", "ANNA"):
+        simulated(folder, "keyboard", code, user="poor", attempts=1)
+    simulated(folder, "pairs", "ANNA", "BEA", user="poor", attempts=1, address="code")
+    with closing(connect(folder)) as database:
         for code in sorted(CODES):
             participants.add(database, code)
-        by, now = (
-            {"recorded_by": "me", "recorded_at": "2026-03-01T10:00:00+00:00"},
-            "2026-03-01T10:00:00+00:00",
+        for kind, at, content in (
+            ("ARAT", "2026-03-01", '{"score":7}'),
+            ("adverse-event", "2026-03-01 14:30", '{"what":"Fell","severity":"mild"}'),
+        ):
+            insert(
+                database,
+                "records",
+                id=kind,
+                kind=kind,
+                participant="ANNA",
+                at=at,
+                content=content,
+                **by,
+            )
+        insert(
+            database, "programmes", participant="ANNA", created_at=by["recorded_at"], author="me"
         )
-        tables = Database(database)
-        tables["records"].insert_all(  # type: ignore[union-attr]
-            {"id": f"e{number}", "version": 1, "kind": kind, "participant": "ANNA", "seat": "A",
-             "moment": "", "at": at, "content": content, **by}
-            for number, (kind, at, content) in enumerate((
-                ("ARAT", "2026-03-01", '{"score":7}'),
-                ("adverse-event", "2026-03-01 14:30", '{"what":"Fell","severity":"mild"}'),
-            ))
-        )  # fmt: skip
-        tables["programmes"].insert(  # type: ignore[union-attr]
-            {"participant": "ANNA", "task": "keyboard", "version": 1, "created_at": now, "author": "me", "reason": "",
-             "parameters": "{}", "theme": "calm"}
-        )  # fmt: skip
-    return tmp_path / "data"
+    return folder
+
+
+@pytest.fixture
+def map(tmp_path: Path) -> Path:
+    """The path of a map of codes."""
+    return tmp_path / "map.csv"
 
 
 def read_map(path: Path) -> dict[str, tuple[str, int]]:
     with path.open(encoding="utf-8", newline="") as file:
-        return {
-            row["code"]: (row["recoded"], int(row["shift_days"])) for row in csv.DictReader(file)
-        }
+        rows = list(csv.DictReader(file))
+    return {row["code"]: (row["recoded"], int(row["shift_days"])) for row in rows}
 
 
 def test_no_code_leaves_and_the_map_brings_them_back(data: Path, tmp_path: Path) -> None:
-    export_csv(data, tmp_path / "plain")
-    export_csv(data, tmp_path / "out", recode=tmp_path / "kept" / "map.csv")
-    codes = read_map(tmp_path / "kept" / "map.csv")
+    map, out = tmp_path / "kept" / "map.csv", tmp_path / "out"
+    export_csv(data, out, recode=map)
+    codes = read_map(map)
     assert set(codes) == CODES
-    for path in (tmp_path / "out").iterdir():
+    for path in out.iterdir():
         assert [code for code in CODES if code in path.read_text("utf-8")] == [], path.name
     for table in ("participants", "trials", "sessions"):
-        plain, recoded = read_csv(tmp_path / "plain", table), read_csv(tmp_path / "out", table)
-        assert Counter(codes[row["participant"]][0] for row in plain) == Counter(
-            row["participant"] for row in recoded
-        )
-    assert frictionless.validate(str(tmp_path / "out" / "datapackage.json")).valid
+        plain = Counter(codes[row["participant"]][0] for row in csv_of(data, table))
+        assert plain == Counter(row["participant"] for row in read_csv(out, table))
+    assert frictionless.validate(str(out / "datapackage.json")).valid
+    assert os.name != "posix" or map.stat().st_mode & 0o777 == 0o600
 
 
-def test_a_format_gets_no_code_but_the_random_ones(
-    data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_format_gets_no_code_but_the_random_ones(data: Path, map: Path, tmp_path: Path) -> None:
     seen: set[str] = set()
 
     class Names:
@@ -105,130 +99,99 @@ def test_a_format_gets_no_code_but_the_random_ones(
                     seen.add(owner)
                     seen.update(str(value) for row in contents.rows(table, owner) for value in row)
 
-    monkeypatch.setattr("tests.export.exported.load", lambda name: Names())
-    export_csv(data, tmp_path / "out", recode=tmp_path / "map.csv")
-    assert {code for code, _ in read_map(tmp_path / "map.csv").values()} <= seen
+    export_as(Names(), data, tmp_path / "out", recode=map)  # type: ignore[arg-type]
+    assert {code for code, _ in read_map(map).values()} <= seen
     assert seen & CODES == set()
 
 
-@pytest.mark.skipif(os.name != "posix", reason="permissions of POSIX")
-def test_only_its_owner_can_read_the_map(data: Path, tmp_path: Path) -> None:
-    export_csv(data, tmp_path / "out", recode=tmp_path / "map.csv")
-    assert (tmp_path / "map.csv").stat().st_mode & 0o777 == 0o600
+_DATES = {
+    "participants": "created_at",
+    "sessions": "started_at",
+    "programmes": "created_at",
+    "records": "at",
+}
 
 
-def test_all_dates_of_a_person_are_shifted_by_the_same_days(data: Path, tmp_path: Path) -> None:
-    export_csv(data, tmp_path / "plain")
-    export_csv(data, tmp_path / "out", recode=tmp_path / "map.csv")
-    codes = read_map(tmp_path / "map.csv")
+def test_all_dates_of_a_person_are_shifted_by_the_same_days(
+    data: Path, map: Path, tmp_path: Path
+) -> None:
+    export_csv(data, tmp_path / "out", recode=map)
+    codes = read_map(map)
     assert all(-365 <= days <= -1 for _, days in codes.values())
     assert codes["ANNA"][1] == codes["BEA"][1], "they had a session together"
-    stamps = {
-        "participants": "created_at", "sessions": "started_at", "programmes": "created_at",
-        "records": "at",
-    }  # fmt: skip
-    for table, column in stamps.items():
-        plain = [
-            (codes[row["participant"]], row[column]) for row in read_csv(tmp_path / "plain", table)
-        ]
+    for table, column in _DATES.items():
+        plain = [(codes[row["participant"]], row[column]) for row in csv_of(data, table)]
         assert plain, table
-        expected = {(code, shifted(stamp, days)) for (code, days), stamp in plain}
-        assert {
-            (row["participant"], row[column]) for row in read_csv(tmp_path / "out", table)
-        } == expected
-        assert all(shifted(stamp, days)[10:] == stamp[10:] for (_, days), stamp in plain), (
-            "the time of day stays"
-        )
+        recoded = {(row["participant"], row[column]) for row in read_csv(tmp_path / "out", table)}
+        assert recoded == {(code, shifted(stamp, days)) for (code, days), stamp in plain}
+        for (_, days), stamp in plain:
+            assert shifted(stamp, days)[10:] == stamp[10:], "the time of day stays"
     began = {row["session"]: row["started_at"] for row in read_csv(tmp_path / "out", "sessions")}
-    assert [
-        row["clock_utc"][:10] == began[row["session"]][:10]
-        for row in read_csv(tmp_path / "out", "runs")
-    ]
+    for row in read_csv(tmp_path / "out", "runs"):
+        assert row["clock_utc"][:10] == began[row["session"]][:10]
 
 
-def test_a_map_is_used_again(data: Path, tmp_path: Path) -> None:
-    (tmp_path / "map.csv").write_text("code,recoded,shift_days,key\r\nBEA,XY,-3,ab12\r\n")
-    export_csv(data, tmp_path / "one", recode=tmp_path / "map.csv")
-    first = read_map(tmp_path / "map.csv")
-    export_csv(data, tmp_path / "two", recode=tmp_path / "map.csv")
-    assert read_map(tmp_path / "map.csv") == first
+def test_a_map_is_used_again(data: Path, map: Path) -> None:
+    map.write_text("code,recoded,shift_days,key\r\nBEA,XY,-3,ab12\r\n")
+    one = csv_of(data, "trials", recode=map)
+    first = read_map(map)
+    two = csv_of(data, "trials", recode=map)
+    assert read_map(map) == first
     assert (first["BEA"], first["ANNA"][1]) == (("XY", -3), -3)
-    one, two = (sorted(map(str, read_csv(tmp_path / name, "trials"))) for name in ("one", "two"))
-    assert one == two, "the same ids of sessions, in another order"
+    same = "the same ids of sessions, in another order"
+    assert Counter(str(row) for row in one) == Counter(str(row) for row in two), same
 
 
-def test_a_map_of_an_earlier_version_gets_a_key(data: Path, tmp_path: Path) -> None:
-    (tmp_path / "map.csv").write_text(
-        "code,recoded,shift_days\r\nANNA,A,-1\r\nBEA,B,-3\r\nCARL,C,-2\r\n"
-    )
-    export_csv(data, tmp_path / "out", recode=tmp_path / "map.csv")
-    assert read_map(tmp_path / "map.csv") == {
-        "ANNA": ("A", -1),
-        "BEA": ("B", -3),
-        "CARL": ("C", -2),
-    }
-    with (tmp_path / "map.csv").open(encoding="utf-8", newline="") as file:
-        keys = {row["key"] for row in csv.DictReader(file)}
-    assert [len(key) for key in keys] == [32]
+def test_a_map_of_an_earlier_version_gets_a_key(data: Path, map: Path, tmp_path: Path) -> None:
+    map.write_text("code,recoded,shift_days\r\nANNA,A,-1\r\nBEA,B,-3\r\nCARL,C,-2\r\n")
+    export_csv(data, tmp_path / "out", recode=map)
+    assert read_map(map) == {"ANNA": ("A", -1), "BEA": ("B", -3), "CARL": ("C", -2)}
+    with map.open(encoding="utf-8", newline="") as file:
+        (key,) = {row["key"] for row in csv.DictReader(file)}
+    assert len(key) == 32
 
 
-def test_ids_and_seeds_leave_as_others_which_are_equal_where_they_were(
-    data: Path, tmp_path: Path
-) -> None:
-    with closing(connect(data)) as database:
-        database.execute("UPDATE sessions SET seed=7 WHERE task='keyboard'")
-    export_csv(data, tmp_path / "plain")
-    export_csv(data, tmp_path / "out", recode=tmp_path / "map.csv")
-    plain, recoded = (
-        read_csv(tmp_path / "plain", "sessions"),
-        read_csv(tmp_path / "out", "sessions"),
-    )
-    assert {row["session"] for row in plain} & {row["session"] for row in recoded} == set()
-    assert len({row["session"] for row in recoded}) == len(plain)
-    assert {row["seed"] for row in plain} & {row["seed"] for row in recoded} == set()
+def test_ids_and_seeds_leave_as_others_equal_where_they_were(data: Path, map: Path) -> None:
+    sql(data, "UPDATE sessions SET seed=7 WHERE task='keyboard'")
+    plain, recoded = csv_of(data, "sessions"), csv_of(data, "sessions", recode=map)
+    for name in ("session", "seed"):
+        assert {row[name] for row in plain} & {row[name] for row in recoded} == set()
+    ids = {row["session"] for row in recoded}
+    assert len(ids) == len(plain)
     assert len({row["seed"] for row in recoded if row["task"] == "keyboard"}) == 1
-    assert {row["session"] for row in read_csv(tmp_path / "out", "trials")} <= {
-        row["session"] for row in recoded
-    }
+    assert {row["session"] for row in csv_of(data, "trials", recode=map)} <= ids
 
 
-def test_versions_leave_only_if_all_sessions_have_the_same(data: Path, tmp_path: Path) -> None:
-    export_csv(data, tmp_path / "same", recode=tmp_path / "map.csv")
-    assert all(
-        row["sar_tui"] and row["task_sha256"] for row in read_csv(tmp_path / "same", "sessions")
-    )
-    with closing(connect(data)) as database:
-        (some,) = database.execute("SELECT id FROM sessions LIMIT 1").fetchone()
-        database.execute(
-            "UPDATE sessions SET software=json_set(software, '$.sar_tui', '0.0.1') WHERE id=?",
-            (some,),
-        )
-    left_out = export_csv(data, tmp_path / "out", recode=tmp_path / "map.csv").left_out
+def test_versions_leave_only_if_all_sessions_have_the_same(
+    data: Path, map: Path, tmp_path: Path
+) -> None:
+    same = csv_of(data, "sessions", recode=map)
+    assert all(row["sar_tui"] and row["task_sha256"] for row in same)
+    another = "software=json_set(software, '$.sar_tui', '0.0.1')"
+    sql(data, f"UPDATE sessions SET {another} WHERE rowid=(SELECT min(rowid) FROM sessions)")
+    left_out = export_csv(data, tmp_path / "out", recode=map).left_out
     assert {"sessions.sar_tui", "runs.sar_tui"} <= set(left_out)
-    assert all(
-        "sar_tui" not in row and row["python"] for row in read_csv(tmp_path / "out", "sessions")
-    )
-    told = (tmp_path / "out" / "methods.md").read_text()
-    assert "0.0.1" in told, "which versions there are is told, but not whose sessions they recorded"
+    for row in read_csv(tmp_path / "out", "sessions"):
+        assert "sar_tui" not in row
+        assert row["python"]
+    # which versions there are is told, but not whose sessions they recorded
+    assert "0.0.1" in (tmp_path / "out" / "methods.md").read_text()
 
 
 def test_problems_name_sessions_as_they_leave_in_files_and_as_they_are_here_on_the_terminal(
-    data: Path, tmp_path: Path
+    data: Path, map: Path, tmp_path: Path
 ) -> None:
-    with closing(connect(data)) as database:
-        (some,) = database.execute("SELECT id FROM sessions LIMIT 1").fetchone()
-        database.execute("UPDATE runs SET clock_anchor='{' WHERE session=?", (some,))
-    (problem,) = set(export_csv(data, tmp_path / "out", recode=tmp_path / "map.csv").problems) - {
-        _UNRECORDED
-    }
+    some = value(data, "SELECT id FROM sessions LIMIT 1")
+    sql(data, "UPDATE runs SET clock_anchor='{' WHERE session=?", some)
+    problems = export_csv(data, tmp_path / "out", recode=map).problems
+    (problem,) = set(problems) - {_UNRECORDED}
     assert problem.startswith(f"runs, session {some}, run 1: ")
     manifest = (tmp_path / "out" / "sar-tui-export.json").read_text()
     assert problem.partition(": ")[2] in manifest
     assert some not in manifest
     trials = [row for row in read_csv(tmp_path / "out", "trials") if row["onset_ns"] is not None]
-    assert len({row["session"] for row in trials}) == 3, (
-        "the first message stands for the start of its run"
-    )
+    stands_for = "the first message stands for the start of its run"
+    assert len({row["session"] for row in trials}) == 3, stands_for
     assert max(row["onset_ns"] for row in trials) < 3600 * 10**9
 
 
@@ -243,11 +206,13 @@ def test_problems_name_sessions_as_they_leave_in_files_and_as_they_are_here_on_t
         "code,recoded,shift_days,key\nA,X,1,k\nB,Y,2,l\n",
     ],
 )
-def test_a_file_that_is_no_map_is_not_touched(data: Path, tmp_path: Path, text: str) -> None:
-    (tmp_path / "map.csv").write_text(text)
+def test_a_file_that_is_no_map_is_not_touched(
+    data: Path, map: Path, tmp_path: Path, text: str
+) -> None:
+    map.write_text(text)
     with pytest.raises(ExportError, match="not a map of codes"):
-        export_csv(data, tmp_path / "out", recode=tmp_path / "map.csv")
-    assert ((tmp_path / "map.csv").read_text(), (tmp_path / "out").exists()) == (text, False)
+        export_csv(data, tmp_path / "out", recode=map)
+    assert (map.read_text(), (tmp_path / "out").exists()) == (text, False)
 
 
 def test_the_map_never_leaves_with_the_data(data: Path, tmp_path: Path) -> None:
@@ -259,29 +224,21 @@ def test_the_map_never_leaves_with_the_data(data: Path, tmp_path: Path) -> None:
         export_csv(data, tmp_path / "out", recode=tmp_path / "earlier" / "map.csv")
 
 
-def test_copies_of_the_map_that_a_killed_program_left_are_removed(
-    data: Path, tmp_path: Path
+def test_copies_of_the_map_a_killed_program_left_are_removed(
+    data: Path, map: Path, tmp_path: Path
 ) -> None:
-    export_csv(data, tmp_path / "out", recode=tmp_path / "map.csv")
+    export_csv(data, tmp_path / "out", recode=map)
     for name in (".map.csv.a1_b2c3d", "map.csv.a1_b2c3d", ".other.csv.a1_b2c3d"):
-        (tmp_path / name).write_bytes((tmp_path / "map.csv").read_bytes())
-    export_csv(data, tmp_path / "out", recode=tmp_path / "map.csv")
+        (tmp_path / name).write_bytes(map.read_bytes())
+    export_csv(data, tmp_path / "out", recode=map)
     kept = {path.name for path in tmp_path.iterdir() if path.is_file()} - {".map.csv.lock"}
     assert kept == {"map.csv", "map.csv.a1_b2c3d", ".other.csv.a1_b2c3d"}
 
 
 def test_a_new_map_of_an_export_that_failed_is_named(
-    call: Call, data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    call: Call, data: Path, map: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    words = (
-        "export",
-        "--all",
-        "--simulated",
-        "--to",
-        tmp_path / "out",
-        "--recode",
-        tmp_path / "map.csv",
-    )
+    words = ("export --all --simulated --to", tmp_path / "out", "--recode", map)
 
     def fail(*_: Any) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -290,13 +247,13 @@ def test_a_new_map_of_an_export_that_failed_is_named(
         patched.setattr("sar_tui.export.export.write_manifest", fail)
         failed = call(*words)
         assert failed.code == 1
-        assert f"! {tmp_path / 'map.csv'} was made, and nothing was exported with it" in failed.err
+        assert f"! {map} was made, and nothing was exported with it" in failed.err
         assert "was made" not in call(*words).err, "it was there before"
     assert call(*words).code == 0
 
 
 def test_two_exports_at_once_agree_on_the_codes(
-    data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    data: Path, map: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The second one must not read the map before the codes of the first are in it, and then
     replace them.
@@ -312,44 +269,31 @@ def test_two_exports_at_once_agree_on_the_codes(
 
     def another() -> None:
         with closing(connect(data)) as database, pytest.raises(ExportError) as refused:
-            recoding_module.recoding(database, tmp_path / "map.csv", CODES)
+            recoding_module.recoding(database, map, CODES)
         told.append(str(refused.value))
 
     monkeypatch.setattr(recoding_module, "_LOCK_TIMEOUT_S", 0)
     monkeypatch.setattr(recoding_module, "_write", write_while_another_begins)
     with closing(connect(data)) as database:
-        given = recoding_module.recoding(database, tmp_path / "map.csv", CODES)
-    assert told == [
-        f"Another export is writing {tmp_path / 'map.csv'}. Try again when it has ended."
-    ]
-    assert read_map(tmp_path / "map.csv") == {
-        code: (each.code, each.shift_days) for code, each in given.people.items()
-    }
+        given = recoding_module.recoding(database, map, CODES)
+    assert told == [f"Another export is writing {map}. Try again when it has ended."]
+    codes = {code: (each.code, each.shift_days) for code, each in given.people.items()}
+    assert read_map(map) == codes
 
 
 def test_a_map_that_cannot_be_made_is_named(call: Call, data: Path, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    refused = call(
-        "export",
-        "--all",
-        "--simulated",
-        "--to",
-        tmp_path / "out",
-        "--recode",
-        tmp_path / "file" / "map.csv",
-    )
+    map = tmp_path / "file" / "map.csv"
+    refused = call("export --all --simulated --to", tmp_path / "out", "--recode", map)
     assert refused.code == 2
-    assert (
-        refused.err
-        == f"{tmp_path / 'file' / 'map.csv'} cannot be made: {tmp_path / 'file'} is a file.\n"
-    )
+    assert refused.err == f"{map} cannot be made: {tmp_path / 'file'} is a file.\n"
     assert not (tmp_path / "out").exists()
 
 
-def test_a_folder_of_many_sites_is_replaced_by_an_export_with_the_same_map_only(
-    data: Path, tmp_path: Path
+def test_a_folder_of_many_sites_is_replaced_with_the_same_map_only(
+    data: Path, map: Path, tmp_path: Path
 ) -> None:
     for _ in range(2):
-        export_as("parquet", data, tmp_path / "lake", recode=tmp_path / "map.csv")
+        export_as("parquet", data, tmp_path / "lake", recode=map)
     with pytest.raises(ExportError, match="Give the same map of codes"):
         export_as("parquet", data, tmp_path / "lake", recode=tmp_path / "other.csv")

@@ -14,9 +14,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.export.csv_file import cell
-from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import make_plan
-from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
@@ -25,6 +22,7 @@ from tests.export import mat_files
 from tests.export.exported import export_as, read_csv
 from tests.export.varied import store_trials
 from tests.needs_statistics import needs_octave
+from tests.played import simulated
 
 Read = Callable[[Path], list[dict[str, Any]]]
 
@@ -48,16 +46,7 @@ each_format = pytest.mark.parametrize(
 WRITTEN: dict[Read, Callable[[Any], Any]] = {from_csv: cell}
 """Values as a format writes them, if not as they are."""
 KEY = ("session", "attempt", "trial", "seat")
-PLAIN = (
-    *KEY,
-    "run",
-    "stimulus",
-    "response",
-    "correct",
-    "onset_ns",
-    "response_ns",
-    "reaction_time_ms",
-)
+PLAIN = (*KEY, *"run stimulus response correct onset_ns response_ns reaction_time_ms".split())
 
 
 def stored_trials(data: Path) -> list[dict[str, Any]]:
@@ -78,23 +67,14 @@ def assert_equal_to_the_database(data: Path, trials: list[dict[str, Any]], read:
     def shown(value: Any) -> Any:
         return None if value == "" else WRITTEN.get(read, lambda same: same)(value)
 
-    written, expected = _sorted(trials), stored_trials(data)
-    assert len(written) == len(expected)
-    for row, stored in zip(written, expected, strict=True):
-        assert {name: row[name] for name in PLAIN} == {name: shown(stored[name]) for name in PLAIN}
+    for row, stored in zip(_sorted(trials), stored_trials(data), strict=True):
         timing, details = stored["timing"] or {}, stored["details"] or {}
-        flags = " ".join(timing.get("flags", ())) or None
-        known = {name: shown(value) for name, value in timing.items() if name != "flags"}
-        assert {name: row[name] for name in known} | {"flags": row["flags"]} == known | {
-            "flags": flags
-        }
-        told = {f"details_{name}": shown(value) for name, value in details.items()}
-        assert {name: row[name] for name in told} == told
-        assert all(
-            value is None
-            for name, value in row.items()
-            if name.startswith("details_") and name not in told
-        )
+        expected = {name: shown(stored[name]) for name in PLAIN}
+        expected |= {name: shown(value) for name, value in timing.items()}
+        expected["flags"] = " ".join(timing.get("flags", ())) or None
+        expected |= dict.fromkeys(name for name in row if name.startswith("details_"))
+        expected |= {f"details_{name}": shown(value) for name, value in details.items()}
+        assert {name: row[name] for name in expected} == expected
 
 
 SETTINGS = {
@@ -133,18 +113,11 @@ GENERATED: dict[str, Any] = {
 @given(**GENERATED)
 @examples(20)
 def test_trials_of_generated_sessions(
-    tmp_path_factory: Any,
-    catalogue: Catalogue,
-    played: list[tuple[str, dict[str, object]]],
-    seed: int,
-    user: str,
+    tmp_path_factory: Any, played: list[tuple[str, dict[str, Any]]], seed: int, user: str
 ) -> None:
     place = tmp_path_factory.mktemp("played")
     for number, (task, settings) in enumerate(played):
-        plan = make_plan(
-            catalogue, task, [f"P{number}"], settings, seed=seed + number, mode="simulated"
-        )
-        simulate(plan, PEOPLE[user], place / "data", catalogue)
+        simulated(place / "data", task, f"P{number}", user=user, seed=seed + number, **settings)
     for format, read in {"csv": from_csv, "mat": from_mat_by_octave}.items():
         export_as(format, place / "data", place / format)
         assert_equal_to_the_database(place / "data", read(place / format), read)
@@ -153,25 +126,9 @@ def test_trials_of_generated_sessions(
 TEXT = st.text(
     st.characters(exclude_characters="\0", exclude_categories=["Cs"]), max_size=8
 ) | st.sampled_from(
-    [
-        '"',
-        'a "b", c',
-        "¿Qué\r\ntal?",
-        "\r",
-        "\n",
-        ",",
-        ";",
-        "=1+1",
-        " ",
-        "'",
-        "NA",
-        "null",
-        "ñ, á",
-        "\u2028",
-        "true",
-        "🙂",
-    ]
-)
+    ['"', 'a "b", c', "¿Qué\r\ntal?", "\r", "\n", ",", ";", "=1+1", " ", "'", "NA", "null", "ñ, á",
+     "\u2028", "true", "🙂"]
+)  # fmt: skip
 REAL = (
     st.none()
     | st.floats(allow_nan=False, allow_infinity=True)

@@ -53,9 +53,7 @@ def test_a_site_replaces_its_own_files_only(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(os.name != "posix", reason="kills a process")
-def test_a_program_that_is_killed_at_any_moment_leaves_a_site_old_or_new(
-    tmp_path: Path,
-) -> None:
+def test_a_program_that_is_killed_at_any_moment_leaves_a_site_old_or_new(tmp_path: Path) -> None:
     made(tmp_path / "before", "BERN", "old", ("trials", "sessions", "events"))
     found = []
     for moment in range(99):

@@ -53,9 +53,7 @@ def test_only_its_owner_can_read_it(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt()])
-def test_a_failure_leaves_nothing_behind_and_an_earlier_export_whole(
-    tmp_path: Path, error: BaseException
-) -> None:
+def test_a_failure_leaves_an_earlier_export_whole(tmp_path: Path, error: BaseException) -> None:
     made(tmp_path / "old")
     for name in ("old", "new"):
         with pytest.raises(type(error)):
@@ -120,9 +118,7 @@ with target(Path(sys.argv[1]), "csv") as hidden:
 
 
 @pytest.mark.skipif(os.name != "posix", reason="kills a process")
-def test_what_a_killed_export_left_is_removed_by_the_next_and_that_of_a_running_one_is_not(
-    tmp_path: Path,
-) -> None:
+def test_the_next_removes_what_a_killed_export_left_and_not_a_running_one(tmp_path: Path) -> None:
     made(tmp_path / "out")
     programs = [
         subprocess.Popen(
@@ -150,9 +146,7 @@ def test_what_a_killed_export_left_is_removed_by_the_next_and_that_of_a_running_
     assert names(tmp_path) == ["out"]
 
 
-def test_an_earlier_export_is_put_back_if_the_program_was_killed_while_it_was_replaced(
-    tmp_path: Path,
-) -> None:
+def test_an_export_is_put_back_if_a_program_was_killed_replacing_it(tmp_path: Path) -> None:
     made(tmp_path / "out")
     shutil.move(tmp_path / "out", tmp_path / ".out.sar-tui-abc-before")
     with pytest.raises(OSError, match="full"), target(tmp_path / "out", "csv"):

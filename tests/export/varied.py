@@ -8,41 +8,24 @@ from typing import Any
 
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
-from tests.program import Call
+from tests.played import simulated
+from tests.store.by_hand import insert, sql
 
 NOTE = 'Dice: "me duele",\r\ny descansa; ñ 🙂'
 
 
-def varied(call: Call, data: Path) -> None:
+def varied(data: Path) -> None:
     """Simulate sessions of three tasks with an operator, alter them, and add one that was cut
     off.
     """
     for task in ("keyboard", "reaching", "pairs"):
-        asked = ("--set", "questions=effort remark")
-        call(
-            "simulate",
-            task,
-            "--user",
-            "poor",
-            "--attempts",
-            1,
-            "--seed",
-            3,
-            "--operator",
-            "careful",
-            *asked,
-        )
-    with closing(connect(data)) as database:
-        database.execute(
-            "UPDATE trials SET stimulus=?, response=NULL WHERE trial=2", ('¿"Sí"?\r\nno, no',)
-        )
-        database.execute("UPDATE attempts SET metric=9e999 WHERE attempt=1")
-        database.execute(
-            "INSERT INTO notes (session, at_ns, author, text, label) SELECT id, 1, "
-            "'operator.ana', ?, 'pausa'"
-            " FROM sessions",
-            (NOTE,),
-        )
+        codes = ("SIM-A", "SIM-B") if task == "pairs" else ("SIM",)
+        settings: Any = {"attempts": 1, "questions": "effort remark"}
+        simulated(data, task, *codes, user="poor", operator="careful", **settings)
+    sql(data, "UPDATE trials SET stimulus=?, response=NULL WHERE trial=2", '¿"Sí"?\r\nno, no')
+    sql(data, "UPDATE attempts SET metric=9e999 WHERE attempt=1")
+    for (id,) in sql(data, "SELECT id FROM sessions"):
+        insert(data, "notes", session=id, at_ns=1, author="operator.ana", text=NOTE, label="pausa")
     store_trials(data, [{"stimulus": "f", "details": None}])
 
 
@@ -54,16 +37,4 @@ def store_trials(data: Path, rows: list[dict[str, Any]]) -> None:
             parameters={}, software={"sar_tui": "0"}, machine={}, mode="live",
         )  # fmt: skip
         for number, row in enumerate(rows, 1):
-            values = {
-                "session": "s1",
-                "attempt": 1,
-                "trial": number,
-                "seat": "A",
-                "run": 1,
-                "timing": "{}",
-                **row,
-            }
-            database.execute(
-                f"INSERT INTO trials ({', '.join(values)}) VALUES ({', '.join('?' * len(values))})",
-                tuple(values.values()),
-            )
+            insert(database, "trials", session="s1", trial=number, timing="{}", **row)
