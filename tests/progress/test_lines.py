@@ -124,9 +124,7 @@ def test_a_task_that_is_not_installed_has_results_but_no_estimate() -> None:
     assert (line.points[0].estimate, line.measure) == (None, "")
 
 
-def test_settings_that_the_task_no_longer_accepts_leave_results_without_estimate(
-    keyboard: type[Task],
-) -> None:
+def test_settings_no_longer_accepted_leave_results_without_estimate(keyboard: type[Task]) -> None:
     (line,) = found(keyboard, session(1, adapted(1), {"choice_set": "feet"}))
     assert line.task is None
 
@@ -138,9 +136,7 @@ def test_reaction_times_lie_over_the_information_in_the_choice(keyboard: type[Ta
     assert task.axis.show(math.log2(10.4)) == "10.4 keys"
 
 
-def test_reach_times_lie_over_the_distance_and_are_compared_with_the_markers_goal(
-    reaching: type[Task],
-) -> None:
+def test_reach_times_lie_over_the_distance_beside_the_markers_goal(reaching: type[Task]) -> None:
     task = reaching(reaching.Parameters())
     (attempt,) = on_axis(task, [AttemptResult(6, 2000.0, 1)])
     assert attempt.difficulty == 40.0
@@ -154,9 +150,7 @@ def test_a_place_on_the_axis_is_a_place_between_levels(reaching: type[Task]) -> 
     assert (to_level(rising, 14.9), to_level(rising, 41.0)) == (None, None)
 
 
-def test_levels_that_do_not_get_harder_one_by_one_have_no_places_between(
-    keyboard: type[Task],
-) -> None:
+def test_levels_not_getting_harder_one_by_one_have_no_places_between(keyboard: type[Task]) -> None:
     task = keyboard(keyboard.Parameters(levels=("asdf", "jk")))
     assert places(task) == []
     assert to_level([], 1.0) is None

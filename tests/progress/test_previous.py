@@ -39,9 +39,7 @@ def said(
     return beside_previous(line, today, task.tr) if line else ""
 
 
-def test_only_live_sessions_with_the_same_settings_before_this_one_are_on_its_line(
-    task: Task,
-) -> None:
+def test_only_earlier_live_sessions_with_the_same_settings_are_on_its_line(task: Task) -> None:
     played = [
         session(0, adapted(0)),
         session(2, adapted(2), {"threshold": 900.0}),
@@ -85,9 +83,7 @@ def test_the_words_are_also_spanish(task: Task) -> None:
     )
 
 
-def test_the_verdict_is_that_of_the_line_and_its_words_are_kind_in_both_directions(
-    task: Task,
-) -> None:
+def test_the_verdict_is_of_the_line_and_its_words_are_kind_in_both_directions(task: Task) -> None:
     means = (541.0, 538.0, 542.0, 540.0, 540.0)
     earlier = [session(day, alike(mean)) for day, mean in enumerate(means)]
     assert said(earlier, alike(480.0), task).endswith(PRAISE)

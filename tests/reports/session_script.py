@@ -30,6 +30,15 @@ class Script(list[LoggedMessage]):
     ) -> "Script":
         return self.log(ms, m.OperatorChanged(actor=who, state=state, operated=operated))
 
+    def gone(self, ms: float, state: Any = "lost") -> "Script":
+        """The only operator goes."""
+        return self.join(ms, state=state, operated=False)
+
+
+def has(found: object, **fields: object) -> None:
+    """Assert that something has these attributes."""
+    assert {name: getattr(found, name) for name in fields} == fields
+
 
 def proposal(id: str, kind: Any = "feedback", text: str = "Well done.", **parts: Any) -> m.Proposal:
     return m.Proposal(id=id, kind=kind, text=text, **parts)

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from sar_tui.reports.agreement import agreement, kappa, word_distance
 from sar_tui.reports.proposals import ProposalRecord
+from tests.reports.session_script import has
 
 VALENCES = st.sampled_from(["positive", "neutral", "negative"])
 WORDS = st.lists(st.sampled_from(["well", "done", "slow", "again"]), max_size=6).map(" ".join)
@@ -18,17 +19,9 @@ def decided(
 ) -> ProposalRecord:
     before, after = valences or (None, None)
     return ProposalRecord(
-        "a1",
-        1,
-        "feedback",
-        "approve",
-        0,
-        text,
-        before,
-        verdict=verdict,
-        said=said,
+        "a1", 1, "feedback", "approve", 0, text, before, verdict=verdict, said=said,
         said_valence=after,
-    )
+    )  # fmt: skip
 
 
 def test_kappa_of_a_table_computed_by_hand() -> None:
@@ -49,9 +42,7 @@ def test_constant_disagreement_is_below_chance() -> None:
 
 
 @given(st.lists(st.tuples(VALENCES, VALENCES), min_size=1, max_size=30))
-def test_kappa_is_one_only_in_full_agreement_and_the_same_from_either_side(
-    pairs: list[tuple[str, str]],
-) -> None:
+def test_kappa_is_symmetric_and_one_in_full_agreement_only(pairs: list[tuple[str, str]]) -> None:
     found = kappa(pairs)
     assert found == kappa([(other, one) for one, other in pairs])
     if found is not None:
@@ -87,40 +78,28 @@ def test_word_distance_is_a_metric(one: str, two: str, three: str) -> None:
 
 
 def test_a_session_computed_by_hand() -> None:
+    praise, blame = ("Well done.", "Well done."), ("Too slow.", "Too slow.")
     found = agreement(
         [
-            decided("accepted", "Well done.", "Well done.", "positive", "positive"),
-            decided("accepted", "Well done.", "Well done.", "positive", "positive"),
-            decided("accepted", "Too slow.", "Too slow.", "negative", "negative"),
+            decided("accepted", *praise, "positive", "positive"),
+            decided("accepted", *praise, "positive", "positive"),
+            decided("accepted", *blame, "negative", "negative"),
             decided("edited", "Too slow.", "A bit slow.", "negative", "neutral"),
             decided("edited", "one two three four", "one two three five", "positive", "positive"),
-            decided("edited", "Well done.", "Well done.", "positive", "neutral"),
+            decided("edited", *praise, "positive", "neutral"),
             decided("vetoed", "Too slow.", None, "negative", None),
-            decided(None, "Too slow.", "Too slow.", "negative", "negative"),
+            decided(None, *blame, "negative", "negative"),
         ]
     )
-    assert (found.decided, found.accepted, found.edited, found.vetoed) == (7, 3, 3, 1)
+    has(found, decided=7, accepted=3, edited=3, vetoed=1, valences=6, valences_overridden=2)
+    has(found, edits_of_words=2, words_changed_median=0.4583, words_changed_most=0.6667)
     assert found.accepted_share == 0.4286, "3 of 7"
-    assert (found.edits_of_words, found.words_changed_median, found.words_changed_most) == (
-        2,
-        0.4583,
-        0.6667,
-    )
-    assert found.valence_table == {
-        "negative": {"negative": 1, "neutral": 1},
-        "positive": {"neutral": 1, "positive": 3},
-    }
-    assert (found.valences, found.valences_overridden) == (6, 2)
-    assert found.valence_kappa == 0.4545, (
-        "(4/6 − (4·3 + 2·1)/36) / (1 − 14/36) = (24 − 14) / (36 − 14)"
-    )
+    negative, positive = {"negative": 1, "neutral": 1}, {"neutral": 1, "positive": 3}
+    assert found.valence_table == {"negative": negative, "positive": positive}
+    # (4/6 − (4·3 + 2·1)/36) / (1 − 14/36) = (24 − 14) / (36 − 14)
+    assert found.valence_kappa == 0.4545
 
 
 def test_without_decisions_there_is_no_agreement() -> None:
-    found = agreement([decided(None)])
-    assert (
-        found.decided,
-        found.accepted_share,
-        found.words_changed_median,
-        found.valence_kappa,
-    ) == (0,) + (None,) * 3
+    none = {"accepted_share": None, "words_changed_median": None, "valence_kappa": None}
+    has(agreement([decided(None)]), decided=0, **none)

@@ -4,13 +4,7 @@ import pytest
 
 from sar_tui.model.messages import Outcome
 from sar_tui.model.trial_types import Metric
-from sar_tui.reports.charts import (
-    BARS,
-    ResultName,
-    attempts_figure,
-    result_name,
-    round_numbers,
-)
+from sar_tui.reports.charts import BARS, ResultName, attempts_figure, result_name, round_numbers
 
 LEVELS = [1, 2, 3, 4, 3, 4, 5, 4]
 METRICS = [680.0, 813.0, 763.0, 1012.0, 818.0, 920.0, 1121.0, None]

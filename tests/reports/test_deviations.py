@@ -6,7 +6,7 @@ import pytest
 
 from sar_tui.model import messages as m
 from sar_tui.reports.deviations import Deviation, deviations
-from tests.reports.session_script import ANNA, Script
+from tests.reports.session_script import ANNA, Script, has
 
 GOES_ON = m.Waiting(what="foreperiod", stage="trial")
 PAUSED = m.Waiting(what="resume", stage="paused")
@@ -21,13 +21,12 @@ def found(script: Script) -> list[Deviation]:
 
 
 def test_a_session_that_went_as_planned_has_none() -> None:
-    script = (
-        Script()
-        .join(10)
-        .join(10, state="baton")
-        .log(1000, m.Remark(text="Good.", actor=ANNA), GOES_ON)
-    )
-    assert found(script) == []
+    script = Script().join(10).join(10, state="baton")
+    assert found(script.log(1000, m.Remark(text="Good.", actor=ANNA), GOES_ON)) == []
+
+
+def changed(state: Any, *, operated: bool = False, detail: str = "") -> m.OperatorChanged:
+    return m.OperatorChanged(actor=ANNA, state=state, operated=operated, detail=detail)
 
 
 def test_an_observers_stop_counts() -> None:
@@ -47,22 +46,10 @@ def test_an_observers_stop_counts() -> None:
         (act("end", reason="tired"), "end", "tired"),
         (act("stop"), "stop", ""),
         (act("mark", reason="assisted"), "mark", "assisted"),
-        (
-            m.LateDecision(actor=ANNA, what="veto a3", why="It was over."),
-            "missed",
-            "veto a3: It was over.",
-        ),
-        (
-            m.OperatorChanged(actor=ANNA, state="lost", operated=False, detail="silent"),
-            "lost",
-            "silent",
-        ),
-        (m.OperatorChanged(actor=ANNA, state="left", operated=False), "left", ""),
-        (
-            m.OperatorChanged(actor=ANNA, state="unproven", operated=True, detail="tmux"),
-            "unproven",
-            "tmux",
-        ),
+        (m.LateDecision(actor=ANNA, what="veto a3", why="Over."), "missed", "veto a3: Over."),
+        (changed("lost", detail="silent"), "lost", "silent"),
+        (changed("left"), "left", ""),
+        (changed("unproven", operated=True, detail="tmux"), "unproven", "tmux"),
     ],
 )
 def test_each_deviation_has_its_time_and_actor(message: m.Message, what: str, detail: str) -> None:
@@ -71,51 +58,35 @@ def test_each_deviation_has_its_time_and_actor(message: m.Message, what: str, de
 
 
 def test_refused_acts_reported_together_are_counted() -> None:
-    refused = m.PeerRequestRefused(
-        actor="observer.eve", what="operator/act", why="An observer cannot act.", count=12
-    )
+    refused = m.PeerRequestRefused(actor="observer.eve", what="operator/act", why="No.", count=12)
     (deviation,) = found(Script().log(2000, refused))
-    assert (deviation.what, deviation.actor, deviation.count) == ("refused", "observer.eve", 12)
+    has(deviation, what="refused", actor="observer.eve", count=12)
 
 
 def test_acts_of_participants_and_observers_are_no_deviations() -> None:
     gone = m.OperatorChanged(actor="observer.eve", role="observer", state="left", operated=True)
-    assert (
-        found(
-            Script()
-            .join(10)
-            .log(1000, m.SessionCommand(command="pause"), m.SessionCommand(command="stop"), gone)
-        )
-        == []
-    )
+    acts = [m.SessionCommand(command="pause"), m.SessionCommand(command="stop"), gone]
+    assert found(Script().join(10).log(1000, *acts)) == []
 
 
-def test_a_pause_lasts_until_the_session_continues() -> None:
+def test_a_pause_lasts_until_the_session_continues_or_the_run_ends() -> None:
     script = Script().join(10).log(5000, act("pause", reason="tired"), PAUSED).log(7000, PAUSED)
-    (pause,) = found(
-        script.log(12_250, m.SessionCommand(command="resume"), GOES_ON).log(90_000, GOES_ON)
-    )
-    assert (pause.what, pause.detail, pause.duration_s) == ("pause", "tired", 7.25)
-
-
-def test_a_pause_lasts_at_most_until_the_run_ends() -> None:
+    script.log(12_250, m.SessionCommand(command="resume"), GOES_ON).log(90_000, GOES_ON)
+    has(*found(script), what="pause", detail="tired", duration_s=7.25)
     script = Script().join(10).log(5000, act("pause"), PAUSED).log(8000, PAUSED)
-    (pause,) = found(script.begin(2, 0).log(50, GOES_ON))
-    assert (pause.run, pause.duration_s) == (1, 3)
+    has(*found(script.begin(2, 0).log(50, GOES_ON)), run=1, duration_s=3)
 
 
 def test_each_later_change_of_control_is_a_deviation() -> None:
     script = Script().join(10, state="baton").join(20, state="baton")
     script.join(5000, "operator.ben", "baton").join(9000, state="baton")
     assert [(each.what, each.actor, each.at_s) for each in found(script)] == [
-        ("baton", "operator.ben", 5),
-        ("baton", ANNA, 9),
-    ]
+        ("baton", "operator.ben", 5), ("baton", ANNA, 9),
+    ]  # fmt: skip
 
 
 def test_times_count_from_the_start_of_each_run() -> None:
     script = Script().join(10).log(3000, act("skip")).begin(2, 700_000).log(702_000, act("repeat"))
-    assert [(each.run, each.at_s, each.what) for each in found(script)] == [
-        (1, 3, "skip"),
-        (2, 2, "repeat"),
-    ]
+    first, second = found(script)
+    has(first, run=1, at_s=3, what="skip")
+    has(second, run=2, at_s=2, what="repeat")

@@ -1,7 +1,5 @@
 """The intervention report on simulated sessions: its figures are those of queries on the tables."""
 
-import sqlite3
-from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -13,112 +11,72 @@ from sar_tui.reports.intervention_words import sections
 from sar_tui.store.programmes import Programme
 from sar_tui.store.records import Record as PersonRecord
 from tests.program import Call
+from tests.reports.session_script import has
+from tests.store.by_hand import sql
 
-BRIEF = ("--attempts", 6, "--set", "prompts_per_attempt=3", "--json")
+BRIEF = "--attempts 6 --set prompts_per_attempt=3"
 
 
 @pytest.fixture
 def study(call: Call) -> dict[str, Any]:
     """The report on three sessions: two of one person, one of another with an operator."""
-    call("simulate", "keyboard", "-p", "P01", "--user", "average", "--seed", 1, *BRIEF)
-    call(
-        "simulate",
-        "keyboard",
-        "-p",
-        "P01",
-        "--user",
-        "average",
-        "--seed",
-        2,
-        *BRIEF,
-        "--set",
-        "start_level=3",
-    )
-    call(
-        "simulate",
-        "reaching",
-        "-p",
-        "P02",
-        "--user",
-        "poor",
-        "--seed",
-        3,
-        "--attempts",
-        2,
-        "--operator",
-        "careful",
-    )
-    found: dict[str, Any] = call("report", "intervention", "--all", "--simulated", "--json").json
+    for words in (
+        f"keyboard -p P01 --user average --seed 1 {BRIEF}",
+        f"keyboard -p P01 --user average --seed 2 {BRIEF} --set start_level=3",
+        "reaching -p P02 --user poor --seed 3 --attempts 2 --operator careful",
+    ):
+        assert call(f"simulate {words}").code == 0
+    found: dict[str, Any] = call("report intervention --all --simulated --json").json
     return found
 
 
-def test_the_dose_is_that_of_the_tables(study: dict[str, Any], tmp_path: Path) -> None:
-    with closing(sqlite3.connect(tmp_path / "data" / "sar-tui.db")) as database:
-        expected = database.execute(
-            "SELECT participant, count(DISTINCT attempts.session), count(*), sum(trials),"
-            " round(sum(ended_ns - started_ns) / 6e10, 2)"
-            " FROM attempts JOIN seats USING (session, seat) GROUP BY participant ORDER BY "
-            "participant"
-        ).fetchall()
-    told = [
-        (
-            each["participant"],
-            each["sessions"],
-            each["done"],
-            each["repetitions"],
-            each["time_on_task_min"],
-        )
-        for each in study["dose"]
-    ]
-    assert told == expected
+def picked(rows: list[dict[str, Any]], *names: str) -> list[tuple[Any, ...]]:
+    return [tuple(row[name] for name in ("participant", *names)) for row in rows]
+
+
+_ATTEMPTS = "attempts JOIN seats USING (session, seat)"
+
+
+_BY_PERSON = "GROUP BY participant ORDER BY participant"
+
+
+def test_the_dose_is_that_of_the_tables(study: dict[str, Any], data: Path) -> None:
+    sums = "count(DISTINCT attempts.session), count(*), sum(trials), round(sum(ended_ns - started_ns) / 6e10, 2)"
+    names = ("sessions", "done", "repetitions", "time_on_task_min")
+    expected = sql(data, f"SELECT participant, {sums} FROM {_ATTEMPTS} {_BY_PERSON}")
+    assert picked(study["dose"], *names) == expected
     assert study["adherence"] == 1
     assert study["operated"] == 1
 
 
-def test_the_challenge_is_that_of_the_tables(study: dict[str, Any], tmp_path: Path) -> None:
-    with closing(sqlite3.connect(tmp_path / "data" / "sar-tui.db")) as database:
-        expected = database.execute(
-            "SELECT participant, min(level), max(level), round(avg(outcome='success'), 4)"
-            " FROM attempts JOIN seats USING (session, seat) GROUP BY participant ORDER BY "
-            "participant"
-        ).fetchall()
-        changes = database.execute(
-            "SELECT participant, sum(level > before), sum(level < before) FROM (SELECT "
-            "participant, level,"
-            " lag(level) OVER (PARTITION BY attempts.session ORDER BY attempt) AS before"
-            " FROM attempts JOIN seats USING (session, seat)) GROUP BY participant ORDER BY "
-            "participant"
-        ).fetchall()
-    challenge = study["challenge"]
-    told = [
-        (each["participant"], each["lowest"], each["highest"], each["reached_share"])
-        for each in challenge
-    ]
-    assert told == expected
-    assert [(each["participant"], each["up"], each["down"]) for each in challenge] == changes
+def test_the_challenge_is_that_of_the_tables(study: dict[str, Any], data: Path) -> None:
+    figures = "min(level), max(level), round(avg(outcome='success'), 4)"
+    expected = sql(data, f"SELECT participant, {figures} FROM {_ATTEMPTS} {_BY_PERSON}")
+    before = "lag(level) OVER (PARTITION BY attempts.session ORDER BY attempt) AS before"
+    both = f"SELECT participant, level, {before} FROM {_ATTEMPTS}"
+    changes = sql(
+        data,
+        f"SELECT participant, sum(level > before), sum(level < before) FROM ({both}) {_BY_PERSON}",
+    )
+    assert picked(study["challenge"], "lowest", "highest", "reached_share") == expected
+    assert picked(study["challenge"], "up", "down") == changes
     assert changes[0][1] > 0
     settings = study["tasks"][0]["settings"]
     assert (settings["attempts"], settings["prompts_per_attempt"]) == ([6], [3])
 
 
-def test_of_one_participant_nothing_of_the_partner_in_a_pair_is_counted(
-    call: Call, tmp_path: Path
-) -> None:
-    pair = ("simulate", "pairs", "-p", "P01", "-p", "P02", "--user", "average", "--attempts", 3)
-    assert call(*pair).code == 0
-    fall = ("what=Cramp", "severity=mild", "--on", "2026-03-01")
-    assert call("record", "add", "adverse-event", "P02", *fall, "--new").code == 0
-    found = call("report", "intervention", "-p", "P01", "--simulated", "--json").json
-    with closing(sqlite3.connect(tmp_path / "data" / "sar-tui.db")) as database:
-        feedback = database.execute(
-            "SELECT feedback, count(*) FROM attempts WHERE seat='A' GROUP BY feedback"
-        ).fetchall()
+def test_of_one_participant_nothing_of_a_partner_is_counted(call: Call, data: Path) -> None:
+    assert call("simulate pairs -p P01 -p P02 --user average --attempts 3").code == 0
+    fall = "P02 what=Cramp severity=mild --on 2026-03-01 --new"
+    assert call(f"record add adverse-event {fall}").code == 0
+    found = call("report intervention -p P01 --simulated --json").json
+    query = "SELECT feedback, count(*) FROM attempts WHERE seat='A' GROUP BY feedback"
     assert found["participants"] == ["P01"]
-    assert [(each["participant"], each["done"]) for each in found["dose"]] == [("P01", 3)]
-    assert [each["participant"] for each in found["challenge"]] == ["P01"]
-    assert found["feedback"] == dict(feedback)
+    assert picked(found["dose"], "done") == [("P01", 3)]
+    assert picked(found["challenge"]) == [("P01",)]
+    assert found["feedback"] == dict(sql(data, query))
     assert found["harms"]["events"] == {}
-    everyone = call("report", "intervention", "--all", "--simulated", "--json").json
+    everyone = call("report intervention --all --simulated --json").json
     assert everyone["participants"] == ["P01", "P02"]
     assert sum(everyone["feedback"].values()) == 6
     assert everyone["harms"]["events"] == {"mild": 1}
@@ -140,34 +98,22 @@ def played(attempt: int, level: int, *, practice: bool = False) -> list[m.Messag
     return [m.AttemptStarted(attempt=attempt, practice=practice, level=level, trials=1), ended]
 
 
-@pytest.mark.parametrize(
-    ("messages", "changes"),
-    [
-        ([*played(1, 1), changed(1, 2)], []),
-        ([*played(1, 1), changed(1, 2), *played(2, 2)], ["up"]),
-        ([*played(1, 2), changed(2, 1, "failure"), *played(2, 1)], ["down"]),
-        ([*played(1, 1), changed(1, 2), changed(2, 1, "operator"), *played(2, 1)], []),
-        ([*played(1, 1), changed(1, 2), changed(2, 5, "operator"), *played(2, 5)], ["by_person"]),
-        ([*played(1, 1), changed(1, 2), played(2, 2)[0]], []),
-        ([*played(1, 3, practice=True), changed(3, 1), *played(2, 1)], []),
-        ([*played(1, 1), new_goal(), *played(2, 1), new_goal()], ["goals"]),
-        ([*played(1, 1), played(1, 1)[1], changed(1, 2), *played(2, 2), played(2, 2)[1]], ["up"]),
-    ],
-    ids=[
-        "after the last",
-        "up",
-        "down",
-        "taken back",
-        "by hand",
-        "left",
-        "practice",
-        "goal",
-        "scored again",
-    ],
-)
-def test_a_change_of_level_counts_once_an_attempt_was_played_at_it(
-    messages: list[m.Message], changes: list[str]
-) -> None:
+CHANGES: dict[str, tuple[list[m.Message], list[str]]] = {
+    "after the last": ([*played(1, 1), changed(1, 2)], []),
+    "up": ([*played(1, 1), changed(1, 2), *played(2, 2)], ["up"]),
+    "down": ([*played(1, 2), changed(2, 1, "failure"), *played(2, 1)], ["down"]),
+    "taken back": ([*played(1, 1), changed(1, 2), changed(2, 1, "operator"), *played(2, 1)], []),
+    "by hand": ([*played(1, 1), changed(1, 2), changed(2, 5, "operator"), *played(2, 5)], ["by_person"]),
+    "left": ([*played(1, 1), changed(1, 2), played(2, 2)[0]], []),
+    "practice": ([*played(1, 3, practice=True), changed(3, 1), *played(2, 1)], []),
+    "goal": ([*played(1, 1), new_goal(), *played(2, 1), new_goal()], ["goals"]),
+    "scored again": ([*played(1, 1), played(1, 1)[1], changed(1, 2), *played(2, 2), played(2, 2)[1]], ["up"]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", CHANGES)
+def test_a_change_of_level_counts_once_an_attempt_was_played_at_it(case: str) -> None:
+    messages, changes = CHANGES[case]
     assert list(changes_played(messages)) == changes
 
 
@@ -182,33 +128,22 @@ def record(**changes: Any) -> Record:
 
 
 def test_a_changed_programme_is_a_modification_with_its_reason() -> None:
+    first, second = "2026-03-01T09:00:00+00:00", "2026-03-08T09:00:00+00:00"
     versions = [
-        Programme({"threshold": 900.0}, version=1, created_at="2026-03-01T09:00:00+00:00"),
-        Programme(
-            {"attempts": 10}, version=2, created_at="2026-03-08T09:00:00+00:00", reason="Tired."
-        ),
+        Programme({"threshold": 900.0}, version=1, created_at=first),
+        Programme({"attempts": 10}, version=2, created_at=second, reason="Tired."),
     ]
     (change,) = intervention(record(programmes={("P01", "keyboard"): versions})).programmes
-    assert (change.version, change.changed, change.reason) == (
-        2,
-        {"attempts": 10, "threshold": None},
-        "Tired.",
-    )
+    has(change, version=2, changed={"attempts": 10, "threshold": None}, reason="Tired.")
 
 
 def test_harms_are_counted_and_nothing_asked_is_said_as_such() -> None:
-    event = PersonRecord(
-        id="e1",
-        kind="adverse-event",
-        participant="P01",
-        at="2026-03-01",
-        content={"what": "A fall.", "severity": "mild"},
-    )
+    content = {"what": "A fall.", "severity": "mild"}
+    event = PersonRecord("e1", "adverse-event", "P01", at="2026-03-01", content=content)
     found = intervention(record(events=[event]))
     assert found.harms.events == {"mild": 1}
-    text = str(sections(found))
-    assert "Adverse events: 1 mild." in text
-    assert "Nothing is known of pain" in text
+    assert "Adverse events: 1 mild." in str(sections(found))
+    assert "Nothing is known of pain" in str(sections(found))
 
 
 def test_a_session_without_attempts_is_reported() -> None:
@@ -218,11 +153,8 @@ def test_a_session_without_attempts_is_reported() -> None:
 
 
 def test_three_tasks_are_named_with_one_and(call: Call) -> None:
-    call("simulate", "keyboard", "-p", "P01", "--user", "average", "--attempts", 1)
-    call("simulate", "reaching", "-p", "P01", "--user", "average", "--attempts", 1)
-    call("simulate", "pairs", "-p", "P01", "-p", "P02", "--user", "average", "--attempts", 1)
-    printed = call("report", "intervention", "--all", "--simulated").out
-    assert (
-        "the tasks “Keyboard reaction”, “Reaching” and “Pairs”: 2 participants, 3 sessions"
-        in printed
-    )
+    for words in ("keyboard -p P01", "reaching -p P01", "pairs -p P01 -p P02"):
+        call(f"simulate {words} --user average --attempts 1")
+    printed = call("report intervention --all --simulated").out
+    tasks = "the tasks “Keyboard reaction”, “Reaching” and “Pairs”"
+    assert f"{tasks}: 2 participants, 3 sessions" in printed

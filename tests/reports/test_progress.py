@@ -161,9 +161,7 @@ def test_levels_that_follow_each_other_are_a_range(keyboard: type[Task]) -> None
     assert "Mean at levels 1 to 4, played in both: 0.4" in compared_in(found, 0, 1, "en", keyboard)
 
 
-def test_of_two_sessions_the_one_whose_level_at_goal_is_not_known_is_named(
-    keyboard: type[Task],
-) -> None:
+def test_of_two_sessions_the_one_with_no_level_at_goal_is_named(keyboard: type[Task]) -> None:
     found = of(keyboard, *steady(2), session(9, at_one_level(9, 400.0)))
     assert compared_in(found, 0, 9, "en", keyboard).startswith(
         "The level at goal of 2026-03-08 is not known: every result was better than the goal. "
@@ -273,9 +271,7 @@ def test_the_dose_of_a_single_day_is_told_in_the_singular() -> None:
 # --- pain, tiredness and adverse events
 
 
-def test_new_pain_and_adverse_events_are_told_first_in_either_language(
-    keyboard: type[Task],
-) -> None:
+def test_new_pain_and_adverse_events_are_told_in_either_language(keyboard: type[Task]) -> None:
     ratings = [SessionRatings(pain_after=0), *[SessionRatings(pain_after=2)] * 4]
     event = fell("2026-03-01", what="Cramp")
     found = progress("P01", steady(2), {"keyboard": keyboard}.get, records=[event], ratings=ratings)
@@ -299,9 +295,7 @@ def fell(onset: str, session: str | None = None, **more: str) -> Record:
     )
 
 
-def test_an_adverse_event_stands_below_the_session_it_began_in_and_below_its_day(
-    keyboard: type[Task],
-) -> None:
+def test_an_adverse_event_stands_below_its_session_and_its_day(keyboard: type[Task]) -> None:
     events = [
         fell("2026-02-28 09:00"),
         fell("2026-02-01"),
@@ -353,9 +347,7 @@ def test_the_note_tells_of_pain_where_it_is_known(keyboard: type[Task]) -> None:
     )
 
 
-def test_the_note_tells_of_the_highest_pain_if_it_was_neither_first_nor_last(
-    keyboard: type[Task],
-) -> None:
+def test_the_note_tells_the_highest_pain_if_not_first_or_last(keyboard: type[Task]) -> None:
     felt = [SessionRatings(pain_after=rating) for rating in (0, 6, 1)]
     found = of(keyboard, *(session(n, adapted(n), felt=each) for n, each in enumerate(felt)))
     english, spanish = (
@@ -395,9 +387,7 @@ def test_at_a_tall_screen_both_charts_are_shown_and_the_text_fits(keyboard: type
         [session(1, adapted(1), mode="simulated", seat="B")],
     ],
 )
-def test_every_sentence_is_spoken_in_spanish(
-    keyboard: type[Task], sessions: list[SessionResults]
-) -> None:
+def test_every_sentence_is_in_spanish(keyboard: type[Task], sessions: list[SessionResults]) -> None:
     found = of(keyboard, *sessions)
     tr = progress_words.words("es", keyboard)
     shown = [progress_words.note("P01", line, tr) for line in found.lines]
@@ -407,13 +397,7 @@ def test_every_sentence_is_spoken_in_spanish(
 
 def test_every_text_of_charts_parts_and_dose_has_a_translation() -> None:
     folder = Path(progress_words.__file__).parent
-    names = (
-        "progress_parts",
-        "progress_words",
-        "progress_page",
-        "progress_charts",
-        "dose_words",
-    )
+    names = ("progress_parts", "progress_words", "progress_page", "progress_charts", "dose_words")
     texts = set().union(
         *(texts_in((folder / f"{name}.py").read_text(encoding="utf-8")) for name in names)
     )
@@ -519,9 +503,7 @@ def test_values_that_differ_by_rounding_have_equal_bars() -> None:
     assert Columns(3, 3).bars([0.95, 0.95 + 1e-15, 0.95]) == "▄▄▄"
 
 
-def test_the_measures_below_a_chart_have_the_decimal_comma_of_the_language(
-    keyboard: type[Task],
-) -> None:
+def test_measures_below_a_chart_have_the_languages_decimal_comma(keyboard: type[Task]) -> None:
     (line,) = of(
         keyboard, *(session(n, adapted(n), qualities={"sparc": -1.6}) for n in range(3))
     ).lines

@@ -110,7 +110,7 @@ def test_the_page_is_in_spanish(keyboard: type[Task]) -> None:
     assert "aciertos" in made
 
 
-def test_a_line_at_one_level_has_no_chart_of_levels(
+def test_one_level_has_no_chart_of_levels(
     keyboard: type[Task], specs: list[dict[str, Any]]
 ) -> None:
     made = page(keyboard, [session(number, at_one_level(number, 950.0)) for number in range(4)])
@@ -118,9 +118,7 @@ def test_a_line_at_one_level_has_no_chart_of_levels(
     assert "Level at goal of each session" not in made
 
 
-def test_smoothness_has_a_chart_of_its_own(
-    keyboard: type[Task], specs: list[dict[str, Any]]
-) -> None:
+def test_smoothness_has_its_own_chart(keyboard: type[Task], specs: list[dict[str, Any]]) -> None:
     made = page(
         keyboard, [session(n, adapted(n), qualities={"sparc": -1.6 - n / 10}) for n in range(3)]
     )
@@ -147,7 +145,7 @@ def test_pain_and_tiredness_are_charted_on_the_time_axis_of_the_sessions(
     assert domains == {"['2026-02-27T10:00:00', '2026-03-01T10:02:00']"}
 
 
-def test_an_adverse_event_is_told_and_marked_where_pain_is(
+def test_an_adverse_event_is_told_and_marked(
     keyboard: type[Task], specs: list[dict[str, Any]]
 ) -> None:
     find = {"keyboard": keyboard}.get
@@ -171,7 +169,7 @@ def test_the_noise_of_the_baseline_is_drawn_on_the_axis_people_read(
     assert 2 < noise["high"] < 60  # keys, not bits
 
 
-def test_without_the_package_one_sentence_says_so(
+def test_without_the_package_it_says_so(
     keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "vl_convert", None)

@@ -94,9 +94,7 @@ def test_a_missing_phrase_is_taken_from_the_default_theme(mine: Path, calm: Them
     assert theme.repairs == ("There is no wording for goodbye (en).",)
 
 
-def test_a_phrase_missing_only_in_spanish_is_taken_from_english(
-    mine: Path, catalogue: Catalogue
-) -> None:
+def test_a_phrase_missing_in_spanish_is_from_english(mine: Path, catalogue: Catalogue) -> None:
     without(mine, "rest", "es")
     theme = applied(mine, "es")
     assert theme.phrases["rest"] == catalogue.theme("playful").phrases["rest"]
@@ -106,17 +104,13 @@ def test_a_phrase_missing_only_in_spanish_is_taken_from_english(
     assert applied(mine, "en").repairs == ()
 
 
-def test_a_phrase_missing_in_both_languages_is_the_default_themes_spanish(
-    mine: Path, catalogue: Catalogue
-) -> None:
+def test_a_phrase_missing_in_both_is_the_defaults_spanish(mine: Path, catalogue: Catalogue) -> None:
     without(mine, "rest", "es")
     without(mine, "rest", "en")
     assert applied(mine, "es").phrases["rest"] == catalogue.theme("calm", "es").phrases["rest"]
 
 
-def test_a_substituted_english_phrase_is_checked_for_english_numbers(
-    mine: Path, change: Change
-) -> None:
+def test_an_english_substitute_is_checked_for_english_numbers(mine: Path, change: Change) -> None:
     without(mine, "goodbye", "es")
     change("phrases.en.toml", "We are done! I liked", "Par for the course! I liked")
     assert any("Par for" in wording for wording in applied(mine, "es").phrases["goodbye"])
@@ -133,7 +127,7 @@ def test_an_invalid_wording_is_left_out_and_the_others_are_used(mine: Path, chan
 
 
 @pytest.mark.parametrize("value", ['"Hello!"', "3", "[1, 2]", "{ a = 1 }"])
-def test_wordings_that_are_not_a_list_of_texts_are_replaced(
+def test_wordings_that_are_no_list_of_texts_are_replaced(
     mine: Path, calm: Theme, value: str
 ) -> None:
     without(mine, "goodbye", "en")
@@ -170,9 +164,7 @@ def test_the_vocabulary_contains_no_number(mine: Path, change: Change) -> None:
     assert theme.vocabulary["session_mean"] == applied(mine).vocabulary["session_mean"]
 
 
-def test_an_english_vocabulary_entry_with_a_number_is_replaced(
-    mine: Path, change: Change, calm: Theme
-) -> None:
+def test_an_english_word_with_a_number_is_replaced(mine: Path, change: Change, calm: Theme) -> None:
     change("phrases.en.toml", 'goal = "the goal"', 'goal = "half the goal"')
     assert applied(mine).vocabulary["goal"] == calm.vocabulary["goal"]
 
@@ -186,7 +178,7 @@ def test_an_english_vocabulary_entry_with_a_number_is_replaced(
         ('kg = "kilogram |"', "kg in units (en) must be one text, or two: singular | plural."),
     ],
 )
-def test_a_unit_that_cannot_be_spoken_is_left_out(
+def test_an_unspeakable_unit_is_left_out(
     mine: Path, change: Change, unit: str, expected: str
 ) -> None:
     change("phrases.en.toml", "[units]\n", f"[units]\n{unit}\n")
@@ -257,9 +249,7 @@ def test_screen_texts_with_other_slots_are_left_out(mine: Path) -> None:
 
 
 @pytest.mark.parametrize("value", ['"red"', '"#12345"', "3", '""', "[]"])
-def test_an_invalid_colour_is_replaced_by_a_legible_default(
-    mine: Path, change: Change, value: str
-) -> None:
+def test_an_invalid_colour_is_replaced_legibly(mine: Path, change: Change, value: str) -> None:
     change("theme.toml", 'accent = "#a33b00"', f"accent = {value}")
     theme = applied(mine)
     assert theme.repairs[0].startswith("accent is not a colour like #a0b1c2: ")
@@ -288,9 +278,7 @@ def test_a_text_colour_of_low_contrast_is_replaced_and_reported(mine: Path, chan
 
 @given(st.lists(st.from_regex("#[0-9a-f]{6}", fullmatch=True), min_size=8, max_size=8))
 @examples(30)
-def test_text_has_enough_contrast_with_any_colours(
-    mine: Path, calm: Theme, values: list[str]
-) -> None:
+def test_text_has_enough_contrast_in_any_case(mine: Path, calm: Theme, values: list[str]) -> None:
     colors = dict(zip(msgspec.structs.asdict(calm.colors), values, strict=True))
     colors["surface"] = colors["background"]
     (mine / "theme.toml").write_text(f"colors = {as_toml(colors)}", encoding="utf-8")
@@ -308,9 +296,7 @@ def test_missing_and_unknown_faces_are_reported(mine: Path, change: Change, calm
 @pytest.mark.parametrize(
     "drawing", ["(o_o)", "'''\nx\n'''", "'''\n😀\n😀\n😀\n'''", "'''\n123456789012\n.\n.\n'''"]
 )
-def test_a_face_that_does_not_fit_is_replaced(
-    mine: Path, change: Change, calm: Theme, drawing: str
-) -> None:
+def test_an_unfit_face_is_replaced(mine: Path, change: Change, calm: Theme, drawing: str) -> None:
     text = (mine / "theme.toml").read_text(encoding="utf-8")
     cat = text[
         text.index("sleeping = '''") : text.index("'''", text.index("sleeping = '''") + 15) + 3
@@ -398,9 +384,7 @@ def test_a_theme_may_define_gestures(mine: Path, change: Change) -> None:
         ),
     ],
 )
-def test_an_unknown_manner_falls_back_to_the_default(
-    mine: Path, change: Change, manner: str, repair: str
-) -> None:
+def test_an_unknown_manner_falls_back(mine: Path, change: Change, manner: str, repair: str) -> None:
     change("theme.toml", '[manner.positive]\ngesture = "cheer"', f"[manner.positive]\n{manner}")
     theme = applied(mine)
     assert theme.manner("positive") == MANNERS["positive"]
@@ -475,9 +459,7 @@ def test_images_must_be_in_the_themes_folder(mine: Path, change: Change) -> None
 
 
 @pytest.mark.parametrize("name", ["a\\u0000b.png", "a" * 300 + ".png", "a/" * 3000])
-def test_an_impossible_image_name_is_left_out_and_reported_briefly(
-    mine: Path, change: Change, name: str
-) -> None:
+def test_an_impossible_image_name_is_told_briefly(mine: Path, change: Change, name: str) -> None:
     change("theme.toml", "[tones]", f'[images]\nhappy = "{name}"\n[tones]')
     theme = applied(mine)
     assert theme.images == {}
@@ -520,9 +502,7 @@ def test_a_theme_cannot_lower_the_required_contrast(mine: Path, change: Change, 
     assert theme.repairs[0].endswith("; it must be at least 4.5, below which text is hard to read.")
 
 
-def test_the_presence_of_images_is_known_without_reading_the_theme(
-    mine: Path, change: Change
-) -> None:
+def test_images_are_known_without_reading_the_theme(mine: Path, change: Change) -> None:
     assert not may_have_images(mine)
     change("theme.toml", "[tones]", '[images]\nhappy = "happy.png"\n[tones]')
     assert may_have_images(mine)
@@ -603,9 +583,7 @@ JUNK = st.recursive(
 
 @given(data=st.data())
 @examples(60)
-def test_any_theme_that_can_be_read_is_complete(
-    mine: Path, catalogue: Catalogue, data: st.DataObject
-) -> None:
+def test_any_readable_theme_is_whole(mine: Path, catalogue: Catalogue, data: st.DataObject) -> None:
     for name in ("theme.toml", "phrases.en.toml"):
         table = tomllib.loads(
             (catalogue.theme_folder("playful") / name).read_text(encoding="utf-8")
