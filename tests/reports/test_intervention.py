@@ -139,7 +139,8 @@ def test_a_changed_programme_is_a_modification_with_its_reason() -> None:
 
 def test_harms_are_counted_and_nothing_asked_is_said_as_such() -> None:
     content = {"what": "A fall.", "severity": "mild"}
-    event = PersonRecord("e1", "adverse-event", "P01", at="2026-03-01", content=content)
+    who = {"id": "e1", "kind": "adverse-event", "participant": "P01"}
+    event = PersonRecord(**who, at="2026-03-01", content=content)
     found = intervention(record(events=[event]))
     assert found.harms.events == {"mild": 1}
     assert "Adverse events: 1 mild." in str(sections(found))
