@@ -121,6 +121,11 @@ class AppDriver:
             )
         await self.settle()
 
+    async def enter(self, text: str) -> None:
+        """Type a text, and press Enter."""
+        await self.write(*text)
+        await self.press("enter")
+
     async def send_event(self, event: Message) -> None:
         """Send an event of the terminal."""
         self.app.post_message(event)
@@ -222,7 +227,11 @@ class AppDriver:
 
     async def do_session(self) -> None:
         """Continue from the instructions to the summary."""
-        await self.do_attempt(await self.to_first_prompt())
+        await self.finish(await self.to_first_prompt())
+
+    async def finish(self, first: Prompt) -> None:
+        """Continue from a prompt to the summary."""
+        await self.do_attempt(first)
         while self.waiting.stage == "attempt":
             await self.do_attempt(await self.begin())
         await self.see_the_summary()
@@ -274,6 +283,16 @@ class AppDriver:
     def sees(self, words: str) -> bool:
         """Return True if the words are on the screen, wherever its lines break."""
         return words in " ".join(self.text.translate(_FRAMES).split())
+
+    def see(self, *words: str) -> None:
+        """Assert that each of the words is on the screen."""
+        unseen = [each for each in words if not self.sees(each)]
+        assert not unseen, f"{unseen} not on the screen:\n{self.text}"
+
+    def lacks(self, *words: str) -> None:
+        """Assert that none of the words is on the screen."""
+        seen = [each for each in words if self.sees(each)]
+        assert not seen, f"{seen} on the screen:\n{self.text}"
 
     # --- the database
 

@@ -2,7 +2,7 @@
 
 import functools
 import gc
-from collections.abc import Iterator
+from collections.abc import AsyncIterator, Iterator
 from contextlib import AbstractAsyncContextManager
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,7 +12,9 @@ import pytest
 
 from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
-from tests.app.app_driver import AppDriver, OpenApp, OpenSession, open_app, plan
+from sar_tui.rules.parameters import build
+from sar_tui.runs.plan import Plan
+from tests.app.app_driver import AppDriver, OpenApp, OpenSession, known, open_app, plan
 from tests.app.fake_voice import voice
 
 __all__ = ["voice"]
@@ -34,6 +36,41 @@ def open_session(opened: OpenApp, catalogue: Catalogue, keyboard: type[Task]) ->
         return opened(plan(catalogue, keyboard, **given), **how)
 
     return open_planned
+
+
+@pytest.fixture
+def open_task(data: Path) -> OpenSession:
+    """Open a session of the task in a folder, with these parameters."""
+
+    def open_planned(folder: Path, **parameters: Any) -> AbstractAsyncContextManager[AppDriver]:
+        catalogue = Catalogue(tasks=(folder.parent,))
+        task = catalogue.task(folder.name)
+        planned = Plan(task, build(task.Parameters, parameters), "calm", "P01", seed=7)
+        return open_app(data, catalogue, planned)
+
+    return open_planned
+
+
+@pytest.fixture
+async def driver(open_session: OpenSession) -> AsyncIterator[AppDriver]:
+    """A short session of the keyboard task, on its instructions."""
+    async with open_session() as driver:
+        yield driver
+
+
+@pytest.fixture
+async def first_run(opened: OpenApp) -> AsyncIterator[AppDriver]:
+    """The home screen before anybody trains."""
+    async with opened() as driver:
+        yield driver
+
+
+@pytest.fixture
+async def home(data: Path, opened: OpenApp) -> AsyncIterator[AppDriver]:
+    """The home screen with the participant P01, who has settings for the keyboard task."""
+    known(data, "P01")
+    async with opened() as driver:
+        yield driver
 
 
 @pytest.fixture(autouse=True)

@@ -32,8 +32,7 @@ async def choose(driver: AppDriver, words: str) -> None:
 
 async def type_over(driver: AppDriver, text: str) -> None:
     await driver.press("end", *["backspace"] * 12)
-    await driver.write(*text)
-    await driver.press("enter")
+    await driver.enter(text)
 
 
 @pytest.fixture
@@ -42,29 +41,23 @@ def cheap(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.slow
-async def test_the_goal_and_the_feedback_change_from_the_next_attempt_on(
-    open_session: OpenSession,
-) -> None:
+async def test_goal_and_feedback_change_from_the_next_attempt_on(open_session: OpenSession) -> None:
     async with open_session(attempts=4) as driver:
         first = await driver.to_first_prompt()
         await open_changes(driver)
-        assert driver.sees("Changes apply from the next attempt on.")
+        driver.see("Changes apply from the next attempt on.")
         await choose(driver, "Goal: 1 second")
         await type_over(driver, "0.7")
         await choose(driver, "Feedback: after every attempt")
         await type_over(driver, "2")
-        assert driver.sees("Goal: 0.7 seconds")
-        assert driver.sees("Feedback: after every 2 attempts")
+        driver.see("Goal: 0.7 seconds", "Feedback: after every 2 attempts")
         await driver.press("escape", "enter")
         await driver.do_attempt(await driver.to_prompt())
-        assert driver.sees("in less than 0.7 seconds on average")
+        driver.see("in less than 0.7 seconds on average")
         await driver.do_attempt(await driver.begin())
         await driver.do_attempt(await driver.begin())
-        assert driver.stored("SELECT goal, feedback FROM attempts") == [
-            (1000.0, "positive"),
-            (700.0, "none"),
-            (700.0, "positive"),
-        ]
+        found = driver.stored("SELECT goal, feedback FROM attempts")
+        assert found == [(1000.0, "positive"), (700.0, "none"), (700.0, "positive")]
         assert [
             (act["name"], act["value"], act["actor"]) for act in driver.messages("operator/setting")
         ] == [("threshold", 700.0, "therapist"), ("feedback_every", 2, "therapist")]
@@ -78,9 +71,9 @@ async def test_the_level_goes_up_and_down_and_is_held(open_session: OpenSession)
         await open_changes(driver)
         await choose(driver, "Level up")
         await choose(driver, "Level up")
-        assert driver.sees("Level 3")
+        driver.see("Level 3")
         await choose(driver, "Hold the level")
-        assert driver.sees("Level 3 · held")
+        driver.see("Level 3 · held")
         await choose(driver, "Level down")
         await choose(driver, "Back")
         await driver.press("enter")
@@ -97,65 +90,55 @@ async def test_the_level_goes_up_and_down_and_is_held(open_session: OpenSession)
         } == {"therapist"}
 
 
-async def test_a_note_is_stored_as_the_therapists(open_session: OpenSession) -> None:
-    async with open_session() as driver:
-        await open_changes(driver)
-        await choose(driver, "Write a note")
-        await driver.write(*"wore glasses?")
-        await driver.press("enter")
-        assert driver.sees("The note is kept.")
-        assert driver.stored("SELECT author, text FROM notes") == [("therapist", "wore glasses?")]
+async def test_a_note_is_stored_as_the_therapists(driver: AppDriver) -> None:
+    await open_changes(driver)
+    await choose(driver, "Write a note")
+    await driver.enter("wore glasses?")
+    driver.see("The note is kept.")
+    assert driver.stored("SELECT author, text FROM notes") == [("therapist", "wore glasses?")]
 
 
 @pytest.mark.slow
-async def test_a_goal_out_of_bounds_is_refused_in_a_sentence(open_session: OpenSession) -> None:
-    async with open_session() as driver:
-        await open_changes(driver)
-        await choose(driver, "Goal")
-        for bad in ("700", "much", "nan"):
-            await type_over(driver, bad)
-            assert driver.sees("The goal is a number of seconds, 0.1 to 60."), bad
-        await driver.press("escape", "escape")
-        assert driver.sees("Paused")
-        assert driver.messages("operator/setting") == []
+async def test_a_goal_out_of_bounds_is_refused_in_a_sentence(driver: AppDriver) -> None:
+    await open_changes(driver)
+    await choose(driver, "Goal")
+    for bad in ("700", "much", "nan"):
+        await type_over(driver, bad)
+        assert driver.sees("The goal is a number of seconds, 0.1 to 60."), bad
+    await driver.press("escape", "escape")
+    driver.see("Paused")
+    assert driver.messages("operator/setting") == []
 
 
 async def test_feedback_that_has_no_frequency_is_not_offered(open_session: OpenSession) -> None:
     async with open_session(feedback_schedule="request") as driver:
         await open_changes(driver)
-        assert driver.sees("Goal: 1 second")
-        assert not driver.sees("Feedback:")
+        driver.see("Goal: 1 second")
+        driver.lacks("Feedback:")
 
 
 @pytest.mark.usefixtures("cheap")
-async def test_behind_the_passphrase_only_the_right_one_opens_it(
-    open_session: OpenSession, data: Path
-) -> None:
+async def test_only_the_right_passphrase_opens_it(open_session: OpenSession, data: Path) -> None:
     Passphrase(data).set(RIGHT)
     async with open_session() as driver:
         await open_changes(driver)
-        assert driver.sees("Please enter the passphrase.")
+        driver.see("Please enter the passphrase.")
         await driver.write(*"quiet rivers")
         assert "quiet" not in driver.text
         await driver.press("enter")
-        assert driver.sees("That is not the passphrase.")
+        driver.see("That is not the passphrase.")
         await driver.press("enter")
         assert driver.sees("Paused"), "nothing entered: back to the pause"
         await driver.press("up", "enter")
-        await driver.write(*RIGHT)
-        await driver.press("enter")
-        assert driver.sees("Changes apply from the next attempt on.")
-    assert [(each.result, each.where) for each in Passphrase(data).tries()] == [
-        ("wrong", "pause"),
-        ("right", "pause"),
-    ]
+        await driver.enter(RIGHT)
+        driver.see("Changes apply from the next attempt on.")
+    found = [(each.result, each.where) for each in Passphrase(data).tries()]
+    assert found == [("wrong", "pause"), ("right", "pause")]
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("cheap")
-async def test_after_three_wrong_ones_it_says_how_long_to_wait(
-    open_session: OpenSession, data: Path
-) -> None:
+async def test_after_errors_it_says_how_long(open_session: OpenSession, data: Path) -> None:
     moments = [time.time() - 155]
     stored = Passphrase(data, lambda: moments[-1])
     stored.set(RIGHT)
@@ -164,38 +147,21 @@ async def test_after_three_wrong_ones_it_says_how_long_to_wait(
         moments.append(moments[-1] + stored.wait_s)
     async with open_session(language="es") as driver:
         await open_changes(driver)
-        assert driver.sees("Espere")
-        await driver.write(*RIGHT)
-        await driver.press("enter")
-        assert driver.sees("Espere")
-        assert not driver.sees("Los cambios valen")
+        driver.see("Espere")
+        await driver.enter(RIGHT)
+        driver.see("Espere")
+        driver.lacks("Los cambios valen")
 
 
 @pytest.mark.slow
-async def test_when_an_operator_goes_on_the_participant_sees_the_session(
-    open_session: OpenSession,
-) -> None:
-    async with open_session() as driver:
-        await driver.to_first_prompt()
-        await open_changes(driver)
-        assert driver.app.live
-        driver.app.live.operate(SessionCommand(command="resume", actor="operator.anna"))
-        await driver.settle()
-        assert driver.screen_name == "SessionScreen"
-        assert (await driver.to_prompt()).text in driver.text
-
-
-async def test_all_of_it_is_in_the_sessions_language(open_session: OpenSession) -> None:
-    async with open_session(language="es") as driver:
-        await open_changes(driver)
-        for words in (
-            "Para el terapeuta",
-            "Nivel 1",
-            "Subir el nivel",
-            "Mantener el nivel",
-            "Objetivo: 1 segundo",
-        ):
-            assert driver.sees(words), words
+async def test_when_an_operator_goes_on_the_participant_sees_the_session(driver: AppDriver) -> None:
+    await driver.to_first_prompt()
+    await open_changes(driver)
+    assert driver.app.live
+    driver.app.live.operate(SessionCommand(command="resume", actor="operator.anna"))
+    await driver.settle()
+    assert driver.screen_name == "SessionScreen"
+    assert (await driver.to_prompt()).text in driver.text
 
 
 @pytest.mark.parametrize("size", first(1, [(80, 24), (160, 50)]))
@@ -204,11 +170,4 @@ async def test_the_list_and_its_field_fit(open_session: OpenSession, size: tuple
         await open_changes(driver)
         await choose(driver, "Goal")
         await type_over(driver, "700")
-        for words in (
-            "For the therapist",
-            "Level 1",
-            "Back",
-            "The new goal (s)",
-            "The goal is a number of seconds, 0.1 to 60.",
-        ):
-            assert driver.sees(words), words
+        driver.see("For the therapist", "Level 1", "Back", "The new goal (s)", "0.1 to 60.")

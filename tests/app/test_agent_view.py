@@ -123,69 +123,74 @@ async def watching(theme: Theme, *, speaks: bool = False) -> AsyncIterator[Watch
     assert link.closed
 
 
+@pytest.fixture
+async def watcher(calm: Theme) -> AsyncIterator[Watcher]:
+    async with watching(calm) as watcher:
+        yield watcher
+
+
+@pytest.fixture
+async def voiced(calm: Theme) -> AsyncIterator[Watcher]:
+    """A view in a browser that has a voice."""
+    async with watching(calm, speaks=True) as watcher:
+        yield watcher
+
+
 def said(text: str, **more: Any) -> Action:
     given: dict[str, Any] = {"id": "a1", "kind": "feedback", "face": "happy", "spoken": text}
     return Action(**(given | more), text=text, decision="accepted", actor="agent")
 
 
-async def test_the_agent_sleeps_until_there_is_a_session(calm: Theme) -> None:
-    async with watching(calm) as watcher:
-        assert "One moment…" in await watcher.see()
-        watcher.link.welcome()
-        assert "One moment…" not in await watcher.see()
+async def test_the_agent_sleeps_until_there_is_a_session(watcher: Watcher) -> None:
+    assert "One moment…" in await watcher.see()
+    watcher.link.welcome()
+    assert "One moment…" not in await watcher.see()
 
 
-async def test_its_text_and_face_are_shown(calm: Theme) -> None:
-    async with watching(calm) as watcher:
-        watcher.link.welcome()
-        watcher.link.deliver(WAITING, BETWEEN)
-        watcher.link.deliver(ACTION, said("Well done!"))
-        seen = await watcher.see()
-        assert "Well done!" in seen
-        assert "◠   ◠" in seen
+async def test_its_text_and_face_are_shown(watcher: Watcher) -> None:
+    watcher.link.welcome()
+    watcher.link.deliver(WAITING, BETWEEN)
+    watcher.link.deliver(ACTION, said("Well done!"))
+    seen = await watcher.see()
+    assert "Well done!" in seen
+    assert "◠   ◠" in seen
 
 
-async def test_while_a_response_is_awaited_there_is_no_text_and_no_movement(calm: Theme) -> None:
-    async with watching(calm) as watcher:
-        watcher.link.welcome()
-        watcher.link.deliver(ACTION, said("Well done!", gesture="wave"))
-        watcher.link.deliver(WAITING, IN_A_TRIAL)
-        watcher.link.deliver(
-            REPORT, OutputReport(action="a1", output="speech", part="say", state="started", at=0)
-        )
-        assert "Well done!" not in await watcher.see()
-        assert not watcher.moves
+async def test_while_a_response_is_awaited_nothing_moves(watcher: Watcher) -> None:
+    watcher.link.welcome()
+    watcher.link.deliver(ACTION, said("Well done!", gesture="wave"))
+    watcher.link.deliver(WAITING, IN_A_TRIAL)
+    watcher.link.deliver(
+        REPORT, OutputReport(action="a1", output="speech", part="say", state="started", at=0)
+    )
+    assert "Well done!" not in await watcher.see()
+    assert not watcher.moves
 
 
-async def test_a_view_that_joins_during_a_trial_shows_no_earlier_text(calm: Theme) -> None:
+async def test_a_view_that_joins_during_a_trial_shows_no_earlier_text(watcher: Watcher) -> None:
     """Retained topics and the last messages arrive in any order; their sequence numbers say which
     came first.
     """
-    async with watching(calm) as watcher:
-        watcher.link.welcome()
-        watcher.link.deliver(WAITING, IN_A_TRIAL, seq=20)
-        watcher.link.deliver(ACTION, said("Well done!"), seq=12, ago_s=1)
-        assert "Well done!" not in await watcher.see()
+    watcher.link.welcome()
+    watcher.link.deliver(WAITING, IN_A_TRIAL, seq=20)
+    watcher.link.deliver(ACTION, said("Well done!"), seq=12, ago_s=1)
+    assert "Well done!" not in await watcher.see()
 
 
-async def test_an_old_utterance_is_shown_but_not_spoken_again(calm: Theme) -> None:
-    async with watching(calm, speaks=True) as watcher:
-        watcher.link.welcome(outputs=["screen"])
-        watcher.link.spoken.clear()
-        watcher.link.deliver(ACTION, said("Welcome back."), ago_s=10)
-        assert "Welcome back." in await watcher.see()
-        assert watcher.link.spoken == []
+async def test_an_old_utterance_is_shown_but_not_spoken_again(voiced: Watcher) -> None:
+    voiced.link.welcome(outputs=["screen"])
+    voiced.link.spoken.clear()
+    voiced.link.deliver(ACTION, said("Welcome back."), ago_s=10)
+    assert "Welcome back." in await voiced.see()
+    assert voiced.link.spoken == []
 
 
-async def test_the_browsers_voice_speaks_the_sessions_language_and_can_be_stopped(
-    calm: Theme,
-) -> None:
-    async with watching(calm, speaks=True) as watcher:
-        watcher.link.welcome(outputs=["screen"], language="es")
-        watcher.link.spoken.clear()
-        watcher.link.deliver(ACTION, said("0,5 s", spoken="cero coma cinco segundos"))
-        watcher.link.deliver(HALT, Halt(reason="stopped", asked=0))
-        assert watcher.link.spoken == [("say", "cero coma cinco segundos", "es"), ("hush",)]
+async def test_the_browsers_voice_speaks_the_sessions_language(voiced: Watcher) -> None:
+    voiced.link.welcome(outputs=["screen"], language="es")
+    voiced.link.spoken.clear()
+    voiced.link.deliver(ACTION, said("0,5 s", spoken="cero coma cinco segundos"))
+    voiced.link.deliver(HALT, Halt(reason="stopped", asked=0))
+    assert voiced.link.spoken == [("say", "cero coma cinco segundos", "es"), ("hush",)]
 
 
 @pytest.mark.parametrize(
@@ -195,96 +200,84 @@ async def test_the_browsers_voice_speaks_the_sessions_language_and_can_be_stoppe
         ("end", "La sesión ha terminado. Gracias."),
     ],
 )
-async def test_the_agent_sleeps_silently_when_the_link_is_lost(
-    calm: Theme, how: str, report: str
-) -> None:
-    async with watching(calm, speaks=True) as watcher:
-        watcher.link.welcome(language="es")
-        watcher.link.deliver(ACTION, said("Well done!"))
-        watcher.link.spoken.clear()
-        getattr(watcher.link, how)()
-        seen = await watcher.see()
-        assert {
-            "lose": "Se ha perdido la conexión; vuelve sola.",
-            "end": "La sesión ha terminado. Gracias.",
-        }[how] in seen
-        assert "Well done!" not in seen
-        assert watcher.link.spoken == [("hush",)]
+async def test_it_sleeps_when_the_link_is_lost(voiced: Watcher, how: str, report: str) -> None:
+    voiced.link.welcome(language="es")
+    voiced.link.deliver(ACTION, said("Well done!"))
+    voiced.link.spoken.clear()
+    getattr(voiced.link, how)()
+    seen = await voiced.see()
+    assert {
+        "lose": "Se ha perdido la conexión; vuelve sola.",
+        "end": "La sesión ha terminado. Gracias.",
+    }[how] in seen
+    assert "Well done!" not in seen
+    assert voiced.link.spoken == [("hush",)]
 
 
-async def test_a_filler_disappears_after_its_wait_and_feedback_stays(calm: Theme) -> None:
-    async with watching(calm) as watcher:
-        watcher.link.welcome()
-        watcher.link.deliver(ACTION, said("Just a moment, please.", kind="filler"))
-        assert "Just a moment, please." in await watcher.see()
-        watcher.link.deliver(WAITING, BETWEEN)
-        assert "Just a moment, please." not in await watcher.see()
-        watcher.link.deliver(ACTION, said("Well done!"))
-        watcher.link.deliver(WAITING, BETWEEN)
-        assert "Well done!" in await watcher.see()
+async def test_a_filler_disappears_after_its_wait_and_feedback_stays(watcher: Watcher) -> None:
+    watcher.link.welcome()
+    watcher.link.deliver(ACTION, said("Just a moment, please.", kind="filler"))
+    assert "Just a moment, please." in await watcher.see()
+    watcher.link.deliver(WAITING, BETWEEN)
+    assert "Just a moment, please." not in await watcher.see()
+    watcher.link.deliver(ACTION, said("Well done!"))
+    watcher.link.deliver(WAITING, BETWEEN)
+    assert "Well done!" in await watcher.see()
 
 
-async def test_it_looks_to_a_side_until_the_response(calm: Theme) -> None:
-    async with watching(calm) as watcher:
-        watcher.link.welcome()
-        watcher.link.deliver(WAITING, FOREPERIOD)
-        ahead = await watcher.see()
-        watcher.link.deliver(
-            CUE, CueGiven(attempt=1, trial=1, presentation=1, side="left", gaze="left")
-        )
-        watcher.link.deliver(WAITING, IN_A_TRIAL)
-        assert await watcher.see() != ahead
-        watcher.link.deliver(WAITING, FOREPERIOD)
-        watcher.link.deliver(WAITING, Waiting(what="quiet", stage="trial", attempt=1, trial=2))
-        assert await watcher.see() == ahead
+async def test_it_looks_to_a_side_until_the_response(watcher: Watcher) -> None:
+    watcher.link.welcome()
+    watcher.link.deliver(WAITING, FOREPERIOD)
+    ahead = await watcher.see()
+    watcher.link.deliver(
+        CUE, CueGiven(attempt=1, trial=1, presentation=1, side="left", gaze="left")
+    )
+    watcher.link.deliver(WAITING, IN_A_TRIAL)
+    assert await watcher.see() != ahead
+    watcher.link.deliver(WAITING, FOREPERIOD)
+    watcher.link.deliver(WAITING, Waiting(what="quiet", stage="trial", attempt=1, trial=2))
+    assert await watcher.see() == ahead
 
 
-async def test_a_refused_view_says_why(calm: Theme) -> None:
-    async with watching(calm) as watcher:
-        watcher.link.refuse("Somebody who is there already has this name.")
-        seen = await watcher.see()
-        assert "One moment…" in seen
-        assert "Somebody who is there already has this name." in seen
+async def test_a_refused_view_says_why(watcher: Watcher) -> None:
+    watcher.link.refuse("Somebody who is there already has this name.")
+    seen = await watcher.see()
+    assert "One moment…" in seen
+    assert "Somebody who is there already has this name." in seen
 
 
-async def test_it_applies_the_sessions_theme(calm: Theme, catalogue: Catalogue) -> None:
-    async with watching(calm) as watcher:
-        watcher.link.welcome()
-        watcher.link.deliver(THEME, ThemeApplied(theme=catalogue.theme("playful")))
-        await watcher.see()
-        assert watcher.app.theme == "sar-playful"
+async def test_it_applies_the_sessions_theme(watcher: Watcher, catalogue: Catalogue) -> None:
+    watcher.link.welcome()
+    watcher.link.deliver(THEME, ThemeApplied(theme=catalogue.theme("playful")))
+    await watcher.see()
+    assert watcher.app.theme == "sar-playful"
 
 
-async def test_a_voice_moves_the_mouth(calm: Theme) -> None:
-    async with watching(calm) as watcher:
-        watcher.link.welcome(outputs=["screen", "speech"])
-        watcher.link.deliver(ACTION, said("Well done!", face="speaking"))
-        report = {"action": "a1", "output": "speech", "part": "say", "at": 0}
-        watcher.link.deliver(REPORT, OutputReport(**report, state="started"))
-        assert watcher.moves
-        watcher.link.deliver(REPORT, OutputReport(**report, state="done"))
-        assert not watcher.moves
+async def test_a_voice_moves_the_mouth(watcher: Watcher) -> None:
+    watcher.link.welcome(outputs=["screen", "speech"])
+    watcher.link.deliver(ACTION, said("Well done!", face="speaking"))
+    report = {"action": "a1", "output": "speech", "part": "say", "at": 0}
+    watcher.link.deliver(REPORT, OutputReport(**report, state="started"))
+    assert watcher.moves
+    watcher.link.deliver(REPORT, OutputReport(**report, state="done"))
+    assert not watcher.moves
 
 
-async def test_the_browsers_voice_moves_the_mouth_if_the_session_has_none(calm: Theme) -> None:
-    async with watching(calm, speaks=True) as watcher:
-        watcher.link.welcome(outputs=["screen"])
-        watcher.link.deliver(ACTION, said("Well done!", face="speaking"))
-        assert watcher.moves
-        watcher.link.deliver(HALT, Halt(reason="stopped", asked=0))
-        assert not watcher.moves
+async def test_the_browsers_voice_moves_the_mouth_if_the_session_has_none(voiced: Watcher) -> None:
+    voiced.link.welcome(outputs=["screen"])
+    voiced.link.deliver(ACTION, said("Well done!", face="speaking"))
+    assert voiced.moves
+    voiced.link.deliver(HALT, Halt(reason="stopped", asked=0))
+    assert not voiced.moves
 
 
-async def test_its_mouth_shuts_at_the_end_of_an_utterance_even_if_reported_late(
-    calm: Theme,
-) -> None:
-    async with watching(calm) as watcher:
-        watcher.link.welcome()
-        voice: dict[str, Any] = {"action": "a1", "output": "speech", "part": "say", "at": 0}
-        watcher.link.deliver(REPORT, OutputReport(**voice, state="started"))
-        assert watcher.moves
-        watcher.link.deliver(REPORT, OutputReport(**voice, state="done"), ago_s=10)
-        assert not watcher.moves
-        watcher.link.deliver(REPORT, OutputReport(**voice, state="started"))
-        watcher.link.deliver(ACTING, AgentActing(acting=False))
-        assert not watcher.moves
+async def test_its_mouth_shuts_at_an_end_reported_late(watcher: Watcher) -> None:
+    watcher.link.welcome()
+    voice: dict[str, Any] = {"action": "a1", "output": "speech", "part": "say", "at": 0}
+    watcher.link.deliver(REPORT, OutputReport(**voice, state="started"))
+    assert watcher.moves
+    watcher.link.deliver(REPORT, OutputReport(**voice, state="done"), ago_s=10)
+    assert not watcher.moves
+    watcher.link.deliver(REPORT, OutputReport(**voice, state="started"))
+    watcher.link.deliver(ACTING, AgentActing(acting=False))
+    assert not watcher.moves

@@ -14,35 +14,31 @@ from sar_tui.loop.task import Task
 from sar_tui.model.trial_types import Result, Trial
 from sar_tui.plugins import Catalogue
 from sar_tui.store.database import StoreError
-from tests.app.app_driver import AppDriver, OpenApp, OpenSession, known, open_app, plan, stored
+from tests.app.app_driver import AppDriver, OpenApp, known, open_app, plan
 from tests.examples import first
 
 
-async def test_a_failed_write_asks_for_the_experimenter_and_the_session_continues_afterwards(
-    open_session: OpenSession,
-) -> None:
-    async with open_session() as driver:
-        prompt = await driver.to_first_prompt()
-        await driver.disk(False)
-        assert driver.sees("Please fetch the experimenter")
-        assert driver.sees("Please leave this screen open: your last answer may not be saved yet.")
-        assert driver.sees("For the experimenter: The disk is full. When it can be saved again")
-        assert "Press: " not in driver.text
+async def test_a_failed_write_asks_for_the_experimenter(driver: AppDriver) -> None:
+    prompt = await driver.to_first_prompt()
+    await driver.disk(False)
+    driver.see("Please fetch the experimenter", "Please leave this screen open")
+    driver.see("For the experimenter: The disk is full.")
+    assert "Press: " not in driver.text
 
-        await driver.press("enter", "escape", prompt.expected)
-        await driver.wait(60_000)
-        assert driver.sees("Please fetch the experimenter")
+    await driver.press("enter", "escape", prompt.expected)
+    await driver.wait(60_000)
+    driver.see("Please fetch the experimenter")
 
-        await driver.disk(True)
-        assert driver.sees("Thank you for waiting Everything is saved again. Press Enter to go on.")
-        await driver.press("enter")
-        assert (await driver.to_prompt()).text == prompt.text
-        await driver.answer(prompt)
-        assert driver.stored("SELECT trial, correct FROM trials") == [(1, 1)]
+    await driver.disk(True)
+    driver.see("Thank you for waiting Everything is saved again. Press Enter to go on.")
+    await driver.press("enter")
+    assert (await driver.to_prompt()).text == prompt.text
+    await driver.answer(prompt)
+    assert driver.stored("SELECT trial, correct FROM trials") == [(1, 1)]
 
 
 async def test_a_task_that_raises_asks_for_the_experimenter_and_the_app_fails(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    opened: OpenApp, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     class Loose(keyboard):  # type: ignore[valid-type, misc]
         def perceived(self, trial: Trial, percept: Any) -> Result:
@@ -50,20 +46,19 @@ async def test_a_task_that_raises_asks_for_the_experimenter_and_the_app_fails(
                 raise RuntimeError("a wire is loose")
             return Result(correct=True, response=percept.key, response_at=percept.at, value=1.0)
 
-    async with open_app(data, catalogue, plan(catalogue, Loose)) as driver:
+    async with opened(plan(catalogue, Loose)) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
-        assert driver.sees("Please fetch the experimenter")
-        assert driver.sees("Everything you did is kept.")
+        driver.see("Please fetch the experimenter", "Everything you did is kept.")
         assert "wire" not in driver.text
         assert "Traceback" not in driver.text
-        assert driver.sees("Press Enter to close.")
+        driver.see("Press Enter to close.")
         await driver.press("enter")
         assert not driver.app.is_running
         assert driver.app.return_code == 1
         assert "The task keyboard failed" in driver.app.failure
         assert "a wire is loose" in driver.app.failure
-    assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
-    assert stored(data, "SELECT count(*) FROM trials") == [(1,)]
+    assert driver.stored("SELECT status FROM sessions") == [("interrupted",)]
+    assert driver.stored("SELECT count(*) FROM trials") == [(1,)]
 
 
 @pytest.mark.parametrize("member", first(1, ["instructions", "goal", "trials_per_attempt"]))
@@ -77,15 +72,12 @@ async def test_a_task_that_raises_before_its_first_screen_asks_for_the_experimen
     loose = type("Loose", (keyboard,), body | {"__module__": __name__})
     async with opened(plan(catalogue, loose)) as driver:
         await driver.wait(1000)
-        assert driver.sees("Please fetch the experimenter")
-        assert driver.sees("Press Enter to close.")
+        driver.see("Please fetch the experimenter", "Press Enter to close.")
         await driver.press("enter")
         assert "The task keyboard failed (RuntimeError: a wire is loose" in driver.app.failure
 
 
-async def test_a_task_that_cannot_be_set_up_is_reported_on_the_home_screen(
-    data: Path, catalogue: Catalogue
-) -> None:
+async def test_a_task_that_is_not_set_up_is_told(data: Path, catalogue: Catalogue) -> None:
     class Missing(Catalogue):
         def task(self, name: str) -> type[Task]:
             class Unplugged(catalogue.task(name)):  # type: ignore[misc]
@@ -99,40 +91,32 @@ async def test_a_task_that_cannot_be_set_up_is_reported_on_the_home_screen(
         await driver.fail_to_start("cannot be set up (OSError: no sensor)")
 
 
-async def test_a_session_that_cannot_be_resumed_ends_the_app_with_a_sentence(
-    opened: OpenApp,
-) -> None:
+async def test_an_unknown_session_ends_the_app_with_a_sentence(opened: OpenApp) -> None:
     async with opened("nosuchsession") as driver:
         assert not driver.app.is_running
         assert driver.app.return_code == 1
-        assert (
-            driver.app.failure
-            == "There is no session nosuchsession. `sar-tui sessions` lists them."
-        )
+        found = driver.app.failure
+        assert found == "There is no session nosuchsession. `sar-tui sessions` lists them."
 
 
 @pytest.mark.parametrize("size", first(1, [(79, 24), (80, 23), (20, 5)]))
-async def test_a_window_that_is_too_small_from_the_start_says_so_and_recovers(
-    opened: OpenApp, size: tuple[int, int]
-) -> None:
+async def test_too_small_a_window_recovers(opened: OpenApp, size: tuple[int, int]) -> None:
     async with opened(size=size) as driver:
-        assert driver.sees("This window is too small.")
+        driver.see("This window is too small.")
         await driver.resize(60, 20)
-        assert driver.sees("It has 60 by 20 characters; 80 by 24 are needed.")
+        driver.see("It has 60 by 20 characters; 80 by 24 are needed.")
         await driver.resize(80, 24)
         assert driver.screen_name == "HomeScreen"
-        assert driver.sees("+ New participant")
+        driver.see("+ New participant")
         await driver.resize(50, 24)
-        assert driver.sees("This window is too small.")
+        driver.see("This window is too small.")
         await driver.resize(120, 40)
         assert driver.screen_name == "HomeScreen"
-        assert driver.sees("+ New participant")
+        driver.see("+ New participant")
 
 
 @pytest.mark.parametrize("key", first(1, ["f1", "ctrl+p"]))
-async def test_a_window_enlarged_under_help_or_palette_recovers_when_they_close(
-    opened: OpenApp, key: str
-) -> None:
+async def test_a_window_enlarged_under_help_recovers(opened: OpenApp, key: str) -> None:
     async with opened(size=(70, 20)) as driver:
         await driver.press(key)
         await driver.resize(100, 30)
@@ -148,7 +132,7 @@ async def test_a_window_that_shrinks_twice_under_the_help_is_covered_once(opened
             "TooSmallScreen"
         ) == 1
         await driver.press("escape")
-        assert driver.sees("This window is too small.")
+        driver.see("This window is too small.")
         await driver.resize(80, 24)
         assert driver.screen_name == "HomeScreen"
 
@@ -158,25 +142,18 @@ def _refuse(driver: AppDriver) -> None:
     driver.app.database.execute("PRAGMA query_only=ON")
 
 
-async def test_a_failure_to_save_settings_is_reported_and_the_form_stays(
-    opened: OpenApp, data: Path
-) -> None:
-    known(data, "P01")
-    async with opened() as driver:
-        await driver.press("f2", "end", "7")
-        _refuse(driver)
-        await driver.press("ctrl+s", "x", "enter")
-        assert driver.screen_name == "SettingsScreen"
-        assert driver.sees("is read-only")
-        assert driver.sees("not saved")
+async def test_a_failure_to_save_settings_is_reported_and_the_form_stays(home: AppDriver) -> None:
+    await home.press("f2", "end", "7")
+    _refuse(home)
+    await home.press("ctrl+s", "x", "enter")
+    assert home.screen_name == "SettingsScreen"
+    home.see("is read-only", "not saved")
 
 
-async def test_a_failed_write_is_reported_on_the_home_screen(opened: OpenApp, data: Path) -> None:
-    known(data, "P01")
-    async with opened() as driver:
-        _refuse(driver)
-        driver.app.screen.query_one("#theme", OptionList).highlighted = 2
-        await driver.fail_to_start("is read-only")
+async def test_a_failed_write_is_reported_on_the_home_screen(home: AppDriver) -> None:
+    _refuse(home)
+    home.app.screen.query_one("#theme", OptionList).highlighted = 2
+    await home.fail_to_start("is read-only")
 
 
 async def test_a_failure_to_store_a_new_session_is_reported_on_the_home_screen(
@@ -191,20 +168,16 @@ async def test_a_failure_to_store_a_new_session_is_reported_on_the_home_screen(
         await driver.fail_to_start("disk I/O error")
 
 
-async def test_a_failure_to_store_a_participant_is_reported_and_the_code_stays(
-    opened: OpenApp, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_an_unsaved_code_stays(opened: OpenApp, monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: object) -> None:
         raise StoreError("The disk is full.")
 
     monkeypatch.setattr("sar_tui.store.participants.add", refuse)
     async with opened() as driver:
         await driver.press("enter")
-        await driver.write(*"P07")
-        await driver.press("enter")
+        await driver.enter("P07")
         assert driver.screen_name == "NewParticipantScreen"
-        assert driver.sees("The disk is full.")
-        assert driver.sees("P07")
+        driver.see("The disk is full.", "P07")
 
 
 async def test_unsaved_messages_are_reported_when_the_session_is_left(
@@ -223,7 +196,7 @@ async def test_unsaved_messages_are_reported_when_the_session_is_left(
         await driver.settle()
         await driver.press("enter")
         assert driver.screen_name == "HomeScreen"
-        assert driver.sees("The session's last messages could not be written")
+        driver.see("The session's last messages could not be written")
 
 
 async def test_a_session_whose_disk_is_too_slow_stays_locked_and_unsaved(

@@ -9,10 +9,7 @@ from textual.geometry import Region
 
 from sar_tui.loop.topics import TONE_BEGAN
 from sar_tui.model.messages import ToneBegan
-from sar_tui.plugins import Catalogue
-from sar_tui.rules.parameters import build
-from sar_tui.runs.plan import Plan
-from tests.app.app_driver import open_app
+from tests.app.app_driver import OpenSession
 from tests.app.test_quiet_screen import count_frames
 
 TASK = """
@@ -38,33 +35,31 @@ class Masked(Task):
 
 
 @pytest.fixture
-def masked(tmp_path: Path) -> Catalogue:
+def masked(tmp_path: Path) -> Path:
     folder = tmp_path / "mytasks" / "masked"
     folder.mkdir(parents=True)
     (folder / "task.py").write_text(TASK, encoding="utf-8")
-    return Catalogue(tasks=(folder.parent,))
+    return folder
 
 
 async def test_each_frame_replaces_the_one_before(
-    data: Path, masked: Catalogue, monkeypatch: pytest.MonkeyPatch
+    open_task: OpenSession, masked: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    task = masked.task("masked")
-    plan = Plan(task, build(task.Parameters, {"attempts": 1}), "calm", "P01", seed=7)
-    async with open_app(data, masked, plan) as driver:
+    async with open_task(masked, attempts=1) as driver:
         await driver.to_first_prompt()
         stage = driver.app.screen.query_one("#prompt").region
-        assert driver.sees("cue")
+        driver.see("cue")
         frames = count_frames(driver, monkeypatch)
         await driver.wait(210)
-        assert not driver.sees("cue")
+        driver.lacks("cue")
         assert not any(line.strip() for line in driver.rows[stage.y : stage.bottom]), (
             "the second frame is empty"
         )
         await driver.wait(300)
-        assert driver.sees("target")
+        driver.see("target")
         await driver.wait(50)
-        assert driver.sees("#")
-        assert not driver.sees("target")
+        driver.see("#")
+        driver.lacks("target")
         await driver.wait(500)
         drawn = [frame for frame in frames if frame is not None]
         assert len(drawn) == 3
@@ -77,12 +72,10 @@ async def test_each_frame_replaces_the_one_before(
         assert driver.session.faults == []
 
 
-async def test_tones_that_are_not_heard_are_told_of_after_the_attempt(
-    data: Path, masked: Catalogue
+async def test_unheard_tones_are_told_after_the_attempt(
+    open_task: OpenSession, masked: Path
 ) -> None:
-    task = masked.task("masked")
-    plan = Plan(task, build(task.Parameters, {"attempts": 2}), "calm", "P01", seed=7)
-    async with open_app(data, masked, plan) as driver:
+    async with open_task(masked, attempts=2) as driver:
         await driver.to_first_prompt()
         failed = ToneBegan(
             attempt=1, trial=1, presentation=1, frame=0, at=1, source="failed", detail="Plug it in."
@@ -92,5 +85,4 @@ async def test_tones_that_are_not_heard_are_told_of_after_the_attempt(
         assert not driver.sees("not heard"), "nothing moves in a trial"
         await driver.press("f")
         await driver.wait(500)
-        assert driver.sees("The tones of the prompts are not heard.")
-        assert driver.sees("Plug it in.")
+        driver.see("The tones of the prompts are not heard.", "Plug it in.")

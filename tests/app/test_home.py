@@ -15,42 +15,35 @@ from sar_tui.store.database import connect
 from sar_tui.store.locks import hold
 from sar_tui.store.programmes import Programme
 from sar_tui.widgets.marked_list import MarkedList, PickList
-from tests.app.app_driver import OpenApp, OpenSession, known, open_app, plan, stored
+from tests.app.app_driver import AppDriver, OpenApp, OpenSession, known, open_app, plan, stored
 from tests.examples import first
 from tests.recorded import told
 from tests.sides_task import write_sides
 from tests.store.merge.sites import change, merge, site
 
 
-async def test_arrows_enter_and_a_code_lead_from_a_fresh_start_to_a_session(
-    opened: OpenApp, data: Path
-) -> None:
+async def test_a_code_leads_from_a_fresh_start_to_a_session(opened: OpenApp) -> None:
     async with opened() as driver:
-        assert driver.sees("+ New participant")
+        driver.see("+ New participant")
         await driver.press("enter")
-        await driver.write(*"p01")
-        await driver.press("enter")
-        assert driver.sees("P01 · Keyboard reaction")
+        await driver.enter("p01")
+        driver.see("P01 · Keyboard reaction")
         await driver.press("enter", "enter", "enter")
-        assert driver.sees("A key appears in the middle of the screen.")
-    assert stored(data, "SELECT code FROM participants") == [("P01",)]
-    assert stored(data, "SELECT task, theme, mode FROM sessions") == [("keyboard", "calm", "live")]
+        driver.see("A key appears in the middle of the screen.")
+    assert driver.stored("SELECT code FROM participants") == [("P01",)]
+    assert driver.stored("SELECT task, theme, mode FROM sessions") == [("keyboard", "calm", "live")]
 
 
-async def test_a_known_participant_needs_nothing_but_arrows_and_enter(
-    opened: OpenApp, data: Path
-) -> None:
+async def test_a_known_participant_needs_arrows_and_enter(opened: OpenApp, data: Path) -> None:
     known(data, "P02")
     known(data, "P01")
     async with opened() as driver:
         await driver.press("down", "enter", "enter")
-        assert driver.sees("Welcome")
+        driver.see("Welcome")
     assert stored(data, "SELECT participant FROM seats") == [("P02",)]
 
 
-async def test_escape_in_a_list_restores_what_was_chosen_before(
-    opened: OpenApp, data: Path
-) -> None:
+async def test_escape_in_a_list_restores_the_choice(opened: OpenApp, data: Path) -> None:
     known(data, "P02")
     known(data, "P01")
     async with opened() as driver:
@@ -82,31 +75,27 @@ async def test_escape_in_a_list_restores_what_was_chosen_before(
 
 
 @pytest.mark.slow
-async def test_a_part_of_a_code_finds_a_participant_and_escape_shows_all_again(
-    opened: OpenApp, data: Path
-) -> None:
+async def test_a_part_of_a_code_finds_a_participant(opened: OpenApp, data: Path) -> None:
     for code in ("AB-7", "P17", "P02"):
         known(data, code)
     async with opened() as driver:
         await driver.press("7")
         assert driver.sees("P17 · Keyboard reaction"), "the newest of those with a 7"
-        assert not driver.sees("P02")
-        assert driver.sees("find: 7 (Esc)")
+        driver.see("find: 7 (Esc)")
+        driver.lacks("P02")
         await driver.press("x")
         assert driver.sees("find: 7 (Esc)"), "nobody has 7X"
         await driver.press("backspace", "a")
-        assert driver.sees("AB-7 · Keyboard reaction")
+        driver.see("AB-7 · Keyboard reaction")
         await driver.press("escape")
-        assert driver.sees("AB-7")
+        driver.see("AB-7")
         assert driver.sees("P02 · Keyboard reaction"), "as before"
         await driver.press("a", "enter", "enter")
-        assert driver.sees("Welcome")
+        driver.see("Welcome")
     assert stored(data, "SELECT participant FROM seats") == [("AB-7",)]
 
 
-async def test_the_card_tells_how_a_participant_does(
-    opened: OpenApp, open_session: OpenSession, data: Path
-) -> None:
+async def test_a_card_tells_results(opened: OpenApp, open_session: OpenSession, data: Path) -> None:
     known(data, "P02")
     known(data, "P01")
     for _ in range(2):
@@ -116,58 +105,47 @@ async def test_the_card_tells_how_a_participant_does(
         await driver.answer(await driver.to_first_prompt())
         session = driver.session_id
     (first_session,), (second_session,), _ = stored(data, "SELECT id FROM sessions ORDER BY rowid")
-    database = connect(data)
-    told(database, "P01", "after", "pain", "6", session=first_session)
-    told(database, "P01", "after", "tiredness", "4", session=second_session)
-    told(database, "P01", "after", "pain", "3", session=second_session)
-    database.close()
+    with closing(connect(data)) as database:
+        told(database, "P01", "after", "pain", "6", session=first_session)
+        told(database, "P01", "after", "tiredness", "4", session=second_session)
+        told(database, "P01", "after", "pain", "3", session=second_session)
     async with opened() as driver:
-        assert driver.sees("P02 unfinished")
-        assert driver.sees("P01 pain 3")
-        assert driver.sees("Interrupted today after 0")
+        driver.see("P02 unfinished", "P01 pain 3", "Interrupted today after 0")
         await driver.press("down")
-        assert driver.sees("Programme v1: 2 × 2 · goal 1.0 s · start level")
-        for row in ("At goal >2 >3", "Reached 2/2 2/2", "Last session all too easy"):
-            assert driver.sees(row)
-        assert driver.sees("Today: 2 of 2 reached, pain 3, tired 4")
-        assert driver.sees("pain 6")
+        driver.see("Programme v1: 2 × 2 · goal 1.0", "At goal >2 >3", "Reached 2/2 2/2")
+        driver.see("Last session all too easy", "Today: 2 of 2 reached, pain 3, tired 4", "pain 6")
         await driver.press("up", "f6", "enter")
         assert driver.session_id == session
 
 
 @pytest.mark.slow
-async def test_the_last_task_of_a_participant_is_chosen_and_one_chosen_by_hand_stays(
-    opened: OpenApp, data: Path
-) -> None:
+async def test_the_last_task_of_a_participant_is_chosen(opened: OpenApp, data: Path) -> None:
     known(data, "P02")
     known(data, "P01")
-    database = connect(data)
-    programmes.save(database, "P01", "reaching", Programme(), after=0)
-    database.close()
+    with closing(connect(data)) as database:
+        programmes.save(database, "P01", "reaching", Programme(), after=0)
     async with opened() as driver:
-        assert driver.sees("P01 · Reaching")
+        driver.see("P01 · Reaching")
         await driver.press("right")
         driver.app.screen.query_one("#task", PickList).choose("pairs")
         await driver.press("f2", "escape")
         assert driver.screen_name == "HomeScreen"
-        assert driver.sees("P01 · Pairs")
+        driver.see("P01 · Pairs")
         await driver.press("left", "down")
-        assert driver.sees("P02 · Keyboard reaction")
+        driver.see("P02 · Keyboard reaction")
         await driver.press("up")
-        assert driver.sees("P01 · Reaching")
+        driver.see("P01 · Reaching")
 
 
 @pytest.mark.parametrize("code", first(1, ["Peter Maier", "-1", "P/01", "Jürgen"]))
-async def test_an_invalid_code_is_explained_and_refused(
-    opened: OpenApp, code: str, data: Path
-) -> None:
+async def test_an_invalid_code_is_refused(opened: OpenApp, code: str) -> None:
     async with opened() as driver:
         await driver.press("enter")
         await driver.write(*code)
-        assert driver.sees("1 to 32 letters, digits, - or _")
+        driver.see("1 to 32 letters, digits, - or _")
         await driver.press("enter")
         assert driver.screen_name == "NewParticipantScreen"
-    assert stored(data, "SELECT code FROM participants") == []
+    assert driver.stored("SELECT code FROM participants") == []
 
 
 async def test_an_existing_code_is_reported(opened: OpenApp, data: Path) -> None:
@@ -175,7 +153,7 @@ async def test_an_existing_code_is_reported(opened: OpenApp, data: Path) -> None
     async with opened() as driver:
         await driver.press("down", "enter")
         await driver.write(*"p01")
-        assert driver.sees("This code is taken.")
+        driver.see("This code is taken.")
         await driver.press("enter")
         assert driver.screen_name == "NewParticipantScreen"
         await driver.press("escape")
@@ -184,53 +162,44 @@ async def test_an_existing_code_is_reported(opened: OpenApp, data: Path) -> None
 
 
 @pytest.mark.slow
-async def test_a_task_that_does_not_load_is_listed_and_the_first_that_does_is_chosen(
-    data: Path, catalogue: Catalogue, tmp_path: Path
-) -> None:
+async def test_a_task_may_not_load(data: Path, catalogue: Catalogue, tmp_path: Path) -> None:
     broken = tmp_path / "tasks" / "aaa" / "task.py"
     broken.parent.mkdir(parents=True)
     broken.write_text("raise RuntimeError('not yet')")
     known(data, "P01")
     async with open_app(data, Catalogue((broken.parent.parent,))) as driver:
         await driver.press("right")
-        assert driver.sees("P01 · Keyboard reaction")
+        driver.see("P01 · Keyboard reaction")
         await driver.press("end")
-        assert driver.sees("aaa (does not load)")
+        driver.see("aaa (does not load)")
 
 
-async def test_a_task_that_is_removed_while_it_is_chosen_is_told_and_does_not_start(
-    data: Path, tmp_path: Path
-) -> None:
+async def test_a_task_removed_while_it_is_chosen_is_told(data: Path, tmp_path: Path) -> None:
     folder = write_sides(tmp_path / "mine")
     known(data, "P01")
     async with open_app(data, Catalogue((folder.parent,))) as driver:
         driver.app.screen.query_one("#task", PickList).choose("sides")
         await driver.settle()
-        assert driver.sees("P01 · Sides")
+        driver.see("P01 · Sides")
         shutil.rmtree(folder)
         await driver.press("f1", "enter")
-        assert driver.sees("There is no task sides")
+        driver.see("There is no task sides")
         await driver.press("f2", "f4")
         assert driver.screen_name == "HomeScreen"
 
 
-async def test_nothing_starts_without_a_participant(opened: OpenApp) -> None:
-    async with opened() as driver:
-        assert driver.sees(
-            "1. Press Enter, and give the first person a code, such as P01. Never a name."
-        )
-        assert not driver.sees("START begins")
-        for key in ("f2", "f12"):
-            await driver.press(key)
-            assert driver.screen_name == "HomeScreen"
-            assert driver.sees("Choose or add a participant first.")
-            driver.app.clear_notifications()
+async def test_nothing_starts_without_a_participant(first_run: AppDriver) -> None:
+    first_run.see("1. Press Enter, and give the first person a code, such as P01. Never a name.")
+    first_run.lacks("START begins")
+    for key in ("f2", "f12"):
+        await first_run.press(key)
+        assert first_run.screen_name == "HomeScreen"
+        first_run.see("Choose or add a participant first.")
+        first_run.app.clear_notifications()
 
 
 @pytest.mark.slow
-async def test_a_theme_is_applied_when_chosen_and_stored_for_its_participant(
-    opened: OpenApp, data: Path
-) -> None:
+async def test_a_theme_is_stored_for_its_participant(opened: OpenApp, data: Path) -> None:
     known(data, "P01", attempts=1, prompts_per_attempt=1)
     known(data, "P02")
     async with opened() as driver:
@@ -251,46 +220,39 @@ async def test_a_theme_is_applied_when_chosen_and_stored_for_its_participant(
         assert driver.app.theme == "sar-high-contrast"
 
 
-async def test_settings_that_became_invalid_are_told_and_a_second_press_begins_without_them(
-    opened: OpenApp, data: Path
-) -> None:
+async def test_settings_that_became_invalid_are_told(opened: OpenApp, data: Path) -> None:
     known(data, "P01", attempts=9999, tempo=3, prompts_per_attempt=7)
     async with opened(size=(100, 30)) as driver:
         await driver.fail_to_start("Version 1 of the programme of P01 is not used in full.")
-        assert driver.sees("Attempts is a whole number, 1 to 200, not 9999.")
-        assert driver.sees("The setting tempo does not exist any more.")
-        assert driver.sees("Press START again to begin without it.")
+        driver.see("Attempts is a whole number, 1 to 200, not 9999.", "The setting tempo does not")
+        driver.see("Press START again to begin")
         assert stored(data, "SELECT id FROM sessions") == []
         driver.app.screen.query_one(
             "#start", Button
         ).press()  # a key has no effect while the button flashes
         await driver.settle()
-        assert driver.sees("An attempt asks for 7 keys.")
+        driver.see("An attempt asks for 7 keys.")
         await driver.press("enter")
-        assert driver.sees("Press Enter to begin attempt 1 of 20.")
+        driver.see("Press Enter to begin attempt 1 of 20.")
 
 
-async def test_a_session_names_the_version_of_the_programme_that_it_runs(
-    opened: OpenApp, data: Path
-) -> None:
+async def test_a_session_names_its_programmes_version(opened: OpenApp, data: Path) -> None:
     known(data, "P01", attempts=3)
     known(data, "P01", attempts=4)
     async with opened() as driver:
         await driver.press("right", "right", "right", "enter")
-        assert driver.sees("An attempt asks for 2 keys.")
+        driver.see("An attempt asks for 2 keys.")
         assert driver.stored("SELECT programme FROM sessions") == [(2,)]
 
 
 @pytest.mark.slow
-async def test_another_theme_is_saved_as_a_version_and_the_same_one_is_not(
-    opened: OpenApp, data: Path
-) -> None:
+async def test_another_theme_is_saved_as_a_version(opened: OpenApp, data: Path) -> None:
     known(data, "P01")
     for _ in range(2):
         async with opened() as driver:
             driver.app.screen.query_one("#theme", OptionList).highlighted = 2
             await driver.press("right", "right", "right", "enter")
-            assert driver.sees("An attempt asks for 2 keys.")
+            driver.see("An attempt asks for 2 keys.")
             await driver.press("escape")
     saved = stored(data, "SELECT version, theme, reason FROM programmes ORDER BY version")
     theme = saved[-1][1]
@@ -298,9 +260,7 @@ async def test_another_theme_is_saved_as_a_version_and_the_same_one_is_not(
     assert stored(data, "SELECT programme, theme FROM sessions") == [(2, theme), (2, theme)]
 
 
-async def test_sessions_are_listed_newest_first_and_enter_resumes_an_interrupted_one(
-    opened: OpenApp, open_session: OpenSession, data: Path
-) -> None:
+async def test_enter_resumes_an_interrupted_one(opened: OpenApp, open_session: OpenSession) -> None:
     async with open_session(participant="P01") as driver:
         await driver.answer(await driver.to_first_prompt())
         left_at = await driver.to_prompt()
@@ -317,22 +277,16 @@ async def test_sessions_are_listed_newest_first_and_enter_resumes_an_interrupted
 
         await driver.press("f6", "enter")
         assert driver.session_id == session
-        assert driver.sees("Welcome back We go on with attempt 1 of 2.")
-        assert driver.sees("Press Enter to go on.")
+        driver.see("Welcome back We go on with attempt 1 of 2.", "Press Enter to go on.")
         await driver.press("enter")
         prompt = await driver.to_prompt()
         assert (prompt.trial, prompt.text) == (left_at.trial, left_at.text)
         await driver.answer(prompt)
-        await driver.do_attempt(await driver.begin())
-        await driver.see_the_summary()
-        assert driver.sees("You did 2 attempts; goal reached in 2.")
-    assert stored(data, "SELECT status FROM sessions WHERE id=?", session) == [("completed",)]
-    assert stored(data, "SELECT attempt, trial FROM trials WHERE session=?", session) == [
-        (1, 1),
-        (1, 2),
-        (2, 1),
-        (2, 2),
-    ]
+        await driver.finish(await driver.begin())
+        driver.see("You did 2 attempts; goal reached in 2.")
+    assert driver.stored("SELECT status FROM sessions WHERE id=?", session) == [("completed",)]
+    found = driver.stored("SELECT attempt, trial FROM trials WHERE session=?", session)
+    assert found == [(1, 1), (1, 2), (2, 1), (2, 2)]
 
 
 async def test_the_card_and_progress_call_a_session_interrupted_whose_program_was_killed(
@@ -343,55 +297,49 @@ async def test_the_card_and_progress_call_a_session_interrupted_whose_program_wa
     with closing(connect(data)) as database:
         database.execute("UPDATE sessions SET status='running', ended_at=NULL")
     async with opened() as driver:
-        assert driver.sees("reached, interrupted")
+        driver.see("reached, interrupted")
         await driver.press("f4")
-        assert driver.sees("· interrupted · 1/1 attempts")
+        driver.see("· interrupted · 1/1 attempts")
 
 
 @pytest.mark.slow
-async def test_an_interrupted_session_is_dismissed_and_taken_back(
-    opened: OpenApp, open_session: OpenSession, data: Path
-) -> None:
+async def test_a_session_is_dismissed_and_back(opened: OpenApp, open_session: OpenSession) -> None:
     async with open_session(participant="P01") as driver:
         await driver.answer(await driver.to_first_prompt())
         session = driver.session_id
     async with open_session(participant="P02", attempts=1) as driver:
         await driver.do_session()
     tables = ("trials", "events", "runs", "seats")
-    everything = [stored(data, f"SELECT * FROM {table}") for table in tables]
+    everything = [driver.stored(f"SELECT * FROM {table}") for table in tables]
     async with opened() as driver:
         assert "Dismiss" not in driver.rows[-1]
         await driver.press("up")
         driver.app.screen.query_one("#recent").focus()
         await driver.settle()
         assert "Dismiss" not in driver.rows[-1], "a completed session is not dismissed"
-        await driver.press("delete")
-        await driver.press("down")
+        await driver.press("delete", "down")
         assert "Del Dismiss" in driver.rows[-1]
         await driver.press("delete")
-        assert stored(data, "SELECT id FROM sessions WHERE status='dismissed'") == [(session,)]
-        assert not driver.sees("interrupted: Enter resumes")
-        assert driver.sees("dismissed")
+        assert driver.stored("SELECT id FROM sessions WHERE status='dismissed'") == [(session,)]
+        driver.see("dismissed")
+        driver.lacks("interrupted: Enter resumes")
         assert "Del Take back" in driver.rows[-1]
         await driver.press("enter")
         assert driver.screen_name == "PastSessionScreen"
-        assert driver.sees("dismissed")
-        await driver.press("enter")
-        await driver.press("delete")
-        assert driver.sees("interrupted: Enter resumes")
+        driver.see("dismissed")
+        await driver.press("enter", "delete")
+        driver.see("interrupted: Enter resumes")
         await driver.press("enter")
         assert driver.session_id == session
-        assert driver.sees("Welcome back")
-    now = [stored(data, f"SELECT * FROM {table}") for table in tables]
+        driver.see("Welcome back")
+    now = [driver.stored(f"SELECT * FROM {table}") for table in tables]
     assert all(
         row in after for before, after in zip(everything, now, strict=True) for row in before
     )
 
 
 @pytest.mark.slow
-async def test_a_session_that_another_program_goes_on_with_is_not_dismissed(
-    opened: OpenApp, open_session: OpenSession, data: Path
-) -> None:
+async def test_a_live_one_stays(opened: OpenApp, open_session: OpenSession, data: Path) -> None:
     async with open_session(participant="P01") as driver:
         session = driver.session_id
     async with opened() as driver:
@@ -399,31 +347,28 @@ async def test_a_session_that_another_program_goes_on_with_is_not_dismissed(
         await driver.settle()
         lock = hold(data, "session", session)
         await driver.press("delete")
-        assert driver.sees("is in a live session already")
+        driver.see("is in a live session already")
         lock.release()
     assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
 
 
-async def test_a_session_that_another_program_runs_is_shown_as_far_as_it_is(
-    opened: OpenApp, open_session: OpenSession, data: Path
-) -> None:
+async def test_a_live_one_is_shown(opened: OpenApp, open_session: OpenSession, data: Path) -> None:
     async with open_session(participant="P01") as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         session = driver.session_id
-    database = connect(data)
-    database.execute("UPDATE sessions SET status = 'running'")
-    database.close()
+    with closing(connect(data)) as database:
+        database.execute("UPDATE sessions SET status = 'running'")
     lock = hold(data, "session", session)
     async with opened() as driver:
         driver.app.screen.query_one("#recent").focus()
         await driver.press("enter")
         assert driver.screen_name == "PastSessionScreen"
-        assert driver.sees("1 attempt so far; goal reached in 1.")
-        assert not driver.sees("Ended early")
+        driver.see("1 attempt so far; goal reached in 1.")
+        driver.lacks("Ended early")
     lock.release()
 
 
-async def test_home_opens_on_the_participant_of_the_last_session(
+async def test_home_opens_on_the_last(
     opened: OpenApp, open_session: OpenSession, data: Path
 ) -> None:
     for code in ("P01", "P02", "P03"):
@@ -435,36 +380,30 @@ async def test_home_opens_on_the_participant_of_the_last_session(
     async with open_session(participant="P03") as driver:
         pass
     async with opened() as driver:
-        assert driver.sees("P03 · Keyboard reaction")
+        driver.see("P03 · Keyboard reaction")
     async with opened(resumed) as driver:
         pass
     async with opened() as driver:
-        assert driver.sees("P02 · Keyboard reaction")
+        driver.see("P02 · Keyboard reaction")
 
 
 @pytest.mark.slow
-async def test_a_completed_session_is_shown_with_its_plot(
-    opened: OpenApp, open_session: OpenSession
-) -> None:
+async def test_a_past_session_has_its_plot(opened: OpenApp, open_session: OpenSession) -> None:
     async with open_session() as driver:
         await driver.do_session()
     async with opened() as driver:
         await driver.press("f6", "enter")
         assert driver.screen_name == "PastSessionScreen"
-        assert driver.sees("P01 · Keyboard reaction · today, ")
-        assert driver.sees(
-            "You did 2 attempts; goal reached in 2. Best: 0.40 seconds. Highest level: 2."
-        )
-        assert driver.sees("reaction time (s)")
+        driver.see("P01 · Keyboard reaction · today, ")
+        driver.see("You did 2 attempts; goal reached in 2. Best: 0.40 seconds. Highest level: 2.")
+        driver.see("reaction time (s)")
         assert driver.text.count("●") >= 2
         await driver.press("enter")
         assert driver.screen_name == "HomeScreen"
 
 
 @pytest.mark.slow
-async def test_a_session_of_a_removed_task_is_still_shown(
-    open_session: OpenSession, data: Path
-) -> None:
+async def test_a_removed_tasks_session_is_shown(open_session: OpenSession, data: Path) -> None:
     async with open_session(attempts=1) as driver:
         await driver.do_session()
     nothing = Catalogue()
@@ -472,33 +411,26 @@ async def test_a_session_of_a_removed_task_is_still_shown(
     async with open_app(data, nothing) as driver:
         await driver.press("f6", "enter")
         assert driver.screen_name == "PastSessionScreen"
-        assert driver.sees(
-            "You did 1 attempt; goal reached in 1. Best: 0.40 seconds. Highest level: 1."
-        )
-        assert driver.sees("reaction time (s)")
-        assert driver.sees("goal 1")
+        driver.see("You did 1 attempt; goal reached in 1. Best: 0.40 seconds. Highest level: 1.")
+        driver.see("reaction time (s)", "goal 1")
 
 
 @pytest.mark.slow
-async def test_a_participant_cannot_have_two_sessions_at_once(
-    opened: OpenApp, open_session: OpenSession
-) -> None:
+async def test_one_session_for_each_at_once(opened: OpenApp, open_session: OpenSession) -> None:
     async with open_session(), opened() as second:
         await second.fail_to_start("in a live session already")
 
 
-async def test_a_terminal_with_imprecise_timing_is_reported(
-    opened: OpenApp, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_imprecise_timing_is_told(opened: OpenApp, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SSH_CONNECTION", "somewhere")
     monkeypatch.setenv("TMUX", "some")
     async with opened() as driver:
-        assert driver.sees("inside ssh and tmux: reaction times are less exact")
+        driver.see("inside ssh and tmux: reaction times are less exact")
 
 
-async def test_tasks_are_listed_by_what_they_train(data: Path, catalogue: Catalogue) -> None:
+async def test_tasks_are_listed_by_aim(opened: OpenApp, data: Path, catalogue: Catalogue) -> None:
     known(data, "P01")
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         tasks = driver.app.screen.query_one("#task", PickList)
         listed = [str(option.prompt) for option in tasks.options]
         assert tasks.chosen == "keyboard"
@@ -512,57 +444,50 @@ async def test_tasks_are_listed_by_what_they_train(data: Path, catalogue: Catalo
         )
 
 
-async def test_the_open_list_says_what_is_done_in_the_chosen_task(
-    opened: OpenApp, data: Path
-) -> None:
-    known(data, "P01")
-    async with opened() as driver:
-        assert not driver.sees("Press the key that appears")
-        await driver.press("right")
-        assert driver.sees("Press the key that appears, as")
-        await driver.press("up")
-        assert driver.sees("Reach out to a marker and back,")
-        assert not driver.sees("Press the key that appears")
-        await driver.press("tab")
-        assert driver.sees("P01 · Reaching")
-        assert not driver.sees("Reach out to a marker")
+async def test_the_open_list_says_what_is_done_in_the_chosen_task(home: AppDriver) -> None:
+    home.lacks("Press the key that appears")
+    await home.press("right")
+    home.see("Press the key that appears, as")
+    await home.press("up")
+    home.see("Reach out to a marker and back,")
+    home.lacks("Press the key that appears")
+    await home.press("tab")
+    home.see("P01 · Reaching")
+    home.lacks("Reach out to a marker")
 
 
 async def test_a_session_of_another_site_is_seen_and_left_as_it_is(
-    data: Path, tmp_path: Path, catalogue: Catalogue, keyboard: type[Task]
+    opened: OpenApp, data: Path, tmp_path: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     bern = tmp_path / "bern"
     async with open_app(bern, catalogue, plan(catalogue, keyboard, "P01")) as driver:
         await driver.answer(await driver.to_first_prompt())
     change(bern, "INSERT INTO site VALUES (1, 'BERN')")
     merge(site(data, "ZURICH"), bern)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         assert driver.sees("+ New participant"), "nobody of this site is known yet"
-        assert driver.sees("P01@BERN")
-        assert not driver.sees("Enter resumes")
+        driver.see("P01@BERN")
+        driver.lacks("Enter resumes")
         driver.app.screen.query_one("#recent").focus()
         await driver.settle()
         assert "Dismiss" not in driver.rows[-1]
         await driver.press("delete", "enter")
-        assert driver.sees("P01@BERN · Keyboard reaction")
+        driver.see("P01@BERN · Keyboard reaction")
         await driver.press("escape", "escape", "enter")
         await driver.write(*"p01@bern")
-        assert driver.sees("P01@BERN is a participant of BERN")
+        driver.see("P01@BERN is a participant of BERN")
         await driver.press("escape")
     assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
     assert stored(data, "SELECT code, site FROM participants") == [("P01@BERN", "BERN")]
 
 
 @pytest.mark.parametrize("key", ["pageup", "pagedown"])
-async def test_a_page_is_turned_in_a_list_that_is_not_laid_out(
-    open_session: OpenSession, key: str
-) -> None:
-    async with open_session() as driver:
-        await driver.to_first_prompt()
-        await driver.press("escape")
-        menu = driver.app.screen.query_one(PauseMenu)
-        menu._lines.clear()
-        menu._index_to_line.clear()
-        getattr(menu, f"action_{key[:4]}_{key[4:]}")()
-        await driver.settle()
-        assert driver.app.is_running
+async def test_a_page_is_turned_in_a_list_that_is_not_laid_out(driver: AppDriver, key: str) -> None:
+    await driver.to_first_prompt()
+    await driver.press("escape")
+    menu = driver.app.screen.query_one(PauseMenu)
+    menu._lines.clear()
+    menu._index_to_line.clear()
+    getattr(menu, f"action_{key[:4]}_{key[4:]}")()
+    await driver.settle()
+    assert driver.app.is_running

@@ -1,11 +1,11 @@
-"""Keys reach the loop only from the screens of a session."""
+"""Keys reach the loop only from the screens of a session; help and the palette name those of a screen."""
 
 from pathlib import Path
 
 import pytest
 from textual.events import AppBlur, AppFocus, Paste
 
-from tests.app.app_driver import AppDriver, OpenApp, OpenSession, known, stored
+from tests.app.app_driver import AppDriver, OpenApp, OpenSession, known
 from tests.examples import first
 
 
@@ -16,24 +16,23 @@ def flags_of_the_trial(driver: AppDriver) -> str:
 
 
 @pytest.mark.slow
-async def test_characters_typed_into_a_form_are_never_recorded(opened: OpenApp) -> None:
-    async with opened() as driver:
-        await driver.press("enter")
-        await driver.write(*"secret7")
-        await driver.press("enter", "f2", "end", "backspace", "backspace")
-        await driver.write(*"1")
-        await driver.press("tab", "tab", "tab")
-        await driver.write(*"fj asdf")
-        await driver.press("ctrl+s")
-        await driver.write(*"secret8")
-        await driver.press("enter", "escape", "right", "right", "enter")
-        assert driver.sees("Welcome")
-        await driver.press("enter")
-        assert [press["key"] for press in driver.messages("input/key")] == ["enter"]
-        assert not any(
-            "secret8" in text or "SECRET7" in text
-            for (text,) in driver.stored("SELECT message FROM events")
-        )
+async def test_characters_typed_into_a_form_are_never_recorded(first_run: AppDriver) -> None:
+    await first_run.press("enter")
+    await first_run.enter("secret7")
+    await first_run.press("f2", "end", "backspace", "backspace")
+    await first_run.write(*"1")
+    await first_run.press("tab", "tab", "tab")
+    await first_run.write(*"fj asdf")
+    await first_run.press("ctrl+s")
+    await first_run.enter("secret8")
+    await first_run.press("escape", "right", "right", "enter")
+    first_run.see("Welcome")
+    await first_run.press("enter")
+    assert [press["key"] for press in first_run.messages("input/key")] == ["enter"]
+    assert not any(
+        "secret8" in text or "SECRET7" in text
+        for (text,) in first_run.stored("SELECT message FROM events")
+    )
 
 
 async def test_nothing_is_recorded_after_a_session_is_left(opened: OpenApp, data: Path) -> None:
@@ -53,25 +52,21 @@ async def test_nothing_is_recorded_after_a_session_is_left(opened: OpenApp, data
 
 
 @pytest.mark.slow
-async def test_characters_typed_into_the_palette_are_never_recorded(
-    open_session: OpenSession,
-) -> None:
-    async with open_session() as driver:
-        await driver.to_first_prompt()
-        await driver.press("ctrl+p")
-        await driver.write(*"help")
-        await driver.press("escape")
-        assert [press["key"] for press in driver.messages("input/key")] == ["enter", "enter"]
+async def test_characters_typed_into_the_palette_are_never_recorded(driver: AppDriver) -> None:
+    await driver.to_first_prompt()
+    await driver.press("ctrl+p")
+    await driver.write(*"help")
+    await driver.press("escape")
+    assert [press["key"] for press in driver.messages("input/key")] == ["enter", "enter"]
 
 
 async def test_a_question_mark_opens_help_except_in_a_trial(open_session: OpenSession) -> None:
     async with open_session(levels="?x") as driver:
         await driver.press("?")
         assert driver.screen_name == "HelpScreen"
-        assert driver.sees("Press that key as fast as you can, and then wait for the next one.")
-        assert driver.sees("To pause, press Escape; nothing is lost.")
+        driver.see("Press that key as fast as you", "To pause, press Escape")
         await driver.press("enter")
-        assert driver.sees("Press Enter to go on.")
+        driver.see("Press Enter to go on.")
         await driver.to_first_prompt()
         await driver.wait(400)
         await driver.press("?")
@@ -80,57 +75,34 @@ async def test_a_question_mark_opens_help_except_in_a_trial(open_session: OpenSe
 
 
 @pytest.mark.parametrize("key", first(2, ["q", "tab", "space", "left", "backspace"]))
-async def test_any_other_key_in_a_trial_is_only_a_response(
-    open_session: OpenSession, key: str
-) -> None:
-    async with open_session() as driver:
-        await driver.to_first_prompt()
-        await driver.wait(400)
-        await driver.press(key)
-        assert driver.stored("SELECT response, correct FROM trials") == [(key, 0)]
-        assert driver.screen_name == "SessionScreen"
-        assert driver.app.focused is None
+async def test_any_other_key_in_a_trial_is_only_a_response(driver: AppDriver, key: str) -> None:
+    await driver.to_first_prompt()
+    await driver.wait(400)
+    await driver.press(key)
+    assert driver.stored("SELECT response, correct FROM trials") == [(key, 0)]
+    assert driver.screen_name == "SessionScreen"
+    assert driver.app.focused is None
 
 
-async def test_pasted_text_is_no_response_and_only_its_length_is_stored(
-    open_session: OpenSession,
-) -> None:
-    async with open_session() as driver:
-        prompt = await driver.to_first_prompt()
-        await driver.send_event(Paste(prompt.expected + "ord7"))
-        assert [paste["length"] for paste in driver.messages("input/paste")] == [5]
-        assert not any("ord7" in text for (text,) in driver.stored("SELECT message FROM events"))
-        await driver.answer(prompt)
-        assert "paste" in flags_of_the_trial(driver)
+async def test_pasted_text_is_no_response_and_only_its_length_is_stored(driver: AppDriver) -> None:
+    prompt = await driver.to_first_prompt()
+    await driver.send_event(Paste(prompt.expected + "ord7"))
+    assert [paste["length"] for paste in driver.messages("input/paste")] == [5]
+    assert not any("ord7" in text for (text,) in driver.stored("SELECT message FROM events"))
+    await driver.answer(prompt)
+    assert "paste" in flags_of_the_trial(driver)
 
 
-async def test_a_window_that_loses_the_focus_is_an_event_and_flags_the_trial(
-    open_session: OpenSession,
-) -> None:
-    async with open_session() as driver:
-        prompt = await driver.to_first_prompt()
-        await driver.send_event(AppBlur())
-        await driver.send_event(AppFocus())
-        assert [change["focused"] for change in driver.messages("input/focus")] == [False, True]
-        await driver.answer(prompt)
-        assert "focus_lost" in flags_of_the_trial(driver)
+async def test_a_window_that_loses_the_focus_flags_the_trial(driver: AppDriver) -> None:
+    prompt = await driver.to_first_prompt()
+    await driver.send_event(AppBlur())
+    await driver.send_event(AppFocus())
+    assert [change["focused"] for change in driver.messages("input/focus")] == [False, True]
+    await driver.answer(prompt)
+    assert "focus_lost" in flags_of_the_trial(driver)
 
 
-async def test_quitting_in_a_trial_leaves_a_resumable_session(
-    open_session: OpenSession, data: Path
-) -> None:
-    async with open_session() as driver:
-        await driver.answer(await driver.to_first_prompt())
-        await driver.to_prompt()
-        await driver.press("ctrl+q", "down", "enter")
-        assert not driver.app.is_running
-    assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
-    assert stored(data, "SELECT count(*) FROM trials") == [(1,)]
-
-
-async def test_ctrl_c_stops_the_app_anywhere_with_its_own_exit_code(
-    opened: OpenApp, open_session: OpenSession
-) -> None:
+async def test_ctrl_c_stops_the_app_anywhere(opened: OpenApp, open_session: OpenSession) -> None:
     async with open_session() as driver:
         await driver.to_first_prompt()
         await driver.press("ctrl+c")
@@ -138,3 +110,18 @@ async def test_ctrl_c_stops_the_app_anywhere_with_its_own_exit_code(
     async with opened() as driver:
         await driver.press("ctrl+c")
         assert driver.app.return_code == 130
+
+
+@pytest.mark.parametrize("key", ["f1", "?"])
+async def test_help_describes_a_screen_and_its_keys(first_run: AppDriver, key: str) -> None:
+    await first_run.press(key)
+    first_run.see("Choose who trains", "F2 Settings", "Ctrl-Q Quit")
+    await first_run.press("enter")
+    assert first_run.screen_name == "HomeScreen"
+    await first_run.press(key, key)
+    assert first_run.screen_name == "HomeScreen"
+
+
+async def test_the_palette_lists_help_themes_and_quit(first_run: AppDriver) -> None:
+    await first_run.press("ctrl+p")
+    first_run.see("Help", "Theme: Calm", "Theme: High contrast", "Quit")

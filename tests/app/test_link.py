@@ -25,20 +25,15 @@ def channel() -> FakeChannel:
     return FakeChannel()
 
 
-async def test_operator_gets_a_snapshot_and_sees_prompts(
-    open_session: OpenSession, channel: FakeChannel
-) -> None:
+async def test_operator_sees_the_session(open_session: OpenSession, channel: FakeChannel) -> None:
     async with open_session(link=channel) as driver:
         channel.notify(PeerJoined(ANNA))
         channel.notify(SnapshotRequested(ANNA))
         await driver.wait(100)
         (snapshot,) = (sent for sent in channel.sent if isinstance(sent, OutgoingSnapshot))
         welcome = snapshot.welcome
-        assert (welcome.session, welcome.link, welcome.task) == (
-            driver.session_id,
-            channel.link,
-            "keyboard",
-        )
+        found = (welcome.session, welcome.link, welcome.task)
+        assert found == (driver.session_id, channel.link, "keyboard")
         assert (welcome.participants, welcome.attempts, welcome.trials) == ({"A": "P01"}, 2, 2)
         assert driver.app.live
         assert driver.app.live._peers
@@ -56,9 +51,7 @@ async def test_operator_gets_a_snapshot_and_sees_prompts(
         assert topics.index(PROMPT) < topics.index(SHOWN)
 
 
-async def test_operator_who_ends_the_session_is_recorded_by_name(
-    open_session: OpenSession, data: Path, channel: FakeChannel
-) -> None:
+async def test_who_ends_it_is_recorded(open_session: OpenSession, channel: FakeChannel) -> None:
     async with open_session(link=channel) as driver:
         channel.notify(PeerJoined(ANNA))
         channel.notify(
@@ -75,12 +68,10 @@ async def test_operator_who_ends_the_session_is_recorded_by_name(
             f"sar-tui report wizard {driver.session_id}" in words
             for words in driver.app.leaving.lines(0)
         )
-    assert stored(data, "SELECT status FROM sessions") == [("aborted",)]
+    assert driver.stored("SELECT status FROM sessions") == [("aborted",)]
 
 
-async def test_a_panel_knows_the_outputs_and_hears_that_they_are_still(
-    open_session: OpenSession, channel: FakeChannel
-) -> None:
+async def test_a_panel_knows_the_outputs(open_session: OpenSession, channel: FakeChannel) -> None:
     async with open_session(link=channel) as driver:
         channel.notify(PeerJoined(ANNA))
         channel.notify(SnapshotRequested(ANNA))
@@ -101,11 +92,8 @@ async def test_a_panel_knows_the_outputs_and_hears_that_they_are_still(
             for record in sent.records
         ]
         (stop,) = state.receive([Frame(*record) for record in records]).stops
-        assert (stop.by, stop.awaited, stop.outcome(0)[1]) == (
-            "P01 pressed F2",
-            frozenset(),
-            "good",
-        )
+        found = (stop.by, stop.awaited, stop.outcome(0)[1])
+        assert found == ("P01 pressed F2", frozenset(), "good")
 
 
 class Links:
@@ -141,9 +129,7 @@ def links(channel: FakeChannel, monkeypatch: pytest.MonkeyPatch) -> Links:
     return links
 
 
-async def test_a_session_that_is_begun_and_resumed_on_the_first_screen_can_be_joined_if_it_is_set(
-    opened: OpenApp, data: Path, links: Links
-) -> None:
+async def test_sessions_can_be_joined_if_set(opened: OpenApp, data: Path, links: Links) -> None:
     known(data, operator_joins=True, operator_lost_ms=700)
     here_only = ListenOptions(operator=True, end=None)
     async with opened() as driver:
@@ -154,10 +140,8 @@ async def test_a_session_that_is_begun_and_resumed_on_the_first_screen_can_be_jo
         links.channel.notify(SnapshotRequested(ANNA))
         await driver.wait(100)
         assert any(isinstance(sent, OutgoingSnapshot) for sent in links.channel.sent)
-        assert (links.opened, links.closed) == (
-            [(session, "keyboard", ("P01",), here_only, 700)],
-            0,
-        )
+        found = (links.opened, links.closed)
+        assert found == ([(session, "keyboard", ("P01",), here_only, 700)], 0)
         driver.app.exit()
     assert links.closed == 1
     async with opened() as driver:
@@ -170,22 +154,18 @@ async def test_a_session_that_is_begun_and_resumed_on_the_first_screen_can_be_jo
         assert (driver.screen_name, links.closed) == ("HomeScreen", 2)
 
 
-async def test_a_session_does_not_begin_if_the_operator_who_is_planned_cannot_join(
-    opened: OpenApp, data: Path, links: Links
-) -> None:
+async def test_a_planned_operator_must_join(opened: OpenApp, data: Path, links: Links) -> None:
     known(data, operator_joins=True)
     links.error = "The link's process cannot be started."
     async with opened() as driver:
         await driver.press("enter", "enter")
         assert driver.screen_name == "HomeScreen"
-        assert driver.sees("cannot be started")
+        driver.see("cannot be started")
     assert stored(data, "SELECT count(*) FROM sessions") == [(0,)]
 
 
 @pytest.mark.slow
-async def test_a_session_opens_no_link_of_its_own_unless_it_is_set(
-    opened: OpenApp, data: Path, links: Links
-) -> None:
+async def test_no_link_opens_unless_it_is_set(opened: OpenApp, data: Path, links: Links) -> None:
     known(data)
     async with opened() as driver:
         await driver.press("enter", "enter")

@@ -15,15 +15,16 @@ from sar_tui.loop.task import Task
 from sar_tui.model.units import SECOND
 from sar_tui.outputs.markers.marker import CODES
 from sar_tui.outputs.markers.sender import Sender
-from sar_tui.plugins import Catalogue
 from sar_tui.store.passphrase import Passphrase
-from tests.app.app_driver import AppDriver, known, open_app, plan, stored
+from tests.app.app_driver import AppDriver, OpenApp, OpenSession, known, stored
 from tests.outputs.markers.receivers import PATIENCE_S, lsl_inlet, serial_line, udp_receiver
 from tests.outputs.markers.xdf_writer import write_xdf
 
+Failed = Callable[[AppDriver], Awaitable[None]]
+
 
 @pytest.fixture
-def failed(monkeypatch: pytest.MonkeyPatch) -> Callable[[AppDriver], Awaitable[None]]:
+def failed(monkeypatch: pytest.MonkeyPatch) -> Failed:
     """Function that waits until the thread that sends has noticed that it cannot, and the session
     was told.
     """
@@ -56,31 +57,24 @@ def trials(data: Path, column: str) -> list[int]:
 
 
 @pytest.mark.slow
-async def test_stamps_over_udp_are_those_of_the_database(
-    tmp_path: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
+async def test_udp_has_stamps(open_session: OpenSession, data: Path, keyboard: type[Task]) -> None:
     with udp_receiver() as receiver:
-        begin = plan(catalogue, keyboard)
-        async with open_app(tmp_path, catalogue, begin, markers=[receiver.address]) as driver:
+        async with open_session(markers=[receiver.address]) as driver:
             await driver.do_session()
             session = driver.session_id
         markers = receiver.until("session_end")
-    assert stamps(markers, "prompt_onset") == trials(tmp_path, "onset_ns")
-    assert stamps(markers, "response") == trials(tmp_path, "response_ns")
+    assert stamps(markers, "prompt_onset") == trials(data, "onset_ns")
+    assert stamps(markers, "response") == trials(data, "response_ns")
     first = markers[0]
-    assert (first["event"], first["session"], first["task"], first["run"]) == (
-        "session_start",
-        session,
-        "keyboard",
-        1,
-    )
+    found = (first["event"], first["session"], first["task"], first["run"])
+    assert found == ("session_start", session, "keyboard", 1)
     onset = next(marker for marker in markers if marker["event"] == "prompt_onset")
     assert set(onset) == {"event", "ns", "attempt", "trial", "presentation", "level", "stimulus"}
     sent = msgspec.json.encode(markers).decode()
     assert "P01" not in sent, "the participant's code must not be sent"
     said = [
         text
-        for (text,) in stored(tmp_path, "SELECT json_extract(final, '$.text') FROM actions")
+        for (text,) in stored(data, "SELECT json_extract(final, '$.text') FROM actions")
         if text
     ]
     assert said
@@ -88,11 +82,9 @@ async def test_stamps_over_udp_are_those_of_the_database(
 
 
 @pytest.mark.slow
-async def test_an_lsl_recording_that_pyxdf_reads_has_the_stamps_of_the_database(
-    tmp_path: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
+async def test_lsl_has_those_stamps(open_session: OpenSession, data: Path, tmp_path: Path) -> None:
     pyxdf = pytest.importorskip("pyxdf")
-    async with open_app(tmp_path, catalogue, plan(catalogue, keyboard), markers=["lsl"]) as driver:
+    async with open_session(markers=["lsl"]) as driver:
         inlet = lsl_inlet(driver.session_id)
         await driver.do_session()
         received = []
@@ -107,18 +99,15 @@ async def test_an_lsl_recording_that_pyxdf_reads_has_the_stamps_of_the_database(
         tmp_path / "markers.xdf", dejitter_timestamps=False, synchronize_clocks=False
     )
     info = stream["info"]
-    assert (info["name"], info["type"], info["channel_format"]) == (
-        ["sar-tui"],
-        ["Markers"],
-        ["string"],
-    )
+    found = (info["name"], info["type"], info["channel_format"])
+    assert found == (["sar-tui"], ["Markers"], ["string"])
     assert info["desc"][0]["session"] == [driver.session_id]
     assert "P01" not in xml
     read: dict[str, list[float]] = {}
     for stamp, (text,) in zip(stream["time_stamps"], stream["time_series"], strict=True):
         read.setdefault(msgspec.json.decode(text)["event"], []).append(stamp)
     for event, column in (("prompt_onset", "onset_ns"), ("response", "response_ns")):
-        expected = [ns / SECOND for ns in trials(tmp_path, column)]
+        expected = [ns / SECOND for ns in trials(data, column)]
         assert expected
         assert read[event] == pytest.approx(expected, rel=0, abs=1e-6)
     closed = closing(driver)
@@ -126,13 +115,11 @@ async def test_an_lsl_recording_that_pyxdf_reads_has_the_stamps_of_the_database(
     assert closed["sent"] - closed["unheard"] == len(received)
 
 
-async def test_each_event_is_its_byte_on_a_serial_line(
-    tmp_path: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
+async def test_each_event_is_its_byte_on_a_serial_line(open_session: OpenSession) -> None:
     pytest.importorskip("serial")
     with serial_line() as line, udp_receiver() as receiver:
         to = [f"serial:{line.name}?pulse=0&response=99&text_start=0", receiver.address]
-        async with open_app(tmp_path, catalogue, plan(catalogue, keyboard), markers=to) as driver:
+        async with open_session(markers=to) as driver:
             await driver.do_session()
         events = [marker["event"] for marker in receiver.until("session_end")]
         expected = [
@@ -141,18 +128,13 @@ async def test_each_event_is_its_byte_on_a_serial_line(
         assert list(line.read(len(expected))) == expected
 
 
-async def test_an_unplugged_serial_line_is_told_of_and_the_session_goes_on(
-    tmp_path: Path,
-    catalogue: Catalogue,
-    keyboard: type[Task],
-    failed: Callable[[AppDriver], Awaitable[None]],
+async def test_an_unplugged_line_is_told(
+    open_session: OpenSession, data: Path, failed: Failed
 ) -> None:
     pytest.importorskip("serial")
     with serial_line() as line:
         address = f"serial:{line.name}?pulse=0"
-        async with open_app(
-            tmp_path, catalogue, plan(catalogue, keyboard), markers=[address]
-        ) as driver:
+        async with open_session(markers=[address]) as driver:
             prompt = await driver.to_first_prompt()
             line.read(1)
             line.unplug()
@@ -167,24 +149,21 @@ async def test_an_unplugged_serial_line_is_told_of_and_the_session_goes_on(
             assert not driver.sees("takes no markers"), (
                 "nothing vanishes from the screen in a trial"
             )
-            await driver.do_attempt(prompt)
-            await driver.see_the_summary()
+            await driver.finish(prompt)
         assert f"No markers go to {address}" in "\n".join(driver.app.leaving.lines(0))
-    assert len(trials(tmp_path, "response_ns")) == 4
+    assert len(trials(data, "response_ns")) == 4
     closed = closing(driver)
     assert closed["lost"] > 0
 
 
 @pytest.mark.slow
-async def test_in_patient_mode_lost_markers_are_kept_for_the_therapist(
-    tmp_path: Path, catalogue: Catalogue, failed: Callable[[AppDriver], Awaitable[None]]
-) -> None:
+async def test_patients_see_no_lost_markers(opened: OpenApp, data: Path, failed: Failed) -> None:
     pytest.importorskip("serial")
-    known(tmp_path)
-    Passphrase(tmp_path).set("horse staple")
+    known(data)
+    Passphrase(data).set("horse staple")
     with serial_line() as line:
         address = f"serial:{line.name}?pulse=0"
-        async with open_app(tmp_path, catalogue, patient="P01", markers=[address]) as driver:
+        async with opened(patient="P01", markers=[address]) as driver:
             await driver.press("enter")
             line.read(1)
             line.unplug()
@@ -192,29 +171,25 @@ async def test_in_patient_mode_lost_markers_are_kept_for_the_therapist(
             await driver.do_attempt(await driver.begin())
             await failed(driver)
             assert not driver.sees("takes no markers"), "the participant is alone"
-            await driver.do_attempt(await driver.begin())
-            await driver.see_the_summary()
+            await driver.finish(await driver.begin())
             await driver.press("enter")
             assert f"No markers go to {address}" in "\n".join(driver.app.leaving.lines(0))
 
 
 @pytest.mark.slow
-async def test_a_resumed_session_sends_its_next_run_and_nothing_of_the_one_before(
-    tmp_path: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(tmp_path, catalogue, plan(catalogue, keyboard)) as driver:
+async def test_the_next_run_is_sent(opened: OpenApp, open_session: OpenSession, data: Path) -> None:
+    async with open_session() as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         session = driver.session_id
     with udp_receiver() as receiver:
-        async with open_app(tmp_path, catalogue, session, markers=[receiver.address]) as driver:
+        async with opened(session, markers=[receiver.address]) as driver:
             await driver.press("enter")
             await driver.wait(300)
-            await driver.do_attempt(await driver.begin())
-            await driver.see_the_summary()
+            await driver.finish(await driver.begin())
         markers = receiver.until("session_end")
     assert [marker["run"] for marker in markers if marker["event"] == "session_start"] == [2]
     assert markers[0]["event"] == "session_start"
-    assert stamps(markers, "prompt_onset") == trials(tmp_path, "onset_ns")[2:]
+    assert stamps(markers, "prompt_onset") == trials(data, "onset_ns")[2:]
 
 
 def closing(driver: AppDriver) -> dict[str, Any]:

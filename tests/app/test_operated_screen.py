@@ -2,7 +2,6 @@
 
 import pytest
 
-from sar_tui.loop.task import Task
 from sar_tui.loop.topics import (
     ACTION,
     ARBITER_STATE,
@@ -14,7 +13,7 @@ from sar_tui.loop.topics import (
 )
 from sar_tui.model import messages as m
 from sar_tui.plugins import Catalogue
-from tests.app.app_driver import AppDriver, OpenApp, OpenSession, plan
+from tests.app.app_driver import AppDriver, OpenSession
 from tests.app.fake_voice import Voice
 
 APPROVE = {"operator_feedback": "approve", "operator_time_ms": 20_000, "encouragement": False}
@@ -52,9 +51,7 @@ async def test_a_filler_disappears_after_the_wait_and_only_the_decision_is_shown
         assert "Press Enter for attempt 2 of 2." in driver.text
 
 
-async def test_edited_feedback_is_shown_in_the_operators_words_only(
-    open_session: OpenSession,
-) -> None:
+async def test_edited_feedback_is_in_the_operators_words(open_session: OpenSession) -> None:
     async with open_session(**APPROVE) as driver:
         pending = await to_proposal(driver)
         await decide(driver, pending, "edit", text="You held on [b]well[/b].")
@@ -97,9 +94,7 @@ async def to_goodbye(
 
 
 @pytest.mark.parametrize("ended_by", ["the participant", "the operator"])
-async def test_the_goodbye_is_given_before_the_summary_can_be_left(
-    open_session: OpenSession, ended_by: str
-) -> None:
+async def test_the_goodbye_precedes_the_end(open_session: OpenSession, ended_by: str) -> None:
     async with open_session(**VETO_GOODBYE) as driver:
         pending, said, _ = await to_goodbye(driver, ended_by=ended_by)
         assert pending.proposal.kind == "goodbye"
@@ -130,10 +125,9 @@ async def test_a_vetoed_goodbye_is_not_waited_for(open_session: OpenSession) -> 
 
 
 async def test_a_goodbye_that_was_waited_for_is_heard_to_its_end(
-    opened: OpenApp, catalogue: Catalogue, keyboard: type[Task], voice: Voice
+    open_session: OpenSession, catalogue: Catalogue, voice: Voice
 ) -> None:
-    spoken = plan(catalogue, keyboard, outputs=["screen", "voice"], **VETO_GOODBYE)
-    async with opened(spoken) as driver:
+    async with open_session(outputs=["screen", "voice"], **VETO_GOODBYE) as driver:
         driver.session.bus.post(
             PRESENCE, m.OperatorChanged(actor=ANA, state="joined", operated=True)
         )

@@ -1,6 +1,7 @@
 """Two participants at one keyboard: each sees their half, turn and results."""
 
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -55,9 +56,7 @@ async def press_theirs(
         await driver.press(right)
 
 
-async def test_in_turn_the_letter_is_in_the_half_of_the_participant_whose_turn_it_is(
-    opened: OpenApp, play: Play
-) -> None:
+async def test_in_turn_the_letter_is_in_ones_half(opened: OpenApp, play: Play) -> None:
     async with opened(play("alternate")) as driver:
         prompt = await driver.to_first_prompt()
         assert "P01, P02" in driver.rows[0]
@@ -66,7 +65,7 @@ async def test_in_turn_the_letter_is_in_the_half_of_the_participant_whose_turn_i
         assert "█" not in right
         assert "[ Left: your turn ]" in left
         assert right.split() == ["Right"]
-        assert driver.sees(f"Left: {prompt.expected}")
+        driver.see(f"Left: {prompt.expected}")
         await press_theirs(driver, prompt)
         await driver.wait(600)
         left, right = halves(driver)
@@ -78,9 +77,7 @@ async def test_in_turn_the_letter_is_in_the_half_of_the_participant_whose_turn_i
         assert [fault.error for fault in driver.session.faults] == []
 
 
-async def test_in_a_race_each_half_has_a_letter_and_shows_who_was_ahead(
-    opened: OpenApp, play: Play
-) -> None:
+async def test_in_a_race_each_half_has_a_letter(opened: OpenApp, play: Play) -> None:
     async with opened(play("race")) as driver:
         prompt = await driver.to_first_prompt()
         left, right = halves(driver)
@@ -95,10 +92,9 @@ async def test_in_a_race_each_half_has_a_letter_and_shows_who_was_ahead(
         assert driver.said.startswith("Left: ")
         assert "Right: " in driver.said, "the second answer stands below the first"
         await driver.see_the_summary()
-        assert driver.sees("Left (P01): You did 1 attempt; goal reached in 1. Best: 0.30 seconds.")
-        assert driver.sees("Right (P02): You did 1 attempt; goal reached in 1. Best: 0.50 seconds.")
-        assert driver.sees("Ahead in 2 of 2.")
-        assert driver.sees("Ahead in 0 of 2.")
+        driver.see("Left (P01): You did 1 attempt; goal reached in 1. Best: 0.30 seconds.")
+        driver.see("Right (P02): You did 1 attempt; goal reached in 1. Best: 0.50 seconds.")
+        driver.see("Ahead in 2 of 2.", "Ahead in 0 of 2.")
         assert (
             sum("goals reached" in row[:40] and "goals reached" in row[40:] for row in driver.rows)
             == 1
@@ -134,16 +130,11 @@ async def test_the_agent_looks_to_a_side_in_one_frame_and_then_is_still(
             one for one in driver.messages("output/report") if one["action"].startswith("cue-")
         ]
         for part in ("gaze", "gesture"):
-            assert [one["state"] for one in reports if one["deed"] == part] == [
-                "queued",
-                "started",
-                "done",
-            ]
+            found = [one["state"] for one in reports if one["deed"] == part]
+            assert found == ["queued", "started", "done"]
 
 
-async def test_only_the_agents_gaze_announces_the_side_of_a_prompt(
-    opened: OpenApp, play: Play
-) -> None:
+async def test_only_the_gaze_announces_the_side(opened: OpenApp, play: Play) -> None:
     async with opened(play("joint attention")) as driver:
         prompt = await driver.to_first_prompt()
         assert "your turn" in "".join(halves(driver))
@@ -157,16 +148,13 @@ async def test_a_session_of_two_in_spanish(opened: OpenApp, play: Play) -> None:
         assert driver.sees("Me alegra verles.") or driver.sees("Les doy la bienvenida.")
         prompt = await driver.to_first_prompt()
         assert "[ Izquierda: ahora ]" in halves(driver)[0]
-        assert driver.sees(f"Izquierda: {prompt.expected}")
+        driver.see(f"Izquierda: {prompt.expected}")
 
 
-async def test_home_asks_for_the_second_participant_and_lists_nobody_twice(
-    opened: OpenApp, data: Path
-) -> None:
-    database = connect(data)
-    for code in ("P02", "P01"):
-        participants.add(database, code)
-    database.close()
+async def test_home_asks_for_the_second_participant(opened: OpenApp, data: Path) -> None:
+    with closing(connect(data)) as database:
+        for code in ("P02", "P01"):
+            participants.add(database, code)
     async with opened() as driver:
         await driver.press("right", "down")
         names = [option.id for option in driver.app.screen.query_one("#task").options]
@@ -174,7 +162,7 @@ async def test_home_asks_for_the_second_participant_and_lists_nobody_twice(
         driver.app.screen.query_one("#start").press()
         await driver.settle()
         assert driver.screen_name == "SecondParticipantScreen"
-        assert driver.sees("P01 sits on the left.")
+        driver.see("P01 sits on the left.")
         assert [option.id for option in driver.app.screen.query_one("#others").options] == [
             "P02",
             "+",
@@ -187,10 +175,8 @@ async def test_home_asks_for_the_second_participant_and_lists_nobody_twice(
         assert driver.screen_name == "NewParticipantScreen"
         await driver.write(*"P09", "enter")
         assert driver.screen_name == "SessionScreen"
-        assert driver.stored("SELECT seat, participant FROM seats ORDER BY seat") == [
-            ("A", "P01"),
-            ("B", "P09"),
-        ]
+        found = driver.stored("SELECT seat, participant FROM seats ORDER BY seat")
+        assert found == [("A", "P01"), ("B", "P09")]
 
 
 async def test_a_past_session_of_two_shows_the_results_of_both(opened: OpenApp, play: Play) -> None:
@@ -200,25 +186,21 @@ async def test_a_past_session_of_two_shows_the_results_of_both(opened: OpenApp, 
         await driver.see_the_summary()
         await driver.press("enter")
     async with opened() as driver:
-        assert driver.sees("Sessions of P01")
-        assert driver.sees("with P02")
+        driver.see("Sessions of P01", "with P02")
         driver.app.screen.query_one("#recent").focus()
         await driver.press("enter")
         assert driver.screen_name == "PastSessionScreen"
-        assert driver.sees("P01: You did 1 attempt")
-        assert driver.sees("P02: You did 1 attempt")
+        driver.see("P01: You did 1 attempt", "P02: You did 1 attempt")
 
 
-async def test_participants_addressed_by_code_see_seat_and_code_over_their_half(
-    opened: OpenApp, play: Play
-) -> None:
+async def test_a_code_stands_over_its_half(opened: OpenApp, play: Play) -> None:
     async with opened(play("alternate", address="code")) as driver:
         prompt = await driver.to_first_prompt()
         left, right = halves(driver)
         assert "[ Left · P01: your turn ]" in left
         assert right.split() == ["Right", "·", "P02"]
-        assert driver.sees(f"P01: {prompt.expected}")
-        assert not driver.sees("Left:")
+        driver.see(f"P01: {prompt.expected}")
+        driver.lacks("Left:")
 
 
 async def test_a_code_too_long_to_fit_beside_the_seat_is_shown_alone(
@@ -234,19 +216,15 @@ async def test_a_code_too_long_to_fit_beside_the_seat_is_shown_alone(
         assert "Right · P02" in right
 
 
-async def test_the_summary_of_synchrony_counts_the_joint_responses(
-    opened: OpenApp, play: Play
-) -> None:
+async def test_synchrony_counts_the_joint_responses(opened: OpenApp, play: Play) -> None:
     async with opened(play("cooperative", window_ms=400)) as driver:
         await press_theirs(driver, await driver.to_first_prompt(), 300, 500)
         await press_theirs(driver, await driver.to_prompt(), 300, 900)
         await driver.see_the_summary()
-        assert driver.sees("Together in 1 of 2.")
+        driver.see("Together in 1 of 2.")
 
 
-async def test_the_plots_of_two_have_the_same_axis_and_are_separate(
-    opened: OpenApp, play: Play
-) -> None:
+async def test_the_plots_of_two_have_the_same_axis(opened: OpenApp, play: Play) -> None:
     async with opened(play("race", response_timeout_ms=9000)) as driver:
         await press_theirs(driver, await driver.to_first_prompt(), 300, 4500)
         await press_theirs(driver, await driver.to_prompt(), 300, 4500)
@@ -276,4 +254,4 @@ async def test_the_summary_reports_the_cost_of_an_invalid_cue(opened: OpenApp, p
         )
         assert None not in [effect for (effect,) in effects], "both kinds came up for each"
         for (effect,) in effects:
-            assert driver.sees(f"minus when I looked to yours: {effect / 1000:.2f} seconds.")
+            driver.see(f"minus when I looked to yours: {effect / 1000:.2f} seconds.")

@@ -9,6 +9,7 @@ import itertools
 import os
 import random
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -47,17 +48,9 @@ KEYS = [
     b"\x1b\x1b", b"\x1bq", b"\x1b:", b"\r", b"\r", b"\r", b" ", b"\t", b"\x1b[I", b"\x1b[O",
 ]  # fmt: skip
 WORDS = [
-    b"q",
-    b"quit",
-    b":q",
-    b"settings",
-    b"exit\r",
-    b"P77\r",
-    b"!sh\r",
-    b"jf",
-    "ñ¿é".encode(),
+    b"q", b"quit", b":q", b"settings", b"exit\r", b"P77\r", b"!sh\r", b"jf", "ñ¿é".encode(),
     b"\xff\xfe",
-]
+]  # fmt: skip
 
 
 def strings(number: int, seed: int) -> Iterator[bytes]:
@@ -143,13 +136,14 @@ def prepared(data: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Set a passphrase that is cheap to check, and two participants with short exercises."""
     monkeypatch.setattr(passphrase, "_COST", 16)
     Passphrase(data).set("quiet river and stone")
-    database = connect(data)
-    reaching = {"imu": "simulated", "attempts": 1, "reaches_per_attempt": 1}
-    for code in ("P01", OTHER):
-        participants.add(database, code)
-        for task, parameters in (("keyboard", SHORT), ("reaching", reaching)):
-            programmes.save(database, code, task, programmes.Programme(dict(parameters)), after=0)
-    database.close()
+    with closing(connect(data)) as database:
+        reaching = {"imu": "simulated", "attempts": 1, "reaches_per_attempt": 1}
+        for code in ("P01", OTHER):
+            participants.add(database, code)
+            for task, parameters in (("keyboard", SHORT), ("reaching", reaching)):
+                programmes.save(
+                    database, code, task, programmes.Programme(dict(parameters)), after=0
+                )
     return data
 
 
@@ -180,16 +174,15 @@ async def test_no_string_leads_out_of_patient_mode(
 
 def assert_whole(data: Path, catalogue: Catalogue) -> None:
     """Replay every session: what its nodes derive must equal the record."""
-    database = connect(data)
-    assert database.execute("PRAGMA integrity_check").fetchone() == ("ok",)
-    rows = sessions.listing(database, data)
-    assert rows
-    for row in rows:
-        assert row["participant"] == "P01"
-        kind = catalogue.task(row["task"])
-        task = kind(build(kind.Parameters, row["parameters"]))
-        theme = catalogue.theme(row["theme"], task.parameters.language)
-        session = Session(task, theme, VirtualClock(10 * SECOND), row["seed"])
-        session.replay(sessions.history(database, row["id"]))
-        assert session.ended == (row["status"] in ("completed", "aborted", "discarded"))
-    database.close()
+    with closing(connect(data)) as database:
+        assert database.execute("PRAGMA integrity_check").fetchone() == ("ok",)
+        rows = sessions.listing(database, data)
+        assert rows
+        for row in rows:
+            assert row["participant"] == "P01"
+            kind = catalogue.task(row["task"])
+            task = kind(build(kind.Parameters, row["parameters"]))
+            theme = catalogue.theme(row["theme"], task.parameters.language)
+            session = Session(task, theme, VirtualClock(10 * SECOND), row["seed"])
+            session.replay(sessions.history(database, row["id"]))
+            assert session.ended == (row["status"] in ("completed", "aborted", "discarded"))

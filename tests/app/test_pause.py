@@ -1,164 +1,138 @@
 """A pause is possible at any time without confirmation; ending needs one."""
 
-from pathlib import Path
-
 import pytest
 
-from tests.app.app_driver import OpenApp, OpenSession, stored
+from tests.app.app_driver import AppDriver, OpenApp, OpenSession
 from tests.examples import first
 from tests.recorded import said
 
 
-async def test_escape_pauses_at_once_in_a_trial_and_the_trial_is_repeated(
-    open_session: OpenSession,
-) -> None:
-    async with open_session() as driver:
-        prompt = await driver.to_first_prompt()
+async def test_escape_pauses_a_trial_and_repeats_it(driver: AppDriver) -> None:
+    prompt = await driver.to_first_prompt()
+    await driver.press("escape")
+    driver.see("Paused")
+    assert "Press: " not in driver.text
+    assert [voided["trial"] for voided in driver.messages("event_handler/voided")] == [1]
+
+    await driver.wait(60_000)
+    await driver.press("enter")
+    again = await driver.to_prompt()
+    found = (again.trial, again.text, again.presentation)
+    assert found == (1, prompt.text, prompt.presentation + 1)
+    await driver.answer(again)
+    assert driver.stored("SELECT trial, correct FROM trials") == [(1, 1)]
+
+
+async def test_escape_pauses_before_an_attempt_and_returns_there(driver: AppDriver) -> None:
+    for words in ("Press Enter to go on.", "Press Enter to begin attempt 1 of 2."):
+        driver.see(words)
         await driver.press("escape")
-        assert driver.sees("Paused")
-        assert "Press: " not in driver.text
-        assert [voided["trial"] for voided in driver.messages("event_handler/voided")] == [1]
-
-        await driver.wait(60_000)
+        driver.see("Take your time.")
         await driver.press("enter")
-        again = await driver.to_prompt()
-        assert (again.trial, again.text, again.presentation) == (
-            1,
-            prompt.text,
-            prompt.presentation + 1,
-        )
-        await driver.answer(again)
-        assert driver.stored("SELECT trial, correct FROM trials") == [(1, 1)]
-
-
-async def test_escape_pauses_before_an_attempt_and_returns_there(open_session: OpenSession) -> None:
-    async with open_session() as driver:
-        for words in ("Press Enter to go on.", "Press Enter to begin attempt 1 of 2."):
-            assert driver.sees(words)
-            await driver.press("escape")
-            assert driver.sees("Take your time.")
-            await driver.press("enter")
-            assert driver.sees(words)
-            await driver.press("enter")
-
-
-async def test_the_menu_is_used_with_arrows_and_enter(open_session: OpenSession) -> None:
-    async with open_session() as driver:
-        await driver.to_first_prompt()
-        await driver.press("escape")
-        for choice in ("Go on", "I am tired", "I am in pain", "I am finished", "For the therapist"):
-            assert driver.sees(choice)
-        await driver.press("down", "enter")
-        assert driver.sees("Take all the rest you need.")
-        await driver.press("down", "enter")
-        assert driver.sees("Tell your therapist or the experimenter about the pain")
+        driver.see(words)
         await driver.press("enter")
-        await driver.to_prompt()
-        reasons = [
-            act["reason"] for act in driver.messages("operator/act") if act["command"] == "pause"
-        ]
-        assert reasons == ["", "tired", "pain"]
-        here = (driver.session_id, "A", "P01")
-        assert driver.stored("SELECT DISTINCT session, seat, participant FROM records") == [here]
-        assert said(driver.app.database) == [
-            ("pause", "tiredness", "told in a pause"),
-            ("pause", "pain", "told in a pause"),
-        ]
 
 
-async def test_the_agent_rests_with_the_participant_and_is_silent_about_the_attempt(
-    open_session: OpenSession,
-) -> None:
-    async with open_session() as driver:
-        await driver.do_attempt(await driver.to_first_prompt())
-        assert driver.said
-        assert "you ━" in driver.text
-        await driver.press("escape", "down", "enter")
-        assert driver.said == ""
-        assert "─   ─ z" in driver.text, "it sleeps"
-        await driver.press("down", "enter")
-        assert "●   ●" in driver.text
-        assert "─   ─ z" not in driver.text
-        await driver.press("enter")
-        assert "you ━" not in driver.text, "no result without its words"
-        assert driver.sees("Your goal: ")
+async def test_the_menu_is_used_with_arrows_and_enter(driver: AppDriver) -> None:
+    await driver.to_first_prompt()
+    await driver.press("escape")
+    driver.see("Go on", "I am tired", "I am in pain", "I am finished", "For the therapist")
+    await driver.press("down", "enter")
+    driver.see("Take all the rest you need.")
+    await driver.press("down", "enter")
+    driver.see("Tell your therapist or the experimenter about the pain")
+    await driver.press("enter")
+    await driver.to_prompt()
+    reasons = [
+        act["reason"] for act in driver.messages("operator/act") if act["command"] == "pause"
+    ]
+    assert reasons == ["", "tired", "pain"]
+    here = (driver.session_id, "A", "P01")
+    assert driver.stored("SELECT DISTINCT session, seat, participant FROM records") == [here]
+    assert said(driver.app.database) == [
+        ("pause", "tiredness", "told in a pause"),
+        ("pause", "pain", "told in a pause"),
+    ]
 
 
-async def test_pain_said_in_a_pause_is_in_the_sessions_row(
-    opened: OpenApp, open_session: OpenSession
-) -> None:
+async def test_the_agent_rests_with_the_participant(driver: AppDriver) -> None:
+    await driver.do_attempt(await driver.to_first_prompt())
+    assert driver.said
+    assert "you ━" in driver.text
+    await driver.press("escape", "down", "enter")
+    assert driver.said == ""
+    assert "─   ─ z" in driver.text, "it sleeps"
+    await driver.press("down", "enter")
+    assert "●   ●" in driver.text
+    assert "─   ─ z" not in driver.text
+    await driver.press("enter")
+    assert "you ━" not in driver.text, "no result without its words"
+    driver.see("Your goal: ")
+
+
+async def test_pain_in_a_pause_is_stored(opened: OpenApp, open_session: OpenSession) -> None:
     async with open_session() as driver:
         await driver.to_first_prompt()
         await driver.press("escape", "down", "down", "enter")
     async with opened() as driver:
-        assert driver.sees("interrupted: Enter resumes, pain")
+        driver.see("interrupted: Enter resumes, pain")
 
 
-async def test_a_second_escape_changes_nothing(open_session: OpenSession) -> None:
-    async with open_session() as driver:
-        await driver.to_first_prompt()
-        await driver.press("escape", "down", "enter", "escape")
-        assert driver.sees("Have a rest")
+async def test_a_second_escape_changes_nothing(driver: AppDriver) -> None:
+    await driver.to_first_prompt()
+    await driver.press("escape", "down", "enter", "escape")
+    driver.see("Have a rest")
 
 
 @pytest.mark.parametrize(("keys", "goes_on"), [(["enter"], True), (["down", "enter"], False)])
 async def test_only_ending_asks_for_confirmation(
-    open_session: OpenSession, keys: list[str], goes_on: bool, data: Path
+    open_session: OpenSession, keys: list[str], goes_on: bool
 ) -> None:
     async with open_session() as driver:
         await driver.answer(await driver.to_first_prompt())
         await driver.press("escape", "up", "up", "enter")
-        assert driver.sees("End the session now?")
+        driver.see("End the session now?")
         assert not driver.session.ended
         await driver.press(*keys)
         assert driver.session.ended is not goes_on
         if not goes_on:
-            assert driver.sees("Ended before the first attempt was finished.")
+            driver.see("Ended before the first attempt was finished.")
             await driver.wait(300)
             await driver.press("enter")
             assert driver.app.return_code == 0
-    assert stored(data, "SELECT status FROM sessions") == [
+    assert driver.stored("SELECT status FROM sessions") == [
         ("interrupted" if goes_on else "aborted",)
     ]
-    assert stored(data, "SELECT count(*) FROM trials") == [(1,)]
+    assert driver.stored("SELECT count(*) FROM trials") == [(1,)]
 
 
 @pytest.mark.parametrize("key", first(1, ["f1", "ctrl+p"]))
-async def test_help_or_the_palette_over_a_trial_pauses_it(
-    open_session: OpenSession, key: str
-) -> None:
-    async with open_session() as driver:
-        await driver.to_first_prompt()
-        await driver.press(key)
-        assert "Press: " not in driver.text
-        assert driver.waiting.stage == "paused"
-        await driver.press("escape")
-        assert driver.sees("Paused")
-        await driver.press("enter")
-        assert (await driver.to_prompt()).presentation == 2
+async def test_help_or_the_palette_over_a_trial_pauses_it(driver: AppDriver, key: str) -> None:
+    await driver.to_first_prompt()
+    await driver.press(key)
+    assert "Press: " not in driver.text
+    assert driver.waiting.stage == "paused"
+    await driver.press("escape")
+    driver.see("Paused")
+    await driver.press("enter")
+    assert (await driver.to_prompt()).presentation == 2
 
 
-async def test_a_window_made_too_small_pauses_a_trial_and_recovers(
-    open_session: OpenSession,
-) -> None:
-    async with open_session() as driver:
-        prompt = await driver.to_first_prompt()
-        await driver.resize(79, 24)
-        assert driver.sees("This window is too small.")
-        assert driver.sees("It has 79 by 24 characters; 80 by 24 are needed.")
-        await driver.press(prompt.expected, "enter")
-        await driver.resize(100, 30)
-        assert driver.sees("Paused")
-        await driver.press("enter")
-        assert (await driver.to_prompt()).text == prompt.text
-        assert prompt.text in driver.text
-        assert driver.stored("SELECT * FROM trials") == []
+async def test_a_window_made_too_small_pauses_a_trial_and_recovers(driver: AppDriver) -> None:
+    prompt = await driver.to_first_prompt()
+    await driver.resize(79, 24)
+    driver.see("This window is too small.", "It has 79 by 24 characters; 80 by 24 are needed.")
+    await driver.press(prompt.expected, "enter")
+    await driver.resize(100, 30)
+    driver.see("Paused")
+    await driver.press("enter")
+    assert (await driver.to_prompt()).text == prompt.text
+    assert prompt.text in driver.text
+    assert driver.stored("SELECT * FROM trials") == []
 
 
 @pytest.mark.parametrize("size", first(1, [(80, 24), (160, 50)]))
-async def test_in_a_pause_the_agent_is_silent_above_the_menu(
-    open_session: OpenSession, size: tuple[int, int]
-) -> None:
+async def test_in_a_pause_it_is_silent(open_session: OpenSession, size: tuple[int, int]) -> None:
     async with open_session(encouragement=False, size=size) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         said = driver.said
@@ -168,7 +142,7 @@ async def test_in_a_pause_the_agent_is_silent_above_the_menu(
         )
         assert 0 <= menu.y - robot.bottom <= 1
         assert abs(menu.center[0] - robot.center[0]) <= 1
-        assert not driver.sees(said)
+        driver.lacks(said)
         assert not driver.sees("Skip this attempt"), (
             "only somebody who trains alone decides that alone"
         )

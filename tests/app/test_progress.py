@@ -16,7 +16,7 @@ from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import records, sessions
 from sar_tui.store.database import connect
-from tests.app.app_driver import AppDriver, OpenApp, known, open_app
+from tests.app.app_driver import AppDriver, OpenApp, known
 from tests.recorded import score, told
 
 
@@ -52,67 +52,51 @@ async def test_sessions_that_cannot_be_read_and_none_at_all_are_told(
             await open_progress(driver, catalogue)
             for key in ("right", "n", "h", "c", "s", "up"):
                 await driver.press(key)
-            assert driver.sees("The sessions cannot be read:")
+            driver.see("The sessions cannot be read:")
             await driver.press("escape")
         await open_progress(driver, catalogue)
-        assert driver.sees(NONE_YET)
-        for key in (
-            "right",
-            "right",
-            "right",
-            "right",
-            "c",
-            "n",
-            "h",
-            "up",
-            "end",
-            "left",
-            "resize",
-        ):
+        driver.see(NONE_YET)
+        for key in "right right right right c n h up end left resize".split():
             await driver.press(key)
-        assert driver.sees("No live session yet.")
+        driver.see("No live session yet.")
         await driver.press("escape")
         assert driver.screen_name == "HomeScreen"
 
 
-async def test_sessions_are_charted_chosen_and_compared(data: Path, catalogue: Catalogue) -> None:
+async def test_sessions_are_compared(opened: OpenApp, data: Path, catalogue: Catalogue) -> None:
     trained(data, catalogue, 1000, 1000, 900)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         (last, *_) = sessions.listing(driver.app.database, data)
         driver.app.push_screen(PastSessionScreen(last))
         await driver.press("f4")
-        assert driver.sees("P01 · 1 of 2 · Keyboard reaction · goal 0.9 s")
+        driver.see("P01 · 1 of 2 · Keyboard reaction · goal 0.9 s")
         await driver.press("s")
-        assert driver.sees("P01 · 2 of 2 · Keyboard reaction · goal 1.0 s")
+        driver.see("P01 · 2 of 2 · Keyboard reaction · goal 1.0 s")
         assert driver.rows[-1].rstrip().endswith("Help")
         assert any(row.split() == ["pain", "0", "1"] for row in driver.rows)
-        assert driver.sees("▸ 2026-03-02 10:00")
-        assert driver.sees("pain 1 before")
+        driver.see("▸ 2026-03-02 10:00", "pain 1 before")
         await driver.press("right")
-        assert driver.sees("SD between the means of the sessions")
+        driver.see("SD between the means of the sessions")
         await driver.press("right", "c", "up")
-        assert driver.sees("◆ 2026-03-02")
-        assert driver.sees("▸ 2026-03-01 10:00")
-        assert driver.sees("2026-03-01 and 2026-03-02: From")
-        assert driver.sees("How much is noise is not yet known")
+        driver.see("◆ 2026-03-02", "▸ 2026-03-01 10:00", "2026-03-01 and 2026-03-02: From")
+        driver.see("How much is noise is not yet known")
         await driver.press("escape", "right")
-        assert driver.sees("■ 2026-03-02 12 12 60")
+        driver.see("■ 2026-03-02 12 12 60")
         await driver.resize(160, 50)
-        assert driver.sees("■ 2026-03-03")
-        assert driver.sees("▸ 2026-03-01")
+        driver.see("■ 2026-03-03", "▸ 2026-03-01")
 
 
 async def test_a_note_is_copied_and_a_page_is_written_and_never_over_another(
-    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+    opened: OpenApp, data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     trained(data, catalogue, 1000)
     monkeypatch.setattr("sar_tui.reports.charts.drawn", lambda spec: "<svg ></svg>")
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         copied: list[str] = []
         monkeypatch.setattr(driver.app, "copy_to_clipboard", copied.append)
         await open_progress(driver, catalogue)
         await driver.press("n", "tab")
-        assert driver.sees("P01, Reacción con el teclado · meta 1,0 s")
+        driver.see("P01, Reacción con el teclado · meta 1,0 s")
         assert copied[0].startswith("P01, Keyboard reaction · goal 1.0 s")
         assert copied[1].startswith("P01, Reacción con el teclado")
         await driver.press("escape")
@@ -121,74 +105,67 @@ async def test_a_note_is_copied_and_a_page_is_written_and_never_over_another(
             await driver.app.workers.wait_for_complete()
             await driver.settle()
     written = sorted(data.glob("*.html"))
-    assert [path.name for path in written] == [
-        "progress-P01-keyboard-2.html",
-        "progress-P01-keyboard.html",
-    ]
+    found = [path.name for path in written]
+    assert found == ["progress-P01-keyboard-2.html", "progress-P01-keyboard.html"]
     assert "Keyboard reaction" in written[0].read_text(encoding="utf-8")
 
 
 @pytest.mark.slow
-async def test_scores_are_entered_in_their_range_and_removed_where_they_are_shown(
-    data: Path, catalogue: Catalogue
-) -> None:
+async def test_scores_are_entered(opened: OpenApp, data: Path, catalogue: Catalogue) -> None:
     known(data)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await open_progress(driver, catalogue)
         await driver.press("left")
-        assert driver.sees("Nothing is recorded yet.")
+        driver.see("Nothing is recorded yet.")
         assert "Compare" not in driver.rows[-1]
         assert "Remove" not in driver.rows[-1]
         await driver.press("a", "enter", "A", "R", "enter")
-        assert driver.sees("Score, 0 to 57 points; higher is better")
+        driver.see("Score, 0 to 57 points; higher is better")
         await driver.press(*"58")
-        assert driver.sees("Score lies within 0 to 57 points, not at 58.")
+        driver.see("Score lies within 0 to 57 points, not at 58.")
         await driver.press("backspace", "7", "enter", *"left", "enter")
-        assert driver.sees("ARAT 57, left")
+        driver.see("ARAT 57, left")
         await driver.press("a", "tab", "tab", "7")
-        assert driver.sees("This replaces 57 of the same day.")
+        driver.see("This replaces 57 of the same day.")
         await driver.press("escape", "delete")
-        assert driver.sees("The database keeps it")
+        driver.see("The database keeps it")
         await driver.press("enter")
-        assert driver.sees("Nothing is recorded yet.")
+        driver.see("Nothing is recorded yet.")
         assert driver.stored("SELECT version, removed FROM records") == [(1, 0), (2, 1)]
 
 
-async def test_a_score_is_chosen_once_it_is_entered(data: Path, catalogue: Catalogue) -> None:
+async def test_a_new_score_is_chosen(opened: OpenApp, data: Path, catalogue: Catalogue) -> None:
     known(data)
     with closing(connect(data)) as database:
         score(database, "P01", "BBT", "2026-03-01", 20)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await open_progress(driver, catalogue)
         await driver.press("left", "a", "tab", "tab", *"25", "enter", "enter")
-        assert driver.sees(f"▸ {date.today()} BBT 25")
+        driver.see(f"▸ {date.today()} BBT 25")
 
 
-async def test_an_adverse_event_is_recorded_and_its_outcome_added_later(
-    data: Path, catalogue: Catalogue
-) -> None:
+async def test_an_event_gets_its_outcome(opened: OpenApp, data: Path, catalogue: Catalogue) -> None:
     trained(data, catalogue, 1000)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await open_progress(driver, catalogue)
         await driver.press("left")
         await driver.press("a", "tab", "tab", *"Cramp", "enter", *"mild", "enter", "enter", "enter")
-        assert driver.sees("Cramp, mild")
-        assert driver.sees("Outcome not yet recorded.")
+        driver.see("Cramp, mild", "Outcome not yet recorded.")
         await driver.press("enter", *"Gone", "enter")
-        assert driver.sees("mild: Cramp. Outcome: Gone.")
+        driver.see("mild: Cramp. Outcome: Gone.")
         await driver.press("right")
         assert any(row.split() == ["event", "!"] for row in driver.rows)
         (event,) = records.listing(driver.app.database, kinds=("adverse-event",))
         assert (event.version, event.content["outcome"]) == (2, "Gone")
 
 
-async def test_the_keys_below_are_those_of_the_part(data: Path, catalogue: Catalogue) -> None:
+async def test_keys_are_those_of_a_part(opened: OpenApp, data: Path, catalogue: Catalogue) -> None:
     trained(data, catalogue, 1000, 1000)
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await open_progress(driver, catalogue)
         shown: dict[str, list[str]] = {"Compare": [], "Add": []}
         for part in ("Level", "Results", "Sessions", "Dose", "Records"):
-            assert driver.sees(f"[{part}]")
+            driver.see(f"[{part}]")
             for word, where in shown.items():
                 where.extend([part] if word in driver.rows[-1] else [])
             assert "←→ Part" in driver.rows[-1]

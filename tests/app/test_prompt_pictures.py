@@ -1,7 +1,5 @@
 """Sessions whose prompts have pictures and colours: all they need is there before they begin."""
 
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
 from pathlib import Path
 
 import pytest
@@ -12,12 +10,9 @@ from sar_tui.app.app import SarTui
 from sar_tui.app.prompt_needs import NO_COLOR
 from sar_tui.loop.prompt_colors import OKABE_ITO
 from sar_tui.loop.topics import PROMPT
-from sar_tui.plugins import Catalogue
-from sar_tui.rules.parameters import build
-from sar_tui.runs.plan import Plan
 from sar_tui.widgets.big_prompt import BigPrompt
 from sar_tui.widgets.prompt_pictures import no_package
-from tests.app.app_driver import AppDriver, open_app
+from tests.app.app_driver import OpenSession
 from tests.documented import write_documented
 
 COLOURED = """
@@ -61,15 +56,6 @@ def coloured(folder: Path, stimulus: str) -> Path:
     return task
 
 
-@asynccontextmanager
-async def session_of(data: Path, folder: Path) -> AsyncIterator[AppDriver]:
-    catalogue = Catalogue(tasks=(folder.parent,))
-    task = catalogue.task(folder.name)
-    plan = Plan(task, build(task.Parameters, {"attempts": 1}), "calm", "P01", seed=7)
-    async with open_app(data, catalogue, plan) as driver:
-        yield driver
-
-
 @pytest.fixture
 def half_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
     """A terminal that shows pictures in half blocks."""
@@ -78,9 +64,9 @@ def half_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("half_blocks")
 async def test_a_picture_is_prepared_before_its_prompt_and_drawn_with_its_text(
-    data: Path, naming: Path, monkeypatch: pytest.MonkeyPatch
+    open_task: OpenSession, naming: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with session_of(data, naming) as driver:
+    async with open_task(naming, attempts=1) as driver:
         await driver.press("enter")
         order: list[str] = []
         driver.session.bus.subscribe(PROMPT, lambda _: order.append("prompt"))
@@ -92,7 +78,7 @@ async def test_a_picture_is_prepared_before_its_prompt_and_drawn_with_its_text(
         prompt = await driver.to_prompt()
         assert order == ["read", "prompt"]
         assert "▀" * 20 in driver.text
-        assert driver.sees("What is it?")
+        driver.see("What is it?")
         assert prompt.picture == f"pictures/{prompt.stimulus}.png"
         assert [each["picture"] for each in driver.messages("screen/shown")] == ["half blocks"]
         await driver.press(prompt.expected)
@@ -101,25 +87,23 @@ async def test_a_picture_is_prepared_before_its_prompt_and_drawn_with_its_text(
 
 
 @pytest.mark.usefixtures("half_blocks")
-async def test_a_picture_is_shown_in_a_task_with_a_view_of_its_own(
-    data: Path, naming: Path
-) -> None:
+async def test_a_picture_is_shown_beside_an_own_view(open_task: OpenSession, naming: Path) -> None:
     (naming / "view.py").write_text(
         "from sar_tui.api.view import TaskView\n\n\nclass NamingView(TaskView):\n"
         "    def prompt_lines(self, prompt, width, height):\n"
         '        return [("drawn" if prompt is None else prompt.text, True)]\n'
     )
-    async with session_of(data, naming) as driver:
+    async with open_task(naming, attempts=1) as driver:
         await driver.to_first_prompt()
         assert "▀" * 20 in driver.text
         assert driver.session.faults == []
 
 
 @pytest.mark.usefixtures("half_blocks")
-async def test_a_picture_that_goes_missing_in_a_session_is_replaced_by_its_glyph(
-    data: Path, naming: Path
+async def test_a_missing_picture_is_replaced_by_its_glyph(
+    open_task: OpenSession, naming: Path
 ) -> None:
-    async with session_of(data, naming) as driver:
+    async with open_task(naming, attempts=1) as driver:
         for picture in (naming / "pictures").iterdir():
             picture.unlink()
         prompt = await driver.to_first_prompt()
@@ -131,7 +115,9 @@ async def test_a_picture_that_goes_missing_in_a_session_is_replaced_by_its_glyph
 
 
 @pytest.mark.usefixtures("half_blocks")
-async def test_pictures_of_frames_are_prepared_and_drawn(data: Path, naming: Path) -> None:
+async def test_pictures_of_frames_are_prepared_and_drawn(
+    open_task: OpenSession, naming: Path
+) -> None:
     source = (naming / "task.py").read_text(encoding="utf-8")
     source = source.replace("import Metric", "import Frame, Metric").replace(
         'text="What is it?"', 'text="Naming"'
@@ -141,54 +127,52 @@ async def test_pictures_of_frames_are_prepared_and_drawn(data: Path, naming: Pat
         'frames=(Frame("+", 200), Frame(text="What is it?", picture=f"pictures/{thing}.png"))',
     )
     (naming / "task.py").write_text(source, encoding="utf-8")
-    async with session_of(data, naming) as driver:
+    async with open_task(naming, attempts=1) as driver:
         prompt = await driver.to_first_prompt()
-        assert not driver.sees("What is it?")
+        driver.lacks("What is it?")
         await driver.wait(250)
-        assert driver.sees("What is it?")
+        driver.see("What is it?")
         assert "▀" * 20 in driver.text
         await driver.press(prompt.expected)
-        assert [(each["frame"], each["picture"]) for each in driver.messages("screen/shown")] == [
-            (0, ""),
-            (1, "half blocks"),
-        ]
+        found = [(each["frame"], each["picture"]) for each in driver.messages("screen/shown")]
+        assert found == [(0, ""), (1, "half blocks")]
         assert driver.session.faults == []
 
 
-async def refusal(data: Path, folder: Path) -> str:
+async def refusal(open_task: OpenSession, folder: Path) -> str:
     """The sentence with which the app ends instead of beginning a session."""
-    async with session_of(data, folder) as driver:
+    async with open_task(folder, attempts=1) as driver:
         assert driver.app.live is None
         return driver.app.failure
 
 
 async def test_a_session_does_not_begin_without_its_pictures(
-    data: Path, naming: Path, monkeypatch: pytest.MonkeyPatch
+    open_task: OpenSession, naming: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (naming / "pictures" / "banana.png").write_bytes(b"no picture")
-    assert (
-        await refusal(data, naming)
-        == "The picture banana.png cannot be read (UnidentifiedImageError)."
-    )
+    found = await refusal(open_task, naming)
+    assert found == "The picture banana.png cannot be read (UnidentifiedImageError)."
     (naming / "pictures" / "banana.png").unlink()
-    assert await refusal(data, naming) == f"There is no picture pictures/banana.png in {naming}."
+    assert (
+        await refusal(open_task, naming) == f"There is no picture pictures/banana.png in {naming}."
+    )
     monkeypatch.setattr("sar_tui.app.prompt_needs.has_pictures_extra", lambda: False)
-    assert await refusal(data, naming) == no_package()
+    assert await refusal(open_task, naming) == no_package()
 
 
-async def test_a_session_does_not_begin_with_a_picture_from_elsewhere(
-    data: Path, naming: Path
+async def test_no_session_begins_with_a_picture_from_elsewhere(
+    open_task: OpenSession, naming: Path
 ) -> None:
     source = (naming / "task.py").read_text(encoding="utf-8").replace('f"pictures/', 'f"../')
     (naming / "task.py").write_text(source, encoding="utf-8")
-    assert "is outside the task's folder" in await refusal(data, naming)
+    assert "is outside the task's folder" in await refusal(open_task, naming)
 
 
 async def test_documented_prompts_have_the_colours_that_they_name(
-    data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    open_task: OpenSession, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLORTERM", "truecolor")
-    async with session_of(data, write_documented(tmp_path / "mytasks", "stroop")) as driver:
+    async with open_task(write_documented(tmp_path / "mytasks", "stroop"), attempts=1) as driver:
         prompt = await driver.to_first_prompt()
         word, ink = prompt.stimulus.split(" in ")
         assert (prompt.glyph, prompt.colour, prompt.expected) == (word.upper(), ink, ink[0])
@@ -209,10 +193,10 @@ async def test_documented_prompts_have_the_colours_that_they_name(
         assert driver.session.faults == []
 
 
-async def test_one_participant_sees_a_colour_in_a_half_of_the_screen(
-    data: Path, tmp_path: Path
+async def test_one_participant_sees_a_colour_in_a_half(
+    open_task: OpenSession, tmp_path: Path
 ) -> None:
-    async with session_of(data, coloured(tmp_path, SIDES.replace("COLOUR", "blue"))) as driver:
+    async with open_task(coloured(tmp_path, SIDES.replace("COLOUR", "blue")), attempts=1) as driver:
         await driver.to_first_prompt()
         drawn = [row for row in driver.rows if "█" in row]
         assert drawn
@@ -223,21 +207,17 @@ async def test_one_participant_sees_a_colour_in_a_half_of_the_screen(
 
 
 async def test_a_session_with_colours_begins_only_where_there_are_colours(
-    data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    open_task: OpenSession, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pink = coloured(tmp_path / "pink", SIDES.replace("COLOUR", "pink"))
-    assert "There is no colour 'pink'" in await refusal(data, pink)
+    assert "There is no colour 'pink'" in await refusal(open_task, pink)
     monkeypatch.setenv("NO_COLOR", "1")
-    assert (
-        await refusal(data, coloured(tmp_path / "blue", SIDES.replace("COLOUR", "blue")))
-        == NO_COLOR
-    )
+    found = await refusal(open_task, coloured(tmp_path / "blue", SIDES.replace("COLOUR", "blue")))
+    assert found == NO_COLOR
 
 
-async def test_a_prompt_without_colour_and_picture_is_stored_as_before(
-    data: Path, tmp_path: Path
-) -> None:
-    async with session_of(data, coloured(tmp_path, SIDES.replace("COLOUR", ""))) as driver:
+async def test_a_plain_prompt_is_stored_as_before(open_task: OpenSession, tmp_path: Path) -> None:
+    async with open_task(coloured(tmp_path, SIDES.replace("COLOUR", "")), attempts=1) as driver:
         await driver.to_first_prompt()
         await driver.press("r")
         ((stored,),) = driver.stored(

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from textual.geometry import Region
 
-from tests.app.app_driver import AppDriver, OpenApp, OpenSession
+from tests.app.app_driver import AppDriver, OpenSession
 
 _UNSTYLED = "c5c8c6"
 """Rich's name for no colour at all, in a picture."""
@@ -26,42 +26,33 @@ def count_frames(driver: AppDriver, monkeypatch: pytest.MonkeyPatch) -> list[obj
     return frames
 
 
-async def test_no_frame_is_drawn_between_a_prompt_and_its_response(
-    open_session: OpenSession, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async with open_session() as driver:
-        prompt = await driver.to_first_prompt()
-        frames = count_frames(driver, monkeypatch)
-        for _ in range(20):
-            await driver.wait(200)
-        assert frames == []
-        await driver.press(prompt.expected)
-        assert frames != []
+async def test_a_prompt_stands_still(driver: AppDriver, monkeypatch: pytest.MonkeyPatch) -> None:
+    prompt = await driver.to_first_prompt()
+    frames = count_frames(driver, monkeypatch)
+    for _ in range(20):
+        await driver.wait(200)
+    assert frames == []
+    await driver.press(prompt.expected)
+    assert frames != []
 
 
-async def test_a_prompt_repaints_its_own_region_only(
-    open_session: OpenSession, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async with open_session() as driver:
-        first = await driver.to_first_prompt()
-        await driver.answer(first)
-        frames = count_frames(driver, monkeypatch)
-        await driver.to_prompt()
-        assert len(frames) == 1
-        stage = driver.app.screen.query_one("#prompt").region
-        spans = frames[0].spans  # type: ignore[attr-defined]
-        assert all(
-            stage.contains_region(Region(left, y, right - left, 1)) for y, left, right in spans
-        )
+async def test_a_prompt_repaints_itself(driver: AppDriver, monkeypatch: pytest.MonkeyPatch) -> None:
+    first = await driver.to_first_prompt()
+    await driver.answer(first)
+    frames = count_frames(driver, monkeypatch)
+    await driver.to_prompt()
+    assert len(frames) == 1
+    stage = driver.app.screen.query_one("#prompt").region
+    spans = frames[0].spans  # type: ignore[attr-defined]
+    assert all(stage.contains_region(Region(left, y, right - left, 1)) for y, left, right in spans)
 
 
-async def test_no_widget_of_a_session_is_animated(open_session: OpenSession) -> None:
-    async with open_session() as driver:
-        await driver.to_first_prompt()
-        assert not driver.app.animator._animations
-        for widget in driver.app.screen.walk_children(with_self=True):
-            assert widget.auto_refresh is None, widget
-            assert not [timer for timer in widget._timers if timer._active.is_set()], widget
+async def test_no_widget_of_a_session_is_animated(driver: AppDriver) -> None:
+    await driver.to_first_prompt()
+    assert not driver.app.animator._animations
+    for widget in driver.app.screen.walk_children(with_self=True):
+        assert widget.auto_refresh is None, widget
+        assert not [timer for timer in widget._timers if timer._active.is_set()], widget
 
 
 async def test_no_garbage_is_collected_while_a_response_is_awaited(
@@ -95,16 +86,14 @@ async def test_no_color_is_respected_and_the_text_stays_the_same(
         await driver.press("escape")
         grey.append(_is_grey(driver))
         await driver.press("enter")
-        await driver.do_attempt(await driver.to_prompt())
-        await driver.see_the_summary()
-        assert driver.sees("● reached")
+        await driver.finish(await driver.to_prompt())
+        driver.see("● reached")
         grey.append(_is_grey(driver))
         assert grey == [True] * 4
 
 
-async def test_there_is_colour_without_no_color(opened: OpenApp) -> None:
-    async with opened() as driver:
-        assert not _is_grey(driver)
+async def test_there_is_colour_without_no_color(first_run: AppDriver) -> None:
+    assert not _is_grey(first_run)
 
 
 def _is_grey(driver: AppDriver) -> bool:

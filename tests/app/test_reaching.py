@@ -2,6 +2,7 @@
 simulated.
 """
 
+import functools
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -18,13 +19,11 @@ from sar_tui.model.messages import SensorChanged, SensorState
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.sensors import sensor_nodes
-from tests.app.app_driver import AppDriver, open_app, stored
+from tests.app.app_driver import AppDriver, OpenApp, OpenSession, open_app, stored
 
 
 @asynccontextmanager
-async def at_the_table(
-    data: Path, catalogue: Catalogue, **parameters: Any
-) -> AsyncIterator[AppDriver]:
+async def sit_down(data: Path, catalogue: Catalogue, **parameters: Any) -> AsyncIterator[AppDriver]:
     """Start a session of two attempts of one reach, after the sensor check."""
     settings = {"attempts": 2, "imu": "simulated", **parameters}
     async with open_app(
@@ -32,7 +31,18 @@ async def at_the_table(
     ) as driver:
         await driver.wait(300)
         await driver.press("enter")
-        assert driver.sees("Rest your hand with the sensor at the start.")
+        driver.see("Rest your hand with the sensor at the start.")
+        yield driver
+
+
+@pytest.fixture
+def at_the_table(data: Path, catalogue: Catalogue) -> OpenSession:
+    return functools.partial(sit_down, data, catalogue)
+
+
+@pytest.fixture
+async def table(at_the_table: OpenSession) -> AsyncIterator[AppDriver]:
+    async with at_the_table() as driver:
         yield driver
 
 
@@ -62,28 +72,24 @@ async def sensor(driver: AppDriver, state: SensorState, detail: str = "") -> Non
     await driver.settle()
 
 
-async def test_a_session_of_reaches_from_the_instructions_to_the_summary(
-    data: Path, catalogue: Catalogue
-) -> None:
-    async with at_the_table(data, catalogue) as driver:
+async def test_a_session_of_reaches(at_the_table: OpenSession) -> None:
+    async with at_the_table() as driver:
         await driver.press("enter")
-        assert driver.sees("To marker 1 (15 cm) and back.")
-        assert driver.sees("Your goal: less than 1.20 seconds.")
+        driver.see("To marker 1 (15 cm) and back.", "Your goal: less than 1.20 seconds.")
         await to_start(driver)
-        assert driver.sees("Ready?")
-        assert driver.sees("Rest your hand at the start. Then reach to marker 1 (15 cm) and back.")
-        assert driver.sees("Press Space to start.")
+        driver.see("Ready?")
+        driver.see("Rest your hand at the start. Then reach to marker 1 (15 cm) and back.")
+        driver.see("Press Space to start.")
         assert "Reach: " not in driver.text
 
         await driver.press("space")
         assert [row.strip() for row in driver.rows].count("Reach: 15 cm") == 1
-        assert not driver.sees("Ready?")
+        driver.lacks("Ready?")
         await driver.wait(2400)
         await driver.press("space")
         await driver.wait(1500)
         assert "Reach: " not in driver.text
-        assert driver.sees("Reaches 1 of 1")
-        assert driver.sees("Attempts 1 of 2")
+        driver.see("Reaches 1 of 1", "Attempts 1 of 2")
         assert driver.waiting.stage == "attempt"
         assert all(driver.sees(words) for words in ("rad/s", " out ", " back ")), (
             "the reach is drawn"
@@ -91,122 +97,99 @@ async def test_a_session_of_reaches_from_the_instructions_to_the_summary(
 
         await to_start(driver)
         await reach(driver)
-        assert driver.sees("That was the last attempt.")
-        assert driver.sees("Press Enter to see how it went.")
+        driver.see("That was the last attempt.", "Press Enter to see how it went.")
         await driver.see_the_summary()
-        assert driver.sees("You did 2 attempts")
+        driver.see("You did 2 attempts")
         assert [fault.error for fault in driver.session.faults] == []
         await driver.press("enter")
         assert driver.app.return_code == 0
-    assert stored(data, "SELECT status FROM sessions") == [("completed",)]
-    rows = stored(data, "SELECT attempt, correct, reaction_time_ms, details FROM trials")
-    assert [(attempt, correct, time) for attempt, correct, time, _ in rows] == [
-        (1, 1, None),
-        (2, 1, None),
-    ]
+    assert driver.stored("SELECT status FROM sessions") == [("completed",)]
+    rows = driver.stored("SELECT attempt, correct, reaction_time_ms, details FROM trials")
+    found = [(attempt, correct, time) for attempt, correct, time, _ in rows]
+    assert found == [(1, 1, None), (2, 1, None)]
     assert all(500 < msgspec.json.decode(details)["reach_time_ms"] < 3000 for *_, details in rows)
-    assert stored(data, "SELECT sum(n) > 2000 FROM imu_chunks") == [(1,)]
+    assert driver.stored("SELECT sum(n) > 2000 FROM imu_chunks") == [(1,)]
 
 
-async def test_a_participant_may_take_their_time_before_each_reach(
-    data: Path, catalogue: Catalogue
-) -> None:
-    async with at_the_table(data, catalogue) as driver:
-        await to_start(driver)
-        await driver.wait(60_000)
-        assert driver.sees("Press Space to start.")
-        await driver.press("x", "enter")
-        assert driver.sees("Press Space to start.")
-        assert driver.stored("SELECT count(*) FROM trials") == [(0,)]
+async def test_a_participant_may_take_their_time(table: AppDriver) -> None:
+    await to_start(table)
+    await table.wait(60_000)
+    table.see("Press Space to start.")
+    await table.press("x", "enter")
+    table.see("Press Space to start.")
+    assert table.stored("SELECT count(*) FROM trials") == [(0,)]
 
 
-async def test_a_participant_who_presses_enter_is_asked_for_space(
-    data: Path, catalogue: Catalogue
-) -> None:
-    async with at_the_table(data, catalogue) as driver:
-        await driver.press("enter")
-        await driver.wait(300)
-        await driver.press("space")
-        assert driver.sees("Press Enter to begin attempt 1 of 2. (Space comes later.)")
-        await driver.press("enter")
-        await driver.wait(3000)
-        assert driver.sees("Press Space to start.")
-        assert not driver.sees("comes later")
-        await driver.press("enter")
-        assert driver.sees("Press Space to start. (Enter comes later.)")
+async def test_who_presses_enter_is_asked_for_space(table: AppDriver) -> None:
+    await table.press("enter")
+    await table.wait(300)
+    await table.press("space")
+    table.see("Press Enter to begin attempt 1 of 2. (Space comes later.)")
+    await table.press("enter")
+    await table.wait(3000)
+    table.see("Press Space to start.")
+    table.lacks("comes later")
+    await table.press("enter")
+    table.see("Press Space to start. (Enter comes later.)")
 
 
-async def test_a_detached_sensor_is_reported_and_the_session_continues_by_itself(
-    data: Path, catalogue: Catalogue
-) -> None:
-    async with at_the_table(data, catalogue) as driver:
-        await to_start(driver)
-        await driver.press("space")
-        assert "Reach: 15 cm" in driver.text
-        await driver.wait(300)
-        await sensor(driver, "detached", "The sensor was unplugged.")
-        assert driver.sees("Please wait")
-        assert driver.sees("For the experimenter: The sensor was unplugged.")
-        assert driver.sees("The session goes on by itself")
-        assert "Reach: " not in driver.text
-        assert "Enter" not in driver.text
-        await driver.press("enter", "space")
-        assert driver.sees("Please wait")
-        await sensor(driver, "attached")
-        assert not driver.sees("Please wait")
-        assert driver.sees("Press Space to start.")
-        await driver.wait(3000)
-        await reach(driver)
-        assert driver.stored("SELECT trial, correct FROM trials") == [(1, 1)]
+async def test_a_detached_sensor_holds_the_session(table: AppDriver) -> None:
+    await to_start(table)
+    await table.press("space")
+    assert "Reach: 15 cm" in table.text
+    await table.wait(300)
+    await sensor(table, "detached", "The sensor was unplugged.")
+    table.see("Please wait", "The sensor was unplugged.", "The session goes on by itself")
+    assert "Reach: " not in table.text
+    assert "Enter" not in table.text
+    await table.press("enter", "space")
+    table.see("Please wait")
+    await sensor(table, "attached")
+    table.see("Press Space to start.")
+    table.lacks("Please wait")
+    await table.wait(3000)
+    await reach(table)
+    assert table.stored("SELECT trial, correct FROM trials") == [(1, 1)]
 
 
-async def test_a_sensor_detached_between_attempts_is_reported_too(
-    data: Path, catalogue: Catalogue
-) -> None:
-    async with at_the_table(data, catalogue) as driver:
-        await driver.press("enter")
-        await sensor(driver, "stalled")
-        assert driver.sees("Please wait")
-        assert driver.sees("For the experimenter: The sensor sends nothing. Check its cable.")
-        await sensor(driver, "flowing")
-        assert driver.sees("Press Enter to begin attempt 1 of 2.")
+async def test_a_sensor_stalled_between_attempts_is_told(table: AppDriver) -> None:
+    await table.press("enter")
+    await sensor(table, "stalled")
+    table.see("Please wait", "For the experimenter: The sensor sends nothing.")
+    await sensor(table, "flowing")
+    table.see("Press Enter to begin attempt 1 of 2.")
 
 
-async def test_a_reach_that_the_sensor_missed_is_repeated(data: Path, catalogue: Catalogue) -> None:
-    async with at_the_table(data, catalogue) as driver:
-        await to_start(driver)
-        await driver.press("space")
-        source: Any = next(node for node in driver.session.nodes if node.name == "imu")
-        sink = source.feed.source._sink
-        await driver.wait(500)
-        source.feed.source._sink = lambda sample: None
-        await driver.wait(300)
-        source.feed.source._sink = sink
-        await driver.wait(1700)
-        await driver.press("space")
-        await driver.wait(1500)
-        assert driver.sees("Once more")
-        assert driver.sees("The sensor missed a part of that reach, so it does not count.")
-        assert driver.sees("Press Space to start.")
-        assert driver.stored("SELECT count(*) FROM trials") == [(0,)]
+async def test_a_reach_that_the_sensor_missed_is_repeated(table: AppDriver) -> None:
+    await to_start(table)
+    await table.press("space")
+    source: Any = next(node for node in table.session.nodes if node.name == "imu")
+    sink = source.feed.source._sink
+    await table.wait(500)
+    source.feed.source._sink = lambda sample: None
+    await table.wait(300)
+    source.feed.source._sink = sink
+    await table.wait(1700)
+    await table.press("space")
+    await table.wait(1500)
+    table.see("Once more", "The sensor missed a part", "Press Space to start.")
+    assert table.stored("SELECT count(*) FROM trials") == [(0,)]
 
 
-async def test_a_therapist_marks_the_reach_under_way_or_the_last(
-    data: Path, catalogue: Catalogue
-) -> None:
-    async with at_the_table(data, catalogue, reaches_per_attempt=3, attempts=1) as driver:
+async def test_a_therapist_marks_a_reach(at_the_table: OpenSession) -> None:
+    async with at_the_table(reaches_per_attempt=3, attempts=1) as driver:
         await to_start(driver)
         await driver.press("space")
         await driver.wait(500)
         await driver.press("f9")
-        assert driver.sees("Marked: assisted")
+        driver.see("Marked: assisted")
         assert "Reach: 15 cm" in driver.text, "the reach goes on"
         await driver.wait(2300)
         await driver.press("space")
         await driver.wait(1500)
         await reach(driver)
         await driver.press("f8")
-        assert driver.sees("Marked: compensated")
+        driver.see("Marked: compensated")
         await reach(driver)
         assert driver.waiting.stage == "review"
         await driver.press("f7")
@@ -224,15 +207,11 @@ async def test_a_therapist_marks_the_reach_under_way_or_the_last(
         assert not {"f7", "f8", "f9"} & {press["key"] for press in driver.messages("input/key")}
 
 
-async def test_with_a_signal_the_screen_is_quiet_until_it_says_go(
-    data: Path, catalogue: Catalogue
-) -> None:
-    async with at_the_table(
-        data, catalogue, go_signal=True, foreperiod_min_ms=900, foreperiod_max_ms=900
-    ) as driver:
+async def test_quiet_until_go(at_the_table: OpenSession, data: Path, catalogue: Catalogue) -> None:
+    async with at_the_table(go_signal=True, foreperiod_min_ms=900, foreperiod_max_ms=900) as driver:
         await to_start(driver)
         await driver.press("space")
-        assert not driver.sees("Ready?")
+        driver.lacks("Ready?")
         await driver.wait(1300)
         assert "Reach: " not in driver.text
         await driver.wait(200)
@@ -247,15 +226,13 @@ async def test_with_a_signal_the_screen_is_quiet_until_it_says_go(
 
 async def do_first_attempt(data: Path, catalogue: Catalogue) -> list[tuple[Any, ...]]:
     """Make one reach, leave, and return what was stored of it."""
-    async with at_the_table(data, catalogue) as driver:
+    async with sit_down(data, catalogue) as driver:
         await to_start(driver)
         await reach(driver)
         return driver.stored("SELECT trial, onset_ns, response_ns, details FROM trials")
 
 
-async def test_with_the_same_seed_a_simulated_hand_makes_the_same_reach(
-    tmp_path: Path, catalogue: Catalogue
-) -> None:
+async def test_a_seed_makes_the_same_reach_again(tmp_path: Path, catalogue: Catalogue) -> None:
     first, second = [
         await do_first_attempt(tmp_path / name, catalogue) for name in ("first", "second")
     ]
@@ -265,7 +242,7 @@ async def test_with_the_same_seed_a_simulated_hand_makes_the_same_reach(
 
 @pytest.mark.slow
 async def test_a_resumed_session_moves_the_simulated_hand_by_its_stored_seed(
-    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+    opened: OpenApp, data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     await do_first_attempt(data, catalogue)
     seeds = []
@@ -276,8 +253,8 @@ async def test_a_resumed_session_moves_the_simulated_hand_by_its_stored_seed(
 
     monkeypatch.setattr("sar_tui.runs.sensors.sensor_nodes", spied)
     ((session,),) = stored(data, "SELECT id FROM sessions")
-    async with open_app(data, catalogue, session) as driver:
-        assert driver.sees("Welcome back")
+    async with opened(session) as driver:
+        driver.see("Welcome back")
     assert seeds == [7]
 
 
@@ -285,10 +262,8 @@ def footer(driver: AppDriver) -> str:
     return driver.rows[-1]
 
 
-async def test_a_mark_is_replaced_only_if_the_other_key_is_pressed_twice(
-    data: Path, catalogue: Catalogue
-) -> None:
-    async with at_the_table(data, catalogue, reaches_per_attempt=2, attempts=1) as driver:
+async def test_a_mark_is_replaced_by_pressing_twice(at_the_table: OpenSession) -> None:
+    async with at_the_table(reaches_per_attempt=2, attempts=1) as driver:
         await to_start(driver)
         await driver.press("space")
         await driver.wait(500)
@@ -303,13 +278,13 @@ async def test_a_mark_is_replaced_only_if_the_other_key_is_pressed_twice(
         await driver.wait(1500)
         assert driver.stored("SELECT json_extract(details, '$.mark') FROM trials") == [("missed",)]
         await driver.press("f8")
-        assert driver.sees("Marked: compensated · Attempt 1 of 1")
+        driver.see("Marked: compensated · Attempt 1 of 1")
         assert driver.stored("SELECT json_extract(details, '$.mark') FROM trials") == [
             ("compensated",)
         ]
         await driver.wait(300)
         await driver.press("f8")
-        assert not driver.sees("Marked")
+        driver.lacks("Marked")
         await driver.wait(300)
         await driver.press("f9")
         assert driver.sees("Marked: assisted"), "the mark was removed, so nothing is replaced"
@@ -317,7 +292,7 @@ async def test_a_mark_is_replaced_only_if_the_other_key_is_pressed_twice(
         await driver.wait(500)
         assert not driver.sees("Marked"), "this is another reach"
         await driver.press("f7")
-        assert driver.sees("Marked: marker missed")
+        driver.see("Marked: marker missed")
         await driver.wait(2300)
         await driver.press("space")
         await driver.wait(1500)
@@ -328,60 +303,52 @@ async def test_a_mark_is_replaced_only_if_the_other_key_is_pressed_twice(
         assert not driver.sees("Marked"), "also after the last attempt, a removed mark disappears"
 
 
-async def test_the_keys_that_mark_are_named_in_the_help_and_for_the_therapist_but_not_in_the_footer(
-    data: Path, catalogue: Catalogue
-) -> None:
-    async with at_the_table(data, catalogue, attempts=2) as driver:
+async def test_the_marks_are_in_the_help_not_in_the_footer(at_the_table: OpenSession) -> None:
+    async with at_the_table(attempts=2) as driver:
         await to_start(driver)
         await reach(driver)
         assert "Esc Pause" in footer(driver)
-        assert not driver.sees("F7")
+        driver.lacks("F7")
         await driver.press("f1")
-        assert driver.sees("F7 marker missed, F8 compensated, F9 assisted.")
+        driver.see("F7 marker missed, F8 compensated, F9 assisted.")
         await driver.press("enter", "escape")
-        assert not driver.sees("F7")
+        driver.lacks("F7")
         await driver.press("up", "enter")
-        assert driver.sees("F7 marker missed, F8 compensated, F9 assisted.")
+        driver.see("F7 marker missed, F8 compensated, F9 assisted.")
 
 
-async def test_the_mark_of_the_last_reach_is_shown_again_after_an_aborted_one(
-    data: Path, catalogue: Catalogue
-) -> None:
-    async with at_the_table(data, catalogue, reaches_per_attempt=2, attempts=1) as driver:
+async def test_a_mark_is_shown_after_an_aborted_reach(at_the_table: OpenSession) -> None:
+    async with at_the_table(reaches_per_attempt=2, attempts=1) as driver:
         await to_start(driver)
         await reach(driver)
-        await driver.press("f9")
-        await driver.press("space")
+        await driver.press("f9", "space")
         await driver.wait(500)
         await driver.press("f7", "escape")
         assert driver.sees("Marked: assisted"), (
             "a pause aborts a reach and its mark; what is marked is the last reach"
         )
-        await driver.press("enter")
-        await driver.press("f8")
-        assert driver.sees("Marked: assisted · F8 again: compensated instead")
+        await driver.press("enter", "f8")
+        driver.see("Marked: assisted · F8 again: compensated instead")
         assert driver.stored("SELECT trial, json_extract(details, '$.mark') FROM trials") == [
             (1, "assisted")
         ]
 
 
 @pytest.mark.slow
-async def test_a_resumed_session_shows_the_mark_of_the_last_reach(
-    data: Path, catalogue: Catalogue
-) -> None:
-    async with at_the_table(data, catalogue, attempts=3) as driver:
+async def test_a_resumed_session_shows_a_mark(at_the_table: OpenSession, opened: OpenApp) -> None:
+    async with at_the_table(attempts=3) as driver:
         await to_start(driver)
         await reach(driver)
         await driver.press("f9")
-        assert driver.sees("Marked: assisted")
+        driver.see("Marked: assisted")
         session = driver.session_id
-    async with open_app(data, catalogue, session) as driver:
-        assert driver.sees("Welcome back")
+    async with opened(session) as driver:
+        driver.see("Welcome back")
         await driver.wait(300)
         await driver.press("enter")
-        assert driver.sees("Marked: assisted")
+        driver.see("Marked: assisted")
         await driver.press("f8")
-        assert driver.sees("Marked: assisted · F8 again: compensated instead")
+        driver.see("Marked: assisted · F8 again: compensated instead")
         assert driver.stored("SELECT json_extract(details, '$.mark') FROM trials") == [
             ("assisted",)
         ]

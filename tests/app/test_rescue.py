@@ -7,6 +7,7 @@ import os
 import sqlite3
 from contextlib import closing
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -21,7 +22,7 @@ from sar_tui.plugins import Catalogue
 from sar_tui.store import participants
 from sar_tui.store.database import FILE, connect, open_file
 from sar_tui.store.rescue import rescue_files
-from tests.app.app_driver import OpenApp, OpenSession, known, plan
+from tests.app.app_driver import AppDriver, OpenApp, OpenSession, plan
 
 posix = pytest.mark.skipif(os.name != "posix", reason="Windows does not remove a file that is open")
 WHERE = (
@@ -35,27 +36,22 @@ def delete(data: Path) -> None:
         path.unlink()
 
 
-async def test_a_session_that_goes_on_elsewhere_pauses_and_says_so(
-    open_session: OpenSession,
-) -> None:
-    async with open_session() as driver:
-        prompt = await driver.to_first_prompt()
-        driver.session.bus.post(STORAGE, StorageChanged(working=True, reason=WHERE))
-        await driver.settle()
-        assert driver.sees("Everything is saved again.")
-        assert driver.sees(f"For the experimenter: {WHERE}")
-        assert driver.sees("Press Enter to go on.")
-        await driver.press("enter")
-        assert (await driver.to_prompt()).text == prompt.text
+async def test_a_session_that_goes_on_elsewhere_pauses_and_says_so(driver: AppDriver) -> None:
+    prompt = await driver.to_first_prompt()
+    driver.session.bus.post(STORAGE, StorageChanged(working=True, reason=WHERE))
+    await driver.settle()
+    driver.see("Everything is saved again.", f"For the experimenter: {WHERE}")
+    driver.see("Press Enter to go on.")
+    await driver.press("enter")
+    assert (await driver.to_prompt()).text == prompt.text
 
 
-async def test_a_pause_by_the_participant_gives_way_to_the_news(open_session: OpenSession) -> None:
-    async with open_session() as driver:
-        await driver.to_first_prompt()
-        await driver.press("escape")
-        driver.session.bus.post(STORAGE, StorageChanged(working=True, reason=WHERE))
-        await driver.settle()
-        assert driver.sees(f"For the experimenter: {WHERE}")
+async def test_a_pause_by_the_participant_gives_way_to_the_news(driver: AppDriver) -> None:
+    await driver.to_first_prompt()
+    await driver.press("escape")
+    driver.session.bus.post(STORAGE, StorageChanged(working=True, reason=WHERE))
+    await driver.settle()
+    driver.see(f"For the experimenter: {WHERE}")
 
 
 async def _settled(app: SarTui, is_so: Any) -> None:
@@ -148,7 +144,7 @@ async def test_the_screen_stays_until_the_session_is_written(
     monkeypatch.setattr(LiveSession, "is_written", wait)
     async with open_session() as driver:
         await driver.press("ctrl+c")
-        assert driver.sees("One moment… Your results are being saved.")
+        driver.see("One moment… Your results are being saved.")
         await driver.press("ctrl+c", "enter")
         assert driver.app.is_running
         is_written.set()
@@ -158,17 +154,14 @@ async def test_the_screen_stays_until_the_session_is_written(
 def test_the_exit_code_reports_a_session_that_is_not_in_the_database(
     data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    class Rescued:
-        unsaved, rescued, can_be_joined, is_mistake = 0, WHERE, False, False
-        run = type(
-            "Run", (), {"id": "x", "session": type("Session", (), {"ended": True, "broken": None})}
-        )
-        is_closed, is_mistake, trouble = True, False, ""
-
-        def close(self, app: SarTui) -> None: ...
+    rescued = SimpleNamespace(
+        unsaved=0, rescued=WHERE, can_be_joined=False, is_mistake=False, is_closed=True, trouble="",
+        run=SimpleNamespace(id="x"), session=SimpleNamespace(ended=True, broken=None),
+        close=lambda app: None,
+    )  # fmt: skip
 
     async def left(app: SarTui) -> None:
-        app.live = Rescued()  # type: ignore[assignment]
+        app.live = rescued  # type: ignore[assignment]
 
     monkeypatch.setattr(app_module.SarTui, "run_async", left)
     monkeypatch.setattr("sar_tui.tui.base_app.stamp_keys_as_read", lambda: None)
@@ -176,21 +169,17 @@ def test_the_exit_code_reports_a_session_that_is_not_in_the_database(
 
 
 @posix
-async def test_the_home_screen_opens_a_database_anew_that_was_removed(
-    opened: OpenApp, data: Path
-) -> None:
-    known(data, "P01")
-    async with opened() as driver:
-        await driver.press("f2")
-        delete(data)
-        await driver.press("escape")
-        assert driver.sees("was removed while it was in use.")
-        participants.add(driver.app.database, "P02")
-        with closing(connect(data)) as database:
-            assert participants.codes(database) == ["P02"]
+async def test_home_opens_a_removed_database_anew(home: AppDriver, data: Path) -> None:
+    await home.press("f2")
+    delete(data)
+    await home.press("escape")
+    home.see("was removed while it was in use.")
+    participants.add(home.app.database, "P02")
+    with closing(connect(data)) as database:
+        assert participants.codes(database) == ["P02"]
 
 
 async def test_the_home_screen_says_that_a_rescue_file_waits(opened: OpenApp, data: Path) -> None:
     open_file(data / "sar-tui-rescue-0123456789.db").close()
     async with opened(size=(120, 40)) as driver:
-        assert driver.sees("`sar-tui rescue` brings it back.")
+        driver.see("`sar-tui rescue` brings it back.")

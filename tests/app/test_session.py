@@ -7,64 +7,47 @@ import pytest
 from textual.widget import Widget
 
 from sar_tui.app import session_start
-from sar_tui.loop.task import Task
 from sar_tui.model.messages import SessionCommand
-from sar_tui.plugins import Catalogue
-from sar_tui.rules.parameters import build
-from sar_tui.runs.plan import Plan
-from tests.app.app_driver import AppDriver, OpenApp, OpenSession, known, open_app, plan, stored
+from tests.app.app_driver import AppDriver, OpenApp, OpenSession, known
 from tests.documented import write_documented
+from tests.edit import edit
 from tests.examples import first
 from tests.runs.test_resume import interrupted
-from tests.tasks.test_documented_tasks import documented
 
 
-async def test_a_session_from_the_instructions_to_the_summary(
-    open_session: OpenSession, data: Path
-) -> None:
+async def test_a_session_from_start_to_summary(open_session: OpenSession) -> None:
     async with open_session() as driver:
-        assert driver.sees("Press that key as fast as you can, and then wait for the next one.")
-        assert driver.sees("An attempt asks for 2 keys.")
-        assert driver.sees("Press Enter to go on.")
+        driver.see("Press that key as fast as you can, and then wait for the next one.")
+        driver.see("An attempt asks for 2 keys.", "Press Enter to go on.")
 
         await driver.press("enter")
-        assert driver.sees("Attempt 1 of 2 · level 1")
-        assert driver.sees(
-            "press the right key in less than 1 second on average, with 2 of 2 right."
-        )
-        assert driver.sees("Press Enter to begin attempt 1 of 2.")
+        driver.see("Attempt 1 of 2 · level 1")
+        driver.see("press the right key in less than 1 second on average, with 2 of 2 right.")
+        driver.see("Press Enter to begin attempt 1 of 2.")
 
         await driver.do_attempt(await driver.begin())
-        assert driver.sees("Keys 2 of 2")
-        assert driver.sees("Attempts 1 of 2")
+        driver.see("Keys 2 of 2", "Attempts 1 of 2")
         assert "0.40 seconds" in driver.said
         assert "you ━━━━━━━━━━━━━━──────────────────────┊ goal: less than 1 second ✓" in driver.text
-        assert driver.sees("Attempt 2 of 2 · level 2")
-        assert driver.sees("Press Enter for attempt 2 of 2.")
+        driver.see("Attempt 2 of 2 · level 2", "Press Enter for attempt 2 of 2.")
 
         await driver.do_attempt(await driver.begin())
         assert driver.waiting.stage == "review"
-        assert driver.sees("All done That was the last attempt. Press Enter to see how it went.")
-        assert driver.sees("Attempt 2 of 2 · level 2")
-        assert driver.sees("Attempts 2 of 2")
+        driver.see("All done That was the last", "Attempt 2 of 2 · level 2", "Attempts 2 of 2")
         assert "0.40 seconds" in driver.messages("arbiter/action")[-1]["text"]
         assert driver.messages("arbiter/action")[-1]["text"] in driver.said
         assert not driver.session.ended
 
         await driver.see_the_summary()
         assert driver.session.ended
-        assert driver.sees(
-            "You did 2 attempts; goal reached in 2. Best: 0.40 seconds. Highest level: 2."
-        )
-        assert driver.sees("● reached")
-        assert driver.sees("Press Enter to finish.")
+        driver.see("You did 2 attempts; goal reached in 2. Best: 0.40 seconds. Highest level: 2.")
+        driver.see("● reached", "Press Enter to finish.")
         await driver.press("enter")
         assert not driver.app.is_running
         assert driver.app.return_code == 0
-    assert stored(data, "SELECT status FROM sessions") == [("completed",)]
-    assert stored(
-        data,
-        "SELECT count(*), sum(correct), min(reaction_time_ms), max(reaction_time_ms) FROM trials",
+    assert driver.stored("SELECT status FROM sessions") == [("completed",)]
+    assert driver.stored(
+        "SELECT count(*), sum(correct), min(reaction_time_ms), max(reaction_time_ms) FROM trials"
     ) == [(4, 4, 400.0, 400.0)]
 
 
@@ -96,59 +79,21 @@ async def test_a_prompt_without_a_response_times_out(open_session: OpenSession) 
         ]
 
 
-async def test_every_screen_that_waits_for_enter_says_so(open_session: OpenSession) -> None:
-    async with open_session(attempts=1, practice_attempts=1) as driver:
-        assert "Enter" in driver.text  # the instructions
-        await driver.press("enter")
-        assert "Enter" in driver.text  # before the practice attempt
-        await driver.begin()
-        assert "Enter" not in driver.text
-        await driver.press("escape")
-        assert "Enter" in driver.text  # the pause
-        for choice in ("tired", "pain", "finished"):
-            await driver.press("down", "enter")
-            assert driver.waiting.reason == choice
-            assert "Enter" in driver.text
-        await driver.press("enter")
-        await driver.to_prompt()
-        await driver.disk(False)
-        await driver.disk(True)
-        assert "Enter" in driver.text  # the disk works again
-        await driver.press("enter")
-        await driver.do_attempt(await driver.to_prompt())
-        assert "Enter" in driver.text  # between attempts
-        await driver.do_attempt(await driver.begin())
-        assert driver.sees("Press Enter to see how it went.")  # after the last attempt
-        await driver.see_the_summary()
-        assert driver.sees("Press Enter to finish.")  # the summary
-        await driver.press("f1")
-        assert "Enter" in driver.text  # help
-
-
-async def test_practice_comes_first_and_does_not_count(
-    open_session: OpenSession, data: Path
-) -> None:
+async def test_practice_does_not_count(open_session: OpenSession) -> None:
     async with open_session(practice_attempts=1) as driver:
         await driver.press("enter")
-        assert driver.sees("Press Enter to begin practice 1 of 1.")
-        assert driver.sees("Practice 0 of 1")
+        driver.see("Press Enter to begin practice 1 of 1.", "Practice 0 of 1")
         await driver.do_attempt(await driver.begin())
-        assert driver.sees(
-            "Practice is over. From here on it counts. Press Enter for attempt 1 of 2."
-        )
-        assert driver.sees("Attempts 0 of 2")
-        assert driver.sees("Attempt 1 of 2 · level 1")
+        driver.see("Practice is over. From here on it counts. Press Enter for attempt 1 of 2.")
+        driver.see("Attempts 0 of 2", "Attempt 1 of 2 · level 1")
         await driver.do_attempt(await driver.begin())
-        assert not driver.sees("Practice is over.")
-        await driver.do_attempt(await driver.begin())
-        await driver.see_the_summary()
-        assert driver.sees("You did 2 attempts; goal reached in 2.")
-    assert stored(data, "SELECT attempt, practice FROM attempts") == [(1, 1), (2, 0), (3, 0)]
+        driver.lacks("Practice is over.")
+        await driver.finish(await driver.begin())
+        driver.see("You did 2 attempts; goal reached in 2.")
+    assert driver.stored("SELECT attempt, practice FROM attempts") == [(1, 1), (2, 0), (3, 0)]
 
 
-async def test_a_wrong_key_is_a_response_and_the_agent_mentions_accuracy(
-    open_session: OpenSession,
-) -> None:
+async def test_a_wrong_key_is_a_response(open_session: OpenSession) -> None:
     async with open_session(attempts=1) as driver:
         prompt = await driver.to_first_prompt()
         await driver.wait(300)
@@ -159,27 +104,18 @@ async def test_a_wrong_key_is_a_response_and_the_agent_mentions_accuracy(
         assert "ccuracy" in text
         assert text in driver.said
         await driver.see_the_summary()
-        assert driver.sees("You did 1 attempt. ")
+        driver.see("You did 1 attempt. ")
         assert not driver.sees("goals reached"), "none was"
-
-
-async def test_the_header_says_who_is_playing_until_the_end(open_session: OpenSession) -> None:
-    async with open_session(participant="P-27", attempts=1) as driver:
-        assert driver.rows[0].strip() == "Keyboard reaction · P-27"
-        await driver.do_session()
-        assert driver.rows[0].startswith(" Keyboard reaction · P-27 ")
 
 
 async def test_one_attempt_is_singular(open_session: OpenSession) -> None:
     async with open_session(attempts=1, prompts_per_attempt=1) as driver:
-        assert driver.sees("An attempt asks for 1 key.")
+        driver.see("An attempt asks for 1 key.")
         await driver.do_session()
-        assert driver.sees("You did 1 attempt; goal reached in 1.")
+        driver.see("You did 1 attempt; goal reached in 1.")
 
 
-async def test_a_repeated_enter_after_the_last_response_does_not_close_the_summary(
-    open_session: OpenSession,
-) -> None:
+async def test_a_bouncing_enter_does_not_close_the_summary(open_session: OpenSession) -> None:
     async with open_session(attempts=1) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.wait(300)
@@ -188,31 +124,26 @@ async def test_a_repeated_enter_after_the_last_response_does_not_close_the_summa
             await driver.wait(40)
             await driver.strike("enter")
         assert driver.app.is_running
-        assert driver.sees("Press Enter to finish.")
+        driver.see("Press Enter to finish.")
         await driver.press("enter")
         assert not driver.app.is_running
 
 
-async def test_an_enter_that_is_held_is_asked_to_be_let_go(open_session: OpenSession) -> None:
-    async with open_session() as driver:
-        await driver.press("enter")
-        for _ in range(2):
-            await driver.wait(500)
-            await driver.strike("enter")
-        assert not driver.sees("let go")
+async def test_an_enter_that_is_held_is_asked_to_be_let_go(driver: AppDriver) -> None:
+    await driver.press("enter")
+    for _ in range(2):
         await driver.wait(500)
         await driver.strike("enter")
-        assert driver.sees(
-            "Press Enter to begin attempt 1 of 2. Please let go of the keys for a moment."
-        )
-        await driver.press("enter")
-        assert driver.waiting.stage == "trial"
-        assert not driver.sees("let go")
+    driver.lacks("let go")
+    await driver.wait(500)
+    await driver.strike("enter")
+    driver.see("Press Enter to begin attempt 1 of 2. Please let go of the keys for a moment.")
+    await driver.press("enter")
+    assert driver.waiting.stage == "trial"
+    driver.lacks("let go")
 
 
-async def test_an_enter_that_closes_the_summary_and_is_held_begins_no_other_session(
-    opened: OpenApp, data: Path
-) -> None:
+async def test_a_held_enter_begins_no_other_session(opened: OpenApp, data: Path) -> None:
     known(data, "P01", attempts=1, prompts_per_attempt=1)
     async with opened() as driver:
         await driver.press("enter", "enter")
@@ -226,74 +157,52 @@ async def test_an_enter_that_closes_the_summary_and_is_held_begins_no_other_sess
         assert driver.stored("SELECT count(*) FROM sessions") == [(1,)]
 
 
-async def test_a_repeated_enter_after_ending_early_does_not_close_the_summary(
-    open_session: OpenSession,
-) -> None:
-    async with open_session() as driver:
-        await driver.to_first_prompt()
-        await driver.press("escape", "down", "down", "down", "enter")
-        await driver.wait(300)
-        assert driver.waiting.reason == "finished"
-        await driver.press("down", "enter")
-        assert driver.session.ended
-        for _ in range(30):
-            await driver.wait(40)
-            await driver.strike("enter")
-        assert driver.app.is_running
-        assert driver.sees("Press Enter to finish.")
+async def test_a_bouncing_enter_keeps_an_early_summary(driver: AppDriver) -> None:
+    await driver.to_first_prompt()
+    await driver.press("escape", "down", "down", "down", "enter")
+    await driver.wait(300)
+    assert driver.waiting.reason == "finished"
+    await driver.press("down", "enter")
+    assert driver.session.ended
+    for _ in range(30):
+        await driver.wait(40)
+        await driver.strike("enter")
+    assert driver.app.is_running
+    driver.see("Press Enter to finish.")
 
 
 @pytest.mark.slow
-async def test_a_pause_after_the_last_attempt_returns_there_with_all_attempts_counted(
-    open_session: OpenSession,
-) -> None:
-    async with open_session() as driver:
-        await driver.do_attempt(await driver.to_first_prompt())
-        await driver.do_attempt(await driver.begin())
-        await driver.press("escape")
-        assert driver.sees("Attempts 2 of 2")
-        await driver.press("enter")
-        assert driver.sees("Press Enter to see how it went.")
-        assert driver.sees("Attempts 2 of 2")
-        assert driver.sees("Attempt 2 of 2 · level 2")
-        await driver.see_the_summary()
-        assert driver.sees("Press Enter to finish.")
+async def test_a_pause_after_the_last_attempt_counts_all(driver: AppDriver) -> None:
+    await driver.do_attempt(await driver.to_first_prompt())
+    await driver.do_attempt(await driver.begin())
+    await driver.press("escape")
+    driver.see("Attempts 2 of 2")
+    await driver.press("enter")
+    driver.see("Press Enter to see how it went.", "Attempts 2 of 2", "Attempt 2 of 2 · level 2")
+    await driver.see_the_summary()
+    driver.see("Press Enter to finish.")
 
 
-async def test_a_session_left_after_its_last_attempt_is_resumed_there(
-    opened: OpenApp, open_session: OpenSession, data: Path
+async def test_after_the_last_attempt_it_resumes(
+    opened: OpenApp, open_session: OpenSession
 ) -> None:
     async with open_session() as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.do_attempt(await driver.begin())
         session = driver.session_id
         await driver.press("ctrl+q", "down", "enter")
-    assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
+    assert driver.stored("SELECT status FROM sessions") == [("interrupted",)]
     async with opened(session) as driver:
-        assert driver.sees("Press Enter to see how it went.")
+        driver.see("Press Enter to see how it went.")
         assert "level" not in driver.rows[0]
-        assert driver.sees("Keys 2 of 2")
-        assert driver.sees("Attempts 2 of 2")
+        driver.see("Keys 2 of 2", "Attempts 2 of 2")
         await driver.press("enter")
-        assert driver.sees("You did 2 attempts; goal reached in 2.")
-    assert stored(data, "SELECT status FROM sessions") == [("completed",)]
-
-
-@pytest.mark.parametrize("theme", first(1, ["calm", "high-contrast", "playful"]))
-async def test_the_agent_is_silent_during_an_attempt(
-    open_session: OpenSession, theme: str, catalogue: Catalogue
-) -> None:
-    faces = catalogue.theme(theme).faces
-    async with open_session(theme=theme) as driver:
-        assert faces["happy"].splitlines()[2] in driver.text
-        assert driver.said != ""
-        await driver.to_first_prompt()
-        assert driver.said == ""
-        assert all(line in driver.text for line in faces["listening"].splitlines()[1:3])
+        driver.see("You did 2 attempts; goal reached in 2.")
+    assert driver.stored("SELECT status FROM sessions") == [("completed",)]
 
 
 async def test_a_key_that_waited_while_the_program_was_suspended_is_asked_for_again(
-    open_session: OpenSession, data: Path, monkeypatch: pytest.MonkeyPatch
+    open_session: OpenSession, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with open_session() as driver:
         prompt = await driver.to_first_prompt()
@@ -303,35 +212,27 @@ async def test_a_key_that_waited_while_the_program_was_suspended_is_asked_for_ag
             )
             await driver.answer(prompt, after_ms=2800)
         again = await driver.to_prompt()
-        assert (again.trial, again.stimulus, again.presentation) == (
-            prompt.trial,
-            prompt.stimulus,
-            2,
-        )
+        found = (again.trial, again.stimulus, again.presentation)
+        assert found == (prompt.trial, prompt.stimulus, 2)
         await driver.answer(again)
-    assert stored(data, "SELECT trial, reaction_time_ms FROM trials") == [(1, 400.0)]
+    assert driver.stored("SELECT trial, reaction_time_ms FROM trials") == [(1, 400.0)]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("keys", first(1, [("enter", "space"), ("space", "enter")]))
-async def test_two_keys_in_one_burst_close_the_summary_once(
-    open_session: OpenSession, keys: tuple[str, ...]
-) -> None:
-    async with open_session() as driver:
-        await driver.do_session()
-        await driver.wait(500)
-        await driver.write(*keys)
-        await driver.settle()
-        assert (driver.app.failure, driver.app.return_code) == ("", 0)
+async def test_a_burst_closes_the_summary_once(driver: AppDriver, keys: tuple[str, ...]) -> None:
+    await driver.do_session()
+    await driver.wait(500)
+    await driver.write(*keys)
+    await driver.settle()
+    assert (driver.app.failure, driver.app.return_code) == ("", 0)
 
 
 @pytest.fixture
-async def two_back(data: Path, tmp_path: Path) -> AsyncIterator[AppDriver]:
+async def two_back(open_task: OpenSession, tmp_path: Path) -> AsyncIterator[AppDriver]:
     """A session of the documented task, on its first prompt."""
-    catalogue = documented(tmp_path / "mytasks", "twoback")
-    kind = catalogue.task("twoback")
-    parameters = build(kind.Parameters, {"attempts": 3, "feedback_schedule": "none"})
-    async with open_app(data, catalogue, Plan(kind, parameters, "calm", "P01", seed=7)) as driver:
+    folder = write_documented(tmp_path / "mytasks", "twoback")
+    async with open_task(folder, attempts=3, feedback_schedule="none") as driver:
         await driver.to_first_prompt()
         yield driver
 
@@ -341,56 +242,49 @@ async def test_the_screen_says_that_the_next_attempt_begins_by_itself(two_back: 
         await two_back.to_prompt()
     await two_back.wait(2100)
     assert two_back.waiting.stage == "attempt"
-    assert two_back.sees("The next one begins by itself.")
-    assert not two_back.sees("Press Enter")
+    two_back.see("The next one begins by itself.")
+    two_back.lacks("Press Enter")
     assert (await two_back.to_prompt()).attempt == 2
 
 
-async def test_the_screen_says_that_an_attempt_begins_again_and_counts_it_once(
-    two_back: AppDriver,
-) -> None:
+async def test_an_attempt_that_begins_again_counts_once(two_back: AppDriver) -> None:
     await two_back.to_prompt()
     await two_back.press("escape")
     assert two_back.app.live
     two_back.app.live.operate(SessionCommand(command="resume"))
     await two_back.settle()
-    assert two_back.sees("This attempt begins again.")
-    assert two_back.sees("Attempts 0 of 3")
+    two_back.see("This attempt begins again.", "Attempts 0 of 3")
     assert (await two_back.begin()).attempt == 2
-    assert two_back.sees("Attempt 1 of 3")
+    two_back.see("Attempt 1 of 3")
 
 
 async def test_the_rest_tells_the_time_that_is_left_until_enter_helps_again(
-    opened: OpenApp, catalogue: Catalogue, keyboard: type[Task]
+    open_session: OpenSession,
 ) -> None:
-    resting = plan(
-        catalogue, keyboard, attempts=3, rest_after_attempts=1, rest_seconds=65, encouragement=False
-    )
-    async with opened(resting) as driver:
+    async with open_session(
+        attempts=3, rest_after_attempts=1, rest_seconds=65, encouragement=False
+    ) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
-        assert driver.sees("A short rest We go on in 1 minute 5 seconds.")
+        driver.see("A short rest We go on in 1 minute 5 seconds.")
         await driver.wait(4000)
         assert "Now a rest. Put your hands down for a while." in driver.said
         assert driver.app.screen.stage.agent.widget.face == "sleeping"  # type: ignore[attr-defined]
         await driver.press("enter")
         await driver.wait(56_400)
-        assert driver.sees("We go on in 5 seconds.")
+        driver.see("We go on in 5 seconds.")
         await driver.wait(5000)
-        assert driver.sees("Press Enter for attempt 2 of 3.")
+        driver.see("Press Enter for attempt 2 of 3.")
         assert driver.said == "Start when you are ready."
         assert not driver.sees("you ━"), "the agent speaks of something else"
 
 
-async def test_the_therapist_ends_the_rest_from_the_pause_menu(
-    opened: OpenApp, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    resting = plan(catalogue, keyboard, rest_after_attempts=1)
-    async with opened(resting) as driver:
+async def test_the_therapist_ends_the_rest(open_session: OpenSession) -> None:
+    async with open_session(rest_after_attempts=1) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.press("escape", "up", "enter")
-        assert driver.sees("End the rest")
+        driver.see("End the rest")
         await driver.press("enter")
-        assert driver.sees("Press Enter for attempt 2 of 2.")
+        driver.see("Press Enter for attempt 2 of 2.")
         ended = [act for act in driver.messages("operator/act") if act["command"] == "skip"]
         assert [(act["actor"], act["reason"]) for act in ended] == [("therapist", "rest")]
 
@@ -420,29 +314,24 @@ async def test_the_progress_of_a_long_replay_is_painted(
         assert shares == sorted(shares)
 
 
-async def test_digits_are_echoed_as_they_are_typed_and_sent_with_enter(
-    data: Path, tmp_path: Path
-) -> None:
+async def test_digits_are_echoed_as_they_are_typed(open_task: OpenSession, tmp_path: Path) -> None:
     folder = write_documented(tmp_path / "mytasks", "digitspan")
-    catalogue = Catalogue(tasks=(folder.parent,))
-    task = catalogue.task("digitspan")
-    plan = Plan(task, build(task.Parameters, {"attempts": 1}), "calm", "P01", seed=7)
-    async with open_app(data, catalogue, plan) as driver:
+    async with open_task(folder, attempts=1) as driver:
         prompt = await driver.to_first_prompt()
         for _ in prompt.expected:
             await driver.wait(800)
-        assert driver.sees("Type the digits.")
+        driver.see("Type the digits.")
         await driver.press("4", "a")
-        assert driver.sees("4_")
+        driver.see("4_")
         await driver.press("7")
-        assert driver.sees("47_")
+        driver.see("47_")
         await driver.press("backspace")
-        assert driver.sees("4_")
-        assert not driver.sees("47_")
+        driver.see("4_")
+        driver.lacks("47_")
         assert driver.stored("SELECT count(*) FROM trials") == [(0,)]
         await driver.press("enter")
         await driver.wait(100)
-        assert not driver.sees("4_")
+        driver.lacks("4_")
         assert driver.stored("SELECT response, correct FROM trials") == [("4", 0)]
 
 
@@ -457,7 +346,7 @@ async def test_a_tick_and_a_cross_are_shown_and_stamped(open_session: OpenSessio
         assert glyphs(driver) == []
         await driver.answer(prompt)
         assert "✓" in glyphs(driver)
-        assert not driver.sees(prompt.text)
+        driver.lacks(prompt.text)
         assert driver.waiting.what == "result"
         await driver.wait(800)
         assert glyphs(driver) == []
@@ -467,10 +356,8 @@ async def test_a_tick_and_a_cross_are_shown_and_stamped(open_session: OpenSessio
         await driver.wait(800)
         assert glyphs(driver) == []
         shown = driver.messages("screen/trial_feedback")
-        assert [(one["attempt"], one["trial"], one["source"]) for one in shown] == [
-            (1, 1, "refresh"),
-            (1, 2, "refresh"),
-        ]
+        found = [(one["attempt"], one["trial"], one["source"]) for one in shown]
+        assert found == [(1, 1, "refresh"), (1, 2, "refresh")]
 
 
 async def test_a_pause_covers_it(open_session: OpenSession) -> None:
@@ -481,20 +368,15 @@ async def test_a_pause_covers_it(open_session: OpenSession) -> None:
         assert glyphs(driver) == []
 
 
-async def test_a_prompt_that_follows_at_once_takes_its_place(data: Path, tmp_path: Path) -> None:
+async def test_a_prompt_that_follows_at_once_takes_its_place(
+    open_task: OpenSession, tmp_path: Path
+) -> None:
     file = write_documented(tmp_path / "mytasks", "harvest") / "task.py"
-    source = file.read_text("utf-8")
-    file.write_text(
-        source.replace("class Harvest(Task):", "class Harvest(Task):\n    has_foreperiod = False"),
-        "utf-8",
-    )
-    catalogue = Catalogue(tasks=(tmp_path / "mytasks",))
-    kind = catalogue.task("harvest")
-    async with open_app(
-        data, catalogue, Plan(kind, build(kind.Parameters, {}), "calm", "P01", seed=7)
-    ) as driver:
+    head = "class Harvest(Task):"
+    edit(file, head, f"{head}\n    has_foreperiod = False")
+    async with open_task(file.parent) as driver:
         await driver.answer(await driver.to_first_prompt())
-        assert driver.sees("0")
-        assert not driver.sees("Left or right?")
+        driver.see("0")
+        driver.lacks("Left or right?")
         assert (await driver.to_prompt()).trial == 2
-        assert driver.sees("Left or right?")
+        driver.see("Left or right?")

@@ -1,5 +1,6 @@
 """Settings: a form made from a task's declaration, stored for one participant."""
 
+from collections.abc import AsyncIterator
 from contextlib import closing
 from pathlib import Path
 from typing import Annotated, Any
@@ -18,7 +19,7 @@ from sar_tui.store.database import connect
 from sar_tui.store.programmes import Programme
 from sar_tui.widgets.choice import Choice
 from sar_tui.widgets.parameter_field import ParameterField
-from tests.app.app_driver import AppDriver, OpenApp, known, open_app, stored
+from tests.app.app_driver import AppDriver, OpenApp, known, stored
 from tests.examples import first
 
 
@@ -52,8 +53,7 @@ def meaning(driver: AppDriver) -> str:
 async def go_to(driver: AppDriver, name: str) -> None:
     """Find a field, and focus it."""
     await driver.press("f3")
-    await driver.write(*name)
-    await driver.press("enter")
+    await driver.enter(name)
     assert field(driver, name).has_focus_within
 
 
@@ -68,8 +68,7 @@ async def save(driver: AppDriver, reason: str = "Tired") -> None:
     """Save, and give a reason."""
     await driver.press("ctrl+s")
     assert driver.screen_name == "SaveReasonScreen"
-    await driver.write(*reason)
-    await driver.press("enter")
+    await driver.enter(reason)
 
 
 def stored_settings(data: Path) -> dict[str, Any]:
@@ -83,54 +82,49 @@ def a_participant(data: Path) -> None:
     known(data, "P01", attempts=20, prompts_per_attempt=20)
 
 
-@pytest.mark.usefixtures("a_participant")
-async def test_settings_of_a_rule_that_is_not_chosen_are_marked(opened: OpenApp) -> None:
+@pytest.fixture
+async def form(a_participant: None, opened: OpenApp) -> AsyncIterator[AppDriver]:
+    """The settings of P01 for the keyboard task."""
     async with opened() as driver:
         await driver.press("f2")
-        await go_to(driver, "target_share")
-        assert meaning(driver).startswith("Without effect now: only with target.")
-        assert driver.sees("– Target")
-        await go_to(driver, "consecutive_successes")
-        assert not meaning(driver).startswith("Without effect")
+        yield driver
+
+
+async def test_settings_of_a_rule_that_is_not_chosen_are_marked(form: AppDriver) -> None:
+    await go_to(form, "target_share")
+    assert meaning(form).startswith("Without effect now: only with target.")
+    form.see("– Target")
+    await go_to(form, "consecutive_successes")
+    assert not meaning(form).startswith("Without effect")
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("a_participant")
-async def test_there_is_one_field_for_each_declared_parameter(
-    opened: OpenApp, keyboard: type[Task]
-) -> None:
-    async with opened() as driver:
-        await driver.press("f2")
-        assert driver.sees("Settings of P01 for Keyboard reaction: version 1")
-        for heading, declared in grouped(keyboard.Parameters).items():
-            assert open_panels(driver) == [heading or "Keyboard reaction"]
-            for each in declared:
-                widget = field(driver, each.name)
-                assert widget.has_focus_within
-                text = driver.text
-                assert each.title in text
-                assert each.unit in text
-                assert each.help in meaning(driver)
-                if each.kind in ("int", "float"):
-                    assert each.bounds[1:] in meaning(driver)
-                await driver.press("tab" if each is not declared[-1] else "pagedown")
-        assert open_panels(driver) == ["Keyboard reaction"]
+async def test_each_parameter_has_a_field(form: AppDriver, keyboard: type[Task]) -> None:
+    form.see("Settings of P01 for Keyboard reaction: version 1")
+    for heading, declared in grouped(keyboard.Parameters).items():
+        assert open_panels(form) == [heading or "Keyboard reaction"]
+        for each in declared:
+            widget = field(form, each.name)
+            assert widget.has_focus_within
+            text = form.text
+            assert each.title in text
+            assert each.unit in text
+            assert each.help in meaning(form)
+            if each.kind in ("int", "float"):
+                assert each.bounds[1:] in meaning(form)
+            await form.press("tab" if each is not declared[-1] else "pagedown")
+    assert open_panels(form) == ["Keyboard reaction"]
+
+
+async def test_tab_goes_from_groups_through_fields_to_buttons(form: AppDriver) -> None:
+    chain = [widget.id or type(widget).__name__ for widget in form.app.screen.focus_chain]
+    assert chain[0] == "groups"
+    assert chain[-4:] == ["save", "preset", "reset-all", "back"]
+    assert len(chain) == 1 + 6 + 4
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_tab_goes_from_the_groups_through_the_fields_to_the_buttons(opened: OpenApp) -> None:
-    async with opened() as driver:
-        await driver.press("f2")
-        chain = [widget.id or type(widget).__name__ for widget in driver.app.screen.focus_chain]
-        assert chain[0] == "groups"
-        assert chain[-4:] == ["save", "preset", "reset-all", "back"]
-        assert len(chain) == 1 + 6 + 4
-
-
-@pytest.mark.usefixtures("a_participant")
-async def test_a_new_parameter_has_a_field_without_further_changes(
-    opened: OpenApp, data: Path, keyboard: type[Task]
-) -> None:
+async def test_any_parameter_has_a_field(opened: OpenApp, data: Path, keyboard: type[Task]) -> None:
     class More(keyboard.Parameters, frozen=True, kw_only=True):  # type: ignore[name-defined, misc]
         tempo: Annotated[int, meta("Tempo", "beats", "How fast the drum beats.", ge=1, le=9)] = 3
         drum: Annotated[bool, meta("Drum", help="Whether there is a drum.")] = True
@@ -143,70 +137,55 @@ async def test_a_new_parameter_has_a_field_without_further_changes(
         await driver.settle()
         assert len(every_field(driver)) == len(fields(keyboard.Parameters)) + 2
         await go_to(driver, "tempo")
-        assert driver.sees("Tempo 3 beats")
+        driver.see("Tempo 3 beats")
         assert meaning(driver) == "How fast the drum beats. 1 to 9 beats."
         await fill(driver, "tempo", "12")
         assert meaning(driver) == "Tempo is a whole number, 1 to 9, not 12."
         await fill(driver, "tempo", "7")
         await go_to(driver, "drum")
-        assert driver.sees("Drum yes")
+        driver.see("Drum yes")
         await driver.press("enter", "down", "enter")
-        assert driver.sees("● Drum no")
+        driver.see("● Drum no")
         await save(driver)
     assert stored_settings(data) == {"tempo": 7, "drum": False}
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("a_participant")
-async def test_values_are_checked_as_they_are_typed_alone_and_together(opened: OpenApp) -> None:
-    async with opened() as driver:
-        await driver.press("f2")
-        await fill(driver, "attempts", "2x")
-        assert meaning(driver) == "Attempts is a whole number, 1 to 200, not 2x."
-        assert driver.sees("1 to fix")
-        assert driver.sees("Session ! 1")
-        assert driver.sees("! Attempts 2x")
-        await driver.press("backspace")
-        assert meaning(driver) == "Number of attempts in a session. 1 to 200. Default: 20."
-        assert not driver.sees("to fix")
-        assert driver.sees("not saved")
-        await fill(driver, "foreperiod_min_ms", "1800")
-        assert meaning(driver) == "Shortest wait (1800 ms) is above the longest (1500 ms)."
-        await fill(driver, "foreperiod_max_ms", "1900")
-        assert field(driver, "foreperiod_min_ms").problem == ""
-        await fill(driver, "start_level", "21")
-        assert (
-            meaning(driver)
-            == "There are only 20 levels in this choice of keys, so there is no level 21."
-        )
+async def test_values_are_checked_as_they_are_typed(form: AppDriver) -> None:
+    await fill(form, "attempts", "2x")
+    assert meaning(form) == "Attempts is a whole number, 1 to 200, not 2x."
+    form.see("1 to fix", "Session ! 1", "! Attempts 2x")
+    await form.press("backspace")
+    assert meaning(form) == "Number of attempts in a session. 1 to 200. Default: 20."
+    form.see("not saved")
+    form.lacks("to fix")
+    await fill(form, "foreperiod_min_ms", "1800")
+    assert meaning(form) == "Shortest wait (1800 ms) is above the longest (1500 ms)."
+    await fill(form, "foreperiod_max_ms", "1900")
+    assert field(form, "foreperiod_min_ms").problem == ""
+    await fill(form, "start_level", "21")
+    found = meaning(form)
+    assert found == "There are only 20 levels in this choice of keys, so there is no level 21."
 
 
-@pytest.mark.usefixtures("a_participant")
-async def test_an_invalid_value_is_not_saved_and_gets_the_focus(
-    opened: OpenApp, data: Path
-) -> None:
-    async with opened() as driver:
-        await driver.press("f2")
-        await fill(driver, "attempts", "0")
-        await go_to(driver, "prompts_per_attempt")
-        await driver.press("ctrl+s")
-        assert field(driver, "attempts").has_focus_within
-        assert meaning(driver) == "Attempts is a whole number, 1 to 200, not 0."
+async def test_an_invalid_value_gets_the_focus(form: AppDriver, data: Path) -> None:
+    await fill(form, "attempts", "0")
+    await go_to(form, "prompts_per_attempt")
+    await form.press("ctrl+s")
+    assert field(form, "attempts").has_focus_within
+    assert meaning(form) == "Attempts is a whole number, 1 to 200, not 0."
     assert stored_settings(data)["attempts"] == 20
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_an_unknown_sensor_is_reported_at_its_field(
-    opened: OpenApp, catalogue: Catalogue
-) -> None:
-    async with opened() as driver:
-        driver.app.push_screen(SettingsScreen("P01", catalogue.task("reaching")))
-        await driver.settle()
-        await fill(driver, "imu", "fidget")
-        known = "phidget, recorded, ros, simulated, session"
-        assert meaning(driver) == f'There is no sensor "fidget". Choose one of: {known}.'
-        await fill(driver, "imu", "simulated:steady")
-        assert "There is no" not in meaning(driver)
+async def test_an_unknown_sensor_is_told(first_run: AppDriver, catalogue: Catalogue) -> None:
+    first_run.app.push_screen(SettingsScreen("P01", catalogue.task("reaching")))
+    await first_run.settle()
+    await fill(first_run, "imu", "fidget")
+    known = "phidget, recorded, ros, simulated, session"
+    assert meaning(first_run) == f'There is no sensor "fidget". Choose one of: {known}.'
+    await fill(first_run, "imu", "simulated:steady")
+    assert "There is no" not in meaning(first_run)
 
 
 @pytest.mark.slow
@@ -214,46 +193,40 @@ async def test_a_dot_marks_values_that_differ_from_the_default(opened: OpenApp, 
     known(data, "P01", prompts_per_attempt=5)
     async with opened() as driver:
         await driver.press("f2")
-        assert driver.sees("● Prompts per attempt 5")
-        assert not driver.sees("not saved")
+        driver.see("● Prompts per attempt 5")
+        driver.lacks("not saved")
         await fill(driver, "prompts_per_attempt", "20")
-        assert driver.sees("not saved")
+        driver.see("not saved")
         assert "● Prompts" not in driver.text
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("a_participant")
-async def test_one_field_is_reset_or_all_of_them(opened: OpenApp) -> None:
-    async with opened() as driver:
-        await driver.press("f2")
-        await fill(driver, "prompts_per_attempt", "5")
-        await fill(driver, "sequence_length", "6")
-        await fill(driver, "attempts", "7")
-        await driver.press("ctrl+r")
-        assert driver.sees("Attempts 20")
-        assert show(field(driver, "sequence_length").value) == "6"
-        await go_to(driver, "encouragement")
-        await driver.press("enter", "down", "enter")
-        assert field(driver, "encouragement").value is False
-        await driver.press("ctrl+r")
-        assert field(driver, "encouragement").value is True
-        driver.app.screen.query_one("#reset-all").focus()
-        await driver.press("enter")
-        assert not any(widget.is_changed for widget in every_field(driver))
+async def test_one_field_is_reset_or_all_of_them(form: AppDriver) -> None:
+    await fill(form, "prompts_per_attempt", "5")
+    await fill(form, "sequence_length", "6")
+    await fill(form, "attempts", "7")
+    await form.press("ctrl+r")
+    form.see("Attempts 20")
+    assert show(field(form, "sequence_length").value) == "6"
+    await go_to(form, "encouragement")
+    await form.press("enter", "down", "enter")
+    assert field(form, "encouragement").value is False
+    await form.press("ctrl+r")
+    assert field(form, "encouragement").value is True
+    form.app.screen.query_one("#reset-all").focus()
+    await form.press("enter")
+    assert not any(widget.is_changed for widget in every_field(form))
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("a_participant")
-async def test_what_is_typed_after_a_reset_replaces_the_default(opened: OpenApp) -> None:
-    async with opened() as driver:
-        await driver.press("f2")
-        await fill(driver, "attempts", "7")
-        await driver.press("ctrl+r")
-        await driver.write("4")
-        assert field(driver, "attempts").value == "4"
-        await driver.press("ctrl+r", "end")
-        await driver.write("4")
-        assert field(driver, "attempts").value == "204", "unless the cursor is moved"
+async def test_what_is_typed_after_a_reset_replaces_the_default(form: AppDriver) -> None:
+    await fill(form, "attempts", "7")
+    await form.press("ctrl+r")
+    await form.write("4")
+    assert field(form, "attempts").value == "4"
+    await form.press("ctrl+r", "end")
+    await form.write("4")
+    assert field(form, "attempts").value == "204", "unless the cursor is moved"
 
 
 @pytest.mark.slow
@@ -276,9 +249,7 @@ async def test_the_focused_field_stays_in_view_in_a_smaller_window(
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_saved_settings_apply_to_the_participants_next_session(
-    opened: OpenApp, data: Path
-) -> None:
+async def test_saved_settings_apply_to_the_next_session(opened: OpenApp, data: Path) -> None:
     known(data, "P02", attempts=2)
     async with opened() as driver:
         await driver.press("down", "f2")
@@ -290,10 +261,9 @@ async def test_saved_settings_apply_to_the_participants_next_session(
             == "arrow keys"
         )
         await save(driver)
-        assert driver.sees("saved: version 2")
-        assert driver.sees("The next session starts at level 1.")
+        driver.see("saved: version 2", "The next session starts at level 1.")
         await driver.press("escape", *["right"] * 3, "enter", "enter")
-        assert driver.sees("Press Enter to begin attempt 1 of 3.")
+        driver.see("Press Enter to begin attempt 1 of 3.")
         assert (await driver.begin()).expected in ("left", "right")
     assert stored_settings(data) == {"attempts": 3, "choice_set": "arrow keys"}
     assert stored(
@@ -302,24 +272,19 @@ async def test_saved_settings_apply_to_the_participants_next_session(
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("a_participant")
-async def test_leaving_with_unsaved_changes_asks_once(opened: OpenApp, data: Path) -> None:
-    async with opened() as driver:
-        await driver.press("f2")
-        await fill(driver, "attempts", "3")
-        await driver.press("escape")
-        assert driver.screen_name == "SettingsScreen"
-        assert driver.sees("Not saved. Save with Ctrl-S, or")
-        await driver.press("escape")
-        assert driver.screen_name == "HomeScreen"
-        await driver.press("f2", "escape")
-        assert driver.screen_name == "HomeScreen"
+async def test_leaving_with_unsaved_changes_asks_once(form: AppDriver, data: Path) -> None:
+    await fill(form, "attempts", "3")
+    await form.press("escape")
+    assert form.screen_name == "SettingsScreen"
+    form.see("Not saved. Save with Ctrl-S, or")
+    await form.press("escape")
+    assert form.screen_name == "HomeScreen"
+    await form.press("f2", "escape")
+    assert form.screen_name == "HomeScreen"
     assert stored_settings(data)["attempts"] == 20
 
 
-async def test_a_language_that_the_theme_lacks_is_reported_and_those_it_has_are_offered(
-    opened: OpenApp, data: Path
-) -> None:
+async def test_a_language_that_the_theme_lacks_is_told(opened: OpenApp, data: Path) -> None:
     known(data, "P01", language="de")
     async with opened() as driver:
         await driver.press("f2")
@@ -329,9 +294,9 @@ async def test_a_language_that_the_theme_lacks_is_reported_and_those_it_has_are_
             "Choose one of these, or give the theme a file phrases.de.toml."
         )
         await driver.press("enter", "e", "e", "enter")
-        assert driver.sees("● Language es ▼")
+        driver.see("● Language es ▼")
         await save(driver)
-        assert driver.sees("saved: version 2")
+        driver.see("saved: version 2")
     assert stored_settings(data)["language"] == "es"
 
 
@@ -344,30 +309,26 @@ async def test_a_language_can_be_set_with_a_missing_theme(opened: OpenApp, data:
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("a_participant")
-async def test_outputs_are_picked_from_a_list_or_typed(opened: OpenApp) -> None:
-    async with opened() as driver:
-        await driver.press("f2")
-        await go_to(driver, "outputs")
-        await driver.press("enter")
-        assert driver.sees("✓ screen")
-        await driver.press("down", "down", "enter", "escape")
-        assert field(driver, "outputs").value == "screen tones"
-        await driver.press("enter", "enter", "escape")
-        assert field(driver, "outputs").value == "tones"
-        await fill(driver, "outputs", "ros://lab/x")
-        assert field(driver, "outputs").value == "ros://lab/x"
+async def test_outputs_are_picked_from_a_list_or_typed(form: AppDriver) -> None:
+    await go_to(form, "outputs")
+    await form.press("enter")
+    form.see("✓ screen")
+    await form.press("down", "down", "enter", "escape")
+    assert field(form, "outputs").value == "screen tones"
+    await form.press("enter", "enter", "escape")
+    assert field(form, "outputs").value == "tones"
+    await fill(form, "outputs", "ros://lab/x")
+    assert field(form, "outputs").value == "ros://lab/x"
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
-async def test_titles_fit_beside_the_values(opened: OpenApp, catalogue: Catalogue) -> None:
-    async with opened() as driver:
-        for name in ("keyboard", "reaching", "pairs"):
-            driver.app.push_screen(SettingsScreen("P01", catalogue.task(name)))
-            await driver.settle()
-            for widget in every_field(driver):
-                assert len(widget.field.title) < 24, widget.field.name
+async def test_titles_fit_beside_the_values(first_run: AppDriver, catalogue: Catalogue) -> None:
+    for name in ("keyboard", "reaching", "pairs"):
+        first_run.app.push_screen(SettingsScreen("P01", catalogue.task(name)))
+        await first_run.settle()
+        for widget in every_field(first_run):
+            assert len(widget.field.title) < 24, widget.field.name
 
 
 # --- groups
@@ -385,50 +346,39 @@ async def test_groups_count_what_differs_and_the_count_follows(opened: OpenApp, 
     )
     async with opened() as driver:
         await driver.press("f2")
-        assert driver.sees("Keyboard reaction ● 1")
-        assert driver.sees("Operator ● 2")
+        driver.see("Keyboard reaction ● 1", "Operator ● 2")
         assert panel(driver, "Session").summary == ""
         await fill(driver, "operator_time_ms", "4000")
-        assert driver.sees("Operator ● 1")
+        driver.see("Operator ● 1")
         driver.app.screen.query_one("#groups").focus()
         await driver.press("ctrl+r")
         assert panel(driver, "Operator").summary == ""
         assert field(driver, "prompts_per_attempt").is_changed
-        assert driver.sees("not saved")
+        driver.see("not saved")
 
 
-@pytest.mark.usefixtures("a_participant")
-async def test_arrows_and_page_keys_move_between_groups_and_enter_goes_to_the_fields(
-    opened: OpenApp,
-) -> None:
-    async with opened() as driver:
-        await driver.press("f2")
-        assert field(driver, "prompts_per_attempt").has_focus_within
-        await driver.press("up", "down", "down")
-        assert driver.app.focused is driver.app.screen.query_one("#groups")
-        assert open_panels(driver) == ["Limits"]
-        assert meaning(driver).endswith(" settings. Enter goes to them.")
-        await driver.press("enter")
-        assert field(driver, "session_minutes").has_focus_within
-        await driver.press("pageup")
-        assert field(driver, "attempts").has_focus_within
-        await driver.press("pageup", "pageup")
-        assert open_panels(driver) == ["Timing"]
+async def test_arrows_and_page_keys_move_between_groups(form: AppDriver) -> None:
+    assert field(form, "prompts_per_attempt").has_focus_within
+    await form.press("up", "down", "down")
+    assert form.app.focused is form.app.screen.query_one("#groups")
+    assert open_panels(form) == ["Limits"]
+    assert meaning(form).endswith(" settings. Enter goes to them.")
+    await form.press("enter")
+    assert field(form, "session_minutes").has_focus_within
+    await form.press("pageup")
+    assert field(form, "attempts").has_focus_within
+    await form.press("pageup", "pageup")
+    assert open_panels(form) == ["Timing"]
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("a_participant")
-async def test_a_group_opens_with_a_click(opened: OpenApp) -> None:
-    async with opened() as driver:
-        await driver.press("f2")
-        await driver.pilot.click("#groups", offset=(3, 3))
-        await driver.settle()
-        assert open_panels(driver) == ["Difficulty"]
+async def test_a_group_opens_with_a_click(form: AppDriver) -> None:
+    await form.pilot.click("#groups", offset=(3, 3))
+    await form.settle()
+    assert open_panels(form) == ["Difficulty"]
 
 
-async def test_settings_that_were_never_shown_are_saved_and_reset_too(
-    opened: OpenApp, data: Path
-) -> None:
+async def test_settings_never_shown_are_saved_too(opened: OpenApp, data: Path) -> None:
     known(data, "P01", attempts=20, prompts_per_attempt=20, quiet_ms=700, operator_lost_ms=3000)
     async with opened() as driver:
         await driver.press("f2")
@@ -443,9 +393,9 @@ async def test_settings_that_were_never_shown_are_saved_and_reset_too(
 
 
 @pytest.mark.slow
-async def test_the_help_of_a_level_says_what_it_is(data: Path, catalogue: Catalogue) -> None:
+async def test_a_level_is_explained(opened: OpenApp, data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", start_level=5, choice_set="both hands")
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("f2")
         await go_to(driver, "start_level")
         assert meaning(driver).startswith("The level of the first attempt")
@@ -463,54 +413,49 @@ async def test_the_help_of_a_level_says_what_it_is(data: Path, catalogue: Catalo
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
-async def test_a_setting_is_found_by_a_word_of_its_title_or_help(opened: OpenApp) -> None:
-    async with opened() as driver:
-        await driver.press("f2", "/")
-        assert driver.screen_name == "FindSettingScreen"
-        await driver.write(*"held key")
-        assert driver.sees("Key repeat interval Timing")
-        await driver.press("enter")
-        assert open_panels(driver) == ["Timing"]
-        assert field(driver, "repeat_interval_ms").has_focus_within
-        await driver.press("/")
-        await driver.write(*"rest")
-        assert driver.sees("Rest reminder every Session")
-        await driver.press("down", "up", "enter")
-        assert field(driver, "rest_every").has_focus_within
-        await driver.press("/", "escape")
-        assert field(driver, "rest_every").has_focus_within
-        await driver.press("/")
-        await driver.write(*"xyzzy")
-        await driver.press("enter")
-        assert driver.screen_name == "FindSettingScreen"
+async def test_a_setting_is_found_by_a_word_of_its_title_or_help(first_run: AppDriver) -> None:
+    await first_run.press("f2", "/")
+    assert first_run.screen_name == "FindSettingScreen"
+    await first_run.write(*"held key")
+    first_run.see("Key repeat interval Timing")
+    await first_run.press("enter")
+    assert open_panels(first_run) == ["Timing"]
+    assert field(first_run, "repeat_interval_ms").has_focus_within
+    await first_run.press("/")
+    await first_run.write(*"rest")
+    first_run.see("Rest reminder every Session")
+    await first_run.press("down", "up", "enter")
+    assert field(first_run, "rest_every").has_focus_within
+    await first_run.press("/", "escape")
+    assert field(first_run, "rest_every").has_focus_within
+    await first_run.press("/")
+    await first_run.enter("xyzzy")
+    assert first_run.screen_name == "FindSettingScreen"
 
 
 # --- saving
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_saving_asks_for_a_reason_and_keeps_it(opened: OpenApp, data: Path) -> None:
+async def test_saving_asks_for_a_reason_and_keeps_it(opened: OpenApp) -> None:
     async with opened() as driver:
         await driver.press("f2", "ctrl+s")
-        assert driver.sees("nothing has changed")
+        driver.see("nothing has changed")
         await fill(driver, "threshold", "900")
         await driver.press("ctrl+s")
-        assert driver.sees("● Goal 1000 → 900 ms")
+        driver.see("● Goal 1000 → 900 ms")
         await driver.press("enter")
-        assert driver.sees("A few words are enough.")
+        driver.see("A few words are enough.")
         await driver.press("escape")
-        assert driver.sees("not saved")
+        driver.see("not saved")
         await driver.press("ctrl+s")
         await driver.write(*"Reached it")
         await driver.press("down")
         await driver.write("end", "ctrl+u")
-        await driver.write(*"Ana")
-        await driver.press("enter")
-        assert driver.sees("Settings of P01 for Keyboard reaction: version 2")
-    assert stored(data, "SELECT version, author, reason FROM programmes ORDER BY version") == [
-        (1, "", ""),
-        (2, "Ana", "Reached it"),
-    ]
+        await driver.enter("Ana")
+        driver.see("Settings of P01 for Keyboard reaction: version 2")
+    found = driver.stored("SELECT version, author, reason FROM programmes ORDER BY version")
+    assert found == [(1, "", ""), (2, "Ana", "Reached it")]
 
 
 @pytest.mark.slow
@@ -525,35 +470,28 @@ async def test_a_change_by_somebody_else_is_told_and_kept(opened: OpenApp, data:
                 database, "P01", "keyboard", theirs, after=1, author="Ben", reason="Pain"
             )
         await save(driver)
-        assert driver.sees(
-            "The programme of P01 was changed meanwhile: version 2 by Ben (Pain). Nothing was "
-            "saved."
+        driver.see(
+            "The programme of P01 was changed meanwhile: version 2 by Ben (Pain). Nothing was saved."
         )
         assert stored_settings(data)["attempts"] == 5
         await driver.press("ctrl+s")
-        assert driver.sees("version 2 by Ben (Pain)")
-        assert driver.sees("● Attempts 5 → 9")
-        await driver.write(*"Agreed")
-        await driver.press("enter")
-        assert driver.sees("saved: version 3")
+        driver.see("version 2 by Ben (Pain)", "● Attempts 5 → 9")
+        await driver.enter("Agreed")
+        driver.see("saved: version 3")
     assert stored(
         data, "SELECT json_extract(parameters, '$.attempts') FROM programmes ORDER BY version"
     ) == [(20,), (5,), (9,)]
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("a_participant")
-async def test_a_preset_fills_in_its_values_and_saves_nothing(opened: OpenApp, data: Path) -> None:
-    async with opened() as driver:
-        await driver.press("f2")
-        driver.app.screen.query_one("#preset").focus()
-        await driver.press("enter")
-        assert driver.sees("moderate Shorter attempts")
-        await driver.press("down", "enter")
-        assert driver.sees("● Prompts per attempt 15")
-        assert driver.sees("not saved")
-        assert stored_settings(data)["attempts"] == 20
-        await save(driver)
+async def test_a_preset_fills_in_its_values_and_saves_nothing(form: AppDriver, data: Path) -> None:
+    form.app.screen.query_one("#preset").focus()
+    await form.press("enter")
+    form.see("moderate Shorter attempts")
+    await form.press("down", "enter")
+    form.see("● Prompts per attempt 15", "not saved")
+    assert stored_settings(data)["attempts"] == 20
+    await save(form)
     assert stored_settings(data)["threshold"] == 1500
 
 
@@ -571,7 +509,7 @@ async def test_a_preset_leaves_nothing_of_the_one_before(opened: OpenApp, data: 
             driver.app.screen.query_one("#preset", Button).press()
             await driver.settle()
             await driver.press(*["down"] * downs, "enter")
-        assert driver.sees("and stays: Language.")
+        driver.see("and stays: Language.")
         await save(driver)
     assert stored_settings(data) == {"choice_set": "left hand", "threshold": 700.0}
 
@@ -580,47 +518,42 @@ async def test_settings_that_do_not_exist_any_more_are_told(opened: OpenApp, dat
     known(data, "P01", tempo=3)
     async with opened() as driver:
         await driver.press("f2")
-        assert driver.sees("These settings do not exist any more: tempo.")
+        driver.see("These settings do not exist any more: tempo.")
 
 
 # --- choices
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("a_participant")
-async def test_choices_open_in_a_list(opened: OpenApp) -> None:
-    async with opened() as driver:
-        await driver.press("f2")
-        await go_to(driver, "layout")
-        choice = field(driver, "layout").query_one(Choice)
-        await driver.press("down")
-        assert driver.sees("azerty")
-        await driver.press("down", "escape")
-        assert choice.has_focus
-        assert not driver.sees("azerty")
-        assert field(driver, "layout").value == "qwerty"
-        await driver.press("space", "a", "enter")
-        assert driver.sees("● Keyboard layout azerty ▼")
-        await driver.press("enter", "tab")
-        assert not choice.children
-        await driver.pilot.click(choice)
-        await driver.press("up", "enter")
-        assert field(driver, "layout").value == "qwerty"
-        await driver.pilot.click(choice)
-        await driver.pilot.click(choice)
-        await driver.settle()
-        assert choice.has_focus
+async def test_choices_open_in_a_list(form: AppDriver) -> None:
+    await go_to(form, "layout")
+    choice = field(form, "layout").query_one(Choice)
+    await form.press("down")
+    form.see("azerty")
+    await form.press("down", "escape")
+    assert choice.has_focus
+    form.lacks("azerty")
+    assert field(form, "layout").value == "qwerty"
+    await form.press("space", "a", "enter")
+    form.see("● Keyboard layout azerty ▼")
+    await form.press("enter", "tab")
+    assert not choice.children
+    await form.pilot.click(choice)
+    await form.press("up", "enter")
+    assert field(form, "layout").value == "qwerty"
+    await form.pilot.click(choice)
+    await form.pilot.click(choice)
+    await form.settle()
+    assert choice.has_focus
 
 
-async def test_a_choice_that_no_longer_exists_is_reported_and_can_be_changed(
-    opened: OpenApp, data: Path
-) -> None:
+async def test_a_choice_that_no_longer_exists_is_told(opened: OpenApp, data: Path) -> None:
     known(data, "P01", attempts=20, layout="sholes")
     async with opened() as driver:
         await driver.press("f2")
-        assert driver.sees("Keyboard layout sholes ▼")
+        driver.see("Keyboard layout sholes ▼")
         assert field(driver, "layout").note.endswith(", not sholes.")
         await go_to(driver, "layout")
         await driver.press("enter", "enter")
         assert field(driver, "layout").value == "qwerty"
-        assert not driver.sees("to fix")
+        driver.lacks("to fix")

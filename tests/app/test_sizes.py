@@ -14,11 +14,12 @@ from sar_tui.model.theme import Theme
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.widgets.choice import Choice
-from tests.app.app_driver import SHORT, AppDriver, OpenApp, OpenSession, known, open_app, plan
+from tests.app.app_driver import SHORT, AppDriver, OpenApp, known, open_app, plan
 from tests.app.test_agent_view import Link
 from tests.examples import first
 from tests.sides_task import write_sides
 
+RESTING = {**SHORT, "rest_after_attempts": 1}
 SIZES = [(60, 20), (30, 5), (26, 24), (13, 24), (5, 3), (1, 1), (20, 200), (200, 1)]
 WIDE_VIEW = """
 from rich.text import Text
@@ -66,76 +67,42 @@ async def home(data: Path, catalogue: Catalogue) -> AsyncIterator[AppDriver]:
         yield driver
 
 
-async def choose(driver: AppDriver, task: str) -> None:
-    tasks = driver.app.screen.query_one("#task", OptionList)
-    tasks.highlighted = tasks.get_option_index(task)
-    await driver.settle()
-
-
-@asynccontextmanager
-async def second_participant(data: Path, catalogue: Catalogue) -> AsyncIterator[AppDriver]:
-    async with home(data, catalogue) as driver:
-        await choose(driver, "pairs")
-        await driver.press("right", "right", "right", "enter")
-        yield driver
-
-
-@asynccontextmanager
-async def list_of_a_setting(data: Path, catalogue: Catalogue) -> AsyncIterator[AppDriver]:
-    async with home(data, catalogue) as driver:
-        await driver.press("f2")
-        driver.app.screen.query(Choice).first().focus()
-        await driver.press("enter")
-        yield driver
-
-
-@asynccontextmanager
-async def presets(data: Path, catalogue: Catalogue) -> AsyncIterator[AppDriver]:
-    async with home(data, catalogue) as driver:
-        await driver.press("f2")
-        driver.app.screen.query_one("#preset").focus()
-        await driver.press("enter")
-        yield driver
-
-
-def after(*keys: str) -> Open:
-    """Return a function that opens home and presses keys."""
+def after(*keys: str, task: str = "", opens: str | type = "") -> Open:
+    """Return a function that opens home, chooses a task, presses keys, and opens a field."""
 
     @asynccontextmanager
     async def opened(data: Path, catalogue: Catalogue) -> AsyncIterator[AppDriver]:
         async with home(data, catalogue) as driver:
+            if task:
+                tasks = driver.app.screen.query_one("#task", OptionList)
+                tasks.highlighted = tasks.get_option_index(task)
+                await driver.settle()
+            await driver.press(*keys)
+            if opens:
+                driver.app.screen.query(opens).first().focus()
+                await driver.press("enter")
+            yield driver
+
+    return opened
+
+
+def session(task: str, *keys: str, **settings: object) -> Open:
+    """Return a function that opens a session, and presses keys."""
+
+    @asynccontextmanager
+    async def opened(data: Path, catalogue: Catalogue) -> AsyncIterator[AppDriver]:
+        planned = make_plan(catalogue, task, ["P01"], settings, seed=7)
+        async with open_app(data, catalogue, planned) as driver:
+            await driver.wait(300)
             await driver.press(*keys)
             yield driver
 
     return opened
 
 
-def session(task: str, *codes: str, **settings: object) -> Open:
-    """Return a function that opens a session."""
-
-    @asynccontextmanager
-    async def opened(data: Path, catalogue: Catalogue) -> AsyncIterator[AppDriver]:
-        async with open_app(
-            data, catalogue, make_plan(catalogue, task, codes, settings, seed=7)
-        ) as driver:
-            await driver.wait(300)
-            yield driver
-
-    return opened
-
-
-@asynccontextmanager
-async def therapists_changes(data: Path, catalogue: Catalogue) -> AsyncIterator[AppDriver]:
-    async with session("keyboard", "P01", **SHORT)(data, catalogue) as driver:
-        await driver.press("enter", "escape", "up", "enter")
-        yield driver
-
-
 @asynccontextmanager
 async def forced_rest(data: Path, catalogue: Catalogue) -> AsyncIterator[AppDriver]:
-    async with session("keyboard", "P01", **SHORT, rest_after_attempts=1)(
-        data, catalogue
-    ) as driver:
+    async with session("keyboard", **RESTING)(data, catalogue) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         yield driver
 
@@ -144,24 +111,28 @@ SCREENS: dict[str, tuple[str, Open]] = {
     "home": ("HomeScreen", home),
     "help": ("HelpScreen", after("f1")),
     "new participant": ("NewParticipantScreen", after("down", "down", "enter")),
-    "second participant": ("SecondParticipantScreen", second_participant),
+    "second participant": (
+        "SecondParticipantScreen",
+        after("right", "right", "right", "enter", task="pairs"),
+    ),
     "settings": ("SettingsScreen", after("f2")),
-    "list of a setting": ("SettingsScreen", list_of_a_setting),
+    "list of a setting": ("SettingsScreen", after("f2", opens=Choice)),
     "find a setting": ("FindSettingScreen", after("f2", "/")),
     "reason of a change": ("SaveReasonScreen", after("f2", "end", "7", "ctrl+s")),
-    "presets": ("ChoosePresetScreen", presets),
+    "presets": ("ChoosePresetScreen", after("f2", opens="#preset")),
     "command palette": ("CommandPalette", after("ctrl+p")),
-    "sensor check": ("SensorCheckScreen", session("reaching", "P01", imu="simulated")),
-    "therapist's changes": ("AdjustScreen", therapists_changes),
+    "sensor check": ("SensorCheckScreen", session("reaching", imu="simulated")),
+    "therapist's changes": (
+        "AdjustScreen",
+        session("keyboard", "enter", "escape", "up", "enter", **SHORT),
+    ),
     "forced rest": ("SessionScreen", forced_rest),
-    "session": ("SessionScreen", session("keyboard", "P01", **SHORT)),
+    "session": ("SessionScreen", session("keyboard", **SHORT)),
 }
 
 
 @pytest.mark.parametrize("name", first(3, reversed(SCREENS)))
-async def test_a_screen_survives_any_size_of_the_window(
-    name: str, data: Path, catalogue: Catalogue
-) -> None:
+async def test_a_screen_survives_any_size(name: str, data: Path, catalogue: Catalogue) -> None:
     screen, opened = SCREENS[name]
     async with opened(data, catalogue) as driver:
         assert driver.screen_name == screen
@@ -169,9 +140,7 @@ async def test_a_screen_survives_any_size_of_the_window(
 
 
 @pytest.mark.parametrize("size", first(1, [(1, 1), (30, 5), (20, 200)]))
-async def test_the_app_may_open_in_a_window_of_any_size(
-    opened: OpenApp, size: tuple[int, int], data: Path
-) -> None:
+async def test_it_opens_in_any_size(opened: OpenApp, size: tuple[int, int], data: Path) -> None:
     known(data, "P01")
     async with opened(size=size) as driver:
         for key in ("f1", "escape", "ctrl+p", "escape", "f2"):
@@ -181,9 +150,7 @@ async def test_the_app_may_open_in_a_window_of_any_size(
 
 
 @pytest.mark.parametrize("task", ["keyboard", "reaching"])
-async def test_a_session_opens_in_a_window_of_any_size(
-    opened: OpenApp, task: str, catalogue: Catalogue
-) -> None:
+async def test_a_session_has_any_size(opened: OpenApp, task: str, catalogue: Catalogue) -> None:
     settings = {"imu": "simulated"} if task == "reaching" else SHORT
     planned = make_plan(catalogue, task, ["P01"], settings, seed=7)
     async with opened(planned, size=(1, 1)) as driver:
@@ -195,51 +162,45 @@ async def test_a_session_opens_in_a_window_of_any_size(
 
 
 @pytest.mark.slow
-async def test_every_stage_of_a_session_survives_any_size_of_the_window(
-    opened: OpenApp, catalogue: Catalogue
-) -> None:
+async def test_every_stage_survives_any_size(opened: OpenApp, catalogue: Catalogue) -> None:
     settings = SHORT | {"attempts": 1}
     async with opened(make_plan(catalogue, "keyboard", ["P01"], settings, seed=7)) as driver:
         await driver.press("enter")
         await shrink_and_grow(driver)
         await driver.begin()
         await shrink_and_grow(driver)
-        assert driver.sees("Paused")
+        driver.see("Paused")
         await driver.press("ctrl+q")
         await shrink_and_grow(driver)
-        assert driver.sees("Leave now?")
+        driver.see("Leave now?")
         await driver.press("enter", "enter")
         await driver.do_attempt(await driver.to_prompt())
         await shrink_and_grow(driver)
         await driver.see_the_summary()
         await shrink_and_grow(driver)
-        assert driver.sees("Press Enter to finish.")
+        driver.see("Press Enter to finish.")
         assert driver.session.faults == []
 
 
 @pytest.mark.slow
-async def test_a_session_for_two_survives_any_size_of_the_window(
-    opened: OpenApp, catalogue: Catalogue
-) -> None:
+async def test_a_session_for_two_survives_any_size(opened: OpenApp, catalogue: Catalogue) -> None:
     settings = SHORT | {"policy": "alternate"}
     async with opened(make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=7)) as driver:
         await driver.to_first_prompt()
         await shrink_and_grow(driver)
-        assert driver.sees("Paused")
+        driver.see("Paused")
         assert driver.session.faults == []
 
 
 @pytest.mark.slow
-async def test_a_tasks_view_is_not_drawn_smaller_than_the_smallest_window(
-    data: Path, tmp_path: Path
-) -> None:
+async def test_no_view_is_drawn_in_too_small_a_window(data: Path, tmp_path: Path) -> None:
     catalogue = Catalogue(tasks=(write_sides(tmp_path / "mine", WIDE_VIEW).parent,))
     async with open_app(data, catalogue, plan(catalogue, catalogue.task("sides"))) as driver:
         await driver.to_first_prompt()
         await shrink_and_grow(driver)
         await driver.press("enter")
         await driver.do_attempt(await driver.to_prompt())
-        assert driver.sees("A wide drawing")
+        driver.see("A wide drawing")
         await shrink_and_grow(driver)
         assert driver.session.faults == []
 
@@ -276,12 +237,10 @@ def test_a_headline_of_several_words_or_without_large_letters_stays_as_it_is() -
         assert large_message(TEXT._replace(headline=headline), 88, 40).headline == headline
 
 
-async def test_only_a_large_window_draws_the_key(open_session: OpenSession) -> None:
-    async with open_session() as driver:
-        assert "█" not in driver.text
-        await driver.resize(100, 30)
-        assert "█" in driver.text
-        assert driver.sees("Press that key as fast as you can, and then wait for the next one.")
-        assert driver.sees("Press Enter to go on.")
-        await driver.resize(80, 24)
-        assert "█" not in driver.text
+async def test_only_a_large_window_draws_the_key(driver: AppDriver) -> None:
+    assert "█" not in driver.text
+    await driver.resize(100, 30)
+    assert "█" in driver.text
+    driver.see("Press that key as fast as you", "Press Enter to go on.")
+    await driver.resize(80, 24)
+    assert "█" not in driver.text

@@ -14,30 +14,14 @@ from tests.examples import first
 FOLDER = Path(__file__).parent / "snapshots"
 THEMES = ("calm", "high-contrast", "playful")
 HOME = (
-    "home",
-    "help",
-    "new-participant",
-    "home-with-a-participant",
-    "settings",
-    "settings-to-fix",
+    "home", "help", "new-participant", "home-with-a-participant", "settings", "settings-to-fix",
     "too-small",
-)
+)  # fmt: skip
 SESSION = (
-    "instructions",
-    "before-practice",
-    "prompt",
-    "between-prompts",
-    "paused",
-    "tired",
-    "in-pain",
-    "end-now",
-    "leave-now",
-    "before-an-attempt",
-    "disk-full",
-    "disk-works-again",
-    "review",
+    "instructions", "before-practice", "prompt", "between-prompts", "paused", "tired", "in-pain",
+    "end-now", "leave-now", "before-an-attempt", "disk-full", "disk-works-again", "review",
     "summary",
-)
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("theme", first(1, THEMES))
@@ -53,8 +37,7 @@ async def test_snapshots_of_home_and_settings(opened: OpenApp, theme: str) -> No
         await driver.write(*"Peter Maier")
         album.take("new-participant", driver)
         await driver.press("ctrl+u")
-        await driver.write(*"p01")
-        await driver.press("enter")
+        await driver.enter("p01")
         album.take("home-with-a-participant", driver)
         await driver.press("f2")
         album.take("settings", driver)
@@ -86,8 +69,7 @@ async def test_snapshots_of_a_session(open_session: OpenSession, theme: str) -> 
             album.take(name, driver)
         await driver.press("ctrl+q")
         album.take("leave-now", driver)
-        await driver.press("escape")
-        await driver.press("enter")
+        await driver.press("escape", "enter")
         await driver.answer(await driver.to_prompt())
         album.take("before-an-attempt", driver)
         await driver.do_attempt(await driver.begin())

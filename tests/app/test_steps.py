@@ -17,7 +17,7 @@ from sar_tui.rules.questions import QUESTIONS
 from sar_tui.runs.plan import make_plan
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
-from tests.app.app_driver import open_app, plan, stored
+from tests.app.app_driver import OpenApp, OpenSession, plan, stored
 from tests.app.test_reaching import reach, to_start
 from tests.recorded import said
 
@@ -31,34 +31,26 @@ def shown(step: Step, entry: Entry = EMPTY, who: str = "") -> list[str]:
     return [text.headline, *text.text.replace("\u00a0", " ").split("\n"), text.press]
 
 
-async def test_a_question_is_answered_on_the_screen(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    asked = plan(
-        catalogue,
-        keyboard,
-        attempts=1,
-        prompts_per_attempt=1,
-        questions=("pain", "effort", "remark"),
-    )
-    async with open_app(data, catalogue, asked) as driver:
+async def test_a_question_is_answered_on_the_screen(open_session: OpenSession) -> None:
+    async with open_session(
+        attempts=1, prompts_per_attempt=1, questions=("pain", "effort", "remark")
+    ) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.wait(1500)
-        assert driver.sees("How strong is your pain now?")
-        assert driver.sees("Tab: I would rather not say.")
+        driver.see("How strong is your pain now?", "Tab: I would rather not say.")
         await driver.press("enter")
-        assert driver.sees("Please choose first")
+        driver.see("Please choose first")
         await driver.press("5")
-        assert driver.sees("[5]")
+        driver.see("[5]")
         await driver.press("enter")
-        assert driver.sees("How hard was that for you?")
+        driver.see("How hard was that for you?")
         await driver.wait(500)
         await driver.press("tab")
-        assert driver.sees("Is there anything you would like to tell us?")
+        driver.see("Is there anything you would like to tell us?")
         await driver.wait(500)
         await driver.press("o", "k", "enter")
-        assert driver.sees("All done")
-    assert stored(data, "SELECT step, status, answer FROM answers ORDER BY number") == [
+        driver.see("All done")
+    assert driver.stored("SELECT step, status, answer FROM answers ORDER BY number") == [
         ("pain", "answered", "5"),
         ("effort", "declined", None),
         ("remark", "answered", '"ok"'),
@@ -67,17 +59,16 @@ async def test_a_question_is_answered_on_the_screen(
 
 @pytest.mark.parametrize(("key", "status"), [("enter", "ended"), ("g", "paused")])
 async def test_too_much_pain_between_attempts_leads_to_the_advice_to_stop(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], key: str, status: str
+    open_session: OpenSession, data: Path, key: str, status: str
 ) -> None:
-    asked = plan(catalogue, keyboard, prompts_per_attempt=1, questions=("pain",), questions_every=1)
-    async with open_app(data, catalogue, asked) as driver:
+    async with open_session(
+        prompts_per_attempt=1, questions=("pain",), questions_every=1
+    ) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.wait(1500)
-        assert driver.sees("How strong is your pain now?")
+        driver.see("How strong is your pain now?")
         await driver.press("9", "enter")
-        assert driver.sees(
-            "Please stop for today Rest, and tell your therapist about the pain now."
-        )
+        driver.see("Please stop for today Rest, and tell your therapist about the pain now.")
         assert driver.waiting.reason == "pain"
         await driver.press(key)
         assert driver.waiting.stage == status
@@ -96,23 +87,21 @@ CONSENT = Step(
 )
 
 
-async def test_who_does_not_agree_begins_no_session_and_leaves_only_that_answer(
-    data: Path, catalogue: Catalogue
-) -> None:
+async def test_no_consent_no_session(opened: OpenApp, data: Path, catalogue: Catalogue) -> None:
     settings = {"attempts": 1, "imu": "simulated", "ask_wellbeing": True}
     asked = make_plan(catalogue, "reaching", ["P01"], settings, seed=7, steps=(CONSENT,))
-    async with open_app(data, catalogue, asked) as driver:
+    async with opened(asked) as driver:
         await driver.press("0", "1")
         await driver.wait(300)
         await driver.press("enter")
         await driver.wait(2000)
         await driver.press("enter")
-        assert driver.sees("Do you agree?")
+        driver.see("Do you agree?")
         assert stored(data, "SELECT count(*) FROM records") == [(2,)]
         await driver.wait(500)
         await driver.press("2", "enter")
         await driver.wait(500)
-        assert driver.sees("That is all right. The session does not begin")
+        driver.see("That is all right. The session does not begin")
         await driver.press("enter")
         assert driver.app.return_code == 0, "nothing more is asked"
         session = driver.session_id
@@ -126,10 +115,10 @@ async def test_who_does_not_agree_begins_no_session_and_leaves_only_that_answer(
         assert replay(database, data, catalogue, sessions.find(database, data, session)).identical
 
 
-async def test_samples_are_stored_from_the_agreement_on(data: Path, catalogue: Catalogue) -> None:
+async def test_samples_need_consent(opened: OpenApp, data: Path, catalogue: Catalogue) -> None:
     settings = {"attempts": 1, "imu": "simulated"}
     asked = make_plan(catalogue, "reaching", ["P01"], settings, seed=7, steps=(CONSENT,))
-    async with open_app(data, catalogue, asked) as driver:
+    async with opened(asked) as driver:
         await driver.wait(300)
         await driver.press("enter")
         await driver.wait(2000)
@@ -149,22 +138,22 @@ async def test_samples_are_stored_from_the_agreement_on(data: Path, catalogue: C
 
 
 async def test_a_consent_that_was_interrupted_is_asked_again(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    opened: OpenApp, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     planned = replace(plan(catalogue, keyboard), steps=(CONSENT,))
-    async with open_app(data, catalogue, planned) as driver:
+    async with opened(planned) as driver:
         await driver.press("enter")
-        assert driver.sees("Do you agree?")
+        driver.see("Do you agree?")
         session = driver.session_id
-    async with open_app(data, catalogue, session) as driver:
+    async with opened(session) as driver:
         await driver.press("enter")
-        assert driver.sees("Do you agree?")
+        driver.see("Do you agree?")
         await driver.wait(500)
         await driver.press("tab")
         await driver.wait(500)
-        assert driver.sees("That is all right.")
-    assert stored(data, "SELECT status FROM sessions") == [("refused",)]
-    assert stored(data, "SELECT step, status FROM answers") == [("consent", "declined")]
+        driver.see("That is all right.")
+    assert driver.stored("SELECT status FROM sessions") == [("refused",)]
+    assert driver.stored("SELECT step, status FROM answers") == [("consent", "declined")]
 
 
 def test_the_numbers_of_a_scale_stand_above_the_words_at_its_ends() -> None:
@@ -206,7 +195,5 @@ def test_a_screen_to_read_needs_no_answer() -> None:
 
 def test_a_calibration_tells_the_time_that_is_left() -> None:
     step = Step(name="a", text="Keep still.", kind="calibration", seconds=3)
-    assert (
-        step_text(AskedStep(number=1, step=step), ENGLISH, 2_500_000_000).text
-        == "We go on in 3 seconds."
-    )
+    found = step_text(AskedStep(number=1, step=step), ENGLISH, 2_500_000_000).text
+    assert found == "We go on in 3 seconds."

@@ -10,8 +10,6 @@ from sar_tui.app.screens.summary import Summary
 from sar_tui.model.messages import AttemptEnded
 from sar_tui.model.trial_types import Metric
 from sar_tui.plugins import Catalogue
-from sar_tui.rules.parameters import build
-from sar_tui.runs.plan import Plan
 from sar_tui.store import sessions
 from tests.app.app_driver import AppDriver, OpenSession, open_app
 from tests.tasks.test_documented_tasks import documented
@@ -68,9 +66,7 @@ def heights(lines: Sequence[str]) -> list[int]:
     return [len(plot) - row for _, row in sorted(places)]
 
 
-async def test_a_day_on_which_the_level_rose_and_results_got_slower_is_not_drawn_as_a_fall(
-    plot: Plot,
-) -> None:
+async def test_a_risen_level_with_slower_results_is_no_fall(plot: Plot) -> None:
     lines = await plot(GOOD_DAY, True)
     shown = heights(lines)
     assert len(shown) == 5
@@ -80,9 +76,7 @@ async def test_a_day_on_which_the_level_rose_and_results_got_slower_is_not_drawn
     assert next(line for line in lines if line.startswith("level")).split() == ["level", *"12345"]
 
 
-async def test_results_that_get_faster_are_not_drawn_as_a_fall_and_what_was_not_reached_keeps_the_height(
-    plot: Plot,
-) -> None:
+async def test_faster_results_are_not_drawn_as_a_fall(plot: Plot) -> None:
     played = attempts(
         (3, 1400.0, False), (2, 1200.0, False), (1, 900.0, True), (1, 800.0, True), (1, None, False)
     )
@@ -95,9 +89,7 @@ async def test_results_that_get_faster_are_not_drawn_as_a_fall_and_what_was_not_
 @pytest.mark.parametrize(
     "played", [attempts((1, 1400.0, False)), attempts((1, None, False), (1, None, False))]
 )
-async def test_where_no_goal_was_reached_nothing_is_drawn(
-    plot: Plot, played: list[AttemptEnded]
-) -> None:
+async def test_without_a_goal_nothing_is_drawn(plot: Plot, played: list[AttemptEnded]) -> None:
     assert await plot(played, True) == []
 
 
@@ -108,17 +100,16 @@ async def test_a_therapist_sees_results_and_levels_over_attempts(plot: Plot) -> 
     assert any("█" in line for line in lines)
 
 
-async def test_a_summary_without_its_parts_draws_nothing(open_session: OpenSession) -> None:
-    async with open_session() as driver:
-        await driver.do_session()
-        summary = driver.app.screen.query_one(Summary)
-        rows = sessions.rows(driver.app.database, "attempts", driver.session_id)
-        # asks to be drawn after the next refresh
-        summary.show([sessions.attempt_ended(row) for row in rows])
-        await summary.query_one("#plot", Static).remove()
-        await driver.settle()
-        summary.on_resize()
-        assert driver.app.is_running
+async def test_a_summary_without_its_parts_draws_nothing(driver: AppDriver) -> None:
+    await driver.do_session()
+    summary = driver.app.screen.query_one(Summary)
+    rows = sessions.rows(driver.app.database, "attempts", driver.session_id)
+    # asks to be drawn after the next refresh
+    summary.show([sessions.attempt_ended(row) for row in rows])
+    await summary.query_one("#plot", Static).remove()
+    await driver.settle()
+    summary.on_resize()
+    assert driver.app.is_running
 
 
 async def to_comparison(driver: AppDriver) -> None:
@@ -130,28 +121,24 @@ async def to_comparison(driver: AppDriver) -> None:
 
 
 @pytest.mark.slow
-async def test_only_a_later_session_with_the_same_settings_has_a_comparison(
-    open_session: OpenSession,
-) -> None:
+async def test_only_a_later_like_session_is_compared(open_session: OpenSession) -> None:
     compared = []
     for settings in ({}, {}, {"threshold": 900.0}):
         async with open_session(max_level=1, **settings) as driver:
             await to_comparison(driver)
-            assert driver.sees("You did 2 attempts; goal reached in 2.")
+            driver.see("You did 2 attempts; goal reached in 2.")
             compared.append(driver.sees("Today 0.40 seconds, "))
     assert compared == [False, True, False]
 
 
 @pytest.mark.slow
-async def test_a_session_is_played_and_its_screens_show_no_result(
-    data: Path, tmp_path: Path
+async def test_a_played_session_shows_no_result(
+    open_task: OpenSession, data: Path, tmp_path: Path
 ) -> None:
     catalogue = documented(tmp_path / "mytasks", "pleasant")
-    kind = catalogue.task("pleasant")
-    plan = Plan(kind, build(kind.Parameters, {"attempts": 2}), "calm", "P01", seed=7)
-    async with open_app(data, catalogue, plan) as driver:
+    async with open_task(tmp_path / "mytasks" / "pleasant", attempts=2) as driver:
         await driver.press("enter")
-        assert not driver.sees("goal")
+        driver.lacks("goal")
         for _ in range(2):
             await driver.begin()
             for trial in range(4):
@@ -161,7 +148,7 @@ async def test_a_session_is_played_and_its_screens_show_no_result(
                 await driver.press("7")
         assert driver.waiting.stage == "review"
         await driver.see_the_summary()
-        assert driver.sees("You did 2 attempts.")
+        driver.see("You did 2 attempts.")
         assert "goal" not in driver.text
         assert [fault.error for fault in driver.session.faults] == []
         rows = driver.stored(
@@ -169,14 +156,13 @@ async def test_a_session_is_played_and_its_screens_show_no_result(
         )
         assert rows == [(None, None, "none", 7.0)] * 2
     async with open_app(data, catalogue) as driver:
-        assert driver.sees("20 × 4 · start level 1")
-        assert driver.sees("Today: 2 attempts")
+        driver.see("20 × 4 · start level 1", "Today: 2 attempts")
         assert "of 2 reached" not in driver.text
         await driver.press("f4")
-        assert driver.sees("How pleasant?")
+        driver.see("How pleasant?")
         assert "level at goal is not known" not in driver.text
         for _ in range(6):
             await driver.press("right")
         await driver.press("escape", "f6", "enter")
         assert driver.screen_name == "PastSessionScreen"
-        assert driver.sees("You did 2 attempts.")
+        driver.see("You did 2 attempts.")

@@ -1,12 +1,14 @@
-"""A task's own view draws itself in a session; one that fails costs the participant nothing."""
+"""A task's own view draws itself in a session; one that fails costs the participant nothing. The view of
+docs/write-your-own-task.md, taken from the page, passes the check and draws.
+"""
 
 from pathlib import Path
 
 import pytest
 
+from sar_tui.checks.task import check
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import make_plan
-from tests.app.app_driver import AppDriver, open_app, plan
+from tests.app.app_driver import SHORT, AppDriver, OpenSession, open_app
 from tests.documented import write_documented
 from tests.sides_task import VIEW, write_sides
 
@@ -23,36 +25,34 @@ async def play(driver: AppDriver) -> list[str]:
     seen = [driver.text]
     await driver.do_attempt(prompt)
     seen.append(driver.text)
-    await driver.do_attempt(await driver.begin())
-    await driver.see_the_summary()
+    await driver.finish(await driver.begin())
     return [*seen, " ".join(driver.text.split())]
 
 
-async def test_a_task_outside_the_checkout_draws_in_all_places(data: Path, own_tasks: Path) -> None:
+async def test_a_task_outside_the_checkout_draws_in_all_places(
+    open_task: OpenSession, data: Path, own_tasks: Path
+) -> None:
     (own_tasks / "sides" / "view.py").write_text(VIEW)
-    catalogue = Catalogue(tasks=(own_tasks,))
-    async with open_app(data, catalogue, plan(catalogue, catalogue.task("sides"))) as driver:
+    async with open_task(own_tasks / "sides", **SHORT) as driver:
         prompt, between, summary = await play(driver)
         assert "<<< Press: f >>>" in prompt
         assert "2 trials, drawn" in between
         assert "The view counts 4." in summary
         assert [fault.error for fault in driver.session.faults] == []
         await driver.press("enter")
-    async with open_app(data, catalogue) as driver:
+    async with open_app(data, Catalogue(tasks=(own_tasks,))) as driver:
         driver.app.screen.query_one("#recent").focus()
         await driver.press("enter")
         assert driver.screen_name == "PastSessionScreen"
-        assert driver.sees("The view counts 4.")
+        driver.see("The view counts 4.")
 
 
 async def test_a_slider_follows_the_keys(
-    data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    open_task: OpenSession, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     write_documented(tmp_path / "mytasks", "slider", "task", "view")
     monkeypatch.chdir(tmp_path)
-    catalogue = Catalogue(tasks=(Path("mytasks"),))
-    planned = make_plan(catalogue, "slider", ["P01"], {"attempts": 1}, theme="calm", seed=7)
-    async with open_app(data, catalogue, planned) as driver:
+    async with open_task(Path("mytasks/slider"), attempts=1) as driver:
         await driver.to_first_prompt()
         await driver.wait(300)
         assert "─────●─────" in driver.text
@@ -63,9 +63,10 @@ async def test_a_slider_follows_the_keys(
         assert [fault.error for fault in driver.session.faults] == []
 
 
-async def test_without_a_view_the_plain_prompt_is_drawn(data: Path, own_tasks: Path) -> None:
-    catalogue = Catalogue(tasks=(own_tasks,))
-    async with open_app(data, catalogue, plan(catalogue, catalogue.task("sides"))) as driver:
+async def test_without_a_view_the_plain_prompt_is_drawn(
+    open_task: OpenSession, own_tasks: Path
+) -> None:
+    async with open_task(own_tasks / "sides", **SHORT) as driver:
         prompt, between, summary = await play(driver)
         assert "█" in prompt
         assert [row.strip() for row in prompt.splitlines()].count("Press: f") == 1
@@ -110,12 +111,11 @@ async def test_without_a_view_the_plain_prompt_is_drawn(data: Path, own_tasks: P
     ],
 )
 async def test_a_view_that_fails_is_recorded_and_the_session_goes_on(
-    data: Path, own_tasks: Path, broken: str, topic: str
+    open_task: OpenSession, own_tasks: Path, broken: str, topic: str
 ) -> None:
     assert broken != VIEW
     (own_tasks / "sides" / "view.py").write_text(broken)
-    catalogue = Catalogue(tasks=(own_tasks,))
-    async with open_app(data, catalogue, plan(catalogue, catalogue.task("sides"))) as driver:
+    async with open_task(own_tasks / "sides", **SHORT) as driver:
         prompt, between, summary = await play(driver)
         assert "Press: f" in prompt
         if topic in ("load", "prompt_lines"):
@@ -128,14 +128,41 @@ async def test_a_view_that_fails_is_recorded_and_the_session_goes_on(
         assert driver.stored("SELECT count(*) FROM trials WHERE correct") == [(4,)]
 
 
-async def test_a_session_whose_view_failed_is_resumed(data: Path, own_tasks: Path) -> None:
+async def test_a_session_whose_view_failed_is_resumed(
+    open_task: OpenSession, data: Path, own_tasks: Path
+) -> None:
     (own_tasks / "sides" / "view.py").write_text("raise RuntimeError('no such file')")
-    catalogue = Catalogue(tasks=(own_tasks,))
-    async with open_app(data, catalogue, plan(catalogue, catalogue.task("sides"))) as driver:
+    async with open_task(own_tasks / "sides", **SHORT) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         session = driver.session_id
-    async with open_app(data, catalogue, session) as driver:
-        assert driver.sees("Welcome back")
+    async with open_app(data, Catalogue(tasks=(own_tasks,)), session) as driver:
+        driver.see("Welcome back")
         await driver.press("enter")
         await driver.to_prompt() if driver.waiting.stage == "trial" else await driver.begin()
         assert "█" in driver.text
+
+
+@pytest.fixture
+def arrows(tmp_path: Path) -> Path:
+    """The task's folder, as the page describes it."""
+    return write_documented(tmp_path / "mytasks", "arrows", "task", "view")
+
+
+@pytest.mark.slow
+def test_they_pass_the_check(arrows: Path) -> None:
+    results = list(check(arrows))
+    assert [each.problems for each in results if not each.ok] == []
+    assert "draws its view in a whole session" in [each.check for each in results]
+
+
+async def test_the_view_draws_in_a_session(open_task: OpenSession, arrows: Path) -> None:
+    async with open_task(arrows, attempts=2) as driver:
+        prompt = await driver.to_first_prompt()
+        sign = {"left": "←", "right": "→", "up": "↑", "down": "↓"}[prompt.expected]
+        assert sign * 80 in driver.text
+        driver.see(f"Press: {prompt.expected}")
+        await driver.do_attempt(prompt)
+        assert "██████" in driver.text
+        await driver.finish(await driver.begin())
+        driver.see("Right arrows: 20.")
+        assert [fault.error for fault in driver.session.faults] == []

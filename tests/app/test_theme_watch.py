@@ -2,7 +2,7 @@
 
 import os
 import shutil
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
 from pathlib import Path
 
 import pytest
@@ -32,6 +32,21 @@ def themes(folder: Path) -> Catalogue:
     return Catalogue(themes=(folder.parent,))
 
 
+@pytest.fixture
+async def mine(data: Path, themes: Catalogue, keyboard: type[Task]) -> AsyncIterator[AppDriver]:
+    """A session in the copy."""
+    async with open_app(data, themes, plan(themes, keyboard, theme="mine")) as driver:
+        yield driver
+
+
+@pytest.fixture
+async def at_home(data: Path, themes: Catalogue) -> AsyncIterator[AppDriver]:
+    """The home screen in the copy."""
+    known(data, theme="mine")
+    async with open_app(data, themes) as driver:
+        yield driver
+
+
 def edit(folder: Path, old: str, new: str, file: str = "theme.toml") -> None:
     """Change a file and its modification time, however fast the test is."""
     path = folder / file
@@ -58,52 +73,50 @@ class Editor:
         self.watch = ThemeWatch(themes, self.applied.append, self.notices.append)
         self.watch.follow("mine")
 
+    def look(self, times: int = 1) -> None:
+        for _ in range(times):
+            self.watch.look()
+
+
+@pytest.fixture
+def editor(themes: Catalogue) -> Editor:
+    return Editor(themes)
+
 
 # --- the watch
 
 
-def test_an_edited_theme_is_applied_once_when_its_files_stop_changing(
-    folder: Path, themes: Catalogue
-) -> None:
-    editor = Editor(themes)
-    editor.watch.look()
+def test_an_edited_theme_is_applied_once(folder: Path, editor: Editor) -> None:
+    editor.look()
     assert editor.applied == []
     edit(folder, "#7cc4e8", "#7cc4e9")
-    editor.watch.look()
+    editor.look()
     edit(folder, "#7cc4e9", "#7cc4ea")
-    editor.watch.look()
+    editor.look()
     assert editor.applied == []
-    for _ in range(3):
-        editor.watch.look()
+    editor.look(3)
     assert [theme.colors.accent for theme in editor.applied] == ["#7cc4ea"]
     assert editor.notices == []
 
 
-def test_added_phrases_are_an_edit_and_the_language_stays(folder: Path, themes: Catalogue) -> None:
+def test_added_phrases_are_an_edit_and_the_language_stays(folder: Path, editor: Editor) -> None:
     spanish = (folder / "phrases.es.toml").read_text(encoding="utf-8")
     (folder / "phrases.es.toml").unlink()
-    editor = Editor(themes)
     editor.watch.follow("mine", "es")
     (folder / "phrases.es.toml").write_text(spanish, encoding="utf-8")
-    editor.watch.look()
-    editor.watch.look()
+    editor.look(2)
     assert [theme.language for theme in editor.applied] == ["es"]
 
 
-def test_an_unreadable_theme_is_reported_once_and_applied_when_fixed(
-    folder: Path, themes: Catalogue
-) -> None:
-    editor = Editor(themes)
+def test_an_unreadable_theme_is_told_once(folder: Path, editor: Editor, themes: Catalogue) -> None:
     edit(folder, "[colors]", "[colors")
-    for _ in range(4):
-        editor.watch.look()
+    editor.look(4)
     assert editor.applied == []
     (notices,) = editor.notices
     assert notices.startswith("The theme mine cannot be read: ")
     assert notices.endswith("The previous version stays in use.")
     edit(folder, "[colors\n", "[colors]\n")
-    for _ in range(2):
-        editor.watch.look()
+    editor.look(2)
     assert len(editor.applied) == 1
     assert len(editor.notices) == 1
 
@@ -117,24 +130,18 @@ def test_an_unreadable_theme_is_reported_once_and_applied_when_fixed(
     ],
 )
 def test_a_theme_with_problems_is_applied_and_the_problems_reported(
-    problems: int, notices: str, folder: Path, themes: Catalogue
+    problems: int, notices: str, folder: Path, editor: Editor
 ) -> None:
-    editor = Editor(themes)
     for color in ("#7cc4e8", "#8fd6a4", "#d9c98a", "#e8b08a")[:problems]:
         edit(folder, f'"{color}"', '"blueish"')
-    editor.watch.look()
-    editor.watch.look()
+    editor.look(2)
     assert len(editor.applied) == 1
     assert notices in editor.notices[0]
 
 
-def test_a_theme_whose_folder_was_removed_is_reported_and_stays_applied(
-    folder: Path, themes: Catalogue
-) -> None:
-    editor = Editor(themes)
+def test_a_removed_theme_stays_applied(folder: Path, editor: Editor) -> None:
     shutil.rmtree(folder)
-    for _ in range(3):
-        editor.watch.look()
+    editor.look(3)
     assert editor.applied == []
     assert len(editor.notices) == 1
 
@@ -142,16 +149,12 @@ def test_a_theme_whose_folder_was_removed_is_reported_and_stays_applied(
 # --- the app
 
 
-async def test_home_changes_its_colours_with_the_file(
-    data: Path, folder: Path, themes: Catalogue
-) -> None:
-    known(data, theme="mine")
-    async with open_app(data, themes) as driver:
-        assert driver.app.theme == "sar-mine"
-        edit(folder, "#10171e", "#30171e")
-        await look(driver)
-        assert driver.app.screen.styles.background.hex.lower() == "#30171e"
-        assert driver.app.theme == "sar-mine"
+async def test_home_changes_its_colours(at_home: AppDriver, folder: Path) -> None:
+    assert at_home.app.theme == "sar-mine"
+    edit(folder, "#10171e", "#30171e")
+    await look(at_home)
+    assert at_home.app.screen.styles.background.hex.lower() == "#30171e"
+    assert at_home.app.theme == "sar-mine"
 
 
 async def test_in_a_session_face_colours_and_later_utterances_change(
@@ -191,58 +194,46 @@ async def test_a_session_in_spanish_stays_in_spanish_when_its_theme_is_edited(
         assert driver.session.theme.colors.background == "#30171e"
 
 
-async def test_home_reports_a_faulty_edit_at_once(
-    data: Path, folder: Path, themes: Catalogue
-) -> None:
-    known(data, theme="mine")
-    async with open_app(data, themes) as driver:
-        edit(folder, "[colors]", "[colors")
-        await look(driver)
-        assert driver.sees("The theme mine cannot be read")
+async def test_home_reports_a_faulty_edit_at_once(at_home: AppDriver, folder: Path) -> None:
+    edit(folder, "[colors]", "[colors")
+    await look(at_home)
+    at_home.see("The theme mine cannot be read")
 
 
-async def test_a_faulty_edit_during_a_session_is_reported_later_on_home(
-    data: Path, folder: Path, themes: Catalogue
-) -> None:
-    known(data, theme="mine")
-    async with open_app(data, themes) as driver:
-        await driver.press("enter", "enter", "enter", "enter")
-        edit(folder, "[colors]", "[colors")
-        await look(driver)
-        assert not driver.sees("cannot be read")
-        assert HAPPY_EYES in driver.text
-        await driver.do_attempt(await driver.to_first_prompt())
-        assert not driver.sees("cannot be read")
-        driver.app.screen.dismiss()
-        await driver.settle()
-        assert driver.sees("The theme mine cannot be read")
-        assert driver.app.themes.pending_notice == ""
+async def test_a_fault_is_told_later(at_home: AppDriver, folder: Path, themes: Catalogue) -> None:
+    await at_home.press("enter", "enter", "enter", "enter")
+    edit(folder, "[colors]", "[colors")
+    await look(at_home)
+    at_home.lacks("cannot be read")
+    assert HAPPY_EYES in at_home.text
+    await at_home.do_attempt(await at_home.to_first_prompt())
+    at_home.lacks("cannot be read")
+    at_home.app.screen.dismiss()
+    await at_home.settle()
+    at_home.see("The theme mine cannot be read")
+    assert at_home.app.themes.pending_notice == ""
 
 
 async def test_a_faulty_edit_is_reported_on_the_terminal_unless_it_was_fixed(
-    data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
+    mine: AppDriver, folder: Path, themes: Catalogue
 ) -> None:
-    async with open_app(data, themes, plan(themes, keyboard, theme="mine")) as driver:
-        edit(folder, '"#7cc4e8"', '"blueish"')
-        await look(driver)
-        assert driver.app.themes.pending_notice.startswith("Theme edited. One thing to fix: ")
-        assert not driver.sees("Theme edited")
-        edit(folder, '"blueish"', '"#7cc4e8"')
-        await look(driver)
-        assert driver.app.themes.pending_notice == ""
+    edit(folder, '"#7cc4e8"', '"blueish"')
+    await look(mine)
+    assert mine.app.themes.pending_notice.startswith("Theme edited. One thing to fix: ")
+    mine.lacks("Theme edited")
+    edit(folder, '"blueish"', '"#7cc4e8"')
+    await look(mine)
+    assert mine.app.themes.pending_notice == ""
 
 
-async def test_the_palette_lists_no_theme_while_a_session_is_open(
-    data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(data, themes, plan(themes, keyboard, theme="mine")) as driver:
-        await driver.press("ctrl+p")
-        assert driver.sees("Quit")
-        assert not driver.sees("Theme:")
-        await driver.press("escape")
-        edit(folder, "#10171e", "#30171e")
-        await look(driver)
-        assert driver.session.theme.colors.background == "#30171e"
+async def test_in_a_session_the_palette_lists_no_theme(mine: AppDriver, folder: Path) -> None:
+    await mine.press("ctrl+p")
+    mine.see("Quit")
+    mine.lacks("Theme:")
+    await mine.press("escape")
+    edit(folder, "#10171e", "#30171e")
+    await look(mine)
+    assert mine.session.theme.colors.background == "#30171e"
 
 
 @pytest.mark.parametrize("name", first(1, ["a\\u0000b.png", "a" * 300]))
@@ -259,16 +250,18 @@ async def test_an_invalid_image_is_left_out_at_any_time(
 
 @pytest.mark.parametrize("fault", [OSError("gone"), ValueError("embedded null byte")])
 def test_a_folder_that_cannot_be_accessed_is_reported(
-    folder: Path, themes: Catalogue, monkeypatch: pytest.MonkeyPatch, fault: Exception
+    folder: Path,
+    editor: Editor,
+    themes: Catalogue,
+    monkeypatch: pytest.MonkeyPatch,
+    fault: Exception,
 ) -> None:
-    editor = Editor(themes)
 
     def fail(_: str) -> Path:
         raise fault
 
     monkeypatch.setattr(themes, "theme_folder", fail)
-    for _ in range(3):
-        editor.watch.look()
+    editor.look(3)
     assert editor.notices == [
         f"The theme mine cannot be read: {fault}. The previous version stays in use."
     ]
@@ -288,9 +281,7 @@ async def test_a_theme_without_english_is_applied_in_its_own_language(
 # --- the beginning
 
 
-async def test_only_the_applied_theme_is_read_before_the_first_screen(
-    data: Path, folder: Path, themes: Catalogue
-) -> None:
+async def test_only_the_first_theme_is_read(data: Path, folder: Path, themes: Catalogue) -> None:
     assert list(SarTui(data, themes).themes.known) == ["calm"]
     async with open_app(data, themes) as driver:
         assert list(driver.app.themes.known) == ["calm", "high-contrast", "mine", "playful"]
@@ -298,14 +289,12 @@ async def test_only_the_applied_theme_is_read_before_the_first_screen(
         assert [option.id for option in options] == list(driver.app.themes.known)
 
 
-async def test_an_unreadable_custom_calm_theme_is_reported_and_replaced(
-    data: Path, folder: Path, themes: Catalogue
-) -> None:
+async def test_a_faulty_calm_is_replaced(data: Path, folder: Path, themes: Catalogue) -> None:
     edit(folder, "[colors]", "[colors")
     folder.rename(folder.parent / "calm")
     async with open_app(data, themes) as driver:
         assert driver.app.theme == "sar-high-contrast"
-        assert driver.sees("The theme calm cannot be read")
+        driver.see("The theme calm cannot be read")
 
 
 async def test_no_theme_file_is_checked_during_a_trial(

@@ -13,7 +13,7 @@ from sar_tui.loop.clock import VirtualClock
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.widgets.speed_trace import SpeedTrace
-from tests.app.app_driver import AppDriver, open_app, stored
+from tests.app.app_driver import AppDriver, OpenApp, open_app
 from tests.app.test_sensor_check import Moved, Plugged
 
 OpenCheck = Callable[..., Any]
@@ -49,33 +49,30 @@ def open_check(data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 
 
 @pytest.mark.slow
-async def test_sensors_are_checked_one_after_the_other_before_the_session(
-    data: Path, open_check: OpenCheck
-) -> None:
+async def test_sensors_are_checked_in_turn(open_check: OpenCheck) -> None:
     left, right = Plugged(), Plugged(at_once=False)
     async with open_check(left, right, hand_b="left") as driver:
         assert driver.screen_name == "SensorCheckScreen"
         assert "P01, P02" in driver.rows[0]
         await driver.wait(3500)
-        assert driver.sees(f"▸ {LEFT} ✓")
+        driver.see(f"▸ {LEFT} ✓")
         assert driver.sees(f"{RIGHT} !"), "nor is the other out of sight"
-        assert driver.sees("Enter: on to the other sensor.")
+        driver.see("Enter: on to the other sensor.")
         assert "│ ⊙ ├→ x│" in "".join(driver.rows)
         await driver.press("enter")
-        assert driver.sees(f"▸ {RIGHT} !")
-        assert driver.sees("No sensor found.")
+        driver.see(f"▸ {RIGHT} !", "No sensor found.")
         assert "│ ⊙ ├→ x╰╯" in "".join(driver.rows), "a left hand is drawn"
         right.plug()
         await driver.wait(3500)
-        assert driver.sees(f"▸ {RIGHT} ✓")
+        driver.see(f"▸ {RIGHT} ✓")
         await driver.press("enter")
         assert driver.screen_name == "SessionScreen"
-        assert driver.sees("and a sensor on one hand.")
+        driver.see("and a sensor on one hand.")
         assert left.running
         assert right.running
     assert not left.running
     assert not right.running
-    assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
+    assert driver.stored("SELECT status FROM sessions") == [("interrupted",)]
 
 
 async def test_a_test_reach_is_that_of_the_checked_hand(open_check: OpenCheck) -> None:
@@ -85,27 +82,23 @@ async def test_a_test_reach_is_that_of_the_checked_hand(open_check: OpenCheck) -
         await driver.press("tab", "t")
         await driver.wait(8000)
         assert (len(left.moves), len(right.moves)) == (0, 1)
-        assert driver.sees("✓ Reach ")
+        driver.see("✓ Reach ")
         await driver.press("tab")
-        assert not driver.sees("✓ Reach ")
+        driver.lacks("✓ Reach ")
         await driver.press("z")
         assert (left.zeroed, right.zeroed) == (1, 0)
 
 
-async def test_without_one_of_two_sensors_enter_asks_first(
-    data: Path, open_check: OpenCheck
-) -> None:
+async def test_without_one_sensor_enter_asks_first(open_check: OpenCheck) -> None:
     left, right = Plugged(at_once=False), Plugged()
     async with open_check(left, right) as driver:
         await driver.wait(500)
         await driver.press("enter", "enter")
         assert driver.screen_name == "SensorCheckScreen"
-        assert driver.sees(
-            "A sensor is missing, so the session will wait for it. Press Enter again"
-        )
+        driver.see("A sensor is missing, so the session will wait for it. Press Enter again")
         await driver.press("escape")
         assert not right.running
-    assert stored(data, "SELECT id FROM sessions") == []
+    assert driver.stored("SELECT id FROM sessions") == []
 
 
 async def test_the_details_of_two_sensors_fit_on_the_screen(open_check: OpenCheck) -> None:
@@ -113,7 +106,7 @@ async def test_the_details_of_two_sensors_fit_on_the_screen(open_check: OpenChec
         await driver.wait(3000)
         for words in ("T Test", "Z Zero", "Enter Begin", "Esc Back", "F1 Help"):
             assert words in driver.rows[-1]
-        assert driver.sees("Tab: the other one")
+        driver.see("Tab: the other one")
         await driver.press("t")
         await driver.wait(6000)
         trace = driver.app.screen.query_one(SpeedTrace)
@@ -121,40 +114,35 @@ async def test_the_details_of_two_sensors_fit_on_the_screen(open_check: OpenChec
         assert trace.region.bottom < len(driver.rows)
 
 
-async def test_the_seat_of_a_detached_sensor_is_shown_and_the_session_continues_by_itself(
-    open_check: OpenCheck,
-) -> None:
+async def test_the_seat_of_a_detached_sensor_is_shown(open_check: OpenCheck) -> None:
     left, right = Plugged(), Plugged()
     async with open_check(left, right) as driver:
         await driver.wait(500)
         await driver.press("enter", "enter", "enter")
-        assert driver.sees("Press Enter to begin attempt 1 of 1.")
+        driver.see("Press Enter to begin attempt 1 of 1.")
         right.unplug()
         await driver.wait(200)
-        assert driver.sees("Please wait")
-        assert driver.sees("Right: The sensor on your hand sends no data just now.")
+        driver.see("Please wait", "Right: The sensor on your hand sends no data just now.")
         left.unplug()
         await driver.wait(200)
-        assert driver.sees("The sensor on your hand sends no data just now.")
-        assert not driver.sees("Right: The sensor")
+        driver.see("The sensor on your hand sends no data just now.")
+        driver.lacks("Right: The sensor")
         right.plug()
         await driver.wait(200)
-        assert driver.sees("Left: The sensor on your hand sends no data just now.")
+        driver.see("Left: The sensor on your hand sends no data just now.")
         left.plug()
         await driver.wait(200)
-        assert driver.sees("Press Enter to begin attempt 1 of 1.")
+        driver.see("Press Enter to begin attempt 1 of 1.")
 
 
-async def test_a_detached_sensor_is_reported_with_the_participants_code(
-    open_check: OpenCheck,
-) -> None:
+async def test_a_detached_sensor_is_told_with_the_code(open_check: OpenCheck) -> None:
     left, right = Plugged(), Plugged()
     async with open_check(left, right, address="code") as driver:
         await driver.wait(500)
         await driver.press("enter", "enter", "enter")
         right.unplug()
         await driver.wait(200)
-        assert driver.sees("P02: The sensor on your hand sends no data just now.")
+        driver.see("P02: The sensor on your hand sends no data just now.")
 
 
 async def test_the_help_of_two_sensors_names_the_settings_of_both(open_check: OpenCheck) -> None:
@@ -164,18 +152,18 @@ async def test_the_help_of_two_sensors_names_the_settings_of_both(open_check: Op
         assert "Motion sensor" not in logged
 
 
-async def test_simulated_hands_play_by_themselves(data: Path, catalogue: Catalogue) -> None:
+async def test_simulated_hands_play_by_themselves(opened: OpenApp, catalogue: Catalogue) -> None:
     given = {"respond_with": "reaches", "imu": "simulated", "imu_b": "simulated", "policy": "race"}
     settings = given | {"attempts": 1, "prompts_per_attempt": 2}
     plan = make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=11)
-    async with open_app(data, catalogue, plan) as driver:
+    async with opened(plan) as driver:
         await driver.wait(500)
         await driver.press("enter", "enter", "enter")
         await driver.begin()
-        assert driver.sees("Left: reach out and back Right: reach out and back")
+        driver.see("Left: reach out and back Right: reach out and back")
         await driver.wait(20_000)
         assert [fault.error for fault in driver.session.faults] == []
-    stored_rows = stored(
-        data, "SELECT trial, seat, response, correct FROM trials ORDER BY trial, seat"
+    stored_rows = driver.stored(
+        "SELECT trial, seat, response, correct FROM trials ORDER BY trial, seat"
     )
     assert stored_rows == [(trial, seat, "reach", 1) for trial in (1, 2) for seat in "AB"]

@@ -2,6 +2,7 @@
 beforehand.
 """
 
+from collections.abc import AsyncIterator
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -14,8 +15,15 @@ from sar_tui.runs.plan import make_plan
 from sar_tui.store import records, wellbeing
 from sar_tui.store.database import connect
 from sar_tui.store.record_changes import change_status
-from tests.app.app_driver import AppDriver, OpenApp, OpenSession, known, open_app, plan, stored
+from tests.app.app_driver import AppDriver, OpenApp, OpenSession, known
 from tests.recorded import event, said
+
+
+@pytest.fixture
+async def asked(open_session: OpenSession) -> AsyncIterator[AppDriver]:
+    """A session that asks for pain and tiredness."""
+    async with open_session(ask_wellbeing=True) as driver:
+        yield driver
 
 
 def answers(driver: AppDriver) -> list[tuple[Any, ...]]:
@@ -24,90 +32,68 @@ def answers(driver: AppDriver) -> list[tuple[Any, ...]]:
     return said(driver.app.database)
 
 
-async def test_a_session_asks_before_and_after(open_session: OpenSession) -> None:
-    async with open_session(ask_wellbeing=True) as driver:
-        assert driver.sees("How much pain do you have now?")
-        assert driver.sees("0 1 2 3 4 5 6 7 8 9 10 no pain worst pain imaginable")
-        assert driver.sees(
-            "Press a number from 0 to 9. For 10, press T. Press N if you would rather not say."
-        )
-        await driver.press("enter", "space", "q")
-        assert driver.sees("Nothing is chosen yet. Please press one of these keys.")
-        assert answers(driver) == [], "nothing is chosen beforehand"
-        await driver.press("2")
-        assert driver.sees("Where does it hurt?")
-        assert driver.sees("You said: 2. Backspace goes back.")
-        await driver.press("5")
-        assert driver.sees("How tired are you now?")
-        await driver.press("n")
-        assert driver.sees("Press Enter to go on.")
-        await driver.do_session()
-        await driver.press("enter")
-        assert driver.sees("How much pain do you have now?")
-        await driver.press("0", "t")
-        assert driver.app.return_code == 0
-        session = driver.session_id
-        assert answers(driver) == [
-            ("before", "pain", 2, "left shoulder"),
-            ("before", "tiredness", "not said"),
-            ("after", "pain", 0),
-            ("after", "tiredness", 10),
-        ]
-        assert driver.stored("SELECT DISTINCT session FROM records") == [(session,)]
+async def test_a_session_asks_before_and_after(asked: AppDriver) -> None:
+    asked.see("How much pain do you have now?", "0 1 2 3 4 5 6 7 8 9 10 no pain")
+    asked.see("Press a number from 0 to 9. For 10, press T. Press N if you would rather not say.")
+    await asked.press("enter", "space", "q")
+    asked.see("Nothing is chosen yet. Please press one of these keys.")
+    assert answers(asked) == [], "nothing is chosen beforehand"
+    await asked.press("2")
+    asked.see("Where does it hurt?", "You said: 2. Backspace goes back.")
+    await asked.press("5")
+    asked.see("How tired are you now?")
+    await asked.press("n")
+    asked.see("Press Enter to go on.")
+    await asked.do_session()
+    await asked.press("enter")
+    asked.see("How much pain do you have now?")
+    await asked.press("0", "t")
+    assert asked.app.return_code == 0
+    session = asked.session_id
+    assert answers(asked) == [
+        ("before", "pain", 2, "left shoulder"),
+        ("before", "tiredness", "not said"),
+        ("after", "pain", 0),
+        ("after", "tiredness", 10),
+    ]
+    assert asked.stored("SELECT DISTINCT session FROM records") == [(session,)]
 
 
-@pytest.mark.parametrize("parameters", [{}, {"ask_wellbeing": False}])
-async def test_a_session_asks_only_if_it_is_set(
-    open_session: OpenSession, parameters: dict[str, object]
-) -> None:
-    async with open_session(**parameters) as driver:
-        assert driver.screen_name == "SessionScreen"
-        await driver.do_session()
-        await driver.press("enter")
-        assert answers(driver) == []
+async def test_a_session_asks_only_if_it_is_set(driver: AppDriver) -> None:
+    assert driver.screen_name == "SessionScreen"
+    await driver.do_session()
+    await driver.press("enter")
+    assert answers(driver) == []
 
 
-async def test_an_answer_can_be_corrected_and_the_last_one_counts(
-    open_session: OpenSession,
-) -> None:
-    async with open_session(ask_wellbeing=True) as driver:
-        await driver.press("9", "backspace", "0")
-        assert driver.sees("How tired are you now?")
-        await driver.press("3")
-        assert driver.screen_name == "SessionScreen", (
-            "the pain that was corrected is no reason to stop"
-        )
-        assert answers(driver) == [("before", "pain", 0), ("before", "tiredness", 3)]
-        assert driver.stored("SELECT kind, version FROM records ORDER BY recorded_at") == [
-            ("pain", 1),
-            ("pain", 2),
-            ("tiredness", 1),
-        ]
+async def test_the_last_of_corrected_answers_counts(asked: AppDriver) -> None:
+    await asked.press("9", "backspace", "0")
+    asked.see("How tired are you now?")
+    await asked.press("3")
+    assert asked.screen_name == "SessionScreen", "the pain that was corrected is no reason to stop"
+    assert answers(asked) == [("before", "pain", 0), ("before", "tiredness", 3)]
+    found = asked.stored("SELECT kind, version FROM records ORDER BY recorded_at")
+    assert found == [("pain", 1), ("pain", 2), ("tiredness", 1)]
 
 
 @pytest.mark.parametrize("ms", [120, 2_000])
-async def test_ten_can_be_typed_with_two_keys(open_session: OpenSession, ms: int) -> None:
-    async with open_session(ask_wellbeing=True) as driver:
-        await driver.wait(700)
-        await driver.write("1")
-        await driver.wait(ms)
-        await driver.write("0")
-        assert driver.sees("Where does it hurt? ")
-        assert driver.sees("You said: 10. Backspace goes back.")
-        await driver.press("backspace", "1", "5", "2")
-        assert driver.screen_name == "SessionScreen", "10 was corrected"
-        assert answers(driver) == [
-            ("before", "pain", 1, "left shoulder"),
-            ("before", "tiredness", 2),
-        ]
+async def test_ten_can_be_typed_with_two_keys(asked: AppDriver, ms: int) -> None:
+    await asked.wait(700)
+    await asked.write("1")
+    await asked.wait(ms)
+    await asked.write("0")
+    asked.see("Where does it hurt? ", "You said: 10. Backspace goes back.")
+    await asked.press("backspace", "1", "5", "2")
+    assert asked.screen_name == "SessionScreen", "10 was corrected"
+    found = answers(asked)
+    assert found == [("before", "pain", 1, "left shoulder"), ("before", "tiredness", 2)]
 
 
-async def test_a_key_that_is_held_answers_one_question_only(open_session: OpenSession) -> None:
-    async with open_session(ask_wellbeing=True) as driver:
-        await driver.wait(700)
-        await driver.write("0", "0", "0")
-        assert driver.sees("How tired are you now?")
-        assert answers(driver) == [("before", "pain", 0)]
+async def test_a_key_that_is_held_answers_one_question_only(asked: AppDriver) -> None:
+    await asked.wait(700)
+    await asked.write("0", "0", "0")
+    asked.see("How tired are you now?")
+    assert answers(asked) == [("before", "pain", 0)]
 
 
 @pytest.mark.parametrize(
@@ -123,26 +109,16 @@ async def test_pain_above_the_limit_before_a_session_is_a_reason_not_to_begin(
 ) -> None:
     known(data, ask_wellbeing=True)
     async with opened() as driver:
-        await driver.press("right", "right", "right", "enter")
-        await driver.press("6", "3", "4")
-        assert driver.sees(
-            "Please do not train now Rest, and tell your therapist about the pain now."
-        )
-        assert driver.sees(
-            "Nobody is watching this screen, and it calls nobody. Please tell them yourself."
-        )
-        assert not driver.sees("Skip")
-        assert driver.sees(
-            "Press Enter to stop for today. If you want to train all the same, press G."
-        )
+        await driver.press("right", "right", "right", "enter", "6", "3", "4")
+        driver.see("Please do not train now Rest, and tell your therapist", "Nobody is watching")
+        driver.see("Press Enter to stop for today.")
+        driver.lacks("Skip")
         await driver.press("5", "space", "n", "t")
         assert driver.sees("Please do not train now"), "only the keys on the screen leave it"
         await driver.press(key)
         assert driver.screen_name == screen
-        assert answers(driver) == [
-            ("before", "pain", 6, "left arm", advice),
-            ("before", "tiredness", 4),
-        ]
+        found = answers(driver)
+        assert found == [("before", "pain", 6, "left arm", advice), ("before", "tiredness", 4)]
         ((session,),) = driver.stored("SELECT DISTINCT session FROM records")
         assert (session is None) == (screen == "HomeScreen")
         if screen == "HomeScreen":
@@ -150,112 +126,80 @@ async def test_pain_above_the_limit_before_a_session_is_a_reason_not_to_begin(
             told = "Pain was above the limit when it was last told."
             (row,) = [number for number, row in enumerate(driver.rows) if told in row]
             assert "╭" in driver.rows[row - 1], "first on the card"
-            assert driver.sees("The participant was advised not to train, and stopped.")
+            driver.see("The participant was advised not to train, and stopped.")
 
 
-async def test_questions_that_are_skipped_after_too_much_pain_lead_to_the_advice(
-    open_session: OpenSession,
-) -> None:
-    async with open_session(ask_wellbeing=True) as driver:
-        await driver.press("9", "escape")
-        assert driver.sees("Please do not train now")
-        await driver.press("backspace", "backspace", "1", "escape")
-        assert driver.screen_name == "SessionScreen", "the pain was corrected"
-        assert answers(driver) == [("before", "pain", 1, "shown")]
+async def test_after_too_much_pain_skipping_is_advised_on(asked: AppDriver) -> None:
+    await asked.press("9", "escape")
+    asked.see("Please do not train now")
+    await asked.press("backspace", "backspace", "1", "escape")
+    assert asked.screen_name == "SessionScreen", "the pain was corrected"
+    assert answers(asked) == [("before", "pain", 1, "shown")]
 
 
-async def test_the_limits_of_pain_are_those_that_the_therapist_set(
-    open_session: OpenSession, data: Path
-) -> None:
+async def test_the_therapist_sets_the_pain_limits(open_session: OpenSession, data: Path) -> None:
     settings = {"ask_wellbeing": True, "pain_limit": 8, "pain_rise": 3}
     async with open_session(**settings) as driver:
         await driver.press("6", "1", "2")
         await driver.do_session()
-        await driver.press("enter")
-        await driver.press("8", "1", "2")
+        await driver.press("enter", "8", "1", "2")
         assert driver.app.return_code == 0
     with closing(connect(data)) as database:
         assert not any("shown" in each for each in said(database))
         assert not any(rated.is_reason_to_stop for rated in wellbeing.history(database, "P01"))
 
 
-async def test_pain_that_rose_much_in_a_session_is_a_reason_to_stop(
-    open_session: OpenSession,
-) -> None:
-    async with open_session(ask_wellbeing=True) as driver:
-        await driver.press("1", "2", "3")
-        await driver.do_session()
-        await driver.press("enter")
-        await driver.press("3", "2", "3")
-        assert driver.sees(
-            "Please rest now Rest, and tell your therapist about the pain now. Nobody is watching"
-        )
-        await driver.press("g")
-        assert driver.sees("Press Enter to close."), "there is nothing to go on with"
-        await driver.press("enter")
-        assert driver.app.return_code == 0
-        assert ("after", "pain", 3, "right hand", "shown") in answers(driver)
+async def test_pain_that_rose_much_is_a_reason_to_stop(asked: AppDriver) -> None:
+    await asked.press("1", "2", "3")
+    await asked.do_session()
+    await asked.press("enter", "3", "2", "3")
+    asked.see("Please rest now Rest, and tell your therapist about the pain", "Nobody is watching")
+    await asked.press("g")
+    assert asked.sees("Press Enter to close."), "there is nothing to go on with"
+    await asked.press("enter")
+    assert asked.app.return_code == 0
+    assert ("after", "pain", 3, "right hand", "shown") in answers(asked)
 
 
-async def test_pain_in_a_pause_is_asked_with_its_number(open_session: OpenSession) -> None:
-    async with open_session(ask_wellbeing=True) as driver:
-        await driver.press("2", "5", "1")
-        prompt = await driver.to_first_prompt()
-        await driver.press("escape", "down", "down", "enter")
-        assert driver.sees("How much pain do you have now?")
-        assert not driver.sees("Stop voice"), "there is none"
-        await driver.press("6", "5")
-        assert driver.sees(
-            "Please stop for today Rest, and tell your therapist about the pain now."
-        ), "it rose by 4"
-        assert not driver.sees("Nobody is watching"), "there may be an operator"
-        await driver.press("g")
-        assert driver.sees(
-            "Tell your therapist or the experimenter about the pain before you go on."
-        )
-        await driver.press("enter")
-        assert (await driver.to_prompt()).text == prompt.text, "the session goes on"
-        assert {each for each in answers(driver) if each[0] == "pause"} == {
-            ("pause", "pain", "told in a pause"),
-            ("pause", "pain", 6, "left shoulder", "went on"),
-        }
+async def test_pain_in_a_pause_is_asked_with_its_number(asked: AppDriver) -> None:
+    await asked.press("2", "5", "1")
+    prompt = await asked.to_first_prompt()
+    await asked.press("escape", "down", "down", "enter")
+    asked.see("How much pain do you have now?")
+    assert not asked.sees("Stop voice"), "there is none"
+    await asked.press("6", "5")
+    assert asked.sees("Please stop for today Rest, and tell your therapist about the pain now."), (
+        "it rose by 4"
+    )
+    assert not asked.sees("Nobody is watching"), "there may be an operator"
+    await asked.press("g")
+    asked.see("Tell your therapist or the experimenter about the pain before you go on.")
+    await asked.press("enter")
+    assert (await asked.to_prompt()).text == prompt.text, "the session goes on"
+    assert {each for each in answers(asked) if each[0] == "pause"} == {
+        ("pause", "pain", "told in a pause"),
+        ("pause", "pain", 6, "left shoulder", "went on"),
+    }
 
 
-async def test_enter_ends_the_session_after_too_much_pain_in_a_pause(
-    open_session: OpenSession,
-) -> None:
-    async with open_session(ask_wellbeing=True) as driver:
-        await driver.press("2", "5", "1")
-        await driver.to_first_prompt()
-        await driver.press("escape", "down", "down", "enter")
-        await driver.press("6", "5", "enter")
-        assert driver.waiting.stage == "ended"
-        assert ("pause", "pain", 6, "left shoulder", "stopped") in answers(driver)
+async def test_enter_ends_after_too_much_pain_in_a_pause(asked: AppDriver) -> None:
+    await asked.press("2", "5", "1")
+    await asked.to_first_prompt()
+    await asked.press("escape", "down", "down", "enter", "6", "5", "enter")
+    assert asked.waiting.stage == "ended"
+    assert ("pause", "pain", 6, "left shoulder", "stopped") in answers(asked)
 
 
-async def test_pain_in_a_pause_is_only_asked_if_it_is_set(open_session: OpenSession) -> None:
-    async with open_session() as driver:
-        await driver.to_first_prompt()
-        await driver.press("escape", "down", "down", "enter")
-        assert driver.screen_name == "SessionScreen"
-        assert driver.sees(
-            "Tell your therapist or the experimenter about the pain before you go on."
-        )
+async def test_the_questions_can_be_skipped(asked: AppDriver) -> None:
+    await asked.press("3", "escape")
+    assert asked.screen_name == "SessionScreen"
+    await asked.do_session()
+    await asked.press("enter", "escape")
+    assert asked.app.return_code == 0
+    assert answers(asked) == [("before", "pain", 3)]
 
 
-async def test_the_questions_can_be_skipped(open_session: OpenSession) -> None:
-    async with open_session(ask_wellbeing=True) as driver:
-        await driver.press("3", "escape")
-        assert driver.screen_name == "SessionScreen"
-        await driver.do_session()
-        await driver.press("enter", "escape")
-        assert driver.app.return_code == 0
-        assert answers(driver) == [("before", "pain", 3)]
-
-
-async def test_a_session_that_is_left_asks_when_it_has_been_resumed(
-    opened: OpenApp, open_session: OpenSession, data: Path
-) -> None:
+async def test_a_resumed_session_asks(opened: OpenApp, open_session: OpenSession) -> None:
     async with open_session(ask_wellbeing=True) as driver:
         await driver.press("0", "1")
         await driver.to_first_prompt()
@@ -263,21 +207,18 @@ async def test_a_session_that_is_left_asks_when_it_has_been_resumed(
     async with opened(session) as driver:
         assert driver.screen_name == "SessionScreen"
         await driver.press("enter")
-        await driver.do_attempt(await driver.to_prompt())
-        await driver.do_attempt(await driver.begin())
-        await driver.see_the_summary()
-        await driver.press("enter")
-        await driver.press("4", "2", "3")
-        assert driver.sees("Please rest now")
-    assert stored(data, "SELECT DISTINCT session FROM records") == [(session,)]
+        await driver.finish(await driver.to_prompt())
+        await driver.press("enter", "4", "2", "3")
+        driver.see("Please rest now")
+    assert driver.stored("SELECT DISTINCT session FROM records") == [(session,)]
 
 
 async def test_two_participants_are_asked_in_turn(opened: OpenApp, catalogue: Catalogue) -> None:
     settings = {"attempts": 1, "prompts_per_attempt": 2, "ask_wellbeing": True}
     async with opened(make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=7)) as driver:
-        assert driver.sees("Left (P01) How much pain")
+        driver.see("Left (P01) How much pain")
         await driver.press("0", "1")
-        assert driver.sees("Right (P02) How much pain")
+        driver.see("Right (P02) How much pain")
         await driver.press("2", "n", "3")
         assert driver.screen_name == "SessionScreen"
         assert answers(driver) == [
@@ -290,32 +231,22 @@ async def test_two_participants_are_asked_in_turn(opened: OpenApp, catalogue: Ca
         assert people == [("P01", "A"), ("P02", "B")]
 
 
-async def test_the_questions_are_in_the_sessions_language(
-    opened: OpenApp, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    spanish = plan(catalogue, keyboard, ask_wellbeing=True, language="es")
-    async with opened(spanish) as driver:
-        assert driver.sees("¿Cuánto dolor tiene ahora?")
-        assert driver.sees("Para el 10, pulse D. Pulse N si prefiere no decirlo.")
+async def test_the_questions_are_in_the_sessions_language(open_session: OpenSession) -> None:
+    async with open_session(ask_wellbeing=True, language="es") as driver:
+        driver.see("¿Cuánto dolor tiene ahora?", "Para el 10, pulse D. Pulse N")
         await driver.press("d")
-        assert driver.sees("Ha dicho: 10.")
+        driver.see("Ha dicho: 10.")
         await driver.press("8")
-        assert driver.sees("Ha dicho: cabeza. Con Retroceso se vuelve atrás.")
-        assert driver.sees("Retroceso Atrás")
+        driver.see("Ha dicho: cabeza. Con Retroceso se vuelve atrás.", "Retroceso Atrás")
         await driver.press("n")
-        assert driver.sees(
-            "No entrene ahora, por favor Descanse, y hable ahora del dolor con su terapeuta."
-        )
-        assert driver.sees("Nadie mira esta pantalla")
+        driver.see("No entrene ahora, por favor Descanse, y hable", "Nadie mira esta pantalla")
         assert answers(driver)[0] == ("before", "pain", 10, "head", "shown"), "stored in English"
 
 
-async def test_the_questions_fit_a_small_window(open_session: OpenSession) -> None:
-    async with open_session(ask_wellbeing=True) as driver:
-        assert max(map(len, driver.rows)) <= 80
-        await driver.press("3")
-        for place in ("1 left hand", "9 somewhere else", "Press N if you would rather not say."):
-            assert driver.sees(place)
+async def test_the_questions_fit_a_small_window(asked: AppDriver) -> None:
+    assert max(map(len, asked.rows)) <= 80
+    await asked.press("3")
+    asked.see("1 left hand", "9 somewhere else", "Press N if you would rather not say.")
 
 
 @pytest.mark.slow
@@ -325,11 +256,10 @@ async def test_the_therapist_is_told_on_the_home_screen(opened: OpenApp, data: P
         for way in (("right", "right", "right", "enter"), ("enter",)):
             await driver.press(*way, "0", "1")
             await driver.do_session()
-            await driver.press("enter")
-            await driver.press("0", "8")
+            await driver.press("enter", "0", "8")
         assert driver.screen_name == "HomeScreen"
-        assert driver.sees("P01: Very tired (7 or more of 10) after each of the last two sessions.")
-        assert driver.sees("tired 8")
+        driver.see("P01: Very tired (7 or more of 10) after each of the last two sessions.")
+        driver.see("tired 8")
 
 
 async def test_a_participant_is_offered_help_but_no_theme(open_session: OpenSession) -> None:
@@ -337,9 +267,9 @@ async def test_a_participant_is_offered_help_but_no_theme(open_session: OpenSess
         commands = [command.title for command in driver.app.get_system_commands(driver.app.screen)]
         assert not [title for title in commands if title.startswith("Theme")]
         await driver.press("f1")
-        assert driver.sees("Con Retroceso se vuelve a la pregunta anterior.")
+        driver.see("Con Retroceso se vuelve a la pregunta anterior.")
         await driver.press("enter")
-        assert driver.sees("¿Cuánto dolor tiene ahora?")
+        driver.see("¿Cuánto dolor tiene ahora?")
         assert answers(driver) == []
 
 
@@ -350,68 +280,52 @@ async def test_a_past_session_shows_what_was_said(
     async with open_session(ask_wellbeing=True) as driver:
         await driver.press("0", "1")
         await driver.do_session()
-        await driver.press("enter")
-        await driver.press("2", "5", "8")
+        await driver.press("enter", "2", "5", "8")
         session = driver.session_id
     with closing(connect(data)) as database:
         event(database, "P01", "2026-03-01", what="Dizzy", severity="mild", session=session)
     async with opened() as driver:
         await driver.press("f6", "enter")
         assert driver.screen_name == "PastSessionScreen"
-        assert driver.sees("Pain: 0 before, 2 after (left shoulder). Tiredness: 1 before, 8 after.")
-        assert driver.sees("mild: Dizzy.")
+        driver.see("Pain: 0 before, 2 after (left shoulder). Tiredness: 1 before, 8 after.")
+        driver.see("mild: Dizzy.")
 
 
-@pytest.mark.slow
-async def test_an_adverse_event_is_recorded_from_its_session(
-    opened: OpenApp, open_session: OpenSession
-) -> None:
+async def test_an_event_in_a_session_is_kept(opened: OpenApp, open_session: OpenSession) -> None:
     async with open_session(attempts=1) as driver:
         await driver.do_session()
         session = driver.session_id
     async with opened() as driver:
-        await driver.press("f6", "enter", "a")
-        assert driver.sees("What happened")
-        assert driver.sees("Enter goes on, and records after the last field.")
+        await driver.press("f6", "enter", "a", *"Drowsy", "escape")
+        assert driver.screen_name == "PastSessionScreen"
+        assert records.listing(driver.app.database) == [], "it was cancelled"
+        await driver.press("a")
+        driver.see("What happened", "Enter goes on, and records after the last field.")
         await driver.press(*"Dizzy", "enter", *"awful", "enter", "enter", "enter")
-        assert driver.sees("Severity is mild, moderate or severe, not 'awful'.")
+        driver.see("Severity is mild, moderate or severe, not 'awful'.")
         await driver.press("shift+tab", "shift+tab", *["backspace"] * 5)
         await driver.press(*"mild", "enter", *"Rested", "enter", "enter")
         assert driver.screen_name == "PastSessionScreen"
-        assert driver.sees("mild: Dizzy. Action: Rested.")
+        driver.see("mild: Dizzy. Action: Rested.")
         (entered,) = records.listing(driver.app.database)
         assert (entered.participant, entered.session) == ("P01", session)
         assert entered.content == {"what": "Dizzy", "severity": "mild", "action": "Rested"}
 
 
-async def test_an_adverse_event_can_be_cancelled(
-    opened: OpenApp, open_session: OpenSession
-) -> None:
-    async with open_session(attempts=1) as driver:
-        await driver.do_session()
-    async with opened() as driver:
-        await driver.press("f6", "enter", "a")
-        await driver.write(*"Dizzy")
-        await driver.press("escape")
-        assert driver.screen_name == "PastSessionScreen"
-        assert records.listing(driver.app.database) == []
-
-
 async def test_an_adverse_event_of_two_names_its_participant(
-    data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path, catalogue: Catalogue
 ) -> None:
     settings = {"attempts": 1, "prompts_per_attempt": 2}
     two = make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=7)
-    async with open_app(data, catalogue, two) as driver:
-        await driver.press("enter")
-        await driver.press("ctrl+q", "down", "enter")
+    async with opened(two) as driver:
+        await driver.press("enter", "ctrl+q", "down", "enter")
     with closing(connect(data)) as database:
         change_status(database, data, driver.session_id, "dismissed", actor="therapist")
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.press("f6", "enter", "a")
         await driver.press(*"Dizzy", "enter", *"mild", "enter", "enter", "shift+tab", "shift+tab")
         await driver.press("shift+tab", "shift+tab", "shift+tab")
         assert driver.sees("Participant"), "it scrolls to the field"
         await driver.press(*"P09", *["enter"] * 6)
-        assert driver.sees("P09 did not take part in this session.")
+        driver.see("P09 did not take part in this session.")
         assert records.listing(driver.app.database) == []

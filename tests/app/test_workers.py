@@ -11,16 +11,12 @@ from sar_tui.plugins import Catalogue
 from tests.app.app_driver import known, plan, stored
 
 
-async def test_session_and_storage_are_workers_that_end_with_the_app(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
+async def test_workers_end_with_it(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
     app = SarTui(data, catalogue, plan(catalogue, keyboard))
     async with app.run_test() as pilot:
         await pilot.pause()
-        assert {worker.name for worker in app.workers if worker.is_running} == {
-            "session",
-            "storage",
-        }
+        found = {worker.name for worker in app.workers if worker.is_running}
+        assert found == {"session", "storage"}
         await pilot.press("ctrl+q", "down", "enter")
     app.close_session()
     assert not [worker for worker in app.workers if worker.is_running]
@@ -41,10 +37,8 @@ async def test_workers_end_with_the_session_when_the_app_continues(
         assert not list(app.workers)
         await pilot.press("right", "right", "right", "enter")
         await pilot.pause()
-        assert {worker.name for worker in app.workers if worker.is_running} == {
-            "session",
-            "storage",
-        }
+        found = {worker.name for worker in app.workers if worker.is_running}
+        assert found == {"session", "storage"}
         await pilot.press("escape", "up", "up", "enter", "down", "enter", "enter")
         await app.workers.wait_for_complete(list(app.workers))
         await pilot.pause()

@@ -70,21 +70,14 @@ def line(
 def test_a_session_is_a_line_of_results() -> None:
     table = Table([line()], 72, TODAY, names_who=False)
     assert table.heading == "Date        Level Result Reached  Levels"
-    assert (
-        table.draw(line(note="tired 3")).plain
-        == "Tue 17 Nov  1→3   0.95 s 2 of 3   ▁▂▃     tired 3"
-    )
+    found = table.draw(line(note="tired 3")).plain
+    assert found == "Tue 17 Nov  1→3   0.95 s 2 of 3   ▁▂▃     tired 3"
 
 
 def test_tasks_are_named_if_they_differ_and_people_if_there_are_several() -> None:
     assert "Task" in Table([line(), line("Pairs")], 72, TODAY, names_who=False).heading
-    assert Table([line()], 72, TODAY, names_who=True).heading.split() == [
-        "Date",
-        "Who",
-        "Task",
-        "Reached",
-        "Levels",
-    ]
+    found = Table([line()], 72, TODAY, names_who=True).heading.split()
+    assert found == ["Date", "Who", "Task", "Reached", "Levels"]
 
 
 def test_a_note_that_needs_room_takes_that_of_the_levels() -> None:
@@ -95,15 +88,8 @@ def test_a_note_that_needs_room_takes_that_of_the_levels() -> None:
 
 def test_more_room_shows_more() -> None:
     table = Table([line()], 130, TODAY, names_who=False)
-    assert table.heading.split() == [
-        "Date",
-        "Time",
-        "Level",
-        "Result",
-        "Reached",
-        "Levels",
-        "Minutes",
-    ]
+    found = table.heading.split()
+    assert found == ["Date", "Time", "Level", "Result", "Reached", "Levels", "Minutes"]
     assert "14 min" in table.draw(line()).plain
 
 
@@ -126,32 +112,25 @@ TAPS = Metric("taps", "taps", "higher")
 @pytest.mark.parametrize(
     ("day", "said"),
     [
-        (date(2026, 11, 22), "today"),
-        (date(2026, 11, 21), "yesterday"),
-        (date(2026, 11, 17), "Tue 17 Nov"),
-        (date(2025, 11, 3), "3 Nov 2025"),
+        (date(2026, 11, 22), "today"), (date(2026, 11, 21), "yesterday"),
+        (date(2026, 11, 17), "Tue 17 Nov"), (date(2025, 11, 3), "3 Nov 2025"),
     ],
-)
+)  # fmt: skip
 def test_a_date_is_said_as_people_say_it(day: date, said: str) -> None:
     assert day_words(day, TODAY) == said
 
 
 def test_people_read_seconds_and_other_units_as_they_are() -> None:
-    assert (short(TIME, 953.4), short_goal(TIME, 1000), short_goal(TIME, 850)) == (
-        "0.95 s",
-        "1.0 s",
-        "0.85 s",
-    )
+    found = (short(TIME, 953.4), short_goal(TIME, 1000), short_goal(TIME, 850))
+    assert found == ("0.95 s", "1.0 s", "0.85 s")
     assert (short(TAPS, 12), short_goal(TAPS, 12)) == ("12 taps", "12 taps")
 
 
 def test_a_programme_is_said_in_a_line_that_fits() -> None:
     programme = Programme(version=3, attempts=10, prompts=20, goal="1.0 s", level=4)
     assert programme_words(programme, is_roomy=False) == "v3: 10 × 20 · goal 1.0 s · start level 4"
-    assert (
-        programme_words(programme, is_roomy=True)
-        == "version 3: 10 attempts of 20 · goal 1.0 s · start level 4"
-    )
+    found = programme_words(programme, is_roomy=True)
+    assert found == "version 3: 10 attempts of 20 · goal 1.0 s · start level 4"
     never_saved = Programme(version=0, attempts=1, prompts=1, goal="", level=1)
     assert (
         programme_words(never_saved, is_roomy=True) == "none saved: 1 attempt of 1 · start level 1"
@@ -191,10 +170,8 @@ def test_the_card_says_which_session_the_verdict_is_on(keyboard: type[Task]) -> 
     assert said([*played, *easy]) == (
         "Last session all too easy. 2026-03-03: Level 3.2 at goal, no change can be shown"
     )
-    assert (
-        said([session(1, [AttemptResult(level, 400.0, 20) for level in (1, 2, 3)])])
-        == "Last session all too easy"
-    )
+    found = said([session(1, [AttemptResult(level, 400.0, 20) for level in (1, 2, 3)])])
+    assert found == "Last session all too easy"
     assert said(easy) == "Mean 0.41 s at level 3: change not yet known"
 
 
