@@ -59,107 +59,101 @@ async def open_stage(theme: Theme) -> AsyncIterator[Stage]:
         yield stage
 
 
-async def test_initially_it_is_at_rest_and_silent_without_timers(calm: Theme) -> None:
+@pytest.fixture
+async def stage(calm: Theme) -> AsyncIterator[Stage]:
     async with open_stage(calm) as stage:
-        assert calm.faces["neutral"].splitlines()[1] in stage.drawing[2]
-        assert (stage.words("said"), stage.words("more"), stage.words("note")) == ("", "", "")
-        assert not stage.draws_again()
+        yield stage
 
 
-async def test_text_stays_until_replaced_and_without_text_only_the_face_changes(
-    calm: Theme,
-) -> None:
-    async with open_stage(calm) as stage:
-        stage.agent.say("Well done.", "happy", "positive")
-        stage.agent.say("", "thinking")
-        assert stage.words("said") == "Well done."
-        assert stage.agent.has_class("positive")
-        assert calm.faces["thinking"].splitlines()[2] in stage.drawing[3]
-        stage.agent.say("Go on.", "")
-        assert stage.words("said") == "Go on."
-        assert not stage.agent.has_class("positive")
-        assert calm.faces["thinking"].splitlines()[2] in stage.drawing[3]
+async def test_initially_it_is_at_rest_and_silent_without_timers(stage: Stage, calm: Theme) -> None:
+    assert calm.faces["neutral"].splitlines()[1] in stage.drawing[2]
+    assert (stage.words("said"), stage.words("more"), stage.words("note")) == ("", "", "")
+    assert not stage.draws_again()
 
 
-async def test_joined_text_is_below_the_earlier_text_and_disappears_with_it(calm: Theme) -> None:
-    async with open_stage(calm) as stage:
-        stage.agent.say("Well done.", "happy", "positive")
-        stage.agent.say("Now have a rest.", "sleeping", joins=True)
-        assert (stage.words("said"), stage.words("more")) == ("Well done.", "Now have a rest.")
-        assert stage.agent.has_class("positive")
-        await stage.pilot.pause()
-        said, more = stage.agent.query_one(".said"), stage.agent.query_one(".more")
-        assert more.region.y > said.region.bottom - 1
-        stage.agent.say("Again.", "happy")
-        assert (stage.words("said"), stage.words("more")) == ("Again.", "")
+async def test_text_stays_until_replaced(stage: Stage, calm: Theme) -> None:
+    stage.agent.say("Well done.", "happy", "positive")
+    stage.agent.say("", "thinking")
+    assert stage.words("said") == "Well done."
+    assert stage.agent.has_class("positive")
+    assert calm.faces["thinking"].splitlines()[2] in stage.drawing[3]
+    stage.agent.say("Go on.", "")
+    assert stage.words("said") == "Go on."
+    assert not stage.agent.has_class("positive")
+    assert calm.faces["thinking"].splitlines()[2] in stage.drawing[3]
 
 
-async def test_joined_text_without_earlier_text_is_shown_alone(calm: Theme) -> None:
-    async with open_stage(calm) as stage:
-        stage.agent.say("Now have a rest.", "sleeping", joins=True)
-        assert (stage.words("said"), stage.words("more")) == ("Now have a rest.", "")
+async def test_joined_text_is_below_the_earlier_text(stage: Stage) -> None:
+    stage.agent.say("Well done.", "happy", "positive")
+    stage.agent.say("Now have a rest.", "sleeping", joins=True)
+    assert (stage.words("said"), stage.words("more")) == ("Well done.", "Now have a rest.")
+    assert stage.agent.has_class("positive")
+    await stage.pilot.pause()
+    said, more = stage.agent.query_one(".said"), stage.agent.query_one(".more")
+    assert more.region.y > said.region.bottom - 1
+    stage.agent.say("Again.", "happy")
+    assert (stage.words("said"), stage.words("more")) == ("Again.", "")
 
 
-async def test_clearing_removes_the_text_and_resets_the_gaze(calm: Theme) -> None:
-    async with open_stage(calm) as stage:
-        stage.agent.gaze("left")
-        stage.agent.say("Well done.", "happy", "positive")
-        stage.agent.clear("listening")
-        assert stage.words("said") == ""
-        assert calm.faces["listening"].splitlines()[1] in stage.drawing[2]
+async def test_joined_text_without_earlier_text_is_shown_alone(stage: Stage) -> None:
+    stage.agent.say("Now have a rest.", "sleeping", joins=True)
+    assert (stage.words("said"), stage.words("more")) == ("Now have a rest.", "")
 
 
-async def test_an_unknown_expression_is_the_neutral_one(calm: Theme) -> None:
-    async with open_stage(calm) as stage:
-        stage.agent.say("Well done.", "delighted")
-        assert calm.faces["neutral"].splitlines()[1] in stage.drawing[2]
+async def test_clearing_removes_the_text_and_resets_the_gaze(stage: Stage, calm: Theme) -> None:
+    stage.agent.gaze("left")
+    stage.agent.say("Well done.", "happy", "positive")
+    stage.agent.clear("listening")
+    assert stage.words("said") == ""
+    assert calm.faces["listening"].splitlines()[1] in stage.drawing[2]
 
 
-async def test_a_gesture_starts_and_ends_at_rest_and_then_nothing_is_drawn(calm: Theme) -> None:
-    async with open_stage(calm) as stage:
-        rest = stage.drawing
-        stage.agent.gesture(ARMS_UP)
-        seen = stage.watch(1100 * MS)
-        assert any(drawing[0].count("●") == 2 for drawing in seen)
-        assert len(seen) >= 6  # hanging, out, slanted, up, and down again
-        assert seen[-1] == rest
-        assert not stage.draws_again()
+async def test_an_unknown_expression_is_the_neutral_one(stage: Stage, calm: Theme) -> None:
+    stage.agent.say("Well done.", "delighted")
+    assert calm.faces["neutral"].splitlines()[1] in stage.drawing[2]
 
 
-async def test_a_gesture_is_drawn_at_about_fifteen_frames_a_second(calm: Theme) -> None:
-    async with open_stage(calm) as stage:
-        stage.agent.gesture(ARMS_UP)
-        frames = 0
-        while stage.clock.step():
-            frames += 1
-        assert frames == pytest.approx(ARMS_UP.duration_ms * MS / FRAME, abs=1)
+async def test_a_gesture_starts_and_ends_at_rest_and_then_nothing_is_drawn(stage: Stage) -> None:
+    rest = stage.drawing
+    stage.agent.gesture(ARMS_UP)
+    seen = stage.watch(1100 * MS)
+    assert any(drawing[0].count("●") == 2 for drawing in seen)
+    assert len(seen) >= 6  # hanging, out, slanted, up, and down again
+    assert seen[-1] == rest
+    assert not stage.draws_again()
 
 
-async def test_a_gesture_replaces_another_without_a_jump(calm: Theme) -> None:
-    async with open_stage(calm) as stage:
-        stage.agent.gesture(ARMS_UP)
-        before = stage.watch(400 * MS)[-1]
-        stage.agent.gesture(ARMS_UP)
-        assert stage.drawing == before
-        stage.watch(1100 * MS)
-        assert not stage.draws_again()
+async def test_a_gesture_is_drawn_at_about_fifteen_frames_a_second(stage: Stage) -> None:
+    stage.agent.gesture(ARMS_UP)
+    frames = 0
+    while stage.clock.step():
+        frames += 1
+    assert frames == pytest.approx(ARMS_UP.duration_ms * MS / FRAME, abs=1)
 
 
-async def test_a_stop_puts_it_at_rest_at_once(calm: Theme) -> None:
-    async with open_stage(calm) as stage:
-        rest = stage.drawing
-        stage.agent.gesture(ARMS_UP)
-        stage.agent.gaze("left")
-        stage.watch(300 * MS)
-        assert stage.drawing != rest
-        stage.agent.be_still()
-        assert stage.drawing == rest
-        assert not stage.draws_again()
+async def test_a_gesture_replaces_another_without_a_jump(stage: Stage) -> None:
+    stage.agent.gesture(ARMS_UP)
+    before = stage.watch(400 * MS)[-1]
+    stage.agent.gesture(ARMS_UP)
+    assert stage.drawing == before
+    stage.watch(1100 * MS)
+    assert not stage.draws_again()
+
+
+async def test_a_stop_puts_it_at_rest_at_once(stage: Stage) -> None:
+    rest = stage.drawing
+    stage.agent.gesture(ARMS_UP)
+    stage.agent.gaze("left")
+    stage.watch(300 * MS)
+    assert stage.drawing != rest
+    stage.agent.be_still()
+    assert stage.drawing == rest
+    assert not stage.draws_again()
 
 
 @pytest.mark.parametrize("name", ["calm", "high-contrast", "playful"])
 @pytest.mark.parametrize("face", ["neutral", "happy", "speaking"])
-async def test_the_mouth_opens_and_shuts_while_a_voice_sounds(
+async def test_the_mouth_moves_while_a_voice_sounds(
     name: str, face: str, catalogue: Catalogue
 ) -> None:
     theme = catalogue.theme(name)
@@ -181,9 +175,7 @@ async def test_the_mouth_opens_and_shuts_while_a_voice_sounds(
 
 
 @pytest.mark.parametrize("name", ["calm", "high-contrast", "playful"])
-async def test_the_speaking_face_has_its_mouth_shut_before_and_after_its_words(
-    name: str, catalogue: Catalogue
-) -> None:
+async def test_the_speaking_face_shuts_its_mouth(name: str, catalogue: Catalogue) -> None:
     theme = catalogue.theme(name)
     shut, opened = (
         theme.faces[face].splitlines()[theme.mouth_line] for face in ("neutral", "speaking")
@@ -205,42 +197,37 @@ async def test_the_speaking_face_has_its_mouth_shut_before_and_after_its_words(
         assert shut in mouth()
 
 
-async def test_repeated_reports_of_a_voice_do_not_change_the_pace_of_the_mouth(calm: Theme) -> None:
-    async with open_stage(calm) as stage:
+async def test_repeated_reports_keep_the_pace_of_the_mouth(stage: Stage) -> None:
+    stage.agent.speaking(True)
+    frames = 0
+    while stage.clock.now() < SECOND and stage.clock.step():
         stage.agent.speaking(True)
-        frames = 0
-        while stage.clock.now() < SECOND and stage.clock.step():
-            stage.agent.speaking(True)
-            frames += 1
-        assert frames == pytest.approx(SECOND / FRAME, abs=1)
+        frames += 1
+    assert frames == pytest.approx(SECOND / FRAME, abs=1)
 
 
-async def test_nothing_is_drawn_while_drawing_is_held(calm: Theme) -> None:
-    async with open_stage(calm) as stage:
-        rest = stage.drawing
-        stage.agent.gesture(ARMS_UP)
-        stage.agent.speaking(True)
-        stage.watch(300 * MS)
-        stage.agent.hold()
-        assert stage.drawing == rest
-        stage.agent.gesture(ARMS_UP)
-        stage.agent.gaze("left")
-        stage.agent.speaking(True)
-        assert stage.watch(2 * SECOND) == [rest]
-        assert not stage.draws_again()
+async def test_nothing_is_drawn_while_drawing_is_held(stage: Stage) -> None:
+    rest = stage.drawing
+    stage.agent.gesture(ARMS_UP)
+    stage.agent.speaking(True)
+    stage.watch(300 * MS)
+    stage.agent.hold()
+    assert stage.drawing == rest
+    stage.agent.gesture(ARMS_UP)
+    stage.agent.gaze("left")
+    stage.agent.speaking(True)
+    assert stage.watch(2 * SECOND) == [rest]
+    assert not stage.draws_again()
 
 
-async def test_after_a_hold_the_mouth_continues_with_the_voice(calm: Theme) -> None:
-    async with open_stage(calm) as stage:
-        stage.agent.speaking(True)
-        stage.agent.hold()
-        stage.agent.release()
-        assert len(stage.watch(SECOND)) > 4
+async def test_after_a_hold_the_mouth_continues_with_the_voice(stage: Stage) -> None:
+    stage.agent.speaking(True)
+    stage.agent.hold()
+    stage.agent.release()
+    assert len(stage.watch(SECOND)) > 4
 
 
-async def test_another_theme_redraws_the_current_face_at_once(
-    calm: Theme, catalogue: Catalogue
-) -> None:
+async def test_another_theme_redraws_the_face(calm: Theme, catalogue: Catalogue) -> None:
     plain = catalogue.theme("high-contrast")
     async with open_stage(calm) as stage:
         stage.agent.say("Well done.", "happy", "positive")
@@ -254,13 +241,12 @@ async def test_another_theme_redraws_the_current_face_at_once(
         assert stage.words("said") == "Well done."
 
 
-async def test_a_note_is_below_the_text_and_disappears_when_empty(calm: Theme) -> None:
-    async with open_stage(calm) as stage:
-        stage.agent.say("Well done.", "happy")
-        stage.agent.note("Please read.")
-        assert stage.words("note") == "Please read."
-        stage.agent.note("")
-        assert stage.words("note") == ""
+async def test_a_note_is_below_the_text_and_disappears_when_empty(stage: Stage) -> None:
+    stage.agent.say("Well done.", "happy")
+    stage.agent.note("Please read.")
+    assert stage.words("note") == "Please read."
+    stage.agent.note("")
+    assert stage.words("note") == ""
 
 
 async def test_no_timer_is_left_when_the_agent_is_removed(calm: Theme) -> None:
@@ -276,38 +262,35 @@ async def test_no_timer_is_left_when_the_agent_is_removed(calm: Theme) -> None:
     ("gaze", "gesture"), [("left", None), ("right", None), ("", ARMS_UP), ("left", ARMS_UP)]
 )
 async def test_a_cue_is_one_frame_while_held_and_disappears_afterwards(
-    calm: Theme, gaze: str, gesture: Gesture | None
+    stage: Stage, gaze: str, gesture: Gesture | None
 ) -> None:
-    async with open_stage(calm) as stage:
-        rest = stage.drawing
-        stage.agent.hold()
-        stage.agent.cue(gaze, gesture)
-        cued = stage.drawing
-        assert cued != rest
-        assert stage.watch(2 * SECOND) == [cued]
-        assert not stage.draws_again()
-        stage.agent.release()
-        assert stage.drawing == rest
+    rest = stage.drawing
+    stage.agent.hold()
+    stage.agent.cue(gaze, gesture)
+    cued = stage.drawing
+    assert cued != rest
+    assert stage.watch(2 * SECOND) == [cued]
+    assert not stage.draws_again()
+    stage.agent.release()
+    assert stage.drawing == rest
 
 
-async def test_a_cue_to_one_side_is_the_mirror_of_one_to_the_other(calm: Theme) -> None:
-    async with open_stage(calm) as stage:
-        stage.agent.hold()
-        drawn = []
-        for side in ("left", "right"):
-            stage.agent.cue(side)
-            eyes = next(line for line in stage.drawing if "●" in line)
-            drawn.append([column for column, character in enumerate(eyes) if character == "●"])
-        left, right = drawn
-        assert [column + 2 for column in left] == right
+async def test_a_cue_to_one_side_is_the_mirror_of_one_to_the_other(stage: Stage) -> None:
+    stage.agent.hold()
+    drawn = []
+    for side in ("left", "right"):
+        stage.agent.cue(side)
+        eyes = next(line for line in stage.drawing if "●" in line)
+        drawn.append([column for column, character in enumerate(eyes) if character == "●"])
+    left, right = drawn
+    assert [column + 2 for column in left] == right
 
 
-async def test_joined_text_is_below_all_earlier_text(calm: Theme) -> None:
-    async with open_stage(calm) as stage:
-        stage.agent.say("One.")
-        stage.agent.say("Two.", joins=True)
-        stage.agent.say("Three.", joins=True)
-        assert (stage.words("said"), stage.words("more")) == ("One.", "Two.\nThree.")
-        stage.agent.say("Four.")
-        stage.agent.say("Five.", joins=True)
-        assert (stage.words("said"), stage.words("more")) == ("Four.", "Five.")
+async def test_joined_text_is_below_all_earlier_text(stage: Stage) -> None:
+    stage.agent.say("One.")
+    stage.agent.say("Two.", joins=True)
+    stage.agent.say("Three.", joins=True)
+    assert (stage.words("said"), stage.words("more")) == ("One.", "Two.\nThree.")
+    stage.agent.say("Four.")
+    stage.agent.say("Five.", joins=True)
+    assert (stage.words("said"), stage.words("more")) == ("Four.", "Five.")

@@ -47,17 +47,11 @@ def hang(
 
 
 def shown(agent: Agent) -> list[str]:
-    return [
-        name
-        for name in ("picture", "robot")
-        for widget in agent.query(f".{name}")
-        if widget.display
-    ]
+    kinds = ("picture", "robot")
+    return [name for name in kinds for widget in agent.query(f".{name}") if widget.display]
 
 
-async def test_expressions_with_a_picture_show_it_and_the_others_are_drawn(
-    calm: Theme, folder: Path
-) -> None:
+async def test_faces_without_a_picture_are_drawn(calm: Theme, folder: Path) -> None:
     agent, app = hang(calm, folder, happy="happy.png")
     async with app.run_test():
         assert shown(agent) == ["robot"]
@@ -68,18 +62,13 @@ async def test_expressions_with_a_picture_show_it_and_the_others_are_drawn(
         assert shown(agent) == ["robot"]
 
 
-async def test_an_invalid_or_missing_picture_falls_back_to_the_drawing(
-    calm: Theme, folder: Path
+@pytest.mark.parametrize(
+    ("image", "picture"), [("broken.png", Frame), ("gone.png", Frame), ("happy.png", None)]
+)
+async def test_without_a_valid_picture_or_a_terminal_for_it_it_is_drawn(
+    calm: Theme, folder: Path, image: str, picture: type[Static] | None
 ) -> None:
-    agent, app = hang(calm, folder, happy="broken.png", thinking="gone.png")
-    async with app.run_test():
-        for face in ("happy", "thinking"):
-            agent.look(face)
-            assert shown(agent) == ["robot"]
-
-
-async def test_a_terminal_without_pictures_shows_the_drawing(calm: Theme, folder: Path) -> None:
-    agent, app = hang(calm, folder, picture=None, happy="happy.png")
+    agent, app = hang(calm, folder, picture, happy=image)
     async with app.run_test():
         agent.look("happy")
         assert shown(agent) == ["robot"]
@@ -93,9 +82,7 @@ async def test_pictures_change_with_the_theme(calm: Theme, folder: Path) -> None
         assert shown(agent) == ["robot"]
 
 
-async def test_the_picture_of_speaking_is_shown_only_while_a_voice_sounds(
-    calm: Theme, folder: Path
-) -> None:
+async def test_a_speaking_picture_is_shown_by_voice(calm: Theme, folder: Path) -> None:
     agent, app = hang(calm, folder, speaking="happy.png")
     async with app.run_test():
         agent.say("Press the key that appears.", "speaking")

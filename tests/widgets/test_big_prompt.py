@@ -11,19 +11,9 @@ from sar_tui.widgets.prompt_lines import FIXATION, halves, plain_lines
 
 
 def prompt(glyph: str, text: str, hint: str = "") -> Prompt:
-    return Prompt(
-        attempt=1,
-        trial=1,
-        presentation=1,
-        level=1,
-        stimulus=glyph,
-        expected=glyph,
-        text=text,
-        glyph=glyph,
-        hint=hint,
-        choices=1,
-        timeout=10**9,
-    )
+    numbers = {"attempt": 1, "trial": 1, "presentation": 1, "level": 1, "choices": 1}
+    shown = {"stimulus": glyph, "expected": glyph, "text": text, "glyph": glyph, "hint": hint}
+    return Prompt(timeout=10**9, **numbers, **shown)  # type: ignore[arg-type]
 
 
 class Stage(App[None]):
@@ -89,11 +79,10 @@ async def test_text_wider_than_the_screen_is_cut_not_wrapped() -> None:
 
 
 async def test_a_task_can_draw_the_prompt_itself() -> None:
-    app = Stage(
-        lambda prompt, width, height: [
-            (f"{prompt.text if prompt else 'wait'} {width}x{height}", True)
-        ]
-    )
+    def drawn(prompt: Prompt | None, width: int, height: int) -> list[tuple[str, bool]]:
+        return [(f"{prompt.text if prompt else 'wait'} {width}x{height}", True)]
+
+    app = Stage(drawn)
     async with app.run_test(size=(30, 5)) as pilot:
         assert app.lines[0].strip() == "wait 30x5"
         app.query_one(BigPrompt).show(prompt("f", "Press: f"))
@@ -103,9 +92,7 @@ async def test_a_task_can_draw_the_prompt_itself() -> None:
 
 @pytest.mark.parametrize("glyph", ["語", "🍎", "語a🍎"])
 @pytest.mark.parametrize("size", [(80, 15), (81, 16), (20, 6)])
-async def test_wide_characters_stand_in_the_middle_of_lines_of_full_width(
-    glyph: str, size: tuple[int, int]
-) -> None:
+async def test_wide_characters_stand_in_the_middle(glyph: str, size: tuple[int, int]) -> None:
     app = Stage()
     async with app.run_test(size=size):
         app.query_one(BigPrompt).show(prompt(glyph, f"Say: {glyph}"))
@@ -114,13 +101,10 @@ async def test_wide_characters_stand_in_the_middle_of_lines_of_full_width(
         left, _, right = framed.partition(f"│ {glyph} │")
         assert abs(len(left) - len(right)) <= 1
         regions = app.query_one(BigPrompt)._regions()
-        assert all(
-            line.cell_length == size[0]
-            for line in map(app.query_one(BigPrompt).render_line, range(size[1]))
-        )
-        assert max(region.right for region in regions) == max(
-            cell_len(line.rstrip()) for line in app.lines
-        )
+        strips = map(app.query_one(BigPrompt).render_line, range(size[1]))
+        assert {strip.cell_length for strip in strips} == {size[0]}
+        right = max(cell_len(line.rstrip()) for line in app.lines)
+        assert max(region.right for region in regions) == right
 
 
 def test_wide_characters_leave_the_wall_between_halves_where_it_is() -> None:
@@ -141,9 +125,7 @@ def drawn(glyphs: tuple[str, ...], text: str, size: tuple[int, int] = (80, 15)) 
 
 @pytest.mark.parametrize("size", [(80, 15), (40, 10), (120, 40), (20, 4)])
 @pytest.mark.parametrize("glyphs", [("d", ""), ("", "k"), ("d", "k")])
-def test_a_glyph_is_drawn_in_its_own_half_and_stays_inside(
-    size: tuple[int, int], glyphs: tuple[str, str]
-) -> None:
+def test_a_glyph_stays_in_its_half(size: tuple[int, int], glyphs: tuple[str, str]) -> None:
     lines = drawn(glyphs, "Left: d  Right: k", size)
     wall = (size[0] - 1) // 2
     assert all(line[wall] == "│" for line in lines[:3])

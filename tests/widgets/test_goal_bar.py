@@ -33,13 +33,10 @@ def drawn(*bars: GoalBar, width: int = 68) -> list[str]:
 @pytest.mark.parametrize(
     ("value", "looks"),
     [
-        (0, "───────────────────┊"),
-        (400, "━━━━━━━━───────────┊"),
-        (1000, "━━━━━━━━━━━━━━━━━━━┊"),
-        (1900, "━━━━━━━━━━┊━━━━━━━━━"),
-        (60_000, "━━━━━━━━━━┊━━━━━━━━▶"),
+        (0, "───────────────────┊"), (400, "━━━━━━━━───────────┊"), (1000, "━━━━━━━━━━━━━━━━━━━┊"),
+        (1900, "━━━━━━━━━━┊━━━━━━━━━"), (60_000, "━━━━━━━━━━┊━━━━━━━━▶"),
     ],
-)
+)  # fmt: skip
 def test_the_goal_is_at_the_end_until_the_result_passes_it(value: float, looks: str) -> None:
     assert "".join(line(GoalBar(TIME, value, 1000.0), 20)) == looks
 

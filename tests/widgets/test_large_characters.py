@@ -46,9 +46,7 @@ def test_every_character_of_every_level_is_drawn_large_and_fits_the_stage(
 
 @pytest.mark.parametrize("layout", LAYOUTS)
 @pytest.mark.parametrize("choice_set", CHOICE_SETS)
-def test_no_two_characters_of_a_level_are_drawn_alike(
-    choice_set: str, layout: str, keyboard: type[Task]
-) -> None:
+def test_no_two_look_alike(choice_set: str, layout: str, keyboard: type[Task]) -> None:
     for glyphs in levels_of(keyboard, choice_set, layout):
         for one, other in combinations(sorted(glyphs), 2):
             assert draw(one, *STAGE) != draw(other, *STAGE), f"{one} looks like {other}"

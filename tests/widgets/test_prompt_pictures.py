@@ -49,9 +49,7 @@ def drawn(
 
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize(("columns", "rows"), [(78, 11), (20, 11), (158, 40), (1, 1)])
-def test_a_picture_fills_its_room_and_keeps_its_proportions(
-    folder: Path, way: Way, columns: int, rows: int
-) -> None:
+def test_a_picture_fills_its_room(folder: Path, way: Way, columns: int, rows: int) -> None:
     picture = drawn(folder, way, columns=columns, rows=rows)
     assert picture.columns <= columns
     assert len(picture.rows) <= rows
@@ -117,14 +115,11 @@ def test_a_picture_that_cannot_be_read_is_none(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("image", "environment", "way"),
     [
-        ("sixel", {}, "sixel"),
-        ("kitty", {"COLORTERM": "truecolor"}, "kitty"),
-        ("kitty", {"COLORTERM": ""}, "half blocks"),
-        ("neither", {}, "half blocks"),
-        ("sixel", {"NO_COLOR": "1"}, "half blocks"),
-        ("neither", {"TERM": "linux"}, "blocks"),
+        ("sixel", {}, "sixel"), ("kitty", {"COLORTERM": "truecolor"}, "kitty"),
+        ("kitty", {"COLORTERM": ""}, "half blocks"), ("neither", {}, "half blocks"),
+        ("sixel", {"NO_COLOR": "1"}, "half blocks"), ("neither", {"TERM": "linux"}, "blocks"),
     ],
-)
+)  # fmt: skip
 def test_the_way_depends_on_the_terminal(
     image: str, environment: dict[str, str], way: Way, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -156,9 +151,7 @@ def with_picture(name: str, colour: str = "") -> object:
 
 
 @pytest.mark.parametrize("way", WAYS)
-async def test_a_picture_stands_above_the_plain_line_and_goes_with_the_prompt(
-    folder: Path, way: Way
-) -> None:
+async def test_a_picture_stands_above_the_plain_line(folder: Path, way: Way) -> None:
     app = Stage(pictures(folder, way)[0])
     async with app.run_test(size=(80, 14)):
         widget = app.query_one(BigPrompt)
@@ -190,9 +183,7 @@ async def test_without_pictures_the_glyph_is_drawn_and_the_record_says_so(folder
             assert any("█" in strip.text for strip in widget.render_lines(Region(0, 0, 80, 14)))
 
 
-async def test_a_prepared_picture_is_not_read_again_when_it_is_shown(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_prepared_picture_is_kept(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     app = Stage(pictures(folder, "sixel")[0])
     async with app.run_test(size=(80, 14)):
         app.query_one(BigPrompt).prepare(["red.png", "missing.png"])
@@ -203,9 +194,7 @@ async def test_a_prepared_picture_is_not_read_again_when_it_is_shown(
         assert all(strip._render_cache for strip in prepared), "they are rendered, too"
 
 
-async def test_the_drawing_has_the_colour_of_the_prompt_and_nothing_else_has(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+async def test_only_the_drawing_has_the_colour_of_a_prompt(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLORTERM", "truecolor")
     app = Stage(None)
     async with app.run_test(size=(80, 14)):

@@ -85,9 +85,7 @@ def test_drawings_of_all_poses_have_one_size_and_one_cell_per_character(
 
 @pytest.mark.parametrize("name", THEMES)
 @given(pose=poses)
-def test_eyes_and_mouth_are_complete_in_every_pose(
-    name: str, pose: Pose, catalogue: Catalogue
-) -> None:
+def test_no_pose_cuts_eyes_or_mouth(name: str, pose: Pose, catalogue: Catalogue) -> None:
     for face in faces(catalogue.theme(name)).values():
         drawing = "\n".join(draw(face, pose))
         assert all(line.strip(" │|").strip() in drawing for line in face[1:3])
@@ -95,9 +93,7 @@ def test_eyes_and_mouth_are_complete_in_every_pose(
 
 @pytest.mark.parametrize("gesture", GESTURES)
 @pytest.mark.parametrize("name", THEMES)
-def test_every_gesture_moves_visibly_and_ends_at_rest(
-    name: str, gesture: str, catalogue: Catalogue
-) -> None:
+def test_every_gesture_ends_at_rest(name: str, gesture: str, catalogue: Catalogue) -> None:
     theme = catalogue.theme(name)
     face, way = faces(theme)["neutral"], theme.gestures[gesture]
     moments = [draw(face, way.pose_at(ms)) for ms in range(0, way.duration_ms, 66)]
