@@ -4,10 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.loop.task import Task
-from sar_tui.plugins import Catalogue
 from sar_tui.tui.base_app import drawn
-from tests.app.app_driver import known, open_app, plan
+from tests.app.app_driver import OpenApp, OpenSession, known
 from tests.examples import first
 
 THEMES = ("calm", "playful", "high-contrast")
@@ -27,18 +25,16 @@ def missing(text: str) -> set[str]:
 
 @pytest.mark.parametrize("theme", first(1, THEMES))
 async def test_a_session_is_drawn_with_the_characters_of_a_console(
+    opened: OpenApp,
+    open_session: OpenSession,
     data: Path,
-    catalogue: Catalogue,
-    keyboard: type[Task],
     theme: str,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setenv("TERM", "linux")
     known(data, "P01", theme)
     seen = []
-    async with open_app(
-        data, catalogue, plan(catalogue, keyboard, theme=theme), size=(100, 37)
-    ) as driver:
+    async with open_session(theme=theme, size=(100, 37)) as driver:
         prompt = await driver.to_first_prompt()
         seen.append(driver.text)
         await driver.answer(prompt, 2000)
@@ -51,7 +47,7 @@ async def test_a_session_is_drawn_with_the_characters_of_a_console(
         await driver.do_attempt(await driver.begin())
         await driver.see_the_summary()
         seen.append(driver.text)
-    async with open_app(data, catalogue, size=(100, 37)) as driver:
+    async with opened(size=(100, 37)) as driver:
         for key in ("f2", "f4"):
             seen.append(driver.text)
             await driver.press(key)

@@ -39,7 +39,7 @@ async def control(host: Host) -> AsyncIterator[GcControl]:
     control.end_trial()
 
 
-async def test_a_key_that_waited_while_the_program_was_suspended_is_known(
+async def test_a_key_that_waited_during_a_suspension_is_known(
     host: Host, control: GcControl
 ) -> None:
     host.wait(2800)
@@ -94,13 +94,11 @@ def test_an_app_runs_on_a_loop_that_does_not_wait_in_whole_milliseconds() -> Non
     ("text", "written", "is_onset"),
     [
         ("Press: f", "\x1b[5;10HPress: f\x1b[0m", True),
-        ("Press: f", "\x1b[5;10HPress: g\x1b[0m", False),
-        ("5", "\x1b[5;10H \x1b[0m", False),
-        ("5", "\x1b[5;10H5\x1b[0m", True),
-        ("", "\x1b[?2026h", False),
+        ("Press: f", "\x1b[5;10HPress: g\x1b[0m", False), ("5", "\x1b[5;10H \x1b[0m", False),
+        ("5", "\x1b[5;10H5\x1b[0m", True), ("", "\x1b[?2026h", False),
         ("", "\x1b[5;10H   \x1b[0m", True),
     ],
-)
+)  # fmt: skip
 def test_a_text_is_stamped_when_it_is_flushed(text: str, written: str, is_onset: bool) -> None:
     watch, stamps = OnsetWatch(), list[int]()
     watch.arm(text, stamps.append)
@@ -111,9 +109,7 @@ def test_a_text_is_stamped_when_it_is_flushed(text: str, written: str, is_onset:
     assert len(stamps) == is_onset
 
 
-def test_a_frame_that_is_drawn_early_is_flushed_when_it_is_due(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_frame_drawn_early_is_flushed_when_due(monkeypatch: pytest.MonkeyPatch) -> None:
     slept: list[float] = []
     monkeypatch.setattr(timestamps, "host_now", lambda: 1000 * MS)
     monkeypatch.setattr("sar_tui.tui.timestamps.time.sleep", slept.append)

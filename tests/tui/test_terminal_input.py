@@ -1,7 +1,6 @@
 """Input that cannot be read is dropped and reported, and the next key counts."""
 
 import asyncio
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 from unittest.mock import AsyncMock, patch
@@ -16,7 +15,6 @@ from textual.geometry import Size
 from textual.message import Message
 
 from sar_tui.app.agent.app import AgentApp
-from sar_tui.loop.task import Task
 from sar_tui.model.theme import Theme
 from sar_tui.plugins import Catalogue
 from sar_tui.tui import terminal_input
@@ -30,7 +28,7 @@ from sar_tui.tui.terminal_input import (
     tolerate,
     tolerate_in_terminals,
 )
-from tests.app.app_driver import known, open_app, plan
+from tests.app.app_driver import AppDriver, OpenApp, known, open_app
 from tests.app.test_agent_view import Link
 from tests.examples import examples, first
 from tests.operator.panel_driver import open_panel
@@ -79,9 +77,7 @@ def dropped(messages: list[Message]) -> list[str]:
 
 
 @pytest.mark.parametrize("data", UNREADABLE.values(), ids=UNREADABLE)
-def test_what_cannot_be_read_is_dropped_and_reported_and_the_keys_around_it_count(
-    data: bytes,
-) -> None:
+def test_what_cannot_be_read_is_dropped_and_the_keys_around_it_count(data: bytes) -> None:
     messages = Reader().read(b"f" + data + b"j")
     assert keys(messages) == ["f", "j"]
     assert len(dropped(messages)) == 1
@@ -191,9 +187,7 @@ def flood(reader: Reader, data: bytes, count: int = 0, within: float = 0.02) -> 
 
 
 @pytest.mark.parametrize("unit", FLOODS.values(), ids=FLOODS)
-def test_what_nobody_can_type_is_counted_and_dropped_not_parsed(
-    unit: bytes, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_nobody_types_is_dropped(unit: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
     parsed = []
     parse = XTermParser.feed
     monkeypatch.setattr(
@@ -278,61 +272,46 @@ async def send(app: BaseApp, data: bytes) -> None:
     await settle(app)
 
 
-async def test_input_that_was_dropped_in_a_session_is_recorded(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+async def test_input_that_was_dropped_in_a_session_is_recorded(driver: AppDriver) -> None:
+    prompt = await driver.to_first_prompt()
+    await send(driver.app, b"\x80")
+    await driver.settle()
+    assert [message["what"] for message in driver.messages("input/unreadable")] == [r"\x80"]
+    await driver.answer(prompt)
+    ((correct, timing),) = driver.stored("SELECT correct, timing FROM trials")
+    assert correct == 1
+    assert '"unreadable_input"' in timing
+
+
+async def test_a_dropped_paste_is_recorded_with_its_length(driver: AppDriver) -> None:
+    prompt = await driver.to_first_prompt()
+    await send(driver.app, b"\x1b[200~" + b"x" * (LONGEST_PASTE + 1) + b"\x1b[201~")
+    await driver.settle()
+    assert [one["length"] for one in driver.messages("input/paste")] == [LONGEST_PASTE + 1]
+    await driver.answer(prompt)
+    assert driver.stored("SELECT correct FROM trials") == [(1,)]
+
+
+async def test_what_was_dropped_is_told_when_the_app_has_ended(
+    opened: OpenApp, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
-        prompt = await driver.to_first_prompt()
-        await send(driver.app, b"\x80")
-        await driver.settle()
-        assert [message["what"] for message in driver.messages("input/unreadable")] == [r"\x80"]
-        await driver.answer(prompt)
-        assert driver.stored("SELECT correct FROM trials") == [(1,)]
-        ((timing,),) = driver.stored("SELECT timing FROM trials")
-        assert '"unreadable_input"' in timing
-
-
-async def test_a_paste_that_was_dropped_in_a_session_is_recorded_with_its_length(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:  # fmt: skip
-    length = LONGEST_PASTE + 1
-    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
-        prompt = await driver.to_first_prompt()
-        await send(driver.app, b"\x1b[200~" + b"x" * length + b"\x1b[201~")
-        await driver.settle()
-        assert [message["length"] for message in driver.messages("input/paste")] == [length]
-        await driver.answer(prompt)
-        assert driver.stored("SELECT correct FROM trials") == [(1,)]
-    monkeypatch.setattr(BaseApp, "run_async", AsyncMock())
-    await asyncio.to_thread(driver.app.run_here)
-    assert (
-        "A paste was dropped: too long, or no text (65,537 characters)." in capsys.readouterr().err
-    )
-
-
-async def test_it_is_told_when_the_app_has_ended(
-    data: Path,
-    catalogue: Catalogue,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await send(driver.app, b"\x80")
         await send(driver.app, b"\x1b[55296u")
+        await send(driver.app, b"\x1b[200~" + b"x" * (LONGEST_PASTE + 1) + b"\x1b[201~")
     monkeypatch.setattr(BaseApp, "run_async", AsyncMock())
     await asyncio.to_thread(driver.app.run_here)
-    assert (
-        r"cannot be read, 2 times (last: \x1b[55296u). It was dropped." in capsys.readouterr().err
-    )
+    told = capsys.readouterr().err
+    assert r"cannot be read, 2 times (last: \x1b[55296u)." in told
+    assert "A paste was dropped: too long, or no text (65,537 characters)." in told
 
 
 @pytest.mark.parametrize("size", first(1, [(9999, 9999), (65535, 1), (1, 65535)]))
 async def test_a_window_larger_than_any_is_drawn_up_to_a_limit(
-    data: Path, catalogue: Catalogue, size: tuple[int, int], monkeypatch: pytest.MonkeyPatch
+    opened: OpenApp, size: tuple[int, int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(terminal_input, "LARGEST", Size(120, 40))
-    async with open_app(data, catalogue) as driver:
+    async with opened() as driver:
         await driver.resize(*size)
         assert driver.app.size == Size(min(size[0], 120), min(size[1], 40))
         assert driver.app.screen.size == driver.app.size

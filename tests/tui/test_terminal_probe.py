@@ -95,9 +95,7 @@ def test_an_answer_is_no_key() -> None:
 
 
 @pytest.mark.parametrize("variable", ["TMUX", "STY", "ZELLIJ"])
-def test_a_multiplexer_answers_in_place_of_the_terminal(
-    monkeypatch: pytest.MonkeyPatch, variable: str
-) -> None:
+def test_a_multiplexer_answers_too(monkeypatch: pytest.MonkeyPatch, variable: str) -> None:
     for name in ("TMUX", "STY", "ZELLIJ"):
         monkeypatch.delenv(name, raising=False)
     assert not is_relayed()
@@ -110,9 +108,7 @@ def test_a_multiplexer_answers_in_place_of_the_terminal(
     assert probe.state() == TerminalState(0, is_relayed=True)
 
 
-def test_mosh_is_found_among_the_programs_that_this_one_was_started_from(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_mosh_is_found_among_the_ancestors(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("TMUX", "STY", "ZELLIJ"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr(terminal_probe, "_ancestors", lambda: [b"python3", b"bash", b"mosh-server"])

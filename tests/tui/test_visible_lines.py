@@ -23,7 +23,7 @@ from sar_tui.model.trial_types import Metric, Result, Situation, Stimulus, Trial
 from sar_tui.operator.app import WizardApp
 from sar_tui.plugins import Catalogue
 from sar_tui.tui.base_app import BaseApp, VisibleLines
-from tests.app.app_driver import known, open_app, plan
+from tests.app.app_driver import OpenApp, known, open_app, plan
 from tests.app.test_agent_view import BETWEEN, Link, said
 from tests.edit import edit
 from tests.hostile import HOSTILE, leaks
@@ -82,9 +82,7 @@ def hostile_themes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Catalogue
     return Catalogue(themes=(folder.parent,))
 
 
-async def test_the_first_screen_draws_a_themes_title_visibly(
-    data: Path, hostile_themes: Catalogue
-) -> None:
+async def test_a_themes_title_is_drawn_visibly(data: Path, hostile_themes: Catalogue) -> None:
     known(data, theme="evening")
     async with open_app(data, hostile_themes, size=(120, 40)) as driver:
         assert BEGINNING in drawn(driver.app)
@@ -93,8 +91,8 @@ async def test_the_first_screen_draws_a_themes_title_visibly(
         assert BEGINNING in drawn(driver.app)
 
 
-async def test_a_session_draws_a_tasks_texts_visibly(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue, plan_of_hostile(catalogue), size=(120, 40)) as driver:
+async def test_a_session_draws_a_tasks_texts_visibly(opened: OpenApp, catalogue: Catalogue) -> None:
+    async with opened(plan_of_hostile(catalogue), size=(120, 40)) as driver:
         assert BEGINNING in drawn(driver.app)
         await driver.press("enter")
         assert BEGINNING in drawn(driver.app)
@@ -105,8 +103,7 @@ async def test_a_session_draws_a_tasks_texts_visibly(data: Path, catalogue: Cata
         await driver.wait(3000)
         drawn(driver.app)
         assert prompt.expected == "j"
-        await driver.press("escape")
-        await driver.press("f1")
+        await driver.press("escape", "f1")
         assert BEGINNING in drawn(driver.app)
 
 
@@ -116,16 +113,14 @@ def plan_of_hostile(catalogue: Catalogue) -> Any:
     return msgspec.structs.replace(planned, task=Hostile, parameters=parameters)
 
 
-async def test_a_notification_quotes_visibly(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue) as driver:
+async def test_a_notification_quotes_visibly(opened: OpenApp) -> None:
+    async with opened() as driver:
         driver.app.notify(TEXT, title=TEXT)
         await driver.settle()
         assert BEGINNING in drawn(driver.app)
 
 
-async def test_the_panel_draws_what_the_link_brings_visibly(
-    data: Path, catalogue: Catalogue
-) -> None:
+async def test_the_panel_draws_the_link_visibly(data: Path, catalogue: Catalogue) -> None:
     async with open_panel(catalogue, data, joins=False, size=(120, 40)) as panel:
         await panel.join(title=TEXT, participants={"A": TEXT}, unit=TEXT)
         await panel.publish(t.NOTE_ADDED, m.NoteAdded(actor=f"operator.{TEXT}", text=TEXT))
@@ -167,8 +162,8 @@ async def test_the_agents_own_screen_draws_its_text_visibly(calm: Theme) -> None
         assert BEGINNING in drawn(app)
 
 
-async def test_a_widget_of_ones_own_is_drawn_visibly(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue) as driver:
+async def test_a_widget_of_ones_own_is_drawn_visibly(opened: OpenApp) -> None:
+    async with opened() as driver:
         await driver.app.screen.mount(Static(TEXT, markup=False))
         await driver.settle()
         assert BEGINNING in drawn(driver.app)
