@@ -19,17 +19,10 @@ from tests.examples import first
 
 SPOKEN = {"outputs": ["screen", "voice"]}
 _LONG = {
-    "value": "12.35 seconds",
-    "goal": "10 seconds",
-    "difference": "12.35 seconds",
-    "percent": "100 %",
-    "correct": "200",
-    "trials": "200",
-    "reached": "200",
-    "attempts": "200",
-    "change": "with less fuss",
-    "aim": "as smoothly as you can",
-}
+    "value": "12.35 seconds", "goal": "10 seconds", "difference": "12.35 seconds",
+    "percent": "100 %", "correct": "200", "trials": "200", "reached": "200", "attempts": "200",
+    "change": "with less fuss", "aim": "as smoothly as you can",
+}  # fmt: skip
 
 
 def robot(driver: AppDriver) -> str:
@@ -214,13 +207,8 @@ async def test_delayed_feedback_has_a_thinking_face(open_session: OpenSession, c
 
 
 async def test_the_agent_listens_if_it_says_nothing(open_session: OpenSession, calm: Theme) -> None:
-    settings = {
-        "feedback_delay_ms": 3000,
-        "feedback_every": 2,
-        "attempts": 3,
-        "encouragement": False,
-    }
-    async with open_session(**settings) as driver:
+    later = {"feedback_delay_ms": 3000, "feedback_every": 2}
+    async with open_session(**later, attempts=3, encouragement=False) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.wait(3100)
         driver.see("Press Enter for attempt 2 of 3.")
@@ -250,14 +238,11 @@ async def test_tab_requests_feedback(open_session: OpenSession) -> None:
 )
 async def test_f2_stops_it_everywhere(open_session: OpenSession, where: str, voice: Voice) -> None:
     async with open_session(attempts=1, prompts_per_attempt=1, **SPOKEN) as driver:
-        if where == "help":
-            await driver.press("f1")
-        elif where == "palette":
-            await driver.press("ctrl+p")
-        elif where == "too small":
+        await driver.press(
+            *{"help": ["f1"], "palette": ["ctrl+p"], "pause": ["escape"]}.get(where, [])
+        )
+        if where == "too small":
             await driver.resize(60, 20)
-        elif where == "pause":
-            await driver.press("escape")
         elif where in ("trial", "summary"):
             await voice.end(driver)
             prompt = await driver.to_first_prompt()
@@ -304,15 +289,6 @@ async def test_the_stop_key_needs_a_voice(open_session: OpenSession, voice: Voic
         assert not driver.app.screen.query_one(Agent).is_moving
 
 
-@pytest.mark.slow
-async def test_outside_a_session_f2_belongs_to_the_screen(first_run: AppDriver) -> None:
-    await first_run.press("enter")
-    await first_run.enter("p01")
-    await first_run.press("f2")
-    assert first_run.screen_name == "SettingsScreen"
-    assert "F2 Stop" not in first_run.text
-
-
 # --- words
 
 
@@ -330,12 +306,9 @@ async def test_encouragement_replaces_feedback_that_was_read(open_session: OpenS
         following = driver.messages("arbiter/action")[-1]
         assert following["kind"] == "encouragement"
         await driver.begin()
-        reports = [
-            report
-            for report in driver.messages("output/report")
-            if report["action"] == following["id"]
-        ]
-        shown = [report["state"] for report in reports if report["deed"] == "show"]
+        reports = driver.messages("output/report")
+        of = {"action": following["id"], "deed": "show"}
+        shown = [report["state"] for report in reports if of.items() <= report.items()]
         assert shown == ["queued", "aborted"], "the next attempt began before"
 
 
@@ -373,9 +346,8 @@ async def test_text_is_coloured(open_session: OpenSession, name: str, catalogue:
             said, more = (
                 agent.query_one(each).visual_style.foreground.rgb for each in (".said", ".more")
             )
-            assert said == pytest.approx(
-                Color.parse(getattr(colors, valence) if valence else colors.text).rgb, abs=1
-            )
+            expected = Color.parse(getattr(colors, valence or "text")).rgb
+            assert said == pytest.approx(expected, abs=1)
             assert more == pytest.approx(Color.parse(colors.text).rgb, abs=1)
 
 

@@ -87,17 +87,6 @@ async def test_an_early_ctrl_q_ends_the_app(data: Path, catalogue: Catalogue) ->
         assert app.return_code == 0
 
 
-@pytest.mark.slow
-async def test_a_window_shows_the_lists_once_it_is_larger(opened: OpenApp, data: Path) -> None:
-    known(data, "P01")
-    async with opened(size=(60, 20)) as driver:
-        driver.see("This window is too small.")
-        await driver.resize(80, 24)
-        driver.see("P01")
-        await driver.press("right", "right", "right", "enter")
-        driver.see("Welcome")
-
-
 async def test_a_window_may_grow_before_the_filling(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01")
     app = SarTui(data, catalogue)

@@ -61,11 +61,8 @@ async def test_edited_feedback_is_in_the_operators_words(open_session: OpenSessi
 
 
 VETO_GOODBYE = {
-    "attempts": 1,
-    "operator_instruction": "veto",
-    "operator_time_ms": 4000,
-    "encouragement": False,
-}
+    "attempts": 1, "operator_instruction": "veto", "operator_time_ms": 4000, "encouragement": False,
+}  # fmt: skip
 
 
 async def to_goodbye(

@@ -68,11 +68,8 @@ def strings(number: int, seed: int) -> Iterator[bytes]:
                 case 2 | 3 | 4:
                     part = draw.choice(KEYS)
                 case 5:
-                    part = (
-                        b"\x1b[200~"
-                        + draw.randbytes(draw.randint(0, 9)).replace(b"\x1b", b"")
-                        + b"\x1b[201~"
-                    )
+                    pasted = draw.randbytes(draw.randint(0, 9)).replace(b"\x1b", b"")
+                    part = b"\x1b[200~" + pasted + b"\x1b[201~"
                 case 6:
                     at = draw.randint(1, 90), draw.randint(1, 30)
                     button = draw.choice([0, 0, 1, 2, 32, 64, 65])

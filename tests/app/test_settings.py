@@ -336,14 +336,8 @@ async def test_titles_fit_beside_the_values(first_run: AppDriver, catalogue: Cat
 
 @pytest.mark.slow
 async def test_groups_count_what_differs_and_the_count_follows(opened: OpenApp, data: Path) -> None:
-    known(
-        data,
-        "P01",
-        attempts=20,
-        prompts_per_attempt=5,
-        operator_feedback="approve",
-        operator_time_ms=6000,
-    )
+    operator = {"operator_feedback": "approve", "operator_time_ms": 6000}
+    known(data, "P01", attempts=20, prompts_per_attempt=5, **operator)
     async with opened() as driver:
         await driver.press("f2")
         driver.see("Keyboard reaction ● 1", "Operator ● 2")

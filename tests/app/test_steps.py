@@ -78,13 +78,9 @@ async def test_too_much_pain_between_attempts_leads_to_the_advice_to_stop(
 
 
 CONSENT = Step(
-    name="consent",
-    kind="choice",
-    text="Do you agree?",
-    labels=("yes", "no"),
-    before=True,
+    name="consent", kind="choice", text="Do you agree?", labels=("yes", "no"), before=True,
     required="yes",
-)
+)  # fmt: skip
 
 
 async def test_no_consent_no_session(opened: OpenApp, data: Path, catalogue: Catalogue) -> None:

@@ -1,17 +1,14 @@
 """The flash and the tone before a session, for cameras."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import pytest
 
 from sar_tui.loop.clock import Clock
-from sar_tui.loop.task import Task
 from sar_tui.model.units import MS
 from sar_tui.outputs.output import Report
-from sar_tui.plugins import Catalogue
-from tests.app.app_driver import AppDriver, open_app, plan
+from tests.app.app_driver import AppDriver, OpenSession
 from tests.outputs.markers.receivers import udp_receiver
 
 
@@ -50,14 +47,11 @@ def sound(monkeypatch: pytest.MonkeyPatch) -> type[FakeSound]:
     return Sound
 
 
-async def test_one_flash_and_a_tone_are_stored_and_sent_with_their_stamps(
-    tmp_path: Path, catalogue: Catalogue, keyboard: type[Task], sound: type[FakeSound]
+async def test_flash_and_tone_are_sent_with_stamps(
+    open_session: OpenSession, sound: type[FakeSound]
 ) -> None:
     with udp_receiver() as receiver:
-        begin = plan(catalogue, keyboard)
-        async with open_app(
-            tmp_path, catalogue, begin, markers=[receiver.address], sync_flash=True
-        ) as driver:
+        async with open_session(markers=[receiver.address], sync_flash=True) as driver:
             driver.see("A short flash and a tone", "Press Enter when the camera")
             await driver.press("enter")
             flashed = driver.clock.now()
@@ -73,10 +67,8 @@ async def test_one_flash_and_a_tone_are_stored_and_sent_with_their_stamps(
             assert driver.screen_name == "SessionScreen"
             assert player.has_left
             await driver.do_session()
-            stored = [
-                (signal["what"], signal["at"], signal["source"])
-                for signal in driver.messages("output/sync")
-            ]
+            signals = driver.messages("output/sync")
+            stored = [(each["what"], each["at"], each["source"]) for each in signals]
         markers = [
             (m["event"], m["ns"])
             for m in receiver.until("session_end")
@@ -86,10 +78,8 @@ async def test_one_flash_and_a_tone_are_stored_and_sent_with_their_stamps(
     assert markers == [("sync_flash", flashed), ("sync_tone", flashed + 50 * MS)]
 
 
-async def test_a_tone_that_cannot_be_played_is_told_of_and_the_session_goes_on(
-    tmp_path: Path, catalogue: Catalogue, keyboard: type[Task], sound: type[FakeSound]
-) -> None:
-    async with open_app(tmp_path, catalogue, plan(catalogue, keyboard), sync_flash=True) as driver:
+async def test_a_tone_that_fails_is_told(open_session: OpenSession, sound: type[FakeSound]) -> None:
+    async with open_session(sync_flash=True) as driver:
         await driver.press("enter")
         await sound.made[0].report(driver, "failed", "There is no sound card.")
         await driver.wait(200)
@@ -100,10 +90,9 @@ async def test_a_tone_that_cannot_be_played_is_told_of_and_the_session_goes_on(
 
 
 async def test_esc_leaves_flash_and_tone_out(
-    tmp_path: Path, catalogue: Catalogue, keyboard: type[Task], sound: type[FakeSound]
+    open_session: OpenSession, sound: type[FakeSound]
 ) -> None:
-    begin = plan(catalogue, keyboard, language="es")
-    async with open_app(tmp_path, catalogue, begin, sync_flash=True) as driver:
+    async with open_session(language="es", sync_flash=True) as driver:
         driver.see("Un destello breve y un tono: para la cámara.", "Esc: sin destello ni tono")
         await driver.press("escape")
         assert driver.screen_name == "SessionScreen"
@@ -112,10 +101,10 @@ async def test_esc_leaves_flash_and_tone_out(
     assert sound.made[0].played == []
 
 
-async def test_a_window_that_is_too_small_does_not_lose_the_flash(
-    tmp_path: Path, catalogue: Catalogue, keyboard: type[Task], sound: type[FakeSound]
+async def test_too_small_a_window_keeps_the_flash(
+    open_session: OpenSession, sound: type[FakeSound]
 ) -> None:
-    async with open_app(tmp_path, catalogue, plan(catalogue, keyboard), sync_flash=True) as driver:
+    async with open_session(sync_flash=True) as driver:
         await driver.resize(60, 20)
         driver.see("This window is too small.")
         await driver.press("enter")

@@ -10,6 +10,7 @@ from sar_tui.checks.task import check
 from sar_tui.plugins import Catalogue
 from tests.app.app_driver import SHORT, AppDriver, OpenSession, open_app
 from tests.documented import write_documented
+from tests.examples import first_rows
 from tests.sides_task import VIEW, write_sides
 
 
@@ -75,46 +76,27 @@ async def test_without_a_view_the_plain_prompt_is_drawn(
         assert [fault.error for fault in driver.session.faults] == []
 
 
-@pytest.mark.parametrize(
-    ("broken", "topic"),
-    [
-        ("raise RuntimeError('no such file')", "load"),
-        pytest.param(
-            VIEW.replace("class SidesView(TaskView)", "class SidesView"),
-            "load",
-            marks=pytest.mark.slow,
-        ),
-        pytest.param(
-            VIEW.replace("self.trials = 0", "raise RuntimeError"), "load", marks=pytest.mark.slow
-        ),
-        (VIEW.replace("return [(f", "return [(prompt.nothing + f"), "prompt_lines"),
-        pytest.param(
-            VIEW.replace("{prompt.text}", "your prompt"), "prompt_lines", marks=pytest.mark.slow
-        ),
-        pytest.param(
-            VIEW.replace("return [(f", "return 3 #"), "prompt_lines", marks=pytest.mark.slow
-        ),
-        (VIEW.replace("self.trials += 1", "self.trial += 1"), "event_handler/trial"),
-        pytest.param(
-            VIEW.replace("colors['accent']", "colors['no colour']").replace(
-                'colors["accent"]', "1 / 0"
-            ),
-            "drawing",
-            marks=pytest.mark.slow,
-        ),
-        pytest.param(
-            VIEW.replace("return lambda", "raise RuntimeError\n        return lambda"),
-            "between_attempts",
-            marks=pytest.mark.slow,
-        ),
-        (VIEW.replace("for a in attempts", "for a in attempt"), "facts"),
-    ],
-)
+FAULTS = [
+    (VIEW, "raise RuntimeError('no such file')", "load"),
+    ("return [(f", "return [(prompt.nothing + f", "prompt_lines"),
+    ("self.trials += 1", "self.trial += 1", "event_handler/trial"),
+    ("for a in attempts", "for a in attempt", "facts"),
+    ("class SidesView(TaskView)", "class SidesView", "load"),
+    ("self.trials = 0", "raise RuntimeError", "load"),
+    ("{prompt.text}", "your prompt", "prompt_lines"),
+    ("return [(f", "return 3 #", "prompt_lines"),
+    ('colors["accent"]', "1 / 0", "drawing"),
+    ("return lambda", "raise RuntimeError\n        return lambda", "between_attempts"),
+]
+"""What is replaced in the view, and where that is noticed."""
+
+
+@pytest.mark.parametrize(("old", "new", "topic"), first_rows(4, FAULTS))
 async def test_a_view_that_fails_is_recorded_and_the_session_goes_on(
-    open_task: OpenSession, own_tasks: Path, broken: str, topic: str
+    open_task: OpenSession, own_tasks: Path, old: str, new: str, topic: str
 ) -> None:
-    assert broken != VIEW
-    (own_tasks / "sides" / "view.py").write_text(broken)
+    assert old in VIEW
+    (own_tasks / "sides" / "view.py").write_text(VIEW.replace(old, new))
     async with open_task(own_tasks / "sides", **SHORT) as driver:
         prompt, between, summary = await play(driver)
         assert "Press: f" in prompt

@@ -34,13 +34,8 @@ def open_check(data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
             return source
 
         monkeypatch.setattr("sar_tui.runs.sensors.open_source", open_source)
-        given = {
-            "respond_with": "reaches",
-            "imu": "left",
-            "imu_b": "right",
-            "attempts": 1,
-            **parameters,
-        }
+        sensors = {"respond_with": "reaches", "imu": "left", "imu_b": "right"}
+        given = {**sensors, "attempts": 1, **parameters}
         plan = make_plan(catalogue, "pairs", ["P01", "P02"], given, seed=7)
         async with open_app(data, catalogue, plan) as driver:
             yield driver

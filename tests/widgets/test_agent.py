@@ -165,10 +165,9 @@ async def test_the_mouth_moves_while_a_voice_sounds(
         assert len(seen) == pytest.approx(SECOND / MOUTH, abs=1)
         mouths = {drawing[1 + theme.mouth_line] for drawing in seen}
         assert len(mouths) == 2
-        assert {
-            tuple(line for row, line in enumerate(drawing) if row != 1 + theme.mouth_line)
-            for drawing in seen
-        } == {tuple(line for row, line in enumerate(silent) if row != 1 + theme.mouth_line)}
+        at = 1 + theme.mouth_line
+        around = {tuple(drawing[:at] + drawing[at + 1 :]) for drawing in (silent, *seen)}
+        assert len(around) == 1
         stage.agent.speaking(False)
         assert stage.drawing == silent
         assert not stage.draws_again()
@@ -232,12 +231,8 @@ async def test_another_theme_redraws_the_face(calm: Theme, catalogue: Catalogue)
     async with open_stage(calm) as stage:
         stage.agent.say("Well done.", "happy", "positive")
         stage.agent.apply_theme(plain)
-        assert all(
-            line in drawn
-            for line, drawn in zip(
-                plain.faces["happy"].splitlines(), stage.drawing[1:], strict=False
-            )
-        )
+        face = plain.faces["happy"].splitlines()
+        assert all(map(str.__contains__, stage.drawing[1:], face))
         assert stage.words("said") == "Well done."
 
 

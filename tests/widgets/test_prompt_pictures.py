@@ -13,9 +13,9 @@ import msgspec
 import pytest
 from PIL import Image
 from rich.cells import cell_len
-from rich.color import ColorTriplet
 from textual.app import App, ComposeResult
 from textual.geometry import Region
+from textual.strip import Strip
 
 from sar_tui.widgets.big_prompt import BigPrompt
 from sar_tui.widgets.prompt_pictures import Drawn, Pictures, Way, find_way
@@ -54,21 +54,15 @@ def test_a_picture_fills_its_room(folder: Path, way: Way, columns: int, rows: in
     assert picture.columns <= columns
     assert len(picture.rows) <= rows
     assert picture.columns == columns or len(picture.rows) == rows
-    assert all(
-        cell_len("".join(part.text for part in row)) == picture.columns for row in picture.rows
-    )
-    if columns > 1:
-        assert picture.columns == pytest.approx(4 * len(picture.rows), abs=3), (
-            "a cell is twice as high as wide"
-        )
+    drawn_rows = ["".join(part.text for part in row) for row in picture.rows]
+    assert {cell_len(row) for row in drawn_rows} == {picture.columns}
+    if columns > 1:  # a cell is twice as high as wide
+        assert picture.columns == pytest.approx(4 * len(picture.rows), abs=3)
 
 
 @pytest.mark.parametrize("way", ["half blocks", "blocks"])
 def test_blocks_have_the_colours_of_the_picture(folder: Path, way: Way) -> None:
-    for name, color in (
-        ("red.png", ColorTriplet(255, 0, 0)),
-        ("clear.png", ColorTriplet(0x10, 0x17, 0x1E)),
-    ):
+    for name, color in (("red.png", (255, 0, 0)), ("clear.png", (0x10, 0x17, 0x1E))):
         styles = {part.style for row in drawn(folder, way, name).rows for part in row}
         assert [style.bgcolor.triplet for style in styles if style and style.bgcolor] == [color]
 
@@ -93,11 +87,7 @@ def test_kitty_gets_a_picture_beforehand_and_its_frame_only_says_where(folder: P
     assert f"c={picture.columns},r=11,U=1" in placed[0]
     number = int(placed[0].partition("i=")[2].split(",")[0])
     ((segment,), *_) = picture.rows
-    assert segment.style is not None
-    assert segment.style.color is not None
-    assert segment.style.color.triplet == ColorTriplet(
-        number >> 16, number >> 8 & 255, number & 255
-    )
+    assert segment.style.color.triplet == (number >> 16, number >> 8 & 255, number & 255)
     shown.drawn("red.png", 78, 11, GROUND)
     assert len(written) == len(parts) + 1, "it is sent once"
     shown.close()
@@ -145,6 +135,14 @@ class Stage(App[None]):
     def compose(self) -> ComposeResult:
         yield BigPrompt(pictures=self._pictures)
 
+    @property
+    def strips(self) -> list[Strip]:
+        return self.query_one(BigPrompt).render_lines(Region(0, 0, 80, 14))
+
+    @property
+    def texts(self) -> list[str]:
+        return [strip.text for strip in self.strips]
+
 
 def with_picture(name: str, colour: str = "") -> object:
     return msgspec.structs.replace(prompt("red", "What is it?"), picture=name, colour=colour)
@@ -155,12 +153,11 @@ async def test_a_picture_stands_above_the_plain_line(folder: Path, way: Way) -> 
     app = Stage(pictures(folder, way)[0])
     async with app.run_test(size=(80, 14)):
         widget = app.query_one(BigPrompt)
-        before = widget.render_lines(Region(0, 0, 80, 14))
+        before = app.texts
         assert widget.show(with_picture("red.png")) == way  # type: ignore[arg-type]
-        strips = widget.render_lines(Region(0, 0, 80, 14))
-        texts = [strip.text for strip in strips]
+        texts = app.texts
         assert [text.strip() for text in texts].count("What is it?") == 1
-        assert all(strip.cell_length == 80 for strip in strips)
+        assert {strip.cell_length for strip in app.strips} == {80}
         rows = {region.y for region in widget._regions()}
         assert rows >= set(range(11)), "the whole picture is painted, and painted over later"
         escapes = [y for y, text in enumerate(texts) if "\x1bP" in text]
@@ -169,9 +166,7 @@ async def test_a_picture_stands_above_the_plain_line(folder: Path, way: Way) -> 
             assert "\x1b7\x1b[1;" in texts[10]
             assert texts[10].endswith("\x1b\\\x1b8")
         widget.clear()
-        assert [strip.text for strip in widget.render_lines(Region(0, 0, 80, 14))] == [
-            each.text for each in before
-        ]
+        assert app.texts == before
 
 
 async def test_without_pictures_the_glyph_is_drawn_and_the_record_says_so(folder: Path) -> None:
@@ -180,7 +175,7 @@ async def test_without_pictures_the_glyph_is_drawn_and_the_record_says_so(folder
         async with app.run_test(size=(80, 14)):
             widget = app.query_one(BigPrompt)
             assert widget.show(with_picture(name)) == "none"  # type: ignore[arg-type]
-            assert any("█" in strip.text for strip in widget.render_lines(Region(0, 0, 80, 14)))
+            assert any("█" in text for text in app.texts)
 
 
 async def test_a_prepared_picture_is_kept(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -190,7 +185,7 @@ async def test_a_prepared_picture_is_kept(folder: Path, monkeypatch: pytest.Monk
         (prepared,) = app.query_one(BigPrompt)._strips.values()
         monkeypatch.setattr(Image, "open", lambda *_: pytest.fail("read in the prompt's frame"))
         assert app.query_one(BigPrompt).show(with_picture("red.png")) == "sixel"  # type: ignore[arg-type]
-        assert app.query_one(BigPrompt).render_lines(Region(0, 0, 80, 14))[:11] == prepared
+        assert app.strips[:11] == prepared
         assert all(strip._render_cache for strip in prepared), "they are rendered, too"
 
 
@@ -203,15 +198,13 @@ async def test_only_the_drawing_has_the_colour_of_a_prompt(monkeypatch: pytest.M
         widget.show(msgspec.structs.replace(plain, colour="green"))
         coloured = {
             part.text
-            for strip in widget.render_lines(Region(0, 0, 80, 14))
+            for strip in app.strips
             for part in strip
-            if part.style
-            and part.style.color
-            and part.style.color.triplet == ColorTriplet(0, 0x9E, 0x73)
+            if part.style and part.style.color and part.style.color.triplet == (0, 0x9E, 0x73)
         }
         assert any("█" in text for text in coloured)
         assert any("語" in text for text in coloured)
         assert not set("".join(coloured)) & set("│┌─hint"), "frames, wall, plain line and hint"
-        texts = [strip.text for strip in widget.render_lines(Region(0, 0, 80, 14))]
+        texts = app.texts
         widget.show(plain)
-        assert [strip.text for strip in widget.render_lines(Region(0, 0, 80, 14))] == texts
+        assert app.texts == texts

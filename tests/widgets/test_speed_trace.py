@@ -35,8 +35,6 @@ def found(shape: ReachShape, profile: str = "noisy") -> tuple[Samples, Finding]:
 
 def trace(shape: ReachShape, profile: str = "noisy", label: str = "") -> Trace:
     samples, finding = found(shape, profile)
-    assert finding.onset_ns is not None
-    assert finding.end_ns is not None
     made = trace_of(samples, finding.onset_ns, finding.end_ns, finding.details, label)
     assert made
     return made
@@ -53,10 +51,6 @@ def steady(rate: float, label: str) -> Trace:
 
 def dots(mark: str) -> bool:
     return "⠀" < mark <= "⣿"
-
-
-def has_dots(line: str) -> bool:
-    return any(map(dots, line))
 
 
 # --- the curve of a reach
@@ -76,25 +70,17 @@ def test_outward_is_positive_in_any_orientation(profile: str) -> None:
 
 def test_an_upside_down_sensor_gives_the_same_curve() -> None:
     samples, finding = found(FAST, "clean")
-    assert finding.onset_ns is not None
-    assert finding.end_ns is not None
     turned = samples.copy()
     turned["rate"] *= -1
-    curves = [
-        trace_of(some, finding.onset_ns, finding.end_ns, finding.details)
-        for some in (samples, turned)
-    ]
-    assert curves[0] == curves[1]
+    whole = (finding.onset_ns, finding.end_ns, finding.details)
+    assert trace_of(samples, *whole) == trace_of(turned, *whole)
 
 
 def test_phases_have_the_analysed_durations_in_order() -> None:
     _, finding = found(DWELLING)
     made = trace(DWELLING)
-    lasted = [
-        made.arrival_s - made.onset_s,
-        made.departure_s - made.arrival_s,
-        made.end_s - made.departure_s,
-    ]
+    times = (made.onset_s, made.arrival_s, made.departure_s, made.end_s)
+    lasted = [later - earlier for earlier, later in pairwise(times)]
     measured = [finding.details[f"{name}_ms"] for name in ("out", "dwell", "back")]
     assert [1000 * each for each in lasted] == pytest.approx(measured, abs=0.01)
     assert made.onset_s == pytest.approx(0.3, abs=0.01)
@@ -177,7 +163,7 @@ def test_the_latest_reach_is_a_solid_line_and_earlier_ones_are_dotted() -> None:
     fullest = [
         max((ord(mark) - 0x2800).bit_count() for mark in line if dots(mark))
         for line in lines[:-1]
-        if has_dots(line)
+        if any(map(dots, line))
     ]
     assert fullest == [1, 2]
 
