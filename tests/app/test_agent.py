@@ -335,7 +335,9 @@ def longest(theme: Theme, among: list[str]) -> str:
 
 
 @pytest.mark.parametrize("name", first(1, ["calm", "high-contrast", "playful"]))
-async def test_text_is_coloured(open_session: OpenSession, name: str, catalogue: Catalogue) -> None:
+async def test_text_has_the_colour_of_its_valence(
+    open_session: OpenSession, name: str, catalogue: Catalogue
+) -> None:
     colors = catalogue.theme(name).colors
     async with open_session(theme=name) as driver:
         agent = driver.app.screen.query_one(Agent)

@@ -95,7 +95,9 @@ async def test_a_part_of_a_code_finds_a_participant(opened: OpenApp, data: Path)
     assert stored(data, "SELECT participant FROM seats") == [("AB-7",)]
 
 
-async def test_a_card_tells_results(opened: OpenApp, open_session: OpenSession, data: Path) -> None:
+async def test_the_card_tells_how_a_participant_does(
+    opened: OpenApp, open_session: OpenSession, data: Path
+) -> None:
     known(data, "P02")
     known(data, "P01")
     for _ in range(2):
@@ -303,7 +305,9 @@ async def test_the_card_and_progress_call_a_session_interrupted_whose_program_wa
 
 
 @pytest.mark.slow
-async def test_a_session_is_dismissed_and_back(opened: OpenApp, open_session: OpenSession) -> None:
+async def test_a_session_is_dismissed_and_taken_back(
+    opened: OpenApp, open_session: OpenSession
+) -> None:
     async with open_session(participant="P01") as driver:
         await driver.answer(await driver.to_first_prompt())
         session = driver.session_id
@@ -339,7 +343,9 @@ async def test_a_session_is_dismissed_and_back(opened: OpenApp, open_session: Op
 
 
 @pytest.mark.slow
-async def test_a_live_one_stays(opened: OpenApp, open_session: OpenSession, data: Path) -> None:
+async def test_a_session_in_another_program_is_not_dismissed(
+    opened: OpenApp, open_session: OpenSession, data: Path
+) -> None:
     async with open_session(participant="P01") as driver:
         session = driver.session_id
     async with opened() as driver:
@@ -352,7 +358,9 @@ async def test_a_live_one_stays(opened: OpenApp, open_session: OpenSession, data
     assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
 
 
-async def test_a_live_one_is_shown(opened: OpenApp, open_session: OpenSession, data: Path) -> None:
+async def test_a_session_in_another_program_is_shown_so_far(
+    opened: OpenApp, open_session: OpenSession, data: Path
+) -> None:
     async with open_session(participant="P01") as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         session = driver.session_id
@@ -368,7 +376,7 @@ async def test_a_live_one_is_shown(opened: OpenApp, open_session: OpenSession, d
     lock.release()
 
 
-async def test_home_opens_on_the_last(
+async def test_home_opens_on_who_trained_last(
     opened: OpenApp, open_session: OpenSession, data: Path
 ) -> None:
     for code in ("P01", "P02", "P03"):

@@ -14,7 +14,9 @@ QUESTION = "Leave now?"
 
 
 @pytest.mark.parametrize("go_on", first(1, ["enter", "escape"]))
-async def test_it_asks_and_repeats(open_session: OpenSession, go_on: str) -> None:
+async def test_in_a_trial_it_asks_and_repeats_the_trial(
+    open_session: OpenSession, go_on: str
+) -> None:
     async with open_session(attempts=1) as driver:
         prompt = await driver.to_first_prompt()
         await driver.press("ctrl+q")

@@ -57,7 +57,9 @@ def trials(data: Path, column: str) -> list[int]:
 
 
 @pytest.mark.slow
-async def test_udp_has_stamps(open_session: OpenSession, data: Path, keyboard: type[Task]) -> None:
+async def test_stamps_over_udp_are_those_of_the_database(
+    open_session: OpenSession, data: Path, keyboard: type[Task]
+) -> None:
     with udp_receiver() as receiver:
         async with open_session(markers=[receiver.address]) as driver:
             await driver.do_session()
@@ -82,7 +84,9 @@ async def test_udp_has_stamps(open_session: OpenSession, data: Path, keyboard: t
 
 
 @pytest.mark.slow
-async def test_lsl_has_those_stamps(open_session: OpenSession, data: Path, tmp_path: Path) -> None:
+async def test_an_lsl_recording_has_the_stamps_of_the_database(
+    open_session: OpenSession, data: Path, tmp_path: Path
+) -> None:
     pyxdf = pytest.importorskip("pyxdf")
     async with open_session(markers=["lsl"]) as driver:
         inlet = lsl_inlet(driver.session_id)
@@ -157,7 +161,9 @@ async def test_an_unplugged_line_is_told(
 
 
 @pytest.mark.slow
-async def test_patients_see_no_lost_markers(opened: OpenApp, data: Path, failed: Failed) -> None:
+async def test_in_patient_mode_lost_markers_are_told_later(
+    opened: OpenApp, data: Path, failed: Failed
+) -> None:
     pytest.importorskip("serial")
     known(data)
     Passphrase(data).set("horse staple")

@@ -287,7 +287,9 @@ async def test_a_removed_passphrase_still_guards(alone: AppDriver, data: Path) -
     assert not alone.app.patient
 
 
-async def test_it_needs_what_it_is_for(opened: OpenApp, data: Path, catalogue: Catalogue) -> None:
+async def test_without_a_passphrase_or_an_exercise_it_does_not_begin(
+    opened: OpenApp, data: Path, catalogue: Catalogue
+) -> None:
     app = SarTui(data, catalogue)
     with pytest.raises(StoreError, match="no exercise to do alone"):
         app.patient_mode.exercises_of("P99")
@@ -323,7 +325,9 @@ async def test_one_of_days_ago_stays_for_the_therapist(opened: OpenApp, data: Pa
     assert stored(data, "SELECT count(*) FROM sessions") == [(2,)]
 
 
-async def test_what_fails_is_told(opened: OpenApp, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_an_exercise_that_fails_is_told_to_the_therapist(
+    opened: OpenApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def fail(*_: object) -> None:
         raise StoreError("The disk is full.")
 

@@ -207,7 +207,9 @@ async def test_a_therapist_marks_a_reach(at_the_table: OpenSession) -> None:
         assert not {"f7", "f8", "f9"} & {press["key"] for press in driver.messages("input/key")}
 
 
-async def test_quiet_until_go(at_the_table: OpenSession, data: Path, catalogue: Catalogue) -> None:
+async def test_the_screen_is_quiet_until_it_says_go(
+    at_the_table: OpenSession, data: Path, catalogue: Catalogue
+) -> None:
     async with at_the_table(go_signal=True, foreperiod_min_ms=900, foreperiod_max_ms=900) as driver:
         await to_start(driver)
         await driver.press("space")

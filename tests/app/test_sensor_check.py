@@ -126,7 +126,9 @@ def axis(driver: AppDriver, name: str) -> tuple[str, ...]:
 # --- the way through
 
 
-async def test_a_check_comes_first(opened: OpenApp, catalogue: Catalogue) -> None:
+async def test_a_session_with_a_sensor_begins_with_its_check(
+    opened: OpenApp, catalogue: Catalogue
+) -> None:
     async with opened(reaching_plan(catalogue)) as driver:
         assert driver.screen_name == "SensorCheckScreen"
         driver.see("P01 · Reaching")
@@ -185,7 +187,9 @@ async def test_each_end_releases_the_sensor(key: str, code: int, open_check: Ope
     assert driver.stored("SELECT id FROM sessions") == []
 
 
-async def test_no_session_no_sensor(open_check: OpenCheck, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_session_that_cannot_be_opened_releases_the_sensor(
+    open_check: OpenCheck, monkeypatch: pytest.MonkeyPatch
+) -> None:
     source = Plugged()
     markers = {"marker_distances_cm": (10, 20, 30, 40, 50, 60)}
     async with open_check(source, max_level=6, start_level=6, **markers) as driver:
@@ -388,7 +392,7 @@ def test_the_axis_that_points_up_is_found_by_gravity(up: Any, mark: str, says: s
     ("sign", "says"),
     first_rows(1, [(-1.0, "! turned over"), (math.nan, "measures no acceleration")]),
 )
-async def test_an_upside_down_one_is_told(sign: float, says: str, open_check: OpenCheck) -> None:
+async def test_an_upside_down_sensor_is_told(sign: float, says: str, open_check: OpenCheck) -> None:
     def turn(sample: Sample) -> Sample:
         x, y, z = sample.acceleration
         return sample._replace(acceleration=(sign * x, sign * y, sign * z))

@@ -83,7 +83,9 @@ CONSENT = Step(
 )  # fmt: skip
 
 
-async def test_no_consent_no_session(opened: OpenApp, data: Path, catalogue: Catalogue) -> None:
+async def test_without_consent_no_session_begins(
+    opened: OpenApp, data: Path, catalogue: Catalogue
+) -> None:
     settings = {"attempts": 1, "imu": "simulated", "ask_wellbeing": True}
     asked = make_plan(catalogue, "reaching", ["P01"], settings, seed=7, steps=(CONSENT,))
     async with opened(asked) as driver:
