@@ -59,74 +59,67 @@ async def _settled(app: SarTui, is_so: Any) -> None:
         await asyncio.sleep(0)
 
 
-@posix
-async def test_a_database_that_is_removed_in_a_session_costs_nothing(
+@pytest.fixture
+def begun(
     data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
-) -> None:
+) -> SarTui:
+    """An app that begins a session, in which keys count at once."""
     monkeypatch.setattr("sar_tui.rules.keys.UNREAD", 0)
-    app = SarTui(data, catalogue, plan(catalogue, keyboard))
-    async with app.run_test() as pilot:
-        await pilot.press("enter")
-        delete(data)
-        await _settled(app, lambda: rescue_files(data))
-        await pilot.press("ctrl+c")
-    app.close_session()
-    (path,) = rescue_files(data)
-    with closing(open_file(path)) as rescue:
-        assert rescue.execute("SELECT status FROM sessions").fetchall() == [("interrupted",)]
-        assert rescue.execute("SELECT count(*) FROM events WHERE topic='input/key'").fetchone() == (
-            1,
-        )
-    first, second = app.leaving.lines(1)
-    assert first.startswith(
-        f"{data / FILE} was removed while it was in use. The session goes on in {path}."
-    )
-    assert "Bring it back into the database: sar-tui rescue --data" in first
-    assert second.startswith("The session is kept. Resume it: sar-tui resume")
+    return SarTui(data, catalogue, plan(catalogue, keyboard))
 
 
-@posix
-async def test_a_mistake_that_could_not_be_noted_is_told(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("sar_tui.rules.keys.UNREAD", 0)
-    app = SarTui(data, catalogue, plan(catalogue, keyboard))
+async def lose_the_database(app: SarTui, data: Path, *, is_mistake: bool = False) -> list[str]:
+    """Delete the database in a session, leave that, and return the lines that are left."""
     async with app.run_test() as pilot:
         await pilot.press("enter")
         delete(data)
         await _settled(app, lambda: rescue_files(data))
         await pilot.press("ctrl+c")
         assert app.live
-        app.live.is_mistake = True
+        app.live.is_mistake = is_mistake
     app.close_session()
-    said = "\n".join(app.leaving.lines(1))
+    return list(app.leaving.lines(1))
+
+
+@posix
+async def test_a_database_that_is_removed_in_a_session_costs_nothing(
+    data: Path, begun: SarTui
+) -> None:
+    first, second = await lose_the_database(begun, data)
+    (path,) = rescue_files(data)
+    with closing(open_file(path)) as rescue:
+        assert rescue.execute("SELECT status FROM sessions").fetchall() == [("interrupted",)]
+        (keys,) = rescue.execute("SELECT count(*) FROM events WHERE topic='input/key'").fetchone()
+    assert keys == 1
+    assert first.startswith(f"{data / FILE} was removed while it was in use. The session goes on")
+    assert f"in {path}. Bring it back into the database: sar-tui rescue --data" in first
+    assert second.startswith("The session is kept. Resume it: sar-tui resume")
+
+
+@posix
+async def test_a_mistake_that_could_not_be_noted_is_told(data: Path, begun: SarTui) -> None:
+    said = "\n".join(await lose_the_database(begun, data, is_mistake=True))
     assert "The session does not count" not in said
-    assert (
-        "The session was started by mistake, but it could not be marked as such, and counts."
-        in said
-    )
+    assert "but it could not be marked as such, and counts." in said
 
 
 async def test_a_session_that_is_left_while_the_database_is_locked_is_in_a_rescue_file(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
+    data: Path, begun: SarTui, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sar_tui.runs.run._LAST_WAIT_MS", 1)
-    monkeypatch.setattr("sar_tui.rules.keys.UNREAD", 0)
-    app = SarTui(data, catalogue, plan(catalogue, keyboard))
-    async with app.run_test() as pilot:
+    async with begun.run_test() as pilot:
         await pilot.pause()
         with closing(sqlite3.connect(data / FILE, isolation_level=None)) as other:
             other.execute("BEGIN IMMEDIATE")
             await pilot.press("enter", "ctrl+c")
-            app.close_session()
+            begun.close_session()
     (path,) = rescue_files(data)
     with closing(open_file(path)) as rescue:
-        assert rescue.execute("SELECT count(*) FROM events WHERE topic='input/key'").fetchone() == (
-            1,
-        )
-    assert app.live
-    assert app.live.unsaved == 0
-    assert "Another program keeps sar-tui.db locked." in app.live.rescued
+        (keys,) = rescue.execute("SELECT count(*) FROM events WHERE topic='input/key'").fetchone()
+    assert keys == 1
+    assert begun.live
+    assert begun.live.unsaved == 0
+    assert "Another program keeps sar-tui.db locked." in begun.live.rescued
 
 
 async def test_the_screen_stays_until_the_session_is_written(
