@@ -13,6 +13,7 @@ from textual.widgets import Input, Static
 
 from sar_tui.drivers.login_name import login_name
 from sar_tui.records.kind import Field, Kind, RecordError
+from sar_tui.rules.declaration import show
 from sar_tui.store import participants, records
 from sar_tui.store.database import StoreError
 from sar_tui.store.records import Record
@@ -132,7 +133,7 @@ class RecordForm(DismissedOnce[bool], ModalScreen[bool]):
         )
         if replaced := next((each for each in same if each.day == day), None):
             first = next(iter(replaced.content.values()), "")
-            return f"This replaces {first} of the same day."
+            return f"This replaces {show(first)} of the same day."
         return ""
 
     @on(Input.Submitted)
@@ -179,7 +180,7 @@ class RemoveRecord(DismissedOnce[bool], ModalScreen[bool]):
         with Vertical(classes="dialog"):
             yield Static("Entered by mistake?", classes="headline")
             yield Static(
-                f"{self._record.kind} {first} of {self._record.at} then no longer counts. The "
+                f"{self._record.kind} {show(first)} of {self._record.at} then no longer counts. The "
                 "database keeps it, with your login name and the time.\n",
                 markup=False,
             )
