@@ -117,7 +117,7 @@ def add(
     Raises:
         StoreError: the participant is not known, a value is not valid, or the disk cannot write.
     """
-    date = check_date(kind, at) if at else now()
+    date = check_date(kind, at) if at else _now_of(kind)
     content = _checked(kind, given)
     if kind.entered_by == "therapist":
         (code,) = admit(db, [participant], is_new=is_new)
@@ -128,7 +128,7 @@ def add(
         kind=kind.name,
         participant=code,
         at=date,
-        session=session or (session_at(db, code, date) if kind.has_time and at else None),
+        session=session or (session_at(db, code, date) if _is_local(kind) else None),
         seat=seat,
         moment=moment,
         content=content,
@@ -236,6 +236,19 @@ def check_date(kind: Kind, text: str) -> str:
     if date > datetime.now():
         raise StoreError(f"{kind.when} {given} is in the future.", bad_input=True)
     return given.replace("T", " ")
+
+
+def _is_local(kind: Kind) -> bool:
+    """Return True if the dates of a kind are local ones, as a therapist writes them."""
+    return kind.entered_by == "therapist"
+
+
+def _now_of(kind: Kind) -> str:
+    """Return the present time as records of a kind have it."""
+    if not _is_local(kind):
+        return now()
+    form = "%Y-%m-%d %H:%M" if kind.has_time else "%Y-%m-%d"
+    return datetime.now().strftime(form)
 
 
 def session_at(db: sqlite3.Connection, participant: str, at: str) -> str | None:

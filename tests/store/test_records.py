@@ -56,6 +56,15 @@ def test_a_new_record_never_gets_the_id_of_another(
         assert event(database, "P01", "2026-03-01", what="Fell", severity="mild").id == id
 
 
+def test_without_a_date_a_record_is_of_now_as_its_kind_writes_it(
+    database: Connection,
+) -> None:
+    fall = event(database, "P01", "", what="Fell", severity="mild")
+    assert records.check_date(find("adverse-event"), fall.at) == fall.at
+    assert score(database, "P01", "ARAT", "", 30).at == fall.day
+    assert told(database, "P01", "before", "pain", "2").at.endswith("+00:00")
+
+
 def test_of_a_score_the_last_entry_of_a_day_counts(database: Connection) -> None:
     for value in (30, 31):
         last = score(database, "P01", "arat", "2026-03-01", value)
