@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from sar_tui.motion.analysis import AnalysisParameters, Window, analyse
-from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
+from sar_tui.motion.detector_names import COLUMN_NAMES, DetectorName
 from sar_tui.motion.reach_kinds import KINDS
 from sar_tui.motion.samples import SAMPLE, Recording, Samples
 from sar_tui.motion.trajectories import simulate_reaches
@@ -94,7 +94,7 @@ def steps(quick: bool) -> int:
 
 
 def _detectors(quick: bool) -> list[DetectorName]:
-    return ["orientation"] if quick else list(STORED_NAMES)
+    return ["orientation"] if quick else list(COLUMN_NAMES)
 
 
 def _samples(recording: Recording) -> Samples:

@@ -9,7 +9,7 @@ from sar_tui.cli.common import AsJson, Home, RecordedSession, console, print_jso
 from sar_tui.cli.detect import explain_flags
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.progress_line import progress_line
-from sar_tui.motion.detector_names import STORED_NAMES, DetectorName, current_name
+from sar_tui.motion.detector_names import COLUMN_NAMES, DetectorName
 
 if TYPE_CHECKING:
     import sqlite3
@@ -149,7 +149,7 @@ def reanalyse(
             show("Analysing", len(rows), len(stored_trials))
             rows.append(_reanalyse(measured, _trial(row, detector)))
     if as_json:
-        names = dict.fromkeys(current_name(row["details"]["detector"]) for row in rows)
+        names = dict.fromkeys(row["details"]["detector"] for row in rows)
         print_json({"session": found["id"], "detector": ", ".join(names), "trials": rows})
     else:
         _print(rows, [row["details"] for row in stored_trials])
@@ -166,7 +166,7 @@ def _trial(row: Row, detector: DetectorName | None) -> _Trial:
     from sar_tui.motion.analysis import AnalysisParameters, Window
 
     details = row["details"]
-    name = detector or current_name(details["detector"])
+    name = detector or details["detector"]
     asked = {"detector": name, "hand": details["hand"]}
     try:
         if not detector:
@@ -199,7 +199,7 @@ def _reanalyse(measured: _StoredSamples, trial: _Trial) -> Row:
     was = (row["onset_ns"], row["response_ns"], recorded)
     others = [
         f"{stored}_reach_time_ms"
-        for name, stored in STORED_NAMES.items()
+        for name, stored in COLUMN_NAMES.items()
         if name != parameters.detector
     ]
     return {
@@ -267,7 +267,5 @@ def _sentence(rows: Sequence[Row], recorded: Sequence[Row]) -> str:
 
 def _versions(details: Iterable[Row]) -> str:
     return ", ".join(
-        dict.fromkeys(
-            f"{current_name(d['detector'])} (version {d.get('detector_version')})" for d in details
-        )
+        dict.fromkeys(f"{d['detector']} (version {d.get('detector_version')})" for d in details)
     )

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from sar_tui.motion.arrays import lengths
 from sar_tui.motion.detection import DETECTORS, find
-from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
+from sar_tui.motion.detector_names import COLUMN_NAMES, DetectorName
 from sar_tui.motion.faults import turns_too_far
 from sar_tui.motion.filters import TooSlow
 from sar_tui.motion.fixed_threshold import FixedThresholdParameters
@@ -108,7 +108,7 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
     each = parameters.each
     inside = samples[(samples["at"] >= window.from_ns) & (samples["at"] < window.to_ns)]
     known: Measured = {
-        "detector": STORED_NAMES[parameters.detector],
+        "detector": parameters.detector,
         "detector_version": DETECTORS[parameters.detector].version,
         "detector_parameters": msgspec.json.encode(each[parameters.detector]).decode(),
         "hand": parameters.hand,
@@ -132,7 +132,7 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
             if name == parameters.detector:
                 why = "rate" if isinstance(error, TooSlow) else "analysis"
                 return Finding(details=known, invalid=why, flags=window.flags)
-            times_ms[name] = known[f"{STORED_NAMES[name]}_reach_time_ms"] = None
+            times_ms[name] = known[f"{COLUMN_NAMES[name]}_reach_time_ms"] = None
             continue
         found = found._replace(
             reaches=tuple(bounds for bounds in found.reaches if _is_expected(bounds, window))
@@ -142,7 +142,7 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
         found = found._replace(reaches=_fastest(found))
         if name == parameters.detector:
             reaches = measure(found, whole)
-        times_ms[name] = known[f"{STORED_NAMES[name]}_reach_time_ms"] = _reach_time_ms(found, whole)
+        times_ms[name] = known[f"{COLUMN_NAMES[name]}_reach_time_ms"] = _reach_time_ms(found, whole)
     too_far = turns_too_far(whole.time_s, whole.rate)
     reach = _largest(reaches)
     holes = _holes(inside["at"], window)

@@ -11,7 +11,6 @@ import msgspec
 import numpy as np
 
 from sar_tui.motion import fixed_threshold, one_way, orientation, single_axis
-from sar_tui.motion.detector_names import current_name
 from sar_tui.motion.measures import measure
 from sar_tui.motion.plausibility import plausible
 from sar_tui.motion.reach import Bounds, Detected, Hand, Reach
@@ -179,7 +178,7 @@ def detect(
     rate.
     """
     found = find(recording, detector, parameters, hand)
-    is_quiet = DETECTORS[current_name(detector)].is_quiet
+    is_quiet = DETECTORS[detector].is_quiet
     likely = plausible(found) if is_quiet else found
     return measure(likely._replace(reaches=apart(likely.reaches, since_s)), recording)
 
@@ -206,7 +205,7 @@ def find(
 
     ``grid``: the recording's even grid (`rest.even`), if it is known.
     """
-    chosen = DETECTORS.get(current_name(detector))
+    chosen = DETECTORS.get(detector)
     if chosen is None:
         raise ValueError(
             f"There is no detector named {detector!r}; there are: {', '.join(DETECTORS)}."

@@ -89,7 +89,8 @@ _SETTINGS = (
 _REACH = {
     "text": ("closed", "mark", "hand", "detector", "detector_version"),
     "measures": (
-        "marker_cm", "reach_time_ms", "orientation_reach_time_ms", "robust_reach_time_ms", "thesis_reach_time_ms",
+        "marker_cm", "reach_time_ms", "orientation_reach_time_ms", "single_axis_reach_time_ms",
+        "fixed_threshold_reach_time_ms",
         "out_ms", "dwell_ms", "back_ms", "turn_after_ms", "peak_extension_rad_s", "peak_return_rad_s",
         "time_to_peak_ms", "time_to_peak_share", "movement_units_out", "movement_units_back", "movement_units",
         "sparc_out", "sparc_back", "sparc", "ldlj_out", "ldlj_back", "excursion_deg", "straightness",

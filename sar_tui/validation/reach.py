@@ -10,7 +10,7 @@ import numpy as np
 
 from sar_tui.motion.analysis import AnalysisParameters
 from sar_tui.motion.detection import detect
-from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
+from sar_tui.motion.detector_names import COLUMN_NAMES, DetectorName
 from sar_tui.motion.reach import Hand
 from sar_tui.motion.reach_kinds import KINDS
 from sar_tui.motion.samples import Recording
@@ -103,14 +103,14 @@ def run(conditions: Conditions) -> Report:
 
 def row_of(group: Group, reaches: int) -> Row:
     """Return the figures of a number of reaches."""
-    results_of: dict[DetectorName, list[DetectorResult]] = {name: [] for name in STORED_NAMES}
+    results_of: dict[DetectorName, list[DetectorResult]] = {name: [] for name in COLUMN_NAMES}
     for seed in range(reaches):
         trial = group.make(seed)
         for detector, results in results_of.items():
             results.append(_result(trial, detector))
     row: Row = {"scenario": group.name, "axes": group.axes, "reaches": reaches}
     for detector, results in results_of.items():
-        name = STORED_NAMES[detector]
+        name = COLUMN_NAMES[detector]
         durations = [result.duration_ms for result in results if result.duration_ms is not None]
         onsets = [result.onset_ms for result in results if result.onset_ms is not None]
         row[f"{name}_exactly_one_percent"] = 100 * len(durations) / reaches
@@ -144,7 +144,7 @@ def _median_iqr(errors: Sequence[float]) -> tuple[float | None, float | None]:
 
 def claims(rows: Sequence[Row]) -> list[Claim]:
     """Return the claims about the default detector."""
-    name = STORED_NAMES[JUDGED]
+    name = COLUMN_NAMES[JUDGED]
 
     def claim(
         sentence: str,
@@ -221,7 +221,7 @@ def _tables() -> Iterator[list[Column]]:
     ):
         yield [
             Column(title, lambda row: str(row["scenario"]), is_number=False),
-            *(Column(detector, partial(show, name)) for detector, name in STORED_NAMES.items()),
+            *(Column(detector, partial(show, name)) for detector, name in COLUMN_NAMES.items()),
         ]
 
 

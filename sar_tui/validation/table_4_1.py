@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from sar_tui.motion.detection import detect
-from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
+from sar_tui.motion.detector_names import COLUMN_NAMES, DetectorName
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.samples import Floats
 from sar_tui.motion.synthesis import TABLE_4_1, Simulation, TableRow, table_4_1_recording
@@ -108,7 +108,7 @@ def _row(line: TableRow, found: dict[DetectorName, Reach | None]) -> Row:
         "table_peak_return_rad_s": line.peak_return_rad_s,
     }
     for detector, reach in found.items():
-        name = STORED_NAMES[detector]
+        name = COLUMN_NAMES[detector]
         time_s = None if reach is None else reach.reach_time_s
         row[f"{name}_reach_time_s"] = time_s
         row[f"{name}_difference_ms"] = (
@@ -124,7 +124,7 @@ def _row(line: TableRow, found: dict[DetectorName, Reach | None]) -> Row:
 
 
 def _finds_all(name: DetectorName, count: int, rows: list[Row]) -> Claim:
-    column = f"{STORED_NAMES[name]}_reach_time_s"
+    column = f"{COLUMN_NAMES[name]}_reach_time_s"
     missed = [str(number) for number, row in enumerate(rows, 1) if row[column] is None]
     against = (
         f"it finds {count}"
@@ -139,13 +139,13 @@ def _finds_all(name: DetectorName, count: int, rows: list[Row]) -> Claim:
 def _times(name: DetectorName, rows: list[Row]) -> Claim:
     sentence = f"The {name} detector's reach times are within {TIME_MS[name]:g} ms of the table's."
     return Claim(
-        sentence, _beyond(rows, f"{STORED_NAMES[name]}_difference_ms", TIME_MS[name], "ms")
+        sentence, _beyond(rows, f"{COLUMN_NAMES[name]}_difference_ms", TIME_MS[name], "ms")
     )
 
 
 def _peaks(name: DetectorName, rows: list[Row]) -> Claim:
     against = [
-        _beyond(rows, f"{STORED_NAMES[name]}_{peak}_difference_percent", PEAK_PERCENT, "%")
+        _beyond(rows, f"{COLUMN_NAMES[name]}_{peak}_difference_percent", PEAK_PERCENT, "%")
         for peak in PEAKS
     ]
     sentence = f"The {name} detector's peaks are within {PEAK_PERCENT:g} % of the table's."
@@ -174,8 +174,8 @@ def _times_table() -> list[Column]:
     columns = [_TYPE, _column("time, s", "table_reach_time_s", ".4f")]
     for name in TIME_MS:
         columns += [
-            _column(f"{_HEADS[name]}, s", f"{STORED_NAMES[name]}_reach_time_s", ".4f"),
-            _column("ms", f"{STORED_NAMES[name]}_difference_ms", "+.0f"),
+            _column(f"{_HEADS[name]}, s", f"{COLUMN_NAMES[name]}_reach_time_s", ".4f"),
+            _column("ms", f"{COLUMN_NAMES[name]}_difference_ms", "+.0f"),
         ]
     return columns
 
@@ -185,7 +185,7 @@ def _peaks_table() -> list[Column]:
     for peak, head in zip(PEAKS, ("out, rad/s", "back, rad/s"), strict=True):
         columns.append(_column(head, f"table_{peak}_rad_s", ".4f"))
         columns += [
-            _column(f"{_HEADS[name]}, %", f"{STORED_NAMES[name]}_{peak}_difference_percent", "+.2f")
+            _column(f"{_HEADS[name]}, %", f"{COLUMN_NAMES[name]}_{peak}_difference_percent", "+.2f")
             for name in TIME_MS
         ]
     return columns

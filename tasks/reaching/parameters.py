@@ -54,10 +54,10 @@ class ReachDetails(Details, frozen=True):
     orientation_reach_time_ms: Annotated[
         float | None, msgspec.Meta(description="By the orientation detector.")
     ] = None
-    robust_reach_time_ms: Annotated[
+    single_axis_reach_time_ms: Annotated[
         float | None, msgspec.Meta(description="By the single-axis detector.")
     ] = None
-    thesis_reach_time_ms: Annotated[
+    fixed_threshold_reach_time_ms: Annotated[
         float | None, msgspec.Meta(description="By the fixed-threshold detector.")
     ] = None
     reach_time_ms: Annotated[

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from sar_tui.motion.analysis import AnalysisParameters
 from sar_tui.motion.detection import detect
-from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
+from sar_tui.motion.detector_names import COLUMN_NAMES, DetectorName
 from sar_tui.motion.reach import Reach
 from sar_tui.validation.report import Claim, Conditions, Report, Row
 from tests.motion.daily_life import KINDS, MINUTES, simulate
@@ -34,9 +34,9 @@ def run(conditions: Conditions) -> Report:
     for number, kind in enumerate(KINDS):
         conditions.progress(f"quiet: {kind}", number, len(KINDS))
         rows.append(_row(kind, conditions.is_quick))
-    column = f"{STORED_NAMES[JUDGED]}_false_per_minute"
+    column = f"{COLUMN_NAMES[JUDGED]}_false_per_minute"
     loud = [row for row in rows if row[column] >= MOST_A_MINUTE]
-    overlaps = f"{STORED_NAMES[JUDGED]}_overlapping"
+    overlaps = f"{COLUMN_NAMES[JUDGED]}_overlapping"
     doubled = [row for row in rows if row[overlaps]]
     claims = [
         Claim(
@@ -78,7 +78,7 @@ def _row(kind: str, is_quick: bool) -> Row:
         "minutes": minutes * len(people),
         "trips": sum(len(life.trips) for life in lives),
     }
-    for detector, name in STORED_NAMES.items():
+    for detector, name in COLUMN_NAMES.items():
         found = [detect(life.recording, detector) for life in lives]
         counts = [count(reaches, life.trips) for reaches, life in zip(found, lives, strict=True)]
         row[f"{name}_false_per_minute"] = sum(each.false for each in counts) / row["minutes"]

@@ -6,7 +6,7 @@ import msgspec
 import pytest
 
 from sar_tui.motion.detection import detect
-from sar_tui.motion.detector_names import STORED_NAMES
+from sar_tui.motion.detector_names import COLUMN_NAMES
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.synthesis import ReachShape, simulate
 from sar_tui.motion.trajectories import simulate_reaches
@@ -62,7 +62,7 @@ def test_every_kind_of_daily_life_is_tried_with_every_detector(short: Report) ->
     assert [row["kind"] for row in short.rows] == list(KINDS)
     for row in short.rows:
         assert row["minutes"] == 0.5
-        for name in STORED_NAMES.values():
+        for name in COLUMN_NAMES.values():
             assert row[f"{name}_false_per_minute"] >= 0.0
             assert row[f"{name}_trips"] <= row["trips"]
 

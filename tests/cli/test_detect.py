@@ -17,7 +17,7 @@ from sar_tui.cli.detect import Acceleration, Hand, Rate, explain_flags
 from sar_tui.inputs.recording_file import Units
 from sar_tui.motion.analysis import AnalysisParameters
 from sar_tui.motion.detection import DETECTORS
-from sar_tui.motion.detector_names import STORED_NAMES
+from sar_tui.motion.detector_names import COLUMN_NAMES
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.synthesis import TABLE_4_1
 from tests.motion.test_repetitions import WATCH_HZ, watch_sets
@@ -225,7 +225,7 @@ def test_a_bad_file_exits_with_2_and_one_sentence(
 
 
 def test_the_choices_are_the_available_detectors() -> None:
-    assert set(STORED_NAMES) == set(DETECTORS)
+    assert set(COLUMN_NAMES) == set(DETECTORS)
     for name, choices in (("rate", Rate), ("acceleration", Acceleration)):
         for choice in choices:
             assert getattr(msgspec.convert({name: choice.value}, Units), name) == choice.value

@@ -81,12 +81,12 @@ def test_another_detector_can_be_asked_for(call: Call) -> None:
     call(SIMULATE)
     printed = call("reanalyse last --detector fixed-threshold --json").json
     assert printed["detector"] == "fixed-threshold"
-    times = [trial["details"]["thesis_reach_time_ms"] for trial in recorded(call, "last")]
+    times = [trial["details"]["fixed_threshold_reach_time_ms"] for trial in recorded(call, "last")]
     assert [row["reach_time_ms"] for row in printed["trials"]] == times
     first, _ = printed["trials"]
     differs = first["reach_time_ms"] - first["recorded_ms"]
     assert first["difference_ms"] == pytest.approx(differs, abs=1e-3)
-    assert (first["details"]["detector"], first["equal"]) == ("thesis", False)
+    assert (first["details"]["detector"], first["equal"]) == ("fixed-threshold", False)
 
 
 @pytest.mark.usefixtures("reached")

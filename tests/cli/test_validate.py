@@ -24,9 +24,9 @@ def test_table_4_1_is_printed_beside_the_results(call: Call) -> None:
     ]
     assert (rows[0]["table_reach_time_s"], rows[7]["table_peak_return_rad_s"]) == (1.3385, -4.4508)
     for row in rows:
-        assert abs(row["robust_difference_ms"]) <= 40
-        assert abs(row["thesis_difference_ms"]) <= 130
-        for detector in ("robust", "thesis"):
+        assert abs(row["single_axis_difference_ms"]) <= 40
+        assert abs(row["fixed_threshold_difference_ms"]) <= 130
+        for detector in ("single_axis", "fixed_threshold"):
             assert row[f"{detector}_reach_time_s"] == pytest.approx(
                 row["table_reach_time_s"] + row[f"{detector}_difference_ms"] / 1000
             )
@@ -44,9 +44,9 @@ def test_detection_is_validated_under_each_difficulty(call: Call) -> None:
         assert row["reaches"] == 3
         assert row["orientation_exactly_one_percent"] == 100.0
         assert row["orientation_endless_percent"] == 0.0
-    assert rows["clean"]["thesis_exactly_one_percent"] == 100.0
-    assert rows["all combined"]["thesis_exactly_one_percent"] == 0.0
-    assert rows["all combined"]["thesis_error_median_ms"] is None
+    assert rows["clean"]["fixed_threshold_exactly_one_percent"] == 100.0
+    assert rows["all combined"]["fixed_threshold_exactly_one_percent"] == 0.0
+    assert rows["all combined"]["fixed_threshold_error_median_ms"] is None
 
 
 @pytest.mark.slow

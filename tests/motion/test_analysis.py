@@ -7,7 +7,7 @@ import pytest
 
 from sar_tui.motion import analysis
 from sar_tui.motion.analysis import AnalysisParameters, Window, analyse
-from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
+from sar_tui.motion.detector_names import COLUMN_NAMES, DetectorName
 from sar_tui.motion.reach import Detected, Reach
 from sar_tui.motion.samples import Recording
 from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, SimulatedHand
@@ -30,7 +30,7 @@ def measured(monkeypatch: pytest.MonkeyPatch) -> list[Detected]:
     return found
 
 
-@pytest.mark.parametrize("detector", STORED_NAMES)
+@pytest.mark.parametrize("detector", COLUMN_NAMES)
 def test_only_the_reach_of_the_detector_that_counts_is_measured(
     measured: list[Detected], detector: DetectorName
 ) -> None:
@@ -39,9 +39,9 @@ def test_only_the_reach_of_the_detector_that_counts_is_measured(
     window = Window(from_ns=0, started_ns=1_500_000_000, to_ns=5 * SECOND)
     found = analyse(hand.samples(0, 5 * SECOND), window, AnalysisParameters(detector=detector))
     assert len(measured) == 1
-    counted = STORED_NAMES[detector]
+    counted = COLUMN_NAMES[detector]
     assert found.details[f"{counted}_reach_time_ms"] == found.details["reach_time_ms"]
-    for name in STORED_NAMES.values():
+    for name in COLUMN_NAMES.values():
         assert found.details[f"{name}_reach_time_ms"] == pytest.approx(1340, abs=120)
 
 
@@ -55,7 +55,7 @@ def test_a_reach_before_the_window_s_start_is_not_measured(measured: list[Detect
     assert found.onset_ns == pytest.approx(7 * SECOND, abs=SECOND / 25)
 
 
-@pytest.mark.parametrize("detector", STORED_NAMES)
+@pytest.mark.parametrize("detector", COLUMN_NAMES)
 def test_of_several_reaches_the_largest_counts_for_both_detectors(detector: DetectorName) -> None:
     hand = SimulatedHand(PROFILES["steady"])
     hand.move(2 * SECOND, SMALL)
@@ -64,7 +64,7 @@ def test_of_several_reaches_the_largest_counts_for_both_detectors(detector: Dete
     found = analyse(hand.samples(0, 10 * SECOND), window, AnalysisParameters(detector=detector))
     assert (found.details["reaches"], found.flags) == (2, ("several",))
     assert found.onset_ns == pytest.approx(6 * SECOND, abs=SECOND / 10)
-    for name in STORED_NAMES.values():
+    for name in COLUMN_NAMES.values():
         assert found.details[f"{name}_reach_time_ms"] == pytest.approx(1080, abs=120)
 
 
@@ -90,7 +90,7 @@ def failing(*names: str) -> Callable[..., Detected]:
     return find
 
 
-@pytest.mark.parametrize("broken", STORED_NAMES)
+@pytest.mark.parametrize("broken", COLUMN_NAMES)
 def test_a_detector_that_does_not_count_can_void_no_reach(
     monkeypatch: pytest.MonkeyPatch, broken: DetectorName
 ) -> None:
@@ -98,11 +98,11 @@ def test_a_detector_that_does_not_count_can_void_no_reach(
     hand.move(2 * SECOND, SMALL)
     window = Window(from_ns=0, started_ns=1_500_000_000, to_ns=5 * SECOND)
     monkeypatch.setattr(analysis, "find", failing(broken))
-    for detector in STORED_NAMES:
+    for detector in COLUMN_NAMES:
         found = analyse(hand.samples(0, 5 * SECOND), window, AnalysisParameters(detector=detector))
         assert found.invalid == ("analysis" if detector == broken else "")
         if detector != broken:
-            assert found.details[f"{STORED_NAMES[broken]}_reach_time_ms"] is None
+            assert found.details[f"{COLUMN_NAMES[broken]}_reach_time_ms"] is None
             assert found.details["reach_time_ms"] == pytest.approx(1340, abs=120)
 
 

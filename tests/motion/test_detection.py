@@ -162,11 +162,3 @@ def test_each_detector_has_a_version_and_its_own_parameters() -> None:
 
     with pytest.raises(ValueError, match="no detector named 'best'; there are: orientation, sin"):
         detect(recording, "best")
-
-
-@pytest.mark.parametrize(
-    ("earlier", "name"), [("robust", "single-axis"), ("thesis", "fixed-threshold")]
-)
-def test_the_earlier_name_of_a_detector_is_accepted(earlier: str, name: str) -> None:
-    recording = simulate([REACH]).recording
-    assert detect(recording, earlier) == detect(recording, name)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from sar_tui.motion.detector_names import STORED_NAMES
+from sar_tui.motion.detector_names import COLUMN_NAMES
 from sar_tui.motion.reach_kinds import KINDS
 from sar_tui.plugins import Catalogue
 from sar_tui.validation import reach
@@ -58,7 +58,7 @@ def test_every_detector_has_its_share_and_its_errors_of_every_group(one_of_each:
     rows = one_of_each.rows
     assert [row["scenario"] for row in rows] == ["clean", *KINDS]
     for row in rows:
-        for name in STORED_NAMES.values():
+        for name in COLUMN_NAMES.values():
             found = row[f"{name}_exactly_one_percent"]
             assert found in {0.0, 50.0, 100.0}
             for figure in ("error", "onset_error"):
@@ -76,9 +76,11 @@ def test_errors_are_those_of_a_reach_that_is_found_alone() -> None:
 
     swipe = next(group for group in reach.groups() if group.name == "cross-arm")
     right, wrong = (reach.row_of(group, 2) for group in (swipe, swipe._replace(make=late)))
-    assert right["robust_exactly_one_percent"] == 100.0
+    assert right["single_axis_exactly_one_percent"] == 100.0
     for figure, by_ms in (("error", -1000.0), ("onset_error", 1000.0)):
-        difference = wrong[f"robust_{figure}_median_ms"] - right[f"robust_{figure}_median_ms"]
+        difference = (
+            wrong[f"single_axis_{figure}_median_ms"] - right[f"single_axis_{figure}_median_ms"]
+        )
         assert difference == pytest.approx(by_ms)
 
 

@@ -11,6 +11,7 @@ from sar_tui.inputs import sensor
 from sar_tui.loop.topics import ATTEMPT_ENDED, PROMPT, REACH, SENSOR, TRIAL, VOIDED
 from sar_tui.model.messages import SensorChanged
 from sar_tui.model.units import MS
+from sar_tui.motion.detector_names import COLUMN_NAMES, DetectorName
 from sar_tui.motion.reach_kinds import end_of
 from sar_tui.motion.samples import Samples
 from sar_tui.motion.synthesis import ReachShape
@@ -236,14 +237,16 @@ def test_successive_reaches_have_separate_windows() -> None:
 
 
 def test_both_detectors_are_stored_and_the_selected_one_scores() -> None:
-    for name, stored in (("single-axis", "robust"), ("fixed-threshold", "thesis")):
+    names: tuple[DetectorName, ...] = ("single-axis", "fixed-threshold")
+    for name in names:
         trial = ready(detector=name).reach()
         details = trial.details
-        assert details["detector"] == stored
-        assert trial.value == details["reach_time_ms"] == details[f"{stored}_reach_time_ms"]
-        assert details["robust_reach_time_ms"] != details["thesis_reach_time_ms"]
+        assert details["detector"] == name
+        time_ms = details[f"{COLUMN_NAMES[name]}_reach_time_ms"]
+        assert trial.value == details["reach_time_ms"] == time_ms
+        assert details["single_axis_reach_time_ms"] != details["fixed_threshold_reach_time_ms"]
         above_threshold_ms = 930
-        assert details["thesis_reach_time_ms"] == about(above_threshold_ms, 15)
+        assert details["fixed_threshold_reach_time_ms"] == about(above_threshold_ms, 15)
         parameters = msgspec.json.decode(str(details["detector_parameters"]))
         assert ("threshold_rad_s" in parameters) == (name == "fixed-threshold")
 
@@ -349,8 +352,10 @@ def test_a_flick_of_the_wrist_is_no_reach() -> None:
     driver.move(300, FLICK)
     trial = driver.finish(1000)
     assert (trial.correct, trial.response, trial.timing.flags) == (False, None, ("no_reach",))
-    assert trial.details["robust_reach_time_ms"] is None
-    assert trial.details["thesis_reach_time_ms"] == about(300), "for the thesis any motion is one"
+    assert trial.details["single_axis_reach_time_ms"] is None
+    assert trial.details["fixed_threshold_reach_time_ms"] == about(300), (
+        "for the thesis any motion is one"
+    )
 
 
 def test_a_flick_does_not_end_the_wait_for_a_reach() -> None:
