@@ -42,41 +42,36 @@ def problem(**values: object) -> str:
 
 
 def values_of(field: Field) -> st.SearchStrategy[Any]:
+    low, high = field.ge, field.le
     word = st.text("abcdefghijklmnopqrstuvwxyz;.#é", min_size=1, max_size=4)
-    match field.kind:
-        case "int":
-            low, high = field.ge, field.le
-            return st.integers(
-                -1000 if low is None else int(low), 1000 if high is None else int(high)
-            )
-        case "float":
-            return st.floats(field.ge or 0, field.le or 1e6)
-        case "bool":
-            return st.booleans()
-        case "choice":
-            return st.sampled_from(field.choices)
-        case "list":
-            return st.lists(word, max_size=3).map(tuple)
-        case _:
-            return word
+    whole = st.integers(-1000 if low is None else int(low), 1000 if high is None else int(high))
+    return {
+        "int": whole,
+        "float": st.floats(low or 0, high or 1e6),
+        "bool": st.booleans(),
+        "choice": st.sampled_from(field.choices or ("",)),
+        "list": st.lists(word, max_size=3).map(tuple),
+        "text": word,
+    }[field.kind]
 
 
-ONE_OF_THE_TASKS = st.sampled_from(
-    ["reach", "repetitions", "hand", "mirrored", "words", "nickname", "undescribed"]
-)
+OWN = ["reach", "repetitions", "hand", "mirrored", "words", "nickname", "undescribed"]
+
+
+@st.composite
+def own_values(draw: st.DrawFn) -> tuple[str, Any]:
+    """Draw one of the task's own parameters, and a value for it."""
+    name = draw(st.sampled_from(OWN))
+    return name, draw(values_of(FIELDS[name]))
 
 
 def test_a_declared_field_has_all_that_a_form_needs() -> None:
     assert FIELDS["reach"] == Field("reach", "Reach", "cm", "How far.", 30.5, "float", 0, 100)
-    assert FIELDS["hand"] == Field(
-        "hand", "Hand", "", "", "right", "choice", choices=("right", "left")
-    )
+    hand = Field("hand", "Hand", "", "", "right", "choice", choices=("right", "left"))
+    assert FIELDS["hand"] == hand
     assert FIELDS["undescribed"] == Field("undescribed", "Undescribed", "", "", 4, "int")
-    assert [FIELDS[name].kind for name in ("mirrored", "words", "nickname")] == [
-        "bool",
-        "list",
-        "text",
-    ]
+    kinds = {name: FIELDS[name].kind for name in ("mirrored", "words", "nickname")}
+    assert kinds == {"mirrored": "bool", "words": "list", "nickname": "text"}
 
 
 def test_the_tasks_own_parameters_come_first() -> None:
@@ -86,26 +81,24 @@ def test_the_tasks_own_parameters_come_first() -> None:
 
 
 @pytest.mark.parametrize("field", fields(TaskParameters), ids=lambda field: field.name)
-def test_every_common_parameter_has_a_title_and_a_valid_default(field: Field) -> None:
+def test_every_common_parameter_has_a_title_a_heading_and_a_valid_default(field: Field) -> None:
     assert field.title != field.name
-    assert (
-        getattr(build(TaskParameters, {field.name: show(field.default)}), field.name)
-        == field.default
-    )
+    assert field.group
+    built = build(TaskParameters, {field.name: show(field.default)})
+    assert getattr(built, field.name) == field.default
 
 
-@given(st.data())
-def test_a_formatted_value_can_be_parsed_again(data: st.DataObject) -> None:
-    name = data.draw(ONE_OF_THE_TASKS)
-    value = data.draw(values_of(FIELDS[name]))
-    assert getattr(build(Parameters, {name: show(value)}), name) == value
-
-
-@given(st.data())
-def test_typed_and_given_values_are_equal(data: st.DataObject) -> None:
-    name = data.draw(ONE_OF_THE_TASKS)
-    value = data.draw(values_of(FIELDS[name]))
-    assert build(Parameters, {name: value}) == build(Parameters, {name: show(value)})
+@given(own_values())
+def test_a_value_is_equal_typed_and_given_and_stored_only_if_it_is_not_the_default(
+    drawn: tuple[str, Any],
+) -> None:
+    name, value = drawn
+    built = build(Parameters, {name: value})
+    assert built == build(Parameters, {name: show(value)})
+    assert getattr(built, name) == value
+    changes = changed(built)
+    assert set(changes) == ({name} if value != FIELDS[name].default else set())
+    assert build(Parameters, changes) == built
 
 
 @given(st.floats(), st.sampled_from(["reach", "threshold", "neutral_band", "min_accuracy"]))
@@ -132,16 +125,16 @@ def test_any_invalid_input_raises_one_sentence(text: str, name: str) -> None:
     assert not isinstance(value, float) or math.isfinite(value)
 
 
-def test_the_bounds_are_inclusive() -> None:
-    assert build(Parameters, {"repetitions": 1}).repetitions == 1
-    assert build(Parameters, {"repetitions": "12"}).repetitions == 12
-    assert problem(repetitions=13) == "Repetitions is a whole number, 1 to 12, not 13."
-    assert problem(repetitions="0") == "Repetitions is a whole number, 1 to 12, not 0."
+@pytest.mark.parametrize("given_as", [1, "12"])
+def test_the_bounds_are_inclusive(given_as: object) -> None:
+    assert build(Parameters, {"repetitions": given_as}).repetitions == int(str(given_as))
 
 
 @pytest.mark.parametrize(
     ("values", "sentence"),
     [
+        ({"repetitions": 13}, "Repetitions is a whole number, 1 to 12, not 13."),
+        ({"repetitions": "0"}, "Repetitions is a whole number, 1 to 12, not 0."),
         ({"repetitions": "many"}, "Repetitions is a whole number, 1 to 12, not many."),
         ({"repetitions": 2.5}, "Repetitions is a whole number, 1 to 12, not 2.5."),
         ({"repetitions": True}, "Repetitions is a whole number, 1 to 12, not yes."),
@@ -194,16 +187,6 @@ def test_list_items_are_separated_by_spaces_or_commas() -> None:
     assert read(FIELDS["words"], " fj, dfjk  asdf ") == ["fj", "dfjk", "asdf"]
 
 
-@given(st.data())
-def test_only_values_that_differ_from_the_defaults_are_stored(data: st.DataObject) -> None:
-    name = data.draw(ONE_OF_THE_TASKS)
-    value = data.draw(values_of(FIELDS[name]))
-    built = build(Parameters, {name: value})
-    changes = changed(built)
-    assert set(changes) == ({name} if value != FIELDS[name].default else set())
-    assert build(Parameters, changes) == built
-
-
 @pytest.mark.parametrize("returned", [["a list"], None, 5])
 def test_a_check_of_a_task_that_fails_is_a_problem_of_its_settings(returned: object) -> None:
     class Unchecked(Parameters, frozen=True, kw_only=True):
@@ -230,12 +213,7 @@ class GroupedParameters(TaskParameters, frozen=True, kw_only=True):
 
 
 def names_under(heading: str) -> list[str]:
-    return [field.name for field in grouped(GroupedParameters)[heading]]
-
-
-@pytest.mark.parametrize("field", fields(TaskParameters), ids=lambda field: field.name)
-def test_every_common_parameter_has_a_heading(field: Field) -> None:
-    assert field.group
+    return each(grouped(GroupedParameters)[heading], "name")
 
 
 def test_headings_are_ordered_from_the_tasks_own_to_the_common_ones() -> None:
@@ -246,9 +224,8 @@ def test_headings_are_ordered_from_the_tasks_own_to_the_common_ones() -> None:
 
 
 def test_each_parameter_has_exactly_one_heading() -> None:
-    assert sorted(
-        name for heading in grouped(GroupedParameters) for name in names_under(heading)
-    ) == sorted(field.name for field in fields(GroupedParameters))
+    placed = [name for heading in grouped(GroupedParameters) for name in names_under(heading)]
+    assert sorted(placed) == sorted(each(fields(GroupedParameters), "name"))
 
 
 def test_a_task_may_add_or_move_a_parameter_to_a_common_heading() -> None:
@@ -257,9 +234,7 @@ def test_a_task_may_add_or_move_a_parameter_to_a_common_heading() -> None:
 
 
 def test_a_redeclared_common_parameter_keeps_its_heading_and_position() -> None:
-    assert names_under("Difficulty") == [
-        field.name for field in grouped(TaskParameters)["Difficulty"]
-    ]
+    assert names_under("Difficulty") == each(grouped(TaskParameters)["Difficulty"], "name")
     goal = grouped(GroupedParameters)["Difficulty"][0]
     assert (goal.name, goal.unit, goal.default) == ("threshold", "cm", 20.0)
 

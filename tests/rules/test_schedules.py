@@ -12,17 +12,15 @@ from sar_tui.rules import feedback_choice, judgement
 from sar_tui.rules.feedback import RAREST, History
 from sar_tui.rules.judgement import JudgedAttempt
 from sar_tui.rules.parameters import TaskParameters, build
-from tests.facts import facts
+from tests.facts import each, facts
 
 TIME = Metric("time", unit="ms", better="lower")
 GOAL = 1000.0
 SCHEDULES = ("every", "faded", "bandwidth", "summary", "request", "none")
-
-RESULTS = st.lists(
-    st.one_of(st.none(), st.floats(200, 3000), st.sampled_from([900.0, 1000.0, 1100.0])),
-    max_size=60,
-)
-OUTCOMES = st.lists(st.booleans(), max_size=80)
+MEASURED = st.none() | st.floats(200, 3000)
+RESULTS = st.lists(MEASURED | st.sampled_from([900.0, 1000.0, 1100.0]), max_size=60)
+OUTCOMES = st.lists(st.sampled_from([500.0, 2000.0]), max_size=80)
+"""Results that succeed or fail."""
 
 
 def settings(schedule: str, **more: Any) -> TaskParameters:
@@ -44,10 +42,11 @@ def step(
     return (feedback_choice.given(history) if choice.due and not practice else history), choice
 
 
-def chosen(parameters: TaskParameters, attempts: list[JudgedAttempt]) -> list[FeedbackChoice]:
+def chosen(parameters: TaskParameters, *attempts: float | JudgedAttempt | None) -> Any:
     history, choices = History(), []
     for attempt in attempts:
-        history, choice = step(history, attempt, parameters)
+        one = attempt if isinstance(attempt, JudgedAttempt) else judged(attempt)
+        history, choice = step(history, one, parameters)
         choices.append(choice)
     return choices
 
@@ -64,10 +63,13 @@ def due(choices: list[FeedbackChoice]) -> list[int]:
 def test_every_nth_attempt_gets_feedback_regardless_of_the_outcomes(
     every: int, results: list[float | None], schedule: str
 ) -> None:
-    choices = chosen(
-        settings(schedule, feedback_every=every), [judged(result) for result in results]
-    )
+    choices = chosen(settings(schedule, feedback_every=every), *results)
     assert due(choices) == list(range(every, len(results) + 1, every))
+    for number, choice in enumerate(choices):
+        since = number % every + 1
+        assert facts(choice, "since interval") == (since, every)
+        if schedule == "every" and every > 1:
+            assert choice.why == f"Due every {every} attempts; {since} since the last."
 
 
 @given(st.integers(1, 20), RESULTS)
@@ -79,54 +81,37 @@ def test_a_summary_covers_exactly_the_attempts_since_the_last_one(
     for number, result in enumerate(results, 1):
         history = feedback_choice.remember(history, judged(result), parameters)
         choice = feedback_choice.choose(history, judged(result), parameters, "results")
+        assert choice.attempts == (every if choice.due else 1)
         if choice.due:
-            assert choice.attempts == every
-            assert [one.score.metric for one in history.recent] == results[number - every : number]
+            assert each(history.recent, "score.metric") == results[number - every : number]
             history = feedback_choice.given(history)
-        else:
-            assert choice.attempts == 1
 
 
-@given(
-    st.lists(
-        st.tuples(
-            st.one_of(st.none(), st.floats(200, 3000)), st.floats(500, 2000), st.floats(0, 1)
-        ),
-        min_size=1,
-        max_size=20,
-    )
-)
+MANY = st.lists(st.tuples(MEASURED, st.floats(0, 1), st.floats(500, 2000)), min_size=1, max_size=20)
+
+
+@given(MANY)
 def test_a_summary_contains_the_means_and_counts_the_successes(
     attempts: list[tuple[float | None, float, float]],
 ) -> None:
-    recent = tuple(judged(metric, accuracy, goal) for metric, goal, accuracy in attempts)
+    recent = tuple(judged(*attempt) for attempt in attempts)
     score, target, reached = judgement.summary(recent)
-    measured = [(metric, goal) for metric, goal, _ in attempts if metric is not None]
-    assert reached == sum(
-        metric is not None and metric < goal and accuracy >= 0.8
-        for metric, goal, accuracy in attempts
-    )
+    measured = [(one, share, goal) for one, share, goal in attempts if one is not None]
+    assert reached == sum(metric < goal and share >= 0.8 for metric, share, goal in measured)
     if measured:
-        assert score.metric == pytest.approx(sum(metric for metric, _ in measured) / len(measured))
-        assert target.threshold == pytest.approx(sum(goal for _, goal in measured) / len(measured))
+        metrics, _, goals = zip(*measured, strict=True)
+        assert score.metric == pytest.approx(sum(metrics) / len(measured))
+        assert target.threshold == pytest.approx(sum(goals) / len(measured))
         assert target.neutral_band == pytest.approx(10.0)
     else:
         assert (score.metric, target) == (None, recent[-1].target)
 
 
-@given(
-    st.lists(
-        st.tuples(
-            st.one_of(st.none(), st.floats(200, 3000)), st.sampled_from([0.25, 0.75, 0.8, 1.0])
-        ),
-        min_size=1,
-        max_size=12,
-    )
-)
+@given(st.lists(st.tuples(MEASURED, st.sampled_from([0.25, 0.8, 1.0])), min_size=1, max_size=12))
 def test_a_summary_takes_its_valence_from_the_majority_of_attempts(
     attempts: list[tuple[float | None, float]],
 ) -> None:
-    recent = tuple(judged(metric, accuracy) for metric, accuracy in attempts)
+    recent = tuple(judged(*attempt) for attempt in attempts)
     verdict, _, _, reached = judgement.judge_summary(recent, TIME, 0.8)
     if verdict.valence == "positive":
         assert 2 * reached >= len(recent)
@@ -139,21 +124,23 @@ def test_a_summary_takes_its_valence_from_the_majority_of_attempts(
 
 @given(OUTCOMES, st.integers(1, 50))
 def test_faded_feedback_thins_with_success_and_returns_with_failure_within_bounds(
-    outcomes: list[bool], fade: int
+    results: list[float], fade: int
 ) -> None:
-    parameters = settings("faded", feedback_fade=fade)
-    choices = chosen(parameters, [judged(500.0 if success else 2000.0) for success in outcomes])
-    before = 1
-    for success, choice in zip(outcomes, choices, strict=True):
-        assert choice.interval is not None
+    before, since = 1, 0
+    choices = chosen(settings("faded", feedback_fade=fade), *results)
+    for result, choice in zip(results, choices, strict=True):
         assert 1 <= choice.interval <= RAREST
-        assert choice.interval >= before if success else choice.interval <= before
+        assert choice.interval >= before if result < GOAL else choice.interval <= before
         before = choice.interval
+        since += 1
+        assert (choice.since, choice.due) == (since, since >= choice.interval)
+        if choice.due:
+            since = 0
 
 
 @given(st.integers(1, 6))
 def test_faded_feedback_thins_to_its_maximum_interval_with_constant_success(fade: int) -> None:
-    given = due(chosen(settings("faded", feedback_fade=fade), [judged(500.0)] * 200))
+    given = due(chosen(settings("faded", feedback_fade=fade), *[500.0] * 200))
     gaps = [later - earlier for earlier, later in zip([0, *given], given, strict=False)]
     assert gaps == sorted(gaps)
     assert (gaps[0], gaps[-1]) == (1, RAREST)
@@ -161,27 +148,11 @@ def test_faded_feedback_thins_to_its_maximum_interval_with_constant_success(fade
 
 @given(OUTCOMES, st.integers(1, 10))
 def test_after_enough_failures_each_attempt_gets_feedback_again(
-    outcomes: list[bool], fade: int
+    results: list[float], fade: int
 ) -> None:
-    attempts = [judged(500.0 if success else 2000.0) for success in outcomes]
-    choices = chosen(
-        settings("faded", feedback_fade=fade),
-        attempts + [judged(2000.0)] * (len(outcomes) + RAREST),
-    )
-    assert all(choice.due and choice.interval == 1 for choice in choices[-RAREST // 2 :])
-
-
-@given(RESULTS, st.integers(1, 10))
-def test_faded_feedback_is_due_after_its_interval(results: list[float | None], fade: int) -> None:
-    since = 0
-    for choice in chosen(
-        settings("faded", feedback_fade=fade), [judged(result) for result in results]
-    ):
-        since += 1
-        assert choice.since == since
-        assert choice.due == (choice.interval is not None and since >= choice.interval)
-        if choice.due:
-            since = 0
+    failures = [2000.0] * (len(results) + RAREST)
+    choices = chosen(settings("faded", feedback_fade=fade), *results, *failures)
+    assert {*each(choices[-RAREST // 2 :], "due interval")} == {(True, 1)}
 
 
 # --- bandwidth
@@ -194,37 +165,35 @@ def test_faded_feedback_is_due_after_its_interval(results: list[float | None], f
 def test_bandwidth_feedback_is_given_only_strictly_outside_the_tolerance(
     metric: float | None, is_due: bool
 ) -> None:
-    (choice,) = chosen(settings("bandwidth", feedback_tolerance=10), [judged(metric)])
-    assert (choice.due, choice.tolerance) == (is_due, 100.0)
+    (choice,) = chosen(settings("bandwidth", feedback_tolerance=10), metric)
+    assert facts(choice, "due tolerance") == (is_due, 100.0)
 
 
-@given(st.integers(1, 2000), st.integers(0, 100), st.integers(-150, 150))
+@given(st.integers(1, 2000), st.integers(0, 100), st.integers(0, 150))
 def test_the_tolerance_is_symmetric_around_any_goal(goal: int, percent: int, off: int) -> None:
     """In percent of the goal, so that a result on the bound lies exactly on it."""
     parameters = settings("bandwidth", feedback_tolerance=percent, min_accuracy=0)
-    choices = [
-        chosen(parameters, [judged(goal * (1 + side * off / 100), goal=float(goal))])[0]
-        for side in (1, -1)
-    ]
-    assert [choice.due for choice in choices] == [abs(off) > percent] * 2
+    for side in (1, -1):
+        (choice,) = chosen(parameters, judged(goal * (1 + side * off / 100), goal=float(goal)))
+        assert choice.due is (off > percent)
 
 
 def test_bounds_of_a_fractional_goal_are_within_the_tolerance() -> None:
     parameters = settings("bandwidth", feedback_tolerance=10)
     assert 0.7 * 1.1 - 0.7 > 0.07, "floating-point arithmetic puts this bound outside the tolerance"
-    assert not chosen(parameters, [judged(0.7 * 1.1, goal=0.7)])[0].due
+    assert not chosen(parameters, judged(0.7 * 1.1, goal=0.7))[0].due
 
 
 @given(st.floats(900, 1100), st.floats(0, 0.79))
 def test_an_inaccurate_attempt_is_always_outside_the_tolerance(
     metric: float, accuracy: float
 ) -> None:
-    (choice,) = chosen(settings("bandwidth"), [judged(metric, accuracy)])
+    (choice,) = chosen(settings("bandwidth"), judged(metric, accuracy))
     assert choice.due
     assert "right" in choice.why
 
 
-# --- on request, never
+# --- on request, never; practice
 
 
 @given(RESULTS, st.sampled_from(["request", "none"]), st.booleans())
@@ -237,9 +206,6 @@ def test_on_request_and_none_never_give_feedback_without_a_request(
         assert not choice.due
 
 
-# --- practice
-
-
 @given(RESULTS, st.sampled_from(["every", "faded", "bandwidth", "summary"]), st.integers(1, 10))
 def test_practice_always_gets_feedback_and_does_not_affect_the_schedule(
     results: list[float | None], schedule: str, every: int
@@ -248,8 +214,7 @@ def test_practice_always_gets_feedback_and_does_not_affect_the_schedule(
     history = History(since=2, skill=3, recent=(judged(700.0),))
     for result in results:
         after, choice = step(history, judged(result), parameters, practice=True)
-        assert choice.due
-        assert choice.attempts == 1, "a summary does not include practice"
+        assert facts(choice, "due attempts") == (True, 1), "a summary does not include practice"
         assert after == history
 
 
@@ -260,36 +225,16 @@ def test_practice_always_gets_feedback_and_does_not_affect_the_schedule(
 def test_every_attempt_records_its_feedback_decision_and_reason(
     results: list[float | None], schedule: str, every: int, accuracy: float, practice: bool
 ) -> None:
-    parameters = settings(
-        schedule,
-        feedback_every=every,
-        feedback_form="quantitative",
-        feedback_compared_with="best attempt",
-        feedback_delay_ms=1500,
-    )
+    compared = {"feedback_form": "quantitative", "feedback_compared_with": "best attempt"}
+    parameters = settings(schedule, feedback_every=every, feedback_delay_ms=1500, **compared)
+    delay_ms = 0 if schedule == "request" else 1500
+    declared = (schedule, "results", "quantitative", "best attempt", delay_ms)
     history = History()
     for result in results:
         attempt = judged(result, accuracy)
         history, choice = step(history, attempt, parameters, practice)
-        assert facts(choice, "schedule content form") == (schedule, "results", "quantitative")
-        assert facts(choice, "compared_with delay_ms") == (
-            "best attempt",
-            0 if schedule == "request" else 1500,
-        )
+        assert facts(choice, "schedule content form compared_with delay_ms") == declared
         assert choice.why.endswith(".")
         assert choice.why[0].isupper() or choice.why[0].isdigit()
         failed = result is None or accuracy < 0.8
         assert choice.degree == ("clear" if failed else judgement.degree(result, attempt.target))
-
-
-@given(st.integers(2, 50), RESULTS)
-def test_the_reason_for_no_feedback_counts_the_attempts_since_the_last(
-    every: int, results: list[float | None]
-) -> None:
-    choices = chosen(
-        settings("every", feedback_every=every), [judged(result) for result in results]
-    )
-    for number, choice in enumerate(choices, 1):
-        since = (number - 1) % every + 1
-        assert (choice.since, choice.interval) == (since, every)
-        assert choice.why == f"Due every {every} attempts; {since} since the last."
