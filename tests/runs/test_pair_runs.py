@@ -1,5 +1,6 @@
 """A session of two that is interrupted and resumed is stored as one."""
 
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -7,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sar_tui.loop.bus import Record
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.session import Session
 from sar_tui.loop.topics import PROPOSED, SESSION
@@ -29,14 +31,8 @@ POLICIES = ("alternate", "race", "cooperative", "joint attention")
 
 
 def plan(mode: Any = "live", left: str = "P01", right: str = "P02", **parameters: object) -> Plan:
-    return make_plan(
-        CATALOGUE,
-        KIND,
-        [code for code in (left, right) if code],
-        SHORT | parameters,
-        seed=4,
-        mode=mode,
-    )
+    codes = [code for code in (left, right) if code]
+    return make_plan(CATALOGUE, KIND, codes, SHORT | parameters, seed=4, mode=mode)
 
 
 def make_participants(task: Any, theme: Any, seed: int) -> list[Any]:
@@ -46,19 +42,23 @@ def make_participants(task: Any, theme: Any, seed: int) -> list[Any]:
     ]
 
 
-def rows(data: Path, table: Any, session: str, *columns: str) -> list[tuple[Any, ...]]:
-    database = connect(data)
-    try:
-        return [
-            tuple(row[column] for column in columns)
-            for row in sessions.rows(database, table, session)
-        ]
-    finally:
-        database.close()
+def rows(data: Path, name: Any, session: str, *columns: str) -> list[tuple[Any, ...]]:
+    with closing(connect(data)) as database:
+        found = sessions.rows(database, name, session)
+    return [tuple(row[column] for column in columns) for row in found]
 
 
-TRIALS = ("attempt", "trial", "seat", "stimulus", "response", "correct", "details")
-ATTEMPTS = ("attempt", "seat", "level", "accuracy", "outcome", "feedback")
+def recorded(data: Path, session: str) -> list[Record]:
+    with closing(connect(data)) as database:
+        return list(sessions.history(database, session))
+
+
+def found(data: Path, session: str) -> Any:
+    with closing(connect(data)) as database:
+        return sessions.find(database, data, session)
+
+
+ASKED = ("attempt", "trial", "seat", "stimulus")
 
 
 def whole(data: Path, **parameters: object) -> str:
@@ -73,31 +73,23 @@ def whole(data: Path, **parameters: object) -> str:
 
 def test_both_seats_are_stored_and_the_session_is_found_from_either(data: Path) -> None:
     session = whole(data)
-    assert sorted(rows(data, "seats", session, "seat", "participant")) == [
-        ("A", "P01"),
-        ("B", "P02"),
-    ]
-    database = connect(data)
-    for code in ("P01", "P02"):
-        (row,) = sessions.listing(database, data, participant=code)
-        assert (row["id"], row["participant"], row["partner"], row["attempts"]) == (
-            session,
-            "P01",
-            "P02",
-            2,
-        )
-        assert sessions.participant_codes(row) == "P01, P02"
-    assert sessions.listing(database, data, participant="P03") == []
-    database.close()
+    seats = {("A", "P01"), ("B", "P02")}
+    assert {*rows(data, "seats", session, "seat", "participant")} == seats
+    with closing(connect(data)) as database:
+        for code in ("P01", "P02"):
+            (row,) = sessions.listing(database, data, participant=code)
+            of_both = (session, "P01", "P02", 2)
+            assert (row["id"], row["participant"], row["partner"], row["attempts"]) == of_both
+            assert sessions.participant_codes(row) == "P01, P02"
+        assert sessions.listing(database, data, participant="P03") == []
 
 
 def test_neither_participant_can_be_in_a_second_live_session(data: Path) -> None:
     run = start(plan(), data, CATALOGUE, VirtualClock(), make_participants)
     for left, right in (("P01", "P03"), ("P03", "P02")):
-        with pytest.raises(
-            StoreError, match=r"The participant P0[12] is in a live session already"
-        ):
-            start(plan(left=left, right=right), data, CATALOGUE, VirtualClock(), make_participants)
+        second = plan(left=left, right=right)
+        with pytest.raises(StoreError, match=r"P0[12] is in a live session already"):
+            start(second, data, CATALOGUE, VirtualClock(), make_participants)
     assert not locks.is_held(data, "participant", "P03")
     run.close()
     assert not any(locks.is_held(data, "participant", code) for code in ("P01", "P02"))
@@ -106,14 +98,9 @@ def test_neither_participant_can_be_in_a_second_live_session(data: Path) -> None
 @pytest.mark.parametrize(
     ("task", "left", "right", "why"),
     [
-        (
-            "pairs",
-            "P01",
-            "",
-            "The task pairs is for two: name the participant on the left, and then the one",
-        ),
-        ("pairs", "P01", "p01", "P01 cannot sit at both seats: name two participants."),
-        ("keyboard", "P01", "P02", "The task keyboard is for one: name one participant only."),
+        ("pairs", "P01", "", "The task pairs is for two"),
+        ("pairs", "P01", "p01", "P01 cannot sit at both seats"),
+        ("keyboard", "P01", "P02", "The task keyboard is for one"),
     ],
 )
 def test_the_number_of_participants_must_match_the_seats(
@@ -129,14 +116,13 @@ def test_each_participant_has_their_own_best_at_either_seat(data: Path) -> None:
     clock = VirtualClock()
     other_way = plan(left="P02", right="P01", start_level=1, max_level=1)
     run = start(other_way, data, CATALOGUE, clock, make_participants)
-    reported = run.session.best["1"], run.session.others_best["B"]["1"]
-    before = connect(data)
+    reported = (run.session.best["1"], run.session.others_best["B"]["1"])
     best = (
         "SELECT min(metric) FROM attempts JOIN seats USING (session, seat) WHERE participant=? "
         "AND accuracy >= 0.8"
     )
-    kept = tuple(before.execute(best, (code,)).fetchone()[0] for code in ("P02", "P01"))
-    before.close()
+    with closing(connect(data)) as before:
+        kept = tuple(before.execute(best, (code,)).fetchone()[0] for code in ("P02", "P01"))
     run.close()
     assert reported == kept
     assert reported[0] != reported[1]
@@ -147,9 +133,7 @@ def test_the_session_gets_codes_only_if_the_agent_addresses_people_by_them(
     data: Path, address: str, names: dict[str, str]
 ) -> None:
     session = simulate(plan("simulated", address=address), PEOPLE["average"], data, CATALOGUE)
-    database = connect(data)
-    history = list(sessions.history(database, session))
-    database.close()
+    history = recorded(data, session)
     (started,) = [record.message for record in history if record.topic is SESSION]
     assert started.names == names
     said = [r.message for r in history if r.topic is PROPOSED and r.message.kind == "feedback"]
@@ -164,9 +148,7 @@ def test_a_simulated_task_for_two_has_a_partner_even_if_none_is_named(data: Path
 
 def test_a_session_of_one_has_no_partner(data: Path) -> None:
     session = undisturbed(data)
-    database = connect(data)
-    row = sessions.find(database, data, session)
-    database.close()
+    row = found(data, session)
     assert (row["partner"], sessions.participant_codes(row)) == (None, "P01")
 
 
@@ -185,9 +167,7 @@ def test_each_trial_of_both_is_stored_once_after_a_kill_in_mid_trial_and_a_resum
     session = run.id
     for count in steps:
         play(run, clock, count)
-        database = connect(data)
-        row = sessions.find(database, data, session)
-        database.close()
+        row = found(data, session)
         if row["status"] != "interrupted":
             break
         assert (row["participant"], row["partner"]) == ("P01", "P02")
@@ -201,21 +181,16 @@ def test_each_trial_of_both_is_stored_once_after_a_kill_in_mid_trial_and_a_resum
     shown = {number[:2] for number in numbers}
     assert shown == {(attempt, trial) for attempt in (1, 2) for trial in (1, 2, 3)}
     assert len(numbers) == (6 if policy in ("alternate", "joint attention") else 12)
-    assert len(rows(data, "attempts", session, *ATTEMPTS)) == 4
-    asked = rows(data, "trials", session, "attempt", "trial", "seat", "stimulus")
+    assert len(rows(data, "attempts", session, "attempt")) == 4
     other = data.parent / "whole"
-    assert asked == rows(
-        other, "trials", whole(other, policy=policy), "attempt", "trial", "seat", "stimulus"
-    )
+    asked = rows(other, "trials", whole(other, policy=policy), *ASKED)
+    assert rows(data, "trials", session, *ASKED) == asked
 
 
 @pytest.mark.parametrize("policy", POLICIES)
 def test_a_session_of_two_replays_identically(data: Path, policy: str) -> None:
     session = whole(data, policy=policy, address="code")
-    database = connect(data)
-    history = list(sessions.history(database, session))
-    database.close()
     parameters = build(KIND.Parameters, SHORT | {"policy": policy, "address": "code"})
     replayed = Session(KIND(parameters), CATALOGUE.theme("calm"), VirtualClock(), 4)
-    replayed.replay(history)
+    replayed.replay(recorded(data, session))
     assert replayed.ended

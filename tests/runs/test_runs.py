@@ -58,11 +58,26 @@ TRIALS = ("attempt", "trial", "stimulus", "response", "correct")
 ATTEMPTS = ("attempt", "level", "accuracy", "outcome", "feedback")
 
 
-def undisturbed(data: Path) -> str:
+def begun(data: Path, seed: int = 4, steps: int | None = None, **changed: Any) -> Run:
+    """Start a session, and do a number of its steps, or all."""
     clock = VirtualClock()
-    run = start(PLAN, data, CATALOGUE, clock, make_participants)
-    play(run, clock)
-    return run.id
+    plan = msgspec.structs.replace(PLAN, seed=seed, **changed)
+    run = start(plan, data, CATALOGUE, clock, make_participants)
+    play(run, clock, steps)
+    return run
+
+
+def resumed(
+    data: Path, run: Run, steps: int | None = None, catalogue: Catalogue = CATALOGUE
+) -> Run:
+    clock = VirtualClock((run.number + 1) * 1000 * SECOND)
+    again = resume(run.id, data, catalogue, clock, make_participants)
+    play(again, clock, steps)
+    return again
+
+
+def undisturbed(data: Path) -> str:
+    return begun(data).id
 
 
 @examples(25)
@@ -73,24 +88,18 @@ def test_a_session_resumed_any_number_of_times_has_the_same_trials_as_an_uninter
     data = Path(tempfile.mkdtemp())
     try:
         whole = undisturbed(data)
-        clock = VirtualClock()
-        run = start(PLAN, data, CATALOGUE, clock, make_participants)
-        play(run, clock, cuts[0])
+        run = begun(data, steps=cuts[0])
         for number, steps in enumerate([*cuts[1:], None], 2):
             if run.session.ended:
                 break
             assert sessions.find(connect(data), data, run.id)["status"] == "interrupted"
-            clock = VirtualClock(number * 1000 * SECOND)
-            run = resume(run.id, data, CATALOGUE, clock, make_participants)
+            run = resumed(data, run, steps)
             assert run.number == number
-            play(run, clock, steps)
         assert sessions.find(connect(data), data, run.id)["status"] == "completed"
-        assert table(data, "trials", run.id, *TRIALS) == table(data, "trials", whole, *TRIALS)
-        assert table(data, "attempts", run.id, *ATTEMPTS) == table(
-            data, "attempts", whole, *ATTEMPTS
-        )
-        trials = sessions.rows(connect(data), "trials", run.id)
-        assert [trial["run"] for trial in trials] == sorted(trial["run"] for trial in trials)
+        for name, columns in (("trials", TRIALS), ("attempts", ATTEMPTS)):
+            assert table(data, name, run.id, *columns) == table(data, name, whole, *columns)
+        runs = table(data, "trials", run.id, "run")
+        assert runs == sorted(runs)
         assert len(sessions.rows(connect(data), "runs", run.id)) == run.number
         seqs = [record.seq for record in sessions.history(connect(data), run.id)]
         assert seqs == list(range(1, len(seqs) + 1))
@@ -103,12 +112,9 @@ def test_each_run_stores_its_software_and_machine(
 ) -> None:
     for name in ("SSH_CONNECTION", "SSH_TTY", "SSH_CLIENT", "TMUX", "STY", "ZELLIJ"):
         monkeypatch.delenv(name, raising=False)
-    clock = VirtualClock()
-    run = start(PLAN, data, CATALOGUE, clock, make_participants)
-    play(run, clock, 5)
+    run = begun(data, steps=5)
     monkeypatch.setenv("SSH_TTY", "/dev/pts/0")
-    clock = VirtualClock(1000 * SECOND)
-    play(resume(run.id, data, CATALOGUE, clock, make_participants), clock, 5)
+    resumed(data, run, 5)
     session = sessions.find(connect(data), data, run.id)
     local, ssh = sessions.rows(connect(data), "runs", run.id)
     assert (local["software"], local["machine"]) == (session["software"], session["machine"])
@@ -118,9 +124,7 @@ def test_each_run_stores_its_software_and_machine(
 
 def test_a_session_that_has_ended_cannot_be_resumed(data: Path) -> None:
     session = undisturbed(data)
-    with pytest.raises(
-        StoreError, match="is completed; only a live one that was interrupted"
-    ) as caught:
+    with pytest.raises(StoreError, match="is completed; only a live one") as caught:
         resume(session, data, CATALOGUE, VirtualClock(), make_participants)
     assert caught.value.bad_input
 
@@ -130,10 +134,8 @@ def test_a_session_that_has_ended_cannot_be_resumed(data: Path) -> None:
 
 def best_known(data: Path, run: Run) -> dict[str, float]:
     """Return the earlier best results that a run started with, by level."""
-    history = sessions.history(connect(data), run.id)
-    (best,) = [
-        r.message.best for r in history if r.topic is SESSION and r.message.run == run.number
-    ]
+    started = [r.message for r in sessions.history(connect(data), run.id) if r.topic is SESSION]
+    (best,) = [one.best for one in started if one.run == run.number]
     return dict(best)
 
 
@@ -147,95 +149,69 @@ def best_of(data: Path, *names: str) -> dict[str, float]:
     return best
 
 
-def played(data: Path, seed: int, steps: int | None = None, **changed: Any) -> Run:
-    clock = VirtualClock()
-    plan = msgspec.structs.replace(PLAN, seed=seed, **changed)
-    run = start(
-        plan,
-        data,
-        CATALOGUE,
-        clock,
-        lambda task, theme, seed: [SimulatedParticipant(PEOPLE["average"], task, seed)],
-    )
-    play(run, clock, steps)
-    return run
-
-
 def test_a_session_gets_the_best_of_the_participants_earlier_ones_by_level(data: Path) -> None:
-    first, second = played(data, 1), played(data, 2)
-    played(data, 3, participant="P02")
-    third = played(data, 4)
+    first, second = begun(data, 1), begun(data, 2)
+    begun(data, 3, participant="P02")
+    third = begun(data, 4)
     assert best_known(data, first) == {}
     assert best_known(data, second) == best_of(data, first.id)
     assert best_known(data, third) == best_of(data, first.id, second.id) != {}
 
 
 def test_a_simulated_session_does_not_use_or_set_best_results(data: Path) -> None:
-    played(data, 1, mode="simulated")
-    live = played(data, 2)
-    simulated = played(data, 3, mode="simulated")
+    begun(data, 1, mode="simulated")
+    live = begun(data, 2)
+    simulated = begun(data, 3, mode="simulated")
     assert best_known(data, live) == best_known(data, simulated) == {}
 
 
 def test_a_resumed_session_does_not_get_its_own_best_as_an_earlier_one(data: Path) -> None:
-    first = played(data, 1)
-    cut = played(data, 2, steps=40)
+    first = begun(data, 1)
+    cut = begun(data, 2, steps=40)
     assert best_of(data, cut.id), "it had a result of its own"
-    clock = VirtualClock(1000 * SECOND)
-    again = resume(cut.id, data, CATALOGUE, clock, make_participants)
-    play(again, clock)
+    again = resumed(data, cut)
     assert best_known(data, again) == best_known(data, cut) == best_of(data, first.id)
+
+
+def begun_with_own_theme(data: Path, themes: Path, copied: str) -> tuple[Run, Catalogue]:
+    """Start a session with a copy of a theme, and interrupt it."""
+    shutil.copytree(CATALOGUE.theme_folder(copied), themes / "mine")
+    say_in(themes, "round")
+    catalogue, clock = Catalogue(themes=(themes,)), VirtualClock()
+    plan = msgspec.structs.replace(PLAN, theme="mine")
+    run = start(plan, data, catalogue, clock, make_participants)
+    assert run.theme_notice == ""
+    play(run, clock, 12)
+    return run, catalogue
+
+
+def say_in(themes: Path, word: str) -> None:
+    words = themes / "mine" / "words.en.toml"
+    words.write_text(f'"attempt {{number}} of {{total}}" = "{word} {{number}} of {{total}}"')
 
 
 def test_a_theme_edited_between_two_runs_is_spoken_in_the_second_and_the_first_is_replayed(
     data: Path, tmp_path: Path
 ) -> None:
-    folder = tmp_path / "themes" / "mine"
-    shutil.copytree(CATALOGUE.theme_folder("calm"), folder)
-    words = folder / "words.en.toml"
-    words.write_text('"attempt {number} of {total}" = "round {number} of {total}"')
-    catalogue = Catalogue(themes=(tmp_path / "themes",))
-    clock = VirtualClock()
-    run = start(
-        msgspec.structs.replace(PLAN, theme="mine"), data, catalogue, clock, make_participants
-    )
-    play(run, clock, 12)
-    words.write_text('"attempt {number} of {total}" = "turn {number} of {total}"')
-    clock = VirtualClock(1000 * SECOND)
-    again = resume(run.id, data, catalogue, clock, make_participants)
-    play(again, clock)
-    names = [
-        r.message.attempt_name
-        for r in sessions.history(connect(data), run.id)
-        if r.topic is WAITING
-    ]
+    run, catalogue = begun_with_own_theme(data, tmp_path / "themes", "calm")
+    say_in(tmp_path / "themes", "turn")
+    resumed(data, run, catalogue=catalogue)
+    history = sessions.history(connect(data), run.id)
+    names = [record.message.attempt_name for record in history if record.topic is WAITING]
     assert (names[0], names[-1]) == ("round 1 of 3", "turn 3 of 3")
 
 
 def test_a_session_whose_theme_was_removed_goes_on_with_the_default_one_and_says_so(
     data: Path, tmp_path: Path
 ) -> None:
-    folder = tmp_path / "themes" / "mine"
-    shutil.copytree(CATALOGUE.theme_folder("playful"), folder)
-    catalogue = Catalogue(themes=(tmp_path / "themes",))
-    clock = VirtualClock()
-    run = start(
-        msgspec.structs.replace(PLAN, theme="mine"), data, catalogue, clock, make_participants
-    )
-    assert run.theme_notice == ""
-    play(run, clock, 12)
-    shutil.rmtree(folder)
-    clock = VirtualClock(1000 * SECOND)
-    again = resume(run.id, data, catalogue, clock, make_participants)
-    play(again, clock)
+    run, catalogue = begun_with_own_theme(data, tmp_path / "themes", "playful")
+    shutil.rmtree(tmp_path / "themes" / "mine")
+    again = resumed(data, run, catalogue=catalogue)
     assert again.session.ended
-    assert again.theme_notice == (
-        f"The theme mine of session {run.id} cannot be loaded any more: it went on with calm, "
-        "whose words and looks "
-        "differ."
-    )
+    assert f"The theme mine of session {run.id} cannot be loaded any more" in again.theme_notice
     (deviation,) = deviations(read(connect(data), run.id), [])
-    assert (deviation.run, deviation.what, deviation.detail) == (2, "theme", "calm instead of mine")
+    told = (deviation.run, deviation.what, deviation.detail)
+    assert told == (2, "theme", "calm instead of mine")
 
 
 def test_a_simulation_that_is_interrupted_keeps_what_it_has_done(data: Path) -> None:
@@ -243,9 +219,8 @@ def test_a_simulation_that_is_interrupted_keeps_what_it_has_done(data: Path) -> 
         if attempt == 3:
             raise KeyboardInterrupt
 
-    plan = make_plan(
-        CATALOGUE, "keyboard", ["P01"], {"prompts_per_attempt": 2}, seed=1, mode="simulated", id="S"
-    )
+    brief: Any = {"seed": 1, "mode": "simulated", "id": "S"}
+    plan = make_plan(CATALOGUE, "keyboard", ["P01"], {"prompts_per_attempt": 2}, **brief)
     with pytest.raises(KeyboardInterrupt):
         simulate(plan, PEOPLE["average"], data, CATALOGUE, interrupt)
     with closing(connect(data)) as database:
