@@ -26,39 +26,18 @@ from tests.program import Call
 SIMULATED = [
     (task, user, seed, operated)
     for seed, user in enumerate(("average", "poor", "competent", "average", "poor"), 1)
-    for task, operated in (
-        ("keyboard", True),
-        ("pairs", False),
-        ("reaching", False),
-        ("keyboard", False),
-    )
+    for task, operated in zip("keyboard pairs reaching keyboard".split(), (1, 0, 0, 0), strict=True)
 ]
 """Twenty sessions."""
-PLAN = make_plan(
-    Catalogue(),
-    Catalogue().task("keyboard"),
-    ["P01"],
-    {"attempts": 3, "prompts_per_attempt": 3},
-    seed=4,
-)
+SHORT = {"attempts": 3, "prompts_per_attempt": 3}
+PLAN = make_plan(Catalogue(), "keyboard", ["P01"], SHORT, seed=4)
 
 
-def simulate(call: Call, task: str, user: str, seed: int, operated: bool = False) -> str:
+def simulate(call: Call, task: str, user: str, seed: int, operated: object = False) -> str:
     codes = ("-p", "P01", "-p", "P02") if task == "pairs" else ("-p", "P01")
     operator = ("--operator", "careful") if operated else ()
-    made = call(
-        "simulate",
-        task,
-        "--user",
-        user,
-        "--seed",
-        seed,
-        "--attempts",
-        2,
-        *codes,
-        *operator,
-        "--json",
-    )
+    words = ("--user", user, "--seed", seed, "--attempts", 2, *codes, *operator)
+    made = call("simulate", task, *words, "--json")
     assert made.code == 0, made.err
     return str(made.json["session"])
 
@@ -72,9 +51,8 @@ def play(data: Path, *cuts: int, seed: int = 4) -> str:
     return its id.
     """
     clock = VirtualClock()
-    run = start(
-        msgspec.structs.replace(PLAN, seed=seed), data, Catalogue(), clock, make_participants
-    )
+    plan = msgspec.structs.replace(PLAN, seed=seed)
+    run = start(plan, data, Catalogue(), clock, make_participants)
     for number, steps in enumerate([*cuts, 10**6], 1):
         run.begin()
         for _ in range(steps):
@@ -93,17 +71,25 @@ def dump(data: Path) -> list[str]:
         return list(database.iterdump())
 
 
+def change(data: Path, *statements: str) -> None:
+    """Change the stored session behind the program's back."""
+    with closing(connect(data)) as database:
+        for statement in statements:
+            database.execute(statement)
+
+
+LAST_TRIAL = "SELECT max(seq) FROM events WHERE topic='event_handler/trial'"
+
+
 @pytest.mark.parametrize(("task", "user", "seed", "operated"), first_rows(3, SIMULATED))
 def test_a_simulated_session_is_identical(
-    call: Call, task: str, user: str, seed: int, operated: bool
+    call: Call, task: str, user: str, seed: int, operated: object
 ) -> None:
     called = call("replay", simulate(call, task, user, seed, operated), "--json")
     assert called.json["identical"], called.json["first_difference"]
     assert (called.code, called.json["first_difference"]) == (0, None)
     (recorded,) = called.json["recorded_with"]
-    assert {name: value for name, value in recorded.items() if name != "run"} == called.json[
-        "replayed_with"
-    ]
+    assert recorded == {**called.json["replayed_with"], "run": recorded["run"]}
 
 
 def test_a_session_by_other_rules_is_neither_replayed_nor_resumed(
@@ -115,8 +101,7 @@ def test_a_session_by_other_rules_is_neither_replayed_nor_resumed(
     for asked in ((), ("--what-if", "threshold=900"), ("--what-if", "threshold=900", "--fork")):
         called = call("replay", session, *asked)
         assert (called.code, called.err.startswith(told)) == (2, True)
-    with closing(connect(data)) as database:
-        database.execute("UPDATE sessions SET status='interrupted'")
+    change(data, "UPDATE sessions SET status='interrupted'")
     with pytest.raises(StoreError, match="recorded by another version"):
         resume(session, data, Catalogue(), VirtualClock(), make_participants)
 
@@ -126,10 +111,9 @@ def test_what_a_participant_does_later_does_not_change_an_earlier_session(
 ) -> None:
     first, second = play(data, seed=4), play(data, seed=5)
     play(data, seed=6)
-    (best,) = [
-        r.message.best for r in sessions.history(connect(data), second) if r.topic is SESSION
-    ]
-    assert best, "the second session knew results of the first"
+    history = sessions.history(connect(data), second)
+    (started,) = [record.message for record in history if record.topic is SESSION]
+    assert started.best, "the second session knew results of the first"
     for session in (first, second):
         assert call("replay", session).code == 0
 
@@ -137,13 +121,9 @@ def test_what_a_participant_does_later_does_not_change_an_earlier_session(
 def test_a_resumed_and_an_interrupted_session_are_identical(call: Call, data: Path) -> None:
     resumed = play(data, 12, 20)
     result = call("replay", resumed, "--json").json
-    assert (result["identical"], [run["run"] for run in result["recorded_with"]]) == (
-        True,
-        [1, 2, 3],
-    )
-    with closing(connect(data)) as database:
-        database.execute("UPDATE sessions SET status='interrupted' WHERE id=?", (resumed,))
-        database.execute("DELETE FROM messages WHERE run > 2")
+    assert result["identical"]
+    assert [run["run"] for run in result["recorded_with"]] == [1, 2, 3]
+    change(data, "UPDATE sessions SET status='interrupted'", "DELETE FROM messages WHERE run > 2")
     assert call("replay", resumed).code == 0
 
 
@@ -185,12 +165,8 @@ def test_a_planted_difference_is_found_at_its_message(
     seq = plant(data, topic, field, value)
     called = call("replay", simulated, "--json")
     found = called.json["first_difference"]
-    assert (called.code, called.json["identical"], found["seq"], found["topic"]) == (
-        1,
-        False,
-        seq,
-        topic,
-    )
+    assert (called.code, called.json["identical"]) == (1, False)
+    assert (found["seq"], found["topic"]) == (seq, topic)
     assert found["recorded"][field] == value != found["derived"][field]
     assert called.json["events"] == seq - 1
     told = call("replay", simulated)
@@ -208,10 +184,8 @@ def test_a_planted_difference_inside_of_a_value_is_told_by_its_name(
 
 def test_a_removed_message_is_found_where_it_was(call: Call, data: Path, simulated: str) -> None:
     with closing(connect(data)) as database:
-        (seq,) = database.execute(
-            "SELECT max(seq) FROM events WHERE topic='event_handler/trial'"
-        ).fetchone()
-        database.execute("DELETE FROM messages WHERE seq=?", (seq,))
+        (seq,) = database.execute(LAST_TRIAL).fetchone()
+    change(data, f"DELETE FROM messages WHERE seq={seq}")
     found = call("replay", simulated, "--json").json["first_difference"]
     assert (found["seq"], found["derived_topic"]) == (seq + 1, "event_handler/trial")
     assert "in its place follows event_handler/trial." in call("replay", simulated).out
@@ -231,14 +205,10 @@ def test_a_task_that_was_changed_is_named(call: Call, data: Path, tmp_path: Path
 
 
 def test_a_running_session_is_refused(call: Call, data: Path, simulated: str) -> None:
-    with closing(connect(data)) as database:
-        database.execute("UPDATE sessions SET status='running'")
+    change(data, "UPDATE sessions SET status='running'")
     with locks.hold(data, "session", simulated):
-        assert call("replay", simulated) == (
-            2,
-            "",
-            f"The session {simulated} is running. Replay it when it has ended.\n",
-        )
+        called = call("replay", simulated)
+    assert (called.code, called.out, "is running" in called.err) == (2, "", True)
 
 
 def test_a_session_whose_end_is_in_a_rescue_file_is_refused(
@@ -251,31 +221,23 @@ def test_a_session_whose_end_is_in_a_rescue_file_is_refused(
 
 def test_a_session_with_damaged_samples_is_refused(call: Call, data: Path) -> None:
     session = simulate(call, "reaching", "average", 1)
-    with closing(connect(data)) as database:
-        database.execute("UPDATE imu_chunks SET data=zeroblob(length(data)) WHERE seq=3")
+    change(data, "UPDATE imu_chunks SET data=zeroblob(length(data)) WHERE seq=3")
     called = call("replay", session)
     assert (called.code, called.out) == (1, "")
     assert f"of session {session} is damaged." in called.err
 
 
-def test_a_session_of_a_task_that_is_gone_is_refused(
-    call: Call, data: Path, simulated: str
+@pytest.mark.parametrize(
+    ("changed", "code", "said"),
+    [
+        ("UPDATE sessions SET task='gone'", 2, "There is no task gone."),
+        ("UPDATE sessions SET theme='gone'", 0, "The theme gone is not installed."),
+        ("DELETE FROM messages", 0, "there is nothing to compare."),
+    ],
+)
+def test_a_task_that_is_gone_is_needed_and_a_theme_and_messages_are_not(
+    call: Call, data: Path, simulated: str, changed: str, code: int, said: str
 ) -> None:
-    with closing(connect(data)) as database:
-        database.execute("UPDATE sessions SET task='gone'")
+    change(data, changed)
     called = call("replay", simulated)
-    assert (called.code, called.err.startswith("There is no task gone.")) == (2, True)
-
-
-def test_a_theme_that_is_gone_is_not_needed(call: Call, data: Path, simulated: str) -> None:
-    with closing(connect(data)) as database:
-        database.execute("UPDATE sessions SET theme='gone'")
-    called = call("replay", simulated)
-    assert (called.code, "The theme gone is not installed." in called.out) == (0, True)
-
-
-def test_an_empty_session_has_nothing_to_compare(call: Call, data: Path, simulated: str) -> None:
-    with closing(connect(data)) as database:
-        database.execute("DELETE FROM messages")
-    assert "has no messages: there is nothing to compare." in call("replay", simulated).out
-    assert call("replay", simulated, "--json").json["events"] == 0
+    assert (called.code, said in called.out + called.err) == (code, True)

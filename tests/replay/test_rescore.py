@@ -11,6 +11,7 @@ import pytest
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
 from tests.program import Call
+from tests.replay.test_replay import LAST_TRIAL, change
 
 FIXED = ("--set", "difficulty_policy=fixed", "--set", "start_level=3")
 SCORE = ("metric", "accuracy", "goal", "outcome", "feedback")
@@ -26,10 +27,8 @@ def simulate(call: Call, task: str, *settings: object, attempts: int = 4) -> str
 
 def scores(data: Path, session: str) -> list[dict[str, Any]]:
     with closing(connect(data)) as database:
-        return [
-            {name: row[name] for name in SCORE}
-            for row in sessions.rows(database, "attempts", session)
-        ]
+        rows = sessions.rows(database, "attempts", session)
+    return [{name: row[name] for name in SCORE} for row in rows]
 
 
 @pytest.mark.parametrize(
@@ -47,12 +46,10 @@ def test_recorded_responses_are_scored_as_in_a_session_that_had_those_settings_f
     call: Call, data: Path, task: str, settings: tuple[str, ...], changed: tuple[str, ...]
 ) -> None:
     played = simulate(call, task, *settings, attempts=3)
-    fresh = simulate(
-        call, task, *settings, *(word for pair in changed for word in ("--set", pair)), attempts=3
-    )
-    called = call(
-        "replay", played, *(word for pair in changed for word in ("--what-if", pair)), "--json"
-    )
+    set_so = [word for pair in changed for word in ("--set", pair)]
+    asked = [word for pair in changed for word in ("--what-if", pair)]
+    fresh = simulate(call, task, *settings, *set_so, attempts=3)
+    called = call("replay", played, *asked, "--json")
     assert called.code == 0, called.err
     rescored = called.json["attempts"]
     assert called.json["ends_at_attempt"] is None
@@ -71,9 +68,7 @@ def test_it_ends_at_the_first_attempt_that_would_have_had_another_level(
             [row["level"] for row in sessions.rows(database, "attempts", name)]
             for name in (played, fresh)
         ]
-    first = next(
-        number for number, (was, now) in enumerate(zip(*levels, strict=True), 1) if was != now
-    )
+    first = 1 + [was == now for was, now in zip(*levels, strict=True)].index(False)
     assert first > 1
     result = call("replay", played, "--what-if", "threshold=500", "--json").json
     assert (result["ends_at_attempt"], result["what_if"]) == (first, {"threshold": 500})
@@ -127,9 +122,7 @@ def test_other_settings_are_refused_with_a_sentence(
 
 def test_a_session_that_is_not_identical_is_refused(call: Call, data: Path, simulated: str) -> None:
     with closing(connect(data)) as database:
-        (seq,) = database.execute(
-            "SELECT max(seq) FROM events WHERE topic='event_handler/trial'"
-        ).fetchone()
-        database.execute("DELETE FROM messages WHERE seq=?", (seq,))
+        (seq,) = database.execute(LAST_TRIAL).fetchone()
+    change(data, f"DELETE FROM messages WHERE seq={seq}")
     called = call("replay", simulated, "--what-if", "threshold=900")
     assert (called.code, "differs from its record without any change" in called.err) == (1, True)

@@ -8,8 +8,11 @@ from pathlib import Path
 import pytest
 
 from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.node import Node
+from sar_tui.loop.task import Task
 from sar_tui.loop.topics import WAITING
 from sar_tui.model.messages import Waiting
+from sar_tui.model.theme import Theme
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.limits import Dose, is_session_over, reached_of_day
@@ -37,14 +40,11 @@ def begin(data: Path, catalogue: Catalogue, **limits: object) -> tuple[Run, Virt
     settings = {"attempts": 6, "prompts_per_attempt": 3, "practice_attempts": 1, **limits}
     plan = make_plan(catalogue, "keyboard", ["P07"], settings, seed=3)
     clock = VirtualClock(10 * SECOND)
-    run = start(
-        plan,
-        data,
-        catalogue,
-        clock,
-        lambda task, theme, seed: [SimulatedParticipant(PEOPLE["average"], task, 7)],
-    )
-    return run, clock
+
+    def nodes(task: Task, theme: Theme, seed: int) -> list[Node]:
+        return [SimulatedParticipant(PEOPLE["average"], task, 7)]
+
+    return start(plan, data, catalogue, clock, nodes), clock
 
 
 def play(data: Path, catalogue: Catalogue, **limits: object) -> tuple[int, str]:
@@ -86,9 +86,8 @@ def test_a_limit_of_a_day_ends_the_session_after_a_whole_attempt(
 
 
 def test_a_session_that_has_lasted_long_enough_ends(data: Path, catalogue: Catalogue) -> None:
-    done, told = play(
-        data, catalogue, session_minutes=1, foreperiod_min_ms=8000, foreperiod_max_ms=9000
-    )
+    slow = {"foreperiod_min_ms": 8000, "foreperiod_max_ms": 9000}
+    done, told = play(data, catalogue, session_minutes=1, **slow)
     assert 1 < done < 7
     assert told == "The time for this session is over. Well done."
 
@@ -100,10 +99,7 @@ def test_what_was_done_earlier_today_counts_and_another_session_is_refused_kindl
     assert play(data, catalogue, attempts=2, attempts_a_day=3) == (2, ENOUGH)
     with pytest.raises(Failed) as refused:
         begin(data, catalogue, attempts_a_day=3)
-    assert str(refused.value) == (
-        "That is enough for P07 today: the programme's limit of 3 attempts a day is reached. "
-        "The next session can be tomorrow."
-    )
+    assert "limit of 3 attempts a day is reached" in str(refused.value)
     begin(data, catalogue, attempts_a_day=4)[0].close()
 
 
@@ -115,11 +111,8 @@ def test_the_dose_of_a_day_is_that_of_its_attempts(data: Path, catalogue: Catalo
     assert 0.1 < today.minutes < 2
     for other in (NOON - timedelta(days=1), NOON + timedelta(days=1)):
         assert done_on_day(database, "P07", "keyboard", other) == Dose()
-    assert (
-        done_on_day(database, "P07", "reaching", NOON)
-        == done_on_day(database, "P08", "keyboard", NOON)
-        == Dose()
-    )
+    for code, task in (("P07", "reaching"), ("P08", "keyboard")):
+        assert done_on_day(database, code, task, NOON) == Dose()
     database.close()
 
 
