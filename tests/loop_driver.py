@@ -202,6 +202,14 @@ class LoopDriver:
         assert self.screen.prompt is not None
         return self.screen.prompt
 
+    # --- the record
+
+    def difference(self) -> object:
+        """Return where a replay of the session differs from its record."""
+        session = self.session
+        again = Session(type(session.task)(session.parameters), session.theme, self.clock, 1)
+        return again.compare(self.records).difference
+
     # --- whole steps
 
     def start(self) -> m.Prompt:

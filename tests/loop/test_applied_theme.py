@@ -66,11 +66,8 @@ def test_every_output_receives_the_edited_theme() -> None:
     fake = FakeOutput()
     driver = LoopDriver(KEYBOARD, CALM, extra=[OutputNode(fake, "fake", CALM)], **SET_UP)
     driver.session.apply_theme(edited(CALM, "Splendid", name="edited"))
-    assert [what[1] for what in fake.asked if what[0] == "apply_theme"] == [
-        "calm",
-        "calm",
-        "edited",
-    ]
+    expected = ["calm", "calm", "edited"]
+    assert [what[1] for what in fake.asked if what[0] == "apply_theme"] == expected
 
 
 def test_texts_of_the_theme_replace_those_of_the_task(driver: LoopDriver) -> None:

@@ -36,10 +36,8 @@ def ended(*results: Result, kind: type[Task] = Lift) -> AttemptEnded:
 
 def test_the_number_and_sd_of_right_trials_are_published() -> None:
     found = ended(lift(900, 5), lift(1000, 7), lift(1100, 12), lift(5000, 99, correct=False))
-    assert found.spreads == {
-        "lift_time": Spread(3, 100.0),
-        "sway": Spread(3, stdev([5.0, 7.0, 12.0])),
-    }
+    expected = {"lift_time": Spread(3, 100.0), "sway": Spread(3, stdev([5.0, 7.0, 12.0]))}
+    assert found.spreads == expected
     assert ended(lift(900, 5)).spreads == {"lift_time": Spread(1, 0.0), "sway": Spread(1, 0.0)}
 
 

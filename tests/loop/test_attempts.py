@@ -123,11 +123,8 @@ def test_an_amended_attempt_is_scored_as_if_it_had_the_amended_results_from_the_
         straight.first.ended.outcome,
         straight.first.ended.goal,
     )
-    assert facts(under_way, "attempt trial level") == (
-        at_once.attempt,
-        at_once.trial,
-        at_once.level,
-    )
+    expected = (at_once.attempt, at_once.trial, at_once.level)
+    assert facts(under_way, "attempt trial level") == expected
     assert amended.level is not None
     assert (amended.level.previous, amended.level.level, amended.level.reason) == (5, 3, "mark")
 
@@ -213,10 +210,8 @@ def test_attempts_since_the_last_feedback_are_counted_despite_amendments_and_req
         if amended is not None:
             again = under_way.amend(lift(value, correct=amended))
             assert again is not None
-            assert facts(again.first.ended, "choice feedback") == (
-                choice,
-                scored.first.ended.feedback,
-            )
+            expected = (choice, scored.first.ended.feedback)
+            assert facts(again.first.ended, "choice feedback") == expected
         asked = under_way.request_feedback(now=3000) if asks else None
         assert (asked is not None) == (asks and schedule == "request")
         if (choice.due and number > practice) or asked:
@@ -276,12 +271,8 @@ def test_a_level_settled_during_an_attempt_applies_to_the_next_with_its_original
     under_way.begin(now=3000)
     settled = under_way.settle(2, under_way=True)
     assert settled is not None
-    assert (settled.previous, settled.level, settled.reason, under_way.level) == (
-        1,
-        2,
-        "success",
-        1,
-    )
+    expected = (1, 2, "success", 1)
+    assert (settled.previous, settled.level, settled.reason, under_way.level) == expected
     under_way.add(lift(5000.0))
     under_way.score(now=4000)
     assert under_way.level == 1, "the failure lowers the level that was settled"

@@ -119,12 +119,8 @@ def test_a_cascade_has_one_time_and_its_messages_count_up(
     bus.publish(IN, said("one"))
     clock.set(200)
     bus.publish(IN, said("two"))
-    assert [(record.seq, record.at) for cascade in cascades for record in cascade] == [
-        (1, 100),
-        (2, 100),
-        (3, 200),
-        (4, 200),
-    ]
+    expected = [(1, 100), (2, 100), (3, 200), (4, 200)]
+    assert [(record.seq, record.at) for cascade in cascades for record in cascade] == expected
 
 
 def test_a_derived_message_without_a_cause_is_refused(
@@ -249,10 +245,8 @@ def test_messages_of_a_stream_are_not_numbered(bus: Bus, cascades: list[list[Rec
     bus.subscribe(OUT, react)
     bus.publish(STREAM, said("sample"))
     bus.publish(STREAM, said("another"))
-    assert [words(cascade) for cascade in cascades] == [
-        ["sample", "found in the stream"],
-        ["another"],
-    ]
+    expected = [["sample", "found in the stream"], ["another"]]
+    assert [words(cascade) for cascade in cascades] == expected
     assert [record.seq for cascade in cascades for record in cascade] == [1, 1, 2]
     assert during == [0, 0, 1]
 

@@ -38,12 +38,8 @@ def pending(name: str, deadline: int | None) -> PendingApproval:
 def test_an_edited_valence_replaces_face_gesture_tone_and_degree(calm: Theme) -> None:
     action = edit(calm, valence="negative")
     assert facts(action, "face gesture tone degree") == ("encouraging", "lean_in", "", "clear")
-    assert facts(action, "text decision actor decided") == (
-        "Well done.",
-        "edited",
-        "operator.ana",
-        7,
-    )
+    expected = ("Well done.", "edited", "operator.ana", 7)
+    assert facts(action, "text decision actor decided") == expected
 
 
 def test_an_edited_valence_adds_no_gesture_to_a_proposal_without_one(calm: Theme) -> None:

@@ -47,19 +47,13 @@ def test_the_repeats_of_a_press_that_came_too_early_do_nothing() -> None:
 
 
 def test_a_key_that_is_held_on_a_screen_counts_there_but_is_new_once() -> None:
-    assert judged(("down", 700), ("down", 1200), ("down", 1233)) == [
-        (True, True),
-        (False, True),
-        (False, True),
-    ]
+    expected = [(True, True), (False, True), (False, True)]
+    assert judged(("down", 700), ("down", 1200), ("down", 1233)) == expected
 
 
 def test_another_key_is_new_at_once() -> None:
-    assert judged(("enter", -50), ("enter", 450), ("space", 620)) == [
-        (True, True),
-        (False, False),
-        (True, True),
-    ]
+    expected = [(True, True), (False, False), (True, True)]
+    assert judged(("enter", -50), ("enter", 450), ("space", 620)) == expected
 
 
 @given(

@@ -209,17 +209,25 @@ def test_naming_a_plug_in_runs_none_of_its_code() -> None:
 class Stuck(FakeOutput):
     """Never returns from ``close``, unless an error ends it or it is given up."""
 
-    def __init__(self, hangs: Hanging) -> None:
+    def __init__(self, dog: PluginWatchdog, given_up: list[str], ignores_errors: bool) -> None:
         super().__init__("arm")
-        self.close = hangs  # type: ignore[method-assign]
+        self._dog, self._given_up, self._ignores_errors = dog, given_up, ignores_errors
+
+    def close(self) -> None:
+        while not self._given_up:
+            try:
+                self._dog.look()
+            except NotResponding:
+                if not self._ignores_errors:
+                    raise
 
 
 @pytest.mark.parametrize(("ignores_errors", "gone"), [(False, []), (True, ["output arm"])])
 def test_an_output_that_does_not_return_is_ended_or_given_up_with_its_name(
     ignores_errors: bool, gone: list[str]
 ) -> None:
-    hangs = Hanging(ignores=ignores_errors)
-    node = OutputNode(Stuck(hangs), "arm", THEME)
+    dog, given_up = watchdog()
+    node = OutputNode(Stuck(dog, given_up, ignores_errors), "arm", THEME)
     node.attach(Bus(VirtualClock()))
     node.detach()
-    assert hangs.given_up == gone
+    assert given_up == gone

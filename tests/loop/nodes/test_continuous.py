@@ -5,7 +5,6 @@ a moment.
 import pytest
 
 from sar_tui.loop.script import CONTINUES_AFTER, READING
-from sar_tui.loop.session import Session
 from sar_tui.loop.topics import ATTEMPT_STARTED, FEEDBACK
 from sar_tui.model.theme import Theme
 from tests.loop_driver import LoopDriver
@@ -115,11 +114,7 @@ def test_a_limit_of_the_session_holds(calm: Theme) -> None:
 def test_it_is_replayed_and_resumed(calm: Theme, wait_ms: int) -> None:
     driver = answered(begun(calm))
     driver.wait(wait_ms)
-    parameters = driver.session.parameters
-    assert (
-        Session(Stream(parameters), calm, driver.clock, 1).compare(driver.records).difference
-        is None
-    )
+    assert driver.difference() is None
     resumed = LoopDriver(Stream, calm, attempts=3, history=driver.records, **SILENT)
     resumed.press("enter")
     resumed.wait(300)

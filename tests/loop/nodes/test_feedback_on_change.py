@@ -69,11 +69,8 @@ def test_a_change_beyond_the_noise_is_reported(
 
 def test_a_change_is_not_reported_before_the_noise_is_known() -> None:
     told = agent()
-    assert [result(told, metric).situation for metric in (900, 900, 400)] == [
-        "positive_first",
-        "positive_same",
-        "positive_first",
-    ]
+    expected = ["positive_first", "positive_same", "positive_first"]
+    assert [result(told, metric).situation for metric in (900, 900, 400)] == expected
 
 
 def test_the_noise_of_another_level_tells_nothing_of_this_one() -> None:

@@ -185,10 +185,8 @@ def test_an_attempt_is_compared_with_the_configured_reference_at_its_level(
         }[reference]
         if against is None:
             assert situation.endswith("_first")
-            assert (slots["value"], slots["goal"]) == (
-                shown(metric, value, decimals),
-                goal_texts[level],
-            )
+            expected = (shown(metric, value, decimals), goal_texts[level])
+            assert (slots["value"], slots["goal"]) == expected
         elif (apart := difference(metric, value, against, decimals)) == shown(
             metric, 0.0, decimals
         ):
@@ -199,10 +197,8 @@ def test_an_attempt_is_compared_with_the_configured_reference_at_its_level(
             assert situation.endswith("_improved" if better else "_worsened")
             assert slots["difference"] == apart
             assert slots["change"] == (metric.improved if better else metric.worsened)
-            assert (slots["reference"], slots["value"]) == (
-                words[reference],
-                shown(metric, value, decimals),
-            )
+            expected = (words[reference], shown(metric, value, decimals))
+            assert (slots["reference"], slots["value"]) == expected
         known.append(value)
 
 

@@ -4,7 +4,6 @@ number.
 
 import pytest
 
-from sar_tui.loop.session import Session
 from sar_tui.loop.topics import ATTEMPT_ENDED, ATTEMPT_STARTED, LEVEL, TRIAL
 from sar_tui.model.theme import Theme
 from tests.facts import each, facts
@@ -41,11 +40,8 @@ def test_it_begins_again_when_the_session_goes_on(calm: Theme) -> None:
     driver.wait(300)
     for _ in range(2):
         driver.attempt()
-    assert each(driver.all(ATTEMPT_STARTED), "attempt practice") == [
-        (1, False),
-        (2, False),
-        (3, False),
-    ]
+    expected = [(1, False), (2, False), (3, False)]
+    assert each(driver.all(ATTEMPT_STARTED), "attempt practice") == expected
     assert each(driver.all(ATTEMPT_ENDED), "attempt trials") == [(2, 6), (3, 6)]
     assert [trial.trial for trial in driver.all(TRIAL) if trial.attempt == 1] == [1, 2, 3], (
         "what was done stays"
@@ -126,12 +122,7 @@ def test_it_is_the_same_resumed_and_replayed(calm: Theme, after: str) -> None:
         driver.wait(300)
         driver.begin_attempt()
         driver.answer()
-    assert (
-        Session(Remembered(driver.session.parameters), calm, driver.clock, 1)
-        .compare(driver.records)
-        .difference
-        is None
-    )
+    assert driver.difference() is None
     resumed = LoopDriver(Remembered, calm, attempts=2, history=driver.records)
     resumed.operate("resume")
     restarts = 2 if after == "pause" else 1

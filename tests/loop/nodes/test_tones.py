@@ -58,10 +58,8 @@ def test_the_tone_of_a_frame_is_requested_when_the_one_before_is_shown(calm: The
         (1, HIGH, 200 * MS)
     ]
     driver.wait(300)
-    assert [(due.frame, due.at - onset) for due in driver.all(TONE_DUE)] == [
-        (1, 200 * MS),
-        (2, 600 * MS),
-    ]
+    expected = [(1, 200 * MS), (2, 600 * MS)]
+    assert [(due.frame, due.at - onset) for due in driver.all(TONE_DUE)] == expected
 
 
 def test_the_tone_of_a_prompt_is_requested_with_it(calm: Theme) -> None:
