@@ -1,5 +1,8 @@
 """Text plot of attempts."""
 
+from itertools import product
+from typing import Any
+
 import pytest
 
 from sar_tui.model.messages import Outcome
@@ -11,19 +14,18 @@ METRICS = [680.0, 813.0, 763.0, 1012.0, 818.0, 920.0, 1121.0, None]
 RESULTS: list[ResultName] = [
     "reached", "reached", "reached", "missed", "reached", "reached", "missed", "no result"
 ]  # fmt: skip
-TIME = Metric("reaction_time", "ms", "lower")
 
 
-def figure(**changes: object) -> str:
-    arguments = {
-        "metric": "reaction time (ms)",
-        "width": 76,
-        "height": 12,
-        "color": False,
-    } | changes
-    levels = arguments.pop("levels", LEVELS)
-    arguments.setdefault("goals", [1000] * len(levels))  # type: ignore[arg-type]
-    return attempts_figure(levels, arguments.pop("metrics", METRICS), **arguments)  # type: ignore[arg-type]
+def figure(**changes: Any) -> str:
+    levels = changes.pop("levels", LEVELS)
+    arguments = {"metric": "reaction time (ms)", "width": 76, "height": 12, "color": False,
+                 "goals": [1000] * len(levels)} | changes  # fmt: skip
+    return attempts_figure(levels, arguments.pop("metrics", METRICS), **arguments)
+
+
+def flat(levels: list[int], **changes: Any) -> str:
+    """Draw attempts whose results are all alike."""
+    return figure(levels=levels, metrics=[700.0] * len(levels), **changes)
 
 
 @pytest.mark.parametrize("size", [(76, 12), (100, 18), (50, 9), (30, 7)])
@@ -55,21 +57,17 @@ def row_of(figure_text: str, marker: str) -> int:
     return next(row for row, line in enumerate(figure_text.split("\n")) if row and marker in line)
 
 
-@pytest.mark.parametrize("count", [1, 2, 3, 7, 20, 61])
-@pytest.mark.parametrize("width", [30, 76, 100])
-def test_an_attempt_without_result_is_below_the_axis_in_its_column(count: int, width: int) -> None:
-    for empty in {0, count // 2, count - 1}:
-        times: list[float | None] = [700.0] * count
-        there = figure(levels=[1] * count, metrics=times, width=width).split("\n")
-        times[empty] = None
-        drawn = figure(levels=[1] * count, metrics=times, width=width)
-        axis = row_of(drawn, "└")
-        line = drawn.split("\n")[axis + 1]
-        assert line.strip() == "×"
-        with_all = next(row for row in there[1:] if "●" in row)
-        assert with_all[line.index("×")] == "●", (
-            f"attempt {empty + 1} of {count} in {width} columns"
-        )
+def test_an_attempt_without_result_is_below_the_axis_in_its_column() -> None:
+    for count, width in product((1, 2, 3, 7, 20, 61), (30, 76, 100)):
+        with_all = next(row for row in flat([1] * count, width=width).split("\n")[1:] if "●" in row)
+        for empty in {0, count // 2, count - 1}:
+            times: list[float | None] = [700.0] * count
+            times[empty] = None
+            drawn = figure(levels=[1] * count, metrics=times, width=width)
+            line = drawn.split("\n")[row_of(drawn, "└") + 1]
+            assert line.strip() == "×"
+            where = f"attempt {empty + 1} of {count} in {width} columns"
+            assert with_all[line.index("×")] == "●", where
 
 
 def test_figures_beside_each_other_have_their_axes_on_the_same_lines() -> None:
@@ -85,72 +83,64 @@ def below_axis(drawn: str) -> list[str]:
 
 
 def test_levels_are_below_the_attempts_as_numbers_and_bars() -> None:
-    metrics = [700.0] * len(LEVELS)
-    drawn = figure(metrics=metrics, height=18)
-    numbers, upper, lower = below_axis(drawn)
+    drawn = flat(LEVELS, height=18)
+    numbers, *bars = below_axis(drawn)
     results = next(line for line in drawn.split("\n")[1:] if "●" in line)
     assert numbers.split() == ["level", *map(str, LEVELS)]
-    for attempt, column in enumerate(
-        column for column, character in enumerate(results) if character == "●"
-    ):
-        level = LEVELS[attempt]
+    columns = [column for column, character in enumerate(results) if character == "●"]
+    for level, column in zip(LEVELS, columns, strict=True):
         assert numbers[column] == str(level)
-        heights = [(" " + BARS).index(line[column : column + 1] or " ") for line in (upper, lower)]
+        heights = [(" " + BARS).index(line[column : column + 1] or " ") for line in bars]
         assert sum(heights) == round(level / max(LEVELS) * 2 * len(BARS))
 
 
 @pytest.mark.parametrize(("height", "lines"), [(7, 1), (9, 2), (16, 3)])
 def test_a_low_plot_has_fewer_lines_for_levels(height: int, lines: int) -> None:
-    assert len(below_axis(figure(metrics=[700.0] * len(LEVELS), height=height))) == lines
+    assert len(below_axis(flat(LEVELS, height=height))) == lines
 
 
 def test_many_levels_are_numbered_where_they_change() -> None:
-    levels = [1] * 30 + [12] * 30 + [3] * 40
-    assert below_axis(figure(levels=levels, metrics=[700.0] * 100))[0].split() == [
-        "level",
-        "1",
-        "12",
-        "3",
-    ]
+    numbers = below_axis(flat([1] * 30 + [12] * 30 + [3] * 40))[0]
+    assert numbers.split() == ["level", "1", "12", "3"]
 
 
 @pytest.mark.parametrize("levels", [[0], [-1, 2], [1] * 5, [1000, 1]])
 def test_any_level_has_a_bar_within_its_lines(levels: list[int]) -> None:
-    drawn = figure(levels=levels, metrics=[700.0] * len(levels))
+    drawn = flat(levels)
     assert set(below_axis(drawn)[1].strip()) <= set(BARS)
     assert len(drawn.split("\n")) == 12
 
 
 @pytest.mark.parametrize(
-    ("outcome", "value", "goal", "name"),
+    ("outcome", "value", "goal", "better", "name"),
     [
-        ("success", 700.0, 1000.0, "reached"),
-        ("failure", 1200.0, 1000.0, "missed"),
-        ("failure", 1000.0, 1000.0, "missed"),
-        ("failure", 400.0, 1000.0, "inaccurate"),
-        ("failure", None, 1000.0, "no result"),
-        ("failure", 400.0, None, "missed"),
+        ("success", 700.0, 1000.0, "lower", "reached"),
+        ("failure", 1200.0, 1000.0, "lower", "missed"),
+        ("failure", 1000.0, 1000.0, "lower", "missed"),
+        ("failure", 400.0, 1000.0, "lower", "inaccurate"),
+        ("failure", None, 1000.0, "lower", "no result"),
+        ("failure", 400.0, None, "lower", "missed"),
+        ("failure", 0.9, 0.5, "higher", "inaccurate"),
+        ("failure", 0.4, 0.5, "higher", "missed"),
     ],
 )
 def test_a_failure_that_is_better_than_the_goal_is_inaccurate(
-    outcome: Outcome, value: float | None, goal: float | None, name: str
+    outcome: Outcome, value: float | None, goal: float | None, better: Any, name: str
 ) -> None:
-    assert result_name(outcome, value, goal, TIME) == name
-
-
-def test_of_a_measure_whose_high_values_are_good_the_high_failures_are_inaccurate() -> None:
-    smoothness = Metric("smoothness", "", "higher")
-    assert result_name("failure", 0.9, 0.5, smoothness) == "inaccurate"
-    assert result_name("failure", 0.4, 0.5, smoothness) == "missed"
+    assert result_name(outcome, value, goal, Metric("measure", "", better)) == name
 
 
 def test_the_legend_names_the_markers_that_are_shown() -> None:
-    heading = figure(
-        levels=[1, 1], metrics=[400.0, 500.0], results=["inaccurate", "reached"]
-    ).split("\n")[0]
+    drawn = figure(levels=[1, 1], metrics=[400.0, 500.0], results=["inaccurate", "reached"])
+    heading = drawn.split("\n")[0]
     assert "● reached  ◇ inaccurate" in heading
     assert "missed" not in heading
     assert "no result" not in heading
+
+
+def test_results_have_different_markers_and_without_outcomes_all_look_alike() -> None:
+    for body, counts in ((figure(results=RESULTS), (5, 2, 1)), (figure(), (7, 0, 1))):
+        assert tuple(body.split("\n", 1)[1].count(marker) for marker in "●○×") == counts
 
 
 def test_a_legend_that_does_not_fit_beside_the_heading_has_a_line_of_its_own() -> None:
@@ -158,16 +148,6 @@ def test_a_legend_that_does_not_fit_beside_the_heading_has_a_line_of_its_own() -
     assert len(lines) == 12
     assert lines[0] == "reaction time (ms)"
     assert lines[1].strip() == "● reached  ○ missed  ◇ inaccurate  × no result  ╌ goal 1000"
-
-
-def test_success_failure_and_no_result_have_different_markers() -> None:
-    body = figure(results=RESULTS).split("\n", 1)[1]
-    assert (body.count("●"), body.count("○"), body.count("×")) == (5, 2, 1)
-
-
-def test_without_outcomes_all_attempts_look_alike() -> None:
-    body = figure().split("\n", 1)[1]
-    assert (body.count("●"), body.count("○"), body.count("×")) == (7, 0, 1)
 
 
 def test_better_attempts_are_lower() -> None:
@@ -179,12 +159,13 @@ def test_better_attempts_are_lower() -> None:
 def test_colour_does_not_change_the_characters() -> None:
     import plotext
 
-    coloured = figure(color=True, results=RESULTS)
+    def lines(drawn: str) -> list[str]:
+        return [line.rstrip() for line in drawn.split("\n")]
+
+    coloured, plain = (figure(color=color, results=RESULTS) for color in (True, False))
     assert "\x1b[" in coloured
-    assert "\x1b" not in figure(results=RESULTS)
-    assert [line.rstrip() for line in plotext.uncolorize(coloured).split("\n")] == [
-        line.rstrip() for line in figure(results=RESULTS).split("\n")
-    ]
+    assert "\x1b" not in plain
+    assert lines(plotext.uncolorize(coloured)) == lines(plain)
 
 
 def test_a_plot_is_the_same_after_other_plots() -> None:
@@ -198,15 +179,13 @@ def test_a_plot_is_the_same_after_other_plots() -> None:
 
 @pytest.mark.parametrize("metrics", [[None], [700.0], [0.0]])
 def test_one_attempt_is_enough(metrics: list[float | None]) -> None:
-    assert "attempt" in figure(
-        levels=[1], metrics=metrics, results=["missed" if metrics[0] else "no result"]
-    )
+    result = "missed" if metrics[0] else "no result"
+    assert "attempt" in figure(levels=[1], metrics=metrics, results=[result])
 
 
 def test_many_attempts_and_levels_still_fit() -> None:
-    lines = figure(
-        levels=[1 + n % 12 for n in range(200)], metrics=[1.0 + n % 7 for n in range(200)]
-    ).split("\n")
+    levels, metrics = [1 + n % 12 for n in range(200)], [1.0 + n % 7 for n in range(200)]
+    lines = figure(levels=levels, metrics=metrics).split("\n")
     assert len(lines) == 12
     assert max(map(len, lines)) <= 76
     assert lines[-1].split()[1:4] == ["1", "20", "40"]

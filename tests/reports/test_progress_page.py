@@ -14,11 +14,15 @@ from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.progress.lines import SessionResults
 from sar_tui.reports import charts, progress_charts, progress_page, progress_words
-from sar_tui.reports.progress import progress
+from sar_tui.reports.progress import Progress, progress
 from sar_tui.rules.wellbeing import SessionRatings
 from tests.progress.session_results import adapted, at_one_level, session
 from tests.reports.test_progress import SPANISH, fell, steady
 from tests.untranslated import english_in
+
+
+def figures(found: Progress, kind: type[Task], code: str = "en") -> str:
+    return progress_page.page(found, {kind.name: kind}.get, code)
 
 
 @pytest.fixture
@@ -35,8 +39,7 @@ def specs(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
 
 
 def page(keyboard: type[Task], sessions: list[SessionResults], code: str = "en") -> str:
-    find = {"keyboard": keyboard}.get
-    return progress_page.page(progress("P01", sessions, find), find, code)
+    return figures(progress("P01", sessions, {"keyboard": keyboard}.get), keyboard, code)
 
 
 @pytest.mark.usefixtures("specs")
@@ -58,37 +61,28 @@ def test_a_thousand_sessions_share_marks_by_a_stated_rule_and_the_newest_are_lis
 ) -> None:
     sessions = steady(1000)
     made = page(keyboard, sessions)
-    assert (
-        "In the charts a mark stands for up to 9 sessions, one after the other: for their mean;"
-        in made
-    )
+    assert "In the charts a mark stands for up to 9 sessions, one after the other" in made
     assert "Attempts of each month. Line: planned." in made
     assert [len(spec["data"]["values"]) <= 120 for spec in specs] == [True] * 4
     first = specs[1]["data"]["values"][0]
-    means = [
-        each.mean
-        for each in progress("P01", sessions[:9], {"keyboard": keyboard}.get).lines[0].sessions
-    ]
-    assert first["value"] == pytest.approx(fmean(mean for mean in means if mean) / 1000)
+    (line,) = progress("P01", sessions[:9], {"keyboard": keyboard}.get).lines
+    mean = fmean(each.mean for each in line.sessions if each.mean)
+    assert first["value"] == pytest.approx(mean / 1000)
     assert first["date"] == "2026-03-03", "the middle one of nine"
     assert sum(row["repetitions"] for row in specs[3]["data"]["values"]) == 400_000
     assert made.count("<tr>") == 61
 
 
 @pytest.mark.usefixtures("specs")
-def test_each_chart_has_a_text_alternative(keyboard: type[Task]) -> None:
+def test_each_chart_has_a_text_alternative_and_a_page_needs_nothing_from_elsewhere(
+    keyboard: type[Task],
+) -> None:
     made = page(keyboard, steady(5))
     labels = re.findall(r'<svg role="img" aria-label="([^"]+)"', made)
     assert len(labels) == 4
-    assert re.search(
-        r"2026-02-27: level 3\.\d \(.* keys, 95 % band .*\)\. 2026-03-03: level 3", labels[0]
-    )
+    first = r"2026-02-27: level 3\.\d \(.* keys, 95 % band .*\)\. 2026-03-03: level 3"
+    assert re.search(first, labels[0])
     assert "2000 repetitions on 5 days." in labels[3]
-
-
-@pytest.mark.usefixtures("specs")
-def test_a_page_needs_nothing_from_elsewhere(keyboard: type[Task]) -> None:
-    made = page(keyboard, steady(5))
     assert re.findall(r"https?:|src=|href=|@import|url\(|<script", made) == []
 
 
@@ -103,10 +97,8 @@ def test_texts_are_escaped(keyboard: type[Task]) -> None:
 def test_the_page_is_in_spanish(keyboard: type[Task]) -> None:
     made = page(keyboard, steady(5), "es")
     assert '<html lang="es">' in made
-    assert (
-        english_in([re.sub(r"<style>.*?</style>|<[^>]+>", "\n", made, flags=re.DOTALL)], SPANISH)
-        == []
-    )
+    shown = re.sub(r"<style>.*?</style>|<[^>]+>", "\n", made, flags=re.DOTALL)
+    assert english_in([shown], SPANISH) == []
     assert "aciertos" in made
 
 
@@ -119,9 +111,8 @@ def test_one_level_has_no_chart_of_levels(
 
 
 def test_smoothness_has_its_own_chart(keyboard: type[Task], specs: list[dict[str, Any]]) -> None:
-    made = page(
-        keyboard, [session(n, adapted(n), qualities={"sparc": -1.6 - n / 10}) for n in range(3)]
-    )
+    played = [session(n, adapted(n), qualities={"sparc": -1.6 - n / 10}) for n in range(3)]
+    made = page(keyboard, played)
     assert len(specs) == 5
     assert "Mean of each session: smoothness (SPARC)." in made
 
@@ -129,34 +120,27 @@ def test_smoothness_has_its_own_chart(keyboard: type[Task], specs: list[dict[str
 def test_pain_and_tiredness_are_charted_on_the_time_axis_of_the_sessions(
     keyboard: type[Task], specs: list[dict[str, Any]]
 ) -> None:
-    said = [
-        SessionRatings(),
-        SessionRatings(pain_before=2, pain_after=5, fatigue_after=4),
-        SessionRatings(pain_after=3),
-    ]
+    second = SessionRatings(pain_before=2, pain_after=5, fatigue_after=4)
+    said = [SessionRatings(), second, SessionRatings(pain_after=3)]
     made = page(keyboard, [session(n, adapted(n), felt=felt) for n, felt in enumerate(said)])
     assert "pain 5 → 3, tiredness 4 → 4" in made
     felt = next(spec for spec in specs if len(spec["layer"]) == 2 and "data" in spec["layer"][0])
-    domains = {
-        str(layer["encoding"]["x"]["scale"]["domain"])
-        for spec in (specs[0], felt)
-        for layer in spec["layer"]
-    }
-    assert domains == {"['2026-02-27T10:00:00', '2026-03-01T10:02:00']"}
+    for layer in (*specs[0]["layer"], *felt["layer"]):
+        domain = layer["encoding"]["x"]["scale"]["domain"]
+        assert domain == ["2026-02-27T10:00:00", "2026-03-01T10:02:00"]
 
 
 def test_an_adverse_event_is_told_and_marked(
     keyboard: type[Task], specs: list[dict[str, Any]]
 ) -> None:
-    find = {"keyboard": keyboard}.get
-    found = progress("P01", steady(3), find, records=[fell("2026-02-28", outcome="No injury")])
-    made = progress_page.page(found, find, "en")
+    events = [fell("2026-02-28", outcome="No injury")]
+    found = progress("P01", steady(3), {"keyboard": keyboard}.get, records=events)
+    made = figures(found, keyboard)
     assert "<strong>Adverse event 2026-02-28, mild: Fell. Outcome: No injury.</strong>" in made
     assert "!: an adverse event." in made
-    marked = [
-        spec for spec in specs if any(layer["mark"].get("text") == "!" for layer in spec["layer"])
-    ]
-    assert [spec["data"]["values"][0]["date"] for spec in marked] == ["2026-02-28"]
+    signs = [[layer["mark"].get("text") for layer in spec["layer"]] for spec in specs]
+    (marked,) = (spec for spec, texts in zip(specs, signs, strict=True) if "!" in texts)
+    assert marked["data"]["values"][0]["date"] == "2026-02-28"
 
 
 def test_the_noise_of_the_baseline_is_drawn_on_the_axis_people_read(
@@ -180,10 +164,12 @@ def test_without_the_package_it_says_so(
 @pytest.mark.slow
 def test_every_chart_can_be_drawn(keyboard: type[Task]) -> None:
     converter = pytest.importorskip("vl_convert", reason="the extra `report` is not installed")
-    find = {"keyboard": keyboard}.get
-    felt = SessionRatings(pain_before=2, fatigue_after=4)
-    sessions = [session(n, adapted(n), qualities={"sparc": -1.6}, felt=felt) for n in range(5)]
-    found = progress("P01", sessions, find, records=[fell("2026-03-01")])
+    more: Any = {
+        "felt": SessionRatings(pain_before=2, fatigue_after=4),
+        "qualities": {"sparc": -1.6},
+    }
+    sessions = [session(n, adapted(n), **more) for n in range(5)]
+    found = progress("P01", sessions, {"keyboard": keyboard}.get, records=[fell("2026-03-01")])
     tr = progress_words.words("es", keyboard)
     (line,) = found.lines
     charts = [
@@ -194,13 +180,11 @@ def test_every_chart_can_be_drawn(keyboard: type[Task]) -> None:
         progress_charts.attempts_picture(found.days, tr),
         progress_charts.dose_picture(found.days, tr),
     ]
+    namespaces = {f"http://www.w3.org/{name}" for name in ("2000/svg", "1999/xlink")}
     for chart in charts:
         drawn = converter.vegalite_to_svg(chart)
         assert drawn.startswith("<svg ")
-        assert set(re.findall(r'https?://[^"\s]+', drawn)) <= {
-            "http://www.w3.org/2000/svg",
-            "http://www.w3.org/1999/xlink",
-        }
+        assert set(re.findall(r'https?://[^"\s]+', drawn)) <= namespaces
 
 
 def test_goals_that_differ_between_levels_are_not_drawn_as_one_line(
@@ -208,10 +192,9 @@ def test_goals_that_differ_between_levels_are_not_drawn_as_one_line(
 ) -> None:
     reaching = catalogue.task("reaching")
     facts = {"task": "reaching", "task_version": reaching.version, "metric": reaching.metric}
-    found = progress(
-        "P01", [session(1, adapted(1, base=900.0), **facts)], {"reaching": reaching}.get
-    )
-    made = progress_page.page(found, {"reaching": reaching}.get, "en")
+    played = [session(1, adapted(1, base=900.0), **facts)]
+    found = progress("P01", played, {"reaching": reaching}.get)
+    made = figures(found, reaching)
     assert found.lines[0].goal is None
     assert "Dashed" not in made
     # -1.6 is not shown as -2

@@ -62,26 +62,18 @@ def test_figures_say_ten_and_show_where_nothing_is_known() -> None:
 
 
 def test_dates_are_shortened_and_the_last_one_is_there() -> None:
-    days = [f"2026-03-{day:02}" for day in range(1, 31)]
-    shown = Columns(30, 60).dates(days, MONTHS)
+    def dates(count: int, *days: str) -> str:
+        return Columns(count, 60).dates(list(days), MONTHS)
+
+    shown = dates(30, *(f"2026-03-{day:02}" for day in range(1, 31)))
     assert shown.strip().startswith("1 Mar")
     assert shown.endswith("30 Mar")
-    assert Columns(3, 60).dates(["2026-03-01", "2026-03-01", "2026-03-02"], MONTHS).split() == [
-        "1",
-        "Mar",
-        "2",
-        "Mar",
-    ]
-    assert Columns(2, 60).dates(["2026-03-01", "2027-03-01"], MONTHS).split() == [
-        "2026-03",
-        "2027-03",
-    ]
+    assert dates(3, "2026-03-01", "2026-03-01", "2026-03-02").split() == ["1", "Mar", "2", "Mar"]
+    assert dates(2, "2026-03-01", "2027-03-01").split() == ["2026-03", "2027-03"]
 
 
 def test_each_row_has_the_label_next_to_its_middle() -> None:
-    columns = Columns(2, 40)
     ticks = [(float(place), str(place)) for place in range(11)]
-    lines = session_chart(
-        [Value(0.0), Value(10.0)], columns, axis=(0.0, 10.0), ticks=ticks, rows=3, margin=6
-    )
+    values, columns, axis = [Value(0.0), Value(10.0)], Columns(2, 40), (0.0, 10.0)
+    lines = session_chart(values, columns, axis=axis, ticks=ticks, rows=3, margin=6)
     assert [line.split("┤")[0].strip() for line in lines[:3]] == ["10", "5", "0"]
