@@ -16,15 +16,11 @@ import pytest
 from pyarrow import parquet
 
 from sar_tui.export.registry import BUNDLED
-from sar_tui.plugins import Catalogue
 from sar_tui.rules.parameters import fields
-from sar_tui.runs.plan import make_plan
-from sar_tui.runs.simulate import simulate
-from sar_tui.simulation.operator import PROFILES
-from sar_tui.simulation.participant_model import PEOPLE
 from tests.export import bids_judge, mat_files, psych_ds_rules
 from tests.export.exported import export_as, read_csv
 from tests.export.test_elan import read_eaf
+from tests.played import catalogue, simulated
 
 TASKS = sorted(path.parent.name for path in (Path(__file__).parents[2] / "tasks").glob("*/task.py"))
 _SHORT = {"attempts": 1, "prompts_per_attempt": 3, "reaches_per_attempt": 2, "practice_attempts": 0}
@@ -32,15 +28,13 @@ _SHORT = {"attempts": 1, "prompts_per_attempt": 3, "reaches_per_attempt": 2, "pr
 
 def store(data: Path, tasks: list[str]) -> None:
     """Simulate a short session of each task, with an operator."""
-    catalogue = Catalogue()
     for number, name in enumerate(tasks):
-        task = catalogue.task(name)
+        task = catalogue().task(name)
         declared = {field.name: field for field in fields(task.Parameters)}
         short = {name: value for name, value in _SHORT.items() if name in declared}
-        settings = {name: max(value, int(declared[name].ge or 0)) for name, value in short.items()}
+        settings: Any = {name: max(n, int(declared[name].ge or 0)) for name, n in short.items()}
         codes = ["P01", "P02"][: len(task(task.Parameters()).seats)]
-        plan = make_plan(catalogue, name, codes, settings, seed=number, mode="simulated")
-        simulate(plan, PEOPLE["poor"], data, catalogue, operator=PROFILES["careful"])
+        simulated(data, name, *codes, user="poor", seed=number, operator="careful", **settings)
 
 
 def _csv(folder: Path) -> Iterator[str]:
@@ -60,25 +54,19 @@ def _elan(folder: Path) -> Iterator[str]:
         if set(read.get_tier_names()) != set(tiers):
             yield f"{path.name}: pympi reads other tiers"
         for name, annotations in tiers.items():
-            if [
-                (start, end, value)
-                for start, end, value in sorted(read.get_annotation_data_for_tier(name))
-            ] != sorted(annotations):
+            found = [tuple(each[:3]) for each in read.get_annotation_data_for_tier(name)]
+            if sorted(found) != sorted(annotations):
                 yield f"{path.name}: pympi reads other annotations in {name}"
 
 
 def _mat(folder: Path) -> Iterator[str]:
     described = {(line["table"], line["name"]) for line in mat_files.codebook(folder)}
-    for file, table, name, _ in mat_files.with_scipy(folder):
+    as_scipy = {tuple(each[:3]) for each in mat_files.with_scipy(folder)}
+    for file, table, name in as_scipy:
         if (table, name) not in described:
             yield f"{file}: {table}.{name} is not in the codebook"
     if shutil.which("octave-cli"):
-        as_scipy = {(file, table, name) for file, table, name, _ in mat_files.with_scipy(folder)}
-        as_octave = {
-            (file, table, name)
-            for file, table, name, _ in mat_files.with_octave(folder)
-            if table != "imu"
-        }
+        as_octave = {tuple(each[:3]) for each in mat_files.with_octave(folder) if each[1] != "imu"}
         if as_octave != as_scipy:
             yield f"Octave reads other fields: {sorted(as_octave ^ as_scipy)[:3]}"
 

@@ -2,8 +2,7 @@
 
 import csv
 import io
-import sqlite3
-from contextlib import closing
+import re
 from pathlib import Path
 
 import pytest
@@ -15,6 +14,7 @@ from sar_tui.export.csv_file import CsvWriter, cell
 from sar_tui.export.formats.bids import tsv
 from tests.export.exported import read_csv
 from tests.program import Call
+from tests.store.by_hand import insert
 
 ATTACK = '=HYPERLINK("http://127.0.0.1/?"&A1,"x")\x1b]0;title\x07'
 
@@ -50,21 +50,15 @@ def test_every_text_is_one_cell_without_control_characters(text: str) -> None:
 def test_typed_formulas_leave_as_text_in_all_formats(
     call: Call, simulated: str, tmp_path: Path
 ) -> None:
-    with closing(sqlite3.connect(tmp_path / "data" / "sar-tui.db")) as database, database:
-        database.execute(
-            "INSERT INTO notes (session, at_ns, author, text) VALUES (?, 1, 'x', ?)",
-            (simulated, ATTACK),
-        )
+    insert(tmp_path / "data", "notes", session=simulated, at_ns=1, author="x", text=ATTACK)
     for form in ("csv", "psych-ds", "bids"):
-        words = ("--simulated", "--with-notes", "--format", form, "--to", tmp_path / form)
-        assert call("export", simulated, *words).code == 0
+        words = f"export --all --simulated --with-notes --format {form} --to"
+        assert call(words, tmp_path / form).code == 0
     (note,) = [row for row in read_csv(tmp_path / "csv", "notes") if "HYPERLINK" in row["text"]]
     assert note["text"] == "'" + ATTACK.replace("\x1b", "␛").replace("\x07", "␇")
     for path in tmp_path.rglob("*.[ct]sv"):
         text = path.read_text(encoding="utf-8")
-        assert "\x1b" not in text
-        assert "\t=HYPER" not in text
-        assert ',"=HYPER' not in text
+        assert [sign for sign in ("\x1b", "\t=HYPER", ',"=HYPER') if sign in text] == []
 
 
 def test_a_tsv_has_the_same_care() -> None:
@@ -75,10 +69,6 @@ def test_a_tsv_has_the_same_care() -> None:
 
 def test_there_is_one_writer_of_csv() -> None:
     package = Path(sar_tui.__file__).parent
-    users = [
-        path.relative_to(package).as_posix()
-        for path in package.rglob("*.py")
-        if "csv.writer" in path.read_text(encoding="utf-8")
-        or "DictWriter" in path.read_text(encoding="utf-8")
-    ]
-    assert users == ["export/csv_file.py"]
+    writes = re.compile("csv.writer|DictWriter")
+    users = [path for path in package.rglob("*.py") if writes.search(path.read_text("utf-8"))]
+    assert users == [package / "export" / "csv_file.py"]

@@ -2,17 +2,17 @@
 
 import re
 import runpy
-import sqlite3
 import subprocess
-from contextlib import closing
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from sar_tui.store.tables import TRIALS
 from tests.export.exported import export_as, export_csv, read_csv
 from tests.needs_statistics import needs_octave, needs_r
-from tests.program import Call
+from tests.played import simulated as simulate
+from tests.store.by_hand import insert, sql
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = (DOCS / "analyse-exports.md").read_text(encoding="utf-8")
@@ -32,30 +32,27 @@ REACTION, REACH = "reaction_time_ms", "details_reach_time_ms"
 
 
 @pytest.fixture
-def study(call: Call, simulated: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Means:
+def study(simulated: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Means:
     """Exports in the folders ``study`` and ``study-mat`` here; the mean times, from the
     database.
     """
-    call("simulate", "reaching", "--user", "average", "--attempts", 2, "--seed", 2, "-p", "P02")
-    _add_odd_trials(tmp_path / "data")
-    export_csv(tmp_path / "data", tmp_path / "study")
-    export_as("mat", tmp_path / "data", tmp_path / "study-mat", with_notes=True)
+    data = tmp_path / "data"
+    simulate(data, "reaching", "P02", seed=2, attempts=2)
+    _add_odd_trials(data)
+    export_csv(data, tmp_path / "study")
+    export_as("mat", data, tmp_path / "study-mat", with_notes=True)
     monkeypatch.chdir(tmp_path)
-    with closing(sqlite3.connect(tmp_path / "data" / "sar-tui.db")) as database:
-        rows = database.execute(
-            "SELECT task, participant, level, avg(reaction_time_ms), avg(json_extract(details, "
-            "'$.reach_time_ms')) FROM trials JOIN attempts USING (session, attempt, seat) JOIN "
-            "seats USING (session, seat) JOIN sessions ON sessions.id=session WHERE "
-            "trials.correct AND NOT practice GROUP BY 1, 2, 3"
-        ).fetchall()
-    means: Means = {
-        name: {
-            tuple(row[:3]): pytest.approx(row[index], rel=1e-12)
-            for row in rows
-            if row[index] is not None
-        }
-        for name, index in ((REACTION, 3), (REACH, 4))
-    }
+    rows = sql(
+        data,
+        "SELECT task, participant, level, avg(reaction_time_ms), avg(json_extract(details, '$.reach_time_ms'))"
+        " FROM trials JOIN attempts USING (session, attempt, seat) JOIN seats USING (session, seat)"
+        " JOIN sessions ON sessions.id=session WHERE trials.correct AND NOT practice GROUP BY 1, 2, 3",
+    )
+    means: Means = {REACTION: {}, REACH: {}}
+    for *group, reaction, reach in rows:
+        for name, mean in ((REACTION, reaction), (REACH, reach)):
+            if mean is not None:
+                means[name][tuple(group)] = pytest.approx(mean, rel=1e-12)  # type: ignore[index]
     assert len(means[REACTION]) > len(means[REACH]) > 0
     return means
 
@@ -64,38 +61,27 @@ def _add_odd_trials(data: Path) -> None:
     """Add a miss, trials of an attempt that was cut off, and a note; make the first attempts
     practice.
     """
-    with closing(sqlite3.connect(data / "sar-tui.db")) as database, database:
-        database.execute("UPDATE attempts SET practice=(attempt=1)")
-        database.execute(
-            "UPDATE trials SET response=NULL, reaction_time_ms=NULL WHERE trial=2 AND attempt=3"
-        )
-        columns = (
-            "session, trial, seat, run, stimulus, response, correct, onset_ns, response_ns, "
-            "reaction_time_ms, timing, details"
-        )
-        database.execute(
-            f"INSERT INTO trials (attempt, {columns}) SELECT 99, {columns} FROM trials WHERE "
-            "attempt=2"
-        )
-        database.execute(
-            "INSERT INTO notes (session, at_ns, author, text) SELECT id, 1, 'operator', 'año' "
-            "FROM sessions"
-        )
+    sql(data, "UPDATE attempts SET practice=(attempt=1)")
+    missed = "response=NULL, reaction_time_ms=NULL"
+    sql(data, f"UPDATE trials SET {missed} WHERE trial=2 AND attempt=3")
+    columns = ", ".join(name for name in TRIALS.names if name != "attempt")
+    cut_off = f"SELECT 99, {columns} FROM trials WHERE attempt=2"
+    sql(data, f"INSERT INTO trials (attempt, {columns}) {cut_off}")
+    for (id,) in sql(data, "SELECT id FROM sessions"):
+        insert(data, "notes", session=id, at_ns=1, author="operator", text="año")
 
 
 def _means(lines: list[list[str]]) -> dict[Group, float]:
-    return {
-        (task, code, int(level)): float(mean) for task, code, level, mean in lines if mean != "NaN"
-    }
+    known = [line for line in lines if line[3] != "NaN"]
+    return {(task, code, int(level)): float(mean) for task, code, level, mean in known}
 
 
 def test_python(study: Means, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "script.py").write_text(script("python standard library"))
     runpy.run_path(str(tmp_path / "script.py"))
     lines = [line.split() for line in capsys.readouterr().out.splitlines()]
-    assert {
-        name: _means([rest for first, *rest in lines if first == name]) for name in study
-    } == study
+    for name, means in study.items():
+        assert _means([rest for first, *rest in lines if first == name]) == means
 
 
 def test_pandas(study: Means, tmp_path: Path) -> None:
@@ -122,11 +108,8 @@ def test_r(study: Means, tmp_path: Path) -> None:
 @needs_octave
 def test_octave(study: Means, tmp_path: Path) -> None:
     lines = [line.split() for line in _octave(script("matlab"))]
-    found = {
-        name: _means([[*line[:3], line[index]] for line in lines])
-        for name, index in ((REACTION, 3), (REACH, 4))
-    }
-    assert found == study
+    for index, name in enumerate((REACTION, REACH), 3):
+        assert _means([[*line[:3], line[index]] for line in lines]) == study[name]
 
 
 @needs_octave
@@ -135,17 +118,13 @@ def test_octave_reads_samples_and_texts(study: Means, tmp_path: Path) -> None:
     example = re.sub(r"session_\w+", f"session_{samples[0]['session']}", script("matlab samples"))
     said = _octave("\n".join([example, script("matlab texts"), "disp(notes{1})"]))
     found = [float(line.split()[-2]) for line in said if line.startswith("attempt")]
-    assert found == [
-        pytest.approx(
-            max(
-                abs(each["rate_z"])
-                for each in samples
-                if trial["onset_ns"] <= each["at_ns"] <= trial["response_ns"]
-            )
-        )
-        for trial in trials
-        if trial["details_reach_time_ms"] is not None
-    ]
+
+    def largest(trial: dict[str, Any]) -> float:
+        begin, end = trial["onset_ns"], trial["response_ns"]
+        return max(abs(each["rate_z"]) for each in samples if begin <= each["at_ns"] <= end)
+
+    reaches = [trial for trial in trials if trial["details_reach_time_ms"] is not None]
+    assert found == [pytest.approx(largest(trial)) for trial in reaches]
     assert said[-1] == "año"
 
 

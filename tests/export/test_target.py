@@ -15,10 +15,10 @@ from sar_tui.export.errors import ExportError
 from sar_tui.export.target import sync, target, write_manifest
 
 
-def made(folder: Path, text: str = "1") -> None:
+def made(folder: Path, text: str = "1", name: str = "a.csv") -> None:
     """Make an export that holds one file."""
     with target(folder, "csv") as hidden:
-        (hidden / "a.csv").write_text(text)
+        (hidden / name).write_text(text)
         write_manifest(hidden, format="csv")
         sync(hidden)
 
@@ -64,32 +64,26 @@ def test_a_failure_leaves_an_earlier_export_whole(tmp_path: Path, error: BaseExc
 
 def test_an_earlier_export_is_replaced_as_a_whole(tmp_path: Path) -> None:
     made(tmp_path / "out")
-    with target(tmp_path / "out", "csv") as hidden:
-        (hidden / "b.csv").write_text("2")
-        write_manifest(hidden, format="csv")
-        sync(hidden)
+    made(tmp_path / "out", "2", "b.csv")
     assert names(tmp_path / "out") == ["b.csv", "sar-tui-export.json"]
     assert names(tmp_path) == ["out"]
 
 
 def test_other_files_are_never_touched(tmp_path: Path) -> None:
     foreign, mixed, file = tmp_path / "foreign", tmp_path / "mixed", tmp_path / "file"
-    foreign.mkdir()
-    (foreign / "thesis.tex").write_text("x")
     made(mixed)
-    (mixed / "plots").mkdir()
-    (mixed / "plots" / "mine.R").write_text("x")
-    file.write_text("x")
-    for folder, said in (
-        (foreign, "holds other files"),
-        (mixed, "plots/mine.R"),
-        (file, "is a file"),
-    ):
-        with pytest.raises(ExportError, match=said), target(folder, "csv"):
-            pytest.fail("nothing may be written")
     made(tmp_path / "out")
-    with pytest.raises(ExportError, match="in the format csv"), target(tmp_path / "out", "mat"):
-        pytest.fail("nothing may be written")
+    for other in (foreign / "thesis.tex", mixed / "plots" / "mine.R", file):
+        other.parent.mkdir(exist_ok=True)
+        other.write_text("x")
+    for folder, form, said in (
+        (foreign, "csv", "holds other files"),
+        (mixed, "csv", "plots/mine.R"),
+        (file, "csv", "is a file"),
+        (tmp_path / "out", "mat", "in the format csv"),
+    ):
+        with pytest.raises(ExportError, match=said), target(folder, form):
+            pytest.fail("nothing may be written")
 
 
 def test_files_that_somebody_puts_there_meanwhile_are_not_touched(tmp_path: Path) -> None:
@@ -120,14 +114,8 @@ with target(Path(sys.argv[1]), "csv") as hidden:
 @pytest.mark.skipif(os.name != "posix", reason="kills a process")
 def test_the_next_removes_what_a_killed_export_left_and_not_a_running_one(tmp_path: Path) -> None:
     made(tmp_path / "out")
-    programs = [
-        subprocess.Popen(
-            [sys.executable, "-c", WRITES_ON, tmp_path / "out"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-        )
-        for _ in range(2)
-    ]
+    command, pipe = [sys.executable, "-c", WRITES_ON, tmp_path / "out"], subprocess.PIPE
+    programs = [subprocess.Popen(command, stdin=pipe, stdout=pipe) for _ in range(2)]
     try:
         for program in programs:
             assert program.stdout
@@ -157,18 +145,12 @@ def test_an_export_is_put_back_if_a_program_was_killed_replacing_it(tmp_path: Pa
 
 def test_a_folder_that_cannot_be_made_is_named_and_no_hidden_one(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("mine")
-    with pytest.raises(ExportError) as refused:
-        made(tmp_path / "file" / "deep" / "out")
-    assert (
-        str(refused.value)
-        == f"{tmp_path / 'file' / 'deep' / 'out'} cannot be made: {tmp_path / 'file'} is a file."
-    )
-    assert refused.value.bad_input
-
-
-def test_a_name_that_leaves_no_room_for_the_hidden_one_is_too_long(tmp_path: Path) -> None:
-    folder = tmp_path / ("a" * 250)
-    with pytest.raises(ExportError) as refused:
-        made(folder)
-    assert str(refused.value) == f"{folder} is too long for the name of a file or folder."
-    assert refused.value.bad_input
+    under, long = tmp_path / "file" / "deep" / "out", tmp_path / ("a" * 250)
+    for folder, said in (
+        (under, f"{under} cannot be made: {tmp_path / 'file'} is a file."),
+        (long, f"{long} is too long for the name of a file or folder."),
+    ):
+        with pytest.raises(ExportError) as refused:
+            made(folder)
+        assert str(refused.value) == said
+        assert refused.value.bad_input

@@ -16,34 +16,22 @@ START = datetime(2026, 2, 27, 10, tzinfo=UTC)
 
 
 def session(
-    number: int,
-    results: Sequence[AttemptResult],
-    parameters: Mapping[str, Any] = {},
-    *,
-    on_day: int | None = None,
-    **more: Any,
-) -> SessionResults:
+    number: int, results: Sequence[AttemptResult], parameters: Mapping[str, Any] = {}, *,
+    on_day: int | None = None, **more: Any,
+) -> SessionResults:  # fmt: skip
     """Return session ``number``, played ``on_day`` days after the first day; by default on a day of
     its own.
     """
+    began = START + timedelta(days=number if on_day is None else on_day, minutes=number)
+    times = [result.metric for result in results if result.metric is not None]
     facts: dict[str, Any] = {
-        "session": f"session{number:03}",
-        "began": START + timedelta(days=number if on_day is None else on_day, minutes=number),
-        "task": "keyboard",
-        "title": "Keyboard reaction",
-        "task_version": "2",
-        "seat": "A",
-        "mode": "live",
-        "status": "completed",
-        "metric": REACTION_TIME,
-        "parameters": {"attempts": 20, **parameters},
-        "results": results,
-        "reached": sum(result.metric is not None and result.metric < 1000 for result in results),
-        "trials": 20 * len(results),
-        "right": sum(result.correct for result in results),
-        "seconds": 30.0 * len(results),
-        "qualities": {},
-    }
+        "session": f"session{number:03}", "began": began, "task": "keyboard",
+        "title": "Keyboard reaction", "task_version": "2", "seat": "A", "mode": "live",
+        "status": "completed", "metric": REACTION_TIME, "parameters": {"attempts": 20, **parameters},
+        "results": results, "reached": sum(time < 1000 for time in times),
+        "trials": 20 * len(results), "right": sum(result.correct for result in results),
+        "seconds": 30.0 * len(results), "qualities": {},
+    }  # fmt: skip
     return SessionResults(**(facts | more))
 
 

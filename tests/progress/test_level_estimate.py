@@ -67,20 +67,17 @@ def test_a_robust_line_crosses_the_goal_within_the_band(seed: int, stats: Any) -
 def test_the_band_is_fiellers_set(stats: Any) -> None:
     """Its ends are where the line's own 95 % error reaches the goal."""
     attempts = session(2, n=5)[:5] + session(3)[5:]
-    estimate = found(attempts)
-    near, slope = near_goal(attempts), slope_of(attempts)
+    estimate, near, slope = found(attempts), near_goal(attempts), slope_of(attempts)
     assert slope is not None
-    mean = sum(each.difficulty for each in near) / len(near)
-    height = sum(each.distance for each in near) / len(near)
-    rest = sum(
-        (each.distance - height - slope.value * (each.difficulty - mean)) ** 2 for each in near
-    )
-    t = stats.t.ppf(0.975, len(near) - 2)
+    n = len(near)
+    mean = sum(each.difficulty for each in near) / n
+    height = sum(each.distance for each in near) / n
+    rests = (each.distance - height - slope.value * (each.difficulty - mean) for each in near)
+    variance = sum(rest**2 for rest in rests) / (n - 2) / n
+    t = stats.t.ppf(0.975, n - 2)
     for end in (estimate.low, estimate.high):
         line = height + slope.value * (end - mean)
-        error = t * math.sqrt(
-            rest / (len(near) - 2) / len(near) + slope.variance * (end - mean) ** 2
-        )
+        error = t * math.sqrt(variance + slope.variance * (end - mean) ** 2)
         assert abs(line) == pytest.approx(error)
 
 
@@ -121,11 +118,8 @@ def test_a_slope_that_is_not_well_known_is_used_only_if_there_is_no_other() -> N
 
 
 def test_slopes_that_differ_between_sessions_are_less_sure() -> None:
-    alike, apart = (
-        [Slope(170.0, 25.0, 18)] * 4,
-        [Slope(value, 25.0, 18) for value in (110.0, 150.0, 190.0, 230.0)],
-    )
-    same, spread = shared_slope(alike), shared_slope(apart)
+    same = shared_slope([Slope(170.0, 25.0, 18)] * 4)
+    spread = shared_slope([Slope(value, 25.0, 18) for value in (110.0, 150.0, 190.0, 230.0)])
     assert same is not None
     assert spread is not None
     assert (same.value, spread.value) == (pytest.approx(170.0), pytest.approx(170.0))

@@ -24,27 +24,25 @@ def found(keyboard: type[Task], *sessions: object) -> list[Line]:
 
 def test_sessions_with_the_same_settings_share_a_line(keyboard: type[Task]) -> None:
     (line,) = found(keyboard, *(session(number, adapted(number)) for number in range(3)))
-    assert [point.results.session for point in line.points] == [
-        "session000",
-        "session001",
-        "session002",
-    ]
+    assert [point.results.session for point in line.points] == [f"session00{n}" for n in range(3)]
     assert all(point.estimate for point in line.points)
     assert line.measure == "level"
 
 
+_OTHERWISE = [
+    {"threshold": 900.0},
+    {"choice_set": "left hand"},
+    {"prompts_per_attempt": 10},
+    {"response_timeout_ms": 3000},
+]
+
+
+_OTHERS = [{"seat": "B"}, {"mode": "simulated"}, {"task_version": "0"}, {"task": "other"}]
+
+
 @pytest.mark.parametrize(
     ("parameters", "more"),
-    [
-        ({"threshold": 900.0}, {}),
-        ({"choice_set": "left hand"}, {}),
-        ({"prompts_per_attempt": 10}, {}),
-        ({"response_timeout_ms": 3000}, {}),
-        ({}, {"seat": "B"}),
-        ({}, {"mode": "simulated"}),
-        ({}, {"task_version": "0"}),
-        ({}, {"task": "other"}),
-    ],
+    [*((parameters, {}) for parameters in _OTHERWISE), *(({}, more) for more in _OTHERS)],
 )
 def test_sessions_that_measured_otherwise_never_share_a_line(
     keyboard: type[Task], parameters: dict[str, object], more: dict[str, str]
@@ -54,9 +52,13 @@ def test_sessions_that_measured_otherwise_never_share_a_line(
 
 
 @pytest.mark.parametrize(
-    "parameters", [{"attempts": 5}, {"start_level": 4}, {"feedback_every": 3}, {"language": "es"}]
-)
-def test_what_does_not_bear_on_times_leaves_the_line_whole(
+    "parameters",
+    [
+        {"attempts": 5}, {"start_level": 4}, {"feedback_every": 3}, {"language": "es"},
+        {"threshold": 1000.0, "levels": []},
+    ],
+)  # fmt: skip
+def test_defaults_and_what_does_not_bear_on_times_leave_the_line_whole(
     keyboard: type[Task], parameters: dict[str, object]
 ) -> None:
     (line,) = found(keyboard, session(1, adapted(1)), session(2, adapted(2), parameters))
@@ -64,29 +66,16 @@ def test_what_does_not_bear_on_times_leaves_the_line_whole(
 
 
 def test_the_line_with_the_newest_session_comes_last(keyboard: type[Task]) -> None:
-    fast = {"threshold": 800.0}
-    both = found(
-        keyboard, session(1, adapted(1)), session(2, adapted(2), fast), session(3, adapted(3))
-    )
+    fast = session(2, adapted(2), {"threshold": 800.0})
+    both = found(keyboard, session(1, adapted(1)), fast, session(3, adapted(3)))
     assert [len(line.points) for line in both] == [1, 2]
-
-
-def test_a_value_left_at_its_default_and_one_set_to_it_are_the_same(keyboard: type[Task]) -> None:
-    (line,) = found(
-        keyboard,
-        session(1, adapted(1)),
-        session(2, adapted(2), {"threshold": 1000.0, "levels": []}),
-    )
-    assert len(line.points) == 2
 
 
 def test_a_session_on_one_side_of_the_goal_says_so(keyboard: type[Task]) -> None:
     easy, hard = at_one_level(1, 500.0), at_one_level(2, 1900.0)
     (line,) = found(keyboard, session(1, easy), session(2, hard))
-    assert [(point.estimate, point.side) for point in line.points] == [
-        (None, "easier"),
-        (None, "harder"),
-    ]
+    sides = [(point.estimate, point.side) for point in line.points]
+    assert sides == [(None, "easier"), (None, "harder")]
 
 
 def test_fast_attempts_with_too_many_errors_are_not_too_easy(keyboard: type[Task]) -> None:
@@ -96,9 +85,8 @@ def test_fast_attempts_with_too_many_errors_are_not_too_easy(keyboard: type[Task
 
 
 def test_where_the_level_never_changed_the_result_is_the_measure(keyboard: type[Task]) -> None:
-    (line,) = found(
-        keyboard, session(1, at_one_level(1, 960.0)), session(2, at_one_level(2, 900.0))
-    )
+    slow, fast = session(1, at_one_level(1, 960.0)), session(2, at_one_level(2, 900.0))
+    (line,) = found(keyboard, slow, fast)
     assert (line.measure, line.fixed_level) == ("result", 3)
     first, second = (line.value(point) for point in line.points)
     assert first is not None

@@ -58,29 +58,24 @@ def test_only_earlier_live_sessions_with_the_same_settings_are_on_its_line(task:
 def test_today_and_an_earlier_day_are_told_in_the_measure_of_the_line(task: Task) -> None:
     began = START.date()
     earlier = [session(0, alike(540.0)), session(1, alike(200.0), on_day=0, status="aborted")]
-
-    def told(days: int) -> str:
-        return said(earlier, alike(480.0), task, began + timedelta(days=days)).removesuffix(
-            f" {KIND}"
-        )
-
-    assert told(4) == "Today 0.48 seconds, Friday 0.54 seconds."
-    assert told(0) == "Today 0.48 seconds, earlier today 0.54 seconds."
-    assert told(1) == "Today 0.48 seconds, yesterday 0.54 seconds."
-    assert told(12) == "Today 0.48 seconds, 12 days ago 0.54 seconds."
-    by_level = said(
-        [session(0, adapted(0, base=600.0))], adapted(1), task, began + timedelta(days=1)
-    )
+    for days, before in {
+        4: "Friday",
+        0: "earlier today",
+        1: "yesterday",
+        12: "12 days ago",
+    }.items():
+        told = said(earlier, alike(480.0), task, began + timedelta(days=days))
+        assert told == f"Today 0.48 seconds, {before} 0.54 seconds. {KIND}"
+    first = [session(0, adapted(0, base=600.0))]
+    by_level = said(first, adapted(1), task, began + timedelta(days=1))
     assert by_level.startswith("Level at goal: today 3.")
     assert ", yesterday 2." in by_level
 
 
 def test_the_words_are_also_spanish(task: Task) -> None:
     spanish = type(task)(build(type(task).Parameters, {"language": "es"}))
-    earlier = [session(0, alike(540.0))]
-    assert said(earlier, alike(480.0), spanish, date(2026, 3, 3)).startswith(
-        "Hoy 0,48 segundos; el viernes, 0,54 segundos. "
-    )
+    told = said([session(0, alike(540.0))], alike(480.0), spanish, date(2026, 3, 3))
+    assert told.startswith("Hoy 0,48 segundos; el viernes, 0,54 segundos. ")
 
 
 def test_the_verdict_is_of_the_line_and_its_words_are_kind_in_both_directions(task: Task) -> None:
@@ -112,17 +107,13 @@ def test_a_participant_reads_no_other_verdict_than_a_therapist(
 def test_a_session_that_was_all_too_easy_is_not_called_worse_after_a_worse_one(
     keyboard: type[Task], task: Task
 ) -> None:
-    earlier = [
-        *(session(number, adapted(number)) for number in range(5)),
-        session(5, adapted(5, base=750.0)),
-    ]
-    (worse,) = lines(earlier, {"keyboard": keyboard}.get)
+    def earlier(base: float) -> list[SessionResults]:
+        return [*(session(n, adapted(n)) for n in range(5)), session(5, adapted(5, base=base))]
+
+    (worse,) = lines(earlier(750.0), {"keyboard": keyboard}.get)
     assert worse.verdict == "less"
-    line = line_with(earlier, task, "now", [AttemptResult(3, 400.0, 20)] * 12)
-    assert line is not None
-    assert line.verdict == "not yet known"
-    assert beside_previous(line, date(2026, 3, 20), Language()) == ""
-    hard = [AttemptResult(1, 1400.0, 20)] * 12
-    better = line_with([*earlier[:5], session(5, adapted(5, base=50.0))], task, "now", hard)
-    assert better is not None
-    assert better.verdict == "not yet known"
+    for base, now in ((750.0, AttemptResult(3, 400.0, 20)), (50.0, AttemptResult(1, 1400.0, 20))):
+        line = line_with(earlier(base), task, "now", [now] * 12)
+        assert line is not None
+        assert line.verdict == "not yet known"
+        assert base < 100 or beside_previous(line, date(2026, 3, 20), Language()) == ""
