@@ -62,7 +62,7 @@ def data(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def map(tmp_path: Path) -> Path:
+def map_path(tmp_path: Path) -> Path:
     """The path of a map of codes."""
     return tmp_path / "map.csv"
 
@@ -74,9 +74,9 @@ def read_map(path: Path) -> dict[str, tuple[str, int]]:
 
 
 def test_no_code_leaves_and_the_map_brings_them_back(data: Path, tmp_path: Path) -> None:
-    map, out = tmp_path / "kept" / "map.csv", tmp_path / "out"
-    export_csv(data, out, recode=map)
-    codes = read_map(map)
+    map_path, out = tmp_path / "kept" / "map.csv", tmp_path / "out"
+    export_csv(data, out, recode=map_path)
+    codes = read_map(map_path)
     assert set(codes) == CODES
     for path in out.iterdir():
         assert [code for code in CODES if code in path.read_text("utf-8")] == [], path.name
@@ -84,10 +84,12 @@ def test_no_code_leaves_and_the_map_brings_them_back(data: Path, tmp_path: Path)
         plain = Counter(codes[row["participant"]][0] for row in csv_of(data, table))
         assert plain == Counter(row["participant"] for row in read_csv(out, table))
     assert frictionless.validate(str(out / "datapackage.json")).valid
-    assert os.name != "posix" or map.stat().st_mode & 0o777 == 0o600
+    assert os.name != "posix" or map_path.stat().st_mode & 0o777 == 0o600
 
 
-def test_a_format_gets_no_code_but_the_random_ones(data: Path, map: Path, tmp_path: Path) -> None:
+def test_a_format_gets_no_code_but_the_random_ones(
+    data: Path, map_path: Path, tmp_path: Path
+) -> None:
     seen: set[str] = set()
 
     class Names:
@@ -99,8 +101,8 @@ def test_a_format_gets_no_code_but_the_random_ones(data: Path, map: Path, tmp_pa
                     seen.add(owner)
                     seen.update(str(value) for row in contents.rows(table, owner) for value in row)
 
-    export_as(Names(), data, tmp_path / "out", recode=map)  # type: ignore[arg-type]
-    assert {code for code, _ in read_map(map).values()} <= seen
+    export_as(Names(), data, tmp_path / "out", recode=map_path)  # type: ignore[arg-type]
+    assert {code for code, _ in read_map(map_path).values()} <= seen
     assert seen & CODES == set()
 
 
@@ -113,10 +115,10 @@ _DATES = {
 
 
 def test_all_dates_of_a_person_are_shifted_by_the_same_days(
-    data: Path, map: Path, tmp_path: Path
+    data: Path, map_path: Path, tmp_path: Path
 ) -> None:
-    export_csv(data, tmp_path / "out", recode=map)
-    codes = read_map(map)
+    export_csv(data, tmp_path / "out", recode=map_path)
+    codes = read_map(map_path)
     assert all(-365 <= days <= -1 for _, days in codes.values())
     assert codes["ANNA"][1] == codes["BEA"][1], "they had a session together"
     for table, column in _DATES.items():
@@ -131,45 +133,45 @@ def test_all_dates_of_a_person_are_shifted_by_the_same_days(
         assert row["clock_utc"][:10] == began[row["session"]][:10]
 
 
-def test_a_map_is_used_again(data: Path, map: Path) -> None:
-    map.write_text("code,recoded,shift_days,key\r\nBEA,XY,-3,ab12\r\n")
-    one = csv_of(data, "trials", recode=map)
-    first = read_map(map)
-    two = csv_of(data, "trials", recode=map)
-    assert read_map(map) == first
+def test_a_map_is_used_again(data: Path, map_path: Path) -> None:
+    map_path.write_text("code,recoded,shift_days,key\r\nBEA,XY,-3,ab12\r\n")
+    one = csv_of(data, "trials", recode=map_path)
+    first = read_map(map_path)
+    two = csv_of(data, "trials", recode=map_path)
+    assert read_map(map_path) == first
     assert (first["BEA"], first["ANNA"][1]) == (("XY", -3), -3)
     same = "the same ids of sessions, in another order"
     assert Counter(str(row) for row in one) == Counter(str(row) for row in two), same
 
 
-def test_a_map_of_an_earlier_version_gets_a_key(data: Path, map: Path, tmp_path: Path) -> None:
-    map.write_text("code,recoded,shift_days\r\nANNA,A,-1\r\nBEA,B,-3\r\nCARL,C,-2\r\n")
-    export_csv(data, tmp_path / "out", recode=map)
-    assert read_map(map) == {"ANNA": ("A", -1), "BEA": ("B", -3), "CARL": ("C", -2)}
-    with map.open(encoding="utf-8", newline="") as file:
+def test_a_map_of_an_earlier_version_gets_a_key(data: Path, map_path: Path, tmp_path: Path) -> None:
+    map_path.write_text("code,recoded,shift_days\r\nANNA,A,-1\r\nBEA,B,-3\r\nCARL,C,-2\r\n")
+    export_csv(data, tmp_path / "out", recode=map_path)
+    assert read_map(map_path) == {"ANNA": ("A", -1), "BEA": ("B", -3), "CARL": ("C", -2)}
+    with map_path.open(encoding="utf-8", newline="") as file:
         (key,) = {row["key"] for row in csv.DictReader(file)}
     assert len(key) == 32
 
 
-def test_ids_and_seeds_leave_as_others_equal_where_they_were(data: Path, map: Path) -> None:
+def test_ids_and_seeds_leave_as_others_equal_where_they_were(data: Path, map_path: Path) -> None:
     sql(data, "UPDATE sessions SET seed=7 WHERE task='keyboard'")
-    plain, recoded = csv_of(data, "sessions"), csv_of(data, "sessions", recode=map)
+    plain, recoded = csv_of(data, "sessions"), csv_of(data, "sessions", recode=map_path)
     for name in ("session", "seed"):
         assert {row[name] for row in plain} & {row[name] for row in recoded} == set()
     ids = {row["session"] for row in recoded}
     assert len(ids) == len(plain)
     assert len({row["seed"] for row in recoded if row["task"] == "keyboard"}) == 1
-    assert {row["session"] for row in csv_of(data, "trials", recode=map)} <= ids
+    assert {row["session"] for row in csv_of(data, "trials", recode=map_path)} <= ids
 
 
 def test_versions_leave_only_if_all_sessions_have_the_same(
-    data: Path, map: Path, tmp_path: Path
+    data: Path, map_path: Path, tmp_path: Path
 ) -> None:
-    same = csv_of(data, "sessions", recode=map)
+    same = csv_of(data, "sessions", recode=map_path)
     assert all(row["sar_tui"] and row["task_sha256"] for row in same)
     another = "software=json_set(software, '$.sar_tui', '0.0.1')"
     sql(data, f"UPDATE sessions SET {another} WHERE rowid=(SELECT min(rowid) FROM sessions)")
-    left_out = export_csv(data, tmp_path / "out", recode=map).left_out
+    left_out = export_csv(data, tmp_path / "out", recode=map_path).left_out
     assert {"sessions.sar_tui", "runs.sar_tui"} <= set(left_out)
     for row in read_csv(tmp_path / "out", "sessions"):
         assert "sar_tui" not in row
@@ -179,11 +181,11 @@ def test_versions_leave_only_if_all_sessions_have_the_same(
 
 
 def test_problems_name_sessions_as_they_leave_in_files_and_as_they_are_here_on_the_terminal(
-    data: Path, map: Path, tmp_path: Path
+    data: Path, map_path: Path, tmp_path: Path
 ) -> None:
     some = value(data, "SELECT id FROM sessions LIMIT 1")
     sql(data, "UPDATE runs SET clock_anchor='{' WHERE session=?", some)
-    problems = export_csv(data, tmp_path / "out", recode=map).problems
+    problems = export_csv(data, tmp_path / "out", recode=map_path).problems
     (problem,) = set(problems) - {_UNRECORDED}
     assert problem.startswith(f"runs, session {some}, run 1: ")
     manifest = (tmp_path / "out" / "sar-tui-export.json").read_text()
@@ -207,12 +209,12 @@ def test_problems_name_sessions_as_they_leave_in_files_and_as_they_are_here_on_t
     ],
 )
 def test_a_file_that_is_no_map_is_not_touched(
-    data: Path, map: Path, tmp_path: Path, text: str
+    data: Path, map_path: Path, tmp_path: Path, text: str
 ) -> None:
-    map.write_text(text)
+    map_path.write_text(text)
     with pytest.raises(ExportError, match="not a map of codes"):
-        export_csv(data, tmp_path / "out", recode=map)
-    assert (map.read_text(), (tmp_path / "out").exists()) == (text, False)
+        export_csv(data, tmp_path / "out", recode=map_path)
+    assert (map_path.read_text(), (tmp_path / "out").exists()) == (text, False)
 
 
 def test_the_map_never_leaves_with_the_data(data: Path, tmp_path: Path) -> None:
@@ -225,20 +227,20 @@ def test_the_map_never_leaves_with_the_data(data: Path, tmp_path: Path) -> None:
 
 
 def test_copies_of_the_map_a_killed_program_left_are_removed(
-    data: Path, map: Path, tmp_path: Path
+    data: Path, map_path: Path, tmp_path: Path
 ) -> None:
-    export_csv(data, tmp_path / "out", recode=map)
+    export_csv(data, tmp_path / "out", recode=map_path)
     for name in (".map.csv.a1_b2c3d", "map.csv.a1_b2c3d", ".other.csv.a1_b2c3d"):
-        (tmp_path / name).write_bytes(map.read_bytes())
-    export_csv(data, tmp_path / "out", recode=map)
+        (tmp_path / name).write_bytes(map_path.read_bytes())
+    export_csv(data, tmp_path / "out", recode=map_path)
     kept = {path.name for path in tmp_path.iterdir() if path.is_file()} - {".map.csv.lock"}
     assert kept == {"map.csv", "map.csv.a1_b2c3d", ".other.csv.a1_b2c3d"}
 
 
 def test_a_new_map_of_an_export_that_failed_is_named(
-    call: Call, data: Path, map: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    call: Call, data: Path, map_path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    words = ("export --all --simulated --to", tmp_path / "out", "--recode", map)
+    words = ("export --all --simulated --to", tmp_path / "out", "--recode", map_path)
 
     def fail(*_: Any) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -247,13 +249,13 @@ def test_a_new_map_of_an_export_that_failed_is_named(
         patched.setattr("sar_tui.export.export.write_manifest", fail)
         failed = call(*words)
         assert failed.code == 1
-        assert f"! {map} was made, and nothing was exported with it" in failed.err
+        assert f"! {map_path} was made, and nothing was exported with it" in failed.err
         assert "was made" not in call(*words).err, "it was there before"
     assert call(*words).code == 0
 
 
 def test_two_exports_at_once_agree_on_the_codes(
-    data: Path, map: Path, monkeypatch: pytest.MonkeyPatch
+    data: Path, map_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The second one must not read the map before the codes of the first are in it, and then
     replace them.
@@ -269,31 +271,31 @@ def test_two_exports_at_once_agree_on_the_codes(
 
     def another() -> None:
         with closing(connect(data)) as database, pytest.raises(ExportError) as refused:
-            recoding_module.recoding(database, map, CODES)
+            recoding_module.recoding(database, map_path, CODES)
         told.append(str(refused.value))
 
     monkeypatch.setattr(recoding_module, "_LOCK_TIMEOUT_S", 0)
     monkeypatch.setattr(recoding_module, "_write", write_while_another_begins)
     with closing(connect(data)) as database:
-        given = recoding_module.recoding(database, map, CODES)
-    assert told == [f"Another export is writing {map}. Try again when it has ended."]
+        given = recoding_module.recoding(database, map_path, CODES)
+    assert told == [f"Another export is writing {map_path}. Try again when it has ended."]
     codes = {code: (each.code, each.shift_days) for code, each in given.people.items()}
-    assert read_map(map) == codes
+    assert read_map(map_path) == codes
 
 
 def test_a_map_that_cannot_be_made_is_named(call: Call, data: Path, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    map = tmp_path / "file" / "map.csv"
-    refused = call("export --all --simulated --to", tmp_path / "out", "--recode", map)
+    map_path = tmp_path / "file" / "map.csv"
+    refused = call("export --all --simulated --to", tmp_path / "out", "--recode", map_path)
     assert refused.code == 2
-    assert refused.err == f"{map} cannot be made: {tmp_path / 'file'} is a file.\n"
+    assert refused.err == f"{map_path} cannot be made: {tmp_path / 'file'} is a file.\n"
     assert not (tmp_path / "out").exists()
 
 
 def test_a_folder_of_many_sites_is_replaced_with_the_same_map_only(
-    data: Path, map: Path, tmp_path: Path
+    data: Path, map_path: Path, tmp_path: Path
 ) -> None:
     for _ in range(2):
-        export_as("parquet", data, tmp_path / "lake", recode=map)
+        export_as("parquet", data, tmp_path / "lake", recode=map_path)
     with pytest.raises(ExportError, match="Give the same map of codes"):
         export_as("parquet", data, tmp_path / "lake", recode=tmp_path / "other.csv")

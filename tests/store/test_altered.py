@@ -258,18 +258,15 @@ def test_no_text_of_a_hash_stops_a_check(
 @pytest.mark.parametrize(
     "statement",
     [
-        "UPDATE log_hashes SET seq='x' WHERE session=:s AND number=2",
-        "UPDATE log_hashes SET number='x' WHERE session=:s AND number=2",
-        "UPDATE log_hashes SET hash=x'ff' WHERE session=:s AND number=2",
-        "UPDATE log_hashes SET beside=x'ff' WHERE session=:s AND number=2",
+        *(f"UPDATE log_hashes SET {odd} WHERE session=:s AND number=2"
+          for odd in ("seq='x'", "number='x'", "hash=x'ff'", "beside=x'ff'")),
         "UPDATE sessions SET log_hash=x'ff' WHERE id=:s",
         "UPDATE seats SET participant=NULL WHERE session=:s",
         "UPDATE imu_streams SET rate_hz=9e999 WHERE session=:s",
-        "UPDATE trials SET reaction_time_ms=9e999, trial=x'00' WHERE session=:s AND trial=1 AND "
-        "attempt=1",
+        "UPDATE trials SET reaction_time_ms=9e999, trial=x'00' WHERE session=:s AND trial=1 AND attempt=1",
         "UPDATE attempts SET metric='fast', started_ns=NULL WHERE session=:s AND attempt=1",
     ],
-)
+)  # fmt: skip
 def test_no_value_of_another_type_stops_the_check(
     statement: str, recorded: tuple[str, str], data: Path
 ) -> None:
@@ -391,17 +388,15 @@ def test_equal_messages_have_equal_hashes_whatever_their_topics(data: Path, tmp_
         assert [flaw for flaw in flaws(target) if flaw.where == session] == []
 
 
-# --- views and triggers
-
 _ENDLESS = "WITH RECURSIVE more (x) AS (SELECT 1 UNION ALL SELECT x+1 FROM more)"
 OF_SCHEMA = {
-    "view v_attempts": "DROP VIEW v_attempts;CREATE VIEW v_attempts AS SELECT session, metric*0.9 "
-    "AS m FROM attempts",
-    "view events": f"DROP VIEW events;CREATE VIEW events AS {_ENDLESS} SELECT x AS session, 0 AS "
-    "seq, 0 AS run, 0 AS at_ns, '' AS topic, '' AS message FROM more",
+    "view v_attempts": "DROP VIEW v_attempts;"
+                       "CREATE VIEW v_attempts AS SELECT session, metric*0.9 AS m FROM attempts",
+    "view events": f"DROP VIEW events;CREATE VIEW events AS {_ENDLESS} SELECT x AS session, 0 AS seq, 0 AS run,"
+                   " 0 AS at_ns, '' AS topic, '' AS message FROM more",
     "view v_reaches": "DROP VIEW v_reaches",
     "trigger better": "CREATE TRIGGER better AFTER INSERT ON records BEGIN DELETE FROM notes; END",
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", OF_SCHEMA)

@@ -11,6 +11,7 @@ import pytest
 
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.programmes import Programme, Superseded, find, newest, save, tasks, versions
+from tests.store.by_hand import sql
 
 
 def saved(
@@ -81,19 +82,20 @@ for version in range(1_000_000):
 
 @pytest.mark.parametrize("seen", [1, 7])
 def test_a_kill_while_saving_loses_no_version_that_was_saved(data: Path, seen: int) -> None:
-    with subprocess.Popen(
-        [sys.executable, "-c", SAVER, str(data)], stdout=subprocess.PIPE, text=True
-    ) as saver:
+    command = [sys.executable, "-c", SAVER, str(data)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as saver:
         assert saver.stdout
         for _ in range(seen):
             saver.stdout.readline()
         saver.kill()
         told = [seen, *map(int, saver.stdout.read().split())][-1]
     with closing(connect(data)) as database:
-        assert database.execute("PRAGMA integrity_check").fetchone() == ("ok",)
+        assert sql(database, "PRAGMA integrity_check") == [("ok",)]
         kept = versions(database, "P07", "keyboard")
-    assert [each.version for each in kept] == list(range(1, len(kept) + 1))
-    assert all(
-        each.parameters == {"attempts": each.version} and each.reason == "more" for each in kept
-    )
     assert told <= len(kept) <= told + 1
+    for number, each in enumerate(kept, 1):
+        assert (each.version, each.parameters, each.reason) == (
+            number,
+            {"attempts": number},
+            "more",
+        )

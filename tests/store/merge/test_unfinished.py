@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from sar_tui.store.database import FILE, StoreConnection, StoreError, connect
+from tests.store.by_hand import sql, value
 from tests.store.merge.sites import holds, merge, play, site
 
 
@@ -44,8 +45,7 @@ def test_ctrl_c_undoes_it(zurich: Path, bern: Path, monkeypatch: pytest.MonkeyPa
 def test_a_full_disk_undoes_it(zurich: Path, bern: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(folder: Path) -> StoreConnection:
         opened = connect(folder)
-        (pages,) = opened.execute("PRAGMA page_count").fetchone()
-        opened.execute(f"PRAGMA max_page_count={pages}")
+        sql(opened, f"PRAGMA max_page_count={value(opened, 'PRAGMA page_count')}")
         return opened
 
     before = holds(zurich)
@@ -54,7 +54,11 @@ def test_a_full_disk_undoes_it(zurich: Path, bern: Path, monkeypatch: pytest.Mon
         with pytest.raises(StoreError, match="The disk is full"):
             merge(zurich, bern)
     assert holds(zurich) == before
-    assert merge(zurich, bern).added == [f"b{number}" for number in range(5)]
+    merged = merge(zurich, bern)
+    assert merged.added == [f"b{number}" for number in range(5)]
+    assert merged.backup
+    with closing(sqlite3.connect(merged.backup)) as backup:
+        assert sql(backup, "SELECT id FROM sessions") == [("a1",)], "what there was before"
 
 
 def test_a_backup_that_cannot_be_made_undoes_it(zurich: Path, bern: Path) -> None:
@@ -78,20 +82,11 @@ merge.merge(Path(sys.argv[1]), Path(sys.argv[2]), start=lambda step: lambda done
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 def test_the_next_merge_removes_what_a_killed_one_left(zurich: Path, bern: Path) -> None:
     before = holds(zurich)
-    killed = subprocess.run(
-        [sys.executable, "-c", _KILLED, zurich, bern], check=False, capture_output=True
-    )
-    assert killed.returncode == -9
+    command = [sys.executable, "-c", _KILLED, zurich, bern]
+    assert subprocess.run(command, check=False, capture_output=True).returncode == -9
     (left,) = zurich.glob(".merge-*")
     assert stat.S_IMODE(left.stat().st_mode) == 0o700
     assert stat.S_IMODE((left / FILE).stat().st_mode) == 0o600
     assert holds(zurich) == before
     assert len(merge(zurich, bern).added) == 5
     assert not list(zurich.glob(".merge-*"))
-
-
-def test_the_backup_holds_what_there_was_before(zurich: Path, bern: Path) -> None:
-    backup = merge(zurich, bern).backup
-    assert backup
-    with closing(sqlite3.connect(backup)) as database:
-        assert database.execute("SELECT id FROM sessions").fetchall() == [("a1",)]
