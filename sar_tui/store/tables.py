@@ -2,7 +2,7 @@
 
 From it are made: the tables of a new database, the rows that follow from the log (`store.rows`),
 the check that values are whole (`store.damaged_rows`), the rules of a merge
-(`store.merge.foreign_rules`), the columns of exports and what may leave (`export.columns`), and the
+(`store.merge.foreign_values`), the columns of exports and what may leave (`export.columns`), and the
 tables of docs/data-dictionary.md. A new column of an existing table, and a new table, say ``since``
 which version of the data; databases of earlier releases get it when they are opened (`store.schema`).
 """
@@ -53,7 +53,7 @@ LEAVING: frozenset[Privacy] = frozenset(
 
 Form = Literal["line", "note", "word", "seat", "code", "id", "date", "task", "theme", "remark",
                "reason", "site", "record", "kind", "values", "topic", "any"]  # fmt: skip
-"""Form of a text, to which values from other databases are held (`store.merge.foreign_rules`)."""
+"""Form of a text, to which values from other databases are held (`store.merge.foreign_values`)."""
 
 
 class Column(msgspec.Struct, frozen=True):

@@ -17,9 +17,9 @@ from sar_tui.store.backup import FOLDER, back_up
 from sar_tui.store.database import FILE, StoreError, connect, transaction
 from sar_tui.store.locks import Held, hold, is_held
 from sar_tui.store.merge import conflicts
-from sar_tui.store.merge.authors import leave_out, refuse, split_pairs
 from sar_tui.store.merge.comparison import number_topics
 from sar_tui.store.merge.conflicts import Conflict
+from sar_tui.store.merge.ownership import leave_out, refuse, split_pairs
 from sar_tui.store.merge.people import (
     Pair,
     People,

@@ -22,7 +22,7 @@ from sar_tui.store.database import (
 )
 from sar_tui.store.integrity import damaged_pages, flaws
 from sar_tui.store.locks import is_held
-from sar_tui.store.merge.foreign_rules import check_foreign
+from sar_tui.store.merge.foreign_values import check_foreign
 from sar_tui.store.rescue import rescue_files
 from sar_tui.store.tables import TABLES, Table
 
