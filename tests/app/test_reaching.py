@@ -60,7 +60,12 @@ async def to_start(driver: AppDriver) -> None:
 async def reach(driver: AppDriver) -> None:
     """Press space, let the simulated hand reach, and press space."""
     await driver.press("space")
-    await driver.wait(2500)
+    await come_back(driver, 2500)
+
+
+async def come_back(driver: AppDriver, after_ms: float = 2300) -> None:
+    """Let the simulated hand finish its reach, and press space."""
+    await driver.wait(after_ms)
     await driver.press("space")
     await driver.wait(1500)
 
@@ -85,9 +90,7 @@ async def test_a_session_of_reaches(at_the_table: OpenSession) -> None:
         await driver.press("space")
         assert [row.strip() for row in driver.rows].count("Reach: 15 cm") == 1
         driver.lacks("Ready?")
-        await driver.wait(2400)
-        await driver.press("space")
-        await driver.wait(1500)
+        await come_back(driver, 2400)
         assert "Reach: " not in driver.text
         driver.see("Reaches 1 of 1", "Attempts 1 of 2")
         assert driver.waiting.stage == "attempt"
@@ -169,9 +172,7 @@ async def test_a_reach_that_the_sensor_missed_is_repeated(table: AppDriver) -> N
     source.feed.source._sink = lambda sample: None
     await table.wait(300)
     source.feed.source._sink = sink
-    await table.wait(1700)
-    await table.press("space")
-    await table.wait(1500)
+    await come_back(table, 1700)
     table.see("Once more", "The sensor missed a part", "Press Space to start.")
     assert table.stored("SELECT count(*) FROM trials") == [(0,)]
 
@@ -184,9 +185,7 @@ async def test_a_therapist_marks_a_reach(at_the_table: OpenSession) -> None:
         await driver.press("f9")
         driver.see("Marked: assisted")
         assert "Reach: 15 cm" in driver.text, "the reach goes on"
-        await driver.wait(2300)
-        await driver.press("space")
-        await driver.wait(1500)
+        await come_back(driver)
         await reach(driver)
         await driver.press("f8")
         driver.see("Marked: compensated")
@@ -218,9 +217,7 @@ async def test_the_screen_is_quiet_until_it_says_go(
         assert "Reach: " not in driver.text
         await driver.wait(200)
         assert "Reach: 15 cm" in driver.text
-        await driver.wait(2300)
-        await driver.press("space")
-        await driver.wait(1500)
+        await come_back(driver)
         ((correct, time),) = driver.stored("SELECT correct, reaction_time_ms FROM trials")
         assert correct
         assert 100 < time < 2000
@@ -275,9 +272,7 @@ async def test_a_mark_is_replaced_by_pressing_twice(at_the_table: OpenSession) -
         assert driver.sees("Marked: marker missed · F8 again: compensated instead"), (
             "a held key does not count twice"
         )
-        await driver.wait(2300)
-        await driver.press("space")
-        await driver.wait(1500)
+        await come_back(driver)
         assert driver.stored("SELECT json_extract(details, '$.mark') FROM trials") == [("missed",)]
         await driver.press("f8")
         driver.see("Marked: compensated · Attempt 1 of 1")
@@ -295,9 +290,7 @@ async def test_a_mark_is_replaced_by_pressing_twice(at_the_table: OpenSession) -
         assert not driver.sees("Marked"), "this is another reach"
         await driver.press("f7")
         driver.see("Marked: marker missed")
-        await driver.wait(2300)
-        await driver.press("space")
-        await driver.wait(1500)
+        await come_back(driver)
         rows = driver.stored("SELECT json_extract(details, '$.mark') FROM trials ORDER BY trial")
         assert rows == [("assisted",), ("missed",)]
         assert driver.waiting.stage == "review"
