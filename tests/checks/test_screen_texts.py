@@ -34,16 +34,12 @@ def page(catalogue: Catalogue) -> str:
     shown, session = (
         set(read_words(_PACKAGE / name / "words.es.toml")) for name in ("app", "loop")
     )
-    made = [
-        _HEAD,
-        section("Screens", shown),
-        section("Instructions, goals and messages of a session", session - shown),
-    ]
+    messages = "Instructions, goals and messages of a session"
+    made = [_HEAD, section("Screens", shown), section(messages, session - shown)]
     for name in catalogue.task_names():
         kind = catalogue.task(name)
-        own = declared(kind).union(
-            *(texts_in(path.read_text("utf-8")) for path in task_folder(kind).glob("*.py"))
-        )
+        code = (path.read_text("utf-8") for path in task_folder(kind).glob("*.py"))
+        own = declared(kind).union(*map(texts_in, code))
         made.append(section(f"The task {name}", own - shown - session))
     return "".join(made)
 
@@ -59,27 +55,20 @@ def test_the_page_lists_all_texts(catalogue: Catalogue) -> None:
 def test_no_text_is_missing_in_spanish(catalogue: Catalogue) -> None:
     texts = all_texts(catalogue)
     for name in catalogue.theme_names():
-        assert (
-            missing(catalogue.theme_folder(name), texts, lambda code: translated(catalogue, code))
-            == {}
-        )
+        folder = catalogue.theme_folder(name)
+        assert missing(folder, texts, lambda code: translated(catalogue, code)) == {}
 
 
 def test_a_new_language_of_a_theme_is_told_what_it_lacks(call: Call, tmp_path: Path) -> None:
-    assert call("themes", "new", "abend", "--to", tmp_path).out.count("!") == 0
+    assert call("themes new abend --to", tmp_path).out.count("!") == 0
     folder = tmp_path / "abend"
     (folder / "phrases.de.toml").write_text((folder / "phrases.en.toml").read_text())
-    (folder / "words.de.toml").write_text(
-        '"Press {key} to start." = "{key} drücken."\n', encoding="utf-8"
-    )
-    called = call("themes", "check", folder)
-    assert called.code == 0
-    assert '    "1 minute" = ""\n' in called.out
-    assert '"Press {key} to start." = ""' not in called.out
-    assert "shown in English, unless words.de.toml translates them" in called.out
-    found = call("themes", "check", folder, "--json").json["missing"]
+    words = '"Press {key} to start." = "{key} drücken."\n'
+    (folder / "words.de.toml").write_text(words, encoding="utf-8")
+    found = call("themes check", folder, "--json").json["missing"]
     assert list(found) == ["de"]
-    assert f"These {len(found['de'])} are shown" in called.out
-    (tmp_path / "more").mkdir()
-    again = call("themes", "new", "spaet", "--from", "calm", "--to", tmp_path / "more")
-    assert "shown in English" not in again.out
+    called = call("themes check", folder)
+    called.shows('    "1 minute" = ""\n', f"These {len(found['de'])} are shown")
+    called.shows("shown in English, unless words.de.toml translates them")
+    assert '"Press {key} to start." = ""' not in called.out
+    assert "shown in English" not in call("themes new spaet --to", tmp_path).out

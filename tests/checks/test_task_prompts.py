@@ -12,7 +12,6 @@ from sar_tui.app.prompt_needs import NO_COLOR
 from sar_tui.checks.check import Check
 from sar_tui.checks.task_prompts import checks, size_warning
 from sar_tui.loop.task import Task
-from sar_tui.model.messages import Prompt
 from sar_tui.plugins import Catalogue
 from tests.widgets.test_big_prompt import prompt
 
@@ -28,22 +27,16 @@ def test_each_character_without_a_large_shape_is_named_once(keyboard: type[Task]
     assert found.endswith("as there are no large ones: 語 (U+8A9E), 🍎 (U+1F34E).")
 
 
-def test_what_is_too_long_is_named(keyboard: type[Task]) -> None:
+def test_what_is_too_long_is_named(keyboard: type[Task], catalogue: Catalogue) -> None:
     assert "encyclopaedia" in size_warning(keyboard, [prompt("encyclopaedia", "Say it")])
     wide = prompt("f", "word " * 20)
     assert "wider than a terminal of 80 columns" in size_warning(keyboard, [wide])
-
-
-def test_halves_are_checked_for_the_room_they_have(keyboard: type[Task]) -> None:
-    def halves(*texts: str) -> Prompt:
-        return msgspec.structs.replace(prompt("", "Go"), halves=texts)
-
-    assert size_warning(keyboard, [halves("", "X")]) == ""
-    assert "HOUSE" in size_warning(keyboard, [halves("HOUSE", "")])
-
-
-def test_a_task_that_draws_its_prompts_itself_is_not_warned(catalogue: Catalogue) -> None:
-    assert size_warning(catalogue.task("pairs"), [prompt("語", "Say it")]) == ""
+    halves = msgspec.structs.replace(prompt("", "Go"), halves=("", "X"))
+    assert size_warning(keyboard, [halves]) == "", "each half has room for a letter"
+    halves = msgspec.structs.replace(halves, halves=("HOUSE", ""))
+    assert "HOUSE" in size_warning(keyboard, [halves])
+    drawn_by_the_task = catalogue.task("pairs")
+    assert size_warning(drawn_by_the_task, [prompt("語", "Say it")]) == ""
 
 
 def checked(kind: type[Task], catalogue: Catalogue, **changes: str) -> dict[str, Check]:
@@ -55,26 +48,18 @@ def checked(kind: type[Task], catalogue: Catalogue, **changes: str) -> dict[str,
 def test_contrasts_of_colours_are_told_for_each_theme(
     keyboard: type[Task], catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    def of(colour: str) -> Check:
+        found = checked(keyboard, catalogue, colour=colour)
+        return found["has colours of the colour-blind-safe set"]
+
     monkeypatch.delenv("NO_COLOR", raising=False)
-    found = checked(keyboard, catalogue, colour="blue")["has colours of the colour-blind-safe set"]
-    assert found.ok
-    assert found.found == "least contrast: calm 3.48, playful 4.73"
-    yellow = checked(keyboard, catalogue, colour="yellow")[
-        "has colours of the colour-blind-safe set"
-    ]
-    assert yellow.warning == "With the theme playful, these are darker or lighter: yellow."
+    assert (of("blue").ok, of("blue").found) == (True, "least contrast: calm 3.48, playful 4.73")
+    themes = "With the theme playful, these are darker or lighter: yellow."
+    assert of("yellow").warning == themes
+    assert of("pink").problems[0].startswith("There is no colour 'pink'.")
     monkeypatch.setenv("NO_COLOR", "1")
-    assert (
-        NO_COLOR
-        in checked(keyboard, catalogue, colour="blue")[
-            "has colours of the colour-blind-safe set"
-        ].warning
-    )
-
-
-def test_an_unknown_colour_is_a_problem(keyboard: type[Task], catalogue: Catalogue) -> None:
-    found = checked(keyboard, catalogue, colour="pink")["has colours of the colour-blind-safe set"]
-    assert found.problems[0].startswith("There is no colour 'pink'.")
+    assert NO_COLOR in of("blue").warning
+    assert list(checked(keyboard, catalogue)) == ["draws its prompts large"]
 
 
 def test_missing_and_large_pictures_are_named(
@@ -88,9 +73,3 @@ def test_missing_and_large_pictures_are_named(
     large = checked(keyboard, catalogue, picture="cat.png")[name]
     assert large.ok
     assert "cat.png (2000×2001)" in large.warning
-
-
-def test_without_colours_and_pictures_nothing_is_said_of_them(
-    keyboard: type[Task], catalogue: Catalogue
-) -> None:
-    assert list(checked(keyboard, catalogue)) == ["draws its prompts large"]

@@ -55,9 +55,8 @@ def test_target_and_percentile_succeed_in_seven_of_ten_and_mostly_fit(
 
 @pytest.mark.slow
 def test_all_claims_hold_with_all_seeds(catalogue: Catalogue) -> None:
-    assert [
-        claim for claim in difficulty.run(Conditions(catalogue)).claims if not claim.holds
-    ] == []
+    claims = difficulty.run(Conditions(catalogue)).claims
+    assert [claim for claim in claims if not claim.holds] == []
 
 
 @pytest.mark.parametrize("name", PEOPLE)
@@ -65,19 +64,16 @@ def test_all_claims_hold_with_all_seeds(catalogue: Catalogue) -> None:
 def test_the_probabilities_are_the_shares_of_many_attempts(name: str, margin: float) -> None:
     user = User(PEOPLE[name], learns=False, goal=1000.0)
     attempts = [chance.attempt(1, 1000.0 - margin, 1000.0) for chance in chances(user, 4000, 1)]
-    assert fmean(each.reached / each.prompts for each in attempts) == pytest.approx(
-        prompt_success(user, margin), abs=0.01
-    )
-    assert fmean(each.outcome == "success" for each in attempts) == pytest.approx(
-        attempt_success(user, margin), abs=0.03
-    )
+    reached = fmean(each.reached / each.prompts for each in attempts)
+    assert reached == pytest.approx(prompt_success(user, margin), abs=0.01)
+    succeeded = fmean(each.outcome == "success" for each in attempts)
+    assert succeeded == pytest.approx(attempt_success(user, margin), abs=0.03)
 
 
 def test_a_learner_is_a_third_faster_after_sixty_attempts() -> None:
     user = User(PEOPLE["poor"], learns=True, goal=1000.0)
-    assert [
-        user.mean(2, attempt) / user.mean(2, 0) for attempt in (0, 30, 60, 90)
-    ] == pytest.approx([1, 0.825, 0.65, 0.65])
+    shares = [user.mean(2, attempt) / user.mean(2, 0) for attempt in (0, 30, 60, 90)]
+    assert shares == pytest.approx([1, 0.825, 0.65, 0.65])
 
 
 def row(policy: str, **figures: Any) -> Row:

@@ -1,6 +1,8 @@
 """The thesis' Figures 4.11 to 4.14: their results, and a failure of each claim."""
 
+from collections import Counter
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import pytest
@@ -13,7 +15,7 @@ from sar_tui.validation.report import Claim, Conditions, Report
 from sar_tui.validation.simulated_sessions import SessionRunner, Simulated
 
 pytestmark = pytest.mark.usefixtures("simulated_once")
-Change = Callable[[Simulated], Simulated]
+Change = Callable[[Callable[[Simulated], Simulated]], None]
 
 
 @pytest.fixture
@@ -23,18 +25,20 @@ def conditions(catalogue: Catalogue) -> Conditions:
 
 
 @pytest.fixture
-def sessions_become(
-    simulated_once: None, monkeypatch: pytest.MonkeyPatch
-) -> Callable[[Change], None]:
+def sessions_become(simulated_once: None, monkeypatch: pytest.MonkeyPatch) -> Change:
     """Return a function that changes every simulated session before it is evaluated."""
     run = SessionRunner.run
 
-    def become(change: Change) -> None:
-        monkeypatch.setattr(
-            SessionRunner, "run", lambda *given, **settings: change(run(*given, **settings))
-        )
+    def become(change: Callable[[Simulated], Simulated]) -> None:
+        changed = lambda *given, **settings: change(run(*given, **settings))  # noqa: E731
+        monkeypatch.setattr(SessionRunner, "run", changed)
 
     return become
+
+
+def first_becomes(done: Simulated, **attempt: Any) -> Simulated:
+    """Change the first attempt of a session."""
+    return done._replace(attempts=[done.attempts[0] | attempt, *done.attempts[1:]])
 
 
 def failed(report: Report) -> list[Claim]:
@@ -50,21 +54,15 @@ def test_a_poor_user_gets_feedback_on_each_of_twenty_attempts(conditions: Condit
     assert [row["attempt"] for row in report.rows] == list(range(1, 21)) * 3
     assert {row["feedback"] for row in report.rows} == {"positive", "neutral", "negative"}
     assert report.seen is not None
-    assert [sum(row[valence] for valence in feedback.VALENCES) for row in report.seen] == [
-        20,
-        20,
-        20,
-    ]
+    counts = [sum(row[valence] for valence in feedback.VALENCES) for row in report.seen]
+    assert counts == [20, 20, 20]
 
 
 def test_a_competent_user_gets_more_praise_than_a_poor_one(conditions: Conditions) -> None:
     report = feedback.competent(conditions)
     assert not failed(report)
     assert "in all 3 seeds" in report.claims[1].sentence
-    praised = {
-        user: sum(row["feedback"] == "positive" for row in report.rows if row["user"] == user)
-        for user in ("competent", "poor")
-    }
+    praised = Counter(row["user"] for row in report.rows if row["feedback"] == "positive")
     assert praised["competent"] > praised["poor"]
 
 
@@ -72,49 +70,34 @@ def test_similar_users_fail_the_claim_that_they_differ(
     conditions: Conditions, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(PEOPLE, "competent", PEOPLE["poor"])
-    against = [claim.against for claim in failed(feedback.competent(conditions))]
-    positives = sum(
-        row["feedback"] == "positive" for row in feedback.poor(conditions).rows if row["seed"] == 1
-    )
-    assert against[0].startswith(f"seed 1: {positives} against {positives}; seed 2: ")
-    assert against[1].startswith("they get ")
+    differ, get = (claim.against for claim in failed(feedback.competent(conditions)))
+    rows = [row for row in feedback.poor(conditions).rows if row["seed"] == 1]
+    positives = sum(row["feedback"] == "positive" for row in rows)
+    assert differ.startswith(f"seed 1: {positives} against {positives}; seed 2: ")
+    assert get.startswith("they get ")
 
 
 @pytest.mark.parametrize(
-    ("attempt", "given"),
+    ("metric", "accuracy", "given"),
     [
-        (
-            {"metric": 995.0, "accuracy": 1.0, "feedback": "positive"},
-            "within the band, and praised",
-        ),
-        (
-            {"metric": 900.0, "accuracy": 1.0, "feedback": "neutral"},
-            "well under the goal, and neutral",
-        ),
-        ({"metric": 1100.0, "accuracy": 1.0, "feedback": "positive"}, "over the goal, and praised"),
-        (
-            {"metric": 900.0, "accuracy": 0.5, "feedback": "positive"},
-            "half of it wrong, and praised",
-        ),
-        (
-            {"metric": None, "accuracy": 0.9, "feedback": "positive"},
-            "nothing measured, and praised",
-        ),
+        (995.0, 1.0, "positive"),  # within the band
+        (900.0, 1.0, "neutral"),  # well under the goal
+        (1100.0, 1.0, "positive"),  # over the goal
+        (900.0, 0.5, "positive"),  # half of it wrong
+        (None, 0.9, "positive"),  # nothing measured
     ],
 )
 def test_feedback_that_contradicts_its_result_fails_the_claim(
     conditions: Conditions,
-    sessions_become: Callable[[Change], None],
-    attempt: dict[str, Any],
+    sessions_become: Change,
+    metric: float | None,
+    accuracy: float,
     given: str,
 ) -> None:
-    sessions_become(
-        lambda done: done._replace(attempts=[done.attempts[0] | attempt, *done.attempts[1:]])
-    )
+    attempt = {"metric": metric, "accuracy": accuracy, "feedback": given}
+    sessions_become(partial(first_becomes, **attempt))
     (claim,) = failed(feedback.poor(conditions))
-    assert (
-        claim.against == "poor, seed 1, attempt 1; poor, seed 2, attempt 1; poor, seed 3, attempt 1"
-    ), given
+    assert claim.against == "; ".join(f"poor, seed {seed}, attempt 1" for seed in (1, 2, 3))
 
 
 # --- Figure 4.13
@@ -147,7 +130,7 @@ def test_examples_are_of_both_forms_and_each_degree(conditions: Conditions) -> N
 )
 def test_feedback_in_the_wrong_form_or_with_a_wrong_number_fails_a_claim(
     conditions: Conditions,
-    sessions_become: Callable[[Change], None],
+    sessions_become: Change,
     form: str,
     text: str,
     sentence: str,
@@ -172,39 +155,31 @@ def test_feedback_every_three_attempts_is_on_every_third_attempt(conditions: Con
     report = feedback.frequency(conditions)
     assert not failed(report)
     for seed in (1, 2, 3):
-        rows = [row for row in report.rows if row["seed"] == seed]
-        attempts = {every: [row["attempt"] for row in rows if row["every"] == every and row["feedback"] != "none"]
-                    for every in (1, 3)}  # fmt: skip
-        assert attempts == {1: list(range(1, 21)), 3: [3, 6, 9, 12, 15, 18]}
-        results = {
-            every: [row["reaction_time_ms"] for row in rows if row["every"] == every]
-            for every in (1, 3)
-        }
+        results = {}
+        for every, expected in ((1, list(range(1, 21))), (3, [3, 6, 9, 12, 15, 18])):
+            rows = [row for row in report.rows if (row["seed"], row["every"]) == (seed, every)]
+            given = [row["attempt"] for row in rows if row["feedback"] != "none"]
+            assert given == expected
+            results[every] = [row["reaction_time_ms"] for row in rows]
         assert results[1] == results[3], "the same user, whatever is said"
     assert len(report.drawings) == 2
 
 
 def test_feedback_elsewhere_fails_the_claim(
-    conditions: Conditions, sessions_become: Callable[[Change], None]
+    conditions: Conditions, sessions_become: Change
 ) -> None:
-    def move(done: Simulated) -> Simulated:
-        return done._replace(attempts=[done.attempts[0] | {"feedback": "none"}, *done.attempts[1:]])
-
-    sessions_become(move)
-    claims = failed(feedback.frequency(conditions))
-    assert claims[0].against == "seed 1, attempt 1; seed 2, attempt 1; seed 3, attempt 1"
-    assert claims[1].against == "seed 1, every 1; seed 2, every 1; seed 3, every 1", (
-        "it was said all the same"
-    )
+    sessions_become(partial(first_becomes, feedback="none"))
+    missing, said, *_ = (claim.against for claim in failed(feedback.frequency(conditions)))
+    assert missing == "; ".join(f"seed {seed}, attempt 1" for seed in (1, 2, 3))
+    assert said == "; ".join(f"seed {seed}, every 1" for seed in (1, 2, 3))
 
 
 def test_a_setting_that_has_no_effect_fails_the_claim(
     conditions: Conditions, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run = SessionRunner.run
-    monkeypatch.setattr(
-        SessionRunner, "run", lambda place, user, seed, **settings: run(place, user, seed)
-    )
+    plain = lambda place, user, seed, **_: run(place, user, seed)  # noqa: E731
+    monkeypatch.setattr(SessionRunner, "run", plain)
     (claim,) = failed(feedback.frequency(conditions))
     assert "3, 6, 9" in claim.sentence
     assert claim.against.startswith("seed 1, attempt 1; seed 1, attempt 2; seed 1, attempt 4; ")
@@ -218,32 +193,20 @@ def row(time: float | None, answer: str) -> dict[str, Any]:
 
 
 def test_each_feedback_has_a_marker_and_the_goal_a_line() -> None:
-    rows = [
-        row(700, "positive"),
-        row(1200, "negative"),
-        row(1005, "neutral"),
-        row(800, "none"),
-        row(600, "positive"),
-    ]
+    results = ((700, "positive"), (1200, "negative"), (1005, "neutral"), (800, "none"))
+    rows = [row(time, answer) for time, answer in (*results, (600, "positive"))]
     title, legend, *lines = draw_feedback(rows, "Someone").split("\n")
     body = "\n".join(lines)
     assert title == "Someone"
-    assert legend.split("  ")[-5:] == [
-        "▲ positive", "■ neutral", "▼ negative", "· none", "╌ goal 1000"
-    ]  # fmt: skip
-    assert {mark: body.count(mark) for mark in "▲■▼·"} == {"▲": 2, "■": 1, "▼": 1, "·": 1}
+    assert legend.endswith("▲ positive  ■ neutral  ▼ negative  · none  ╌ goal 1000")
+    assert [body.count(mark) for mark in "▲■▼·"] == [2, 1, 1, 1]
     assert next(line for line in lines if "╌" in line).lstrip().startswith("1000")
-    heights = {
-        mark: next(number for number, line in enumerate(lines) if mark in line) for mark in "▼■·"
-    }
-    assert heights["▼"] < heights["■"] < heights["·"]
+    assert body.index("▼") < body.index("■") < body.index("·"), "from slow to fast"
     assert max(map(len, lines)) <= 80
     assert "\x1b" not in body
 
 
 def test_an_attempt_without_a_result_is_drawn_below_the_axis() -> None:
-    drawn = draw_feedback(
-        [row(900, "positive"), row(None, "negative"), row(800, "positive")], "Someone"
-    ).split("\n")
-    bottom = next(number for number, line in enumerate(drawn) if line.lstrip().startswith("└"))
-    assert "×" in drawn[bottom + 1]
+    rows = [row(900, "positive"), row(None, "negative"), row(800, "positive")]
+    _, _, below = draw_feedback(rows, "Someone").partition("└")
+    assert "×" in below.split("\n")[1]
