@@ -4,8 +4,6 @@ import errno
 import json
 import os
 import sqlite3
-import subprocess
-import sys
 from contextlib import closing
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,16 +14,17 @@ import pytest
 from sar_tui.export.target import sha256
 from sar_tui.store import locks
 from sar_tui.store.database import connect
+from tests.cli.test_limits import limited
 from tests.export.exported import read_csv
 from tests.plugged_in import offer
 from tests.program import Call
 
 
 @pytest.fixture
-def live(call: Call, simulated: str, tmp_path: Path) -> str:
+def live(call: Call, simulated: str, data: Path) -> str:
     """A session that counts as live, beside a simulated one; its id."""
     call("simulate keyboard --user average --attempts 1 -p P02")
-    with closing(connect(tmp_path / "data")) as database:
+    with closing(connect(data)) as database:
         database.execute("UPDATE sessions SET mode='live' WHERE id=?", (simulated,))
     return simulated
 
@@ -37,17 +36,13 @@ def ids(folder: Path) -> set[str]:
 def test_live_sessions_leave_and_simulated_ones_only_if_asked_for(
     call: Call, live: str, tmp_path: Path
 ) -> None:
-    assert call("export --all --to", tmp_path / "live") == (
-        0,
-        f"1 session in {tmp_path / 'live'}\n",
-        "",
-    )
+    call("export --all --to", tmp_path / "live").shows(f"1 session in {tmp_path / 'live'}\n")
     assert ids(tmp_path / "live") == {live}
     call("export --all --simulated --to", tmp_path / "simulated")
     call("export --all --mixed --to", tmp_path / "mixed")
     assert ids(tmp_path / "mixed") - ids(tmp_path / "simulated") == {live}
     assert {row["mode"] for row in read_csv(tmp_path / "simulated", "trials")} == {"simulated"}
-    assert "is simulated: add --simulated" in call("export last --to", tmp_path / "x").err
+    call("export last --to", tmp_path / "x").refused("is simulated: add --simulated")
     assert not (tmp_path / "x").exists()
 
 
@@ -63,26 +58,25 @@ def test_sessions_are_chosen_by_id_and_by_participant(
 
 
 def test_a_session_that_runs_is_named_and_the_rest_leaves(
-    call: Call, live: str, tmp_path: Path
+    call: Call, live: str, data: Path, tmp_path: Path
 ) -> None:
-    with closing(connect(tmp_path / "data")) as database:
+    with closing(connect(data)) as database:
         database.execute("UPDATE sessions SET status='running' WHERE id<>?", (live,))
         (running,) = database.execute("SELECT id FROM sessions WHERE id<>?", (live,)).fetchone()
-    lock = locks.hold(tmp_path / "data", "session", running)
+    one = ("export", running, "--simulated", "--to", tmp_path / "alone")
+    lock = locks.hold(data, "session", running)
     try:
-        called = call("export --all --mixed --to", tmp_path / "out")
-        alone = call("export", running, "--simulated", "--to", tmp_path / "alone")
+        called, alone = call("export --all --mixed --to", tmp_path / "out"), call(*one)
     finally:
         lock.release()
     assert called.code == 1
     assert called.err == f"! Session {running} is running. It is left out until it has ended.\n"
     assert ids(tmp_path / "out") == {live}
     assert (alone.code, (tmp_path / "alone").exists()) == (1, False)
-    assert call("export", running, "--simulated", "--to", tmp_path / "alone").code == 0, (
-        "it was interrupted"
-    )
+    assert call(*one).code == 0, "it was interrupted"
 
 
+@pytest.mark.usefixtures("live")
 @pytest.mark.parametrize(
     ("failure", "sentence"),
     [
@@ -92,12 +86,7 @@ def test_a_session_that_runs_is_named_and_the_rest_leaves(
     ],
 )
 def test_a_disk_that_fails_leaves_no_target_and_the_database_as_it_was(
-    call: Call,
-    live: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    failure: int,
-    sentence: str,
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, failure: int, sentence: str
 ) -> None:
     before = (tmp_path / "data" / "sar-tui.db").read_bytes()
 
@@ -105,80 +94,58 @@ def test_a_disk_that_fails_leaves_no_target_and_the_database_as_it_was(
         raise OSError(failure, os.strerror(failure))
 
     monkeypatch.setattr("os.fsync", fail)
-    called = call("export --all --to", tmp_path / "out")
-    assert called.code == 1
-    assert called.err.startswith(sentence)
+    call("export --all --to", tmp_path / "out").refused(sentence, code=1)
     assert [path.name for path in tmp_path.iterdir()] == ["data"]
     assert (tmp_path / "data" / "sar-tui.db").read_bytes() == before
 
 
-def test_a_program_that_may_write_no_more_leaves_no_target(
-    call: Call, live: str, tmp_path: Path
-) -> None:
-    resource = pytest.importorskip("resource")
-    done = subprocess.run(
-        [sys.executable, "-m", "sar_tui", "export", "--all", "--mixed", "--to", tmp_path / "out"],
-        env={**os.environ, "SAR_TUI_DATA": str(tmp_path / "data")},
-        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096)),
-        capture_output=True,
-        text=True,
-        check=False,
+@pytest.mark.usefixtures("live")
+def test_a_program_that_may_write_no_more_leaves_no_target(tmp_path: Path) -> None:
+    done = limited(
+        tmp_path / "data", "export", "--all", "--mixed", "--to", tmp_path / "out", bytes=4096
     )
     assert done.returncode == 1
     assert done.stderr.startswith("A file would be larger than the disk or this login may have.")
     assert [path.name for path in tmp_path.iterdir()] == ["data"]
 
 
+@pytest.mark.usefixtures("live")
 def test_an_installed_package_adds_a_format(
-    call: Call, live: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     class Count:
         name = "count"
         title = "the number of rows"
 
         def write(self, contents: Any, folder: Path, progress: Any) -> None:
-            counts = {
-                t.name: sum(1 for o in contents.owners(t) for _ in contents.rows(t, o))
-                for t in contents.tables
-            }
-            (folder / "count.json").write_text(json.dumps(counts))
+            (table,) = (each for each in contents.tables if each.name == "sessions")
+            owners = contents.owners(table)
+            count = sum(1 for owner in owners for _ in contents.rows(table, owner))
+            (folder / "count.txt").write_text(str(count))
 
     entry = SimpleNamespace(name="count", value="counts:Count", load=lambda: Count)
     offer(monkeypatch, "sar_tui.exports", [entry])
     assert call("export --all --format count --to", tmp_path / "out").code == 0
-    assert json.loads((tmp_path / "out" / "count.json").read_text())["sessions"] == 1
+    assert (tmp_path / "out" / "count.txt").read_text() == "1"
 
 
 def test_the_ledger_tells_what_left_when_and_for_whom(
     call: Call, live: str, tmp_path: Path
 ) -> None:
-    assert call("export --ledger").out == "Nothing was exported yet.\n"
-    first = call(
-        "export", live, "--to", tmp_path / "one", "--for", "the ethics board", "--json"
-    ).json
+    call("export --ledger").shows("Nothing was exported yet.\n")
+    board = ("--for", "the ethics board", "--json")
+    first = call("export", live, "--to", tmp_path / "one", *board).json
     call("export zzz --to", tmp_path / "two")
-    call(
-        "export --all --mixed --with-notes --to",
-        tmp_path / "three",
-        "--recode",
-        tmp_path / "map.csv",
-    )
+    recode = f"--recode {tmp_path}/map.csv"
+    call(f"export --all --mixed --with-notes {recode} --to", tmp_path / "three")
     last, entry = call("export --ledger --json").json["exports"]
-    assert (entry["recipient"], entry["format"], entry["sessions"]) == (
-        "the ethics board",
-        "csv",
-        [live],
-    )
-    assert (
-        entry["manifest"] == first["manifest"] == sha256(tmp_path / "one" / "sar-tui-export.json")
-    )
-    assert (len(last["sessions"]), last["options"]) == (
-        2,
-        {"with_notes": True, "with_events": False, "recoded": True},
-    )
-    shown = call("export --ledger").out
-    assert "the ethics board" in shown
-    assert "with notes, recoded" in shown
+    assert (entry["recipient"], entry["format"]) == ("the ethics board", "csv")
+    assert entry["sessions"] == [live]
+    manifest = sha256(tmp_path / "one" / "sar-tui-export.json")
+    assert entry["manifest"] == first["manifest"] == manifest
+    assert len(last["sessions"]) == 2
+    assert last["options"] == {"with_notes": True, "with_events": False, "recoded": True}
+    call("export --ledger").shows("the ethics board", "with notes, recoded")
 
 
 def test_an_export_that_cannot_be_recorded_says_so(

@@ -55,45 +55,31 @@ def programme(checkout: Path, call: Call) -> None:
     assert call("programme import P01 keyboard", file, "--reason", "Tires early", "--new").code == 0
 
 
-def test_the_sample_recording_is_tracked(checkout: Path) -> None:
-    tracked = git(checkout, "ls-files").splitlines()
-    assert tracked == [".gitignore", *(f"data/{name}" for name in SAMPLE)]
-
-
 @pytest.mark.usefixtures("programme")
 def test_after_a_day_of_use_git_adds_nothing(checkout: Path, call: Call) -> None:
-    for words in (
-        ("simulate", "keyboard", "--user", "average", "--seed", 1, "--attempts", 2, "-p", "P01"),
-        (
-            "simulate",
-            "keyboard",
-            "--user",
-            "poor",
-            "--attempts",
-            2,
-            "-p",
-            "P02",
-            "--speech",
-            "file:data/said",
-        ),
-        ("backup", "--verify"),
-        ("export", "--all", "--simulated"),
-        ("export", "--all", "--simulated", "--format", "bids"),
-        ("programme", "export", "P01", "keyboard", "--preset", "left-arm"),
-        ("programme", "export", "P01", "keyboard", "--to", "p01.toml"),
-        ("progress", "P01", "--html", "p01.html"),
-        ("link", "invite", "operator", "--name", "OP1", "--host", "127.0.0.1"),
-        ("record", "list"),
-        ("show", "last"),
-        ("check",),
+    data = checkout / "data"
+    tracked = git(checkout, "ls-files").splitlines()
+    assert tracked == [".gitignore", *(f"data/{name}" for name in SAMPLE)]
+    for command in (
+        "simulate keyboard --user average --seed 1 --attempts 2 -p P01",
+        "simulate keyboard --user poor --attempts 2 -p P02 --speech file:data/said",
+        "backup --verify",
+        "export --all --simulated",
+        "export --all --simulated --format bids",
+        "programme export P01 keyboard --preset left-arm",
+        "programme export P01 keyboard --to p01.toml",
+        "progress P01 --html p01.html",
+        "link invite operator --name OP1 --host 127.0.0.1",
+        "record list",
+        "show last",
+        "check",
     ):
-        called = call(*words)
+        called = call(command)
         assert called.code == 0, called.err
-    note = LastSaved(checkout / "data", "abc")
-    note.close()
-    shutil.copy(checkout / "data" / FILE, checkout / "data" / f"{RESCUE}abc.db")
+    LastSaved(data, "abc").close()
+    shutil.copy(data / FILE, data / f"{RESCUE}abc.db")
     assert call("rescue").code == 0
-    made = {path.name for path in (checkout / "data").iterdir()} - set(SAMPLE)
+    made = {path.name for path in data.iterdir()} - set(SAMPLE)
     assert {"backups", "exports", "link", "presets", "saved", FILE} <= made
     assert git(checkout, "add", "-n", ".") == ""
 
@@ -107,23 +93,23 @@ def test_an_export_goes_into_the_data_folder_by_default(checkout: Path, call: Ca
 
 
 @pytest.mark.parametrize(
-    "words",
+    "command",
     [
-        ("export", "last", "--simulated", "--to", "study"),
-        ("backup", "--to", "copies"),
-        ("programme", "export", "P01", "keyboard", "--to", "p01.txt"),
-        ("progress", "P01", "--html", "p01.xhtml"),
+        "export last --simulated --to study",
+        "backup --to copies",
+        "programme export P01 keyboard --to p01.txt",
+        "progress P01 --html p01.xhtml",
     ],
 )
 @pytest.mark.usefixtures("programme")
 def test_who_writes_where_git_would_add_it_is_told(
-    checkout: Path, call: Call, words: tuple[str, ...]
+    checkout: Path, call: Call, command: str
 ) -> None:
     call("simulate keyboard --user average --attempts 1 -p P01")
-    called = call(*words)
-    assert called.code == 0
-    assert f"! git would add {words[-1]}" in called.err
-    (checkout / ".git" / "info" / "exclude").write_text(words[-1])
+    called = call(command)
+    place = command.rsplit(maxsplit=1)[-1]
+    assert (called.code, f"! git would add {place}" in called.err) == (0, True)
+    (checkout / ".git" / "info" / "exclude").write_text(place)
     assert git(checkout, "add", "-n", ".") == ""
 
 
@@ -136,10 +122,8 @@ def test_the_doctor_warns_of_data_that_git_tracks_or_would_add(checkout: Path, c
     call("simulate keyboard --user average --attempts 1")
 
     def told() -> tuple[str, str]:
-        found = next(
-            row for row in call("doctor --json").json["checks"] if row["name"] == "Data and git"
-        )
-        return found["state"], found["found"]
+        checks = {row["name"]: row for row in call("doctor --json").json["checks"]}
+        return checks["Data and git"]["state"], checks["Data and git"]["found"]
 
     assert told() == ("ok", "git neither tracks data of people here, nor would add it")
     git(checkout, "add", "-f", f"data/{FILE}")
@@ -157,29 +141,14 @@ def test_data_of_people_is_recognised_anywhere_in_a_checkout(checkout: Path, cal
     call("backup --to old/copy.db")
     call("link invite operator --name OP1 --host 127.0.0.1")
     (checkout / "table.csv").write_text("a,b\n1,2\n")
-    git(
-        checkout,
-        "add",
-        "-f",
-        "study",
-        "keys",
-        "old",
-        "table.csv",
-        "operator-OP1.sar-link",
-        "data/link",
-    )
+    added = "study keys old table.csv operator-OP1.sar-link data/link"
+    git(checkout, "add", "-f", *added.split())
     found = data_in_git(checkout, checkout / "data")
+    tracked = {path.as_posix() for path in found.tracked}
+    people = "study/sar-tui-export.json keys/codes.csv old/copy.db operator-OP1.sar-link"
+    assert tracked >= {*people.split(), "data/link/authority.key"}
+    assert not tracked & {"table.csv", "data/README.md", ".gitignore"}
     assert not found.would_add
-    assert {path.as_posix() for path in found.tracked} >= {
-        "study/sar-tui-export.json", "keys/codes.csv", "old/copy.db", "operator-OP1.sar-link",
-        "data/link/authority.key",
-    }  # fmt: skip
-    assert not {"table.csv", "data/README.md", ".gitignore"} & {
-        path.as_posix() for path in found.tracked
-    }
-
-
-def test_this_checkout_tracks_no_data_of_people() -> None:
     assert data_in_git(REPOSITORY, None).tracked == ()
 
 

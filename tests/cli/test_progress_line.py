@@ -3,7 +3,7 @@
 import io
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from threading import Event
 
@@ -79,22 +79,22 @@ def test_nothing_is_written_where_output_is_piped_unless_the_command_takes_minut
     count(40)
     assert stderr.getvalue() == ""
     count(25, piped=True)
-    assert stderr.getvalue().splitlines() == [
-        "Counting … 10 %, about 2 min left",
-        "Counting … 20 %, about 1 min left",
-    ]
+    said = "Counting … 10 %, about 2 min left\nCounting … 20 %, about 1 min left\n"
+    assert stderr.getvalue() == said
 
 
 def test_the_time_left_is_that_of_the_step_that_goes_on(stderr_to: Patched) -> None:
     terminal = stderr_to(True)
     clock = Clock()
     with progress_line("Counting", still=True, now=clock) as show:
-        show("Copying", 0, 10)
-        clock.at = 100
-        show("Copying", 10, 10)
-        show("Reading\x1b[2J", 0, 4)
-        clock.at = 110
-        show("Reading\x1b[2J", 1, 4)
+        for at, step, done, of in (
+            (0, "Copying", 0, 10),
+            (100, "Copying", 10, 10),
+            (100, "Reading\x1b[2J", 0, 4),
+            (110, "Reading\x1b[2J", 1, 4),
+        ):
+            clock.at = at
+            show(step, done, of)
     assert "about 30 s left" in terminal.getvalue()
     assert "\x1b" not in terminal.getvalue()
 
@@ -140,29 +140,29 @@ def at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sar_tui.cli.progress_line._ON_TERMINAL_S", 0.0)
 
 
-SIMULATE = ("simulate", "keyboard", "--user", "average", "--attempts", 1, "--seed", 1, "-p", "P01")
-REACH = ("simulate", "reaching", *SIMULATE[2:], "--set", "reaches_per_attempt=1")
-COMMON: Sequence[tuple[object, ...]] = (
-    ("Simulating …", *SIMULATE),
-    ("Copying …", "backup"),
-    ("Checking …", "check"),
-    ("Exporting …", "export", "--all", "--simulated"),
-    ("Replaying …", "replay", "last"),
-    ("table-4.1 …", "validate", "--only", "table-4.1"),
-)
-OTHERS: Sequence[tuple[object, ...]] = (
-    ("Trying the copy …", "backup", "--verify"),
-    ("Repairing …", "check", "--repair"),
-    ("Scoring …", "replay", "last", "--what-if", "threshold=900"),
-    ("Simulating …", "replay", "last", "--what-if", "threshold=900", "--fork", "--runs", 20),
-    ("Reading …", "report", "wizard", "--all", "--simulated"),
-    ("Reading …", "report", "intervention", "--all", "--simulated"),
-    ("Simulating …", *REACH),
-    ("Analysing …", "reanalyse", "last"),
-    ("Merging …", "merge", "other"),
-    ("Finding reaches", "detect", RECORDING),
-    ("Counting repetitions …", "detect", RECORDING, "--repetitions"),
-)
+SIMULATE = "simulate keyboard --user average --attempts 1 --seed 1 --set prompts_per_attempt=2"
+REACH = "simulate reaching --user average --attempts 1 --seed 1 --set reaches_per_attempt=1"
+COMMON = f"""
+Simulating …: {SIMULATE}
+Copying …: backup
+Checking …: check
+Exporting …: export --all --simulated
+Replaying …: replay last
+table-4.1 …: validate --only table-4.1
+"""
+OTHERS = f"""
+Trying the copy …: backup --verify
+Repairing …: check --repair
+Scoring …: replay last --what-if threshold=900
+Simulating …: replay last --what-if threshold=900 --fork --runs 20
+Reading …: report wizard --all --simulated
+Reading …: report intervention --all --simulated
+Simulating …: {REACH}
+Analysing …: reanalyse last
+Merging …: merge other
+Finding reaches: detect {RECORDING}
+Counting repetitions …: detect {RECORDING} --repetitions
+"""
 
 
 @pytest.mark.usefixtures("at_once")
@@ -174,14 +174,15 @@ def test_each_command_that_may_take_long_tells_it(
     tmp_path: Path,
     stderr_to: Patched,
     monkeypatch: pytest.MonkeyPatch,
-    commands: Sequence[Sequence[object]],
+    commands: str,
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    call(*SIMULATE, "--data", "other")
-    call(*SIMULATE)
-    for said, *words in commands:
+    call(f"{SIMULATE} --data other")
+    call(SIMULATE)
+    for line in commands.strip().splitlines():
+        said, _, command = line.partition(": ")
         terminal = stderr_to(True)
-        call(*words)
-        assert str(said) in terminal.getvalue(), words
+        call(command)
+        assert said in terminal.getvalue(), command
         shown = terminal.getvalue().rpartition("\r")[0].rpartition("\r")[2]
-        assert not shown.strip(), f"{words}: the line is gone"
+        assert not shown.strip(), f"{command}: the line is gone"

@@ -39,30 +39,27 @@ def data(tmp_path: Path, simulated: str) -> Path:
 
 
 def test_a_session_shows_what_the_participant_said(call: Call, data: Path, simulated: str) -> None:
-    shown = call("show", simulated)
-    assert shown.code == 0
-    assert 'Pain: 2 before, 5 after (left shoulder), "in pain" in a pause.' in shown.out
-    assert "Tiredness: would rather not say before, 10 after." in shown.out
-    assert "That was a reason to stop and to tell the therapist." in shown.out
+    call("show", simulated).shows(
+        'Pain: 2 before, 5 after (left shoulder), "in pain" in a pause.',
+        "Tiredness: would rather not say before, 10 after.",
+        "That was a reason to stop and to tell the therapist.",
+    )
     known = call("show", simulated, "--json").json["records"]
     assert sorted(row["kind"] for row in known) == [*["pain"] * 3, *["tiredness"] * 2]
-    assert "completed, simulated, pain 5, tired 10" in call("sessions").out
-
-
-def test_a_number_given_in_a_pause_is_shown(call: Call, data: Path, simulated: str) -> None:
+    call("sessions").shows("completed, simulated, pain 5, tired 10")
     with closing(connect(data)) as database:
         told(database, "P01", "pause", "pain", "9", session=simulated)
-    assert '"in pain" in a pause (9).' in call("show", simulated).out
-    assert "pain 9" in call("sessions").out
+    call("show", simulated).shows('"in pain" in a pause (9).')
+    call("sessions").shows("pain 9")
 
 
-def test_the_records_of_a_participant_are_listed(call: Call, data: Path) -> None:
-    listed = call("record", "list", "-p", "p01").out
-    assert "left shoulder" in listed
-    found = call("record", "list", "pain", "-p", "P01", "--json").json
+@pytest.mark.usefixtures("data")
+def test_the_records_of_a_participant_are_listed(call: Call) -> None:
+    call("record list -p p01").shows("left shoulder")
+    found = call("record list pain -p P01 --json").json
     assert [len(found["records"]), found["tell_therapist"]] == [3, []]
-    assert call("record", "list", "-p", "P02").out == "There are no records of P02.\n"
-    assert call("record", "list", "-p", "P1").err == "There is no participant P1. Is it P01?\n"
+    call("record list -p P02").shows("There are no records of P02.\n")
+    call("record list -p P1").refused("There is no participant P1. Is it P01?")
 
 
 def test_the_therapist_is_told_of_pain_that_is_new_over_four_sessions(
@@ -70,95 +67,84 @@ def test_the_therapist_is_told_of_pain_that_is_new_over_four_sessions(
 ) -> None:
     with closing(connect(data)) as database:
         for number, pain in enumerate(("0", "2", "1", "3", "2")):
-            database.execute(
-                "INSERT INTO sessions (id, task, status, mode) VALUES (?, 'keyboard', "
-                "'completed', 'live')",
-                (number,),
-            )
+            row = "INSERT INTO sessions (id, task, status, mode) VALUES (?, ?, ?, 'live')"
+            database.execute(row, (number, "keyboard", "completed"))
             database.execute("INSERT INTO seats VALUES (?, 'A', 'P01')", (number,))
             told(database, "P01", "after", "pain", pain, session=str(number))
-    assert call("record", "list", "-p", "P01").out.startswith("! Pain is new")
-    found = call("record", "list", "-p", "P01", "--json").json
-    assert found["tell_therapist"] == ["new pain"]
+    assert call("record list -p P01").out.startswith("! Pain is new")
+    assert call("record list -p P01 --json").json["tell_therapist"] == ["new pain"]
 
 
-def test_an_adverse_event_is_recorded_and_corrected(call: Call, data: Path, simulated: str) -> None:
+@pytest.mark.usefixtures("data")
+def test_an_adverse_event_is_recorded_and_corrected(call: Call, simulated: str) -> None:
     added = call(*EVENT, "p01", *FALL, "--session", simulated, "--json").json["record"]
     assert (added["at"], added["session"]) == ("2026-03-01 14:30", simulated)
     said = call("record", "correct", added["id"], "action=Rested", "outcome=No injury")
     assert said.code == 0
-    (now,) = call("record", "list", "adverse-event", "--json").json["records"]
+    (now,) = call("record list adverse-event --json").json["records"]
     assert (now["version"], now["content"]["outcome"]) == (2, "No injury")
     versions = call("record", "show", added["id"], "--json").json["versions"]
     assert [one["version"] for one in versions] == [1, 2]
-    shown = call("show", simulated).out
-    assert f"! Adverse event {added['id']}, moderate: Fell from the chair." in shown
+    call("show", simulated).shows(f"! Adverse event {added['id']}, moderate: Fell from the chair.")
     assert call("record", "correct", added["id"], "--remove").code == 0
-    assert call("record", "list", "adverse-event").out.startswith("There are no records")
-
-
-def test_people_are_told_what_is_still_missing(call: Call, data: Path) -> None:
+    call("record list adverse-event").shows("There are no records")
     said = call(*EVENT, "P01", *FALL, "action=Rested").out
-    assert "outcome=…" in said
-    assert "action=…" not in said
+    assert ("outcome=…" in said, "action=…" in said) == (True, False), "what is still missing"
 
 
 def test_the_advice_not_to_train_and_what_came_of_it_are_told(call: Call, tmp_path: Path) -> None:
     with closing(connect(tmp_path / "data")) as database:
         for question, answer in (("pain", "9"), ("advice", "shown"), ("advice", "stopped")):
             told(database, "P01", "before", question, answer)
-    found = call("record", "list", "-p", "P01", "--json").json
+    found = call("record list -p P01 --json").json
     assert found["tell_therapist"] == ["stop", "stopped"]
     (pain,) = found["records"]
     assert (pain["version"], pain["content"]["advice"]) == (3, "stopped")
 
 
 def test_scores_appear_in_progress_with_their_sources(call: Call) -> None:
-    for score, day, new in ((34, "2026-03-01", ["--new"]), (45, "2026-05-01", [])):
-        added = call("record", "add", "fma-ue", "p01", f"score={score}", "--on", day, *new)
-        assert (added.code, added.out.split()[-2:]) == (0, ["is", "recorded."])
-    shown = " ".join(call("progress", "P01").out.split())
+    for score in ("score=34 --on 2026-03-01 --new", "score=45 --on 2026-05-01"):
+        call(f"record add fma-ue p01 {score}").shows("is recorded.")
+    shown = " ".join(call("progress P01").out.split())
     assert "34 on 2026-03-01, 45 on 2026-05-01; change +11. Reaches MDC 6.8 points" in shown
-    spanish = " ".join(call("progress", "P01", "--note", "--language", "es").out.split())
+    spanish = " ".join(call("progress P01 --note --language es").out.split())
     assert "cambio +11. Alcanza MDC 6,8 puntos, 1 a 6 semanas" in spanish
     assert "doi:10.1177/15459683231186985" in spanish
-    (found,) = call("progress", "P01", "--json").json["instruments"]
+    (found,) = call("progress P01 --json").json["instruments"]
     assert (found["instrument"]["name"], found["change"]) == ("FMA-UE", 11.0)
     assert [each["reached"] for each in found["reached"]] == [True] * 5
 
 
 def test_the_kinds_are_listed_with_their_fields(call: Call) -> None:
-    listed = call("record", "kinds").out
-    assert [name for name in kinds() if name not in listed] == []
-    assert [each["name"] for each in call("record", "kinds", "--json").json["kinds"]] == list(
-        kinds()
-    )
+    call("record kinds").shows(*kinds())
+    listed = call("record kinds --json").json["kinds"]
+    assert [each["name"] for each in listed] == list(kinds())
 
 
 @pytest.mark.parametrize(
-    ("arguments", "says"),
+    ("who", "more", "says"),
     [
-        (("P99", *FALL), "There is no participant P99: add --new for a new participant."),
-        (("P01", *FALL, "severity=awful"), "Severity is mild, moderate or severe"),
-        (("P01", *FALL, "--on", "yesterday"), "Onset is a date, such as 2026-03-01"),
-        (("P01", *FALL, "--on", f"{datetime.now() + timedelta(days=2):%Y-%m-%d}"), "in the future"),
-        (("P01", *FALL, "what= "), "Say what happened, in a few words."),
-        (("P01", *FALL, "colour=red"), "adverse-event has no field colour."),
-        (("P01", *FALL, "mild"), "A value is given as FIELD=VALUE"),
-        (("P01", *FALL, "--session", "nowhere"), "There is no session nowhere."),
-        (("P02", *FALL, "--session", "last"), "is not one of P02."),
+        ("P99", (), "There is no participant P99: add --new for a new participant."),
+        ("P01", ("severity=awful",), "Severity is mild, moderate or severe"),
+        ("P01", ("--on", "yesterday"), "Onset is a date, such as 2026-03-01"),
+        ("P01", ("--on", f"{datetime.now() + timedelta(days=2):%Y-%m-%d}"), "in the future"),
+        ("P01", ("what= ",), "Say what happened, in a few words."),
+        ("P01", ("colour=red",), "adverse-event has no field colour."),
+        ("P01", ("mild",), "A value is given as FIELD=VALUE"),
+        ("P01", ("--session", "nowhere"), "There is no session nowhere."),
+        ("P02", ("--session", "last"), "is not one of P02."),
     ],
 )
+@pytest.mark.usefixtures("data")
 def test_bad_input_is_refused_in_a_sentence(
-    call: Call, data: Path, arguments: tuple[str, ...], says: str
+    call: Call, who: str, more: tuple[str, ...], says: str
 ) -> None:
-    called = call(*EVENT, *arguments)
-    assert called.code == 2
-    assert says in called.err
-    assert call("record", "list", "adverse-event", "--json").json["records"] == []
+    call(*EVENT, who, *FALL, *more).refused(says)
+    assert call("record list adverse-event --json").json["records"] == []
 
 
-def test_kinds_and_records_that_do_not_exist_are_told(call: Call, data: Path) -> None:
-    assert "There is no kind of record fim." in call("record", "add", "fim", "P01").err
-    assert call("record", "show", "ffffff").code == 2
-    assert call("record", "correct", "ffffff", "outcome=well").code == 2
+@pytest.mark.usefixtures("data")
+def test_kinds_and_records_that_do_not_exist_are_told(call: Call) -> None:
+    call("record add fim P01").refused("There is no kind of record fim.")
+    call("record show ffffff").refused()
+    call("record correct ffffff outcome=well").refused()

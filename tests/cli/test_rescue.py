@@ -34,58 +34,48 @@ def saved_data(folder: Path) -> Finding:
     return machine.saved_data(Machine(Home(folder), Examined))
 
 
-def test_without_rescue_files_there_is_nothing_to_do(call: Call, tmp_path: Path) -> None:
-    called = call("rescue")
-    assert (called.code, called.out) == (0, f"There are no rescue files in {tmp_path / 'data'}.\n")
+def test_without_rescue_files_there_is_nothing_to_do(call: Call, data: Path) -> None:
+    call("rescue").shows(f"There are no rescue files in {data}.\n")
     assert call("rescue --json").json == {"sessions": []}
 
 
-def test_a_rescue_file_is_brought_back(call: Call, waiting: str) -> None:
-    called = call("rescue")
-    assert (called.code, called.out) == (
-        0,
-        f"Session {waiting} of P01 (keyboard) is in the database again.\n",
-    )
+def test_a_rescue_file_is_brought_back(call: Call, waiting: str, data: Path) -> None:
+    finding = saved_data(data)
+    assert (finding.state, finding.advice) == ("bad", "Run `sar-tui rescue`, which brings it back.")
+    (path,) = rescue_files(data)
+    waits = f"! {path} holds data that is not in the database. `sar-tui rescue` brings it back.\n"
+    for command in ("sessions", "show last"):
+        assert call(command).err.startswith(waits)
+    call("rescue").shows(f"Session {waiting} of P01 (keyboard) is in the database again.\n")
     listed = call("sessions --json")
     assert [row["id"] for row in listed.json["sessions"]] == [waiting]
-    assert listed.err == ""
-    assert call("rescue").out.startswith("There are no rescue files")
+    assert (listed.err, saved_data(data).state) == ("", "ok")
+    call("rescue").shows("There are no rescue files")
+    assert saved_data(data / "none").state == "ok"
 
 
-def test_a_file_that_holds_nothing_new_is_put_away(
-    call: Call, waiting: str, tmp_path: Path
-) -> None:
-    (path,) = rescue_files(tmp_path / "data")
+@pytest.mark.usefixtures("waiting")
+def test_a_file_that_holds_nothing_new_is_put_away(call: Call, data: Path) -> None:
+    (path,) = rescue_files(data)
     call("rescue")
-    (done,) = (tmp_path / "data").glob("sar-tui-rescued-*.db")
+    (done,) = data.glob("sar-tui-rescued-*.db")
     done.rename(path)
-    assert call("rescue").out == "The database has all that is in the rescue files.\n"
-    assert rescue_files(tmp_path / "data") == []
+    call("rescue").shows("The database has all that is in the rescue files.\n")
+    assert rescue_files(data) == []
 
 
 def test_a_session_that_went_on_differently_stays_in_its_file(
-    call: Call, waiting: str, tmp_path: Path
+    call: Call, waiting: str, data: Path
 ) -> None:
-    (path,) = rescue_files(tmp_path / "data")
-    with closing(connect(tmp_path / "data")) as database:
-        facts: Any = {
-            "theme": "calm",
-            "seed": 1,
-            "parameters": {},
-            "software": {},
-            "machine": {},
-            "mode": "live",
-        }
+    (path,) = rescue_files(data)
+    ran: Any = {"software": {}, "machine": {}}
+    facts: Any = {"theme": "calm", "seed": 1, "parameters": {}, "mode": "live", **ran}
+    with closing(connect(data)) as database:
         sessions.create(database, waiting, task="keyboard", participant="P01", **facts)
         for _ in range(2):
-            sessions.begin_run(database, waiting, software={}, machine={})
-    called = call("rescue")
-    assert called.code == 1
-    assert called.out == (
-        f"Session {waiting} of P01 (keyboard) stays in {path}: it was resumed in the database "
-        "since, and went on "
-        "differently.\n"
-    )
+            sessions.begin_run(database, waiting, **ran)
+    said = f"Session {waiting} of P01 (keyboard) stays in {path}: it was resumed in the database"
+    call("rescue").shows(said, code=1)
 
 
 def damage(data: Path, change: str) -> Path:
@@ -106,14 +96,13 @@ def damage(data: Path, change: str) -> Path:
     ],
     ids=["topic", "text", "bytes"],
 )
+@pytest.mark.usefixtures("waiting")
 def test_damaged_messages_are_named_and_the_others_brought_back(
-    call: Call, waiting: str, tmp_path: Path, change: str
+    call: Call, data: Path, change: str
 ) -> None:
-    damage(tmp_path / "data", change)
-    called = call("rescue")
-    assert (called.code, called.err) == (0, "")
-    assert "! Messages of it that are damaged are left out: 1 (number 7)." in called.out
-    with closing(connect(tmp_path / "data")) as database:
+    damage(data, change)
+    call("rescue").shows("! Messages of it that are damaged are left out: 1 (number 7).")
+    with closing(connect(data)) as database:
         (count, last) = database.execute("SELECT count(*), max(seq) FROM events").fetchone()
     assert count == last - 1
 
@@ -127,40 +116,23 @@ def test_damaged_messages_are_named_and_the_others_brought_back(
     ],
 )
 def test_a_session_with_a_damaged_row_stays_in_its_file(
-    call: Call, waiting: str, tmp_path: Path, change: str, who: str
+    call: Call, waiting: str, data: Path, change: str, who: str
 ) -> None:
-    path = damage(tmp_path / "data", change)
-    called = call("rescue")
-    assert (called.code, called.err) == (1, "")
-    assert (
-        f"Session {waiting} of {who} (keyboard) stays in {path}: its rows are damaged" in called.out
-    )
+    path = damage(data, change)
+    said = f"Session {waiting} of {who} (keyboard) stays in {path}: its rows are damaged"
+    call("rescue").shows(said, code=1)
     assert call("sessions").code == 0
 
 
-@pytest.mark.parametrize("command", [["sessions"], ["show", "last"]])
-def test_commands_say_that_a_rescue_file_waits(
-    call: Call, waiting: str, tmp_path: Path, command: list[str]
-) -> None:
-    (path,) = rescue_files(tmp_path / "data")
-    assert call(*command).err.startswith(
-        f"! {path} holds data that is not in the database. `sar-tui rescue` brings it back.\n"
-    )
-
-
 def test_a_session_is_not_resumed_while_its_last_messages_are_in_a_rescue_file(
-    call: Call, waiting: str, tmp_path: Path
+    call: Call, waiting: str, data: Path
 ) -> None:
-    (path,) = rescue_files(tmp_path / "data")
-    with closing(sqlite3.connect(path)) as source, closing(connect(tmp_path / "data")) as database:
+    (path,) = rescue_files(data)
+    with closing(sqlite3.connect(path)) as source, closing(connect(data)) as database:
         source.backup(database)
         database.execute("UPDATE sessions SET status='interrupted'")
-    called = call("resume", waiting)
-    assert called.code == 2
-    assert (
-        f"The last messages of session {waiting} are in {path}. Run `sar-tui rescue` first."
-        in called.err
-    )
+    said = f"The last messages of session {waiting} are in {path}. Run `sar-tui rescue` first."
+    call("resume", waiting).refused(said)
 
 
 def test_commands_and_doctor_say_that_data_was_lost(call: Call, crashed: Path) -> None:
@@ -172,25 +144,15 @@ def test_commands_and_doctor_say_that_data_was_lost(call: Call, crashed: Path) -
     assert "Restore a backup, or delete " in finding.advice
 
 
-def test_doctor_reports_rescue_files(call: Call, waiting: str, tmp_path: Path) -> None:
-    finding = saved_data(tmp_path / "data")
-    assert (finding.state, finding.advice) == ("bad", "Run `sar-tui rescue`, which brings it back.")
-    call("rescue")
-    assert saved_data(tmp_path / "data").state == "ok"
-    assert saved_data(tmp_path / "none").state == "ok"
-
-
 def test_beside_a_damaged_database_the_file_and_what_is_in_it_are_named(
-    call: Call, waiting: str, tmp_path: Path
+    call: Call, waiting: str, data: Path
 ) -> None:
-    (path,) = rescue_files(tmp_path / "data")
+    (path,) = rescue_files(data)
     held = path.read_bytes()
-    (tmp_path / "data" / FILE).write_bytes(b"no database" * 1000)
+    (data / FILE).write_bytes(b"no database" * 1000)
     called = call("rescue")
-    assert (called.code, called.out) == (2, "")
-    said, why = called.err.splitlines()
     begins = f"! {path} waits, and is kept as it is. It holds session {waiting} of P01 (keyboard), "
-    assert said.startswith(begins)
+    called.refused(begins, str(data / FILE))
+    said, _ = called.err.splitlines()
     assert re.fullmatch(r"\d+ trials?\.", said.removeprefix(begins))
-    assert str(tmp_path / "data" / FILE) in why
     assert path.read_bytes() == held

@@ -24,21 +24,17 @@ from tests.program import Call
 
 
 @contextmanager
-def serving(*arguments: object) -> "Iterator[subprocess.Popen[str]]":
-    """Run the command, and kill it afterwards."""
+def serving(*arguments: object) -> Iterator[tuple[subprocess.Popen[str], IO[str], IO[str]]]:
+    """Run the command, yield it with its streams, and kill it afterwards."""
     command = [sys.executable, "-m", "sar_tui", "serve", *map(str, arguments)]
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as process:
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True) as process:
+        assert process.stdout
+        assert process.stderr
         try:
-            yield process
+            yield process, process.stdout, process.stderr
         finally:
             process.kill()
-
-
-def line(stream: IO[str] | None) -> str:
-    assert stream
-    return stream.readline()
 
 
 @pytest.mark.parametrize(
@@ -48,50 +44,47 @@ def line(stream: IO[str] | None) -> str:
 def test_serves_until_a_signal(
     number: signal.Signals, code: int, said: str, tmp_path: Path
 ) -> None:
-    with serving("observer", "--port", 0, "--data", tmp_path) as process:
-        address, _, token = line(process.stdout).strip().partition("/?token=")
+    with serving("observer", "--port", 0, "--data", tmp_path) as (process, out, err):
+        address, _, token = out.readline().strip().partition("/?token=")
         assert address.startswith("http://127.0.0.1:")
         assert len(token) == 43
         port = int(address.rpartition(":")[2])
         with socket.create_connection(("127.0.0.1", port)) as caller:
             caller.sendall(f"GET / HTTP/1.0\r\nHost: 127.0.0.1:{port}\r\n\r\n".encode())
             assert caller.recv(100).startswith(b"HTTP/1.0 403")
-        assert "refused: no token (/)" in line(process.stderr)
+        assert "refused: no token (/)" in err.readline()
         process.send_signal(number)
-        out, err = process.communicate(timeout=60)
-        assert (process.returncode, out, err) == (code, "", said)
+        assert process.communicate(timeout=60) == ("", said)
+        assert process.returncode == code
 
 
 def test_json_and_stored_token(tmp_path: Path) -> None:
+    token_file = tmp_path / "token"
     printed = []
     for _ in range(2):
-        with serving("agent", "--port", 0, "--json", "--token-file", tmp_path / "token") as process:
-            printed.append(json.loads(line(process.stdout)))
+        with serving("agent", "--port", 0, "--json", "--token-file", token_file) as (_, out, _):
+            printed.append(json.loads(out.readline()))
     first, second = printed
     assert set(first) == {"view", "url", "host", "port", "token"}
     assert (first["view"], first["host"]) == ("agent", "127.0.0.1")
     assert first["url"] == f"http://127.0.0.1:{first['port']}/?token={first['token']}"
-    assert first["token"] == second["token"] == (tmp_path / "token").read_text().strip()
+    assert first["token"] == second["token"] == token_file.read_text().strip()
 
 
 def test_warning_on_other_hosts(tmp_path: Path) -> None:
-    with serving("observer", "--port", 0, "--host", "0.0.0.0", "--data", tmp_path) as process:
-        assert "it is not encrypted" in line(process.stderr)
+    options = ("--port", 0, "--host", "0.0.0.0", "--data", tmp_path)
+    with serving("observer", *options) as (_, _, err):
+        assert "it is not encrypted" in err.readline()
 
 
 def test_port_in_use_is_reported(call: Call) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        assert call("serve observer --port", port) == (
-            1,
-            "",
-            f"Port {port} is in use; choose another with --port, or 0 for any free one.\n",
-        )
+        said = f"Port {port} is in use; choose another with --port"
+        call("serve observer --port", port).refused(said, code=1)
 
 
-def test_something_that_is_no_invitation_is_refused_before_anything_is_served(
-    call: Call, tmp_path: Path
-) -> None:
+def test_something_that_is_no_invitation_is_refused_before_anything_is_served(call: Call) -> None:
     with (
         tempfile.TemporaryDirectory(prefix="sar-") as folder,
         socket.socket(socket.AF_UNIX) as listening,
@@ -102,23 +95,16 @@ def test_something_that_is_no_invitation_is_refused_before_anything_is_served(
             (folder, "is not a file"),
             (__file__, "is not an invitation"),
         ):
-            called = call("serve operator --port 0 --link", path)
-            assert (called.code, called.out) == (2, "")
-            assert said in called.err
+            call("serve operator --port 0 --link", path).refused(said)
 
 
 def test_a_session_that_is_not_there_is_refused_before_anything_is_served(
     call: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(
-        discovery, "joinable_sessions", lambda data: [JoinableSession("abc1", "keyboard", "l1", 1)]
-    )
-    called = call("serve operator --port 0 --session nonsense")
-    assert (called.code, called.out) == (2, "")
-    assert (
-        called.err
-        == "No session that can be joined begins with nonsense. These can: abc1 (keyboard).\n"
-    )
+    session = JoinableSession("abc1", "keyboard", "l1", 1)
+    monkeypatch.setattr(discovery, "joinable_sessions", lambda data: [session])
+    said = "begins with nonsense. These can: abc1 (keyboard)."
+    call("serve operator --port 0 --session nonsense").refused(said)
 
 
 def test_an_operators_invitation_is_not_served_to_observers(
@@ -126,9 +112,7 @@ def test_an_operators_invitation_is_not_served_to_observers(
 ) -> None:
     path = tmp_path / "anna.sar-link"
     invitation.write(invite_guests(data).anna, path)
-    called = call("serve observer --port 0 --link", path)
-    assert (called.code, called.out) == (2, "")
-    assert "ask for an observer's invitation" in called.err
+    call("serve observer --port 0 --link", path).refused("ask for an observer's invitation")
 
 
 @pytest.mark.parametrize("missing", ["textual_serve", "aiohttp"])
@@ -140,9 +124,7 @@ def test_missing_extra_is_reported(
     for name in [name for name in sys.modules if name.startswith("sar_tui.serve")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, missing, None)
-    called = call("serve observer")
-    assert called.code == 2
-    assert "pip install -e '.[serve]'" in called.err
+    call("serve observer").refused("pip install -e '.[serve]'")
 
 
 def test_missing_link_packages_are_reported(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -150,27 +132,15 @@ def test_missing_link_packages_are_reported(call: Call, monkeypatch: pytest.Monk
         raise LinkError(no_packages())
 
     monkeypatch.setattr(errors, "need_packages", missing)
-    assert call("serve operator --port 0") == (2, "", f"{no_packages()}\n")
-
-
-def test_name_of_an_operator(call: Call, tmp_path: Path) -> None:
-    assert _program("operator", "s1", None, Home(tmp_path), "anna")[-4:] == [
-        "--name",
-        "anna",
-        "--",
-        "s1",
-    ]
-    called = call("serve operator --port 0 --name", "Anna B.")
-    assert called.code == 2
-    assert "is not a valid name" in called.err
+    call("serve operator --port 0").refused(no_packages())
 
 
 def test_arguments_of_the_program_cannot_be_injected(tmp_path: Path) -> None:
+    tasks, link = str(tmp_path / "tasks"), tmp_path / "an invitation"
     home = Home(tmp_path, (tmp_path / "tasks",))
     program = _program("observer", "--link; rm -rf /", None, home)
     assert program[1:6] == ["-P", "-m", "sar_tui", "wizard", "--observe"]
-    assert program[-4:] == ["--tasks", str(tmp_path / "tasks"), "--", "--link; rm -rf /"]
-    assert _program("agent", None, tmp_path / "an invitation", home)[-2:] == [
-        "--link",
-        str(tmp_path / "an invitation"),
-    ]
+    assert program[-4:] == ["--tasks", tasks, "--", "--link; rm -rf /"]
+    assert _program("agent", None, link, home)[-2:] == ["--link", str(link)]
+    named = _program("operator", "s1", None, Home(tmp_path), "anna")
+    assert named[-4:] == ["--name", "anna", "--", "s1"]

@@ -4,6 +4,8 @@ import sqlite3
 from contextlib import closing
 from pathlib import Path
 
+import pytest
+
 from tests.program import Call
 
 
@@ -14,25 +16,18 @@ def test_a_site_gets_a_code_in_capitals(call: Call, simulated: str) -> None:
     assert call("site BASEL-1").out.splitlines()[1].startswith("It was BERN")
 
 
-def test_a_code_that_is_none_is_refused(call: Call) -> None:
-    for code in ("", "two words", "P@B", "-A", "A" * 17):
-        called = call("site --", code)
-        assert (called.code, called.out) == (2, "")
-        assert called.err.startswith("A site's code has 1 to 16 letters")
+@pytest.mark.parametrize("code", ["", "two words", "P@B", "-A", "A" * 17])
+def test_a_code_that_is_none_is_refused(call: Call, code: str) -> None:
+    call("site --", code).refused("A site's code has 1 to 16 letters")
 
 
-def test_a_code_that_others_may_know_stays(call: Call, simulated: str, tmp_path: Path) -> None:
+def test_a_code_that_others_may_know_stays(call: Call, simulated: str, data: Path) -> None:
     call("site BERN")
-    with closing(sqlite3.connect(tmp_path / "data" / "sar-tui.db")) as database:
-        database.execute(
-            "INSERT INTO exports (exported_at, exported_by, recipient, format, sessions, options, "
-            "manifest)"
-            " VALUES ('', '', '', 'parquet', '[]', '{}', '')"
-        )
-        database.commit()
-    called = call("site BASEL")
-    assert (called.code, called.out) == (2, "")
-    assert "data was exported under this code" in called.err
+    with closing(sqlite3.connect(data / "sar-tui.db", isolation_level=None)) as database:
+        names = "exported_at, exported_by, recipient, format, sessions, options, manifest"
+        row = ("", "", "", "parquet", "[]", "{}", "")
+        database.execute(f"INSERT INTO exports ({names}) VALUES (?, ?, ?, ?, ?, ?, ?)", row)
+    call("site BASEL").refused("data was exported under this code")
     assert call("site bern").code == 0
 
 

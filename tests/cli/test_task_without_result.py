@@ -11,94 +11,68 @@ from tests.tasks.test_documented_tasks import documented
 
 
 @pytest.fixture
-def rated(call: Call, tmp_path: Path) -> tuple[Path, str]:
-    """The folder of the documented task of ratings, and a simulated session of it."""
+def rated(tmp_path: Path) -> Path:
+    """The folder of the documented task of ratings."""
     documented(tmp_path / "mytasks", "pleasant")
-    tasks = tmp_path / "mytasks"
-    who = ("--user", "average", "-p", "P01", "--attempts", 3, "--seed", 1)
-    done = call("simulate pleasant", *who, "--tasks", tasks, "--json")
-    return tasks, str(done.json["session"])
+    return tmp_path / "mytasks"
 
 
-def test_it_is_listed_without_a_metric(call: Call, rated: tuple[Path, str]) -> None:
-    tasks, _ = rated
-    (listed,) = [
-        row
-        for row in call("tasks --json --tasks", tasks).json["tasks"]
-        if row["name"] == "pleasant"
-    ]
-    assert listed["metric"] is None
-    assert call("tasks show pleasant --json --tasks", tasks).json["task"]["metric"] is None
-    assert "How pleasant?" in call("tasks --tasks", tasks).out
+@pytest.fixture
+def session(call: Call, rated: Path) -> str:
+    """A simulated session of it."""
+    who = "--user average -p P01 --attempts 3 --seed 1 --json --tasks"
+    return str(call(f"simulate pleasant {who}", rated).json["session"])
+
+
+def test_it_is_listed_without_a_metric(call: Call, rated: Path) -> None:
+    listed = {row["name"]: row for row in call("tasks --json --tasks", rated).json["tasks"]}
+    assert listed["pleasant"]["metric"] is None
+    assert call("tasks show pleasant --json --tasks", rated).json["task"]["metric"] is None
+    call("tasks --tasks", rated).shows("How pleasant?")
 
 
 def test_a_session_is_shown_without_results_goals_and_plot(
-    call: Call, rated: tuple[Path, str]
+    call: Call, rated: Path, session: str
 ) -> None:
-    tasks, session = rated
-    shown = call("show", session, "--tasks", tasks)
-    assert shown.code == 0
-    assert "3 attempts, levels 1 to 1." in shown.out
+    shown = call("show", session, "--tasks", rated)
+    shown.shows("3 attempts, levels 1 to 1.")
     assert "reached" not in shown.out
-    rows = call("show", session, "--json", "--tasks", tasks).json["attempts"]
-    assert {(row["metric"], row["goal"], row["outcome"], row["feedback"]) for row in rows} == {
-        (None, None, "none", "none")
-    }
-    assert all(set(row["qualities"]) == {"mean_rating"} for row in rows)
+    for row in call("show", session, "--json", "--tasks", rated).json["attempts"]:
+        assert (row["metric"], row["goal"]) == (None, None)
+        assert (row["outcome"], row["feedback"]) == ("none", "none")
+        assert set(row["qualities"]) == {"mean_rating"}
 
 
-def test_progress_has_its_sessions_and_says_nothing_of_a_goal(
-    call: Call, rated: tuple[Path, str]
-) -> None:
-    tasks, _ = rated
-    told = call("progress P01 --tasks", tasks)
-    assert (told.code, "100%" in told.out, "level at goal is not known" in told.out) == (
-        0,
-        True,
-        False,
-    )
-    (line,) = call("progress P01 --json --tasks", tasks).json["lines"]
-    assert [(each["attempts"], each["reached"], each["mean"]) for each in line["sessions"]] == [
-        (3, None, None)
-    ]
+@pytest.mark.usefixtures("session")
+def test_progress_has_its_sessions_and_says_nothing_of_a_goal(call: Call, rated: Path) -> None:
+    told = call("progress P01 --tasks", rated)
+    told.shows("100%")
+    assert "level at goal is not known" not in told.out
+    (line,) = call("progress P01 --json --tasks", rated).json["lines"]
+    (each,) = line["sessions"]
+    assert (each["attempts"], each["reached"], each["mean"]) == (3, None, None)
 
 
+@pytest.mark.usefixtures("session")
 @pytest.mark.parametrize(
     "command",
     [
-        "replay {session}",
-        "replay {session} --what-if min_accuracy=0.5",
+        "replay last",
+        "replay last --what-if min_accuracy=0.5",
         "report intervention --all --simulated",
         "progress P01 --html {folder}/page.html",
+        *(
+            f"export last --simulated --to {{folder}}/out --format {kind}"
+            for kind in ("csv", "bids", "psych-ds", "parquet", "mat", "elan")
+        ),
     ],
 )
-def test_other_commands_take_it(
-    call: Call, rated: tuple[Path, str], tmp_path: Path, command: str
-) -> None:
-    tasks, session = rated
-    called = call(*command.format(session=session, folder=tmp_path).split(), "--tasks", tasks)
+def test_other_commands_take_it(call: Call, rated: Path, tmp_path: Path, command: str) -> None:
+    called = call(command.format(folder=tmp_path), "--tasks", rated)
     assert (called.code, called.err) == (0, "")
     assert "0%" not in called.out.replace("100%", "")
 
 
-@pytest.mark.parametrize("kind", ["csv", "bids", "psych-ds", "parquet", "mat", "elan"])
-def test_it_is_exported(call: Call, rated: tuple[Path, str], tmp_path: Path, kind: str) -> None:
-    tasks, session = rated
-    called = call(
-        "export",
-        session,
-        "--simulated",
-        "--format",
-        kind,
-        "--to",
-        tmp_path / "out",
-        "--tasks",
-        tasks,
-    )
-    assert (called.code, called.err) == (0, "")
-
-
 @pytest.mark.slow
-def test_it_passes_its_check(call: Call, rated: tuple[Path, str]) -> None:
-    tasks, _ = rated
-    assert call("tasks check", tasks / "pleasant").code == 0
+def test_it_passes_its_check(call: Call, rated: Path) -> None:
+    assert call("tasks check", rated / "pleasant").code == 0

@@ -3,13 +3,14 @@
 import json
 import stat
 import sys
-from collections.abc import Callable, Sequence
+from itertools import cycle
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from sar_tui.timing import verdict
-from sar_tui.timing.closed_loop import BASELINE, SAR_TUI, Program, Trial
+from sar_tui.timing.closed_loop import BASELINE, SAR_TUI, Trial
 from sar_tui.timing.scripted_participant import NoPrompt
 from sar_tui.timing.verdict import Circumstances, ErrorStatistics, error_statistics, judge
 from tests.program import Call
@@ -23,86 +24,51 @@ def figures(median: float = 0.3, robust: float = 0.1, p99: float = 1.0) -> Error
 
 
 def measures(
-    errors: dict[str, list[float]], source: str = "flush"
-) -> Callable[..., dict[str, list[Trial]]]:
-    """Return a fake measurement with these errors; `make bench` runs the real one."""
+    monkeypatch: pytest.MonkeyPatch, errors: list[float], bare: list[float], source: str = "flush"
+) -> None:
+    """Fake the measurement with these errors; `make bench` runs the real one."""
+    given = {SAR_TUI.name: cycle(errors), BASELINE.name: cycle(bare)}
+    stamp = {"onset_source": source}
 
-    def take_turns(
-        programs: Sequence[Program],
-        trials: int,
-        blocks: int,
-        folder: Path,
-        on_press: Callable[[str], None],
-    ) -> dict[str, list[Trial]]:
-        return {
-            program.name: [
-                Trial(
-                    errors[program.name][number % len(errors[program.name])],
-                    {"onset_source": source},
-                )
-                for number in range(trials)
-            ]
-            for program in programs
-        }
+    def take_turns(programs: Any, trials: int, *_: Any) -> dict[str, list[Trial]]:
+        names = [program.name for program in programs]
+        return {name: [Trial(next(given[name]), stamp) for _ in range(trials)] for name in names}
 
-    return take_turns
+    monkeypatch.setattr(verdict, "take_turns", take_turns)
 
 
 @pytest.fixture
 def fine(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        verdict, "take_turns", measures({SAR_TUI.name: [0.2, 0.3, 0.4], BASELINE.name: [0.1, 0.2]})
-    )
+    measures(monkeypatch, [0.2, 0.3, 0.4], [0.1, 0.2])
 
 
 # --- the verdict
 
 
-def test_small_errors_at_a_local_terminal_are_fit() -> None:
-    assert judge(figures(), GOOD, Circumstances()) == ("fit", [])
-
-
 @pytest.mark.parametrize(
-    ("measured", "expected", "word"),
+    ("measured", "here", "expected", "word"),
     [
-        (figures(robust=1.0, median=1.0, p99=5.0), "fit", ""),
-        (figures(robust=1.1), "fit with care", "scatter by 1.1 ms"),
-        (figures(robust=3.1), "not fit", "scatter by 3.1 ms"),
-        (figures(median=-2.0), "fit with care", "off by -2.0 ms"),
-        (figures(median=3.5), "not fit", "off by 3.5 ms"),
-        (figures(p99=6.0), "fit with care", "in a hundred is off by 6.0 ms"),
-        (figures(p99=21.0), "not fit", "in a hundred is off by 21.0 ms"),
+        ({}, {}, "fit", ""),
+        ({"robust": 1.0, "median": 1.0, "p99": 5.0}, {}, "fit", ""),
+        ({"robust": 1.1}, {}, "fit with care", "scatter by 1.1 ms"),
+        ({"robust": 3.1}, {}, "not fit", "scatter by 3.1 ms"),
+        ({"median": -2.0}, {}, "fit with care", "off by -2.0 ms"),
+        ({"median": 3.5}, {}, "not fit", "off by 3.5 ms"),
+        ({"p99": 6.0}, {}, "fit with care", "in a hundred is off by 6.0 ms"),
+        ({"p99": 21.0}, {}, "not fit", "in a hundred is off by 21.0 ms"),
+        ({}, {"ssh": True}, "not fit", "SSH"),
+        ({}, {"multiplexer": "tmux"}, "fit with care", "tmux"),
+        ({}, {"clock_step": 0.0156}, "not fit", "15.6 ms"),
+        ({}, {"stamped_at_flush": 0.99}, "fit with care", "stamped"),
+        ({"robust": 2.0}, {"load": 3.2, "cores": 2}, "fit with care", "load 3.2 on 2 cores"),
+        ({}, {"load": 3.2, "cores": 2}, "fit", ""),
     ],
 )
-def test_the_worst_figure_decides_and_is_named(
-    measured: ErrorStatistics, expected: str, word: str
+def test_the_worst_figure_and_the_circumstances_decide_and_are_named(
+    measured: dict[str, float], here: dict[str, Any], expected: str, word: str
 ) -> None:
-    found, reasons = judge(measured, GOOD, Circumstances())
-    assert found == expected
-    assert word in " ".join(reasons)
-
-
-@pytest.mark.parametrize(
-    ("here", "expected", "word"),
-    [
-        (Circumstances(ssh=True), "not fit", "SSH"),
-        (Circumstances(multiplexer="tmux"), "fit with care", "tmux"),
-        (Circumstances(clock_step=0.0156), "not fit", "15.6 ms"),
-        (Circumstances(stamped_at_flush=0.99), "fit with care", "stamped"),
-    ],
-)
-def test_circumstances_that_no_figure_shows_affect_the_verdict(
-    here: Circumstances, expected: str, word: str
-) -> None:
-    found, reasons = judge(figures(), GOOD, here)
-    assert found == expected
-    assert word in " ".join(reasons)
-
-
-def test_a_busy_machine_is_reported_as_the_cause_of_bad_figures_only() -> None:
-    busy = Circumstances(load=3.2, cores=2)
-    assert "load 3.2 on 2 cores" in " ".join(judge(figures(robust=2), GOOD, busy)[1])
-    assert judge(figures(), GOOD, busy) == ("fit", [])
+    found, reasons = judge(figures(**measured), GOOD, Circumstances(**here))
+    assert (found, reasons == [], word in " ".join(reasons)) == (expected, not word, True)
 
 
 def test_the_baseline_shows_whether_the_machine_or_the_program_is_the_cause() -> None:
@@ -114,73 +80,52 @@ def test_the_baseline_shows_whether_the_machine_or_the_program_is_the_cause() ->
 
 
 @pytest.mark.usefixtures("fine")
-def test_it_says_in_words_whether_the_machine_is_fit(call: Call) -> None:
+def test_it_says_in_words_whether_the_machine_is_fit(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
     called = call("timing")
-    assert called.code == 0
-    assert "This machine is fit for an experiment" in called.out
-    for word in ("sar-tui", "a bare loop", "robust SD", "p99", "keyboard"):
-        assert word in called.out
+    called.shows("This machine is fit for an experiment")
+    called.shows("sar-tui", "a bare loop", "robust SD", "p99", "keyboard")
+    monkeypatch.setenv("SSH_CONNECTION", "somewhere")
+    assert "not fit for an experiment" in call("timing").out
 
 
 @pytest.mark.usefixtures("fine")
 def test_json_holds_the_figures_the_reasons_and_the_bare_loop(call: Call) -> None:
     found = call("timing --trials 30 --json").json["timing"]
     assert set(found) == KEPT | {"reasons", "bare"}
-    assert (found["trials"], found["median_ms"], found["verdict"], found["reasons"]) == (
-        30,
-        0.3,
-        "fit",
-        [],
-    )
-    assert found["bare"]["median_ms"] == 0.15
+    assert [found[name] for name in ("trials", "median_ms", "verdict")] == [30, 0.3, "fit"]
+    assert (found["reasons"], found["bare"]["median_ms"]) == ([], 0.15)
 
 
 @pytest.mark.usefixtures("fine")
 def test_the_figures_are_stored_for_later_sessions_and_readable_only_by_the_user(
-    call: Call, tmp_path: Path
+    call: Call, data: Path
 ) -> None:
     call("timing")
     call("timing --trials 12")
-    path = tmp_path / "data" / "timing.json"
-    assert stat.S_IMODE(path.stat().st_mode) == 0o600
+    (path,) = data.iterdir()
+    assert (path.name, stat.S_IMODE(path.stat().st_mode)) == ("timing.json", 0o600)
     kept = json.loads(path.read_text())
-    assert set(kept) == KEPT
-    assert kept["trials"] == 12
-    assert [file.name for file in path.parent.iterdir()] == ["timing.json"]
+    assert (set(kept), kept["trials"]) == (KEPT, 12)
 
 
 def test_onsets_not_stamped_at_flush_are_reported(
     call: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(
-        verdict,
-        "take_turns",
-        measures({SAR_TUI.name: [0.2, 0.3], BASELINE.name: [0.2, 0.1]}, "refresh"),
-    )
+    measures(monkeypatch, [0.2, 0.3], [0.2, 0.1], "refresh")
     assert call("timing --json").json["timing"]["verdict"] == "fit with care"
 
 
-@pytest.mark.usefixtures("fine")
-def test_over_ssh_a_machine_is_not_fit(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("SSH_CONNECTION", "somewhere")
-    assert "not fit for an experiment" in call("timing").out
-
-
 def test_a_measurement_that_fails_is_1_and_a_sentence(
-    call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    call: Call, monkeypatch: pytest.MonkeyPatch, data: Path
 ) -> None:
     def fails(*_: object) -> None:
         raise NoPrompt("No prompt has come.")
 
     monkeypatch.setattr(verdict, "take_turns", fails)
-    called = call("timing")
-    assert (called.code, called.out) == (1, "")
-    assert called.err == "Timing could not be measured. No prompt has come.\n"
-    assert not (tmp_path / "data" / "timing.json").exists()
-
-
-def test_windows_is_1_and_a_sentence(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    said = "Timing could not be measured. No prompt has come."
+    call("timing").refused(said, code=1)
+    assert not (data / "timing.json").exists()
     monkeypatch.setattr(sys, "platform", "win32")
-    called = call("timing")
-    assert called.code == 1
-    assert "Windows" in called.err
+    call("timing").refused("Windows", code=1)

@@ -2,19 +2,16 @@
 
 import os
 import re
-from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
 
 import pytest
+from msgspec.structs import replace
 
-from sar_tui.cli import wizard
 from sar_tui.cli.errors import Refused
-from sar_tui.cli.wizard import name_at_session, session_to_show
+from sar_tui.cli.wizard import name_at_session, session_to_join, session_to_show
 from sar_tui.link import discovery, invitation
 from sar_tui.link.discovery import JoinableSession
-from sar_tui.link.invitation import NAME, Invitation
-from sar_tui.link.zenoh_settings import Credentials
+from sar_tui.link.invitation import NAME
 from tests.link.tls_fixtures import invite_guests
 from tests.program import Call
 
@@ -31,28 +28,43 @@ def live(monkeypatch: pytest.MonkeyPatch, *sessions: JoinableSession) -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "sessions", "said"),
+    ("command", "sessions", "said"),
     [
-        ([], [], "`sar-tui run keyboard -p P01 --operator`"),
-        (["x"], [ONE], "begins with x"),
-        (["--link", "gone.sar-link"], [], "There is no file gone.sar-link."),
-        (["abc1", "--link", "file"], [ONE], "leave out SESSION and --wait"),
-        (["--name", "two words"], [ONE], "'two words' is not a valid name"),
-        ([], [ONE], "needs a real terminal"),
-        (["--wait"], [], "needs a real terminal"),
+        ("wizard", [], "`sar-tui run keyboard -p P01 --operator`"),
+        ("agent", [], "`sar-tui run keyboard -p P01 --operator`"),
+        ("wizard x", [ONE], "begins with x"),
+        ("wizard --link gone.sar-link", [], "There is no file gone.sar-link."),
+        ("wizard abc1 --link file", [ONE], "leave out SESSION and --wait"),
+        ("wizard --name two,words", [ONE], "'two,words' is not a valid name"),
+        ("wizard", [ONE], "needs a real terminal"),
+        ("agent", [ONE], "needs a real terminal"),
+        ("wizard --wait", [], "needs a real terminal"),
     ],
 )
 def test_bad_input_is_refused_in_a_sentence(
     call: Call,
     monkeypatch: pytest.MonkeyPatch,
-    arguments: list[str],
+    command: str,
     sessions: list[JoinableSession],
     said: str,
 ) -> None:
     live(monkeypatch, *sessions)
-    called = call("wizard", *arguments)
-    assert (called.code, called.out) == (2, "")
-    assert said in called.err
+    call(command).refused(said)
+
+
+@pytest.mark.parametrize(
+    ("session", "said"), [(None, "Several"), ("ab", "Several"), ("x", "begins with x")]
+)
+def test_an_ambiguous_choice_of_the_agents_session_lists_them(
+    session: str | None, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    live(monkeypatch, ONE)
+    assert session_to_join(None, None, HERE) == ONE
+    live(monkeypatch, ONE, OTHER)
+    assert session_to_join("abd", None, HERE) == OTHER
+    with pytest.raises(Refused, match=said) as refused:
+        session_to_join(session, None, HERE)
+    assert "abc1 (keyboard); abd2 (reaching)" in str(refused.value)
 
 
 def test_the_only_session_is_joined_and_several_are_offered_on_the_screen(
@@ -68,27 +80,16 @@ def test_the_only_session_is_joined_and_several_are_offered_on_the_screen(
 def test_an_expired_invitation_is_refused(call: Call, data: Path, tmp_path: Path) -> None:
     path = tmp_path / "late.sar-link"
     invitation.write(invite_guests(data).late, path)
-    called = call("wizard --link", path)
-    assert (called.code, called.out) == (2, "")
-    assert called.err.startswith(f"The invitation {path} expired on ")
+    call("wizard --link", path).refused(f"The invitation {path} expired on ")
 
 
-def test_an_operators_invitation_cannot_be_used_to_observe(monkeypatch: pytest.MonkeyPatch) -> None:
-    def read(session: Any, link: Path, data: Path) -> Invitation:
-        return Invitation(
-            role="operator",
-            name="anna",
-            link="abcdef01",
-            endpoints=("tls/127.0.0.1:7447",),
-            expires=datetime.now(UTC),
-            credentials=Credentials("", "", ""),
-        )
-
-    monkeypatch.setattr(wizard, "session_to_join", read)
+def test_an_operators_invitation_cannot_be_used_to_observe(data: Path, tmp_path: Path) -> None:
+    link = tmp_path / "anna.sar-link"
+    invitation.write(invite_guests(data).anna, link)
     with pytest.raises(Refused, match="ask for an observer's invitation"):
-        session_to_show(None, Path("anna.sar-link"), HERE, wait=False, observe=True)
+        session_to_show(None, link, HERE, wait=False, observe=True)
     with pytest.raises(Refused, match="leave out --name"):
-        name_at_session("ben", Path("anna.sar-link"), observe=False)
+        name_at_session("ben", link, observe=False)
 
 
 def test_observers_of_one_user_have_different_names(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -104,19 +105,12 @@ def test_observers_of_one_user_have_different_names(monkeypatch: pytest.MonkeyPa
 def test_a_session_of_another_data_folder_is_not_joined_but_named(
     call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    elsewhere = JoinableSession(
-        "abc1", "keyboard", "l1", 1, discovery.folder_name(tmp_path / "elsewhere"), ("P07",)
-    )
+    data, other = tmp_path / "data", tmp_path / "elsewhere"
+    elsewhere = replace(ONE, data=discovery.folder_name(other))
     monkeypatch.setattr(discovery, "live_sessions", lambda: [elsewhere])
-    for arguments in ([], ["abc1"]):
-        called = call("wizard", *arguments)
-        assert (called.code, called.out) == (2, "")
-        assert called.err.endswith(f"to join it, add --data {tmp_path / 'elsewhere'}.\n")
-    here = JoinableSession(
-        "abd2", "reaching", "l2", 2, discovery.folder_name(tmp_path / "data"), ("P08",)
-    )
+    for command in ("wizard", "wizard abc1"):
+        call(command).refused(f"to join it, add --data {other}.")
+    here = replace(OTHER, data=discovery.folder_name(data))
     monkeypatch.setattr(discovery, "live_sessions", lambda: [elsewhere, here])
-    assert session_to_show(None, None, tmp_path / "data", wait=True, observe=False) == here
-    assert (
-        session_to_show(None, None, tmp_path / "elsewhere", wait=True, observe=False) == elsewhere
-    )
+    for folder, found in ((data, here), (other, elsewhere)):
+        assert session_to_show(None, None, folder, wait=True, observe=False) == found
