@@ -15,20 +15,15 @@ from tests.outputs.fake_outputs import FakeOutput
 
 CALM = Catalogue().theme("calm")
 KEYBOARD = Catalogue().task("keyboard")
-SET_UP = {
-    "attempts": 4,
-    "prompts_per_attempt": 1,
-    "feedback_form": "qualitative",
-    "difficulty_policy": "fixed",
-}
+WORDS = {"feedback_form": "qualitative", "difficulty_policy": "fixed"}
+SET_UP = {"attempts": 4, "prompts_per_attempt": 1, **WORDS}
 ROUNDS = {"attempt {number} of {total}": "round {number} of {total}"}
 
 
 def edited(theme: Theme, word: str, **more: object) -> Theme:
     """Return the theme with one phrase per key."""
-    return msgspec.structs.replace(
-        theme, phrases=dict.fromkeys(theme.phrases, (f"{word}.",)), **more
-    )
+    phrases = dict.fromkeys(theme.phrases, (f"{word}.",))
+    return msgspec.structs.replace(theme, phrases=phrases, **more)
 
 
 def said(driver: LoopDriver) -> list[str]:
@@ -100,10 +95,8 @@ def test_a_session_is_resumed_although_the_texts_of_its_theme_have_changed() -> 
     driver = new_session(edited(CALM, "Splendid", texts=ROUNDS))
     driver.enter()
     assert driver.waiting.attempt_name == "round 1 of 4"
-    resumed = new_session(
-        edited(CALM, "Splendid", texts={name: f"next {text}" for name, text in ROUNDS.items()}),
-        driver,
-    )
+    texts = {name: f"next {text}" for name, text in ROUNDS.items()}
+    resumed = new_session(edited(CALM, "Splendid", texts=texts), driver)
     resumed.press("enter")
     assert resumed.waiting.attempt_name == "next round 1 of 4"
 

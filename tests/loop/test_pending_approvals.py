@@ -11,17 +11,9 @@ from sar_tui.model.theme import Theme
 from sar_tui.model.units import SECOND
 from tests.facts import facts
 
-PRAISE = Proposal(
-    id="a1",
-    kind="feedback",
-    text="Well done.",
-    spoken="Well done.",
-    face="happy",
-    gesture="nod",
-    tone="success",
-    valence="positive",
-    degree="strong",
-)
+LOOKS: Any = {"face": "happy", "gesture": "nod", "tone": "success", "degree": "strong"}
+SAID: Any = {"text": "Well done.", "spoken": "Well done.", "valence": "positive"}
+PRAISE = Proposal(id="a1", kind="feedback", **SAID, **LOOKS)
 
 
 def edit(theme: Theme, proposal: Proposal = PRAISE, **changes: Any) -> Action:

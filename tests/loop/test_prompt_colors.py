@@ -12,30 +12,17 @@ from sar_tui.model.contrast import contrast
 from sar_tui.plugins import Catalogue
 from sar_tui.widgets.big_prompt import prompt_color
 
+# fmt: off
 VISION = {
     "normal": np.eye(3),
-    "protanopia": np.array(
-        [
-            [0.152286, 1.052583, -0.204868],
-            [0.114503, 0.786281, 0.099216],
-            [-0.003882, -0.048116, 1.051998],
-        ]
-    ),
-    "deuteranopia": np.array(
-        [
-            [0.367322, 0.860646, -0.227968],
-            [0.280085, 0.672501, 0.047413],
-            [-0.011820, 0.042940, 0.968881],
-        ]
-    ),
-    "tritanopia": np.array(
-        [
-            [1.255528, -0.076749, -0.178779],
-            [-0.078411, 0.930809, 0.147602],
-            [0.004733, 0.691367, 0.303900],
-        ]
-    ),
+    "protanopia": np.array([[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216],
+                            [-0.003882, -0.048116, 1.051998]]),
+    "deuteranopia": np.array([[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413],
+                              [-0.011820, 0.042940, 0.968881]]),
+    "tritanopia": np.array([[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602],
+                            [0.004733, 0.691367, 0.303900]]),
 }
+# fmt: on
 """Linear RGB as people see it, by Machado, Oliveira & Fernandes (2009), severity 1."""
 
 
@@ -44,10 +31,8 @@ def lab(color: str, vision: str) -> np.ndarray:
     srgb = np.array([int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)])
     linear = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
     seen = np.clip(VISION[vision] @ linear, 0, 1)
-    xyz = (
-        np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
-        @ seen
-    )
+    to_xyz = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
+    xyz = np.array(to_xyz) @ seen
     x, y, z = np.cbrt(xyz / np.array([0.9505, 1.0, 1.089]))
     return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
 
@@ -55,9 +40,8 @@ def lab(color: str, vision: str) -> np.ndarray:
 @pytest.mark.parametrize("vision", VISION)
 def test_two_colours_differ_for_each_kind_of_colour_vision(vision: str) -> None:
     seen = {name: lab(color, vision) for name, color in OKABE_ITO.items()}
-    least = min(
-        float(np.linalg.norm(seen[one] - seen[other])) for one, other in combinations(seen, 2)
-    )
+    pairs = [(seen[one], seen[other]) for one, other in combinations(seen, 2)]
+    least = min(float(np.linalg.norm(one - other)) for one, other in pairs)
     assert least > 10
 
 

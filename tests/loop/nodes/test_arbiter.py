@@ -125,20 +125,10 @@ def driver() -> ArbiterDriver:
 
 def test_outside_a_trial_proposals_are_passed_on_unchanged() -> None:
     driver = ArbiterDriver()
-    whole: dict[str, Any] = {
-        "kind": "encouragement",
-        "seat": "B",
-        "face": "happy",
-        "gesture": "wave",
-        "gaze": "left",
-        "tone": "success",
-        "valence": "positive",
-        "degree": "strong",
-        "attempt": 3,
-        "joins": True,
-        "priority": 7,
-        "policy": "drop",
-    }
+    looks = {"face": "happy", "gesture": "wave", "gaze": "left", "tone": "success"}
+    sense = {"kind": "encouragement", "seat": "B", "valence": "positive", "degree": "strong"}
+    whole: dict[str, Any] = {**looks, **sense, "attempt": 3, "joins": True, "priority": 7}
+    whole["policy"] = "drop"
     driver.propose("hello", **whole)
     (action,) = driver.all(t.ACTION)
     assert action == m.Action(
@@ -192,16 +182,11 @@ def test_a_higher_priority_goes_first(driver: ArbiterDriver) -> None:
 
 
 def test_an_action_is_over_when_every_output_has_done_its_part_of_it() -> None:
-    driver = ArbiterDriver(
-        {"speech": ("say",), "robot": ("gesture", "gaze", "say"), "screen": ("show",)}
-    )
+    robot: tuple[m.ActionPart, ...] = ("gesture", "gaze", "say")
+    driver = ArbiterDriver({"speech": ("say",), "robot": robot, "screen": ("show",)})
     driver.propose("a", gesture="wave")
-    for output, part in (
-        ("speech", "say"),
-        ("robot", "say"),
-        ("robot", "gaze"),
-        ("screen", "show"),
-    ):
+    for done in ("speech say", "robot say", "robot gaze", "screen show"):
+        output, part = done.split()
         driver.report("a", "done", output, part)  # type: ignore[arg-type]
         assert driver.acting == [True], "its gesture continues"
     driver.report("a", "done", "robot", "gesture")
@@ -221,11 +206,8 @@ def test_an_interrupting_action_halts_one_of_equal_or_lower_priority(driver: Arb
     driver.propose("a", priority=3)
     driver.propose("b", priority=3, policy="interrupt")
     assert driver.halted == [("a", "interrupted")]
-    assert [record.topic for record in driver.records if record.topic in (t.HALT, t.ACTION)] == [
-        t.ACTION,
-        t.HALT,
-        t.ACTION,
-    ]
+    topics = [one.topic for one in driver.records if one.topic in (t.HALT, t.ACTION)]
+    assert topics == [t.ACTION, t.HALT, t.ACTION]
     driver.report("a", "aborted")
     assert driver.acting == [True], "b continues"
     driver.report("b")
@@ -247,20 +229,20 @@ def test_nothing_is_interrupted_in_a_trial(driver: ArbiterDriver) -> None:
 
 
 @pytest.mark.parametrize(
-    ("what", "stage", "halted"),
+    ("what", "stage", "is_halted"),
     [
-        ("enter", "instructions", []),
-        ("resume", "paused", [("a", "left")]),
-        ("enter", "attempt", [("a", "left")]),
-        ("agent", "trial", [("a", "left")]),
+        ("enter", "instructions", False),
+        ("resume", "paused", True),
+        ("enter", "attempt", True),
+        ("agent", "trial", True),
     ],
 )
 def test_instructions_are_halted_when_the_participant_continues(
-    driver: ArbiterDriver, what: str, stage: str, halted: list[tuple[str, str]]
+    driver: ArbiterDriver, what: str, stage: str, is_halted: bool
 ) -> None:
     driver.propose("a", kind="instruction")
     driver.wait_for(what, stage)
-    assert driver.halted == halted
+    assert driver.halted == [("a", "left")] * is_halted
 
 
 # --- too late, too early

@@ -45,21 +45,11 @@ def bus() -> Bus:
 
 
 def end(bus: Bus, attempt: int, level: int = 1, metric: float | None = 600.0, **more: Any) -> None:
-    facts: dict[str, Any] = {
-        "metric_unit": "ms",
-        "accuracy": 1.0,
-        "correct": 1,
-        "trials": 1,
-        "outcome": "success",
-        "feedback": "none",
-        "started": 0,
-        "ended": 1,
-        "practice": False,
-    }
-    bus.publish(
-        DONE,
-        Done(ended=AttemptEnded(attempt=attempt, level=level, metric=metric, **{**facts, **more})),
-    )
+    score: Any = {"metric_unit": "ms", "accuracy": 1.0, "correct": 1, "trials": 1}
+    rest: Any = {"outcome": "success", "feedback": "none", "started": 0, "ended": 1}
+    known = {"practice": False, **score, **rest, **more}
+    ended = AttemptEnded(attempt=attempt, level=level, metric=metric, **known)
+    bus.publish(DONE, Done(ended=ended))
 
 
 def recall(

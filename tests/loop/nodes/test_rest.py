@@ -108,10 +108,8 @@ def test_the_agent_speaks_of_the_rest_and_of_its_end_but_reminds_of_no_other(
     driver.attempt()
     driver.wait(40_000)
     said = [(each.text, each.face) for each in driver.all(PROPOSED) if each.kind == "rest"]
-    assert said == [
-        ("Now a rest. Put your hands down for a while.", "sleeping"),
-        ("Start when you are ready.", "happy"),
-    ]
+    assert [face for _, face in said] == ["sleeping", "happy"]
+    assert "rest" in said[0][0]
 
 
 def test_feedback_can_be_requested_in_a_rest(new_session: NewSession) -> None:
@@ -127,13 +125,8 @@ def test_feedback_can_be_requested_in_a_rest(new_session: NewSession) -> None:
 def test_a_rest_begins_anew_after_an_interruption(
     new_session: NewSession, resting: LoopDriver
 ) -> None:
-    later = new_session(
-        history=resting.records,
-        attempts=6,
-        rest_after_attempts=2,
-        rest_seconds=40,
-        foreperiod_min_ms=500,
-    )
+    timing = {"rest_after_attempts": 2, "rest_seconds": 40, "foreperiod_min_ms": 500}
+    later = new_session(history=resting.records, attempts=6, **timing)
     assert (later.waiting.stage, later.waiting.reason) == ("paused", "interrupted")
     began = later.clock.now()
     later.press("enter")
