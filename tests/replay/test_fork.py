@@ -23,8 +23,7 @@ from sar_tui.store.database import connect
 from tests.program import Call
 
 FEW = ("--fork", "--runs", "20")
-
-
+P01 = ("-p", "P01", "--attempts")
 TWINS: tuple[tuple[Person, dict[str, object]], ...] = (
     (PEOPLE["poor"], {"threshold": 1250}),
     (PEOPLE["average"], {"threshold": 900}),
@@ -73,27 +72,17 @@ def test_nothing_is_modelled_if_all_prompts_are_the_same(call: Call, simulated: 
     assert numbers(called)["positive_feedbacks"]["high"] == 0
     metric = numbers(called)["mean_metric"]
     assert metric["recorded"] == metric["low"] == metric["high"]
-    assert call("replay", simulated, "--what-if", "feedback_schedule=none", *FEW).out.startswith(
-        "From the record alone\n"
-    )
+    told = call("replay", simulated, "--what-if", "feedback_schedule=none", *FEW).out
+    assert told.startswith("From the record alone\n")
 
 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (
-            ("keyboard", "-p", "P01", "--attempts", 2, "--set", "prompts_per_attempt=5"),
-            "too few for a model",
-        ),
-        (
-            ("keyboard", "-p", "P01", "--attempts", 3, "--operator", "careful"),
-            "An operator or a therapist acted on",
-        ),
-        (("pairs", "-p", "P01", "-p", "P02", "--attempts", 1), "A session of two cannot be forked"),
-        (
-            ("reaching", "-p", "P01", "--attempts", 1, "--set", "reaches_per_attempt=1"),
-            "not of movements",
-        ),
+        (("keyboard", *P01, 2, "--set", "prompts_per_attempt=5"), "too few for a model"),
+        (("keyboard", *P01, 3, "--operator", "careful"), "An operator or a therapist acted on"),
+        (("pairs", "-p", "P02", *P01, 1), "A session of two cannot be forked"),
+        (("reaching", *P01, 1, "--set", "reaches_per_attempt=1"), "not of movements"),
     ],
 )
 def test_a_session_that_cannot_be_modelled_is_refused(
@@ -168,12 +157,6 @@ def twins(folder: Path, catalogue: Catalogue, count: int, runs: int) -> Iterator
 def test_its_interval_holds_the_truth_as_often_as_it_says(data: Path, catalogue: Catalogue) -> None:
     held = list(twins(data, catalogue, 24, 100))
     assert len(held) > 15
-    for name in (
-        "mean_level",
-        "mean_metric",
-        "accuracy",
-        "final_level",
-        "successes",
-        "positive_feedbacks",
-    ):
+    scores = "mean_level mean_metric accuracy final_level successes positive_feedbacks"
+    for name in scores.split():
         assert sum(one[name] for one in held) / len(held) >= 0.75, name

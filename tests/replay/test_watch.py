@@ -33,14 +33,13 @@ from tests.replay.test_replay import dump
 
 def records(*times: int) -> list[Record]:
     """Return attempts that begin at these times, in seconds."""
+    attempts = [
+        AttemptStarted(attempt=number, practice=False, level=1, trials=2)
+        for number, _ in enumerate(times, 1)
+    ]
     return [
-        Record(
-            number,
-            at * SECOND,
-            ATTEMPT_STARTED,
-            AttemptStarted(attempt=number, practice=False, level=1, trials=2),
-        )
-        for number, at in enumerate(times, 1)
+        Record(one.attempt, at * SECOND, ATTEMPT_STARTED, one)
+        for one, at in zip(attempts, times, strict=True)
     ]
 
 
@@ -140,18 +139,8 @@ async def test_the_frames_of_a_prompt_are_shown_at_their_times(
 ) -> None:
     monkeypatch.setattr(watch, "TICK_SECONDS", 10_000)
     tasks = write_documented(tmp_path / "mytasks", "stopping").parent
-    call(
-        "simulate",
-        "stopping",
-        "--user",
-        "average",
-        "--seed",
-        1,
-        "--attempts",
-        1,
-        "--tasks",
-        str(tasks),
-    )
+    brief = ("--user", "average", "--seed", 1, "--attempts", 1)
+    call("simulate", "stopping", *brief, "--tasks", str(tasks))
     with closing(connect(data)) as database:
         catalogue = Catalogue(tasks=(tasks,))
         shown = watch.Watch(data, catalogue, database, sessions.find(database, data, "last"), 1.0)
@@ -173,25 +162,13 @@ async def test_the_answer_to_a_trial_is_shown_for_as_long_as_it_was(
     call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(watch, "TICK_SECONDS", 10_000)
-    seen = (
-        "simulate",
-        "keyboard",
-        "--user",
-        "average",
-        "-p",
-        "P01",
-        "--seed",
-        1,
-        "--attempts",
-        1,
-        "--json",
-    )
-    session = call(*seen, "--set", "trial_feedback_ms=700").json["session"]
+    brief = ("--user", "average", "-p", "P01", "--seed", 1, "--attempts", 1)
+    shown_for = ("--set", "trial_feedback_ms=700", "--json")
+    session = call("simulate", "keyboard", *brief, *shown_for).json["session"]
     data = tmp_path / "data"
     with closing(connect(data)) as database:
-        shown = watch.Watch(
-            data, Catalogue(), database, sessions.find(database, data, session), 1.0
-        )
+        row = sessions.find(database, data, session)
+        shown = watch.Watch(data, Catalogue(), database, row, 1.0)
     due: list[TrialFeedback] = []
     async with shown.app.run_test(size=(80, 24)) as pilot:
         await pilot.pause()
