@@ -6,14 +6,30 @@ from typing import Any
 import pytest
 
 from sar_tui.motion import analysis
-from sar_tui.motion.analysis import AnalysisParameters, Window, analyse
+from sar_tui.motion.analysis import AnalysisParameters, Finding, Window, analyse
 from sar_tui.motion.detector_names import COLUMN_NAMES, DetectorName
 from sar_tui.motion.reach import Detected, Reach
 from sar_tui.motion.samples import Recording
-from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, SimulatedHand
+from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, ReachShape, SimulatedHand
 
 SECOND = 1_000_000_000
 SMALL, LARGE = TABLE_4_1[0].shape, TABLE_4_1[7].shape
+
+
+def analysed(
+    *moves: tuple[float, ReachShape],
+    to_s: float = 5.0,
+    started_s: float = 1.5,
+    rate_hz: float = 250.0,
+    detector: DetectorName = "orientation",
+) -> Finding:
+    """Return the finding for a hand that makes reaches at times (s)."""
+    hand = SimulatedHand(PROFILES["steady"], rate_hz)
+    for at_s, shape in moves:
+        hand.move(round(at_s * SECOND), shape)
+    window = Window(from_ns=0, started_ns=round(started_s * SECOND), to_ns=round(to_s * SECOND))
+    samples = hand.samples(0, window.to_ns)
+    return analyse(samples, window, AnalysisParameters(detector=detector))
 
 
 @pytest.fixture
@@ -34,10 +50,7 @@ def measured(monkeypatch: pytest.MonkeyPatch) -> list[Detected]:
 def test_only_the_reach_of_the_detector_that_counts_is_measured(
     measured: list[Detected], detector: DetectorName
 ) -> None:
-    hand = SimulatedHand(PROFILES["steady"])
-    hand.move(2 * SECOND, SMALL)
-    window = Window(from_ns=0, started_ns=1_500_000_000, to_ns=5 * SECOND)
-    found = analyse(hand.samples(0, 5 * SECOND), window, AnalysisParameters(detector=detector))
+    found = analysed((2, SMALL), detector=detector)
     assert len(measured) == 1
     counted = COLUMN_NAMES[detector]
     assert found.details[f"{counted}_reach_time_ms"] == found.details["reach_time_ms"]
@@ -46,22 +59,14 @@ def test_only_the_reach_of_the_detector_that_counts_is_measured(
 
 
 def test_a_reach_before_the_window_s_start_is_not_measured(measured: list[Detected]) -> None:
-    hand = SimulatedHand(PROFILES["steady"])
-    hand.move(2 * SECOND, SMALL)
-    hand.move(7 * SECOND, SMALL)
-    window = Window(from_ns=0, started_ns=6 * SECOND, to_ns=10 * SECOND)
-    found = analyse(hand.samples(0, 10 * SECOND), window, AnalysisParameters())
+    found = analysed((2, SMALL), (7, SMALL), started_s=6, to_s=10)
     assert [len(detected.reaches) for detected in measured] == [1]
     assert found.onset_ns == pytest.approx(7 * SECOND, abs=SECOND / 25)
 
 
 @pytest.mark.parametrize("detector", COLUMN_NAMES)
 def test_of_several_reaches_the_largest_counts_for_both_detectors(detector: DetectorName) -> None:
-    hand = SimulatedHand(PROFILES["steady"])
-    hand.move(2 * SECOND, SMALL)
-    hand.move(6 * SECOND, LARGE)
-    window = Window(from_ns=0, started_ns=SECOND, to_ns=10 * SECOND)
-    found = analyse(hand.samples(0, 10 * SECOND), window, AnalysisParameters(detector=detector))
+    found = analysed((2, SMALL), (6, LARGE), started_s=1, to_s=10, detector=detector)
     assert (found.details["reaches"], found.flags) == (2, ("several",))
     assert found.onset_ns == pytest.approx(6 * SECOND, abs=SECOND / 10)
     for name in COLUMN_NAMES.values():
@@ -69,10 +74,7 @@ def test_of_several_reaches_the_largest_counts_for_both_detectors(detector: Dete
 
 
 def test_measures_of_turning_are_rounded() -> None:
-    hand = SimulatedHand(PROFILES["steady"])
-    hand.move(2 * SECOND, SMALL)
-    window = Window(from_ns=0, started_ns=1_500_000_000, to_ns=5 * SECOND)
-    found = analyse(hand.samples(0, 5 * SECOND), window, AnalysisParameters(detector="single-axis"))
+    found = analysed((2, SMALL), detector="single-axis")
     assert found.details["excursion_deg"] == pytest.approx(23.3, abs=0.2)
     assert found.details["excursion_deg"] == round(float(found.details["excursion_deg"] or 0), 4)
     assert {"measures_version", "straightness", "tremor_action_rad_s"} <= set(found.details)
@@ -94,12 +96,9 @@ def failing(*names: str) -> Callable[..., Detected]:
 def test_a_detector_that_does_not_count_can_void_no_reach(
     monkeypatch: pytest.MonkeyPatch, broken: DetectorName
 ) -> None:
-    hand = SimulatedHand(PROFILES["steady"])
-    hand.move(2 * SECOND, SMALL)
-    window = Window(from_ns=0, started_ns=1_500_000_000, to_ns=5 * SECOND)
     monkeypatch.setattr(analysis, "find", failing(broken))
     for detector in COLUMN_NAMES:
-        found = analyse(hand.samples(0, 5 * SECOND), window, AnalysisParameters(detector=detector))
+        found = analysed((2, SMALL), detector=detector)
         assert found.invalid == ("analysis" if detector == broken else "")
         if detector != broken:
             assert found.details[f"{COLUMN_NAMES[broken]}_reach_time_ms"] is None
@@ -107,9 +106,5 @@ def test_a_detector_that_does_not_count_can_void_no_reach(
 
 
 def test_too_few_samples_a_second_is_a_reason_of_its_own() -> None:
-    hand = SimulatedHand(PROFILES["steady"], rate_hz=15)
-    hand.move(2 * SECOND, SMALL)
-    window = Window(from_ns=0, started_ns=1_500_000_000, to_ns=5 * SECOND)
-    samples = hand.samples(0, 5 * SECOND)
-    assert analyse(samples, window, AnalysisParameters()).invalid == "rate"
-    assert analyse(samples, window, AnalysisParameters(detector="fixed-threshold")).invalid == ""
+    assert analysed((2, SMALL), rate_hz=15).invalid == "rate"
+    assert analysed((2, SMALL), rate_hz=15, detector="fixed-threshold").invalid == ""

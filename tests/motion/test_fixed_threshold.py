@@ -2,6 +2,7 @@
 
 import math
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -37,11 +38,9 @@ def test_a_reach_lasts_from_the_threshold_to_the_beginning_of_the_rest() -> None
 
 
 def test_a_rest_of_800_ms_ends_a_reach_and_a_shorter_one_does_not() -> None:
-    assert times(find(turning((1, 0), (1, 1), (0.8, 0), (1, -1), (1, 0))).reaches) == [
-        (1.0, 2.0),
-        (2.8, 3.8),
-    ]
-    assert times(find(turning((1, 0), (1, 1), (0.79, 0), (1, -1), (1, 0))).reaches) == [(1.0, 3.79)]
+    for rest_s, expected in ((0.8, [(1.0, 2.0), (2.8, 3.8)]), (0.79, [(1.0, 3.79)])):
+        found = find(turning((1, 0), (1, 1), (rest_s, 0), (1, -1), (1, 0)))
+        assert times(found.reaches) == expected
 
 
 def test_both_numbers_can_be_set() -> None:
@@ -54,10 +53,7 @@ def test_a_reach_that_the_recording_cuts_off_is_endless() -> None:
     found = find(turning((1, 0), (1, 1), (0.5, 0)))
     assert times(found.reaches) == [(1.0, 2.49)]
     assert found.reaches[0].flags == ("endless",)
-
-
-def test_movement_from_the_first_to_the_last_sample_is_one_endless_reach() -> None:
-    assert times(find(turning((2, 1.0))).reaches) == [(0.0, 1.99)]
+    assert times(find(turning((2, 1.0))).reaches) == [(0.0, 1.99)], "from the first sample on"
 
 
 def test_rest_and_empty_recordings_have_no_reach() -> None:
@@ -72,12 +68,10 @@ def test_it_turns_where_the_rate_changes_sign() -> None:
 
 
 def test_a_left_hand_reaches_the_other_way() -> None:
-    (left,) = find(turning((1, 0), (1, -1), (0.5, 2), (1, 0)), hand="left").reaches
-    (right,) = find(turning((1, 0), (1, -1), (0.5, 2), (1, 0))).reaches
-    assert left.axis == (0, 0, -1)
-    assert left.flags == ()
-    assert right.axis == (0, 0, -1)
-    assert right.flags == ("reversed",)
+    recording = turning((1, 0), (1, -1), (0.5, 2), (1, 0))
+    (left,), (right,) = find(recording, hand="left").reaches, find(recording).reaches
+    assert (left.axis, left.flags) == ((0, 0, -1), ())
+    assert (right.axis, right.flags) == ((0, 0, -1), ("reversed",))
 
 
 def test_samples_that_are_not_a_number_are_left_out() -> None:
@@ -103,10 +97,9 @@ def test_bias_tremor_or_noise_make_it_endless(profile: Profile) -> None:
 
 
 def test_a_pause_splits_a_reach_and_a_twitch_adds_one() -> None:
-    pause = ReachShape(out_s=0.6, back_s=0.5, dwell_s=1.0)
-    twitch = ReachShape(out_s=0.6, back_s=0.5, twitch=True, seed=1)
-    assert len(find(simulate([pause]).recording).reaches) == 2
-    assert len(find(simulate([twitch]).recording).reaches) == 2
+    for more in ({"dwell_s": 1.0}, {"twitch": True, "seed": 1}):
+        shape = msgspec.structs.replace(REACH, **more)
+        assert len(find(simulate([shape]).recording).reaches) == 2
 
 
 def test_the_last_sample_may_lie_beyond_the_grid() -> None:

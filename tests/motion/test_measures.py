@@ -64,9 +64,8 @@ def at_true_times(simulated: SimulatedReaches) -> Reach:
 @pytest.mark.parametrize("kind", first(3, list(KINDS)))
 @pytest.mark.parametrize("seed", [1, 2])
 def test_angles_of_any_reach_are_those_of_its_trajectory(kind: str, seed: int) -> None:
-    simulated = simulate_reaches(
-        kind, seed, placement=seed, arm="left" if seed == 2 else "right", rate_hz=100.0
-    )
+    arm = "left" if seed == 2 else "right"
+    simulated = simulate_reaches(kind, seed, placement=seed, arm=arm, rate_hz=100.0)
     reach, truth = at_true_times(simulated), true_measures(simulated, simulated)
     for name, within in LARGEST_ERRORS.items():
         assert getattr(reach, name) == pytest.approx(truth[name], abs=within)
@@ -88,13 +87,8 @@ def test_smoothness_of_the_norm_does_not_depend_on_noise_or_on_the_sensor_s_plac
 def test_about_one_axis_the_norm_measures_what_the_axis_does() -> None:
     recording = simulate([ONE_AXIS]).recording
     by_norm, by_axis = measured(recording), measured(recording, by_norm=False)
-    for name in (
-        "peak_extension_rad_s",
-        "peak_return_rad_s",
-        "sparc_out",
-        "sparc_back",
-        "time_to_peak_s",
-    ):
+    peaks = ("peak_extension_rad_s", "peak_return_rad_s", "time_to_peak_s")
+    for name in (*peaks, "sparc_out", "sparc_back"):
         assert getattr(by_norm, name) == pytest.approx(getattr(by_axis, name), rel=1e-3)
     assert by_norm.movement_units_out == by_norm.movement_units_back == 1
 
@@ -135,9 +129,8 @@ def test_phases_never_overlap_and_a_peak_lies_in_its_way_out(
     bounds = Bounds(
         onset_s=onset_s, arrival_s=arrival_s, departure_s=departure_s, end_s=end_s, axis=Z
     )
-    reach = measured(
-        simulate([ONE_AXIS], PROFILES["steady"], rate_hz=50).recording, bounds, by_norm=by_norm
-    )
+    recording = simulate([ONE_AXIS], PROFILES["steady"], rate_hz=50).recording
+    reach = measured(recording, bounds, by_norm=by_norm)
     arrival_s, departure_s = reach.onset_s + reach.out_s, reach.end_s - reach.back_s
     assert reach.onset_s <= arrival_s <= reach.turn_s + 1e-9
     assert reach.turn_s <= departure_s + 1e-9 <= reach.end_s + 2e-9

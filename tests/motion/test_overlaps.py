@@ -24,10 +24,8 @@ def test_estimated_boundaries_meet() -> None:
 
 
 def test_the_same_movement_found_again_is_left_out() -> None:
-    assert times(reach(1.0, 2.0), reach(1.0, 2.0), reach(1.2, 3.0), reach(3.5, 4.0)) == [
-        (1.0, 2.0),
-        (3.5, 4.0),
-    ]
+    again = (reach(1.0, 2.0), reach(1.2, 3.0))
+    assert times(reach(1.0, 2.0), *again, reach(3.5, 4.0)) == [(1.0, 2.0), (3.5, 4.0)]
     assert times(reach(1.0, 2.0), reach(1.95, 2.04)) == [(1.0, 2.0)]
 
 

@@ -26,6 +26,7 @@ def test_rotation_vectors_become_orientations_and_back(vectors: Floats) -> None:
     assert (of_scipy(orientation).inv() * expected).magnitude().max() < 1e-12
     assert np.allclose(quaternions.to_rotation(orientation), expected.as_rotvec())
     assert np.allclose(quaternions.angle(orientation), expected.magnitude())
+    assert quaternions.from_rotation(np.zeros((1, 3))).tolist() == [[1.0, 0.0, 0.0, 0.0]]
 
 
 def test_products_and_turned_vectors_are_those_of_scipy(vectors: Floats) -> None:

@@ -24,22 +24,15 @@ def random_profiles(count: int) -> list[Floats]:
     return [np.abs(np.cumsum(streams.normal(size=streams.integers(40, 600)))) for _ in range(count)]
 
 
-def about_one_axis(speed: Floats) -> Floats:
-    return np.column_stack([0.3 * speed, np.zeros_like(speed), speed])
-
-
 def measured(value: float | None) -> float:
     assert value is not None
     return value
 
 
-def test_a_minimum_jerk_movement_has_its_known_smoothness() -> None:
+def test_minimum_jerk_and_gaussian_movements_have_their_known_smoothness() -> None:
     speed = minimum_jerk(1.0, 100)
     assert sparc(speed, 100) == pytest.approx(-1.4058293244, abs=1e-6)
     assert ldlj(speed, 100) == pytest.approx(-5.2241390675, abs=1e-6)
-
-
-def test_a_gaussian_movement_has_its_known_smoothness() -> None:
     speed = np.exp(-5 * np.arange(-1, 1, 0.01) ** 2)
     assert sparc(speed, 100) == pytest.approx(-1.41403, abs=5e-6)
     assert ldlj(speed, 100) == pytest.approx(-5.81636, abs=5e-6)
@@ -53,9 +46,8 @@ def test_smoothness_agrees_with_monalysa() -> None:
     for number, speed in enumerate(random_profiles(50)):
         rate_hz = 50.0 + 4 * number
         assert sparc(speed, rate_hz) == pytest.approx(monalysa.sparc(speed, rate_hz)[0], abs=1e-6)
-        assert ldlj(speed, 100.0) == pytest.approx(
-            monalysa.log_dimensionless_jerk(speed, 100.0), abs=1e-6
-        )
+        expected = monalysa.log_dimensionless_jerk(speed, 100.0)
+        assert ldlj(speed, 100.0) == pytest.approx(expected, abs=1e-6)
 
 
 @pytest.mark.parametrize("rate_hz", [50.0, 125.0, 249.97, 250.0, 1000.0])
@@ -66,15 +58,10 @@ def test_smoothness_hardly_depends_on_the_sampling_rate(rate_hz: float) -> None:
 
 
 def test_smoothness_depends_neither_on_size_nor_on_speed() -> None:
-    assert sparc(300 * minimum_jerk(1.0, 100), 100) == pytest.approx(
-        sparc(minimum_jerk(1.0, 100), 100)
-    )
-    assert ldlj(300 * minimum_jerk(1.0, 100), 100) == pytest.approx(
-        ldlj(minimum_jerk(1.0, 100), 100)
-    )
-    assert ldlj(minimum_jerk(2.0, 100), 100) == pytest.approx(
-        ldlj(minimum_jerk(1.0, 100), 100), abs=0.1
-    )
+    usual, slow = minimum_jerk(1.0, 100), minimum_jerk(2.0, 100)
+    for measure in (sparc, ldlj):
+        assert measure(300 * usual, 100) == pytest.approx(measure(usual, 100))
+    assert ldlj(slow, 100) == pytest.approx(ldlj(usual, 100), abs=0.1)
 
 
 def test_a_correction_makes_a_movement_less_smooth_and_adds_a_unit() -> None:
@@ -97,29 +84,20 @@ def test_two_peaks_within_150_ms_are_one_movement_unit() -> None:
     assert (movement_units(near, 200), movement_units(apart, 200)) == (1, 2)
 
 
-def test_a_movement_that_only_slows_down_has_no_movement_unit() -> None:
+def test_a_steady_speed_has_no_jerk_and_one_that_only_falls_no_movement_unit() -> None:
+    assert ldlj(np.ones(200), 250) is None
     assert movement_units(np.linspace(1, 0, 100), 100) == 0
 
 
 @pytest.mark.parametrize(
     "speed",
-    [
-        np.array([]),
-        np.ones(4),
-        np.zeros(200),
-        np.full(200, np.nan),
-        np.append(np.ones(200), np.inf),
-    ],
+    [np.empty(0), np.ones(4), np.zeros(200), np.full(200, np.nan), np.append(np.ones(200), np.inf)],
     ids=["empty", "short", "still", "nan", "infinite"],
 )
 def test_smoothness_is_none_if_it_cannot_be_measured(speed: Floats) -> None:
     assert sparc(speed, 250) is None
     assert ldlj(speed, 250) is None
     assert movement_units(speed, 250) == 0
-
-
-def test_a_steady_speed_has_no_jerk_to_measure() -> None:
-    assert ldlj(np.ones(200), 250) is None
 
 
 @given(st.lists(st.floats(0, 1e300), max_size=80), st.sampled_from([0.0, 10.0, 50.0, 100.0, 250.0]))

@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 from sar_tui.motion.arrays import changes, finite_only, lengths, mean_of, percentile
 from sar_tui.motion.boundaries import stretches
 from sar_tui.motion.measures import ACTION_HZ, tremor_amplitude, tremor_in_movement, tremor_index
-from sar_tui.motion.quaternions import from_rotation, integrate, multiply
 from sar_tui.motion.samples import Floats, Recording
 from tests.examples import examples
 
@@ -46,9 +45,8 @@ def test_a_percentile_is_that_of_numpy(values: list[float], share: float) -> Non
 @given(st.lists(st.floats(0.001, 1.0), min_size=1, max_size=60))
 def test_the_rate_of_a_recording_is_that_of_the_median_step(steps: list[float]) -> None:
     time_s = np.cumsum([0.0, *steps])
-    assert Recording(time_s, np.zeros((len(time_s), 3))).rate_hz == 1.0 / float(
-        np.median(np.diff(time_s))
-    )
+    recording = Recording(time_s, np.zeros((len(time_s), 3)))
+    assert recording.rate_hz == 1.0 / float(np.median(np.diff(time_s)))
 
 
 @examples(100)
@@ -56,26 +54,13 @@ def test_the_rate_of_a_recording_is_that_of_the_median_step(steps: list[float]) 
 def test_changes_and_stretches_of_a_mask(values: list[bool], longest: int) -> None:
     mask = np.array(values, dtype=bool)
     found = changes(mask).reshape(-1, 2).tolist()
-    assert [index for first, last in found for index in range(first, last)] == np.flatnonzero(
-        mask
-    ).tolist()
+    inside = [index for first, last in found for index in range(first, last)]
+    assert inside == np.flatnonzero(mask).tolist()
     for part in stretches(mask, longest):
         assert mask[part.start]
         assert mask[part.stop - 1]
         rests = changes(~mask[part]).reshape(-1, 2)
         assert (np.diff(rests) < longest).all()
-
-
-def test_many_rotations_are_composed_as_one_by_one(vectors: Floats) -> None:
-    steps = from_rotation((vectors[1:] + vectors[:-1]) * 0.005)
-    one_by_one = [np.array((1.0, 0.0, 0.0, 0.0))]
-    for step in steps:
-        one_by_one.append(multiply(one_by_one[-1], step))
-    assert integrate(vectors, 0.01) == pytest.approx(np.array(one_by_one), abs=1e-12)
-
-
-def test_a_rotation_by_nothing_is_none() -> None:
-    assert from_rotation(np.zeros((2, 3))).tolist() == [[1.0, 0.0, 0.0, 0.0]] * 2
 
 
 @pytest.mark.parametrize("count", [100, 131, 337])
