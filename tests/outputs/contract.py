@@ -4,13 +4,15 @@ To put an output under the contract, write a context manager that yields a `Rig`
 to ``RIGS`` in ``test_contract.py``.
 """
 
+import asyncio
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, nullcontext
 
 import msgspec
 
-from sar_tui.loop.clock import Clock, VirtualClock
+from sar_tui.loop.clock import Clock, LiveClock, VirtualClock
 from sar_tui.model.gesture import Gesture, Keyframe
 from sar_tui.model.messages import ActionPart
 from sar_tui.model.theme import FACES, Colors, Note, Theme
@@ -24,6 +26,7 @@ OVER = ("done", "aborted", "failed")
 _LIVES = ([], ["started"], ["aborted"], ["failed"], *(["started", end] for end in OVER))
 """Valid sequences of reports of a part: without ``started`` there is no ``done``."""
 
+_LA = Note(880, 300)
 THEME = Theme(
     name="bench",
     title="Bench",
@@ -37,20 +40,12 @@ THEME = Theme(
         "wave": Gesture((Keyframe(at_ms=300, right_arm=0.6), Keyframe(at_ms=600))),
         "nod": Gesture((Keyframe(at_ms=200, nod=0.4), Keyframe(at_ms=400))),
     },
-    tones={
-        "go": (Note(880, 300),),
-        "success": (Note(660, 150), Note(880, 150)),
-        "end": (Note(520, 300),),
-    },
+    tones={"go": (_LA,), "success": (Note(660, 150), _LA), "end": (Note(520, 300),)},
 )
 """The first theme of an output."""
+_BACKWARDS = Gesture((Keyframe(at_ms=250, right_arm=-0.5), Keyframe(at_ms=500)))
 OTHER_THEME = msgspec.structs.replace(
-    THEME,
-    name="other",
-    gestures={
-        name: Gesture((Keyframe(at_ms=250, right_arm=-0.5), Keyframe(at_ms=500)))
-        for name in ("wave", "nod")
-    },
+    THEME, name="other", gestures=dict.fromkeys(("wave", "nod"), _BACKWARDS)
 )
 
 _WHAT: dict[ActionPart, str] = {
@@ -112,25 +107,17 @@ class Rig:
 
     def states(self, action: str, part: ActionPart) -> list[str]:
         """Return the reported states of a part, in order."""
-        return [
-            report.state
-            for report in list(self.reports)
-            if (report.action, report.part) == (action, part)
-        ]
+        return [r.state for r in list(self.reports) if (r.action, r.part) == (action, part)]
 
     def ended(self, action: str, part: ActionPart) -> bool:
         """Return True if a part is over, as often as it was requested."""
-        return sum(state in OVER for state in self.states(action, part)) >= self.asked.count(
-            (action, part)
-        )
+        over = sum(state in OVER for state in self.states(action, part))
+        return over >= self.asked.count((action, part))
 
     def detail(self, action: str, part: ActionPart) -> str:
         """Return the detail with which a part ended."""
-        return next(
-            r.detail
-            for r in self.reports
-            if (r.action, r.part) == (action, part) and r.state in OVER
-        )
+        of = (r for r in self.reports if (r.action, r.part) == (action, part))
+        return next(r.detail for r in of if r.state in OVER)
 
     def wait(self, until: Callable[[], bool]) -> None:
         """Let time pass until a condition holds; fail if it does not."""
@@ -167,6 +154,27 @@ class Rig:
             assert kept, "it can be understood"
             assert kept[:4] == report[:4]
             assert isinstance(report.detail, str)
+
+
+@contextmanager
+def host_clock() -> Iterator[LiveClock]:
+    """Provide a clock as in a live session."""
+    loop = asyncio.new_event_loop()
+    try:
+        yield LiveClock(loop)
+    finally:
+        loop.close()
+
+
+@contextmanager
+def rig_of(output: Output, *lasting: ActionPart, live: bool = False) -> Iterator[Rig]:
+    """Provide a rig of an output, on a virtual clock unless it is to be live."""
+    with host_clock() if live else nullcontext(VirtualClock()) as clock:
+        rig = Rig(output, clock, lasting)
+        try:
+            yield rig
+        finally:
+            output.close()
 
 
 def each_part_ends_exactly_once_and_done_ones_began(rig: Rig) -> None:

@@ -3,14 +3,14 @@ out.
 """
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from typing import Any
 
 from benchmarks.fake_phidget import SERVO_LIMITS
 from sar_tui.loop.clock import Clock, VirtualClock
 from sar_tui.model.units import MS
 from sar_tui.outputs.servo.servo import Servo
-from tests.outputs.contract import Rig
+from tests.outputs.contract import Rig, host_clock
 
 
 class PhidgetError(Exception):
@@ -37,13 +37,9 @@ class FakeServo:
         self.failing: dict[str, Exception] = {}
         self.during: dict[str, Callable[[], object]] = {}
         self.plugged_in = False
-        self.facts: dict[str, Any] = {
-            "DeviceName": "16x RC Servo Phidget",
-            "DeviceSKU": "RCC1000_0",
-            "DeviceSerialNumber": 620_001,
-            **SERVO_LIMITS,
-            "Engaged": False,
-        }
+        device = {"DeviceName": "16x RC Servo Phidget", "DeviceSKU": "RCC1000_0"}
+        self.facts: dict[str, Any] = {**device, **SERVO_LIMITS, "Engaged": False}
+        self.facts["DeviceSerialNumber"] = 620_001
 
     def __getattr__(self, name: str) -> Callable[..., Any]:
         def method(*arguments: Any) -> Any:
@@ -81,11 +77,7 @@ class FakeServo:
 
     def sent(self, name: str) -> list[Any]:
         """Return the arguments of all calls of a method."""
-        return [
-            arguments[0] if arguments else None
-            for _, called, arguments in self.calls
-            if called == name
-        ]
+        return [(*given, None)[0] for _, called, given in self.calls if called == name]
 
     @property
     def targets(self) -> list[tuple[float, float]]:
@@ -132,10 +124,11 @@ class ServoBench:
 
 
 @contextmanager
-def servo_rig(clock: Clock | None = None) -> Iterator[Rig]:
-    """Provide a robot with a right arm that is plugged in."""
-    bench = ServoBench(clock=clock)
-    try:
-        yield bench.rig
-    finally:
-        bench.servo.close()
+def servo_rig(live: bool = False) -> Iterator[Rig]:
+    """Provide a robot with a right arm that is plugged in; a live one has a thread of its own."""
+    with host_clock() if live else nullcontext(VirtualClock()) as clock:
+        bench = ServoBench(clock=clock)
+        try:
+            yield bench.rig
+        finally:
+            bench.servo.close()

@@ -3,46 +3,70 @@
 ``RIGS`` names the outputs: each a context manager that yields a `Rig` of an output that is open.
 """
 
-import asyncio
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager
 
 import pytest
 
-from sar_tui.loop.clock import LiveClock
+from sar_tui.app.agent.output import DrawnAgent
+from sar_tui.model.gesture import Gesture
+from sar_tui.model.messages import Action
+from sar_tui.model.theme import Theme
+from sar_tui.outputs.sound.mixer import Sound
+from sar_tui.outputs.speech import Speech, Tones
 from tests.needs_speech import needs_speech
-from tests.outputs.contract import CHECKS, Rig
+from tests.outputs.contract import CHECKS, Rig, rig_of
 from tests.outputs.ros_fixtures import ros_rig
-from tests.outputs.screen_fixtures import screen_rig
 from tests.outputs.servo_fixtures import servo_rig
-from tests.outputs.voice_fixtures import (
-    speech_in_real_time_rig,
-    speech_rig,
-    tones_in_real_time_rig,
-    tones_rig,
-)
+from tests.outputs.voice_fixtures import BEEPS, NOBODY, program_with
 
 
-@contextmanager
-def threaded_servo_rig() -> Iterator[Rig]:
-    """Provide the servo on the host's clock and on a thread of its own, as in a live session."""
-    loop = asyncio.new_event_loop()
-    try:
-        with servo_rig(LiveClock(loop)) as rig:
-            yield rig
-    finally:
-        loop.close()
+class RecordingStage:
+    """Stage that records what is drawn on it."""
+
+    def __init__(self) -> None:
+        self.drawn: list[object] = []
+
+    def say(self, text: str, *how: object, joins: bool = False) -> None:
+        self.drawn.append(text)
+
+    def gesture(self, gesture: Gesture) -> None:
+        self.drawn.append(gesture)
+
+    def gaze(self, where: str) -> None:
+        self.drawn.append(where)
+
+    def be_still(self) -> None:
+        self.drawn.append("still")
+
+    def speaking(self, sounds: bool) -> None:
+        self.drawn.append(sounds)
+
+    def apply_theme(self, theme: Theme) -> None:
+        self.drawn.append(theme.name)
+
+
+class _Announced(DrawnAgent):
+    """Announces each action itself, as the screen's node does."""
+
+    def show(self, action: str, text: str, face: str) -> None:
+        self.action = Action(
+            id=action, kind="feedback", text=text, face=face, decision="accepted", actor="agent"
+        )
+        super().show(action, text, face)
 
 
 RIGS: dict[str, Callable[[], AbstractContextManager[Rig]]] = {
     "ros": ros_rig,
-    "screen": screen_rig,
+    "screen": lambda: rig_of(_Announced(RecordingStage()), "gesture"),
     "servo": servo_rig,
-    "speech": speech_rig,
-    "speech in real time": speech_in_real_time_rig,
-    "tones": tones_rig,
-    "tones in real time": tones_in_real_time_rig,
-    "servo on its thread": threaded_servo_rig,
+    "speech": lambda: rig_of(Speech(Sound()), "say"),
+    "speech in real time": lambda: rig_of(
+        Speech(Sound(backends=NOBODY, program=program_with(BEEPS))), "say", live=True
+    ),
+    "tones": lambda: rig_of(Tones(Sound()), "tone"),
+    "tones in real time": lambda: rig_of(Tones(Sound(backends=NOBODY)), "tone", live=True),
+    "servo on its thread": lambda: servo_rig(live=True),
 }
 
 

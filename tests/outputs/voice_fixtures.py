@@ -1,23 +1,20 @@
 """Listeners to the voice process, and programs that replace it."""
 
-import asyncio
 import subprocess
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
-from sar_tui.loop.clock import Clock, LiveClock, VirtualClock
-from sar_tui.model.messages import ActionPart
+from sar_tui.loop.clock import Clock
 from sar_tui.model.theme import Theme
-from sar_tui.outputs.output import Output, Report
+from sar_tui.outputs.output import Report
 from sar_tui.outputs.sound.mixer import Sound
 from sar_tui.outputs.speech import Speech, Tones
-from tests.outputs.contract import Rig
+from tests.outputs.contract import OVER, host_clock
 
-OVER = ("done", "aborted", "failed")
 LONG = (
     "This is a long sentence that goes on for several seconds, so that there is time to do "
     "something about it."
@@ -124,28 +121,17 @@ class Listener:
     def states(self, action: str) -> list[str]:
         return [report.state for report in self.reports if report.action == action]
 
-    def of(self, action: str, state: str) -> Report | None:
-        found = [
-            report for report in self.reports if (report.action, report.state) == (action, state)
-        ]
-        return found[0] if found else None
-
     def wait(self, action: str, *states: str) -> Report:
         """The first report of an action in one of the states, which may be yet to come."""
         wanted = states or OVER
 
         def logged() -> Report | None:
-            return next(
-                (each for each in self.reports if each.action == action and each.state in wanted),
-                None,
-            )
+            of = (each for each in self.reports if each.action == action)
+            return next((each for each in of if each.state in wanted), None)
 
         with self._new:
-            assert self._new.wait_for(logged, DEADLINE_S), (
-                f"{action} was not reported as {' or '.join(wanted)}"
-            )
-            found = logged()
-        assert found
+            found = self._new.wait_for(logged, DEADLINE_S)
+        assert found, f"{action} was not reported as {' or '.join(wanted)}"
         return found
 
     def close(self) -> None:
@@ -158,58 +144,16 @@ def listening(sound: Sound, theme: Theme, clock: Clock | None = None) -> Iterato
     """Provide speech and tones on one `Sound`, in real time if no clock is given; close them at the
     end.
     """
-    loop = asyncio.new_event_loop()
-    listener = Listener(sound, theme, clock or LiveClock(loop))
-    try:
-        yield listener
-    finally:
-        listener.close()
-        loop.close()
+    with nullcontext(clock) if clock else host_clock() as its_clock:
+        listener = Listener(sound, theme, its_clock)
+        try:
+            yield listener
+        finally:
+            listener.close()
 
 
-_SHORT = f"""{ENGINE}
+BEEPS = f"""{ENGINE}
 def speak(engine):
     beep(engine, seconds=0.1 + 0.01 * len(engine.text))
 """
-
-
-@contextmanager
-def speech_rig() -> Iterator[Rig]:
-    """Speech by the real engine on a virtual clock."""
-    rig = Rig(Speech(Sound()), VirtualClock(), ["say"])
-    try:
-        yield rig
-    finally:
-        rig.output.close()
-
-
-@contextmanager
-def speech_in_real_time_rig() -> Iterator[Rig]:
-    """Speech in real time, to no loudspeaker, by an engine that beeps."""
-    yield from _live_rig(Speech(Sound(backends=NOBODY, program=program_with(_SHORT))), "say")
-
-
-@contextmanager
-def tones_rig() -> Iterator[Rig]:
-    """Tones on a virtual clock."""
-    rig = Rig(Tones(Sound()), VirtualClock(), ["tone"])
-    try:
-        yield rig
-    finally:
-        rig.output.close()
-
-
-@contextmanager
-def tones_in_real_time_rig() -> Iterator[Rig]:
-    """Tones in real time, to no loudspeaker."""
-    yield from _live_rig(Tones(Sound(backends=NOBODY)), "tone")
-
-
-def _live_rig(output: Output, part: ActionPart) -> Iterator[Rig]:
-    loop = asyncio.new_event_loop()
-    rig = Rig(output, LiveClock(loop), [part])
-    try:
-        yield rig
-    finally:
-        output.close()
-        loop.close()
+"""An engine that beeps for as long as the text is."""

@@ -4,6 +4,8 @@ without them.
 
 from typing import Any
 
+import msgspec
+
 from sar_tui.loop import topics as t
 from sar_tui.loop.bus import Topic
 from sar_tui.loop.clock import VirtualClock
@@ -21,6 +23,10 @@ AT = 5 * SECOND
 REPORT = {"action": "u1", "output": "speech", "part": "say"}
 
 
+TIMING = m.Timing("flush", None, 0.0, 0, 1, 0.0, ())
+SHOWN = m.Shown(attempt=1, trial=2, presentation=1, at=10, source="flush")
+
+
 def translated(
     *sent: tuple[Topic[Any], m.Message], seats: tuple[str, ...] = ("A",)
 ) -> list[Marker]:
@@ -28,10 +34,16 @@ def translated(
     return [marker for topic, message in sent for marker in translation.markers(topic, AT, message)]
 
 
+def trial(onset: int, reaction_time_ms: float | None) -> m.TrialEnded:
+    """A trial that was answered at 90 ns."""
+    what: Any = {"stimulus": "f", "response": "f", "correct": True, "value": None, "details": {}}
+    when: Any = {"onset": onset, "response_at": 90, "reaction_time_ms": reaction_time_ms}
+    return m.TrialEnded(attempt=1, trial=2, timing=TIMING, **what, **when)
+
+
 def test_an_utterance_has_a_start_and_an_end_without_its_words() -> None:
-    said = m.Action(
-        id="u1", kind="feedback", text="Well done, P01!", decision="accepted", actor="agent"
-    )
+    how: Any = {"kind": "feedback", "decision": "accepted", "actor": "agent"}
+    said = m.Action(id="u1", text="Well done, P01!", **how)
     markers = translated(
         (t.ACTION, said),
         (t.REPORT, m.OutputReport(**REPORT, state="queued", at=1)),
@@ -46,22 +58,16 @@ def test_an_utterance_has_a_start_and_an_end_without_its_words() -> None:
 
 
 def test_a_part_that_never_began_has_no_marker() -> None:
-    assert (
-        translated(
-            (t.REPORT, m.OutputReport(**REPORT, state="failed", at=2, detail="no sound card"))
-        )
-        == []
-    )
+    failed = m.OutputReport(**REPORT, state="failed", at=2, detail="no sound card")
+    assert translated((t.REPORT, failed)) == []
 
 
 def test_an_operators_act_has_the_stamp_of_the_key_and_neither_words_nor_names() -> None:
+    by: Any = {"text": "private", "actor": "operator.anna"}
     markers = translated(
-        (
-            t.DECISION,
-            m.Decision(action="u1", verdict="edit", text="private", actor="operator.anna", at=7),
-        ),
-        (t.REMARK, m.Remark(text="private", actor="operator.anna", source="free text", at=8)),
-        (t.NOTE_ADDED, m.NoteAdded(text="private", label="cough", actor="operator.anna", at=9)),
+        (t.DECISION, m.Decision(action="u1", verdict="edit", at=7, **by)),
+        (t.REMARK, m.Remark(source="free text", at=8, **by)),
+        (t.NOTE_ADDED, m.NoteAdded(label="cough", at=9, **by)),
         (t.COMMAND, m.SessionCommand(command="pause", reason="pain")),
         (t.COMMAND, m.SessionCommand(command="mark", reason="help")),
     )
@@ -74,21 +80,7 @@ def test_an_operators_act_has_the_stamp_of_the_key_and_neither_words_nor_names()
 
 
 def test_a_movement_has_a_start_and_an_end() -> None:
-    trial = m.TrialEnded(
-        attempt=1,
-        trial=2,
-        stimulus="reach",
-        response="reach",
-        correct=True,
-        onset=40,
-        response_at=90,
-        reaction_time_ms=None,
-        value=None,
-        timing=m.Timing("flush", None, 0.0, 0, 1, 0.0, ()),
-        details={},
-    )
-    shown = m.Shown(attempt=1, trial=2, presentation=1, at=10, source="flush")
-    markers = translated((t.SHOWN, shown), (t.TRIAL, trial))
+    markers = translated((t.SHOWN, SHOWN), (t.TRIAL, trial(40, None)))
     assert [(marker.event, marker.ns) for marker in markers] == [
         ("prompt_onset", 10),
         ("movement_start", 40),
@@ -98,36 +90,19 @@ def test_a_movement_has_a_start_and_an_end() -> None:
 
 def test_an_onset_that_the_writing_thread_has_sent_is_not_sent_again() -> None:
     translation = Translation("s1")
-    shown = m.Shown(attempt=1, trial=2, presentation=1, at=10, source="flush")
-    assert len(translation.shown(shown)) == 1
-    assert translation.markers(t.SHOWN, AT, shown) == ()
+    assert len(translation.shown(SHOWN)) == 1
+    assert translation.markers(t.SHOWN, AT, SHOWN) == ()
 
 
 def test_each_frame_of_a_prompt_has_a_marker_and_a_key_after_it_is_a_response() -> None:
     translation = Translation("s1")
-    shown = [
-        m.Shown(attempt=1, trial=2, presentation=1, at=at, source="flush", frame=at // 10)
-        for at in (0, 10)
-    ]
-    assert [marker.event for one in shown for marker in translation.shown(one)] == [
+    frames = [msgspec.structs.replace(SHOWN, at=10 * frame, frame=frame) for frame in (0, 1)]
+    assert [marker.event for one in frames for marker in translation.shown(one)] == [
         "prompt_onset",
         "frame_onset",
     ]
-    assert translation.markers(t.SHOWN, AT, shown[1]) == ()
-    trial = m.TrialEnded(
-        attempt=1,
-        trial=2,
-        stimulus="s",
-        response="f",
-        correct=True,
-        onset=10,
-        response_at=90,
-        reaction_time_ms=80.0,
-        value=None,
-        timing=m.Timing("flush", None, 0.0, 0, 1, 0.0, ()),
-        details={},
-    )
-    assert [marker.event for marker in translation.markers(t.TRIAL, AT, trial)] == ["response"]
+    assert translation.markers(t.SHOWN, AT, frames[1]) == ()
+    assert [one.event for one in translation.markers(t.TRIAL, AT, trial(10, 80.0))] == ["response"]
 
 
 def test_markers_name_the_seat_only_if_there_are_two() -> None:
@@ -148,8 +123,7 @@ def test_a_session_is_the_same_with_markers(keyboard: type[Task], calm: Theme) -
         return [(r.topic.name, r.message, r.at) for r in loop.records if r.topic is not t.MARKERS]
 
     with udp_receiver() as receiver:
-        node = MarkerNode(
-            make_destinations([receiver.address]), "s1", "keyboard", ("A",), VirtualClock()
-        )
+        to = make_destinations([receiver.address])
+        node = MarkerNode(to, "s1", "keyboard", ("A",), VirtualClock())
         assert session(node) == session()
         assert receiver.until("attempt_end")

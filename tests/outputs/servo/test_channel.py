@@ -1,6 +1,5 @@
 """Phidget22's own ``RCServo``: it behaves like the fake one, with callbacks from another thread."""
 
-import asyncio
 import threading
 from collections.abc import Iterator
 from typing import Any
@@ -11,7 +10,7 @@ from benchmarks.fake_phidget import SERVO_LIMITS
 from sar_tui.drivers.phidget import new_channel
 from sar_tui.loop.clock import LiveClock
 from sar_tui.outputs.servo.servo import Servo
-from tests.outputs.contract import Rig
+from tests.outputs.contract import Rig, host_clock
 
 
 class FakeServo:
@@ -48,9 +47,8 @@ def _elsewhere(callback: Any, *arguments: Any) -> None:
 
 @pytest.fixture
 def clock() -> Iterator[LiveClock]:
-    loop = asyncio.new_event_loop()
-    yield LiveClock(loop)
-    loop.close()
+    with host_clock() as clock:
+        yield clock
 
 
 def test_a_motor_is_set_up_moved_detached_reattached_and_released(

@@ -1,6 +1,5 @@
 """Gestures by servo motors that are present, missing, pulled out or faulty."""
 
-import asyncio
 import sys
 import threading
 from collections.abc import Iterator
@@ -17,7 +16,7 @@ from sar_tui.model.units import MS, SECOND
 from sar_tui.outputs.output import OutputError
 from sar_tui.outputs.servo import servo as servo_module
 from sar_tui.outputs.servo.servo import Servo
-from tests.outputs.contract import THEME, Rig
+from tests.outputs.contract import THEME, Rig, host_clock
 from tests.outputs.servo_fixtures import UNSUPPORTED, PhidgetError, ServoBench
 
 BOTH = "?right_arm=0&nod=-5"
@@ -33,9 +32,8 @@ def bench() -> Iterator[ServoBench]:
 
 @pytest.fixture
 def live_clock() -> Iterator[LiveClock]:
-    loop = asyncio.new_event_loop()
-    yield LiveClock(loop)
-    loop.close()
+    with host_clock() as clock:
+        yield clock
 
 
 def make(bench: ServoBench, gesture: str = "wave", action: str = "a") -> str:
