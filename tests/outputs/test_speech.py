@@ -107,11 +107,8 @@ def test_on_a_virtual_clock_a_stop_aborts_and_the_rest_goes_on(calm: Theme) -> N
         clock.advance(SECOND)
         listener.speech.stop("a2")
         listener.speech.stop("a1")
-        assert (listener.states("a1"), listener.states("a2"), listener.states("a3")) == (
-            ["started", "aborted"],
-            ["aborted"],
-            ["started"],
-        )
+        assert listener.states("a1") == ["started", "aborted"]
+        assert (listener.states("a2"), listener.states("a3")) == (["aborted"], ["started"])
         listener.speech.stop()
         clock.advance(SECOND)
         assert listener.states("a3") == ["started", "aborted"]
@@ -147,21 +144,17 @@ def test_a_folder_that_cannot_take_files_fails_each_utterance_with_the_reason(
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("", "There is nothing to say: the text is empty."),
-        (" \x00\n", "There is nothing to say: the text is empty."),
-        (
-            "word " * LONGEST,
-            f"The text is too long to be spoken: {5 * LONGEST - 1} characters, of at most "
-            f"{LONGEST}.",
-        ),
-        ("👍", "The voice cannot read this text: it has neither letters nor digits."),
+        ("", "the text is empty."),
+        (" \x00\n", "the text is empty."),
+        ("word " * LONGEST, f"{5 * LONGEST - 1} characters, of at most {LONGEST}."),
+        ("👍", "it has neither letters nor digits."),
     ],
 )
 def test_an_invalid_utterance_fails_in_its_turn(calm: Theme, text: str, says: str) -> None:
     with listening(Sound(backends=NOBODY), calm) as listener:
         listener.speech.say("a1", "Good.")
         listener.speech.say("a2", text)
-        assert listener.wait("a2", "failed").detail == says
+        assert listener.wait("a2", "failed").detail.endswith(says)
         assert [report.state for report in listener.reports] == ["started", "done", "failed"]
 
 

@@ -40,13 +40,11 @@ def test_tones_follow_each_other_and_speech(calm: Theme) -> None:
         listener.speech.say("s1", "Good.")
         listener.tones.tone("t2", "success")
         listener.wait("t2", "done")
-        reported = [(report.action, report.state) for report in listener.reports]
-        assert reported == [
+        assert [(report.action, report.state) for report in listener.reports] == [
             (action, state) for action in ("t1", "s1", "t2") for state in ("started", "done")
         ]
-        assert [report.at for report in listener.reports] == sorted(
-            report.at for report in listener.reports
-        )
+        times = [report.at for report in listener.reports]
+        assert times == sorted(times)
 
 
 def test_a_tone_lasts_as_long_as_its_notes(calm: Theme) -> None:

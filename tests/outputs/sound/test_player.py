@@ -7,6 +7,7 @@ import threading
 import wave
 from array import array
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -30,6 +31,9 @@ class Began:
         self.reports.append((at, lasts))
         if self._halts:
             self._halts.halt()
+
+
+AS_A_FILE: Any = ("a1-say", BEEP, Playback(), Began())
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -58,7 +62,7 @@ def test_a_card_plays_again_and_again() -> None:
 @pytest.mark.parametrize("in_real_time", [True, False])
 def test_a_file_holds_the_samples_and_is_private(tmp_path: Path, in_real_time: bool) -> None:
     folder = tmp_path / "new" / "sounds"
-    Folder(str(folder), in_real_time).play("a1-say", BEEP, Playback(), Began())
+    Folder(str(folder), in_real_time).play(*AS_A_FILE)
     (path,) = folder.iterdir()
     assert path.name == "001-a1-say.wav"
     assert stat.S_IMODE(path.stat().st_mode) == 0o600
@@ -70,23 +74,13 @@ def test_a_file_holds_the_samples_and_is_private(tmp_path: Path, in_real_time: b
 def test_files_are_numbered_after_what_is_there_and_nothing_is_overwritten(tmp_path: Path) -> None:
     for name in ("007-a1-say.wav", "notes.txt", "x-y.wav"):
         (tmp_path / name).write_text("mine")
-    for destination in (Folder(str(tmp_path), False), Folder(str(tmp_path), False)):
-        for _ in range(2):
-            destination.play("a1-say", BEEP, Playback(), Began())
-    found = contents(tmp_path)
-    assert [name for name in found if found[name] != b"mine"] == [
-        f"{n:03d}-a1-say.wav" for n in (8, 9, 10, 11)
-    ]
-    assert found["007-a1-say.wav"] == b"mine"
-
-
-def test_two_players_writing_to_one_folder_number_their_files_without_conflict(
-    tmp_path: Path,
-) -> None:
     mine, yours = Folder(str(tmp_path), False), Folder(str(tmp_path), False)
     for destination in (mine, yours, yours, mine, mine):
-        destination.play("a1-say", BEEP, Playback(), Began())
-    assert list(contents(tmp_path)) == [f"{n:03d}-a1-say.wav" for n in (1, 2, 3, 4, 5)]
+        destination.play(*AS_A_FILE)
+    found = contents(tmp_path)
+    assert [name for name in found if found[name] != b"mine"] == [
+        f"{n:03d}-a1-say.wav" for n in (8, 9, 10, 11, 12)
+    ]
 
 
 def test_a_file_created_by_another_program_is_skipped(
@@ -95,7 +89,7 @@ def test_a_file_created_by_another_program_is_skipped(
     (tmp_path / "001-a1-say.wav").write_text("yours")
     with monkeypatch.context() as before:
         before.setattr(Path, "iterdir", lambda path: iter(()))
-        Folder(str(tmp_path), False).play("a1-say", BEEP, Playback(), Began())
+        Folder(str(tmp_path), False).play(*AS_A_FILE)
     assert list(contents(tmp_path)) == ["001-a1-say.wav", "002-a1-say.wav"]
     assert contents(tmp_path)["001-a1-say.wav"] == b"yours"
 
@@ -108,7 +102,7 @@ def test_a_folder_is_looked_through_once(tmp_path: Path, monkeypatch: pytest.Mon
         watched.setattr(Path, "iterdir", lambda path: (looked.append(path), look(path))[1])
         destination = Folder(str(tmp_path), False)
         for _ in range(3):
-            destination.play("a1-say", BEEP, Playback(), Began())
+            destination.play(*AS_A_FILE)
     assert looked == [tmp_path]
     assert list(contents(tmp_path))[-1] == "010-a1-say.wav"
 
@@ -117,7 +111,7 @@ def test_a_folder_is_looked_through_once(tmp_path: Path, monkeypatch: pytest.Mon
 def test_a_folder_that_is_a_file_is_reported_in_words(tmp_path: Path, name: str) -> None:
     (tmp_path / "there").write_text("a file")
     with pytest.raises(SoundError, match=r"cannot take sound files \(.+\): choose another folder"):
-        Folder(str(tmp_path / name), True).play("a", BEEP, Playback(), Began())
+        Folder(str(tmp_path / name), True).play(*AS_A_FILE)
 
 
 @pytest.mark.parametrize("made", ["card", "folder"])
@@ -137,7 +131,7 @@ def test_no_sound_card_is_reported_in_words_each_time() -> None:
     card = SoundCard(("WASAPI", "SNDIO"))
     for _ in range(2):
         with pytest.raises(SoundError, match="There is no sound card that can be used"):
-            card.play("a", BEEP, Playback(), Began())
+            card.play(*AS_A_FILE)
 
 
 def test_a_card_that_stops_taking_sound_is_reported_in_words_and_reopened(
@@ -150,7 +144,7 @@ def test_a_card_that_stops_taking_sound_is_reported_in_words_and_reopened(
     with monkeypatch.context() as unplugged:
         unplugged.setattr(miniaudio.PlaybackDevice, "start", lambda self, feed: None)
         with pytest.raises(SoundError, match="The sound card has stopped taking sound"):
-            card.play("a", BEEP, Playback(), Began())
+            card.play(*AS_A_FILE)
     began = Began()
     card.play("a", BEEP, Playback(), began)
     assert len(began.reports) == 1
@@ -164,7 +158,7 @@ def test_a_card_that_refuses_to_start_is_reported_in_words(monkeypatch: pytest.M
 
     monkeypatch.setattr(miniaudio.PlaybackDevice, "start", refuse)
     with pytest.raises(SoundError, match="failed to start audio device"):
-        SoundCard(NOBODY).play("a", BEEP, Playback(), Began())
+        SoundCard(NOBODY).play(*AS_A_FILE)
 
 
 def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:

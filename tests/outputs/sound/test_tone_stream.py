@@ -83,13 +83,19 @@ def card(monkeypatch: pytest.MonkeyPatch) -> Card:
     return card
 
 
-BLIP = array("h", [7] * 300)
-
-
-def test_a_tone_begins_with_the_sample_of_its_time(card: Card) -> None:
+@pytest.fixture
+def stream(card: Card) -> ToneStream:
+    """A stream of a card that has played two periods."""
     stream = ToneStream(card)
     stream.start(patience_s=0)
     card.run(2)
+    return stream
+
+
+BLIP = array("h", [7] * 300)
+
+
+def test_a_tone_begins_with_the_sample_of_its_time(card: Card, stream: ToneStream) -> None:
     begun = stream.clock.asked_for
     at = stream.play(1, BLIP, stream.clock.heard_at(begun + 500))
     played = card.run(10)
@@ -97,21 +103,17 @@ def test_a_tone_begins_with_the_sample_of_its_time(card: Card) -> None:
     assert played == array("h", [0] * 500 + [7] * 300 + [0] * (10 * PERIOD - 800))
 
 
-def test_a_tone_whose_time_is_over_begins_with_the_next_sample(card: Card) -> None:
-    stream = ToneStream(card)
-    stream.start(patience_s=0)
-    card.run(2)
+def test_a_tone_whose_time_is_over_begins_with_the_next_sample(
+    card: Card, stream: ToneStream
+) -> None:
     at = stream.play(1, BLIP, START)
     assert at == pytest.approx(stream.clock.heard_at(stream.clock.asked_for), abs=10)
     assert card.run(3)[:300] == BLIP
 
 
 def test_a_repeated_tone_is_exact_to_the_sample_and_dropped_where_it_has_not_begun(
-    card: Card,
+    card: Card, stream: ToneStream
 ) -> None:
-    stream = ToneStream(card)
-    stream.start(patience_s=0)
-    card.run(2)
     stream.play(1, BLIP, START, (0.0, 100.0, 200.0))
     played = card.run(12)
     stream.drop(1)

@@ -65,12 +65,13 @@ time.sleep(30)
 """
 """A program with a voice. It ends by itself, and the voice with it, if the test cannot end it."""
 HELLO = Voicing("en")
+SETUP = Setup(backends=NOBODY)
 
 
 class Talk:
     """A voice, and its replies."""
 
-    def __init__(self, setup: Setup, program: list[str]) -> None:
+    def __init__(self, program: list[str], setup: Setup = SETUP) -> None:
         self._replies: queue.SimpleQueue[Reply | None] = queue.SimpleQueue()
         self.child = SoundProgram(program, setup, self._replies.put)
         self.child.start()
@@ -80,7 +81,7 @@ class Talk:
 
 
 def test_output_printed_by_libraries_is_discarded(capfd: pytest.CaptureFixture[str]) -> None:
-    talk = Talk(Setup(backends=NOBODY), program_with(NOISY))
+    talk = Talk(program_with(NOISY))
     talk.child.send(Say(1, "a1", "Well done.", HELLO))
     assert isinstance(talk.next(), Started)
     assert talk.next() == Ended(1, "done", pytest.approx(host_now(), abs=1_000_000_000))
@@ -89,7 +90,7 @@ def test_output_printed_by_libraries_is_discarded(capfd: pytest.CaptureFixture[s
 
 
 def test_times_are_those_of_the_programs_own_clock() -> None:
-    talk = Talk(Setup(backends=NOBODY), real_program(Path(os.devnull)))
+    talk = Talk(real_program(Path(os.devnull)))
     before = host_now()
     talk.child.send(Tone(1, "a1", (Note(880, 200),)))
     started, ended = talk.next(), talk.next()
@@ -103,7 +104,7 @@ def test_times_are_those_of_the_programs_own_clock() -> None:
 
 
 def test_a_stop_of_a_job_that_is_over_does_not_stop_the_next() -> None:
-    talk = Talk(Setup(backends=NOBODY), real_program(Path(os.devnull)))
+    talk = Talk(real_program(Path(os.devnull)))
     talk.child.send(Tone(1, "a1", (Note(880, 20),)))
     talk.child.send(Tone(2, "a2", (Note(880, 100),)))
     talk.child.send(Stop(1))
@@ -113,7 +114,7 @@ def test_a_stop_of_a_job_that_is_over_does_not_stop_the_next() -> None:
 
 
 def test_getting_ready_does_not_disturb_what_is_under_way() -> None:
-    talk = Talk(Setup(backends=NOBODY), real_program(Path(os.devnull)))
+    talk = Talk(real_program(Path(os.devnull)))
     talk.child.send(Tone(1, "a1", (Note(880, 1000),) * 60))
     assert isinstance(talk.next(), Started)
     talk.child.send(Warm(HELLO, ((Note(440, 100),),)))
@@ -124,27 +125,21 @@ def test_getting_ready_does_not_disturb_what_is_under_way() -> None:
     assert ended.state == "aborted"
 
 
+VOICE = [sys.executable, "-P", "-m", "sar_tui.outputs.sound.voice_main"]
+
+
+def run(given: bytes) -> "subprocess.CompletedProcess[bytes]":
+    return subprocess.run(VOICE, input=given, capture_output=True, timeout=DEADLINE_S, check=False)
+
+
 def test_it_ends_by_itself_when_nobody_asks_any_more() -> None:
-    done = subprocess.run(
-        [sys.executable, "-P", "-m", "sar_tui.outputs.sound.voice_main"],
-        input=encode(Setup(backends=NOBODY)) + encode(Tone(1, "a1", (Note(880, 1000),) * 60)),
-        capture_output=True,
-        timeout=DEADLINE_S,
-        check=False,
-    )
-    assert done.returncode == 0
-    assert done.stderr == b""
+    done = run(encode(Setup(backends=NOBODY)) + encode(Tone(1, "a1", (Note(880, 1000),) * 60)))
+    assert (done.returncode, done.stderr) == (0, b"")
 
 
 @pytest.mark.parametrize("rubbish", [b"", b"\n", b"rubbish\n", encode(Stop(1))])
 def test_a_first_line_that_is_no_setup_ends_it(rubbish: bytes) -> None:
-    done = subprocess.run(
-        [sys.executable, "-P", "-m", "sar_tui.outputs.sound.voice_main"],
-        input=rubbish,
-        capture_output=True,
-        timeout=DEADLINE_S,
-        check=False,
-    )
+    done = run(rubbish)
     assert done.returncode != 0
     assert (done.stdout, done.stderr) == (b"", b"")
 
@@ -179,9 +174,7 @@ def test_a_folder_that_the_program_was_started_in_does_not_take_the_place_of_lib
     for name in ("wave.py", "queue.py", "msgspec.py", "pyttsx3.py"):
         (tmp_path / name).write_text("raise SystemExit('not the library')")
     monkeypatch.chdir(tmp_path)
-    talk = Talk(
-        Setup(in_real_time=False), [sys.executable, "-P", "-m", "sar_tui.outputs.sound.voice_main"]
-    )
+    talk = Talk(VOICE, Setup(in_real_time=False))
     talk.child.send(Say(1, "a1", "Well done.", HELLO))
     assert isinstance(talk.next(), Started)
     talk.child.end()
