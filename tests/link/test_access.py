@@ -55,8 +55,12 @@ def host(running_broker: FakeBroker) -> FakeBroker:
 
 def settings_of(invited: Invitation, **changes: object) -> str:
     settings = msgspec.json.decode(network_settings(invited.where[0], invited.credentials))
-    settings.update(changes)
-    return msgspec.json.encode(settings).decode()
+    return msgspec.json.encode(settings | changes).decode()
+
+
+def collect(guest: zenoh.Session, key: str, into: list[str]) -> None:
+    """Add the keys of what a guest receives to a list."""
+    guest.declare_subscriber(key, lambda sample: into.append(str(sample.key_expr)))
 
 
 def received_before_last(
@@ -114,11 +118,12 @@ def test_connection_with_certificate_of_another_authority_fails(
     at: LinkGuests, host: FakeBroker, tmp_path: Path
 ) -> None:
     stranger = Authority.open_or_create(tmp_path).invite(Guest("anna", "operator"), [at.where], 30)
-    trusting = Credentials(
-        at.anna.credentials.authority, stranger.credentials.certificate, stranger.credentials.key
-    )
+    own = stranger.credentials
+    trusting = Credentials(at.anna.credentials.authority, own.certificate, own.key)
     with pytest.raises(zenoh.ZError):
         zenoh.open(config(network_settings(at.where, trusting)))
+    with pytest.raises(zenoh.ZError), visiting(stranger):
+        pass  # and the guest, too, rejects a host of another authority
 
 
 def test_connection_with_expired_certificate_fails(at: LinkGuests, host: FakeBroker) -> None:
@@ -147,34 +152,23 @@ def test_panel_that_is_not_admitted_reports_why(
     assert host.received == []
 
 
-def test_guest_rejects_host_of_another_authority(
-    at: LinkGuests, host: FakeBroker, tmp_path: Path
-) -> None:
-    stranger = Authority.open_or_create(tmp_path).invite(Guest("anna", "operator"), [at.where], 30)
-    with pytest.raises(zenoh.ZError), visiting(stranger):
-        pass
+def cannot_visit(at: LinkGuests, elsewhere: Endpoint, files: TlsFiles) -> None:
+    with (
+        zenoh.open(config(host_settings("00000000", listen=[elsewhere], files=files))),
+        pytest.raises(zenoh.ZError),
+    ):
+        zenoh.open(config(network_settings(elsewhere, at.anna.credentials)))
 
 
 def test_guest_certificate_cannot_be_used_as_host(at: LinkGuests, tmp_path: Path) -> None:
-    elsewhere = Endpoint("127.0.0.1", free_port())
     files = TlsFiles(*(tmp_path / name for name in ("authority", "certificate", "key")))
     for path, text in zip(files, msgspec.structs.astuple(at.eve.credentials), strict=True):
         path.write_text(text)
-    with (
-        zenoh.open(config(host_settings("00000000", listen=[elsewhere], files=files))),
-        pytest.raises(zenoh.ZError),
-    ):
-        zenoh.open(config(network_settings(elsewhere, at.anna.credentials)))
+    cannot_visit(at, Endpoint("127.0.0.1", free_port()), files)
 
 
 def test_guest_rejects_host_with_another_name(at: LinkGuests) -> None:
-    elsewhere = Endpoint("127.0.0.2", free_port())
-    files = at.authority.host_files([])
-    with (
-        zenoh.open(config(host_settings("00000000", listen=[elsewhere], files=files))),
-        pytest.raises(zenoh.ZError),
-    ):
-        zenoh.open(config(network_settings(elsewhere, at.anna.credentials)))
+    cannot_visit(at, Endpoint("127.0.0.2", free_port()), at.authority.host_files([]))
 
 
 # --- permissions
@@ -185,14 +179,8 @@ def test_observer_cannot_act_in_another_name(at: LinkGuests, host: FakeBroker, m
     keys = at.keys
     targets = [
         *(keys.act(name) for name in ("operator.anna", "*", "**")),
-        *(
-            keys.ping("operator.anna"),
-            keys.reply("operator.anna"),
-            keys.broadcast,
-            keys.all,
-            "**",
-            "other/thing",
-        ),
+        *(keys.ping("operator.anna"), keys.reply("operator.anna"), keys.broadcast, keys.all),
+        *("**", "other/thing"),
     ]
     connect = {"endpoints": [at.where.locator], "timeout_ms": 2000, "exit_on_failure": True}
     with zenoh.open(config(settings_of(at.eve, mode=mode, connect=connect))) as eve:
@@ -225,15 +213,10 @@ def test_operator_cannot_act_under_another_name(at: LinkGuests, host: FakeBroker
 def test_guest_does_not_receive_messages_of_others(at: LinkGuests, host: FakeBroker) -> None:
     received: list[str] = []
     with visiting(at.anna, at.eve) as [anna, eve]:
-        for key in (
-            "**",
-            at.keys.all,
-            at.keys.act("*"),
-            at.keys.reply("operator.anna"),
-            at.keys.ping("*"),
-        ):
-            eve.declare_subscriber(key, lambda s: received.append(str(s.key_expr)))
-        eve.declare_subscriber(at.keys.broadcast, lambda s: received.append(str(s.key_expr)))
+        keys = at.keys
+        for key in ("**", keys.all, keys.act("*"), keys.reply("operator.anna"), keys.ping("*")):
+            collect(eve, key, received)
+        collect(eve, at.keys.broadcast, received)
         anna.put(at.keys.act("operator.anna"), b"veto")
         host.session.put(at.keys.reply("operator.anna"), b"to anna")
 
@@ -249,10 +232,8 @@ def test_revoked_guest_neither_sends_nor_receives(at: LinkGuests, host: FakeBrok
     received: list[str] = []
     received_by_anna: list[str] = []
     with visiting(at.gone, at.anna) as [gone, anna]:
-        gone.declare_subscriber(at.keys.broadcast, lambda s: received.append(str(s.key_expr)))
-        anna.declare_subscriber(
-            at.keys.broadcast, lambda s: received_by_anna.append(str(s.key_expr))
-        )
+        collect(gone, at.keys.broadcast, received)
+        collect(anna, at.keys.broadcast, received_by_anna)
         gone.put(at.keys.act("operator.gone"), b"still here")
         gone.put(at.keys.ping("operator.gone"), b"still here")
 
@@ -276,7 +257,7 @@ def test_without_guests_everything_is_denied(at: LinkGuests, tmp_path: Path) -> 
         zenoh.open(config(settings)) as session,
         zenoh.open(config(network_settings(elsewhere, at.anna.credentials))) as anna,
     ):
-        session.declare_subscriber("**", lambda s: received.append(str(s.key_expr)))
+        collect(session, "**", received)
         anna.put(at.keys.act("operator.anna"), b"veto")
         anna.put(at.keys.ping("operator.anna"), b"hello")
         assert not list(anna.liveliness().get(at.keys.broadcast, timeout=0.2))
@@ -287,7 +268,7 @@ def test_socket_allows_only_keys_of_the_link(tmp_path: Path) -> None:
     path = tmp_path / "s.sock"
     received: list[str] = []
     with zenoh.open(config(host_settings("abc", socket=path))) as session:
-        session.declare_subscriber("**", lambda s: received.append(str(s.key_expr)))
+        collect(session, "**", received)
         with zenoh.open(config(socket_settings(path))) as operator:
             operator.put("sar-tui/other/act/operator.anna", b"")
             operator.put("sar-tui/abc/act/operator.anna", b"")
@@ -311,35 +292,18 @@ def probe_with(invited: Invitation) -> None:
 
 
 @pytest.mark.usefixtures("present")
-def test_probe_of_invited_guest_succeeds(at: LinkGuests) -> None:
+def test_probe_of_invited_guest_succeeds_and_of_others_says_why_not(at: LinkGuests) -> None:
     probe_with(at.eve)
+    for guest, why in ((at.gone, "it was revoked, or made after"), (at.late, "has expired")):
+        with pytest.raises(LinkError, match=why):
+            probe_with(guest)
 
 
-@pytest.mark.usefixtures("present")
-def test_probe_of_revoked_guest_fails(at: LinkGuests) -> None:
-    with pytest.raises(LinkError, match="it was revoked, or made after"):
-        probe_with(at.gone)
-
-
-@pytest.mark.usefixtures("present")
-def test_probe_of_expired_guest_fails(at: LinkGuests) -> None:
-    with pytest.raises(LinkError, match="has expired"):
-        probe_with(at.late)
-
-
-def test_probe_fails_where_nothing_listens(at: LinkGuests) -> None:
-    with pytest.raises(LinkError, match="Nothing listens there"):
-        probe(
-            network_settings(Endpoint("127.0.0.1", free_port()), at.anna.credentials), at.anna.link
-        )
-
-
-def test_probe_ignores_modules_in_the_working_directory(
+def test_probe_fails_where_nothing_listens_whatever_modules_the_working_directory_has(
     at: LinkGuests, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "zenoh.py").write_text("open(0).read(); print('admitted')")
     monkeypatch.chdir(tmp_path)
+    nowhere = Endpoint("127.0.0.1", free_port())
     with pytest.raises(LinkError, match="Nothing listens there"):
-        probe(
-            network_settings(Endpoint("127.0.0.1", free_port()), at.anna.credentials), at.anna.link
-        )
+        probe(network_settings(nowhere, at.anna.credentials), at.anna.link)

@@ -1,5 +1,7 @@
 """Messages of peers are forwarded or refused, tested without Zenoh."""
 
+from typing import Any
+
 import msgspec
 import pytest
 
@@ -27,6 +29,10 @@ ANNA, OLAF = "operator.anna", "observer.olaf"
 NOTE = m.NoteAdded(text="well")
 
 
+def raw(message: Message) -> msgspec.Raw:
+    return msgspec.Raw(protocol.encode(message))
+
+
 class Bench:
     """Admission that records its events and answers."""
 
@@ -34,25 +40,11 @@ class Bench:
         self.events: list[BrokerEvent] = []
         self.answers: list[tuple[str, SessionMessage]] = []
         self.admission = Admission(
-            2 * SECOND,
-            self.events.append,
-            lambda name, answer: self.answers.append((name, answer)),
-            "here",
+            2 * SECOND, self.events.append, lambda *answer: self.answers.append(answer), "here"
         )
 
-    def ping(
-        self,
-        name: str,
-        now: int,
-        client_id: str = "1",
-        *,
-        wants_snapshot: bool = False,
-        is_leaving: bool = False,
-        silence: int | None = None,
-        is_relayed: bool = False,
-    ) -> None:
-        ping = Ping(client_id, 77, wants_snapshot, is_leaving, silence, is_relayed)
-        self.admission.receive_ping(name, protocol.encode(ping), now)
+    def ping(self, name: str, now: int, client_id: str = "1", **how: Any) -> None:
+        self.admission.receive_ping(name, protocol.encode(Ping(client_id, 77, **how)), now)
 
     def act(
         self,
@@ -61,21 +53,15 @@ class Bench:
         message: Message = NOTE,
         topic: str = NOTE_ADDED.name,
         client_id: str = "1",
-        silence: int | None = None,
-        id: str = "",
+        **how: Any,
     ) -> None:
-        encoded = msgspec.Raw(protocol.encode(message))
-        act = protocol.ActRequest(client_id, topic, encoded, silence, id)
+        act = protocol.ActRequest(client_id, topic, raw(message), **how)
         self.admission.receive_act(name, protocol.encode(act), now)
 
     def refusals(self) -> dict[str, str]:
         """Return why acts were refused, by their ids."""
-        found = [
-            answer
-            for _, message in self.answers
-            if isinstance(message, protocol.Answers)
-            for answer in message.answers
-        ]
+        messages = [one for _, one in self.answers if isinstance(one, protocol.Answers)]
+        found = [answer for message in messages for answer in message.answers]
         assert all(answer.outcome == "refused" for answer in found)
         return {answer.id: answer.why for answer in found}
 
@@ -140,9 +126,7 @@ def test_peer_that_reconnects_in_time_is_not_lost(bench: Bench) -> None:
 def test_act_is_forwarded(bench: Bench) -> None:
     bench.ping(ANNA, 0)
     bench.act(ANNA, 1)
-    assert bench.take()[1:] == [
-        ActReceived(ANNA, NOTE_ADDED.name, msgspec.Raw(protocol.encode(NOTE)))
-    ]
+    assert bench.take()[1:] == [ActReceived(ANNA, NOTE_ADDED.name, raw(NOTE))]
 
 
 def test_act_counts_as_heartbeat(bench: Bench) -> None:
@@ -236,7 +220,7 @@ def test_observer_may_stop_the_agent(bench: Bench) -> None:
     stop = m.SessionCommand(command="stop")
     bench.ping(OLAF, 0)
     bench.act(OLAF, 1, stop, COMMAND.name)
-    assert bench.take()[1:] == [ActReceived(OLAF, COMMAND.name, msgspec.Raw(protocol.encode(stop)))]
+    assert bench.take()[1:] == [ActReceived(OLAF, COMMAND.name, raw(stop))]
 
 
 @pytest.mark.parametrize(

@@ -78,22 +78,10 @@ class PanelProcess:
     """Panel in a process of its own."""
 
     def __init__(self, live: JoinableSession, name: str, role: m.Role = "operator") -> None:
-        program = [
-            sys.executable,
-            "-m",
-            "tests.link.panel_process",
-            live.session,
-            live.link,
-            name,
-            role,
-        ]
-        self.process = subprocess.Popen(
-            program,
-            bufsize=0,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            cwd=Path(__file__).parents[2],
-        )
+        program = [sys.executable, "-m", "tests.link.panel_process", live.session, live.link]
+        pipes: Any = {"bufsize": 0, "stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+        folder = Path(__file__).parents[2]
+        self.process = subprocess.Popen([*program, name, role], cwd=folder, **pipes)
         assert self.process.stdout
         os.set_blocking(self.process.stdout.fileno(), False)
         self._output = b""
@@ -297,7 +285,6 @@ async def test_acts_of_an_observer_are_refused_and_logged(session: LinkSession) 
 
 
 # --- answers
-# --------------------------------------------------------------------------------------------------
 
 
 async def test_each_of_several_acts_that_are_refused_at_once_is_answered(
@@ -391,13 +378,8 @@ async def test_invalid_messages_are_refused_and_logged(session: LinkSession) -> 
     with zenoh.open(config(socket_settings(session.live.socket))) as guest:
         for key in ("act/operator.anna", "act/nobody", "act/*"):
             guest.put(f"sar-tui/{session.live.link}/{key}", b"nonsense")
-        whys = (
-            "20000 bytes",
-            "4000 characters",
-            "control characters",
-            "cannot be read",
-            "who sent it",
-        )
+        whys = ("20000 bytes", "4000 characters", "control characters")
+        whys += ("cannot be read", "who sent it")
         await until(
             lambda: all(any(why in each.why for each in session.of(REFUSED)) for why in whys)
         )

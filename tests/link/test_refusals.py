@@ -41,6 +41,11 @@ EVE_OPENED = (
 EVE = f"{ZID} on Interface(lo)+CertCommonName(observer.eve)+Transport(Tls)+{ZID}"
 
 
+TO_ANNA = Refusal("message", "observer.eve", "it may not send among the acts of operator.anna")
+REVOKED = "its invitation was revoked, or is not known here"
+BY_CONNECTION = f"{ACL}Using cached result: {ZID} is unauthorized to Put (ingress) on {KEY}"
+
+
 @pytest.fixture
 def log() -> RefusalLog:
     return RefusalLog(["operator.anna", "observer.eve"])
@@ -86,15 +91,13 @@ def test_accepted_connection_is_no_refusal(log: RefusalLog) -> None:
 
 def test_revoked_guest_is_refused_by_name() -> None:
     assert RefusalLog(["operator.anna"]).parse(EVE_CAME) == Refusal(
-        "connection", "observer.eve", "its invitation was revoked, or is not known here"
+        "connection", "observer.eve", REVOKED
     )
 
 
 def test_denied_message_is_reported_with_its_sender(log: RefusalLog) -> None:
     line = f"{ACL}{EVE} is unauthorized to Put (ingress) on {KEY}"
-    assert log.parse(line) == Refusal(
-        "message", "observer.eve", "it may not send among the acts of operator.anna"
-    )
+    assert log.parse(line) == TO_ANNA
 
 
 @pytest.mark.parametrize(
@@ -115,15 +118,10 @@ def test_denied_action_is_described(log: RefusalLog, act: str, place: str, why: 
 
 
 def test_denial_without_name_is_attributed_by_connection(log: RefusalLog) -> None:
-    line = f"{ACL}Using cached result: {ZID} is unauthorized to Put (ingress) on {KEY}"
-    assert log.parse(line) == Refusal(
-        "message", "", "it may not send among the acts of operator.anna"
-    )
+    assert log.parse(BY_CONNECTION) == Refusal("message", "", TO_ANNA.why)
     log.parse(EVE_CAME)
     log.parse(EVE_OPENED)
-    assert log.parse(line) == Refusal(
-        "message", "observer.eve", "it may not send among the acts of operator.anna"
-    )
+    assert log.parse(BY_CONNECTION) == TO_ANNA
 
 
 @pytest.mark.parametrize(
@@ -153,9 +151,7 @@ def test_cached_permissions_are_no_refusal(log: RefusalLog) -> None:
         assert log.parse(f"{ACL}{EVE} is unauthorized to {act} (ingress) on {KEY}") is None
     assert log.parse(f"{ACL}{EVE} is authorized to Liveliness Query (ingress) on {KEY}") is None
     done = f"{ACL}{EVE} is unauthorized to Put (ingress) on {KEY}"
-    assert log.parse(done) == Refusal(
-        "message", "observer.eve", "it may not send among the acts of operator.anna"
-    )
+    assert log.parse(done) == TO_ANNA
 
 
 def test_connection_closed_on_expiry_is_reported(log: RefusalLog) -> None:
@@ -181,10 +177,7 @@ def test_memory_is_bounded(log: RefusalLog) -> None:
         log.parse(EVE_CAME.replace("39750", str(port)))
     log.parse(EVE_CAME)
     log.parse(EVE_OPENED)
-    line = f"{ACL}Using cached result: {ZID} is unauthorized to Put (ingress) on {KEY}"
-    assert log.parse(line) == Refusal(
-        "message", "observer.eve", "it may not send among the acts of operator.anna"
-    )
+    assert log.parse(BY_CONNECTION) == TO_ANNA
     assert len(log._guest_at) < 100
 
 
@@ -280,13 +273,7 @@ def test_log_of_a_real_host(tmp_path: Path) -> None:
                     refused.extend(found for found in [log.parse(next(lines))] if found)
 
             with visiting(at.eve, at.gone) as [eve, _]:
-                wait_for(
-                    Refusal(
-                        "connection",
-                        "operator.gone",
-                        "its invitation was revoked, or is not known here",
-                    )
-                )
+                wait_for(Refusal("connection", "operator.gone", REVOKED))
                 sure = zenoh.CongestionControl.BLOCK
                 eve.put(at.keys.ping("operator.anna"), b"evil", congestion_control=sure)
                 wait_for(
@@ -303,11 +290,7 @@ def test_log_of_a_real_host(tmp_path: Path) -> None:
                     b"evil",
                     congestion_control=sure,
                 )
-                wait_for(
-                    Refusal(
-                        "message", "observer.eve", "it may not send among the acts of operator.anna"
-                    )
-                )
+                wait_for(TO_ANNA)
             with pytest.raises(zenoh.ZError), visiting(at.late):
                 pass
             wait_for(Refusal("connection", "", "its invitation has expired"))
