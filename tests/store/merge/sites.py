@@ -134,7 +134,7 @@ def _in_words(db: sqlite3.Connection, table: str, people: People) -> list[Any]:
             return None if table == "participants" else value or people.own
         if table == "exports" and name == "number":
             return None
-        if name == "event":
+        if (table, name) == ("records", "id"):
             return in_full(value, people.own)
         if name == "participant" or (table, name) == ("participants", "code"):
             code = in_full(value, people.own)
