@@ -23,7 +23,7 @@ def test_the_files_are_what_their_description_says(call: Call, tmp_path: Path) -
     export_csv(tmp_path / "data", folder, with_notes=True, with_events=True)
     found = frictionless.validate(str(folder / "datapackage.json"))
     assert found.flatten(["name", "type", "note", "rowNumber", "fieldName"]) == []
-    assert len(found.tasks) == 20
+    assert len(found.tasks) == len(list(folder.glob("*.csv"))) > 15
     assert {row["text"] for row in read_csv(folder, "notes") if row["label"] == "pausa"} == {NOTE}
     assert {row["decided_by"] for row in read_csv(folder, "actions")} >= {"agent", "operator"}
     assert any(row["state"] == "gap" for row in read_csv(folder, "sensor_faults"))

@@ -20,8 +20,8 @@ def varied(data: Path) -> None:
     """
     for task in ("keyboard", "reaching", "pairs"):
         codes = ("SIM-A", "SIM-B") if task == "pairs" else ("SIM",)
-        settings: Any = {"attempts": 1, "questions": "effort remark"}
-        simulated(data, task, *codes, user="poor", operator="careful", **settings)
+        asked: Any = {"questions": "effort remark", "operator_feedback": "approve"}
+        simulated(data, task, *codes, user="poor", operator="careful", attempts=1, **asked)
     sql(data, "UPDATE trials SET stimulus=?, response=NULL WHERE trial=2", '¿"Sí"?\r\nno, no')
     sql(data, "UPDATE attempts SET metric=9e999 WHERE attempt=1")
     for (id,) in sql(data, "SELECT id FROM sessions"):
