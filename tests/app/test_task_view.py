@@ -88,7 +88,7 @@ FAULTS = [
     ('colors["accent"]', "1 / 0", "drawing"),
     ("return lambda", "raise RuntimeError\n        return lambda", "between_attempts"),
 ]
-"""What is replaced in the view, and where that is noticed."""
+"""Replacements in the view, and where each is noticed."""
 
 
 @pytest.mark.parametrize(("old", "new", "topic"), first_rows(4, FAULTS))

@@ -35,7 +35,7 @@ BROKEN = {
     "Its facts failed (Ty":
         ('return [f"The view counts {sum(a.trials for a in attempts)}."]', 'return "Good."'),
 }  # fmt: skip
-"""What the check says, and the replacement in the view that causes it."""
+"""Sentences of the check, each with the replacement in the view that causes it."""
 
 
 def settings(task: type[Task]) -> TaskParameters:
