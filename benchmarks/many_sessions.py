@@ -103,8 +103,9 @@ def fill(data: Path, catalogue: Catalogue, count: int, ids: str = "c0de") -> Non
             _copy(database, session, f"{ids}{number:06}")
         database.execute("UPDATE sessions SET mode='live'")
         database.execute("DELETE FROM log_hashes")  # of the first session, as it was before
-        for (name,) in database.execute("SELECT id FROM sessions").fetchall():
-            log_hashes.extend(database, name, ["run", 1])
+        for name, ended in database.execute("SELECT id, ended_at FROM sessions").fetchall():
+            log_hashes.begin(database, name)
+            log_hashes.extend(database, name, ["run", 1], ["ended", ended])
         database.execute("COMMIT")
         participants.add(database, _WHO)
 

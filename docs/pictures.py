@@ -29,10 +29,11 @@ from sar_tui.model.units import MS, SECOND
 from sar_tui.operator.app import WizardApp
 from sar_tui.operator.screen import PanelScreen
 from sar_tui.plugins import Catalogue
+from sar_tui.records.kind import find
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
-from sar_tui.store import participants, programmes, wellbeing
+from sar_tui.store import participants, programmes, records, wellbeing
 from sar_tui.store.database import connect, transaction
 from sar_tui.store.programmes import Programme
 
@@ -80,7 +81,7 @@ _HISTORY = (
     *(("P01", days, "average", days) for days in (9, 7, 4, 2)),
 )
 """Participant, days before the picture, how well they do, and the seed of a session."""
-_FELT = {22: ("after", "pain", "6"), 12: ("after", "pain", "2"), 2: ("after", "fatigue", "3")}
+_FELT = {22: ("pain", 6), 12: ("pain", 2), 2: ("tiredness", 3)}
 _TODAY = datetime(2026, 3, 20, 10, 15, tzinfo=UTC)
 
 
@@ -100,7 +101,9 @@ async def _draw_home(data: Path, catalogue: Catalogue) -> None:
                 "UPDATE sessions SET mode='live', started_at=? WHERE id=?", (began, session)
             )
         if felt := _FELT.get(seed):
-            wellbeing.save(database, code, *felt, session=session)  # type: ignore[arg-type]
+            kind, rating = felt
+            given: dict[str, Any] = {"answer": wellbeing.RATED, "rating": rating}
+            records.add(database, find(kind), code, "", given, session=session, moment="after")
     database.close()
     app = SarTui(data, catalogue, clock=(clock := VirtualClock(SECOND)))
     app.today = _TODAY.date
