@@ -2,6 +2,7 @@
 
 import asyncio
 import re
+import sqlite3
 import tempfile
 from contextlib import closing
 from datetime import UTC, datetime, timedelta
@@ -101,9 +102,7 @@ async def _draw_home(data: Path, catalogue: Catalogue) -> None:
                 "UPDATE sessions SET mode='live', started_at=? WHERE id=?", (began, session)
             )
         if felt := _FELT.get(seed):
-            kind, rating = felt
-            given: dict[str, Any] = {"answer": wellbeing.RATED, "rating": rating}
-            records.add(database, find(kind), code, "", given, session=session, moment="after")
+            _rate(database, code, session, *felt)
     database.close()
     app = SarTui(data, catalogue, clock=(clock := VirtualClock(SECOND)))
     app.today = _TODAY.date
@@ -282,6 +281,11 @@ async def _draw_panel(data: Path, catalogue: Catalogue) -> None:
         _save(panel, "panel")
 
 
+def _rate(database: sqlite3.Connection, code: str, session: str, kind: str, rating: int) -> None:
+    given: dict[str, Any] = {"answer": wellbeing.RATED, "rating": rating}
+    records.add(database, find(kind), code, "", given, session=session, moment="after")
+
+
 async def _draw_progress(data: Path, catalogue: Catalogue) -> None:
     """The progress of a participant who gets a little faster from session to session."""
     person = PEOPLE["average"]
@@ -298,16 +302,15 @@ async def _draw_progress(data: Path, catalogue: Catalogue) -> None:
                 "UPDATE sessions SET mode='live', started_at=? WHERE id=?",
                 (at.isoformat(), session),
             )
-            for question, answer in (
+            for kind, rating in (
                 ("pain", (0, 1, 3, 2, 1, 0)[number % 6]),
-                ("fatigue", (2, 3, 4)[number % 3]),
+                ("tiredness", (2, 3, 4)[number % 3]),
             ):
-                database.execute(
-                    "INSERT INTO wellbeing (session, seat, participant, moment, question, answer, "
-                    "at)"
-                    " VALUES (?, 'A', 'P05', 'after', ?, ?, ?)",
-                    (session, question, str(answer), (at + timedelta(hours=1)).isoformat()),
-                )
+                _rate(database, "P05", session, kind, rating)
+            database.execute(
+                "UPDATE records SET at=? WHERE session=?",
+                ((at + timedelta(hours=1)).isoformat(), session),
+            )
     app = SarTui(data, catalogue, clock=VirtualClock(SECOND))
     async with app.run_test(size=(100, 30)) as pilot:
         app.themes.load()
