@@ -41,10 +41,10 @@ class Gone(Task):
         return "As fast as you can."
 
     def stimulus(self, situation):
-        raise NotImplementedError
+        return None
 
     def perceived(self, trial, percept):
-        raise NotImplementedError
+        return None
 """
 
 

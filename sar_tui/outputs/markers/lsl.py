@@ -117,7 +117,7 @@ def library() -> Any:
         _configured = True
         own = _own_configuration()
         if "[log]" not in own:
-            # an older library of the system, which is not quiet
+            # pylsl raises it for an older library of the system, which stays noisy but works
             with contextlib.suppress(NotImplementedError):
                 pylsl.set_config_content(f"{own}\n{_QUIET}")
     return pylsl
