@@ -1,6 +1,7 @@
 """`make run` installs what the program needs, and `make test` what developers need besides."""
 
 import os
+import re
 import shutil
 import subprocess
 import time
@@ -15,6 +16,13 @@ MOST_PACKAGES = 55
 OF_PIP = ("pip", "setuptools")
 
 pytestmark = pytest.mark.skipif(not shutil.which("make"), reason="make is not installed")
+
+
+def test_the_tests_for_each_python_exist() -> None:
+    """With a file that is missing, pytest runs none of them."""
+    listed = re.findall(r"tests/[\w/.]+", (REPOSITORY / ".ci" / "pythons").read_text())
+    assert len(listed) > 15
+    assert [name for name in listed if not (REPOSITORY / name).exists()] == []
 
 
 @pytest.fixture
