@@ -53,7 +53,7 @@ if TYPE_CHECKING:
     from sar_tui.rules.quest import Quest
     from sar_tui.rules.staircase import Staircase, weighted
     from sar_tui.rules.typed_text import typing
-    from sar_tui.simulation.effect import Effect, mean_time
+    from sar_tui.simulation.participant_model import Effect, mean_time
 
 # fmt: off
 __all__ = [  # noqa: RUF022  in groups
@@ -102,7 +102,7 @@ _LOADED_LATER = {
     "sar_tui.rules.quest": "Quest",
     "sar_tui.rules.staircase": "Staircase weighted",
     "sar_tui.rules.typed_text": "typing",
-    "sar_tui.simulation.effect": "Effect mean_time",
+    "sar_tui.simulation.participant_model": "Effect mean_time",
 }
 RETIRED: dict[str, str] = {}
 

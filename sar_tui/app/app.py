@@ -514,7 +514,7 @@ def run_app(
     )
     find_picture_way(app)
     if catalogue.may_have_faces():
-        from sar_tui.widgets.picture import find_pictures
+        from sar_tui.widgets.agent import find_pictures
 
         app.picture = find_pictures()
     with PluginWatchdog(app.leaving.abandon):

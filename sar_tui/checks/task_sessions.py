@@ -1,18 +1,22 @@
 """Plays a task with simulated people of three skills, kills and resumes one of their sessions, and
-replays all of them.
+replays all of them. From their records it tells whether the task keeps a state of its own, and
+whether neighbouring levels are far apart.
 """
 
 import math
+import random
 import re
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
+from itertools import pairwise
 from pathlib import Path
-from typing import Any, Literal
+from statistics import fmean, pvariance
+from typing import Any, Literal, NamedTuple
 
 import msgspec
 
-from sar_tui.checks import level_steps, task_prompts, task_state, task_view
+from sar_tui.checks import task_prompts, task_view
 from sar_tui.checks.check import Check, checked
 from sar_tui.loop.author_lines import at, line_of, line_of_text
 from sar_tui.loop.bus import FAULT, Record
@@ -24,9 +28,10 @@ from sar_tui.loop.topics import TRIAL
 from sar_tui.model import messages
 from sar_tui.model.messages import Fault, KeyPerceived, Prompt
 from sar_tui.model.theme import Theme
-from sar_tui.plugin_calls import PLUGIN_ERRORS
+from sar_tui.model.trial_types import PastAttempt, Situation, Trial
+from sar_tui.plugin_calls import PLUGIN_ERRORS, line_of_error
 from sar_tui.plugins import Catalogue, task_folder
-from sar_tui.rules.parameters import TaskParameters, changed
+from sar_tui.rules.parameters import TaskParameters, build, changed, fields
 from sar_tui.runs.plan import Failed, Plan, make_plan
 from sar_tui.runs.run import Run, resume, start
 from sar_tui.runs.simulate import people, play, simulate
@@ -38,6 +43,15 @@ ATTEMPTS = 10
 """Number of attempts of each simulated participant."""
 THEME = "calm"
 SEED = 1
+
+
+class Call(NamedTuple):
+    """A call of a task's method in a session, and what it returned."""
+
+    method: str
+    arguments: tuple[Any, ...]
+    returned: Any
+    given: dict[str, Any]
 
 
 class Simulated(msgspec.Struct, frozen=True):
@@ -52,12 +66,12 @@ class Simulated(msgspec.Struct, frozen=True):
 def checks(kind: type[Task], parameters: TaskParameters) -> Iterator[Check]:
     """Check what a task does in sessions. Nothing is checked after a session that goes wrong."""
     played: list[Simulated] = []
-    calls: list[task_state.Call] = []
+    calls: list[Call] = []
     with tempfile.TemporaryDirectory(prefix="sar-tui-check-") as folder:
         for person in PEOPLE.values():
             article = "an" if person.name[0] in "aeiou" else "a"
-            calls_now = list[task_state.Call]()
-            watched = task_state.recorded(kind, calls_now)
+            calls_now = list[Call]()
+            watched = recorded(kind, calls_now)
             problem = ""
             try:
                 simulated = _simulate(watched, parameters, person, Path(folder))
@@ -73,7 +87,7 @@ def checks(kind: type[Task], parameters: TaskParameters) -> Iterator[Check]:
     yield checked("judges each kind of percept", lambda: _stray_key_problem(task, calls))
     yield checked(
         "keeps no state from call to call",
-        lambda: task_state.problem(kind(parameters), calls, SEED),
+        lambda: state_problem(kind(parameters), calls, SEED),
     )
     yield checked("stores the details that it declares", lambda: _details(kind, played))
     yield Check("has the measures that it declares", warning=_measures(kind, played))
@@ -126,7 +140,7 @@ def _stored(folder: Path, session: str) -> Simulated:
         )
 
 
-def _failure(kind: type[Task], error: BaseException, calls: Sequence[task_state.Call]) -> str:
+def _failure(kind: type[Task], error: BaseException, calls: Sequence[Call]) -> str:
     """Return why a session failed, at the author's line: of the error, else of the last method
     that was called.
     """
@@ -153,7 +167,7 @@ def _fields_hint(reason: str) -> str:
 def _outcome(
     kind: type[Task],
     simulated: Simulated,
-    calls: Sequence[task_state.Call],
+    calls: Sequence[Call],
     parameters: TaskParameters,
 ) -> str:
     for record in simulated.history:
@@ -178,9 +192,7 @@ def _outcome(
     return ""
 
 
-def _unanswered(
-    kind: type[Task], trials: Sequence[sessions.Row], calls: Sequence[task_state.Call]
-) -> str:
+def _unanswered(kind: type[Task], trials: Sequence[sessions.Row], calls: Sequence[Call]) -> str:
     """Return why every trial timed out; empty if one did not, or was right without a response."""
     if not trials or any(trial["correct"] or trial["response"] is not None for trial in trials):
         return ""
@@ -211,7 +223,7 @@ def _named(percept: Any) -> str:
     return f"{type(percept).__name__}(key={key!r})" if key else type(percept).__name__
 
 
-def _stray_key_problem(task: Task, calls: Sequence[task_state.Call]) -> str:
+def _stray_key_problem(task: Task, calls: Sequence[Call]) -> str:
     """Return a sentence if a task with a sensor fails as soon as somebody presses a key."""
     call = next((call for call in calls if call.method == "perceived"), None)
     if call is None or not task.sensors:
@@ -319,7 +331,7 @@ def _levels_apart(kind: type[Task], parameters: TaskParameters) -> Check:
     name = "keeps neighbouring levels close together"
     with tempfile.TemporaryDirectory(prefix="sar-tui-check-") as folder:
         try:
-            warning = level_steps.warning(
+            warning = level_steps_warning(
                 kind,
                 parameters,
                 lambda visits: _simulate(kind, visits, PEOPLE["average"], Path(folder)).attempts,
@@ -416,3 +428,165 @@ def _drawing(kind: type[Task], parameters: TaskParameters, played: Sequence[Simu
         for simulated in played
     )
     return next(filter(None, problems), "")
+
+
+# --- a task keeps no state: a new one gives the same answers in another order
+
+
+_METHODS = (
+    "condition",
+    "stimulus",
+    "perceived",
+    "timed_out",
+    "score",
+    "measures",
+    "learning",
+    "trials_at",
+    "target",
+)
+_WATCHED = (*_METHODS, "rehearse")
+"""Methods whose calls are kept; a simulated person, whom `rehearse` moves, is not asked again."""
+_GIVEN = ("names", "tr")
+"""Attributes of a task that the session sets."""
+_MOST_KEPT = 5000
+_MOST_ASKED = 400
+
+
+def recorded(kind: type[Task], calls: list[Call]) -> type[Task]:
+    """Return a subclass of a task that is used like it, and keeps the calls of its methods."""
+    wrapped = {name: _wrapped(name, getattr(kind, name), calls) for name in _WATCHED}
+    return type(
+        kind.__name__, (kind,), {**wrapped, "__module__": kind.__module__, "__doc__": kind.__doc__}
+    )
+
+
+def _wrapped(name: str, method: Callable[..., Any], calls: list[Call]) -> Callable[..., Any]:
+    def call(self: Task, *arguments: Any) -> Any:
+        kept = tuple(list(each) if isinstance(each, list) else each for each in arguments)
+        returned = method(self, *arguments)
+        # not of a copy with another goal
+        if len(calls) < _MOST_KEPT and "target" not in vars(self):
+            calls.append(
+                Call(name, kept, returned, {given: getattr(self, given) for given in _GIVEN})
+            )
+        return returned
+
+    return call
+
+
+def state_problem(task: Task, calls: list[Call], seed: int) -> str:
+    """Return a sentence if a new task answers calls that were made in a session otherwise, in a
+    shuffled order.
+    """
+    asked = [call for call in calls if call.method in _METHODS]
+    shuffled = random.Random(seed).sample(asked, min(len(asked), _MOST_ASKED))
+    for call in shuffled:
+        vars(task).update(call.given)
+        try:
+            returned = getattr(task, call.method)(*call.arguments)
+        except PLUGIN_ERRORS as error:
+            return at(
+                line_of_error(error),
+                f"{_where(call)} it raised {type(error).__name__} when it was asked in another "
+                f"order ({error}).",
+            )
+        if returned != call.returned:
+            return at(
+                line_of(type(task), call.method),
+                f"{_where(call)} it returned something else when a new task was asked in another "
+                "order. Does it keep something from call to call? What it needs is in its "
+                "arguments: see trial.percepts, situation.results and situation.history.",
+            )
+    return ""
+
+
+def _where(call: Call) -> str:
+    """Return the method and the place in the session: "In stimulus, at attempt 2, trial 3,"."""
+    for argument in call.arguments:
+        place = argument.situation if isinstance(argument, Trial) else argument
+        if isinstance(place, Situation):
+            return f"In {call.method}, at attempt {place.attempt}, trial {place.trial},"
+        if isinstance(place, PastAttempt):
+            return f"In {call.method}, at attempt {place.attempt},"
+    return f"In {call.method}"
+
+
+# --- neighbouring levels far apart: a person surely succeeds at one, and surely fails at the next
+
+
+MOST_REPEATS, FEWEST_REPEATS = 8, 3
+"""Attempts at each level; a task with so many levels that there are fewer is not examined."""
+MOST_ATTEMPTS = 160
+FARTHEST = 1.0
+"""Largest distance of neighbouring levels, in standard deviations of an attempt's result."""
+
+
+def level_steps_warning(
+    kind: type[Task],
+    parameters: TaskParameters,
+    run: Callable[[TaskParameters], Sequence[sessions.Row]],
+) -> str:
+    """Return which levels are farther apart than one standard deviation of an attempt's result;
+    empty for none.
+
+    Args:
+        kind: the task.
+        parameters: with which it is checked.
+        run: returns the attempts of a session with some parameters.
+    """
+    levels = range(parameters.min_level, min(kind(parameters).levels, parameters.max_level) + 1)
+    most = next(field.le for field in fields(type(parameters)) if field.name == "attempts")
+    repeats = min(
+        MOST_REPEATS, int(min(MOST_ATTEMPTS, most or MOST_ATTEMPTS)) // max(1, len(levels))
+    )
+    if len(levels) < 2 or repeats < FEWEST_REPEATS:
+        return ""
+    listed = [level for level in levels for _ in range(repeats)]
+    settings: dict[str, object] = {
+        **changed(parameters),
+        "difficulty_policy": "sequence",
+        "level_sequence": listed,
+        "attempts": len(listed),
+        "practice_attempts": 0,
+    }
+    return far_apart(run(build(type(parameters), settings)), kind.metric.better == "lower")
+
+
+def far_apart(attempts: Sequence[sessions.Row], lower_is_better: bool) -> str:
+    """Return a sentence on the neighbouring levels that are surely too far apart; empty for none.
+
+    What counts is the distance from the goal, which may differ by level. Few attempts leave the
+    difference of two levels uncertain by its standard error: a distance counts from two of them
+    beyond the largest.
+    """
+    sign = 1 if lower_is_better else -1
+    found: dict[int, list[float]] = {}
+    for row in attempts:
+        if row["metric"] is not None and row["goal"] is not None:
+            found.setdefault(row["level"], []).append(sign * (row["metric"] - row["goal"]))
+    results = {
+        level: values for level, values in sorted(found.items()) if len(values) >= FEWEST_REPEATS
+    }
+    if not results:
+        return ""
+    # a population variance of few values is too small by (n - 1) / n
+    sd = (
+        fmean(pvariance(values) * len(values) / (len(values) - 1) for values in results.values())
+        ** 0.5
+    )
+    far = []
+    for (easier, before), (harder, after) in pairwise(results.items()):
+        surely = FARTHEST + 2 * (1 / len(before) + 1 / len(after)) ** 0.5
+        if (
+            sd
+            and harder == easier + 1
+            and (distance := (fmean(after) - fmean(before)) / sd) > surely
+        ):
+            far.append(f"{easier} and {harder} ({distance:.1f})")
+    if not far:
+        return ""
+    return (
+        "These levels are more than one standard deviation of an attempt's result apart: "
+        f"{', '.join(far)}. A person "
+        "may succeed at each attempt at one level and at none at the next."
+    )

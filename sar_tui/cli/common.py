@@ -300,7 +300,7 @@ def write_new(path: Path, text: str) -> None:
     """Write a file that only its owner can read, and warn of git. Raises Refused if it exists, or
     cannot be written.
     """
-    from sar_tui.drivers.new_file import write_private
+    from sar_tui.drivers.files import write_private
 
     try:
         write_private(path, text)

@@ -200,9 +200,9 @@ def check(
 
     Exits with 1 if no session does.
     """
+    from sar_tui.link.client import probe
     from sar_tui.link.errors import LinkError
     from sar_tui.link.invitation import read
-    from sar_tui.link.probe import probe
     from sar_tui.link.zenoh_settings import network_settings
 
     invitation = read(file)

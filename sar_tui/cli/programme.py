@@ -435,7 +435,7 @@ def _read(file: Path | None) -> Any:
 
 def _preset_file(home: Home, kind: "type[Task]", name: str) -> Path:
     """Return the file of a preset of one's own; its folder exists."""
-    from sar_tui.drivers.private_folder import make_private
+    from sar_tui.drivers.files import make_private
     from sar_tui.runs.programme_file import own_folder
 
     if not name.replace("-", "").replace("_", "").isalnum():

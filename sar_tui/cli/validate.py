@@ -175,7 +175,7 @@ def _store_page(
     folder: Path, title: str, reports: "Mapping[str, tuple[str, Report]]", notes: Sequence[str] = ()
 ) -> None:
     """Write one page of all reports."""
-    from sar_tui.drivers.new_file import write_private
+    from sar_tui.drivers.files import write_private
     from sar_tui.validation.report import page
 
     write_private(folder / _WHOLE, page(title, reports, notes))

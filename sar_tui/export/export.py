@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
-from sar_tui.drivers.new_file import unused
+from sar_tui.drivers.files import unused
 from sar_tui.export.contents import Contents
 from sar_tui.export.damage import with_any_text
 from sar_tui.export.errors import ExportError

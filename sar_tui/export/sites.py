@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import filelock
 import msgspec
 
-from sar_tui.drivers.private_folder import make_private
+from sar_tui.drivers.files import make_private
 from sar_tui.export.errors import ExportError
 from sar_tui.export.recoding import Recoding
 from sar_tui.export.target import LOCK, MANIFEST, is_locked, made_beside, sync_names

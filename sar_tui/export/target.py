@@ -16,7 +16,7 @@ import filelock
 import msgspec
 
 from sar_tui import __version__
-from sar_tui.drivers.private_folder import make_private
+from sar_tui.drivers.files import make_private
 from sar_tui.export.errors import ExportError
 
 MANIFEST = "sar-tui-export.json"

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import filelock
 import msgspec
 
-from sar_tui.drivers.private_folder import make_private
+from sar_tui.drivers.files import make_private
 from sar_tui.link.errors import LinkError, need_packages
 from sar_tui.link.invitation import Invitation, check_name
 from sar_tui.link.zenoh_settings import Credentials, Endpoint, Guest, TlsFiles, parse_endpoint

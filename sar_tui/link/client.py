@@ -7,9 +7,12 @@ Everything that may block runs on other threads, so that the panel never freezes
 import asyncio
 import contextlib
 import itertools
+import os
 import queue
 import re
 import secrets
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -18,6 +21,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 
 import msgspec
 
+from sar_tui.drivers import child_process
 from sar_tui.link import protocol
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.errors import LinkError, need_packages
@@ -34,6 +38,7 @@ from sar_tui.link.protocol import (
     SessionMessage,
     Snapshot,
 )
+from sar_tui.link.refusals import GUEST_LOG, log_environment, why_not_connected
 from sar_tui.link.remote_clock import RemoteClock
 from sar_tui.link.zenoh_settings import LinkKeys, config, network_settings, socket_settings
 from sar_tui.loop.bus import Topic
@@ -173,7 +178,6 @@ class Transport:
         """Return why there is no connection, if known."""
         if self._target.socket:
             return _NO_SESSION
-        from sar_tui.link.probe import probe
 
         try:
             probe(settings, self._target.link)
@@ -186,8 +190,6 @@ class Transport:
         blocks for long.
         """
         import zenoh
-
-        from sar_tui.link.probe import NOT_ADMITTED
 
         keys, name = self._keys, self._name
         declared: list[Any] = [
@@ -486,3 +488,72 @@ class _Client:
                 self._unanswered.pop(frame.message.id, None)
         if frames:
             self._listener(frames)
+
+
+# --- a probe of why a session admits no guest; Zenoh tells it only in the log of a process
+
+
+_TIMEOUT_S = 10.0
+_ANSWER_TIMEOUT_S = 2.0
+_CONNECTED, _ADMITTED = "connected", "admitted"
+NOT_ADMITTED = (
+    "The session there does not accept this invitation: it was revoked, or made after that "
+    "session began. Ask for a "
+    "new one, or have the session restarted."
+)
+
+
+def probe(settings: str, link: str) -> None:
+    """Connect once to a link with a guest's Zenoh settings. Takes up to ten seconds.
+
+    Raises:
+        LinkError: the session does not admit the guest; the message says why, as far as is known.
+    """
+    need_packages()
+    with subprocess.Popen(
+        child_process.python("sar_tui.link.client"),
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        env={**os.environ, **log_environment(GUEST_LOG)},
+        text=True,
+        errors="replace",
+    ) as child:
+        try:
+            log, _ = child.communicate(f"{link}\n{settings}", timeout=_TIMEOUT_S)
+        except subprocess.TimeoutExpired:
+            child.kill()
+            raise LinkError("The session there does not answer.") from None
+    lines = log.splitlines()
+    if _ADMITTED in lines:
+        return
+    raise LinkError(NOT_ADMITTED if _CONNECTED in lines else why_not_connected(log))
+
+
+def main() -> None:
+    """Run the child: reads the link's id and settings from standard input, prints Zenoh's log and
+    the outcome.
+    """
+    import zenoh
+
+    from sar_tui.link.zenoh_settings import LinkKeys, config
+
+    link = sys.stdin.readline().strip()
+    zenoh.init_log_from_env_or(GUEST_LOG)
+    try:
+        session = zenoh.open(config(sys.stdin.read()))
+    except zenoh.ZError:
+        return
+    with session:
+        print(_CONNECTED, flush=True)
+        if any(
+            reply.ok
+            for reply in session.liveliness().get(
+                LinkKeys(link).broadcast, timeout=_ANSWER_TIMEOUT_S
+            )
+        ):
+            print(_ADMITTED, flush=True)
+
+
+if __name__ == "__main__":
+    main()

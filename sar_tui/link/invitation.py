@@ -11,7 +11,7 @@ from typing import Annotated, Any, get_args
 
 import msgspec
 
-from sar_tui.drivers.new_file import write_private
+from sar_tui.drivers.files import write_private
 from sar_tui.link.errors import LinkError, need_packages
 from sar_tui.link.zenoh_settings import Credentials, Endpoint, Guest, parse_endpoint
 from sar_tui.model.messages import Role

@@ -21,7 +21,11 @@ from sar_tui.loop.topics import ACTING, SESSION, SESSION_ENDED, THEME
 from sar_tui.model.messages import AgentActing, Fault, SessionStarted, ThemeApplied
 from sar_tui.model.step import Step
 from sar_tui.model.theme import Theme
-from sar_tui.rules.version import RULES
+
+RULES = 1
+"""Version of the rules by which a session is played: it rises whenever the same inputs lead to other
+messages than before. A session is replayed and resumed only by the rules that it was recorded with.
+"""
 
 
 class ReplayError(ValueError):
@@ -43,7 +47,7 @@ class Session:
         others_best: the same for the other participants, by seat.
         names: what the agent calls each participant, by seat; without a name, the seat.
         done_today: what the participant did today, if something limits a day
-            (`policies.limits.Dose`).
+            (`rules.limits.Dose`).
         steps: those between attempts beside the task's own.
         parts: the classes of the framework's nodes, if not its own.
 

@@ -14,7 +14,7 @@ Both attempts must also be worse by themselves: single spoilt attempts, which co
 then seldom earn a correction. So a decline is found in its second attempt at the earliest, and a
 slow one, which takes the baseline along, hardly at all.
 
-``sar-tui validate --only corrections`` counts how often one is found by chance, and how soon a true
+``tests/claims/test_corrections.py`` counts how often one is found by chance, and how soon a true
 decline is found.
 """
 

@@ -14,7 +14,7 @@ Outliers are kept: the attempt that is compared with may be one, and must then w
 instead of earning praise for the next. As all comes from few trials of one person, 1.96 gives way
 to Student's t.
 
-``sar-tui validate --only praise`` counts how often "better" is said by chance, and how often a true
+``tests/claims/test_praise.py`` counts how often "better" is said by chance, and how often a true
 change is found.
 """
 

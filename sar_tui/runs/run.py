@@ -12,7 +12,7 @@ from filelock import BaseFileLock
 from sar_tui.loop.bus import Record
 from sar_tui.loop.clock import Clock, VirtualClock
 from sar_tui.loop.node import Node
-from sar_tui.loop.session import Parts, ReplayError, Session
+from sar_tui.loop.session import RULES, Parts, ReplayError, Session
 from sar_tui.loop.task import Task
 from sar_tui.model.messages import SessionStarted
 from sar_tui.model.theme import Theme
@@ -20,7 +20,6 @@ from sar_tui.plugins import DEFAULT_THEME, Catalogue, PluginError, task_code, ta
 from sar_tui.rules.declaration import ParameterError
 from sar_tui.rules.limits import Dose, limits_day, reached_of_day
 from sar_tui.rules.parameters import build, fields
-from sar_tui.rules.version import RULES
 from sar_tui.runs.plan import EnoughToday, Failed, Plan, set_up
 from sar_tui.runs.start_level import with_start_level
 from sar_tui.store import locks, messages, participants, sessions

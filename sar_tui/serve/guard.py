@@ -10,7 +10,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
 
-from sar_tui.drivers.new_file import write_private
+from sar_tui.drivers.files import write_private
 from sar_tui.serve.address import Address
 
 _FREE_ATTEMPTS = 5

@@ -12,8 +12,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import NamedTuple
 
-from sar_tui.drivers.new_file import unused
-from sar_tui.drivers.private_folder import make_private
+from sar_tui.drivers.files import make_private, unused
 from sar_tui.store.database import FILE, StoreError, connect, connect_to_read, explain
 from sar_tui.store.integrity import Flaw, Progress, counts, flaws
 from sar_tui.store.locks import Held, hold

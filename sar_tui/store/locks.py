@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sar_tui.drivers.private_folder import make_private
+from sar_tui.drivers.files import make_private
 from sar_tui.store.database import StoreError
 
 if TYPE_CHECKING:  # loaded with the first lock: lists of sessions rarely need one

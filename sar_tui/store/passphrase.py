@@ -18,7 +18,7 @@ from typing import Annotated, Literal
 
 import msgspec
 
-from sar_tui.drivers.private_folder import make_private
+from sar_tui.drivers.files import make_private
 from sar_tui.store.database import StoreError
 
 FILE = "passphrase.json"

@@ -11,7 +11,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import NamedTuple
 
-from sar_tui.drivers.new_file import unused
+from sar_tui.drivers.files import unused
 from sar_tui.store.backup import FOLDER, copy_database
 from sar_tui.store.damaged_rows import Damage, damages
 from sar_tui.store.database import (

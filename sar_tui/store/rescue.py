@@ -14,8 +14,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import NamedTuple, get_args
 
-from sar_tui.drivers.new_file import unused
-from sar_tui.drivers.private_folder import make_private
+from sar_tui.drivers.files import make_private, unused
 from sar_tui.store import messages, sessions
 from sar_tui.store.database import (
     RESCUE,

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import msgspec
 
-from sar_tui.drivers.private_folder import make_private
+from sar_tui.drivers.files import make_private
 from sar_tui.loop.bus import Record
 from sar_tui.model.messages import TrialEnded
 from sar_tui.store import messages

@@ -29,7 +29,7 @@ from typing import NamedTuple
 
 import msgspec
 
-from sar_tui.drivers.private_folder import make_private
+from sar_tui.drivers.files import make_private
 from sar_tui.store import provenance
 from sar_tui.timing.closed_loop import BASELINE, MAX_PROMPTS, SAR_TUI, take_turns
 

@@ -17,9 +17,8 @@ from sar_tui.plugins import Catalogue, PluginError, module_beside
 from sar_tui.rules.parameters import build
 from sar_tui.runs.sensors import simulated_nodes
 from sar_tui.runs.simulate import participant_fault
-from sar_tui.simulation.effect import Effect, Rehearsal
 from sar_tui.simulation.participant import SimulatedParticipant
-from sar_tui.simulation.participant_model import PEOPLE
+from sar_tui.simulation.participant_model import PEOPLE, Effect, Rehearsal
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 
 SESSIONS, QUICK_SESSIONS = 200, 16

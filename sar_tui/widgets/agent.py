@@ -1,5 +1,6 @@
 """The agent: a small drawn robot that speaks, looks and moves, with its words beside it."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,6 @@ from sar_tui.loop.clock import Clock, Handle
 from sar_tui.model.gesture import REST, Gesture, Pose
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS, SECOND
-from sar_tui.widgets.picture import load_pictures
 from sar_tui.widgets.robot import HEIGHT, WIDTH, draw, posed, with_mouth
 
 FRAME = SECOND // 15
@@ -273,3 +273,42 @@ class Agent(Horizontal):
     def _put(self, words: Static, text: str) -> None:
         words.display = bool(text)
         words.update(text)
+
+
+# --- a picture
+
+
+_PIXELS = (20 * WIDTH, 40 * HEIGHT)
+"""Size to scale pictures to: characters are about twice as high as wide."""
+
+
+def find_pictures() -> type[Widget] | None:
+    """Return the widget that shows pictures in this terminal; None if it cannot, or the extra
+    ``images`` is missing.
+
+    Asks the terminal for its protocols (kitty, sixel), so it must be called before an app runs.
+    """
+    try:
+        from textual_image.renderable import Image, SixelImage, TGPImage
+
+        if Image not in (SixelImage, TGPImage):
+            return None
+        from textual_image.widget import Image as Picture
+    except Exception:  # not installed, or an unexpected answer from the terminal
+        return None
+    found: type[Widget] = Picture
+    return found
+
+
+def load_pictures(files: Mapping[str, Path]) -> dict[str, Any]:
+    """Return pictures by name, decoded and of one size, without files that cannot be read."""
+    from PIL import Image, ImageOps
+
+    pictures = {}
+    for name, path in files.items():
+        try:
+            with Image.open(path) as picture:
+                pictures[name] = ImageOps.pad(picture.convert("RGBA"), _PIXELS, color=(0, 0, 0, 0))
+        except Exception:  # a decoder may raise anything for a broken file
+            continue
+    return pictures

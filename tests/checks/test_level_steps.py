@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from sar_tui.checks import level_steps
+from sar_tui.checks.task_sessions import far_apart, level_steps_warning
 from sar_tui.loop.task import Task
 from sar_tui.rules.parameters import TaskParameters, build
 
@@ -41,7 +41,7 @@ FOLLOWED = [*attempts(600, goal=700), *(row | {"level": 2} for row in attempts(9
 def test_a_jump_is_named_with_its_distance(
     rows: list[dict[str, Any]], lower_is_better: bool, found: str
 ) -> None:
-    said = level_steps.far_apart(rows, lower_is_better=lower_is_better)
+    said = far_apart(rows, lower_is_better=lower_is_better)
     assert (found in said, bool(said)) == (True, bool(found))
 
 
@@ -53,7 +53,7 @@ def test_each_level_is_visited_by_a_list(keyboard: type[Task]) -> None:
         return []
 
     def warned(**settings: object) -> str:
-        return level_steps.warning(keyboard, build(keyboard.Parameters, settings), run)
+        return level_steps_warning(keyboard, build(keyboard.Parameters, settings), run)
 
     assert warned(levels=["fj", "fjd", "fjdk"], attempts=10, practice_attempts=2) == ""
     assert seen[0].level_sequence == (*[1] * 8, *[2] * 8, *[3] * 8)  # type: ignore[attr-defined]

@@ -3,7 +3,7 @@
 import pytest
 
 from sar_tui.plugins import Catalogue
-from sar_tui.rules import decline
+from sar_tui.rules import real_change as decline
 from sar_tui.validation.report import Conditions, Report
 from tests.claims import corrections
 from tests.claims.noise_worlds import WORLDS

@@ -16,7 +16,8 @@ from typing import Any
 import pytest
 
 from sar_tui.cli.common import Home
-from sar_tui.cli.doctor import command, devices, link, machine
+from sar_tui.cli.doctor import command, devices, machine
+from sar_tui.cli.doctor import devices as link
 from sar_tui.cli.doctor.command import Check, examine
 from sar_tui.cli.doctor.finding import Finding, Machine, ok
 from sar_tui.drivers import phidget as driver
@@ -435,7 +436,7 @@ def test_missing_packages_are_no_fault_and_named_with_the_command(
     here: Machine, monkeypatch: Patch, look: Look, missing: str, extra: str
 ) -> None:
     find = importlib.util.find_spec
-    for place in ("importlib.util.find_spec", "sar_tui.cli.doctor.link.find_spec"):
+    for place in ("importlib.util.find_spec", "sar_tui.cli.doctor.devices.find_spec"):
         monkeypatch.setattr(place, lambda name: None if name == missing else find(name))
     check(look(here), "ok", "not installed. ", f"To install it: {pip_install_extra(extra)}")
 

@@ -9,7 +9,7 @@ import msgspec
 import pytest
 
 from sar_tui.cli.simulate import OperatorName
-from sar_tui.drivers.new_file import write_private
+from sar_tui.drivers.files import write_private
 from sar_tui.reports.intervention import InterventionReport
 from sar_tui.reports.wizard import WizardReport
 from sar_tui.reports.wizard_study import WizardStudy

@@ -34,7 +34,7 @@ PROGRAMS = {
     "voice": lambda folder: child.VOICE,
     "tones": lambda folder: child.TONES,
     "broker": lambda folder: broker_process.PROGRAM,
-    "probe": lambda folder: child_process.python("sar_tui.link.probe"),
+    "probe": lambda folder: child_process.python("sar_tui.link.client"),
     "browser": lambda folder: [*_program("operator", None, None, Home(folder)), "--help"],
     "timing, bare loop": lambda folder: [*BASELINE.command(folder, Block(1, 1)), "--help"],
     "timing, session": lambda folder: [*SAR_TUI.command(folder, Block(1, 1)), "--help"],

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.drivers.new_file import unused, write_private
+from sar_tui.drivers.files import unused, write_private
 from tests.program import Call
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from sar_tui.rules.version import RULES
+from sar_tui.loop.session import RULES
 from tests.export.exported import csv_of, export_csv, read_csv
 from tests.played import simulated
 from tests.store.by_hand import sql

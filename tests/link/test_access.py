@@ -9,10 +9,10 @@ import zenoh
 
 from sar_tui.link import client
 from sar_tui.link.authority import Authority
+from sar_tui.link.client import NOT_ADMITTED, probe
 from sar_tui.link.errors import LinkError
 from sar_tui.link.invitation import Invitation
 from sar_tui.link.peer import Connection
-from sar_tui.link.probe import NOT_ADMITTED, probe
 from sar_tui.link.zenoh_settings import (
     Credentials,
     Endpoint,

@@ -9,7 +9,7 @@ from sar_tui.motion.body_model import Site
 from sar_tui.motion.quaternions import angle, conjugate, multiply
 from sar_tui.motion.samples import Floats, Recording
 from sar_tui.motion.trajectories import PLACEMENTS, SimulatedReaches, simulate_reaches
-from sar_tui.perception.trunk import trunk_excursion_deg
+from sar_tui.perception.reach import trunk_excursion_deg
 
 
 def lean(seed: int, placement: int = 0) -> tuple[SimulatedReaches, Recording]:

@@ -10,10 +10,10 @@ import pytest
 from sar_tui.loop.task import Task
 from sar_tui.model.language import Language
 from sar_tui.progress.lines import SessionResults, lines
-from sar_tui.progress.previous import beside_previous, line_with
 from sar_tui.progress.task_level import AttemptResult
 from sar_tui.reports.progress import progress
 from sar_tui.rules.parameters import build
+from sar_tui.runs.previous import beside_previous, line_with
 from tests.progress.session_results import START, adapted, session
 
 KIND = "Some times go better than others, and that is all right."

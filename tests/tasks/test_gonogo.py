@@ -9,7 +9,7 @@ from sar_tui.loop.topics import PROMPT, TRIAL
 from sar_tui.model.theme import Theme
 from sar_tui.model.trial_types import Result
 from sar_tui.plugins import Catalogue
-from sar_tui.simulation.effect import Effect, mean_time
+from sar_tui.simulation.participant_model import Effect, mean_time
 from sar_tui.validation.effects import play
 from tests.loop_driver import LoopDriver
 

@@ -15,8 +15,7 @@ from textual.widgets import Static
 
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.model.theme import Theme
-from sar_tui.widgets.agent import Agent
-from sar_tui.widgets.picture import find_pictures, load_pictures
+from sar_tui.widgets.agent import Agent, find_pictures, load_pictures
 
 
 class Frame(Static):

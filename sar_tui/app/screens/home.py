@@ -15,7 +15,6 @@ from textual.widgets.option_list import Option
 from sar_tui.app.home.card import ParticipantCard
 from sar_tui.app.home.participant_list import ParticipantList
 from sar_tui.app.home.session_list import SessionList
-from sar_tui.app.home.starting import Starting
 from sar_tui.plugins import Catalogue, PluginError
 from sar_tui.store.connection import timing_flags
 from sar_tui.store.database import StoreError
@@ -25,6 +24,7 @@ from sar_tui.widgets.option_list import OptionList
 
 if TYPE_CHECKING:
     from sar_tui.loop.task import Task
+    from sar_tui.store.programmes import Programme
 
 _LOOK_SECONDS = 3.0
 _FIRST_TASK = "keyboard"
@@ -384,3 +384,87 @@ def list_tasks(tasks: PickList, catalogue: Catalogue) -> None:
             options.append(Option(Content.styled(trains or _OTHERS, "$text-muted"), disabled=True))
         options += [Option(title, id=name) for _, title, name in group]
     tasks.add_options([*options, *broken])
+
+
+# --- starting a session
+
+
+class Starting:
+    """Begins sessions from the first screen, which stays below them."""
+
+    def __init__(self, screen: "HomeScreen") -> None:
+        self._screen = screen
+        self._left_out = ""
+
+    def start(self, task: "type[Task]", who: str, theme: str | None) -> None:
+        """Begin a session, in a task for two after asking who sits on the right."""
+        if len(task.seats) == 1:
+            self._begin(task, theme, who)
+            return
+        from sar_tui.app.screens.new_participant import SecondParticipantScreen
+
+        def second_chosen(code: str | None) -> None:
+            if code:
+                self._begin(task, theme, who, code)
+
+        self._screen.app.push_screen(SecondParticipantScreen(who), second_chosen)
+
+    def _begin(self, task: "type[Task]", theme: str | None, *codes: str) -> None:
+        """Plan the session from the first participant's programme, save another theme in it, and
+        begin.
+
+        If the programme cannot be used in full, say so first; a second press begins without the
+        rest.
+        """
+        from sar_tui.rules.declaration import ParameterError
+        from sar_tui.runs.plan import Failed, left_out_text, make_plan
+        from sar_tui.store import programmes
+
+        saved = programmes.newest(self._screen.app.database, codes[0], task.name)
+        theme = theme or saved.theme
+        try:
+            plan = make_plan(self._screen.app.catalogue, task, codes, saved=saved, theme=theme)
+            if (text := left_out_text(plan)) != self._left_out:
+                self._left_out = text
+                if text:
+                    self._screen.notify(
+                        f"{text} Press START again to begin without it.",
+                        severity="warning",
+                        timeout=30,
+                    )
+                    return
+            if theme != saved.theme:
+                saved = self._save_theme(codes[0], task.name, saved, theme)
+                plan = make_plan(
+                    self._screen.app.catalogue, task, codes, saved=saved, seed=plan.seed
+                )
+        except ParameterError as error:
+            self._screen.notify(
+                f"The settings of {codes[0]} do not fit: {error}", severity="warning", timeout=15
+            )
+        except StoreError as error:
+            self._screen.notify(str(error), severity="error", timeout=15)
+            self._screen.refresh_contents()  # opens a database anew that was removed
+        except (PluginError, Failed) as error:
+            self._screen.notify(str(error), severity="warning", timeout=15)
+        else:
+            self._screen.app.begin_session(plan)
+
+    def _save_theme(
+        self, participant: str, task: str, saved: "Programme", theme: str
+    ) -> "Programme":
+        """Return the next version of a programme, which has another theme."""
+        from sar_tui.drivers.login_name import login_name
+        from sar_tui.store import programmes
+
+        changed = programmes.Programme(saved.parameters, theme)
+        reason = f"Theme {theme} was chosen on the first screen."
+        return programmes.save(
+            self._screen.app.database,
+            participant,
+            task,
+            changed,
+            after=saved.version,
+            author=login_name(),
+            reason=reason,
+        )

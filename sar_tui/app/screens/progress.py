@@ -409,7 +409,7 @@ class ProgressScreen(DismissedOnce[None]):
 
     @work(thread=True, exclusive=True, group="page")
     def _write_page(self, found: Progress) -> None:
-        from sar_tui.drivers.new_file import unused, write_private
+        from sar_tui.drivers.files import unused, write_private
         from sar_tui.reports.charts import ChartsMissing
         from sar_tui.reports.progress_page import page
 

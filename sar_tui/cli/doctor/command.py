@@ -41,7 +41,8 @@ class Check(NamedTuple):
 
 def checks() -> Sequence[Check]:
     """Return all checks, in the order in which they are printed."""
-    from sar_tui.cli.doctor import devices, link, machine
+    from sar_tui.cli.doctor import devices, machine
+    from sar_tui.cli.doctor import devices as link
     from sar_tui.cli.doctor.data_in_git import examine_data_in_git
 
     return (

@@ -37,7 +37,7 @@ class SessionStarted(Message, frozen=True, kw_only=True):
     condition, ``2 cued``). ``others_best``: those of other participants, by seat. ``names``: what
     the agent calls each participant, by seat; without a name, the seat. ``rules``: version of the
     loop's rules (see `rules.version`). ``done_today``: what the participant
-    did on this day in earlier runs (see `policies.limits.Dose`); empty if nothing limits a day.
+    did on this day in earlier runs (see `rules.limits.Dose`); empty if nothing limits a day.
     ``steps``: those between attempts that the session was begun with, beside the task's; only in
     the first run.
     """

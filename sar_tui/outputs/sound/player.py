@@ -11,8 +11,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Protocol
 
+from sar_tui.drivers.files import make_private
 from sar_tui.drivers.installation import pip_install
-from sar_tui.drivers.private_folder import make_private
 from sar_tui.loop.clock import host_now
 from sar_tui.outputs.sound.protocol import SoundError
 from sar_tui.outputs.sound.samples import RATE, seconds

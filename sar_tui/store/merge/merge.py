@@ -10,8 +10,7 @@ from pathlib import Path
 
 import msgspec
 
-from sar_tui.drivers.new_file import unused
-from sar_tui.drivers.private_folder import make_private
+from sar_tui.drivers.files import make_private, unused
 from sar_tui.store import sites
 from sar_tui.store.backup import FOLDER, back_up
 from sar_tui.store.database import FILE, StoreError, connect, transaction

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 from urllib.parse import quote
 
-from sar_tui.drivers.private_folder import make_private
+from sar_tui.drivers.files import make_private
 from sar_tui.store import schema
 from sar_tui.store.database import (
     FILE,

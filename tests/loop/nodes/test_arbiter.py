@@ -11,11 +11,11 @@ from sar_tui.loop.bus import Bus, Record, Topic
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.node import Node, on
 from sar_tui.loop.nodes.arbiter import ACTION_TIMEOUT, PER_CHARACTER, Arbiter
+from sar_tui.loop.session import RULES
 from sar_tui.model import messages as m
 from sar_tui.model.units import MS, SECOND
 from sar_tui.outputs.node import OutputNode
 from sar_tui.rules.parameters import TaskParameters, build
-from sar_tui.rules.version import RULES
 from tests.outputs.contract import THEME as PLAIN_THEME
 from tests.outputs.fake_outputs import Speaker
 

@@ -1,0 +1,59 @@
+"""New files and folders: for their owner only, and never in the place of another."""
+
+import os
+from pathlib import Path
+
+try:
+    import resource
+except ImportError:  # Windows has no limit of the size of files
+    resource = None  # type: ignore[assignment]
+
+
+def unused(path: Path) -> Path:
+    """Return the path, or one with a number if there is a file or folder of that name:
+    ``copy-2.db``.
+    """
+    free, number = path, 1
+    while os.path.lexists(free):
+        number += 1
+        free = path.with_name(f"{path.stem}-{number}{path.suffix}")
+    return free
+
+
+def write_private(path: Path, text: str) -> None:
+    """Write a text in UTF-8 into a new file with mode 0600.
+
+    Raises:
+        FileExistsError: there is such a file.
+        OSError: it cannot be written, and is not there then.
+    """
+    number = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+    try:
+        with open(number, "w", encoding="utf-8") as file:
+            file.write(text)
+    except BaseException:
+        path.unlink(missing_ok=True)
+        raise
+
+
+def make_private(folder: Path) -> None:
+    """Create a folder and those above it that are missing, all with mode 0700, whatever the umask.
+
+    ``Path.mkdir`` gives the mode to the last one only.
+    """
+    missing = []
+    while not folder.exists():
+        missing.append(folder)
+        folder = folder.parent
+    for each in reversed(missing):
+        each.mkdir(mode=0o700, exist_ok=True)
+
+
+def largest_file() -> int | None:
+    """Return the largest size of a file that this login may write, in bytes (``ulimit -f``); None if
+    there is no limit.
+    """
+    if resource is None:
+        return None
+    limit, _ = resource.getrlimit(resource.RLIMIT_FSIZE)
+    return None if limit == resource.RLIM_INFINITY else limit
