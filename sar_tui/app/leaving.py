@@ -21,7 +21,7 @@ from sar_tui.store.database import default_folder
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.tui.exit_codes import INTERRUPTED
 from sar_tui.widgets.language import language_of
-from sar_tui.widgets.option_list import OptionList
+from sar_tui.widgets.lists import OptionList
 
 if TYPE_CHECKING:
     from sar_tui.app.app import SarTui

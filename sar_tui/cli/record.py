@@ -1,6 +1,7 @@
 """``sar-tui record``: adverse events, scores, pain, answers, and what a clinic declares."""
 
 from collections.abc import Sequence
+from operator import attrgetter
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -41,21 +42,29 @@ def record() -> None:
 @app.command("kinds")
 def list_kinds(as_json: AsJson = False, data: Data = None, tasks: Tasks = None) -> None:
     """List the kinds of record with their fields; a clinic can add its own (docs/records.md)."""
+    from sar_tui.cli.tables import Column, Listing, print_listing
     from sar_tui.records.kind import kinds
-
-    known = kinds().values()
-    if as_json:
-        print_json({"kinds": list(known)})
-        return
-    from sar_tui.cli.tables import add, table
     from sar_tui.reports.progress_words import published
 
-    made = table("kind", "title", "fields", "published changes", whole=("kind",))
-    for kind in known:
-        fields = "\n".join(_field_in_words(field) for field in kind.fields)
-        changes = "\n".join(published(each, kind) for each in kind.published)
-        add(made, kind.name, kind.title, fields, changes)
-    console().print(made)
+    print_listing(
+        Listing(
+            "kinds",
+            empty="There are no kinds of record.",
+            columns=(
+                Column("kind", attrgetter("name")),
+                Column("title", attrgetter("title")),
+                Column("fields", lambda kind: "\n".join(map(_field_in_words, kind.fields))),
+                Column(
+                    "published changes",
+                    lambda kind: "\n".join(published(each, kind) for each in kind.published),
+                ),
+            ),
+            folds=True,
+            whole=("kind",),
+        ),
+        list(kinds().values()),
+        as_json,
+    )
 
 
 @app.command("add")

@@ -213,8 +213,6 @@ def print_listing(listing: Listing, rows: Sequence[Any], as_json: bool) -> None:
     if not rows:
         out.print(listing.empty, soft_wrap=True)
         return
-    from sar_tui.cli.tables import add, print_table, table
-
     heads = [column.head for column in listing.columns]
     right = [column.head for column in listing.columns if column.is_number]
     cells = [[column.value(row) for column in listing.columns] for row in rows]

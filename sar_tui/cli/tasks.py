@@ -1,7 +1,8 @@
 """``sar-tui tasks``: lists, shows, creates and checks tasks."""
 
+from operator import itemgetter
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -18,6 +19,9 @@ from sar_tui.cli.common import (
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.scaffold import installed, replaced_lines
 from sar_tui.tui.exit_codes import FAILED
+
+if TYPE_CHECKING:
+    from sar_tui.model.trial_types import Metric
 
 app = typer.Typer(rich_markup_mode=None)
 
@@ -43,30 +47,42 @@ def list_tasks(
         },
     )
     replaced = catalogue.replaced_tasks()
+    marked = [
+        {**row, "replaces": "built-in"} if row["name"] in replaced else row
+        for row in [*rows, *broken]
+    ]
+    from sar_tui.cli.tables import Column, Listing, print_listing
+
+    print_listing(
+        Listing(
+            "tasks",
+            empty="There are no tasks.",
+            columns=(
+                Column("name", itemgetter("name")),
+                Column("title", itemgetter("title")),
+                Column("trains", itemgetter("trains")),
+                Column("summary", itemgetter("summary")),
+                Column("metric", lambda row: _metric_in_words(row["metric"])),
+            ),
+            folds=True,
+        ),
+        marked if as_json else rows,
+        as_json,
+    )
     if as_json:
-        marked = (
-            {**row, "replaces": "built-in"} if row["name"] in replaced else row
-            for row in [*rows, *broken]
-        )
-        print_json({"tasks": list(marked)})
         return
-
-    from sar_tui.cli.tables import add, table
-
-    made = table("name", "title", "trains", "summary", "metric")
-    for row in rows:
-        metric = row["metric"]
-        unit = f"{metric.unit}, " if metric and metric.unit else ""
-        words = (
-            f"{metric.name.replace('_', ' ')} ({unit}{metric.better} is better)" if metric else ""
-        )
-        add(made, row["name"], row["title"], row["trains"], row["summary"], words)
     out = console()
-    out.print(made)
     for text in replaced_lines(replaced):
         out.print(f"! {text}", markup=False, soft_wrap=True)
     for problem in broken:
         out.print(f"✗ {problem['name']}: {problem['error']}", markup=False, soft_wrap=True)
+
+
+def _metric_in_words(metric: "Metric | None") -> str:
+    if metric is None:
+        return ""
+    unit = f"{metric.unit}, " if metric.unit else ""
+    return f"{metric.name.replace('_', ' ')} ({unit}{metric.better} is better)"
 
 
 @app.command("show")

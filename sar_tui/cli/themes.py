@@ -2,6 +2,7 @@
 
 import json
 from functools import partial
+from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -37,17 +38,27 @@ def list_themes(
             "repairs": theme.repairs,
         },
     )
+    from sar_tui.cli.tables import Column, Listing, print_listing
+
+    print_listing(
+        Listing(
+            "themes",
+            empty="There are no themes.",
+            columns=(
+                Column("name", itemgetter("name")),
+                Column("title", itemgetter("title")),
+                Column("languages", lambda row: ", ".join(row["languages"])),
+                Column("summary", itemgetter("summary")),
+            ),
+            folds=True,
+            whole=("name",),
+        ),
+        [*rows, *broken] if as_json else rows,
+        as_json,
+    )
     if as_json:
-        print_json({"themes": [*rows, *broken]})
         return
-
-    from sar_tui.cli.tables import add, table
-
-    made = table("name", "title", "languages", "summary", whole=("name",))
-    for row in rows:
-        add(made, row["name"], row["title"], ", ".join(row["languages"]), row["summary"])
     out = console()
-    out.print(made)
     for row in rows:
         if row["repairs"]:
             words = (

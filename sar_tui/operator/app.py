@@ -27,7 +27,7 @@ from sar_tui.model.theme import Theme
 from sar_tui.operator.screen import PanelScreen
 from sar_tui.tui.base_app import BaseApp
 from sar_tui.widgets.key_footer import KeyFooter
-from sar_tui.widgets.option_list import OptionList
+from sar_tui.widgets.lists import OptionList
 
 LOOK_SECONDS = 1.0
 HOW_TO_START = (

@@ -13,7 +13,7 @@ from textual.widgets import Input
 from sar_tui.model.language import Language
 from sar_tui.rules.declaration import ENDLESS, Field, show
 from sar_tui.widgets.choice import Choice, ChoiceList
-from sar_tui.widgets.option_list import OptionList
+from sar_tui.widgets.lists import OptionList
 
 _YES_NO = ("yes", "no")
 _MARK, _TITLE, _EDITOR = 2, 24, 20

@@ -14,7 +14,7 @@ from sar_tui.store import programmes
 from sar_tui.store.database import connect
 from sar_tui.store.locks import hold
 from sar_tui.store.programmes import Programme
-from sar_tui.widgets.marked_list import MarkedList, PickList
+from sar_tui.widgets.lists import MarkedList, PickList
 from tests.app.app_driver import AppDriver, OpenApp, OpenSession, known, open_app, plan, stored
 from tests.examples import first
 from tests.recorded import told

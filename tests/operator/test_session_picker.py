@@ -18,7 +18,7 @@ from sar_tui.operator import app as operator_app
 from sar_tui.operator.app import HOW_TO_START, ChooseScreen, WizardApp, own_name
 from sar_tui.operator.screen import PanelScreen
 from sar_tui.plugins import Catalogue
-from sar_tui.widgets.option_list import OptionList
+from sar_tui.widgets.lists import OptionList
 from tests.app.app_driver import open_app
 from tests.operator.panel_driver import FakePeer
 

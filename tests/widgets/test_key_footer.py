@@ -9,7 +9,7 @@ from textual.binding import Binding, BindingType
 from textual.widgets import Button
 
 from sar_tui.widgets.key_footer import KeyFooter
-from sar_tui.widgets.option_list import OptionList
+from sar_tui.widgets.lists import OptionList
 
 
 class Saving(App[None]):

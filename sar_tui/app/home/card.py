@@ -8,7 +8,7 @@ from textual.events import Resize
 from textual.widgets import Button, Static
 
 from sar_tui.app.home.chart import SessionChart
-from sar_tui.widgets.marked_list import PickList
+from sar_tui.widgets.lists import PickList
 
 if TYPE_CHECKING:
     from sar_tui.app.home.contents import CardContents

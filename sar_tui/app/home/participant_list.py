@@ -7,7 +7,7 @@ from textual.content import Content
 from textual.events import Key, Resize
 from textual.widgets.option_list import Option
 
-from sar_tui.widgets.marked_list import MarkedList
+from sar_tui.widgets.lists import MarkedList
 
 if TYPE_CHECKING:
     from sar_tui.app.home.contents import Waiting

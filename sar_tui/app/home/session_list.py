@@ -16,8 +16,7 @@ from textual.widgets.option_list import Option
 from sar_tui.app.home.words import bars, day_words
 from sar_tui.drivers.login_name import login_name
 from sar_tui.store.database import StoreError
-from sar_tui.widgets.marked_list import MarkedList
-from sar_tui.widgets.option_list import OptionList
+from sar_tui.widgets.lists import MarkedList, OptionList
 
 if TYPE_CHECKING:
     from sar_tui.app.home.contents import Listed

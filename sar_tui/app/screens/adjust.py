@@ -22,7 +22,7 @@ from sar_tui.rules.declaration import Field, ParameterError
 from sar_tui.rules.parameters import fields
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.widgets.language import language_of
-from sar_tui.widgets.option_list import OptionList
+from sar_tui.widgets.lists import OptionList
 
 ACTOR = "therapist"
 _LONGEST_NOTE = 1000

@@ -19,8 +19,7 @@ from sar_tui.plugins import Catalogue, PluginError
 from sar_tui.store.connection import timing_flags
 from sar_tui.store.database import StoreError
 from sar_tui.widgets.key_footer import KeyFooter
-from sar_tui.widgets.marked_list import PickList
-from sar_tui.widgets.option_list import OptionList
+from sar_tui.widgets.lists import OptionList, PickList
 
 if TYPE_CHECKING:
     from sar_tui.loop.task import Task

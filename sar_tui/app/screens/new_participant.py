@@ -13,7 +13,7 @@ from textual.widgets.option_list import Option
 from sar_tui.store import participants
 from sar_tui.store.database import StoreError
 from sar_tui.tui.dismissed_once import DismissedOnce
-from sar_tui.widgets.option_list import OptionList
+from sar_tui.widgets.lists import OptionList
 
 
 class NewParticipantScreen(DismissedOnce[str | None], ModalScreen[str | None]):

@@ -7,7 +7,7 @@ from textual.widgets.option_list import Option
 
 from sar_tui.model.messages import SessionCommand
 from sar_tui.widgets.language import language_of
-from sar_tui.widgets.option_list import OptionList
+from sar_tui.widgets.lists import OptionList
 
 _WORDS = {
     "": ("Paused", "Take your time."),

@@ -35,7 +35,7 @@ from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.tui.language import app_language
 from sar_tui.tui.language import translated as translated_keys
 from sar_tui.widgets.key_footer import KeyFooter
-from sar_tui.widgets.option_list import OptionList
+from sar_tui.widgets.lists import OptionList
 from sar_tui.widgets.parameter_field import ParameterField
 
 _LEVELS = ("start_level", "min_level", "max_level")

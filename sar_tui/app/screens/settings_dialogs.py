@@ -16,7 +16,7 @@ from sar_tui.model.language import Language
 from sar_tui.rules.declaration import Field
 from sar_tui.store.programmes import LONGEST_TEXT
 from sar_tui.tui.dismissed_once import DismissedOnce
-from sar_tui.widgets.option_list import OptionList
+from sar_tui.widgets.lists import OptionList
 
 
 def matching(fields: Sequence[Field], typed: str) -> list[Field]:

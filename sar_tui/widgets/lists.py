@@ -1,18 +1,35 @@
-"""Lists whose chosen line is marked by a bar, and is not filled."""
+"""Lists of options: Textual's own without two failures, and lists whose chosen line is marked by a
+bar and not filled.
+"""
 
 import textwrap
-from typing import Any
+from typing import Any, Literal
 
 from rich.segment import Segment
 from textual.content import Content
-from textual.events import Key
+from textual.events import Click, Key
 from textual.strip import Strip
-
-from sar_tui.widgets.option_list import OptionList
+from textual.widgets import OptionList as TextualOptionList
 
 _MARK = "▌"
 _SUMMARY_WIDTH = 33
 """Characters of a line of a summary."""
+
+
+class OptionList(TextualOptionList):
+    """Textual's list, without two of its failures.
+
+    It fails on Page Up and Page Down before it is laid out, or without a column to stand in; and on
+    a click at an option that has been taken away and still stands on the screen.
+    """
+
+    async def _on_click(self, event: Click) -> None:
+        if event.style.meta.get("option", 0) >= self.option_count:
+            event.prevent_default()
+
+    def _move_page(self, direction: Literal[-1, 1]) -> None:
+        if self._lines and (self.highlighted or 0) in self._index_to_line:
+            super()._move_page(direction)
 
 
 class MarkedList(OptionList):
