@@ -99,42 +99,27 @@ async def test_an_unknown_session_ends_the_app_with_a_sentence(opened: OpenApp) 
         assert found == "There is no session nosuchsession. `sar-tui sessions` lists them."
 
 
-@pytest.mark.parametrize("size", first(1, [(79, 24), (80, 23), (20, 5)]))
-async def test_too_small_a_window_recovers(opened: OpenApp, size: tuple[int, int]) -> None:
-    async with opened(size=size) as driver:
-        driver.see("This window is too small.")
+async def test_too_small_a_window_is_covered_once_and_recovers(opened: OpenApp) -> None:
+    def covers() -> int:
+        screens = [type(screen).__name__ for screen in driver.app.screen_stack]
+        return screens.count("TooSmallScreen")
+
+    async with opened(size=(79, 24)) as driver:
+        driver.see("It has 79 by 24 characters; 80 by 24 are needed.")
+        await driver.press("f1")
         await driver.resize(60, 20)
+        assert covers() == 1
+        await driver.press("escape")
         driver.see("It has 60 by 20 characters; 80 by 24 are needed.")
         await driver.resize(80, 24)
         assert driver.screen_name == "HomeScreen"
-        driver.see("+ New participant")
-        await driver.resize(50, 24)
-        driver.see("This window is too small.")
-        await driver.resize(120, 40)
-        assert driver.screen_name == "HomeScreen"
-        driver.see("+ New participant")
-
-
-@pytest.mark.parametrize("key", first(1, ["f1", "ctrl+p"]))
-async def test_a_window_enlarged_under_help_recovers(opened: OpenApp, key: str) -> None:
-    async with opened(size=(70, 20)) as driver:
-        await driver.press(key)
-        await driver.resize(100, 30)
-        await driver.press("escape")
-        assert driver.screen_name == "HomeScreen"
-
-
-async def test_a_window_that_shrinks_twice_under_the_help_is_covered_once(opened: OpenApp) -> None:
-    async with opened(size=(70, 20)) as driver:
+        await driver.resize(80, 23)
+        assert covers() == 1
         await driver.press("f1")
-        await driver.resize(60, 20)
-        assert [type(screen).__name__ for screen in driver.app.screen_stack].count(
-            "TooSmallScreen"
-        ) == 1
+        await driver.resize(120, 40)
         await driver.press("escape")
-        driver.see("This window is too small.")
-        await driver.resize(80, 24)
         assert driver.screen_name == "HomeScreen"
+        driver.see("+ New participant")
 
 
 def _refuse(driver: AppDriver) -> None:

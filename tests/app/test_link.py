@@ -162,12 +162,3 @@ async def test_a_planned_operator_must_join(opened: OpenApp, data: Path, links: 
         assert driver.screen_name == "HomeScreen"
         driver.see("cannot be started")
     assert stored(data, "SELECT count(*) FROM sessions") == [(0,)]
-
-
-@pytest.mark.slow
-async def test_no_link_opens_unless_it_is_set(opened: OpenApp, data: Path, links: Links) -> None:
-    known(data)
-    async with opened() as driver:
-        await driver.press("enter", "enter")
-        assert driver.screen_name == "SessionScreen"
-    assert links.opened == []

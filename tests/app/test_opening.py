@@ -16,7 +16,6 @@ from sar_tui.app.screens.home import HomeScreen
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
-from sar_tui.store.database import StoreError
 from tests.app.app_driver import AppDriver, OpenApp, known, stored
 from tests.settle import settle
 
@@ -95,13 +94,6 @@ async def test_a_window_may_grow_before_the_filling(data: Path, catalogue: Catal
     async with app.run_test(size=(60, 20)) as driver.pilot:
         await driver.resize(80, 24)
         driver.see("P01")
-
-
-def test_no_screen_opens_without_a_database(data: Path, catalogue: Catalogue) -> None:
-    data.mkdir()
-    (data / "sar-tui.db").write_text("Dear diary, today I was a text file.")
-    with pytest.raises(StoreError, match="is not a SQLite database"):
-        SarTui(data, catalogue)
 
 
 async def test_at_home_garbage_is_freed(opened: OpenApp, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -36,22 +36,17 @@ def delete(data: Path) -> None:
         path.unlink()
 
 
-async def test_a_session_that_goes_on_elsewhere_pauses_and_says_so(driver: AppDriver) -> None:
+@pytest.mark.parametrize("keys", [[], ["escape"]], ids=["in a trial", "in a pause"])
+async def test_a_session_that_goes_on_elsewhere_pauses_and_says_so(
+    driver: AppDriver, keys: list[str]
+) -> None:
     prompt = await driver.to_first_prompt()
-    driver.session.bus.post(STORAGE, StorageChanged(working=True, reason=WHERE))
-    await driver.settle()
-    driver.see("Everything is saved again.", f"For the experimenter: {WHERE}")
-    driver.see("Press Enter to go on.")
-    await driver.press("enter")
-    assert (await driver.to_prompt()).text == prompt.text
-
-
-async def test_a_pause_by_the_participant_gives_way_to_the_news(driver: AppDriver) -> None:
-    await driver.to_first_prompt()
-    await driver.press("escape")
+    await driver.press(*keys)
     driver.session.bus.post(STORAGE, StorageChanged(working=True, reason=WHERE))
     await driver.settle()
     driver.see(f"For the experimenter: {WHERE}")
+    await driver.press("enter")
+    assert (await driver.to_prompt()).text == prompt.text
 
 
 async def _settled(app: SarTui, is_so: Any) -> None:

@@ -64,18 +64,6 @@ async def test_a_slider_follows_the_keys(
         assert [fault.error for fault in driver.session.faults] == []
 
 
-async def test_without_a_view_the_plain_prompt_is_drawn(
-    open_task: OpenSession, own_tasks: Path
-) -> None:
-    async with open_task(own_tasks / "sides", **SHORT) as driver:
-        prompt, between, summary = await play(driver)
-        assert "█" in prompt
-        assert [row.strip() for row in prompt.splitlines()].count("Press: f") == 1
-        assert "drawn" not in between
-        assert "The view" not in summary
-        assert [fault.error for fault in driver.session.faults] == []
-
-
 FAULTS = [
     (VIEW, "raise RuntimeError('no such file')", "load"),
     ("return [(f", "return [(prompt.nothing + f", "prompt_lines"),
