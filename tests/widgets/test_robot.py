@@ -66,12 +66,6 @@ def test_snapshots_of_every_expression_and_pose(name: str, catalogue: Catalogue)
     assert path.read_text(encoding="utf-8") == sheet
 
 
-def test_there_is_a_snapshot_of_every_shipped_theme_and_no_other(catalogue: Catalogue) -> None:
-    assert {path.name for path in FOLDER.iterdir()} == {
-        f"robot.{name}.txt" for name in catalogue.theme_names()
-    }
-
-
 @pytest.mark.parametrize("name", THEMES)
 @given(pose=poses, gaze=st.sampled_from(GAZES))
 def test_drawings_of_all_poses_have_one_size_and_one_cell_per_character(
@@ -91,15 +85,16 @@ def test_no_pose_cuts_eyes_or_mouth(name: str, pose: Pose, catalogue: Catalogue)
         assert all(line.strip(" │|").strip() in drawing for line in face[1:3])
 
 
-@pytest.mark.parametrize("gesture", GESTURES)
 @pytest.mark.parametrize("name", THEMES)
-def test_every_gesture_ends_at_rest(name: str, gesture: str, catalogue: Catalogue) -> None:
+def test_every_gesture_begins_and_ends_at_rest(name: str, catalogue: Catalogue) -> None:
     theme = catalogue.theme(name)
-    face, way = faces(theme)["neutral"], theme.gestures[gesture]
-    moments = [draw(face, way.pose_at(ms)) for ms in range(0, way.duration_ms, 66)]
-    assert moments[0] == draw(face, REST)
-    assert any(moment != moments[0] for moment in moments)
-    assert draw(face, way.pose_at(way.duration_ms)) == draw(face, REST)
+    face = faces(theme)["neutral"]
+    for gesture in GESTURES:
+        way = theme.gestures[gesture]
+        moments = [draw(face, way.pose_at(ms)) for ms in range(0, way.duration_ms, 66)]
+        assert moments[0] == draw(face, REST), gesture
+        assert any(moment != moments[0] for moment in moments), gesture
+        assert draw(face, way.pose_at(way.duration_ms)) == draw(face, REST), gesture
 
 
 def test_nods_go_down_and_looking_up_goes_up(calm: Theme) -> None:
