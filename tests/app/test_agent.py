@@ -52,20 +52,6 @@ async def unseen(open_session: OpenSession, voice: Voice) -> AsyncIterator[AppDr
 # --- while it speaks
 
 
-async def test_the_mouth_moves_by_voice(spoken: AppDriver, calm: Theme, voice: Voice) -> None:
-    await spoken.wait(3000)
-    assert voice.asked[0][1] == spoken.said
-    assert mouth(calm, "happy") in robot(spoken)
-    await voice.begin(spoken)
-    assert mouth(calm, "speaking") in robot(spoken)
-    await spoken.wait(200)
-    assert mouth(calm, "happy") in robot(spoken)
-    await spoken.wait(200)
-    assert mouth(calm, "speaking") in robot(spoken)
-    await voice.end(spoken)
-    assert voice.asked[1][1] == spoken.session.task.instructions()
-
-
 async def test_a_trial_waits_for_the_agents_voice(spoken: AppDriver, voice: Voice) -> None:
     await voice.begin(spoken)
     await spoken.press("enter")
@@ -83,24 +69,6 @@ async def test_a_trial_waits_for_the_agents_voice(spoken: AppDriver, voice: Voic
     assert spoken.waiting.what in ("quiet", "foreperiod")
     assert spoken.said == ""
     await spoken.to_prompt()
-
-
-async def test_a_voice_that_continues_into_a_response_window_draws_nothing(
-    spoken: AppDriver, catalogue: Catalogue, voice: Voice, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    await voice.end(spoken)
-    prompt = await spoken.to_first_prompt()
-    agent = spoken.app.screen.query_one(Agent)
-    frames = count_frames(spoken, monkeypatch)
-    agent.speaking(True)
-    agent.gaze("left")
-    agent.gesture(catalogue.theme("calm").gestures["cheer"])
-    for _ in range(5):
-        await spoken.wait(200)
-    assert frames == []
-    assert not agent.is_moving
-    await spoken.press(prompt.expected)
-    assert agent.is_moving
 
 
 async def test_the_summary_speaks_the_goodbye(open_session: OpenSession, voice: Voice) -> None:
@@ -204,16 +172,6 @@ async def test_delayed_feedback_has_a_thinking_face(open_session: OpenSession, c
         assert "0.40 seconds" in driver.said
         driver.see("Press Enter for attempt 2 of 2.")
         assert mouth(calm, "thinking") not in robot(driver)
-
-
-async def test_the_agent_listens_if_it_says_nothing(open_session: OpenSession, calm: Theme) -> None:
-    later = {"feedback_delay_ms": 3000, "feedback_every": 2}
-    async with open_session(**later, attempts=3, encouragement=False) as driver:
-        await driver.do_attempt(await driver.to_first_prompt())
-        await driver.wait(3100)
-        driver.see("Press Enter for attempt 2 of 3.")
-        assert mouth(calm, "thinking") not in robot(driver)
-        assert driver.said == ""
 
 
 async def test_tab_requests_feedback(open_session: OpenSession) -> None:

@@ -236,13 +236,6 @@ async def test_it_looks_to_a_side_until_the_response(watcher: Watcher) -> None:
     assert await watcher.see() == ahead
 
 
-async def test_a_refused_view_says_why(watcher: Watcher) -> None:
-    watcher.link.refuse("Somebody who is there already has this name.")
-    seen = await watcher.see()
-    assert "One moment…" in seen
-    assert "Somebody who is there already has this name." in seen
-
-
 async def test_it_applies_the_sessions_theme(watcher: Watcher, catalogue: Catalogue) -> None:
     watcher.link.welcome()
     watcher.link.deliver(THEME, ThemeApplied(theme=catalogue.theme("playful")))

@@ -2,6 +2,7 @@
 
 import sqlite3
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -9,7 +10,6 @@ from textual.widgets import OptionList
 
 from sar_tui.app import app as app_module
 from sar_tui.app.app import SarTui, run_app
-from sar_tui.inputs.keyboard import Keyboard
 from sar_tui.loop.task import Task
 from sar_tui.model.trial_types import Result, Trial
 from sar_tui.plugins import Catalogue
@@ -89,14 +89,6 @@ async def test_a_task_that_is_not_set_up_is_told(data: Path, catalogue: Catalogu
     known(data, "P01")
     async with open_app(data, Missing()) as driver:
         await driver.fail_to_start("cannot be set up (OSError: no sensor)")
-
-
-async def test_an_unknown_session_ends_the_app_with_a_sentence(opened: OpenApp) -> None:
-    async with opened("nosuchsession") as driver:
-        assert not driver.app.is_running
-        assert driver.app.return_code == 1
-        found = driver.app.failure
-        assert found == "There is no session nosuchsession. `sar-tui sessions` lists them."
 
 
 async def test_too_small_a_window_is_covered_once_and_recovers(opened: OpenApp) -> None:
@@ -201,20 +193,29 @@ async def test_a_session_whose_disk_is_too_slow_stays_locked_and_unsaved(
     close()
 
 
-@pytest.mark.parametrize(("failure", "code"), [("", 0), ("The task failed.", 1)])
+@pytest.mark.parametrize(
+    ("failure", "rescued", "code"),
+    [("", "", 0), ("The task failed.", "", 1), ("", "The session goes on elsewhere.", 1)],
+    ids=["as intended", "failed", "not in the database"],
+)
 def test_the_exit_code_reports_a_failure_however_the_app_was_left(
-    failure: str, code: int, data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+    failure: str,
+    rescued: str,
+    code: int,
+    data: Path,
+    catalogue: Catalogue,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    async def left_with_ctrl_q(app: SarTui) -> None:
-        app.failure = failure
+    live = SimpleNamespace(
+        unsaved=0, rescued=rescued, can_be_joined=False, is_mistake=False, is_closed=True,
+        trouble="", run=SimpleNamespace(id="x"), session=SimpleNamespace(ended=True, broken=None),
+        close=lambda app: None,
+    )  # fmt: skip
 
-    monkeypatch.setattr(app_module.SarTui, "run_async", left_with_ctrl_q)
+    async def left(app: SarTui) -> None:
+        app.failure = failure
+        app.live = live  # type: ignore[assignment]
+
+    monkeypatch.setattr(app_module.SarTui, "run_async", left)
     monkeypatch.setattr("sar_tui.tui.base_app.stamp_keys_as_read", lambda: None)
     assert run_app(data, catalogue) == code
-
-
-def test_keys_without_a_listener_pass() -> None:
-    keyboard = Keyboard()
-    keyboard.pressed("f", "f", 1.0)
-    keyboard.pasted(3, 1.0)
-    keyboard.focused(False, 1.0)

@@ -16,9 +16,7 @@ from sar_tui.app.screens.session import SessionScreen
 from sar_tui.app.screens.settings import SettingsScreen
 from sar_tui.app.screens.wellbeing import ENDS, PLACES, WellbeingScreen
 from sar_tui.checks.task_translations import texts_in
-from sar_tui.loop.topics import SENSOR
 from sar_tui.model.language import language, read_words, slot_problem
-from sar_tui.model.messages import SensorChanged, SensorState
 from sar_tui.plugins import Catalogue, task_folder
 from sar_tui.reports.charts import MARKERS
 from sar_tui.rules.declaration import COMMON, texts
@@ -59,11 +57,6 @@ class Tour:
         for key in keys:
             await self.driver.press(key)
             self.look()
-
-    async def sensor(self, state: SensorState) -> None:
-        changed = SensorChanged(state=state, at=self.driver.clock.now(), rate_hz=250.0)
-        self.driver.session.bus.post(SENSOR, changed)
-        await self.driver.settle()
 
     def found(self, catalogue: Catalogue) -> list[tuple[str, str]]:
         """Return the English texts found."""
@@ -137,41 +130,6 @@ async def test_a_session_of_keys_is_in_spanish(opened: OpenApp, catalogue: Catal
             tour.look()
         await driver.see_the_summary()
         tour.look("Ha hecho 2 intentos; meta alcanzada en 2.")
-        assert tour.found(catalogue) == []
-
-
-@pytest.mark.slow
-async def test_a_session_of_reaches_is_in_spanish(opened: OpenApp, catalogue: Catalogue) -> None:
-    async with opened(plan(catalogue, "reaching", imu="simulated")) as driver:
-        tour = Tour(driver)
-        await driver.wait(2000)
-        tour.look("Comprobar el sensor")
-        await tour.press("z", "t")
-        await driver.wait(2000)
-        tour.look()
-        await driver.wait(6000)
-        tour.look("s: ida 0,46, pausa 0,00, vuelta 0,34; máximos +2,4 y −3,4 rad/s.")
-        await tour.press("f1", "enter", "enter", "f1", "enter", "enter")
-        tour.look("Su meta: menos de 1,20 segundos.")
-        for state in ("detached", "attached"):
-            await tour.sensor(state)
-            tour.look()
-        await driver.wait(300)
-        await tour.press("space")
-        tour.look("(Más tarde hará falta la barra espaciadora.)")
-        for attempt in (1, 2):
-            await driver.wait(300)
-            await tour.press("enter")
-            await driver.wait(3000)
-            tour.look()
-            await tour.press("space")
-            await driver.wait(2500)
-            await tour.press("space")
-            await driver.wait(1500)
-            tour.look(f"Intentos {attempt} de 2")
-            await tour.press("f7")
-        await driver.see_the_summary()
-        tour.look("Ha hecho 2 intentos")
         assert tour.found(catalogue) == []
 
 

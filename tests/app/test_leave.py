@@ -65,16 +65,6 @@ async def test_elsewhere_going_on_changes_nothing(driver: AppDriver, keys: tuple
     assert driver.messages("operator/act") == acts
 
 
-async def test_under_a_cover_it_asks_once_the_window_is_large(driver: AppDriver) -> None:
-    await driver.to_first_prompt()
-    await driver.press("ctrl+q")
-    await driver.resize(1, 1)
-    await driver.resize(80, 24)
-    driver.see(QUESTION)
-    await driver.press("enter")
-    assert driver.waiting.stage == "trial"
-
-
 async def test_with_a_full_disk_nothing_is_said_to_be_kept(driver: AppDriver) -> None:
     await driver.answer(await driver.to_first_prompt())
     await driver.disk(False)

@@ -8,8 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from textual.events import Key, Resize
-from textual.geometry import Size
+from textual.events import Key
 
 from sar_tui.app.app import SarTui
 from sar_tui.app.screens.home import HomeScreen
@@ -84,16 +83,6 @@ async def test_an_early_ctrl_q_ends_the_app(data: Path, catalogue: Catalogue) ->
         await settle(app)
         assert not app.is_running
         assert app.return_code == 0
-
-
-async def test_a_window_may_grow_before_the_filling(data: Path, catalogue: Catalogue) -> None:
-    known(data, "P01")
-    app = SarTui(data, catalogue)
-    driver = AppDriver(app, VirtualClock(SECOND))
-    app.post_message(Resize(Size(80, 24), Size(80, 24)))
-    async with app.run_test(size=(60, 20)) as driver.pilot:
-        await driver.resize(80, 24)
-        driver.see("P01")
 
 
 async def test_at_home_garbage_is_freed(opened: OpenApp, monkeypatch: pytest.MonkeyPatch) -> None:

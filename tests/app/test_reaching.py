@@ -176,21 +176,6 @@ async def test_a_therapist_marks_a_reach(at_the_table: OpenSession) -> None:
         assert not {"f7", "f8", "f9"} & {press["key"] for press in driver.messages("input/key")}
 
 
-async def test_the_screen_is_quiet_until_it_says_go(at_the_table: OpenSession) -> None:
-    async with at_the_table(go_signal=True, foreperiod_min_ms=900, foreperiod_max_ms=900) as driver:
-        await to_start(driver)
-        await driver.press("space")
-        driver.lacks("Ready?")
-        await driver.wait(1300)
-        assert "Reach: " not in driver.text
-        await driver.wait(200)
-        assert "Reach: 15 cm" in driver.text
-        await come_back(driver)
-        ((correct, time),) = driver.stored("SELECT correct, reaction_time_ms FROM trials")
-        assert correct
-        assert 100 < time < 2000
-
-
 async def test_a_seed_makes_the_same_reach_again(tmp_path: Path, catalogue: Catalogue) -> None:
     stored = []
     for name in ("first", "second"):

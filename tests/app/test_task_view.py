@@ -98,20 +98,6 @@ async def test_a_view_that_fails_is_recorded_and_the_session_goes_on(
         assert driver.stored("SELECT count(*) FROM trials WHERE correct") == [(4,)]
 
 
-async def test_a_session_whose_view_failed_is_resumed(
-    open_task: OpenSession, data: Path, own_tasks: Path
-) -> None:
-    (own_tasks / "sides" / "view.py").write_text("raise RuntimeError('no such file')")
-    async with open_task(own_tasks / "sides", **SHORT) as driver:
-        await driver.do_attempt(await driver.to_first_prompt())
-        session = driver.session_id
-    async with open_app(data, Catalogue(tasks=(own_tasks,)), session) as driver:
-        driver.see("Welcome back")
-        await driver.press("enter")
-        await driver.to_prompt() if driver.waiting.stage == "trial" else await driver.begin()
-        assert "█" in driver.text
-
-
 @pytest.fixture
 def arrows(tmp_path: Path) -> Path:
     """The task's folder, as the page describes it."""

@@ -13,7 +13,7 @@ from sar_tui.loop.clock import VirtualClock
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.widgets.speed_trace import SpeedTrace
-from tests.app.app_driver import AppDriver, OpenApp, open_app
+from tests.app.app_driver import AppDriver, open_app
 from tests.app.test_sensor_check import Moved, Plugged
 
 OpenCheck = Callable[..., Any]
@@ -102,20 +102,3 @@ async def test_the_seat_of_a_detached_sensor_is_shown(open_check: OpenCheck) -> 
         left.plug()
         await driver.wait(200)
         driver.see("Press Enter to begin attempt 1 of 1.")
-
-
-async def test_simulated_hands_play_by_themselves(opened: OpenApp, catalogue: Catalogue) -> None:
-    given = {"respond_with": "reaches", "imu": "simulated", "imu_b": "simulated", "policy": "race"}
-    settings = given | {"attempts": 1, "prompts_per_attempt": 2}
-    plan = make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=11)
-    async with opened(plan) as driver:
-        await driver.wait(500)
-        await driver.press("enter", "enter", "enter")
-        await driver.begin()
-        driver.see("Left: reach out and back Right: reach out and back")
-        await driver.wait(20_000)
-        assert [fault.error for fault in driver.session.faults] == []
-    stored_rows = driver.stored(
-        "SELECT trial, seat, response, correct FROM trials ORDER BY trial, seat"
-    )
-    assert stored_rows == [(trial, seat, "reach", 1) for trial in (1, 2) for seat in "AB"]
