@@ -1,10 +1,10 @@
 """Changes that a therapist makes in a pause, behind the passphrase if there is one."""
 
+import time
 from pathlib import Path
 
 import pytest
 
-from sar_tui.model.messages import SessionCommand
 from sar_tui.store import passphrase
 from sar_tui.store.passphrase import Passphrase
 from tests.app.app_driver import AppDriver, OpenSession
@@ -122,22 +122,29 @@ async def test_only_the_right_passphrase_opens_it(open_session: OpenSession, dat
     assert found == [("wrong", "pause"), ("right", "pause")]
 
 
-@pytest.mark.slow
-async def test_when_an_operator_goes_on_the_participant_sees_the_session(driver: AppDriver) -> None:
-    await driver.to_first_prompt()
-    await open_changes(driver)
-    assert driver.app.live
-    driver.app.live.operate(SessionCommand(command="resume", actor="operator.anna"))
-    await driver.settle()
-    assert driver.screen_name == "SessionScreen"
-    assert (await driver.to_prompt()).text in driver.text
-
-
 async def test_a_goal_out_of_bounds_is_refused(driver: AppDriver) -> None:
     await open_changes(driver)
+    driver.see("For the therapist", "Level 1", "Back")
     await choose(driver, "Goal")
-    await type_over(driver, "700")
-    driver.see("For the therapist", "Level 1", "Back", "The new goal (s)", "0.1 to 60.")
+    for bad in ("700", "much", "nan"):
+        await type_over(driver, bad)
+        assert driver.sees("The goal is a number of seconds, 0.1 to 60."), bad
     await driver.press("escape", "escape")
     driver.see("Paused")
     assert driver.messages("operator/setting") == []
+
+
+@pytest.mark.usefixtures("cheap")
+async def test_after_errors_even_the_right_passphrase_has_to_wait(
+    open_session: OpenSession, data: Path
+) -> None:
+    moments = [time.time() - 155]
+    stored = Passphrase(data, lambda: moments[-1])
+    stored.set(RIGHT)
+    for _ in range(8):
+        stored.check("wrong one")
+        moments.append(moments[-1] + stored.wait_s)
+    async with open_session() as driver:
+        await open_changes(driver)
+        await driver.enter(RIGHT)
+        assert driver.screen_name == "PassphraseScreen"

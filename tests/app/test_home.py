@@ -277,6 +277,9 @@ async def test_a_session_in_another_program_is_shown_so_far_and_not_dismissed(
     lock.release()
     async with opened() as driver:
         driver.see("interrupted: Enter resumes")
+        await driver.press("f4")
+        assert driver.screen_name == "ProgressScreen"
+        driver.see("· interrupted · 1/2 attempts")
 
 
 async def test_home_opens_on_who_trained_last(

@@ -2,15 +2,16 @@
 
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from sar_tui.app.app import SarTui
-from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
+from sar_tui.runs.plan import make_plan
 from sar_tui.store.database import connect
 from sar_tui.store.record_changes import BY_MISTAKE, why_discarded
-from tests.app.app_driver import AppDriver, OpenApp, OpenSession, known, plan, stored
+from tests.app.app_driver import AppDriver, OpenApp, OpenSession, known, stored
 
 QUESTION = "Leave now?"
 
@@ -151,17 +152,28 @@ async def test_a_mistake_can_be_said_in_a_pause(open_session: OpenSession) -> No
     assert driver.stored("SELECT status FROM sessions") == [("discarded",)]
 
 
-async def test_the_workers_of_a_session_end_with_the_app(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+@pytest.mark.parametrize(
+    ("task", "settings", "working", "keys"),
+    [
+        ("keyboard", {}, {"session", "storage"}, ["ctrl+q", "down", "enter"]),
+        ("reaching", {"imu": "simulated"}, {"sensor check"}, ["escape"]),
+    ],
+)
+async def test_the_workers_of_a_session_and_of_its_sensor_check_end_with_the_app(
+    data: Path,
+    catalogue: Catalogue,
+    task: str,
+    settings: dict[str, Any],
+    working: set[str],
+    keys: list[str],
 ) -> None:
-    app = SarTui(data, catalogue, plan(catalogue, keyboard))
+    app = SarTui(data, catalogue, make_plan(catalogue, task, ["P01"], settings, seed=7))
     async with app.run_test() as pilot:
         await pilot.pause()
-        found = {worker.name for worker in app.workers if worker.is_running}
-        assert found == {"session", "storage"}
-        await pilot.press("ctrl+q", "down", "enter")
+        assert {worker.name for worker in app.workers if worker.is_running} == working
+        await pilot.press(*keys)
     app.close_session()
     assert not [worker for worker in app.workers if worker.is_running]
-    assert app.live
-    assert app.live.unsaved == 0
-    assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
+    if app.live:
+        assert app.live.unsaved == 0
+        assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]

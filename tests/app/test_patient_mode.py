@@ -276,16 +276,6 @@ async def test_an_exercise_that_fails_is_told_to_the_therapist(
         driver.see("The disk is full.")
 
 
-async def test_without_the_focus_the_keys_still_work(alone: AppDriver) -> None:
-    alone.app.screen.set_focus(None)
-    await alone.press("enter")
-    assert alone.screen_name == "SessionScreen"
-    await alone.press("enter", "escape")
-    alone.app.screen.set_focus(None)
-    await alone.press("down", "down", "enter")
-    alone.see("Have a rest")
-
-
 THERAPISTS_KEYS = (
     *(f"f{number}" for number in range(3, 12)), "ctrl+p", "ctrl+s", "ctrl+l", "ctrl+d", "ctrl+z",
     "ctrl+backslash", "delete",

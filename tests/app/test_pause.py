@@ -56,6 +56,11 @@ async def test_the_agent_rests_with_the_participant(driver: AppDriver) -> None:
     await driver.do_attempt(await driver.to_first_prompt())
     assert driver.said
     assert "you ━" in driver.text
+    said = driver.said
+    await driver.press("escape")
+    assert driver.said == ""
+    await driver.press("enter")
+    assert driver.said == said
     await driver.press("escape", "down", "enter")
     assert driver.said == ""
     assert "─   ─ z" in driver.text, "it sleeps"
@@ -111,25 +116,3 @@ async def test_a_window_made_too_small_pauses_a_trial_and_recovers(driver: AppDr
     assert (await driver.to_prompt()).text == prompt.text
     assert prompt.text in driver.text
     assert driver.stored("SELECT * FROM trials") == []
-
-
-async def test_in_a_pause_it_is_silent(open_session: OpenSession) -> None:
-    async with open_session(encouragement=False) as driver:
-        await driver.do_attempt(await driver.to_first_prompt())
-        said = driver.said
-        await driver.press("escape")
-        robot, menu = (
-            driver.app.screen.query_one(name).region for name in ("#agent .robot", "#menu")
-        )
-        assert 0 <= menu.y - robot.bottom <= 1
-        assert abs(menu.center[0] - robot.center[0]) <= 1
-        driver.lacks(said)
-        assert not driver.sees("Skip this attempt"), (
-            "only somebody who trains alone decides that alone"
-        )
-        await driver.press("enter")
-        assert driver.said == said
-        await driver.press("escape", "down", "enter", "enter")
-        assert driver.app.screen.query_one("#agent .robot").region.x == robot.x, (
-            "without words it stays there"
-        )

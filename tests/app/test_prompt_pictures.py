@@ -88,19 +88,6 @@ async def test_a_picture_is_prepared_before_its_prompt_and_drawn_with_its_text(
 
 
 @pytest.mark.usefixtures("half_blocks")
-async def test_a_picture_is_shown_beside_an_own_view(open_task: OpenSession, naming: Path) -> None:
-    (naming / "view.py").write_text(
-        "from sar_tui.api.view import TaskView\n\n\nclass NamingView(TaskView):\n"
-        "    def prompt_lines(self, prompt, width, height):\n"
-        '        return [("drawn" if prompt is None else prompt.text, True)]\n'
-    )
-    async with open_task(naming, attempts=1) as driver:
-        await driver.to_first_prompt()
-        assert "▀" * 20 in driver.text
-        assert driver.session.faults == []
-
-
-@pytest.mark.usefixtures("half_blocks")
 async def test_a_missing_picture_is_replaced_by_its_glyph(
     open_task: OpenSession, naming: Path
 ) -> None:

@@ -224,18 +224,15 @@ async def test_a_mark_is_replaced_by_pressing_twice(at_the_table: OpenSession) -
         assert not driver.sees("Marked"), "also after the last attempt, a removed mark disappears"
 
 
-async def test_a_mark_is_shown_after_an_aborted_reach(at_the_table: OpenSession) -> None:
-    async with at_the_table(reaches_per_attempt=2, attempts=1) as driver:
-        await to_start(driver)
-        await reach(driver)
-        await driver.press("f9", "space")
-        await driver.wait(500)
-        await driver.press("f7", "escape")
-        assert driver.sees("Marked: assisted"), (
-            "a pause aborts a reach and its mark; what is marked is the last reach"
-        )
-        await driver.press("enter", "f8")
-        driver.see("Marked: assisted · F8 again: compensated instead")
-        assert driver.stored("SELECT trial, json_extract(details, '$.mark') FROM trials") == [
-            (1, "assisted")
-        ]
+async def test_the_marks_are_in_the_help_and_the_changes_not_in_the_footer(
+    table: AppDriver,
+) -> None:
+    marks = "F7 marker missed, F8 compensated, F9 assisted."
+    await table.press("enter")
+    table.lacks("F7")
+    await table.press("f1")
+    table.see(marks)
+    await table.press("enter", "escape")
+    table.lacks("F7")
+    await table.press("up", "enter")
+    table.see(marks)

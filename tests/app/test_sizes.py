@@ -1,9 +1,5 @@
 """Screens in windows of several sizes; texts are larger where there is room."""
 
-from pathlib import Path
-
-import pytest
-
 from sar_tui.app.agent.app import AgentApp
 from sar_tui.app.screens.message_panel import large_message
 from sar_tui.app.screens.waiting_text import WaitingText
@@ -11,28 +7,10 @@ from sar_tui.model.theme import Theme
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.widgets.choice import Choice
-from tests.app.app_driver import AppDriver, OpenApp, OpenSession, open_app, plan
+from tests.app.app_driver import AppDriver, OpenApp, OpenSession
 from tests.app.test_agent_view import Link
-from tests.sides_task import write_sides
 
 SIZES = [(60, 20), (13, 24), (1, 1), (20, 200), (200, 1)]
-WIDE_VIEW = """
-from rich.text import Text
-from sar_tui.widgets.task_view import TaskView
-
-
-class Wide(TaskView):
-    def prompt_lines(self, prompt, width, height):
-        assert width >= 60 and height >= 6
-        return super().prompt_lines(prompt, width, height)
-
-    def between_attempts(self):
-        return self.draw
-
-    def draw(self, width, height, colors):
-        assert width >= 60
-        return Text("A wide drawing")
-"""
 
 
 async def shrink_and_grow(driver: AppDriver) -> None:
@@ -87,19 +65,6 @@ async def test_every_stage_of_a_session_survives_any_size(open_session: OpenSess
         await driver.press("ctrl+q")
         await shrink_and_grow(driver)
         driver.see("Leave now?")
-        assert driver.session.faults == []
-
-
-@pytest.mark.slow
-async def test_no_view_is_drawn_in_too_small_a_window(data: Path, tmp_path: Path) -> None:
-    catalogue = Catalogue(tasks=(write_sides(tmp_path / "mine", WIDE_VIEW).parent,))
-    async with open_app(data, catalogue, plan(catalogue, catalogue.task("sides"))) as driver:
-        await driver.to_first_prompt()
-        await shrink_and_grow(driver)
-        await driver.press("enter")
-        await driver.do_attempt(await driver.to_prompt())
-        driver.see("A wide drawing")
-        await shrink_and_grow(driver)
         assert driver.session.faults == []
 
 

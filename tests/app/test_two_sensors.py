@@ -12,7 +12,6 @@ import pytest
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
-from sar_tui.widgets.speed_trace import SpeedTrace
 from tests.app.app_driver import AppDriver, open_app
 from tests.app.test_sensor_check import Moved, Plugged
 
@@ -68,19 +67,6 @@ async def test_without_one_sensor_enter_asks_first(open_check: OpenCheck) -> Non
         await driver.press("escape")
         assert not right.running
     assert driver.stored("SELECT id FROM sessions") == []
-
-
-async def test_the_details_of_two_sensors_fit_on_the_screen(open_check: OpenCheck) -> None:
-    async with open_check(Moved(), Moved()) as driver:
-        await driver.wait(3000)
-        for words in ("T Test", "Z Zero", "Enter Begin", "Esc Back", "F1 Help"):
-            assert words in driver.rows[-1]
-        driver.see("Tab: the other one")
-        await driver.press("t")
-        await driver.wait(6000)
-        trace = driver.app.screen.query_one(SpeedTrace)
-        assert trace.region.height >= 6
-        assert trace.region.bottom < len(driver.rows)
 
 
 async def test_the_seat_of_a_detached_sensor_is_shown(open_check: OpenCheck) -> None:

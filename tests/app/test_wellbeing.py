@@ -174,15 +174,6 @@ async def test_enter_ends_after_too_much_pain_in_a_pause(asked: AppDriver) -> No
     assert ("pause", "pain", 6, "left shoulder", "stopped") in answers(asked)
 
 
-async def test_the_questions_can_be_skipped(asked: AppDriver) -> None:
-    await asked.press("3", "escape")
-    assert asked.screen_name == "SessionScreen"
-    await asked.do_session()
-    await asked.press("enter", "escape")
-    assert asked.app.return_code == 0
-    assert answers(asked) == [("before", "pain", 3)]
-
-
 async def test_a_resumed_session_asks(opened: OpenApp, open_session: OpenSession) -> None:
     async with open_session(ask_wellbeing=True) as driver:
         await driver.press("0", "1")
