@@ -9,7 +9,6 @@ from sar_tui.loop.topics import (
     ARBITER_STATE,
     COMMAND,
     DECISION,
-    DROPPED,
     PENDING_APPROVAL,
     PRESENCE,
 )
@@ -59,43 +58,33 @@ VETO_GOODBYE = {
 }  # fmt: skip
 
 
-async def to_goodbye(
-    driver: AppDriver, *, ended_by: str
-) -> tuple[m.PendingApproval, list[str], list[str]]:
-    """Continue to the end of a session in which the goodbye may be vetoed; return what is said and
-    dropped.
-    """
-    said: list[str] = []
-    dropped: list[str] = []
-    asked: list[m.PendingApproval] = []
-    driver.session.bus.post(PRESENCE, m.OperatorChanged(actor=ANA, state="joined", operated=True))
-    first = await driver.to_first_prompt()
-    bus = driver.session.bus
-    bus.subscribe(ACTION, lambda action: said.append(action.kind))
-    bus.subscribe(DROPPED, lambda one: dropped.append(one.id))
-    bus.subscribe(PENDING_APPROVAL, asked.append)
-    if ended_by == "the participant":
-        await driver.do_attempt(first)
+@pytest.mark.parametrize("is_vetoed", [False, True])
+async def test_the_goodbye_precedes_the_end_unless_it_is_vetoed(
+    open_session: OpenSession, is_vetoed: bool
+) -> None:
+    async with open_session(**VETO_GOODBYE) as driver:
+        said: list[str] = []
+        asked: list[m.PendingApproval] = []
+        bus = driver.session.bus
+        bus.subscribe(ACTION, lambda action: said.append(action.kind))
+        bus.subscribe(PENDING_APPROVAL, asked.append)
+        bus.post(PRESENCE, m.OperatorChanged(actor=ANA, state="joined", operated=True))
+        await driver.do_attempt(await driver.to_first_prompt())
         await driver.wait(10_000)
         await driver.see_the_summary()
-    else:
-        bus.post(COMMAND, m.SessionCommand(command="end", actor=ANA))
-        await driver.settle()
-    return asked[-1], said, dropped
-
-
-@pytest.mark.parametrize("ended_by", ["the participant", "the operator"])
-async def test_the_goodbye_precedes_the_end(open_session: OpenSession, ended_by: str) -> None:
-    async with open_session(**VETO_GOODBYE) as driver:
-        pending, said, _ = await to_goodbye(driver, ended_by=ended_by)
-        assert pending.proposal.kind == "goodbye"
+        proposal = asked[-1].proposal
+        assert proposal.kind == "goodbye"
         assert "One moment…" in driver.text
-        assert "Press Enter to finish." not in driver.text
         await driver.press("enter")
         assert driver.screen_name == "SessionScreen"
-        await driver.wait(10_000)
-        assert said[-1] == "goodbye"
-        assert driver.said == pending.proposal.text
+        if is_vetoed:
+            bus.post(DECISION, m.Decision(action=proposal.id, verdict="veto", actor=ANA))
+            await driver.wait(300)
+            assert "goodbye" not in said
+        else:
+            await driver.wait(10_000)
+            assert said[-1] == "goodbye"
+            assert driver.said == proposal.text
         assert "Press Enter to finish." in driver.text
         await driver.press("enter")
         assert driver.app.live is not None
