@@ -10,6 +10,7 @@ from textual.widgets import OptionList
 
 from sar_tui.app import app as app_module
 from sar_tui.app.app import SarTui, run_app
+from sar_tui.inputs.keyboard import Keyboard
 from sar_tui.loop.task import Task
 from sar_tui.model.trial_types import Result, Trial
 from sar_tui.plugins import Catalogue
@@ -219,3 +220,10 @@ def test_the_exit_code_reports_a_failure_however_the_app_was_left(
     monkeypatch.setattr(app_module.SarTui, "run_async", left)
     monkeypatch.setattr("sar_tui.tui.base_app.stamp_keys_as_read", lambda: None)
     assert run_app(data, catalogue) == code
+
+
+def test_keys_before_the_start_of_a_session_are_ignored() -> None:
+    keyboard = Keyboard()
+    keyboard.pressed("f", "f", 1.0)
+    keyboard.pasted(3, 1.0)
+    keyboard.focused(False, 1.0)
