@@ -2,6 +2,7 @@
 
 import sqlite3
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -91,50 +92,27 @@ async def test_a_task_that_is_not_set_up_is_told(data: Path, catalogue: Catalogu
         await driver.fail_to_start("cannot be set up (OSError: no sensor)")
 
 
-async def test_an_unknown_session_ends_the_app_with_a_sentence(opened: OpenApp) -> None:
-    async with opened("nosuchsession") as driver:
-        assert not driver.app.is_running
-        assert driver.app.return_code == 1
-        found = driver.app.failure
-        assert found == "There is no session nosuchsession. `sar-tui sessions` lists them."
+async def test_too_small_a_window_is_covered_once_and_recovers(opened: OpenApp) -> None:
+    def covers() -> int:
+        screens = [type(screen).__name__ for screen in driver.app.screen_stack]
+        return screens.count("TooSmallScreen")
 
-
-@pytest.mark.parametrize("size", first(1, [(79, 24), (80, 23), (20, 5)]))
-async def test_too_small_a_window_recovers(opened: OpenApp, size: tuple[int, int]) -> None:
-    async with opened(size=size) as driver:
-        driver.see("This window is too small.")
+    async with opened(size=(79, 24)) as driver:
+        driver.see("It has 79 by 24 characters; 80 by 24 are needed.")
+        await driver.press("f1")
         await driver.resize(60, 20)
+        assert covers() == 1
+        await driver.press("escape")
         driver.see("It has 60 by 20 characters; 80 by 24 are needed.")
         await driver.resize(80, 24)
         assert driver.screen_name == "HomeScreen"
-        driver.see("+ New participant")
-        await driver.resize(50, 24)
-        driver.see("This window is too small.")
-        await driver.resize(120, 40)
-        assert driver.screen_name == "HomeScreen"
-        driver.see("+ New participant")
-
-
-@pytest.mark.parametrize("key", first(1, ["f1", "ctrl+p"]))
-async def test_a_window_enlarged_under_help_recovers(opened: OpenApp, key: str) -> None:
-    async with opened(size=(70, 20)) as driver:
-        await driver.press(key)
-        await driver.resize(100, 30)
-        await driver.press("escape")
-        assert driver.screen_name == "HomeScreen"
-
-
-async def test_a_window_that_shrinks_twice_under_the_help_is_covered_once(opened: OpenApp) -> None:
-    async with opened(size=(70, 20)) as driver:
+        await driver.resize(80, 23)
+        assert covers() == 1
         await driver.press("f1")
-        await driver.resize(60, 20)
-        assert [type(screen).__name__ for screen in driver.app.screen_stack].count(
-            "TooSmallScreen"
-        ) == 1
+        await driver.resize(120, 40)
         await driver.press("escape")
-        driver.see("This window is too small.")
-        await driver.resize(80, 24)
         assert driver.screen_name == "HomeScreen"
+        driver.see("+ New participant")
 
 
 def _refuse(driver: AppDriver) -> None:
@@ -216,19 +194,35 @@ async def test_a_session_whose_disk_is_too_slow_stays_locked_and_unsaved(
     close()
 
 
-@pytest.mark.parametrize(("failure", "code"), [("", 0), ("The task failed.", 1)])
+@pytest.mark.parametrize(
+    ("failure", "rescued", "code"),
+    [("", "", 0), ("The task failed.", "", 1), ("", "The session goes on elsewhere.", 1)],
+    ids=["as intended", "failed", "not in the database"],
+)
 def test_the_exit_code_reports_a_failure_however_the_app_was_left(
-    failure: str, code: int, data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+    failure: str,
+    rescued: str,
+    code: int,
+    data: Path,
+    catalogue: Catalogue,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    async def left_with_ctrl_q(app: SarTui) -> None:
-        app.failure = failure
+    live = SimpleNamespace(
+        unsaved=0, rescued=rescued, can_be_joined=False, is_mistake=False, is_closed=True,
+        trouble="", run=SimpleNamespace(id="x"), session=SimpleNamespace(ended=True, broken=None),
+        close=lambda app: None,
+    )  # fmt: skip
 
-    monkeypatch.setattr(app_module.SarTui, "run_async", left_with_ctrl_q)
+    async def left(app: SarTui) -> None:
+        app.failure = failure
+        app.live = live  # type: ignore[assignment]
+
+    monkeypatch.setattr(app_module.SarTui, "run_async", left)
     monkeypatch.setattr("sar_tui.tui.base_app.stamp_keys_as_read", lambda: None)
     assert run_app(data, catalogue) == code
 
 
-def test_keys_without_a_listener_pass() -> None:
+def test_keys_before_the_start_of_a_session_are_ignored() -> None:
     keyboard = Keyboard()
     keyboard.pressed("f", "f", 1.0)
     keyboard.pasted(3, 1.0)

@@ -2,27 +2,27 @@
 
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from sar_tui.app.app import SarTui
+from sar_tui.plugins import Catalogue
+from sar_tui.runs.plan import make_plan
 from sar_tui.store.database import connect
 from sar_tui.store.record_changes import BY_MISTAKE, why_discarded
 from tests.app.app_driver import AppDriver, OpenApp, OpenSession, known, stored
-from tests.examples import first
 
 QUESTION = "Leave now?"
 
 
-@pytest.mark.parametrize("go_on", first(1, ["enter", "escape"]))
-async def test_in_a_trial_it_asks_and_repeats_the_trial(
-    open_session: OpenSession, go_on: str
-) -> None:
+async def test_in_a_trial_it_asks_and_repeats_the_trial(open_session: OpenSession) -> None:
     async with open_session(attempts=1) as driver:
         prompt = await driver.to_first_prompt()
         await driver.press("ctrl+q")
         driver.see(QUESTION, "What you did is kept. You can go on with this session later.")
         assert driver.waiting.stage == "paused"
-        await driver.press(go_on)
+        await driver.press("escape")
         driver.lacks(QUESTION)
         assert driver.waiting.stage == "trial", "no second Go on is needed"
         again = await driver.to_prompt()
@@ -66,25 +66,6 @@ async def test_elsewhere_going_on_changes_nothing(driver: AppDriver, keys: tuple
     assert driver.messages("operator/act") == acts
 
 
-async def test_the_palettes_quit_asks_too(driver: AppDriver) -> None:
-    commands = {
-        command.title: command for command in driver.app.get_system_commands(driver.app.screen)
-    }
-    driver.app.call_later(commands["Quit"].callback)
-    await driver.settle()
-    driver.see(QUESTION)
-
-
-async def test_under_a_cover_it_asks_once_the_window_is_large(driver: AppDriver) -> None:
-    await driver.to_first_prompt()
-    await driver.press("ctrl+q")
-    await driver.resize(1, 1)
-    await driver.resize(80, 24)
-    driver.see(QUESTION)
-    await driver.press("enter")
-    assert driver.waiting.stage == "trial"
-
-
 async def test_with_a_full_disk_nothing_is_said_to_be_kept(driver: AppDriver) -> None:
     await driver.answer(await driver.to_first_prompt())
     await driver.disk(False)
@@ -105,9 +86,8 @@ async def test_after_the_session_it_leaves_at_once(open_session: OpenSession) ->
     assert driver.stored("SELECT status FROM sessions") == [("completed",)]
 
 
-@pytest.mark.parametrize("keys", first(1, [("f2",), (), ("f1",)]))
-async def test_without_a_session_it_leaves_at_once(home: AppDriver, keys: tuple[str, ...]) -> None:
-    await home.press(*keys, "ctrl+q")
+async def test_without_a_session_it_leaves_at_once(home: AppDriver) -> None:
+    await home.press("f2", "ctrl+q")
     assert not home.app.is_running
 
 
@@ -143,10 +123,8 @@ async def test_a_session_that_was_started_by_mistake_is_discarded_and_can_be_res
         assert why is not None
         assert (why.actor, why.reason) == ("participant", BY_MISTAKE)
     async with opened() as driver:
-        driver.see("No session yet. START begins the first one.", "started by mistake")
-        await driver.press("f6")
-        driver.see("Take back")
-        await driver.press("delete")
+        driver.see("No session yet.", "started by mistake")
+        await driver.press("f6", "delete")
         driver.see("interrupted: Enter resumes")
     assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
 
@@ -172,3 +150,30 @@ async def test_a_mistake_can_be_said_in_a_pause(open_session: OpenSession) -> No
         await driver.press("enter")
         assert driver.app.return_code == 0, "nothing more is asked"
     assert driver.stored("SELECT status FROM sessions") == [("discarded",)]
+
+
+@pytest.mark.parametrize(
+    ("task", "settings", "working", "keys"),
+    [
+        ("keyboard", {}, {"session", "storage"}, ["ctrl+q", "down", "enter"]),
+        ("reaching", {"imu": "simulated"}, {"sensor check"}, ["escape"]),
+    ],
+)
+async def test_the_workers_of_a_session_and_of_its_sensor_check_end_with_the_app(
+    data: Path,
+    catalogue: Catalogue,
+    task: str,
+    settings: dict[str, Any],
+    working: set[str],
+    keys: list[str],
+) -> None:
+    app = SarTui(data, catalogue, make_plan(catalogue, task, ["P01"], settings, seed=7))
+    async with app.run_test() as pilot:
+        await pilot.pause()
+        assert {worker.name for worker in app.workers if worker.is_running} == working
+        await pilot.press(*keys)
+    app.close_session()
+    assert not [worker for worker in app.workers if worker.is_running]
+    if app.live:
+        assert app.live.unsaved == 0
+        assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]

@@ -11,11 +11,9 @@ from sar_tui.link import protocol
 from sar_tui.link.broker_process import OutgoingBatch, OutgoingSnapshot
 from sar_tui.link.errors import LinkError
 from sar_tui.link.listening import ListenOptions
-from sar_tui.link.peer import Frame
 from sar_tui.link.protocol import ActReceived, PeerJoined, SnapshotRequested
 from sar_tui.loop.topics import COMMAND, PROMPT, SHOWN, THEME
 from sar_tui.model import messages as m
-from sar_tui.operator.session_state import SessionState
 from tests.app.app_driver import OpenApp, OpenSession, known, stored
 from tests.link.test_node import ANNA, FakeChannel
 
@@ -69,31 +67,6 @@ async def test_who_ends_it_is_recorded(open_session: OpenSession, channel: FakeC
             for words in driver.app.leaving.lines(0)
         )
     assert driver.stored("SELECT status FROM sessions") == [("aborted",)]
-
-
-async def test_a_panel_knows_the_outputs(open_session: OpenSession, channel: FakeChannel) -> None:
-    async with open_session(link=channel) as driver:
-        channel.notify(PeerJoined(ANNA))
-        channel.notify(SnapshotRequested(ANNA))
-        await driver.wait(100)
-        (snapshot,) = (sent for sent in channel.sent if isinstance(sent, OutgoingSnapshot))
-        state = (
-            SessionState()
-            .receive(snapshot.welcome)
-            .receive([Frame(*record) for record in snapshot.records])
-        )
-        assert state.outputs == {"screen"}
-        await driver.press("f2")
-        await driver.wait(1000)
-        records = [
-            record
-            for sent in channel.sent
-            if isinstance(sent, OutgoingBatch)
-            for record in sent.records
-        ]
-        (stop,) = state.receive([Frame(*record) for record in records]).stops
-        found = (stop.by, stop.awaited, stop.outcome(0)[1])
-        assert found == ("P01 pressed F2", frozenset(), "good")
 
 
 class Links:
@@ -162,12 +135,3 @@ async def test_a_planned_operator_must_join(opened: OpenApp, data: Path, links: 
         assert driver.screen_name == "HomeScreen"
         driver.see("cannot be started")
     assert stored(data, "SELECT count(*) FROM sessions") == [(0,)]
-
-
-@pytest.mark.slow
-async def test_no_link_opens_unless_it_is_set(opened: OpenApp, data: Path, links: Links) -> None:
-    known(data)
-    async with opened() as driver:
-        await driver.press("enter", "enter")
-        assert driver.screen_name == "SessionScreen"
-    assert links.opened == []

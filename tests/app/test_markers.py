@@ -11,12 +11,10 @@ from typing import Any
 import msgspec
 import pytest
 
-from sar_tui.loop.task import Task
 from sar_tui.model.units import SECOND
 from sar_tui.outputs.markers.marker import CODES
 from sar_tui.outputs.markers.sender import Sender
-from sar_tui.store.passphrase import Passphrase
-from tests.app.app_driver import AppDriver, OpenApp, OpenSession, known, stored
+from tests.app.app_driver import AppDriver, OpenSession, stored
 from tests.outputs.markers.receivers import PATIENCE_S, lsl_inlet, serial_line, udp_receiver
 from tests.outputs.markers.xdf_writer import write_xdf
 
@@ -57,33 +55,6 @@ def trials(data: Path, column: str) -> list[int]:
 
 
 @pytest.mark.slow
-async def test_stamps_over_udp_are_those_of_the_database(
-    open_session: OpenSession, data: Path, keyboard: type[Task]
-) -> None:
-    with udp_receiver() as receiver:
-        async with open_session(markers=[receiver.address]) as driver:
-            await driver.do_session()
-            session = driver.session_id
-        markers = receiver.until("session_end")
-    assert stamps(markers, "prompt_onset") == trials(data, "onset_ns")
-    assert stamps(markers, "response") == trials(data, "response_ns")
-    first = markers[0]
-    found = (first["event"], first["session"], first["task"], first["run"])
-    assert found == ("session_start", session, "keyboard", 1)
-    onset = next(marker for marker in markers if marker["event"] == "prompt_onset")
-    assert set(onset) == {"event", "ns", "attempt", "trial", "presentation", "level", "stimulus"}
-    sent = msgspec.json.encode(markers).decode()
-    assert "P01" not in sent, "the participant's code must not be sent"
-    said = [
-        text
-        for (text,) in stored(data, "SELECT json_extract(final, '$.text') FROM actions")
-        if text
-    ]
-    assert said
-    assert not [text for text in said if text in sent], "what was said must not be sent"
-
-
-@pytest.mark.slow
 async def test_an_lsl_recording_has_the_stamps_of_the_database(
     open_session: OpenSession, data: Path, tmp_path: Path
 ) -> None:
@@ -119,17 +90,29 @@ async def test_an_lsl_recording_has_the_stamps_of_the_database(
     assert closed["sent"] - closed["unheard"] == len(received)
 
 
-async def test_each_event_is_its_byte_on_a_serial_line(open_session: OpenSession) -> None:
+async def test_datagrams_have_the_stored_stamps_and_each_event_is_its_byte_on_a_serial_line(
+    open_session: OpenSession, data: Path
+) -> None:
     pytest.importorskip("serial")
     with serial_line() as line, udp_receiver() as receiver:
         to = [f"serial:{line.name}?pulse=0&response=99&text_start=0", receiver.address]
         async with open_session(markers=to) as driver:
             await driver.do_session()
-        events = [marker["event"] for marker in receiver.until("session_end")]
+        markers = receiver.until("session_end")
+        events = [marker["event"] for marker in markers]
         expected = [
             {"response": 99}.get(event, CODES[event]) for event in events if event != "text_start"
         ]
         assert list(line.read(len(expected))) == expected
+    assert stamps(markers, "prompt_onset") == trials(data, "onset_ns")
+    assert stamps(markers, "response") == trials(data, "response_ns")
+    sent = msgspec.json.encode(markers).decode()
+    said = "SELECT json_extract(final, '$.text') AS text FROM actions WHERE text != ''"
+    texts = [text for (text,) in stored(data, said)]
+    assert texts
+    assert not [text for text in ("P01", *texts) if text in sent], (
+        "neither codes nor words are sent"
+    )
 
 
 async def test_an_unplugged_line_is_told(
@@ -158,44 +141,6 @@ async def test_an_unplugged_line_is_told(
     assert len(trials(data, "response_ns")) == 4
     closed = closing(driver)
     assert closed["lost"] > 0
-
-
-@pytest.mark.slow
-async def test_in_patient_mode_lost_markers_are_told_later(
-    opened: OpenApp, data: Path, failed: Failed
-) -> None:
-    pytest.importorskip("serial")
-    known(data)
-    Passphrase(data).set("horse staple")
-    with serial_line() as line:
-        address = f"serial:{line.name}?pulse=0"
-        async with opened(patient="P01", markers=[address]) as driver:
-            await driver.press("enter")
-            line.read(1)
-            line.unplug()
-            await driver.press("enter")
-            await driver.do_attempt(await driver.begin())
-            await failed(driver)
-            assert not driver.sees("takes no markers"), "the participant is alone"
-            await driver.finish(await driver.begin())
-            await driver.press("enter")
-            assert f"No markers go to {address}" in "\n".join(driver.app.leaving.lines(0))
-
-
-@pytest.mark.slow
-async def test_the_next_run_is_sent(opened: OpenApp, open_session: OpenSession, data: Path) -> None:
-    async with open_session() as driver:
-        await driver.do_attempt(await driver.to_first_prompt())
-        session = driver.session_id
-    with udp_receiver() as receiver:
-        async with opened(session, markers=[receiver.address]) as driver:
-            await driver.press("enter")
-            await driver.wait(300)
-            await driver.finish(await driver.begin())
-        markers = receiver.until("session_end")
-    assert [marker["run"] for marker in markers if marker["event"] == "session_start"] == [2]
-    assert markers[0]["event"] == "session_start"
-    assert stamps(markers, "prompt_onset") == trials(data, "onset_ns")[2:]
 
 
 def closing(driver: AppDriver) -> dict[str, Any]:

@@ -8,15 +8,13 @@ import sys
 from pathlib import Path
 
 import pytest
-from textual.events import Key, Resize
-from textual.geometry import Size
+from textual.events import Key
 
 from sar_tui.app.app import SarTui
 from sar_tui.app.screens.home import HomeScreen
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
-from sar_tui.store.database import StoreError
 from tests.app.app_driver import AppDriver, OpenApp, known, stored
 from tests.settle import settle
 
@@ -85,23 +83,6 @@ async def test_an_early_ctrl_q_ends_the_app(data: Path, catalogue: Catalogue) ->
         await settle(app)
         assert not app.is_running
         assert app.return_code == 0
-
-
-async def test_a_window_may_grow_before_the_filling(data: Path, catalogue: Catalogue) -> None:
-    known(data, "P01")
-    app = SarTui(data, catalogue)
-    driver = AppDriver(app, VirtualClock(SECOND))
-    app.post_message(Resize(Size(80, 24), Size(80, 24)))
-    async with app.run_test(size=(60, 20)) as driver.pilot:
-        await driver.resize(80, 24)
-        driver.see("P01")
-
-
-def test_no_screen_opens_without_a_database(data: Path, catalogue: Catalogue) -> None:
-    data.mkdir()
-    (data / "sar-tui.db").write_text("Dear diary, today I was a text file.")
-    with pytest.raises(StoreError, match="is not a SQLite database"):
-        SarTui(data, catalogue)
 
 
 async def test_at_home_garbage_is_freed(opened: OpenApp, monkeypatch: pytest.MonkeyPatch) -> None:

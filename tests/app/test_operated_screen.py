@@ -1,5 +1,7 @@
 """The participant sees the operator's decisions and nothing else of the panel."""
 
+from typing import Literal
+
 import pytest
 
 from sar_tui.loop.topics import (
@@ -7,7 +9,6 @@ from sar_tui.loop.topics import (
     ARBITER_STATE,
     COMMAND,
     DECISION,
-    DROPPED,
     PENDING_APPROVAL,
     PRESENCE,
 )
@@ -18,6 +19,7 @@ from tests.app.fake_voice import Voice
 
 APPROVE = {"operator_feedback": "approve", "operator_time_ms": 20_000, "encouragement": False}
 ANA = "operator.ana"
+EDITED = "You held on [b]well[/b]."
 
 
 async def to_proposal(driver: AppDriver) -> m.PendingApproval:
@@ -30,32 +32,23 @@ async def to_proposal(driver: AppDriver) -> m.PendingApproval:
     return states[-1].pending[0]
 
 
-async def decide(
-    driver: AppDriver, pending: m.PendingApproval, verdict: str, **how: object
-) -> None:
-    decision = m.Decision(action=pending.proposal.id, verdict=verdict, actor=ANA, **how)  # type: ignore[arg-type]
-    driver.session.bus.post(DECISION, decision)
-    await driver.settle()
-
-
-@pytest.mark.parametrize("verdict", ["accept", "veto"])
+@pytest.mark.parametrize(("verdict", "text"), [("accept", ""), ("veto", ""), ("edit", EDITED)])
 async def test_a_filler_disappears_after_the_wait_and_only_the_decision_is_shown(
-    open_session: OpenSession, catalogue: Catalogue, verdict: str
+    open_session: OpenSession,
+    catalogue: Catalogue,
+    verdict: Literal["accept", "veto", "edit"],
+    text: str,
 ) -> None:
     async with open_session(**APPROVE) as driver:
         pending = await to_proposal(driver)
         assert driver.said in catalogue.theme("calm").phrases["filler"]
         assert "Press Enter" not in driver.text
-        await decide(driver, pending, verdict)
-        assert driver.said == (pending.proposal.text if verdict == "accept" else "")
+        decision = m.Decision(action=pending.proposal.id, verdict=verdict, actor=ANA, text=text)
+        driver.session.bus.post(DECISION, decision)
+        await driver.settle()
+        shown = {"accept": pending.proposal.text, "veto": "", "edit": EDITED}
+        assert driver.said == shown[verdict]
         assert "Press Enter for attempt 2 of 2." in driver.text
-
-
-async def test_edited_feedback_is_in_the_operators_words(open_session: OpenSession) -> None:
-    async with open_session(**APPROVE) as driver:
-        pending = await to_proposal(driver)
-        await decide(driver, pending, "edit", text="You held on [b]well[/b].")
-        assert driver.said == "You held on [b]well[/b]."
         for word in ("operator", "ana", "approve"):
             assert word not in driver.text.lower().split()
 
@@ -65,57 +58,34 @@ VETO_GOODBYE = {
 }  # fmt: skip
 
 
-async def to_goodbye(
-    driver: AppDriver, *, ended_by: str
-) -> tuple[m.PendingApproval, list[str], list[str]]:
-    """Continue to the end of a session in which the goodbye may be vetoed; return what is said and
-    dropped.
-    """
-    said: list[str] = []
-    dropped: list[str] = []
-    asked: list[m.PendingApproval] = []
-    driver.session.bus.post(PRESENCE, m.OperatorChanged(actor=ANA, state="joined", operated=True))
-    first = await driver.to_first_prompt()
-    bus = driver.session.bus
-    bus.subscribe(ACTION, lambda action: said.append(action.kind))
-    bus.subscribe(DROPPED, lambda one: dropped.append(one.id))
-    bus.subscribe(PENDING_APPROVAL, asked.append)
-    if ended_by == "the participant":
-        await driver.do_attempt(first)
+@pytest.mark.parametrize("is_vetoed", [False, True])
+async def test_the_goodbye_precedes_the_end_unless_it_is_vetoed(
+    open_session: OpenSession, is_vetoed: bool
+) -> None:
+    async with open_session(**VETO_GOODBYE) as driver:
+        said: list[str] = []
+        asked: list[m.PendingApproval] = []
+        bus = driver.session.bus
+        bus.subscribe(ACTION, lambda action: said.append(action.kind))
+        bus.subscribe(PENDING_APPROVAL, asked.append)
+        bus.post(PRESENCE, m.OperatorChanged(actor=ANA, state="joined", operated=True))
+        await driver.do_attempt(await driver.to_first_prompt())
         await driver.wait(10_000)
         await driver.see_the_summary()
-    else:
-        bus.post(COMMAND, m.SessionCommand(command="end", actor=ANA))
-        await driver.settle()
-    return asked[-1], said, dropped
-
-
-@pytest.mark.parametrize("ended_by", ["the participant", "the operator"])
-async def test_the_goodbye_precedes_the_end(open_session: OpenSession, ended_by: str) -> None:
-    async with open_session(**VETO_GOODBYE) as driver:
-        pending, said, _ = await to_goodbye(driver, ended_by=ended_by)
-        assert pending.proposal.kind == "goodbye"
+        proposal = asked[-1].proposal
+        assert proposal.kind == "goodbye"
         assert "One moment…" in driver.text
-        assert "Press Enter to finish." not in driver.text
         await driver.press("enter")
         assert driver.screen_name == "SessionScreen"
-        await driver.wait(10_000)
-        assert said[-1] == "goodbye"
-        assert driver.said == pending.proposal.text
+        if is_vetoed:
+            bus.post(DECISION, m.Decision(action=proposal.id, verdict="veto", actor=ANA))
+            await driver.wait(300)
+            assert "goodbye" not in said
+        else:
+            await driver.wait(10_000)
+            assert said[-1] == "goodbye"
+            assert driver.said == proposal.text
         assert "Press Enter to finish." in driver.text
-        await driver.press("enter")
-        assert driver.app.live is not None
-        assert driver.app.live.is_closed
-
-
-async def test_a_vetoed_goodbye_is_not_waited_for(open_session: OpenSession) -> None:
-    async with open_session(**VETO_GOODBYE) as driver:
-        pending, said, dropped = await to_goodbye(driver, ended_by="the participant")
-        await decide(driver, pending, "veto")
-        assert dropped[-1] == pending.proposal.id
-        assert "goodbye" not in said
-        assert "Press Enter to finish." in driver.text
-        await driver.wait(300)
         await driver.press("enter")
         assert driver.app.live is not None
         assert driver.app.live.is_closed

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.loop.task import Task
 from sar_tui.loop.topics import CUE
 from sar_tui.model.messages import Prompt
 from sar_tui.plugins import Catalogue
@@ -21,11 +20,6 @@ SHORT = {"attempts": 1, "prompts_per_attempt": 2}
 WALL = 39
 """The column between the halves of a terminal of 80."""
 Play = Callable[..., Plan]
-
-
-@pytest.fixture
-def pairs(catalogue: Catalogue) -> type[Task]:
-    return catalogue.task("pairs")
 
 
 @pytest.fixture
@@ -77,7 +71,9 @@ async def test_in_turn_the_letter_is_in_ones_half(opened: OpenApp, play: Play) -
         assert [fault.error for fault in driver.session.faults] == []
 
 
-async def test_in_a_race_each_half_has_a_letter(opened: OpenApp, play: Play) -> None:
+async def test_in_a_race_each_half_has_a_letter_and_its_own_results(
+    opened: OpenApp, play: Play
+) -> None:
     async with opened(play("race")) as driver:
         prompt = await driver.to_first_prompt()
         left, right = halves(driver)
@@ -100,6 +96,12 @@ async def test_in_a_race_each_half_has_a_letter(opened: OpenApp, play: Play) -> 
             == 1
         )
         assert [fault.error for fault in driver.session.faults] == []
+        await driver.press("enter")
+    async with opened() as driver:
+        driver.see("Sessions of P01", "with P02")
+        await driver.press("f6", "enter")
+        assert driver.screen_name == "PastSessionScreen"
+        driver.see("P01: You did 1 attempt", "P02: You did 1 attempt")
 
 
 async def test_the_agent_looks_to_a_side_in_one_frame_and_then_is_still(
@@ -143,14 +145,6 @@ async def test_only_the_gaze_announces_the_side(opened: OpenApp, play: Play) -> 
         assert "your turn" not in "".join(halves(driver))
 
 
-async def test_a_session_of_two_in_spanish(opened: OpenApp, play: Play) -> None:
-    async with opened(play("alternate", language="es")) as driver:
-        assert driver.sees("Me alegra verles.") or driver.sees("Les doy la bienvenida.")
-        prompt = await driver.to_first_prompt()
-        assert "[ Izquierda: ahora ]" in halves(driver)[0]
-        driver.see(f"Izquierda: {prompt.expected}")
-
-
 async def test_home_asks_for_the_second_participant(opened: OpenApp, data: Path) -> None:
     with closing(connect(data)) as database:
         for code in ("P02", "P01"):
@@ -179,49 +173,24 @@ async def test_home_asks_for_the_second_participant(opened: OpenApp, data: Path)
         assert found == [("A", "P01"), ("B", "P09")]
 
 
-async def test_a_past_session_of_two_shows_the_results_of_both(opened: OpenApp, play: Play) -> None:
-    async with opened(play("race")) as driver:
-        await press_theirs(driver, await driver.to_first_prompt())
-        await press_theirs(driver, await driver.to_prompt())
-        await driver.see_the_summary()
-        await driver.press("enter")
-    async with opened() as driver:
-        driver.see("Sessions of P01", "with P02")
-        driver.app.screen.query_one("#recent").focus()
-        await driver.press("enter")
-        assert driver.screen_name == "PastSessionScreen"
-        driver.see("P01: You did 1 attempt", "P02: You did 1 attempt")
-
-
-async def test_a_code_stands_over_its_half(opened: OpenApp, play: Play) -> None:
-    async with opened(play("alternate", address="code")) as driver:
-        prompt = await driver.to_first_prompt()
-        left, right = halves(driver)
-        assert "[ Left · P01: your turn ]" in left
-        assert right.split() == ["Right", "·", "P02"]
-        driver.see(f"P01: {prompt.expected}")
-        driver.lacks("Left:")
-
-
-async def test_a_code_too_long_to_fit_beside_the_seat_is_shown_alone(
-    opened: OpenApp, catalogue: Catalogue, pairs: type[Task]
+@pytest.mark.parametrize(
+    ("code", "turn"),
+    [
+        ("P01", "[ Left · P01: your turn ]"),
+        ("LONG-LONG-LONG-LONGER", "[ LONG-LONG-LONG-LONGER: your turn ]"),
+    ],
+    ids=["beside the seat", "alone if there is no room for both"],
+)
+async def test_a_code_stands_over_its_half(
+    opened: OpenApp, catalogue: Catalogue, code: str, turn: str
 ) -> None:
-    code = "LONG-LONG-LONG-LONGER"
     plan = make_plan(catalogue, "pairs", [code, "P02"], SHORT | {"address": "code"}, seed=7)
     async with opened(plan) as driver:
-        await driver.to_first_prompt()
+        prompt = await driver.to_first_prompt()
         left, right = halves(driver)
-        assert f"[ {code}: your turn ]" in left
-        assert "Left" not in left
-        assert "Right · P02" in right
-
-
-async def test_synchrony_counts_the_joint_responses(opened: OpenApp, play: Play) -> None:
-    async with opened(play("cooperative", window_ms=400)) as driver:
-        await press_theirs(driver, await driver.to_first_prompt(), 300, 500)
-        await press_theirs(driver, await driver.to_prompt(), 300, 900)
-        await driver.see_the_summary()
-        driver.see("Together in 1 of 2.")
+        assert turn in left
+        assert right.split() == ["Right", "·", "P02"]
+        driver.see(f"{code}: {prompt.expected}")
 
 
 async def test_the_plots_of_two_have_the_same_axis(opened: OpenApp, play: Play) -> None:
@@ -239,19 +208,3 @@ async def test_the_plots_of_two_have_the_same_axis(opened: OpenApp, play: Play) 
         ]
         assert [left for left, _ in ticks] == [right for _, right in ticks]
         assert [left for left, _ in ticks] == [["1"], ["0"]]
-
-
-async def test_the_summary_reports_the_cost_of_an_invalid_cue(opened: OpenApp, play: Play) -> None:
-    async with opened(play("joint attention", prompts_per_attempt=12)) as driver:
-        prompt = await driver.to_first_prompt()
-        for number in range(12):
-            await press_theirs(driver, prompt, 300, 300)
-            if number < 11:
-                prompt = await driver.to_prompt()
-        await driver.see_the_summary()
-        effects = driver.stored(
-            "SELECT json_extract(qualities, '$.congruency_effect_ms') FROM attempts ORDER BY seat"
-        )
-        assert None not in [effect for (effect,) in effects], "both kinds came up for each"
-        for (effect,) in effects:
-            driver.see(f"minus when I looked to yours: {effect / 1000:.2f} seconds.")

@@ -2,8 +2,7 @@
 
 import pytest
 
-from tests.app.app_driver import AppDriver, OpenApp, OpenSession
-from tests.examples import first
+from tests.app.app_driver import AppDriver, OpenSession
 from tests.recorded import said
 
 
@@ -36,11 +35,9 @@ async def test_escape_pauses_before_an_attempt_and_returns_there(driver: AppDriv
 async def test_the_menu_is_used_with_arrows_and_enter(driver: AppDriver) -> None:
     await driver.to_first_prompt()
     await driver.press("escape")
-    driver.see("Go on", "I am tired", "I am in pain", "I am finished", "For the therapist")
+    await driver.press("down", "enter", "escape")
+    assert driver.sees("Have a rest"), "a second Escape changes nothing"
     await driver.press("down", "enter")
-    driver.see("Take all the rest you need.")
-    await driver.press("down", "enter")
-    driver.see("Tell your therapist or the experimenter about the pain")
     await driver.press("enter")
     await driver.to_prompt()
     reasons = [
@@ -59,6 +56,11 @@ async def test_the_agent_rests_with_the_participant(driver: AppDriver) -> None:
     await driver.do_attempt(await driver.to_first_prompt())
     assert driver.said
     assert "you ━" in driver.text
+    said = driver.said
+    await driver.press("escape")
+    assert driver.said == ""
+    await driver.press("enter")
+    assert driver.said == said
     await driver.press("escape", "down", "enter")
     assert driver.said == ""
     assert "─   ─ z" in driver.text, "it sleeps"
@@ -68,20 +70,6 @@ async def test_the_agent_rests_with_the_participant(driver: AppDriver) -> None:
     await driver.press("enter")
     assert "you ━" not in driver.text, "no result without its words"
     driver.see("Your goal: ")
-
-
-async def test_pain_in_a_pause_is_stored(opened: OpenApp, open_session: OpenSession) -> None:
-    async with open_session() as driver:
-        await driver.to_first_prompt()
-        await driver.press("escape", "down", "down", "enter")
-    async with opened() as driver:
-        driver.see("interrupted: Enter resumes, pain")
-
-
-async def test_a_second_escape_changes_nothing(driver: AppDriver) -> None:
-    await driver.to_first_prompt()
-    await driver.press("escape", "down", "enter", "escape")
-    driver.see("Have a rest")
 
 
 @pytest.mark.parametrize(("keys", "goes_on"), [(["enter"], True), (["down", "enter"], False)])
@@ -106,10 +94,9 @@ async def test_only_ending_asks_for_confirmation(
     assert driver.stored("SELECT count(*) FROM trials") == [(1,)]
 
 
-@pytest.mark.parametrize("key", first(1, ["f1", "ctrl+p"]))
-async def test_help_or_the_palette_over_a_trial_pauses_it(driver: AppDriver, key: str) -> None:
+async def test_help_over_a_trial_pauses_it(driver: AppDriver) -> None:
     await driver.to_first_prompt()
-    await driver.press(key)
+    await driver.press("f1")
     assert "Press: " not in driver.text
     assert driver.waiting.stage == "paused"
     await driver.press("escape")
@@ -129,26 +116,3 @@ async def test_a_window_made_too_small_pauses_a_trial_and_recovers(driver: AppDr
     assert (await driver.to_prompt()).text == prompt.text
     assert prompt.text in driver.text
     assert driver.stored("SELECT * FROM trials") == []
-
-
-@pytest.mark.parametrize("size", first(1, [(80, 24), (160, 50)]))
-async def test_in_a_pause_it_is_silent(open_session: OpenSession, size: tuple[int, int]) -> None:
-    async with open_session(encouragement=False, size=size) as driver:
-        await driver.do_attempt(await driver.to_first_prompt())
-        said = driver.said
-        await driver.press("escape")
-        robot, menu = (
-            driver.app.screen.query_one(name).region for name in ("#agent .robot", "#menu")
-        )
-        assert 0 <= menu.y - robot.bottom <= 1
-        assert abs(menu.center[0] - robot.center[0]) <= 1
-        driver.lacks(said)
-        assert not driver.sees("Skip this attempt"), (
-            "only somebody who trains alone decides that alone"
-        )
-        await driver.press("enter")
-        assert driver.said == said
-        await driver.press("escape", "down", "enter", "enter")
-        assert driver.app.screen.query_one("#agent .robot").region.x == robot.x, (
-            "without words it stays there"
-        )

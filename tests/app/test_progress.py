@@ -110,38 +110,24 @@ async def test_a_note_is_copied_and_a_page_is_written_and_never_over_another(
     assert "Keyboard reaction" in written[0].read_text(encoding="utf-8")
 
 
-@pytest.mark.slow
-async def test_scores_are_entered(opened: OpenApp, data: Path, catalogue: Catalogue) -> None:
-    known(data)
-    async with opened() as driver:
-        await open_progress(driver, catalogue)
-        await driver.press("left")
-        driver.see("Nothing is recorded yet.")
-        assert "Compare" not in driver.rows[-1]
-        assert "Remove" not in driver.rows[-1]
-        await driver.press("a", "enter", "A", "R", "enter")
-        driver.see("Score, 0 to 57 points; higher is better")
-        await driver.press(*"58")
-        driver.see("Score lies within 0 to 57 points, not at 58.")
-        await driver.press("backspace", "7", "enter", *"left", "enter")
-        driver.see("ARAT 57, left")
-        await driver.press("a", "tab", "tab", "7")
-        driver.see("This replaces 57 of the same day.")
-        await driver.press("escape", "delete")
-        driver.see("The database keeps it")
-        await driver.press("enter")
-        driver.see("Nothing is recorded yet.")
-        assert driver.stored("SELECT version, removed FROM records") == [(1, 0), (2, 1)]
-
-
-async def test_a_new_score_is_chosen(opened: OpenApp, data: Path, catalogue: Catalogue) -> None:
+async def test_scores_are_entered_replaced_and_removed(
+    opened: OpenApp, data: Path, catalogue: Catalogue
+) -> None:
     known(data)
     with closing(connect(data)) as database:
         score(database, "P01", "BBT", "2026-03-01", 20)
     async with opened() as driver:
         await open_progress(driver, catalogue)
         await driver.press("left", "a", "tab", "tab", *"25", "enter", "enter")
-        driver.see(f"▸ {date.today()} BBT 25")
+        assert driver.sees(f"▸ {date.today()} BBT 25"), "the new one is chosen"
+        await driver.press("a", "tab", "tab", "7")
+        driver.see("This replaces 25 of the same day.")
+        await driver.press(*"000")
+        driver.see("not at 7000.")
+        await driver.press("escape", "delete", "enter")
+        driver.see("BBT 20")
+        driver.lacks("BBT 25")
+        assert driver.stored("SELECT version, removed FROM records") == [(1, 0), (1, 0), (2, 1)]
 
 
 async def test_an_event_gets_its_outcome(opened: OpenApp, data: Path, catalogue: Catalogue) -> None:

@@ -47,14 +47,6 @@ async def test_a_prompt_repaints_itself(driver: AppDriver, monkeypatch: pytest.M
     assert all(stage.contains_region(Region(left, y, right - left, 1)) for y, left, right in spans)
 
 
-async def test_no_widget_of_a_session_is_animated(driver: AppDriver) -> None:
-    await driver.to_first_prompt()
-    assert not driver.app.animator._animations
-    for widget in driver.app.screen.walk_children(with_self=True):
-        assert widget.auto_refresh is None, widget
-        assert not [timer for timer in widget._timers if timer._active.is_set()], widget
-
-
 async def test_no_garbage_is_collected_while_a_response_is_awaited(
     open_session: OpenSession, monkeypatch: pytest.MonkeyPatch
 ) -> None:

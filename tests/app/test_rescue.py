@@ -7,13 +7,11 @@ import os
 import sqlite3
 from contextlib import closing
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from sar_tui.app import app as app_module
-from sar_tui.app.app import SarTui, run_app
+from sar_tui.app.app import SarTui
 from sar_tui.app.live import LiveSession
 from sar_tui.loop.task import Task
 from sar_tui.loop.topics import STORAGE
@@ -36,22 +34,17 @@ def delete(data: Path) -> None:
         path.unlink()
 
 
-async def test_a_session_that_goes_on_elsewhere_pauses_and_says_so(driver: AppDriver) -> None:
+@pytest.mark.parametrize("keys", [[], ["escape"]], ids=["in a trial", "in a pause"])
+async def test_a_session_that_goes_on_elsewhere_pauses_and_says_so(
+    driver: AppDriver, keys: list[str]
+) -> None:
     prompt = await driver.to_first_prompt()
-    driver.session.bus.post(STORAGE, StorageChanged(working=True, reason=WHERE))
-    await driver.settle()
-    driver.see("Everything is saved again.", f"For the experimenter: {WHERE}")
-    driver.see("Press Enter to go on.")
-    await driver.press("enter")
-    assert (await driver.to_prompt()).text == prompt.text
-
-
-async def test_a_pause_by_the_participant_gives_way_to_the_news(driver: AppDriver) -> None:
-    await driver.to_first_prompt()
-    await driver.press("escape")
+    await driver.press(*keys)
     driver.session.bus.post(STORAGE, StorageChanged(working=True, reason=WHERE))
     await driver.settle()
     driver.see(f"For the experimenter: {WHERE}")
+    await driver.press("enter")
+    assert (await driver.to_prompt()).text == prompt.text
 
 
 async def _settled(app: SarTui, is_so: Any) -> None:
@@ -142,23 +135,6 @@ async def test_the_screen_stays_until_the_session_is_written(
         assert driver.app.is_running
         is_written.set()
         await _settled(driver.app, lambda: not driver.app.is_running)
-
-
-def test_the_exit_code_reports_a_session_that_is_not_in_the_database(
-    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    rescued = SimpleNamespace(
-        unsaved=0, rescued=WHERE, can_be_joined=False, is_mistake=False, is_closed=True, trouble="",
-        run=SimpleNamespace(id="x"), session=SimpleNamespace(ended=True, broken=None),
-        close=lambda app: None,
-    )  # fmt: skip
-
-    async def left(app: SarTui) -> None:
-        app.live = rescued  # type: ignore[assignment]
-
-    monkeypatch.setattr(app_module.SarTui, "run_async", left)
-    monkeypatch.setattr("sar_tui.tui.base_app.stamp_keys_as_read", lambda: None)
-    assert run_app(data, catalogue) == 1
 
 
 @posix

@@ -13,14 +13,13 @@ from sar_tui.app.screens.settings import FieldPanel, SettingsScreen
 from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.declaration import meta, show
-from sar_tui.rules.parameters import build, fields, grouped
+from sar_tui.rules.parameters import build, fields
 from sar_tui.store import programmes
 from sar_tui.store.database import connect
 from sar_tui.store.programmes import Programme
 from sar_tui.widgets.choice import Choice
 from sar_tui.widgets.parameter_field import ParameterField
 from tests.app.app_driver import AppDriver, OpenApp, known, stored
-from tests.examples import first
 
 
 def panels(driver: AppDriver) -> list[FieldPanel]:
@@ -98,31 +97,6 @@ async def test_settings_of_a_rule_that_is_not_chosen_are_marked(form: AppDriver)
     assert not meaning(form).startswith("Without effect")
 
 
-@pytest.mark.slow
-async def test_each_parameter_has_a_field(form: AppDriver, keyboard: type[Task]) -> None:
-    form.see("Settings of P01 for Keyboard reaction: version 1")
-    for heading, declared in grouped(keyboard.Parameters).items():
-        assert open_panels(form) == [heading or "Keyboard reaction"]
-        for each in declared:
-            widget = field(form, each.name)
-            assert widget.has_focus_within
-            text = form.text
-            assert each.title in text
-            assert each.unit in text
-            assert each.help in meaning(form)
-            if each.kind in ("int", "float"):
-                assert each.bounds[1:] in meaning(form)
-            await form.press("tab" if each is not declared[-1] else "pagedown")
-    assert open_panels(form) == ["Keyboard reaction"]
-
-
-async def test_tab_goes_from_groups_through_fields_to_buttons(form: AppDriver) -> None:
-    chain = [widget.id or type(widget).__name__ for widget in form.app.screen.focus_chain]
-    assert chain[0] == "groups"
-    assert chain[-4:] == ["save", "preset", "reset-all", "back"]
-    assert len(chain) == 1 + 6 + 4
-
-
 @pytest.mark.usefixtures("a_participant")
 async def test_any_parameter_has_a_field(opened: OpenApp, data: Path, keyboard: type[Task]) -> None:
     class More(keyboard.Parameters, frozen=True, kw_only=True):  # type: ignore[name-defined, misc]
@@ -151,7 +125,7 @@ async def test_any_parameter_has_a_field(opened: OpenApp, data: Path, keyboard: 
 
 
 @pytest.mark.slow
-async def test_values_are_checked_as_they_are_typed(form: AppDriver) -> None:
+async def test_values_are_checked_as_they_are_typed(form: AppDriver, keyboard: type[Task]) -> None:
     await fill(form, "attempts", "2x")
     assert meaning(form) == "Attempts is a whole number, 1 to 200, not 2x."
     form.see("1 to fix", "Session ! 1", "! Attempts 2x")
@@ -166,6 +140,9 @@ async def test_values_are_checked_as_they_are_typed(form: AppDriver) -> None:
     await fill(form, "start_level", "21")
     found = meaning(form)
     assert found == "There are only 20 levels in this choice of keys, so there is no level 21."
+    await fill(form, "start_level", "5")
+    keys = keyboard(build(keyboard.Parameters, {"start_level": 5}))
+    assert meaning(form).endswith(f"Level 5: {keys.level_name(5)}")
 
 
 async def test_an_invalid_value_gets_the_focus(form: AppDriver, data: Path) -> None:
@@ -189,24 +166,19 @@ async def test_an_unknown_sensor_is_told(first_run: AppDriver, catalogue: Catalo
 
 
 @pytest.mark.slow
-async def test_a_dot_marks_values_that_differ_from_the_default(opened: OpenApp, data: Path) -> None:
-    known(data, "P01", prompts_per_attempt=5)
-    async with opened() as driver:
-        await driver.press("f2")
-        driver.see("● Prompts per attempt 5")
-        driver.lacks("not saved")
-        await fill(driver, "prompts_per_attempt", "20")
-        driver.see("not saved")
-        assert "● Prompts" not in driver.text
-
-
-@pytest.mark.slow
 async def test_one_field_is_reset_or_all_of_them(form: AppDriver) -> None:
     await fill(form, "prompts_per_attempt", "5")
     await fill(form, "sequence_length", "6")
     await fill(form, "attempts", "7")
+    form.see("Session ● 1")
     await form.press("ctrl+r")
     form.see("Attempts 20")
+    form.lacks("Session ● 1")
+    await form.write("4")
+    assert field(form, "attempts").value == "4", "it replaces the default"
+    await form.press("ctrl+r", "end")
+    await form.write("4")
+    assert field(form, "attempts").value == "204", "unless the cursor is moved"
     assert show(field(form, "sequence_length").value) == "6"
     await go_to(form, "encouragement")
     await form.press("enter", "down", "enter")
@@ -216,36 +188,6 @@ async def test_one_field_is_reset_or_all_of_them(form: AppDriver) -> None:
     form.app.screen.query_one("#reset-all").focus()
     await form.press("enter")
     assert not any(widget.is_changed for widget in every_field(form))
-
-
-@pytest.mark.slow
-async def test_what_is_typed_after_a_reset_replaces_the_default(form: AppDriver) -> None:
-    await fill(form, "attempts", "7")
-    await form.press("ctrl+r")
-    await form.write("4")
-    assert field(form, "attempts").value == "4"
-    await form.press("ctrl+r", "end")
-    await form.write("4")
-    assert field(form, "attempts").value == "204", "unless the cursor is moved"
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("a_participant")
-@pytest.mark.parametrize(
-    "sizes", first(1, [((30, 5), (80, 24)), ((80, 24),), ((80, 30), (79, 24), (80, 24))])
-)
-async def test_the_focused_field_stays_in_view_in_a_smaller_window(
-    opened: OpenApp, sizes: tuple[tuple[int, int], ...]
-) -> None:
-    async with opened(size=(80, 50)) as driver:
-        await driver.press("f2")
-        await go_to(driver, "difficulty_policy")
-        for size in sizes:
-            await driver.resize(*size)
-        shown = panel(driver, "Difficulty")
-        focused = driver.app.focused
-        assert focused
-        assert focused.region in shown.region
 
 
 @pytest.mark.usefixtures("a_participant")
@@ -271,19 +213,6 @@ async def test_saved_settings_apply_to_the_next_session(opened: OpenApp, data: P
     ) == [(2,)]
 
 
-@pytest.mark.slow
-async def test_leaving_with_unsaved_changes_asks_once(form: AppDriver, data: Path) -> None:
-    await fill(form, "attempts", "3")
-    await form.press("escape")
-    assert form.screen_name == "SettingsScreen"
-    form.see("Not saved. Save with Ctrl-S, or")
-    await form.press("escape")
-    assert form.screen_name == "HomeScreen"
-    await form.press("f2", "escape")
-    assert form.screen_name == "HomeScreen"
-    assert stored_settings(data)["attempts"] == 20
-
-
 async def test_a_language_that_the_theme_lacks_is_told(opened: OpenApp, data: Path) -> None:
     known(data, "P01", language="de")
     async with opened() as driver:
@@ -300,10 +229,13 @@ async def test_a_language_that_the_theme_lacks_is_told(opened: OpenApp, data: Pa
     assert stored_settings(data)["language"] == "es"
 
 
-async def test_a_language_can_be_set_with_a_missing_theme(opened: OpenApp, data: Path) -> None:
-    known(data, "P01", theme="gone")
+async def test_a_language_can_be_set_with_a_missing_theme_and_an_obsolete_setting(
+    opened: OpenApp, data: Path
+) -> None:
+    known(data, "P01", theme="gone", tempo=3)
     async with opened() as driver:
         await driver.press("f2")
+        driver.see("These settings do not exist any more: tempo.")
         await fill(driver, "language", "es")
         assert meaning(driver).endswith("Default: en.")
 
@@ -321,34 +253,7 @@ async def test_outputs_are_picked_from_a_list_or_typed(form: AppDriver) -> None:
     assert field(form, "outputs").value == "ros://lab/x"
 
 
-@pytest.mark.slow
-@pytest.mark.usefixtures("a_participant")
-async def test_titles_fit_beside_the_values(first_run: AppDriver, catalogue: Catalogue) -> None:
-    for name in ("keyboard", "reaching", "pairs"):
-        first_run.app.push_screen(SettingsScreen("P01", catalogue.task(name)))
-        await first_run.settle()
-        for widget in every_field(first_run):
-            assert len(widget.field.title) < 24, widget.field.name
-
-
 # --- groups
-
-
-@pytest.mark.slow
-async def test_groups_count_what_differs_and_the_count_follows(opened: OpenApp, data: Path) -> None:
-    operator = {"operator_feedback": "approve", "operator_time_ms": 6000}
-    known(data, "P01", attempts=20, prompts_per_attempt=5, **operator)
-    async with opened() as driver:
-        await driver.press("f2")
-        driver.see("Keyboard reaction ● 1", "Operator ● 2")
-        assert panel(driver, "Session").summary == ""
-        await fill(driver, "operator_time_ms", "4000")
-        driver.see("Operator ● 1")
-        driver.app.screen.query_one("#groups").focus()
-        await driver.press("ctrl+r")
-        assert panel(driver, "Operator").summary == ""
-        assert field(driver, "prompts_per_attempt").is_changed
-        driver.see("not saved")
 
 
 async def test_arrows_and_page_keys_move_between_groups(form: AppDriver) -> None:
@@ -365,13 +270,6 @@ async def test_arrows_and_page_keys_move_between_groups(form: AppDriver) -> None
     assert open_panels(form) == ["Timing"]
 
 
-@pytest.mark.slow
-async def test_a_group_opens_with_a_click(form: AppDriver) -> None:
-    await form.pilot.click("#groups", offset=(3, 3))
-    await form.settle()
-    assert open_panels(form) == ["Difficulty"]
-
-
 async def test_settings_never_shown_are_saved_too(opened: OpenApp, data: Path) -> None:
     known(data, "P01", attempts=20, prompts_per_attempt=20, quiet_ms=700, operator_lost_ms=3000)
     async with opened() as driver:
@@ -384,22 +282,6 @@ async def test_settings_never_shown_are_saved_too(opened: OpenApp, data: Path) -
         await save(driver)
         assert not any(field(driver, name).is_mounted for name in ("quiet_ms", "operator_lost_ms"))
     assert stored_settings(data) == {}
-
-
-@pytest.mark.slow
-async def test_a_level_is_explained(opened: OpenApp, data: Path, catalogue: Catalogue) -> None:
-    known(data, "P01", start_level=5, choice_set="both hands")
-    async with opened() as driver:
-        await driver.press("f2")
-        await go_to(driver, "start_level")
-        assert meaning(driver).startswith("The level of the first attempt")
-        assert "Level 5: " in meaning(driver)
-        keys = catalogue.task("keyboard")(
-            build(catalogue.task("keyboard").Parameters, {"start_level": 5})
-        )
-        assert meaning(driver).endswith(f"Level 5: {keys.level_name(5)}")
-        await fill(driver, "start_level", "99")
-        assert "Level" not in meaning(driver).replace("level 99", "")
 
 
 # --- finding
@@ -477,18 +359,6 @@ async def test_a_change_by_somebody_else_is_told_and_kept(opened: OpenApp, data:
     ) == [(20,), (5,), (9,)]
 
 
-@pytest.mark.slow
-async def test_a_preset_fills_in_its_values_and_saves_nothing(form: AppDriver, data: Path) -> None:
-    form.app.screen.query_one("#preset").focus()
-    await form.press("enter")
-    form.see("moderate Shorter attempts")
-    await form.press("down", "enter")
-    form.see("● Prompts per attempt 15", "not saved")
-    assert stored_settings(data)["attempts"] == 20
-    await save(form)
-    assert stored_settings(data)["threshold"] == 1500
-
-
 async def test_a_preset_leaves_nothing_of_the_one_before(opened: OpenApp, data: Path) -> None:
     known(data, "P01", choice_set="left hand")
     folder = data / "presets" / "keyboard"
@@ -506,13 +376,6 @@ async def test_a_preset_leaves_nothing_of_the_one_before(opened: OpenApp, data: 
         driver.see("and stays: Language.")
         await save(driver)
     assert stored_settings(data) == {"choice_set": "left hand", "threshold": 700.0}
-
-
-async def test_settings_that_do_not_exist_any_more_are_told(opened: OpenApp, data: Path) -> None:
-    known(data, "P01", tempo=3)
-    async with opened() as driver:
-        await driver.press("f2")
-        driver.see("These settings do not exist any more: tempo.")
 
 
 # --- choices

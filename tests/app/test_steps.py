@@ -18,7 +18,6 @@ from sar_tui.runs.plan import make_plan
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
 from tests.app.app_driver import OpenApp, OpenSession, plan, stored
-from tests.app.test_reaching import reach, to_start
 from tests.recorded import said
 
 ENGLISH = Language()
@@ -113,28 +112,6 @@ async def test_without_consent_no_session_begins(
         assert replay(database, data, catalogue, sessions.find(database, data, session)).identical
 
 
-async def test_samples_need_consent(opened: OpenApp, data: Path, catalogue: Catalogue) -> None:
-    settings = {"attempts": 1, "imu": "simulated"}
-    asked = make_plan(catalogue, "reaching", ["P01"], settings, seed=7, steps=(CONSENT,))
-    async with opened(asked) as driver:
-        await driver.wait(300)
-        await driver.press("enter")
-        await driver.wait(2000)
-        await driver.press("enter")
-        await driver.wait(500)
-        await driver.press("1", "enter")
-        await to_start(driver)
-        await reach(driver)
-        await driver.see_the_summary()
-        session = driver.session_id
-    assert stored(data, "SELECT status, correct FROM sessions JOIN trials ON session=id") == [
-        ("completed", 1)
-    ]
-    assert stored(data, "SELECT sum(n) > 1000 FROM imu_chunks") == [(1,)]
-    with closing(connect(data)) as database:
-        assert replay(database, data, catalogue, sessions.find(database, data, session)).identical
-
-
 async def test_a_consent_that_was_interrupted_is_asked_again(
     opened: OpenApp, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
@@ -179,10 +156,6 @@ def test_options_are_ticked_and_the_cursor_points_at_one() -> None:
 def test_a_mark_stands_on_a_line_once_it_is_placed(place: int | None, at: int) -> None:
     line = shown(Step(name="a", text="A", kind="line"), Entry(place=place))[1]
     assert line.find("●") == at
-
-
-def test_who_is_asked_is_named_if_there_are_several() -> None:
-    assert shown(PLACES, who="Left")[0] == "Left: Where?"
 
 
 def test_a_screen_to_read_needs_no_answer() -> None:

@@ -10,7 +10,6 @@ from sar_tui.app.screens.summary import Summary
 from sar_tui.model.messages import AttemptEnded
 from sar_tui.model.trial_types import Metric
 from sar_tui.plugins import Catalogue
-from sar_tui.store import sessions
 from tests.app.app_driver import AppDriver, OpenSession, open_app
 from tests.tasks.test_documented_tasks import documented
 
@@ -98,18 +97,6 @@ async def test_a_therapist_sees_results_and_levels_over_attempts(plot: Plot) -> 
     assert lines[0].startswith("reaction time (s)")
     assert "◇ inaccurate" in lines[0], "fast enough, but too few were right"
     assert any("█" in line for line in lines)
-
-
-async def test_a_summary_without_its_parts_draws_nothing(driver: AppDriver) -> None:
-    await driver.do_session()
-    summary = driver.app.screen.query_one(Summary)
-    rows = sessions.rows(driver.app.database, "attempts", driver.session_id)
-    # asks to be drawn after the next refresh
-    summary.show([sessions.attempt_ended(row) for row in rows])
-    await summary.query_one("#plot", Static).remove()
-    await driver.settle()
-    summary.on_resize()
-    assert driver.app.is_running
 
 
 async def to_comparison(driver: AppDriver) -> None:

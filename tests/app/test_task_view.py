@@ -64,18 +64,6 @@ async def test_a_slider_follows_the_keys(
         assert [fault.error for fault in driver.session.faults] == []
 
 
-async def test_without_a_view_the_plain_prompt_is_drawn(
-    open_task: OpenSession, own_tasks: Path
-) -> None:
-    async with open_task(own_tasks / "sides", **SHORT) as driver:
-        prompt, between, summary = await play(driver)
-        assert "█" in prompt
-        assert [row.strip() for row in prompt.splitlines()].count("Press: f") == 1
-        assert "drawn" not in between
-        assert "The view" not in summary
-        assert [fault.error for fault in driver.session.faults] == []
-
-
 FAULTS = [
     (VIEW, "raise RuntimeError('no such file')", "load"),
     ("return [(f", "return [(prompt.nothing + f", "prompt_lines"),
@@ -108,20 +96,6 @@ async def test_a_view_that_fails_is_recorded_and_the_session_goes_on(
         assert {fault["topic"] for fault in faults} == {topic}
         assert {fault["node"] for fault in faults} == {"view"}
         assert driver.stored("SELECT count(*) FROM trials WHERE correct") == [(4,)]
-
-
-async def test_a_session_whose_view_failed_is_resumed(
-    open_task: OpenSession, data: Path, own_tasks: Path
-) -> None:
-    (own_tasks / "sides" / "view.py").write_text("raise RuntimeError('no such file')")
-    async with open_task(own_tasks / "sides", **SHORT) as driver:
-        await driver.do_attempt(await driver.to_first_prompt())
-        session = driver.session_id
-    async with open_app(data, Catalogue(tasks=(own_tasks,)), session) as driver:
-        driver.see("Welcome back")
-        await driver.press("enter")
-        await driver.to_prompt() if driver.waiting.stage == "trial" else await driver.begin()
-        assert "█" in driver.text
 
 
 @pytest.fixture

@@ -4,6 +4,7 @@ import os
 import shutil
 from collections.abc import AsyncIterator, Callable
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 from textual.widgets import OptionList
@@ -14,7 +15,6 @@ from sar_tui.loop.task import Task
 from sar_tui.model.theme import Theme
 from sar_tui.plugins import Catalogue
 from tests.app.app_driver import AppDriver, known, open_app, plan
-from tests.examples import first
 
 HAPPY_EYES = "│  ◠   ◠  │"
 
@@ -139,21 +139,30 @@ def test_a_theme_with_problems_is_applied_and_the_problems_reported(
     assert notices in editor.notices[0]
 
 
-def test_a_removed_theme_stays_applied(folder: Path, editor: Editor) -> None:
-    shutil.rmtree(folder)
+@pytest.mark.parametrize("fault", [OSError("gone"), ValueError("embedded null byte")])
+def test_a_folder_that_cannot_be_accessed_is_told_and_the_theme_stays_applied(
+    editor: Editor, themes: Catalogue, monkeypatch: pytest.MonkeyPatch, fault: Exception
+) -> None:
+    monkeypatch.setattr(themes, "theme_folder", Mock(side_effect=fault))
     editor.look(3)
     assert editor.applied == []
-    assert len(editor.notices) == 1
+    assert editor.notices == [
+        f"The theme mine cannot be read: {fault}. The previous version stays in use."
+    ]
 
 
 # --- the app
 
 
-async def test_home_changes_its_colours(at_home: AppDriver, folder: Path) -> None:
-    assert at_home.app.theme == "sar-mine"
+async def test_home_changes_its_colours_and_reports_a_faulty_edit_at_once(
+    at_home: AppDriver, folder: Path
+) -> None:
     edit(folder, "#10171e", "#30171e")
     await look(at_home)
     assert at_home.app.screen.styles.background.hex.lower() == "#30171e"
+    edit(folder, "[colors]", "[colors")
+    await look(at_home)
+    at_home.see("The theme mine cannot be read")
     assert at_home.app.theme == "sar-mine"
 
 
@@ -182,24 +191,6 @@ async def test_in_a_session_face_colours_and_later_utterances_change(
         assert applied[-1]["theme"]["colors"]["background"] == "#30171e"
 
 
-async def test_a_session_in_spanish_stays_in_spanish_when_its_theme_is_edited(
-    data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
-) -> None:
-    async with open_app(
-        data, themes, plan(themes, keyboard, theme="mine", language="es")
-    ) as driver:
-        edit(folder, "#10171e", "#30171e")
-        await look(driver)
-        assert driver.session.theme.language == "es"
-        assert driver.session.theme.colors.background == "#30171e"
-
-
-async def test_home_reports_a_faulty_edit_at_once(at_home: AppDriver, folder: Path) -> None:
-    edit(folder, "[colors]", "[colors")
-    await look(at_home)
-    at_home.see("The theme mine cannot be read")
-
-
 async def test_a_fault_is_told_later(at_home: AppDriver, folder: Path, themes: Catalogue) -> None:
     await at_home.press("enter", "enter", "enter", "enter")
     edit(folder, "[colors]", "[colors")
@@ -224,58 +215,6 @@ async def test_a_faulty_edit_is_reported_on_the_terminal_unless_it_was_fixed(
     edit(folder, '"blueish"', '"#7cc4e8"')
     await look(mine)
     assert mine.app.themes.pending_notice == ""
-
-
-async def test_in_a_session_the_palette_lists_no_theme(mine: AppDriver, folder: Path) -> None:
-    await mine.press("ctrl+p")
-    mine.see("Quit")
-    mine.lacks("Theme:")
-    await mine.press("escape")
-    edit(folder, "#10171e", "#30171e")
-    await look(mine)
-    assert mine.session.theme.colors.background == "#30171e"
-
-
-@pytest.mark.parametrize("name", first(1, ["a\\u0000b.png", "a" * 300]))
-async def test_an_invalid_image_is_left_out_at_any_time(
-    data: Path, folder: Path, themes: Catalogue, keyboard: type[Task], name: str
-) -> None:
-    async with open_app(data, themes, plan(themes, keyboard, theme="mine")) as driver:
-        edit(folder, "[gestures]", f'[images]\nhappy = "{name}"\n[gestures]')
-        await look(driver)
-        assert driver.session.theme.repairs[0].startswith("There is no image a")
-    async with open_app(data, themes) as driver:
-        assert "mine" in driver.app.themes.known
-
-
-@pytest.mark.parametrize("fault", [OSError("gone"), ValueError("embedded null byte")])
-def test_a_folder_that_cannot_be_accessed_is_reported(
-    folder: Path,
-    editor: Editor,
-    themes: Catalogue,
-    monkeypatch: pytest.MonkeyPatch,
-    fault: Exception,
-) -> None:
-
-    def fail(_: str) -> Path:
-        raise fault
-
-    monkeypatch.setattr(themes, "theme_folder", fail)
-    editor.look(3)
-    assert editor.notices == [
-        f"The theme mine cannot be read: {fault}. The previous version stays in use."
-    ]
-
-
-async def test_a_theme_without_english_is_applied_in_its_own_language(
-    data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
-) -> None:
-    (folder / "phrases.en.toml").unlink()
-    edit(folder, "#10171e", "#30171e")
-    async with open_app(
-        data, themes, plan(themes, keyboard, theme="mine", language="es")
-    ) as driver:
-        assert driver.app.screen.styles.background.hex.lower() == "#30171e"
 
 
 # --- the beginning

@@ -1,31 +1,23 @@
 """Texts of themes, tasks, operators and sessions are drawn visibly by all three apps."""
 
-import json
 from pathlib import Path
 from typing import Any
 
 import msgspec
-import pytest
 from rich.segment import Segment
 from rich.style import Style
 from textual.color import Color
-from textual.widgets import Static
 
 from sar_tui.app.agent.app import AgentApp
-from sar_tui.cli.scaffold import new_theme
-from sar_tui.link import discovery
-from sar_tui.link.discovery import JoinableSession
 from sar_tui.loop import topics as t
 from sar_tui.loop.task import Task
 from sar_tui.model import messages as m
 from sar_tui.model.theme import Theme
 from sar_tui.model.trial_types import Metric, Result, Situation, Stimulus, Trial
-from sar_tui.operator.app import WizardApp
 from sar_tui.plugins import Catalogue
 from sar_tui.tui.base_app import BaseApp, VisibleLines
-from tests.app.app_driver import OpenApp, known, open_app, plan
+from tests.app.app_driver import OpenApp, plan
 from tests.app.test_agent_view import BETWEEN, Link, said
-from tests.edit import edit
 from tests.hostile import HOSTILE, leaks
 from tests.operator.panel_driver import approval, frame, open_panel, proposal
 from tests.settle import settle
@@ -74,50 +66,27 @@ class Hostile(Task):
         )
 
 
-@pytest.fixture
-def hostile_themes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Catalogue:
-    """Themes of which one has such texts."""
-    folder = new_theme("evening", tmp_path / "themes", "calm", Catalogue())
-    edit(folder / "theme.toml", 'title = "Evening"', f"title = {json.dumps(TEXT)}")
-    return Catalogue(themes=(folder.parent,))
-
-
-async def test_a_themes_title_is_drawn_visibly(data: Path, hostile_themes: Catalogue) -> None:
-    known(data, theme="evening")
-    async with open_app(data, hostile_themes, size=(120, 40)) as driver:
-        assert BEGINNING in drawn(driver.app)
-        await driver.press("ctrl+p", *"owned")
-        assert driver.screen_name == "CommandPalette"
-        assert BEGINNING in drawn(driver.app)
-
-
-async def test_a_session_draws_a_tasks_texts_visibly(opened: OpenApp, catalogue: Catalogue) -> None:
-    async with opened(plan_of_hostile(catalogue), size=(120, 40)) as driver:
+async def test_a_session_draws_a_tasks_texts_and_notifications_visibly(
+    opened: OpenApp, catalogue: Catalogue
+) -> None:
+    planned = plan(catalogue, catalogue.task("keyboard"))
+    parameters = msgspec.structs.replace(Hostile.Parameters(), attempts=1)
+    hostile = msgspec.structs.replace(planned, task=Hostile, parameters=parameters)
+    async with opened(hostile, size=(120, 40)) as driver:
         assert BEGINNING in drawn(driver.app)
         await driver.press("enter")
         assert BEGINNING in drawn(driver.app)
-        prompt = await driver.begin()
+        await driver.begin()
         assert "␛" in drawn(driver.app)
         await driver.wait(400)
         await driver.press("j")
         await driver.wait(3000)
         drawn(driver.app)
-        assert prompt.expected == "j"
         await driver.press("escape", "f1")
-        assert BEGINNING in drawn(driver.app)
-
-
-def plan_of_hostile(catalogue: Catalogue) -> Any:
-    planned = plan(catalogue, catalogue.task("keyboard"))
-    parameters = msgspec.structs.replace(Hostile.Parameters(), attempts=1)
-    return msgspec.structs.replace(planned, task=Hostile, parameters=parameters)
-
-
-async def test_a_notification_quotes_visibly(opened: OpenApp) -> None:
-    async with opened() as driver:
+        before = drawn(driver.app).count(BEGINNING)
         driver.app.notify(TEXT, title=TEXT)
         await driver.settle()
-        assert BEGINNING in drawn(driver.app)
+        assert drawn(driver.app).count(BEGINNING) == before + 2
 
 
 async def test_the_panel_draws_the_link_visibly(data: Path, catalogue: Catalogue) -> None:
@@ -130,24 +99,11 @@ async def test_the_panel_draws_the_link_visibly(data: Path, catalogue: Catalogue
             "decision": "accepted",
             "actor": TEXT,
         }
-        await panel.receive([frame(t.ACTION, m.Action(**said_now)), frame(t.PROMPT, _prompt())])
+        numbers = dict.fromkeys(("attempt", "trial", "presentation", "level", "choices"), 1)
+        shown = {"stimulus": TEXT, "expected": "f", "text": TEXT, "glyph": TEXT, "timeout": 3}
+        prompt = m.Prompt(**numbers, **shown)  # type: ignore[arg-type]
+        await panel.receive([frame(t.ACTION, m.Action(**said_now)), frame(t.PROMPT, prompt)])
         assert BEGINNING in drawn(panel.app)
-
-
-def _prompt() -> m.Prompt:
-    numbers = {"attempt": 3, "trial": 5, "presentation": 1, "level": 4, "choices": 4, "timeout": 3}
-    return m.Prompt(**numbers, stimulus=TEXT, expected="f", text=TEXT, glyph=TEXT)
-
-
-async def test_the_choice_of_sessions_draws_their_names_visibly(
-    data: Path, calm: Theme, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    found = [JoinableSession(f"{TEXT}{number}", TEXT, "abcd", number) for number in (1, 2)]
-    monkeypatch.setattr(discovery, "joinable_sessions", lambda data: found)
-    app = WizardApp(calm, data, "anna")
-    async with app.run_test(size=(120, 40)):
-        await settle(app)
-        assert BEGINNING in drawn(app)
 
 
 async def test_the_agents_own_screen_draws_its_text_visibly(calm: Theme) -> None:
@@ -160,13 +116,6 @@ async def test_the_agents_own_screen_draws_its_text_visibly(calm: Theme) -> None
         link.deliver(t.ACTION, said(TEXT))
         await settle(app)
         assert BEGINNING in drawn(app)
-
-
-async def test_a_widget_of_ones_own_is_drawn_visibly(opened: OpenApp) -> None:
-    async with opened() as driver:
-        await driver.app.screen.mount(Static(TEXT, markup=False))
-        await driver.settle()
-        assert BEGINNING in drawn(driver.app)
 
 
 # --- the filter

@@ -90,8 +90,8 @@ async def test_a_task_can_draw_the_prompt_itself() -> None:
         assert app.lines[0].strip() == "Press: f 40x5"
 
 
-@pytest.mark.parametrize("glyph", ["語", "🍎", "語a🍎"])
-@pytest.mark.parametrize("size", [(80, 15), (81, 16), (20, 6)])
+@pytest.mark.parametrize("glyph", ["語", "語a🍎"])
+@pytest.mark.parametrize("size", [(80, 15), (81, 16)])
 async def test_wide_characters_stand_in_the_middle(glyph: str, size: tuple[int, int]) -> None:
     app = Stage()
     async with app.run_test(size=size):

@@ -66,12 +66,6 @@ def test_snapshots_of_every_expression_and_pose(name: str, catalogue: Catalogue)
     assert path.read_text(encoding="utf-8") == sheet
 
 
-def test_there_is_a_snapshot_of_every_shipped_theme_and_no_other(catalogue: Catalogue) -> None:
-    assert {path.name for path in FOLDER.iterdir()} == {
-        f"robot.{name}.txt" for name in catalogue.theme_names()
-    }
-
-
 @pytest.mark.parametrize("name", THEMES)
 @given(pose=poses, gaze=st.sampled_from(GAZES))
 def test_drawings_of_all_poses_have_one_size_and_one_cell_per_character(
@@ -91,27 +85,16 @@ def test_no_pose_cuts_eyes_or_mouth(name: str, pose: Pose, catalogue: Catalogue)
         assert all(line.strip(" │|").strip() in drawing for line in face[1:3])
 
 
-@pytest.mark.parametrize("gesture", GESTURES)
 @pytest.mark.parametrize("name", THEMES)
-def test_every_gesture_ends_at_rest(name: str, gesture: str, catalogue: Catalogue) -> None:
+def test_every_gesture_begins_and_ends_at_rest(name: str, catalogue: Catalogue) -> None:
     theme = catalogue.theme(name)
-    face, way = faces(theme)["neutral"], theme.gestures[gesture]
-    moments = [draw(face, way.pose_at(ms)) for ms in range(0, way.duration_ms, 66)]
-    assert moments[0] == draw(face, REST)
-    assert any(moment != moments[0] for moment in moments)
-    assert draw(face, way.pose_at(way.duration_ms)) == draw(face, REST)
-
-
-def test_nods_go_down_and_looking_up_goes_up(calm: Theme) -> None:
-    face = faces(calm)["neutral"]
-    top = [_row_of(face[0], draw(face, pose)) for pose in (Pose(nod=-1), REST, Pose(nod=1))]
-    assert top == [0, 1, 2]
-
-
-def test_it_turns_to_the_given_side(calm: Theme) -> None:
-    face = faces(calm)["neutral"]
-    left, ahead, right = (draw(face, Pose(turn=turn))[2].index("●") for turn in (-0.5, 0, 0.5))
-    assert left < ahead < right
+    face = faces(theme)["neutral"]
+    for gesture in GESTURES:
+        way = theme.gestures[gesture]
+        moments = [draw(face, way.pose_at(ms)) for ms in range(0, way.duration_ms, 66)]
+        assert moments[0] == draw(face, REST), gesture
+        assert any(moment != moments[0] for moment in moments), gesture
+        assert draw(face, way.pose_at(way.duration_ms)) == draw(face, REST), gesture
 
 
 def test_a_face_without_space_at_the_side_is_drawn_completely() -> None:
@@ -119,20 +102,6 @@ def test_a_face_without_space_at_the_side_is_drawn_completely() -> None:
     drawing = draw(face, Pose(turn=0.5))
     assert any("|o o|" in line for line in drawing)
     assert any("|  -|" in line for line in drawing)
-
-
-def test_the_arm_on_the_participants_left_rises_beside_the_head(calm: Theme) -> None:
-    drawing = draw(faces(calm)["neutral"], Pose(left_arm=1))
-    head = drawing[1].index("╭")
-    assert drawing[0].index("●") < head
-    assert all("│" in line[:head] for line in drawing[1:5])
-
-
-def test_leaning_in_is_drawn_broader_with_the_head_before_the_shoulders(calm: Theme) -> None:
-    face = faces(calm)["neutral"]
-    at_rest, leaning = draw(face, REST), draw(face, Pose(lean=0.5))
-    assert len(leaning[-1].strip()) > len(at_rest[-1].strip())
-    assert _row_of(face[-1], leaning) == _row_of(face[-1], at_rest) + 1
 
 
 def test_small_and_ascii_faces_have_a_matching_body() -> None:
@@ -151,7 +120,3 @@ def test_gaze_adds_to_a_gesture_within_the_limits_of_joints() -> None:
 def test_only_the_mouth_is_taken_from_another_face() -> None:
     assert with_mouth(["a", "b", "c"], 1, ["x", "y", "z"]) == ["a", "y", "c"]
     assert with_mouth(["a"], 2, ["x", "y", "z"]) == ["a"]
-
-
-def _row_of(part: str, drawing: list[str]) -> int:
-    return next(row for row, line in enumerate(drawing) if part in line)

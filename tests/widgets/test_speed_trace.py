@@ -1,7 +1,6 @@
 """Speed traces of reaches show phases, speed and time, also without colour."""
 
 import math
-import re
 from itertools import pairwise
 
 import numpy as np
@@ -115,10 +114,6 @@ def test_it_fills_the_available_space(size: tuple[int, int], count: int) -> None
     assert {len(line) for line in lines} == {size[0]}
 
 
-def test_it_has_a_minimum_size() -> None:
-    assert drawn(trace(FAST), width=10, height=2) == drawn(trace(FAST), width=40, height=6)
-
-
 @pytest.mark.parametrize("width", [40, 76, 120])
 def test_the_phases_are_named_above_the_curve_in_order(width: int) -> None:
     names, *body = drawn(trace(DWELLING), width=width)
@@ -130,31 +125,6 @@ def test_the_phases_are_named_above_the_curve_in_order(width: int) -> None:
     assert len(bounds) == 4
     for (first, last), place in zip(pairwise(bounds), places, strict=True):
         assert first <= place < last
-
-
-def test_a_reach_without_a_rest_at_the_target_has_no_such_phase() -> None:
-    names = drawn(trace(FAST))[0]
-    assert "├" in names
-    assert "dwell" not in names
-    assert names.index("out") < names.index("back")
-
-
-def test_rest_is_a_line_labelled_zero_and_outward_is_above_it() -> None:
-    lines = drawn(trace(FAST), height=14)
-    (zero,) = [number for number, line in enumerate(lines) if line[5] == "┼"]
-    assert lines[zero].startswith("    0┼⠤⠤")
-    assert "─" in lines[zero]
-    labels = [line[:5].strip() for line in lines[1:-1] if line[5] == "┤"]
-    assert "2" in labels
-    assert "−4" in labels
-    assert lines[0].startswith("rad/s")
-
-
-def test_time_is_in_seconds_since_onset() -> None:
-    lines = drawn(trace(DWELLING))
-    labels = re.findall(r"\S+ s", lines[-1])
-    assert labels[:4] == ["0 s", "0.5 s", "1 s", "1.5 s"]
-    assert abs(lines[-1].index("0 s") + 1 - lines[1].index("┊")) <= 1
 
 
 def test_the_latest_reach_is_a_solid_line_and_earlier_ones_are_dotted() -> None:

@@ -14,7 +14,6 @@ from sar_tui.app.home.words import (
     bars,
     day_words,
     last_words,
-    offer_words,
     programme_words,
     progress_words,
     short,
@@ -182,12 +181,6 @@ def test_the_last_session_is_a_sentence() -> None:
     assert last_words(last, "tired 3", TODAY) == "Tue 17 Nov: 7 of 12 reached, tired 3"
     nothing = session(0, [], began=datetime(2026, 11, 21, 10, tzinfo=UTC), status="aborted")
     assert last_words(nothing, "", TODAY) == "Yesterday: no attempt was finished, ended early"
-
-
-def test_an_interrupted_session_is_offered_with_its_keys() -> None:
-    assert offer_words(TODAY, 3, 20, TODAY) == (
-        "Interrupted today after 3 of 20. F6 and Enter go on with it, Del dismisses it."
-    )
 
 
 def test_pain_marks_a_participant_before_all_else() -> None:
