@@ -40,6 +40,7 @@ simulate juggling --user poor -> There is no task juggling. Choose one of: flank
 simulate keyboard --user nobody -> --user
 simulate keyboard --user poor --theme '' -> There is no theme with an empty name.
 simulate keyboard --user poor --theme nope -> There is no theme nope. Choose one of: calm,
+simulate keyboard --user poor --theme [red]:warning:[/x] -> There is no theme [red]:warning:[/x].
 simulate keyboard --user poor --set attempts -> NAME=VALUE
 simulate keyboard --user poor --set =3 -> NAME=VALUE
 simulate keyboard --user poor --set x=1 -> `sar-tui tasks show keyboard` lists what can be set.

@@ -8,8 +8,9 @@ from typing import Any
 
 import pytest
 
-from sar_tui.cli.simulate import User
+from sar_tui.cli.simulate import OperatorName, User
 from sar_tui.outputs.output import Output
+from sar_tui.simulation.operator import PROFILES
 from sar_tui.simulation.participant_model import PEOPLE
 from tests.edit import edit
 from tests.plugged_in import offer
@@ -61,8 +62,9 @@ def test_people_read_a_table_and_a_sentence(call: Call) -> None:
     called.shows("reaction time", "2 attempts, 2 reached the goal, levels 1 to 2", "sar-tui show")
 
 
-def test_user_choices_are_the_simulated_people() -> None:
+def test_the_choices_are_the_simulated_people_and_operators() -> None:
     assert {user.value for user in User} == set(PEOPLE)
+    assert {name.value for name in OperatorName} == set(PROFILES)
 
 
 def test_the_code_defaults_to_sim_and_is_stored_in_capitals(call: Call) -> None:
