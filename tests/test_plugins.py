@@ -288,6 +288,7 @@ def test_a_missing_declaration_is_reported(own: Path, declaration: str) -> None:
         ("seats = (1, 2)", "its seats are not a tuple of texts"),
         ("qualities = ('smooth',)", "its qualities are not a tuple of Quality"),
         ("marks = ('f7',)", "its marks are not a tuple of Mark"),
+        ("measured = ('variability',)", "its measured are not a tuple of Measure"),
     ],
 )
 def test_a_declaration_of_a_wrong_type_is_reported_and_the_other_tasks_remain(
