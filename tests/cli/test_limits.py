@@ -31,14 +31,6 @@ def limited(
     )
 
 
-@pytest.mark.usefixtures("simulated")
-def test_a_file_that_may_not_grow_is_one_sentence_with_the_limit(call: Call, data: Path) -> None:
-    done = limited(data, "backup", bytes=8192)
-    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
-    assert "may write no file larger than 8,192 bytes (ulimit -f)." in done.stderr
-    assert call("check").code == 0
-
-
 def test_a_run_under_a_limit_leaves_no_module_that_is_cut_short(tmp_path: Path) -> None:
     root, checkout = Path(sar_tui.__file__).parents[1], tmp_path / "checkout"
     ignored = shutil.ignore_patterns("__pycache__")
@@ -50,24 +42,24 @@ def test_a_run_under_a_limit_leaves_no_module_that_is_cut_short(tmp_path: Path) 
     assert all(path.stat().st_size < 4096 for path in kept)
 
 
-@pytest.fixture
-def no_threads(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.usefixtures("simulated")
+def test_a_file_that_may_not_grow_is_one_sentence_with_the_limit(call: Call, data: Path) -> None:
+    done = limited(data, "backup", bytes=8192)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
+    assert "may write no file larger than 8,192 bytes (ulimit -f)." in done.stderr
+    assert call("check").code == 0
+
+
+@pytest.mark.usefixtures("simulated")
+def test_a_thread_that_cannot_be_started_is_one_sentence_and_a_progress_line_goes_without(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def fail(_: Thread) -> None:
         raise RuntimeError("can't start new thread")
 
     monkeypatch.setattr(Thread, "start", fail)
-
-
-@pytest.mark.usefixtures("no_threads")
-def test_a_thread_that_cannot_be_started_is_one_sentence(call: Call) -> None:
     called = call("doctor")
     called.refused("The system starts no more threads for this login: ", code=1)
     assert called.err.count("\n") == 1
-
-
-@pytest.mark.usefixtures("simulated", "no_threads")
-def test_a_command_goes_on_if_its_progress_can_have_no_thread(
-    call: Call, monkeypatch: pytest.MonkeyPatch
-) -> None:
     monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
     assert call("check").code == 0

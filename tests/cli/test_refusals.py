@@ -100,6 +100,9 @@ export --all --format xls --to out -> There is no format xls. Choose one of: csv
 report wizard nope -> `sar-tui sessions` lists them.
 report wizard '' -> `sar-tui sessions` lists them.
 reanalyse zzz -> There is no session zzz.
+record add fim P01 -> There is no kind of record fim.
+record show ffffff -> ffffff
+record correct ffffff outcome=well -> ffffff
 progress P1 -> There is no participant P1. Is it P01?
 progress P99 --json -> There is no participant P99.
 progress 'not a code' -> A participant code has 1 to 32 letters
