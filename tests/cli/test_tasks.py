@@ -1,6 +1,5 @@
 """``sar-tui tasks``: list, show, create, check."""
 
-import re
 import runpy
 import shutil
 from functools import partial
@@ -20,17 +19,14 @@ from tests.edit import edit
 from tests.examples import first
 from tests.program import Call
 
-TESTS = Path(__file__).parents[1]
 BUNDLED = sorted(set(Catalogue().task_names()) - {"flanker"})
 
 
 @pytest.fixture
-def tapping(call: Call, tmp_path: Path) -> Path:
-    """The folder of a new task, in which people tap."""
-    assert call("tasks new drumming --to", tmp_path / "mine").code == 0
-    folder = tmp_path / "mine" / "drumming"
-    shutil.copyfile(TESTS / "drumming_task.py", folder / "task.py")
-    return folder
+def mine(call: Call, tmp_path: Path) -> Path:
+    """The folder of a new task, a choice reaction."""
+    assert call("tasks new mine --to", tmp_path / "own").code == 0
+    return tmp_path / "own" / "mine"
 
 
 # --- listed and shown
@@ -61,16 +57,16 @@ def test_a_task_that_replaces_a_built_in_one_is_named_and_its_sessions_say_so(
     assert session["software"]["task"]["source"] == "own"
 
 
-def test_a_task_that_fails_to_load_is_listed_with_its_reason(call: Call, tapping: Path) -> None:
-    edit(tapping / "task.py", "import msgspec", "import no_such_library")
-    reason = "The task drumming cannot be loaded: task.py:6: ModuleNotFoundError"
-    call("tasks --tasks", tapping.parent).shows(f"✗ drumming: {reason}", "keyboard")
-    listed = call("tasks --tasks", tapping.parent, "--json").json["tasks"]
+def test_a_task_that_fails_to_load_is_listed_with_its_reason(call: Call, mine: Path) -> None:
+    edit(mine / "task.py", "import msgspec", "import no_such_library")
+    reason = "The task mine cannot be loaded: task.py:5: ModuleNotFoundError"
+    call("tasks --tasks", mine.parent).shows(f"✗ mine: {reason}", "keyboard")
+    listed = call("tasks --tasks", mine.parent, "--json").json["tasks"]
     assert set(listed[-1]) == {"name", "error"}
-    assert call("simulate drumming --user poor --tasks", tapping.parent).code == 2
+    assert call("simulate mine --user poor --tasks", mine.parent).code == 2
 
 
-def test_a_task_shows_its_parameters(call: Call) -> None:
+def test_a_task_shows_its_parameters_and_details(call: Call) -> None:
     called = call("tasks show keyboard")
     called.shows("prompts_per_attempt", "1 to 200", "100 to 60000 ms", "key_gap_ms")
     assert "Measures of an attempt" not in called.out
@@ -81,29 +77,32 @@ def test_a_task_shows_its_parameters(call: Call) -> None:
     assert printed["task"]["name"] == "keyboard"
     (prompts,) = (row for row in printed["parameters"] if row["name"] == "prompts_per_attempt")
     assert (prompts["default"], prompts["ge"], prompts["le"]) == (20, 1, 200)
-    assert printed["details"][0] == {
-        "name": "choices",
-        "type": "integer",
-        "description": "Number of keys that the prompt was drawn from.",
-    }
+    described = "Number of keys that the prompt was drawn from."
+    choices = {"name": "choices", "type": "integer", "description": described}
+    assert printed["details"][0] == choices
+    annotated_plainly = call("tasks show tapping --json").json["details"][0]
+    assert (annotated_plainly["name"], annotated_plainly["description"]) == (
+        "taps",
+        "Number of taps.",
+    )
 
 
 # --- created
 
 
-def test_a_new_task_passes_its_check_and_runs(call: Call, tapping: Path, tmp_path: Path) -> None:
-    printed = call("tasks check", tapping, "--json").json
-    assert (printed["task"], printed["passed"]) == ("drumming", True)
+def test_a_new_task_passes_its_check_and_runs(call: Call, mine: Path, tmp_path: Path) -> None:
+    printed = call("tasks check", mine, "--json").json
+    assert (printed["task"], printed["passed"]) == ("mine", True)
     assert {tuple(row) for row in printed["checks"]} == {("check", "ok", "problem", "warning")}
     assert all(row["ok"] for row in printed["checks"])
     assert not (tmp_path / "data").exists(), "checks leave no data behind"
-    simulate = "simulate drumming --user competent --seed 1 --json --tasks"
-    rows = call(simulate, tapping.parent).json["attempts"]
-    assert {row["metric_unit"] for row in rows} == {"taps/s"}
+    simulate = "simulate mine --user competent --seed 1 --json --tasks"
+    rows = call(simulate, mine.parent).json["attempts"]
+    assert {row["metric_unit"] for row in rows} == {"ms"}
     assert len({row["level"] for row in rows}) > 1
-    readme = (tapping / "README.md").read_text()
-    assert f"tasks check {tapping}" in readme
-    assert f"run drumming -p P01 --tasks {tapping.parent}" in readme
+    readme = (mine / "README.md").read_text()
+    assert f"tasks check {mine}" in readme
+    assert f"run mine -p P01 --tasks {mine.parent}" in readme
 
 
 @pytest.mark.parametrize("model", first(2, [None, "flanker", *BUNDLED]))
@@ -120,60 +119,39 @@ def test_a_new_task_works_and_has_a_test_beside_it(
 # --- checked
 
 
-def test_a_session_of_a_task_that_is_not_found_says_what_is_missing(
-    call: Call, tapping: Path
-) -> None:
-    done = call("simulate drumming --user poor --attempts 1 --seed 1 --tasks", tapping.parent)
-    assert f"--tasks {tapping.parent}` shows more" in done.out
-    call("show last").shows("! There is no task drumming.")
-    assert "There is no task" not in call("show last --tasks", tapping.parent).out
+def test_a_session_of_a_task_that_is_not_found_says_what_is_missing(call: Call, mine: Path) -> None:
+    done = call("simulate mine --user poor --attempts 1 --seed 1 --tasks", mine.parent)
+    assert f"--tasks {mine.parent}` shows more" in done.out
+    call("show last").shows("! There is no task mine.")
+    assert "There is no task" not in call("show last --tasks", mine.parent).out
 
 
-def test_meanings_of_details_are_told_however_they_are_annotated(call: Call, tapping: Path) -> None:
-    task = tapping / "task.py"
-    old = re.search(r'msgspec\.Meta\(description=("[^"]+")\)', task.read_text())
-    assert old
-    task.write_text(task.read_text().replace(old[0], old[1]))
-    told = call("tasks show drumming --json --tasks", tapping.parent).json["details"]
-    assert all(detail["description"] for detail in told)
-
-
-def test_a_declared_measure_that_no_attempt_has_is_named(tapping: Path) -> None:
-    task = tapping / "task.py"
+def test_a_declared_measure_that_no_attempt_has_is_named(mine: Path) -> None:
+    task = mine / "task.py"
     imports = "import msgspec\n\nfrom sar_tui.api.task import Measure\n"
     edit(task, "import msgspec\n", imports)
     declared = 'measured = (Measure("pace_ms", "pace", unit="ms"),)'
     edit(task, "    Details =", f"    {declared}\n    Details =")
     measures = '\n    def measures(self, results):\n        return {"pace": 1.0}\n'
     task.write_text(task.read_text() + measures)
-    (told,) = (done for done in check(tapping) if done.check == "has the measures that it declares")
+    (told,) = (done for done in check(mine) if done.check == "has the measures that it declares")
     assert told.ok
     assert "No attempt had pace_ms" in told.warning
     assert "Attempts had pace, which are not declared" in told.warning
 
 
-@pytest.fixture
-def looping(call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The folder of a task that loops for ever when it is asked for a prompt."""
+def test_a_task_that_does_not_return_ends_the_command_with_a_sentence(
+    call: Call, mine: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     quick = partial(plugin_watchdog.PluginWatchdog, limit_s=0.3, period_s=0.1)
     monkeypatch.setattr(plugin_watchdog, "PluginWatchdog", quick)
-    call("tasks new looping --to", tmp_path)
-    task = tmp_path / "looping" / "task.py"
-    edit(task, "keys = KEYS[situation.level - 1]", "while True:\n            pass")
-    return task.parent
-
-
-def test_a_simulation_ends_with_a_sentence(call: Call, looping: Path) -> None:
-    called = call("simulate looping --user average --tasks", looping.parent)
-    assert (called.code, called.out) == (1, "")
-    assert "The task looping failed (NotResponding: it took longer than 10 s, line " in called.err
+    edit(mine / "task.py", "keys = KEYS[situation.level - 1]", "while True:\n            pass")
+    called = call("simulate mine --user average --tasks", mine.parent)
+    called.refused("The task mine failed (NotResponding: it took longer than 10 s, line ", code=1)
     assert [row["status"] for row in call("sessions --json").json["sessions"]] == ["interrupted"]
-
-
-def test_the_check_names_what_does_not_return(call: Call, looping: Path) -> None:
     said = "✗ makes the same one-line prompts when asked twice. task.py:"
-    called = call("tasks check", looping)
-    called.shows(said, "NotResponding: it took longer than 10 s.", code=1)
+    checked = call("tasks check", mine)
+    checked.shows(said, "NotResponding: it took longer than 10 s.", code=1)
 
 
 def test_a_task_that_ignores_the_error_ends_the_command(
