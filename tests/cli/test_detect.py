@@ -90,6 +90,7 @@ def test_people_read_a_table_the_flags_in_words_and_a_sentence(
     called.shows("no_rest: the hand was not still before it", "1.323 to 1.391 s, median")
     assert called.out.splitlines()[-1].startswith("2 reaches in 6.3 s at 125 samples a second")
     call("detect", write(recorded[:150])).shows("No reach in 1.2 s at 125 samples a second")
+    assert list(explain_flags(["gap", "new", "gap"])) == ["gap: samples are missing in it", "new"]
 
 
 @pytest.mark.parametrize("begin", [-20, 1_700_000_000])
@@ -109,10 +110,6 @@ def test_times_are_relative_to_the_file_and_printed_whole_however_narrow_the_ter
     rest = [f"{reach[name]:.2f}" for name in names]
     row = ["1", *times, f"{reach['excursion_deg']:.0f}", *rest, "–"]
     assert row in [line.split() for line in call("detect", path).out.splitlines()]
-
-
-def test_every_flag_is_described_even_an_unknown_one() -> None:
-    assert list(explain_flags(["gap", "new", "gap"])) == ["gap: samples are missing in it", "new"]
 
 
 def swings(path: Path, rate: Any, begin: float = 0.0) -> Path:

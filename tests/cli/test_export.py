@@ -7,7 +7,6 @@ import os
 import sqlite3
 from contextlib import closing
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -16,7 +15,6 @@ from sar_tui.export.target import sha256
 from sar_tui.store import locks
 from sar_tui.store.database import connect
 from tests.export.exported import read_csv
-from tests.plugged_in import offer
 from tests.program import Call
 
 
@@ -93,26 +91,6 @@ def test_a_disk_that_fails_leaves_no_target_and_the_database_as_it_was(
     call("export --all --to", tmp_path / "out").refused(sentence, code=1)
     assert [path.name for path in tmp_path.iterdir()] == ["data"]
     assert (tmp_path / "data" / "sar-tui.db").read_bytes() == before
-
-
-@pytest.mark.usefixtures("live")
-def test_an_installed_package_adds_a_format(
-    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    class Count:
-        name = "count"
-        title = "the number of rows"
-
-        def write(self, contents: Any, folder: Path, progress: Any) -> None:
-            (table,) = (each for each in contents.tables if each.name == "sessions")
-            owners = contents.owners(table)
-            count = sum(1 for owner in owners for _ in contents.rows(table, owner))
-            (folder / "count.txt").write_text(str(count))
-
-    entry = SimpleNamespace(name="count", value="counts:Count", load=lambda: Count)
-    offer(monkeypatch, "sar_tui.exports", [entry])
-    assert call("export --all --format count --to", tmp_path / "out").code == 0
-    assert (tmp_path / "out" / "count.txt").read_text() == "1"
 
 
 def test_the_ledger_tells_what_left_when_and_for_whom(

@@ -2,14 +2,11 @@
 record.
 """
 
-from contextlib import closing
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from sar_tui.store.database import connect
-from sar_tui.store.participants import UnknownParticipant, admit
 from tests.app.app_driver import known
 from tests.program import Call
 
@@ -21,31 +18,13 @@ RECORDS = (
 )
 
 
-def test_a_value_that_cannot_be_makes_no_participant(call: Call) -> None:
-    assert call("record add FMA-UE P09 score=900 --new").code == 2
-    assert call("progress P09").code == 2
-
-
-@pytest.mark.usefixtures("simulated")
-def test_people_who_are_only_simulated_are_not_known(call: Call) -> None:
-    call(SCORE.format("P01")).refused("add --new")
-    assert call(SCORE.format("P01"), "--new").code == 0
-    assert call("check").code == 0
-
-
-def test_of_two_participants_one_may_be_new(data: Path) -> None:
-    known(data, "P01")
-    with closing(connect(data)) as database:
-        assert admit(database, ["p01", "p02"], is_new=True) == ["P01", "P02"]
-        with pytest.raises(UnknownParticipant, match=r"There is no participant P02\."):
-            admit(database, ["P01", "P02"])
-
-
 @pytest.mark.parametrize("record", RECORDS)
 def test_a_code_that_nobody_has_is_refused_with_the_nearest_or_needs_new(
     call: Call, data: Path, record: str
 ) -> None:
     known(data, "P01")
+    call("simulate keyboard --user average --attempts 1 -p P08")
+    call(record.format("P08")).refused("add --new")  # only simulated people have this code
     said = "There is no participant P0L: give P01 if that is meant, or add --new for a new"
     call(record.format("p0l")).refused(said)
     assert call(record.format("P09"), "--new").code == 0
@@ -73,6 +52,8 @@ def test_on_a_terminal_it_is_asked(call: Call, data: Path, monkeypatch: pytest.M
         "There is no participant P77. Is P77 a new participant?",
     ]
     assert "P0L" not in call("progress P77").out
+    assert call("record add FMA-UE P09 score=900 --new").code == 2
+    assert call("progress P09").code == 2, "a value that cannot be makes no participant"
 
 
 def test_each_command_that_looks_for_a_code_names_the_nearest(call: Call, data: Path) -> None:

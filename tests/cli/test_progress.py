@@ -60,15 +60,3 @@ def test_a_page_is_written_for_its_owner_alone_and_never_overwritten(
     if os.name == "posix":
         assert file.stat().st_mode & 0o777 == 0o600
     call("progress P01 --html", file).refused("is not overwritten")
-
-
-def test_a_participant_without_sessions_has_no_lines_in_json(call: Call) -> None:
-    call("record", "add", "BBT", "P09", "score=30", "--on", "2026-03-01", "--new")
-    found = call("progress", "P09", "--json").json
-    assert (found["participant"], found["lines"], found["days"], len(found["instruments"])) == (
-        "P09",
-        [],
-        [],
-        1,
-    )
-    assert (found["recent"]["days"], found["recent"]["done"]) == (0, 0)

@@ -106,6 +106,9 @@ def test_scores_appear_in_progress_with_their_sources(call: Call) -> None:
         call(f"record add fma-ue p01 {score}").shows("is recorded.")
     shown = " ".join(call("progress P01").out.split())
     assert "34 on 2026-03-01, 45 on 2026-05-01; change +11. Reaches MDC 6.8 points" in shown
+    call("record add BBT P09 score=30 --on 2026-03-01 --new")
+    without = call("progress P09 --json").json
+    assert (without["lines"], without["days"], len(without["instruments"])) == ([], [], 1)
     spanish = " ".join(call("progress P01 --note --language es").out.split())
     assert "cambio +11. Alcanza MDC 6,8 puntos, 1 a 6 semanas" in spanish
     assert "doi:10.1177/15459683231186985" in spanish

@@ -64,6 +64,9 @@ def test_a_task_that_fails_to_load_is_listed_with_its_reason(call: Call, mine: P
     listed = call("tasks --tasks", mine.parent, "--json").json["tasks"]
     assert set(listed[-1]) == {"name", "error"}
     assert call("simulate mine --user poor --tasks", mine.parent).code == 2
+    checked = call("tasks check", mine)
+    checked.shows(f"✗ can be loaded. {reason}", code=1)
+    assert checked.out.count("✗") == 1
 
 
 def test_a_task_shows_its_parameters_and_details(call: Call) -> None:

@@ -149,7 +149,9 @@ def test_the_bundled_themes_pass_their_check_and_contrast_is_measured(call: Call
     assert least[0] == {"color": "text", "ground": "surface", "ratio": 12.34}
 
 
-def test_checks_as_json(call: Call, evening: Path) -> None:
+def test_phrases_that_fall_back_to_english_are_named(
+    call: Call, evening: Path, change: Change
+) -> None:
     printed = call("themes check", evening, "--json").json
     assert (printed["theme"], printed["passed"], printed["english"]) == ("evening", True, {})
     assert printed["languages"] == ["en", "es"]
@@ -157,9 +159,6 @@ def test_checks_as_json(call: Call, evening: Path) -> None:
     assert all(row["ok"] for row in printed["checks"])
     colors = {contrast["color"] for contrast in printed["contrasts"]}
     assert colors == {"text", "muted", "accent", "positive", "neutral", "negative"}
-
-
-def test_phrases_that_fall_back_to_english_are_named(call: Call, change: Change) -> None:
     folder = change("phrases.es.toml", "\nrest = [", "\nbreak = [")
     called = call("themes check", folder)
     called.shows("✓ has every phrase in en", "There is no wording for rest (es);", code=1)
