@@ -50,16 +50,24 @@ def test_a_file_that_may_not_grow_is_one_sentence_with_the_limit(call: Call, dat
     assert call("check").code == 0
 
 
-@pytest.mark.usefixtures("simulated")
-def test_a_thread_that_cannot_be_started_is_one_sentence_and_a_progress_line_goes_without(
-    call: Call, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.fixture
+def no_threads(monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(_: Thread) -> None:
         raise RuntimeError("can't start new thread")
 
     monkeypatch.setattr(Thread, "start", fail)
+
+
+@pytest.mark.usefixtures("no_threads")
+def test_a_thread_that_cannot_be_started_is_one_sentence(call: Call) -> None:
     called = call("doctor")
     called.refused("The system starts no more threads for this login: ", code=1)
     assert called.err.count("\n") == 1
+
+
+@pytest.mark.usefixtures("simulated", "no_threads")
+def test_a_command_goes_on_if_its_progress_can_have_no_thread(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
     assert call("check").code == 0

@@ -106,7 +106,11 @@ def test_scores_appear_in_progress_with_their_sources(call: Call) -> None:
         call(f"record add fma-ue p01 {score}").shows("is recorded.")
     shown = " ".join(call("progress P01").out.split())
     assert "34 on 2026-03-01, 45 on 2026-05-01; change +11. Reaches MDC 6.8 points" in shown
-    call("record add BBT P09 score=30 --on 2026-03-01 --new")
+    added = call("record add BBT P09 score=30 --new --json").json["record"]
+    today = datetime.strptime(added["at"], "%Y-%m-%d")
+    assert timedelta(0) <= datetime.now() - today < timedelta(days=2), (
+        "today, unless said otherwise"
+    )
     without = call("progress P09 --json").json
     assert (without["lines"], without["days"], len(without["instruments"])) == ([], [], 1)
     spanish = " ".join(call("progress P01 --note --language es").out.split())
