@@ -174,32 +174,25 @@ def test_two_sessions_are_compared_in_the_order_they_were_played(keyboard: type[
     assert "cannot be compared" in words
 
 
-def test_the_dose_of_a_day_is_the_sum_of_its_live_sessions() -> None:
+def test_a_day_is_the_sum_of_its_live_sessions_against_the_programme() -> None:
     second, simulated = adapted(1, attempts=5), session(2, adapted(2), on_day=0, mode="simulated")
     (day,) = days_of([session(0, adapted(0), on_day=0), session(1, second, on_day=0), simulated])
     assert (day.sessions, day.planned, day.done, day.repetitions) == (2, 40, 25, 500)
     assert day.time_on_task_s == 750.0
-
-
-def test_a_calendar_marks_each_day_without_colour() -> None:
-    days = days_of([session(n, adapted(n, attempts=done)) for n, done in enumerate((20, 12, 3))])
-    months = [("2026-02", "·" * 26 + "■◧"), ("2026-03", "□" + "·" * 30), ("2026-04", "··")]
-    assert dose_words.calendar(days, date(2026, 4, 2)) == months
-    assert dose_words.calendar(days_of([]), date(2026, 4, 2)) == []
-
-
-def test_a_day_is_measured_against_the_programme_where_it_plans_days() -> None:
     plan = {"planned_attempts_a_day": 30}
-    days = days_of(
-        [
-            session(0, adapted(0), plan, on_day=0),
-            session(1, adapted(1, attempts=10), plan, on_day=0),
-            session(2, adapted(2), plan, on_day=1),
-            session(3, adapted(3, attempts=12), task="other", on_day=1),
-        ]
-    )
+    sessions = [
+        session(0, adapted(0), plan, on_day=0),
+        session(1, adapted(1, attempts=10), plan, on_day=0),
+        session(2, adapted(2), plan, on_day=1),
+        session(3, adapted(3, attempts=12), task="other", on_day=1),
+    ]
+    days = days_of(sessions)
     assert [(day.planned, day.done) for day in days] == [(30, 30), (50, 32)]
     assert [dose_words.mark(day) for day in days] == ["■", "◧"]
+    days = days_of([session(n, adapted(n, attempts=done)) for n, done in enumerate((20, 12, 3))])
+    months = [("2026-02", "·" * 26 + "■◧"), ("2026-03", "□" + "·" * 30), ("2026-04", "··")]
+    assert dose_words.calendar(days, date(2026, 4, 2)) == months, "marked without colour"
+    assert dose_words.calendar(days_of([]), date(2026, 4, 2)) == []
 
 
 def test_the_dose_of_the_last_four_weeks_includes_today_and_not_the_day_before_them() -> None:
