@@ -150,7 +150,12 @@ def test_outputs_are_named_either_way_and_the_option_speech_adds_speech(
         assert not speech or parameters.speech == speech, options
 
 
-def test_a_simulated_session_speaks_the_language_it_is_given(call: Call, data: Path) -> None:
+def test_a_simulated_session_speaks_the_language_it_is_given_and_into_files(
+    call: Call, data: Path, tmp_path: Path
+) -> None:
+    assert call(f"{SIMULATE} --speech file:{tmp_path}/said").code == 0
+    stored = call("show last --json").json["session"]["parameters"]
+    assert (stored["outputs"], stored["speech"]) == (["screen", "speech"], f"file:{tmp_path}/said")
     for language, thanks in (("en", "Thank you"), ("es", "racias")):
         assert call(f"{SIMULATE} --language {language}").code == 0
         session = call("show last --json").json["session"]
