@@ -51,27 +51,19 @@ def test_the_tables_are_those_that_are_declared(catalogue: Catalogue) -> None:
         assert made == PAGE, "write it anew with SAR_TUI_UPDATE_SNAPSHOTS=1"
 
 
-def test_every_field_of_a_choice_and_every_schedule_is_documented() -> None:
-    documented = named(section("attempts"))
-    assert set(FeedbackChoice.__struct_fields__) - documented == set()
-    assert set(feedback.INCLUDED) - documented == set()
-
-
-def test_kinds_and_decisions_of_actions_are_documented() -> None:
-    documented = named(section("actions"))
-    assert {
-        *get_args(messages.Kind),
-        *get_args(messages.Policy),
-        "accepted",
-        "dropped",
-    } - documented == set()
-    assert set(messages.Proposal.__struct_fields__) - documented == set()
-
-
-def test_every_part_and_state_of_a_report_is_documented() -> None:
-    assert {*get_args(messages.PartState), *get_args(messages.ActionPart)} - named(
-        section("events")
-    ) == set()
+@pytest.mark.parametrize(
+    ("table", "names"),
+    [
+        ("attempts", {*FeedbackChoice.__struct_fields__, *feedback.INCLUDED}),
+        ("actions", {*get_args(messages.Kind), *get_args(messages.Policy), "accepted", "dropped"}),
+        ("actions", set(messages.Proposal.__struct_fields__)),
+        ("events", {*get_args(messages.PartState), *get_args(messages.ActionPart)}),
+    ],
+)
+def test_fields_kinds_and_states_are_documented_with_their_table(
+    table: str, names: set[str]
+) -> None:
+    assert names - named(section(table)) == set()
 
 
 @pytest.mark.parametrize(

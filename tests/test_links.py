@@ -1,9 +1,13 @@
-"""Links between the pages lead to a file that exists, and to a heading in it."""
+"""Links between the pages lead to a file that exists, and to a heading in it; their pictures can be
+drawn from the app.
+"""
 
 import re
 from pathlib import Path
 
 import pytest
+
+from docs import pictures
 
 ROOT = Path(__file__).parents[1]
 PAGES = [
@@ -36,3 +40,11 @@ def test_links_lead_somewhere(page: Path) -> None:
         ):
             broken.append(link)
     assert broken == []
+
+
+@pytest.mark.slow
+async def test_each_picture_is_drawn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    present = sorted(path.name for path in pictures.IMAGES.glob("*.svg"))
+    monkeypatch.setattr(pictures, "IMAGES", tmp_path)
+    await pictures._draw()
+    assert sorted(path.name for path in tmp_path.iterdir()) == present

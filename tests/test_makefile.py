@@ -4,7 +4,6 @@ import os
 import re
 import shutil
 import subprocess
-import time
 from importlib.metadata import distribution
 from pathlib import Path
 
@@ -32,51 +31,27 @@ def checkout(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def extras_to_install(checkout: Path, target: str) -> str:
-    """Return what make would install for a target; empty if nothing."""
-    done = subprocess.run(
-        ["make", "-n", target], cwd=checkout, capture_output=True, text=True, check=True
-    )
-    _, found, after = done.stdout.partition("--editable '.[")
-    return after.partition("]")[0] if found else ""
+def test_each_target_installs_what_it_needs_and_is_not_yet_there(checkout: Path) -> None:
+    def installs(*targets: str) -> list[str]:
+        """Return the extras that make would install for each target; empty if nothing."""
+        found = []
+        for target in targets:
+            words = ["make", "-n", target]
+            done = subprocess.run(words, cwd=checkout, capture_output=True, text=True, check=True)
+            _, is_installed, after = done.stdout.partition("--editable '.[")
+            found.append(after.partition("]")[0] if is_installed else "")
+        return found
 
-
-def have(checkout: Path, stamp: str, *, age_s: int = 0) -> None:
-    """Leave the stamp of an environment, some seconds older than what it must have if ``age_s`` is
-    given.
-    """
-    path = checkout / ".venv" / stamp
-    path.parent.mkdir(exist_ok=True)
-    path.touch()
-    made = (checkout / "pyproject.toml").stat().st_mtime - age_s if age_s else time.time()
-    os.utime(path, (made, made))
-
-
-@pytest.mark.parametrize(
-    ("target", "extras"), [("run", "link,serve"), ("demo", "link,serve"), ("test", "dev")]
-)
-def test_a_fresh_checkout_installs_what_the_target_needs(
-    checkout: Path, target: str, extras: str
-) -> None:
-    assert extras_to_install(checkout, target) == extras
-
-
-def test_what_the_program_needs_is_installed_once_and_tests_add_the_rest(checkout: Path) -> None:
-    have(checkout, "program")
-    assert [extras_to_install(checkout, target) for target in ("run", "demo", "lint")] == [
-        "",
-        "",
-        "dev",
-    ]
-
-
-def test_an_environment_for_developers_has_all_that_the_program_needs(checkout: Path) -> None:
-    have(checkout, "ready")
-    assert [extras_to_install(checkout, target) for target in ("run", "demo", "test", "lint")] == [
-        ""
-    ] * 4
-    have(checkout, "ready", age_s=60)
-    assert [extras_to_install(checkout, target) for target in ("run", "test")] == ["dev", "dev"]
+    assert installs("run", "demo", "test") == ["link,serve", "link,serve", "dev"]
+    (checkout / ".venv").mkdir()
+    (checkout / ".venv" / "program").touch()
+    assert installs("run", "demo", "lint") == ["", "", "dev"]
+    ready = checkout / ".venv" / "ready"
+    ready.touch()
+    assert installs("run", "demo", "test", "lint") == [""] * 4
+    older = (checkout / "pyproject.toml").stat().st_mtime - 60
+    os.utime(ready, (older, older))
+    assert installs("run", "test") == ["dev", "dev"]
 
 
 def test_the_program_needs_few_packages() -> None:

@@ -1,8 +1,8 @@
 """Tasks and themes are loaded from folders by name, or the reason of a failure is reported."""
 
+import re
 import shutil
 import sys
-from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -28,49 +28,6 @@ from sar_tui.store import sessions
 from sar_tui.store.database import connect
 from sar_tui.store.provenance import software
 from tests.program import Call
-
-TAPS = '''
-from typing import Annotated, Any
-
-from sar_tui.rules.declaration import meta
-from sar_tui.rules.parameters import TaskParameters
-from sar_tui.model.random_streams import RandomStreams
-from sar_tui.loop.task import Act, Metric, Performance, Result, Situation, Stimulus, Task, Trial
-
-from .words import INSTRUCTIONS
-
-
-class TapsParameters(TaskParameters, frozen=True, kw_only=True):
-    threshold: Annotated[float, meta("Goal", "taps", "More taps than this.", ge=0, le=100)] = 6.0
-    neutral_band: Annotated[float, meta("Neutral band", "taps", "As good as the goal.", ge=0, le=100)] = 0.0
-    response_timeout_ms: Annotated[int, meta("Time", "ms", "How long to tap.", ge=500, le=60_000)] = 3000
-
-
-class Taps(Task):
-    """As many taps as you can in three seconds; at a higher level, on a heavier bar."""
-
-    name = "taps"
-    title = "Tapping"
-    metric = Metric("taps", unit="taps", better="higher", improved="more", worsened="fewer")
-    Parameters = TapsParameters
-
-    def instructions(self) -> str:
-        return INSTRUCTIONS
-
-    def stimulus(self, situation: Situation) -> Stimulus:
-        return Stimulus("tap", expected="", text="Press: space", choices=2 ** situation.level)
-
-    def perceived(self, trial: Trial, percept: Any) -> Result | None:
-        return None
-
-    def timed_out(self, trial: Trial) -> Result:
-        taps = len(trial.percepts)
-        return Result(correct=True, response=str(taps), value=float(taps), details={"taps": taps})
-
-    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
-        interval = performance.reaction_ms / 2
-        return [(interval * (tap + 1), "space") for tap in range(int(3000 / interval))]
-'''
 
 MINIMAL = """
 from sar_tui.loop.task import Metric, Result, Stimulus, Task
@@ -109,12 +66,6 @@ def own(tmp_path: Path) -> Path:
     return folder
 
 
-@pytest.fixture
-def with_taps(own: Path) -> Catalogue:
-    write(own, "taps", TAPS, words='INSTRUCTIONS = "Tap as often as you can."\n')
-    return Catalogue(tasks=(own,))
-
-
 def sentence(own: Path, name: str) -> str:
     with pytest.raises(PluginError) as caught:
         Catalogue(tasks=(own,)).task(name)
@@ -128,53 +79,31 @@ def test_shipped_tasks_and_themes_are_found(catalogue: Catalogue) -> None:
     assert (task_folder(catalogue.task("keyboard")) / "README.md").is_file()
 
 
-def test_a_task_is_loaded_once(catalogue: Catalogue) -> None:
-    assert catalogue.task("keyboard") is catalogue.task("keyboard")
-
-
-def test_a_task_in_a_named_folder_is_found_and_may_import_its_neighbours(
-    with_taps: Catalogue, own: Path
-) -> None:
-    assert {"keyboard", "taps"} <= set(with_taps.task_names())
-    taps = with_taps.task("taps")
-    assert taps(build(taps.Parameters, {})).instructions() == "Tap as often as you can."
-    assert task_folder(taps) == own / "taps"
-
-
-def test_a_task_in_the_users_data_folder_is_found() -> None:
-    write(user_folder() / "tasks", "minimal", MINIMAL)
+def test_tasks_of_named_folders_come_before_the_users_and_the_built_in_ones(own: Path) -> None:
+    source = MINIMAL.replace('return "Press."', "return INSTRUCTIONS")
+    words = 'INSTRUCTIONS = "Tap as often as you can."'
+    write(own, "minimal", f"from .words import INSTRUCTIONS\n{source}", words=words)
+    write(own, "keyboard", MINIMAL.replace('"minimal"', '"keyboard"'))
+    (own / "notes").mkdir()
+    write(user_folder() / "tasks", "of_the_user", MINIMAL.replace('"minimal"', '"of_the_user"'))
     try:
-        assert Catalogue().task("minimal").title == "Minimal"
+        found = Catalogue(tasks=(own,))
+        assert found.task("of_the_user").title == "Minimal"
     finally:
         shutil.rmtree(user_folder() / "tasks")
-
-
-def test_a_named_folder_takes_precedence_over_shipped_tasks(own: Path) -> None:
-    write(own, "keyboard", MINIMAL.replace('"minimal"', '"keyboard"'))
-    assert Catalogue(tasks=(own,)).task("keyboard").title == "Minimal"
-    assert Catalogue().task("keyboard").title == "Keyboard reaction"
-
-
-def test_own_tasks_that_replace_a_built_in_one_are_known(own: Path) -> None:
-    write(own, "keyboard", MINIMAL.replace('"minimal"', '"keyboard"'))
-    write(own, "minimal", MINIMAL)
-    assert Catalogue(tasks=(own,)).replaced_tasks() == {"keyboard": own / "keyboard"}
-    built_in = task_folder(Catalogue().task("keyboard")).parent
-    assert Catalogue(tasks=(built_in,)).replaced_tasks() == {}
-    sources = [
-        task_source(Catalogue(tasks=(own,)).task(name)) for name in ("keyboard", "minimal", "pairs")
-    ]
+    assert {"keyboard", "minimal"} <= set(found.task_names())
+    assert "notes" not in found.task_names()
+    minimal = found.task("minimal")
+    assert found.task("minimal") is minimal
+    assert minimal(build(minimal.Parameters, {})).instructions() == "Tap as often as you can."
+    assert task_folder(minimal) == own / "minimal"
+    assert found.task("keyboard").title == "Minimal"
+    built_in = Catalogue().task("keyboard")
+    assert built_in.title == "Keyboard reaction"
+    assert found.replaced_tasks() == {"keyboard": own / "keyboard"}
+    assert Catalogue(tasks=(task_folder(built_in).parent,)).replaced_tasks() == {}
+    sources = [task_source(found.task(name)) for name in ("keyboard", "minimal", "pairs")]
     assert sources == ["own", "own", "built-in"]
-
-
-def test_folders_without_a_task_are_skipped(own: Path) -> None:
-    (own / "notes").mkdir()
-    assert "notes" not in Catalogue(tasks=(own,)).task_names()
-
-
-def test_a_missing_folder_is_reported(tmp_path: Path) -> None:
-    with pytest.raises(PluginError, match=r"There is no folder .*nowhere for tasks"):
-        Catalogue(tasks=(tmp_path / "nowhere",))
 
 
 def test_an_unknown_name_is_reported_with_the_known_ones(catalogue: Catalogue) -> None:
@@ -186,116 +115,70 @@ def test_an_unknown_name_is_reported_with_the_known_ones(catalogue: Catalogue) -
         catalogue.theme("loud")
     with pytest.raises(PluginError, match=r"There is no task\.py in"):
         load_task(Path("nowhere"))
+    with pytest.raises(PluginError, match=r"There is no folder nowhere for tasks"):
+        Catalogue(tasks=(Path("nowhere"),))
 
 
 CURRENT = "The names of this version are in docs/task-reference.md."
-
-
-@pytest.mark.parametrize(
-    ("source", "problem"),
-    [
-        ("1 / 0\n", "cannot be loaded: task.py:1: ZeroDivisionError: division by zero."),
-        ("import math\nclass Garbled(:\n", "cannot be loaded: task.py:2: "),
-        (
-            "import nothing_of_that_name\n",
-            "cannot be loaded: task.py:1: ModuleNotFoundError: No module named 'nothing_of_that_name'.",
-        ),
-        (
-            "from sar_tui.no_such_package.imu import Imu",
-            f"cannot be loaded: task.py:1: No module named 'sar_tui.no_such_package'. {CURRENT}",
-        ),
-        (
-            "from sar_tui.loop.task import NoSuchName",
-            "cannot be loaded: task.py:1: cannot import name 'NoSuchName' from 'sar_tui.loop.task'. "
-            f"{CURRENT}",
-        ),
-        (
-            "from sar_tui import no_such_package",
-            f"cannot be loaded: task.py:1: cannot import name 'no_such_package' from 'sar_tui'. {CURRENT}",
-        ),
-    ],
-)
-def test_a_task_that_cannot_be_imported_is_reported(own: Path, source: str, problem: str) -> None:
-    write(own, "minimal", source)
-    assert sentence(own, "minimal").startswith(f"The task minimal {problem}")
+OTHER = f"{MINIMAL}\n\nclass Other(Minimal):\n    name = 'other'\n"
 
 
 @pytest.mark.parametrize(
     ("folder", "source", "problem"),
     [
+        ("minimal", "1 / 0\n", "cannot be loaded: task.py:1: ZeroDivisionError: division by zero."),
+        ("minimal", "import math\nclass Garbled(:\n", "cannot be loaded: task.py:2: "),
+        ("minimal", "import no_such_module\n", "cannot be loaded: task.py:1: ModuleNotFoundError: No module named"),
         (
-            "minimal",
-            f"{MINIMAL}\n\nclass Other(Minimal):\n    name = 'other'\n",
-            "task.py must define one Task; it defines 2.",
+            "minimal", "from sar_tui.no_such_package.imu import Imu",
+            f"cannot be loaded: task.py:1: No module named 'sar_tui.no_such_package'. {CURRENT}",
         ),
         (
-            "minimal",
-            "from sar_tui.loop.task import Task\n",
-            "task.py must define one Task; it defines 0.",
+            "minimal", "from sar_tui.loop.task import NoSuchName",
+            f"cannot be loaded: task.py:1: cannot import name 'NoSuchName' from 'sar_tui.loop.task'. {CURRENT}",
         ),
-        (
-            "other",
-            MINIMAL,
-            "The task in the folder other has the name minimal; the two must be the same.",
-        ),
-        (
-            "my-task",
-            MINIMAL,
-            "my-task cannot name a task's folder. Use a Python name, such as tapping.",
+        ("minimal", OTHER, "task.py must define one Task; it defines 2."),
+        ("minimal", "from sar_tui.loop.task import Task\n", "task.py must define one Task; it defines 0."),
+        ("other", MINIMAL, "The task in the folder other has the name minimal; the two must be the same."),
+        ("my-task", MINIMAL, "my-task cannot name a task's folder. Use a Python name, such as tapping."),
+        *(
+            ("minimal", re.sub(rf"    {name} = .*\n", "", MINIMAL), f"The task minimal does not declare its {name}.")
+            for name in ("name", "title", "metric")
         ),
     ],
-)
-def test_a_folder_without_one_task_of_its_name_is_reported(
+)  # fmt: skip
+def test_a_folder_without_one_task_of_its_name_is_reported_until_it_can_be_loaded(
     own: Path, folder: str, source: str, problem: str
 ) -> None:
-    write(own, folder, source)
-    assert sentence(own, folder).endswith(problem)
+    written = write(own, folder, source)
+    assert problem in sentence(own, folder)
+    if "cannot be loaded" in problem:
+        (written / "task.py").write_text(MINIMAL, encoding="utf-8")
+        assert Catalogue(tasks=(own,)).task("minimal").title == "Minimal"
 
 
-def test_a_fixed_task_is_loaded_the_next_time(own: Path) -> None:
-    folder = write(own, "minimal", "1 / 0\n")
-    assert "cannot be loaded" in sentence(own, "minimal")
-    (folder / "task.py").write_text(MINIMAL, encoding="utf-8")
-    assert Catalogue(tasks=(own,)).task("minimal").title == "Minimal"
-
-
-@pytest.mark.parametrize("declaration", ["name", "title", "metric"])
-def test_a_missing_declaration_is_reported(own: Path, declaration: str) -> None:
-    lines = [
-        line for line in MINIMAL.splitlines() if not line.strip().startswith(f"{declaration} = ")
-    ]
-    write(own, "minimal", "\n".join(lines))
-    assert sentence(own, "minimal") == f"The task minimal does not declare its {declaration}."
-
-
-@pytest.mark.parametrize(
-    ("declared", "problem"),
-    [
+def test_a_declaration_of_a_wrong_type_is_reported_and_the_other_tasks_remain(
+    own: Path, call: Call
+) -> None:
+    rows = [
         ("title = None", "its title is not a text"),
         ("summary = 5", "its summary is not a text"),
         ('metric = "reaction_time"', "its metric is not a Metric, or has values of wrong types"),
-        (
-            "metric = Metric(5, unit='ms', better='lower')",
-            "its metric is not a Metric, or has values of wrong types",
-        ),
-        (
-            "metric = Metric('x', unit='ms', better='lower', decimals='2')",
-            "its metric is not a Metric, or has ",
-        ),
+        ("metric = Metric(5, 'ms', 'lower')", "its metric is not a Metric, or has values"),
+        ("metric = Metric('x', 'ms', 'lower', decimals='2')", "its metric is not a Metric, or has"),
         ("Parameters = dict", "its Parameters is not a subclass of TaskParameters"),
         ("Details = None", "its Details is not a subclass of Details"),
         ("sensors = 'imu'", "its sensors are not a tuple of texts"),
         ("seats = (1, 2)", "its seats are not a tuple of texts"),
         ("qualities = ('smooth',)", "its qualities are not a tuple of Quality"),
         ("marks = ('f7',)", "its marks are not a tuple of Mark"),
-    ],
-)
-def test_a_declaration_of_a_wrong_type_is_reported_and_the_other_tasks_remain(
-    own: Path, call: Call, declared: str, problem: str
-) -> None:
-    write(own, "minimal", f"{MINIMAL}\n    {declared}\n")
-    assert sentence(own, "minimal").startswith(f"The task minimal cannot be used: {problem}")
-    listed = call("tasks", "--tasks", own, "--json").json["tasks"]
+        ("measured = ('variability',)", "its measured are not a tuple of Measure"),
+    ]
+    for number, (declared, problem) in enumerate(rows):
+        folder = own / str(number)
+        write(folder, "minimal", f"{MINIMAL}\n    {declared}\n")
+        assert sentence(folder, "minimal").startswith(f"The task minimal cannot be used: {problem}")
+    listed = call("tasks", "--tasks", folder, "--json").json["tasks"]
     usable = [task["name"] for task in listed if "error" not in task]
     assert usable == sorted({*Catalogue().task_names()} - {"minimal"})
 
@@ -317,9 +200,15 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return site
 
 
-def test_an_installed_task_is_found_by_its_entry_point(installed: Path) -> None:
+def test_an_installed_task_is_found_by_its_entry_point_and_one_that_cannot_be_loaded_is_reported(
+    installed: Path,
+) -> None:
     assert {"chess", "draughts", "minimal"} <= set(Catalogue().task_names())
     assert task_folder(Catalogue().task("minimal")) == installed
+    with pytest.raises(PluginError, match=r"task chess .* cannot be loaded: ModuleNotFoundError"):
+        Catalogue().task("chess")
+    with pytest.raises(PluginError, match=r"The entry point draughts .* is not a Task"):
+        Catalogue().task("draughts")
 
 
 def test_the_hash_of_an_installed_module_is_of_its_file_and_not_of_all_that_is_installed(
@@ -351,16 +240,6 @@ def test_pictures_are_found_in_folders_of_tasks_and_in_packages_that_offer_one(
     assert Catalogue(tasks=(own,)).may_have_pictures()
 
 
-@pytest.mark.usefixtures("installed")
-def test_an_installed_task_that_cannot_be_loaded_is_reported() -> None:
-    with pytest.raises(
-        PluginError, match=r"The task chess .* cannot be loaded: ModuleNotFoundError"
-    ):
-        Catalogue().task("chess")
-    with pytest.raises(PluginError, match=r"The entry point draughts .* is not a Task"):
-        Catalogue().task("draughts")
-
-
 def test_a_theme_in_a_named_folder_is_found(tmp_path: Path, catalogue: Catalogue) -> None:
     shutil.copytree(catalogue.theme_folder("calm"), tmp_path / "mine")
     themes = Catalogue(themes=(tmp_path,))
@@ -372,135 +251,70 @@ def test_a_theme_in_a_named_folder_is_found(tmp_path: Path, catalogue: Catalogue
 # --- a plug-in at work
 
 
-def run(
-    catalogue: Catalogue, task: str, data: Path, person: str = "average", **parameters: object
-) -> list[sessions.Row]:
-    plan = make_plan(catalogue, task, ["SIM"], parameters, seed=5, mode="simulated")
-    session = simulate(plan, PEOPLE[person], data, catalogue)
-    return sessions.rows(connect(data), "attempts", session)
+def run(own: Path, data: Path, source: str) -> None:
+    """Simulate two attempts of the minimal task with more source."""
+    folder = write(
+        own, "minimal", f"from sar_tui.model.trial_types import Score, Target\n{MINIMAL}{source}"
+    )
+    try:
+        catalogue = Catalogue(tasks=(own,))
+        plan = make_plan(catalogue, "minimal", ["SIM"], {"attempts": 2}, seed=5, mode="simulated")
+        simulate(plan, PEOPLE["average"], data, catalogue)
+    finally:
+        shutil.rmtree(folder)
 
 
-def test_a_task_with_a_higher_is_better_metric_adapts_in_the_right_direction(
-    with_taps: Catalogue, data: Path
-) -> None:
-    attempts = run(with_taps, "taps", data, attempts=12, threshold=6)
-    assert len(attempts) == 12
-    outcomes = set()
-    for attempt, following in pairwise(attempts):
-        success = attempt["metric"] > 6
-        outcomes.add(success)
-        assert attempt["outcome"] == ("success" if success else "failure")
-        assert attempt["feedback"] == (
-            "positive" if success else "neutral" if attempt["metric"] == 6 else "negative"
-        )
-        expected = min(attempt["level"] + 1, 10) if success else max(attempt["level"] - 1, 1)
-        assert following["level"] == expected
-    assert outcomes == {True, False}
-    assert {attempt["metric_unit"] for attempt in attempts} == {"taps"}
-
-
-def test_a_better_simulated_participant_reaches_a_higher_level(
-    with_taps: Catalogue, data: Path
-) -> None:
-    levels = {}
-    for person in PEOPLE:
-        attempts = run(with_taps, "taps", data, person, attempts=12, threshold=6)
-        levels[person] = sum(attempt["level"] for attempt in attempts[6:])
-    assert levels["competent"] > levels["average"] > levels["poor"]
-
-
-def test_the_details_and_texts_of_the_task_are_stored(with_taps: Catalogue, data: Path) -> None:
-    settings = {"attempts": 3, "difficulty_policy": "fixed", "feedback_form": "quantitative"}
-    plan = make_plan(with_taps, "taps", ["SIM"], settings, seed=5, mode="simulated")
-    session = simulate(plan, PEOPLE["poor"], data, with_taps)
-    trials = sessions.rows(connect(data), "trials", session)
-    assert [trial["details"]["taps"] for trial in trials] == [
-        int(trial["response"]) for trial in trials
-    ]
-    said = [
-        row["final"]["text"]
-        for row in sessions.rows(connect(data), "actions", session)
-        if row["kind"] == "feedback"
-    ]
-    assert "taps" in said[0]
-    assert not any("faster" in words or "slower" in words for words in said)
+def method(signature: str, body: str) -> str:
+    return f"\n    def {signature}:\n        {body}\n"
 
 
 @pytest.mark.parametrize(
-    ("method", "signature"),
-    [("stimulus", "self, situation"), ("perceived", "self, trial, percept")],
+    "signature", ["stimulus(self, situation)", "perceived(self, trial, percept)"]
 )
 @pytest.mark.parametrize("error", ["KeyError: 'missing'", "SystemExit: 3"])
 def test_a_task_that_raises_in_a_session_is_reported_and_finished_trials_are_stored(
-    own: Path, data: Path, method: str, signature: str, error: str
+    own: Path, data: Path, signature: str, error: str
 ) -> None:
-    raises = "raise {}({})".format(*error.split(": "))
-    write(own, "minimal", MINIMAL + f"\n    def {method}({signature}):\n        {raises}\n")
-    with pytest.raises(
-        Failed, match=rf"The task minimal failed \({error}, line \d+ of task\.py\)\. What was done"
-    ):
-        run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
+    raises = method(signature, "raise {}({})".format(*error.split(": ")))
+    said = rf"The task minimal failed \({error}, line \d+ of task\.py\)\. What was done"
+    with pytest.raises(Failed, match=said):
+        run(own, data, raises)
     (left,) = sessions.listing(connect(data), data)
     assert left["status"] == "interrupted"
-    faults = [
-        record for record in sessions.history(connect(data), left["id"]) if record.topic is FAULT
-    ]
-    assert len(faults) == 1
+    history = sessions.history(connect(data), left["id"])
+    assert len([record for record in history if record.topic is FAULT]) == 1
+
+
+MUTE = """
+        class Mute(Exception):
+            def __str__(self):
+                raise ValueError
+        raise Mute
+"""
+SCORE, TARGET = "score(self, results)", "target(self, level)"
+PERCEIVED, STIMULUS = "perceived(self, trial, percept)", "stimulus(self, situation)"
 
 
 @pytest.mark.parametrize(
-    ("method", "returned", "said"),
+    ("signature", "body", "said"),
     [
-        (
-            "score(self, results)",
-            "Score(1.0, 1.0, correct=99, trials=1)",
-            "the score of an attempt has 99 right resp",
-        ),
-        (
-            "score(self, results)",
-            "Score(1.0, 1.0, correct=-5, trials=-1)",
-            "the score of an attempt has -5 right ",
-        ),
-        (
-            "score(self, results)",
-            "Score(1.0, 7.0, correct=1, trials=1)",
-            "the score of an attempt has an accuracy of",
-        ),
-        (
-            "score(self, results)",
-            "Score(float('inf'), 1.0, 1, 1)",
-            "the Score of an attempt cannot be stored: a num",
-        ),
-        (
-            "score(self, results)",
-            "Score('fast', 1.0, 1, 1)",
-            "the Score of an attempt cannot be stored: Expected ",
-        ),
-        ("score(self, results)", "None", "None is not a Score"),
-        (
-            "target(self, level)",
-            "Target(float('nan'), 0.0)",
-            "the Target of an attempt cannot be stored: a number ",
-        ),
-        (
-            "perceived(self, trial, percept)",
-            "{}",
-            "the results of a trial are for the seats none; they are due for A",
-        ),
-        (
-            "perceived(self, trial, percept)",
-            "{'B': Result(correct=True)}",
-            "the results of a trial are for the seat",
-        ),
+        (SCORE, "return Score(1.0, 1.0, correct=99, trials=1)", "the score of an attempt has 99 right "),
+        (SCORE, "return Score(1.0, 1.0, correct=-5, trials=-1)", "the score of an attempt has -5 right "),
+        (SCORE, "return Score(1.0, 7.0, correct=1, trials=1)", "the score of an attempt has an accuracy of"),
+        (SCORE, "return Score(float('inf'), 1.0, 1, 1)", "the Score of an attempt cannot be stored: a num"),
+        (SCORE, "return Score('fast', 1.0, 1, 1)", "the Score of an attempt cannot be stored: Expected "),
+        (SCORE, "return None", "None is not a Score"),
+        (TARGET, "return Target(float('nan'), 0.0)", "the Target of an attempt cannot be stored: a num"),
+        (PERCEIVED, "return {}", "the results of a trial are for the seats none; they are due for A"),
+        (PERCEIVED, "return {'B': Result(correct=True)}", "the results of a trial are for the seat"),
+        (STIMULUS, MUTE, r"Mute, line \d+ of task\.py\)"),
     ],
-)
+)  # fmt: skip
 def test_a_result_that_cannot_be_one_stops_the_session_and_is_not_stored(
-    own: Path, data: Path, method: str, returned: str, said: str
+    own: Path, data: Path, signature: str, body: str, said: str
 ) -> None:
-    source = f"from sar_tui.model.trial_types import Score, Target\n{MINIMAL}\n    def {method}:\n"
-    write(own, "minimal", f"{source}        return {returned}\n")
-    with pytest.raises(Failed, match=rf"The task minimal failed \(\w+: {said}"):
-        run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
+    with pytest.raises(Failed, match=rf"The task minimal failed \((\w+: )?{said}"):
+        run(own, data, method(signature, body))
     assert connect(data).execute("SELECT count(*) FROM attempts").fetchone() == (0,)
 
 
@@ -514,64 +328,37 @@ def test_a_simulation_that_waits_for_ever_is_a_failure(
             super().__init__()
 
     monkeypatch.setattr("sar_tui.runs.simulate.SimulatedParticipant", Asleep)
-    write(own, "minimal", MINIMAL)
-    with pytest.raises(
-        Failed, match="stopped before its end: the task minimal waits for something"
-    ):
-        run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
-
-
-def test_a_task_that_cannot_be_set_up_is_reported_and_leaves_no_session(
-    own: Path, data: Path
-) -> None:
-    write(
-        own,
-        "minimal",
-        MINIMAL + "\n    def __init__(self, parameters):\n        raise KeyError('missing')\n",
-    )
-    with pytest.raises(
-        Failed, match=r"The task minimal cannot be set up \(KeyError: 'missing'\)\."
-    ):
-        run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
-    assert sessions.listing(connect(data), data) == []
+    said = "stopped before its end: the task minimal waits for something"
+    with pytest.raises(Failed, match=said):
+        run(own, data, "")
 
 
 @pytest.mark.parametrize(
-    ("nodes", "said"),
+    ("signature", "body", "said"),
     [
-        ("1 / 0", r"\(ZeroDivisionError: "),
-        ("None", r"\(TypeError: "),
-        ("(5,)", ": among its nodes is 5"),
+        ("__init__(self, parameters)", "raise KeyError('missing')", r" \(KeyError: 'missing'\)\."),
+        ("nodes(self)", "return 1 / 0", r" \(ZeroDivisionError: "),
+        ("nodes(self)", "return None", r" \(TypeError: "),
+        ("nodes(self)", "return (5,)", ": among its nodes is 5"),
     ],
-)
-def test_nodes_that_a_task_cannot_make_are_reported_and_leave_no_session(
-    own: Path, data: Path, call: Call, nodes: str, said: str
+)  # fmt: skip
+def test_a_task_that_cannot_be_set_up_is_reported_and_leaves_no_session(
+    own: Path, data: Path, call: Call, signature: str, body: str, said: str
 ) -> None:
-    write(own, "minimal", f"{MINIMAL}\n    def nodes(self):\n        return {nodes}\n")
-    with pytest.raises(Failed, match=f"The task minimal cannot be set up ?{said}"):
-        run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
+    with pytest.raises(Failed, match=f"The task minimal cannot be set up{said}"):
+        run(own, data, method(signature, body))
     assert sessions.listing(connect(data), data) == []
-    assert call("graph", "minimal", "--tasks", own).err.startswith(
-        "The task minimal cannot be set up"
-    )
-
-
-def test_an_error_that_cannot_be_described_is_reported_by_its_type(own: Path, data: Path) -> None:
-    mute = "class Mute(Exception):\n    def __str__(self):\n        raise ValueError\n"
-    write(
-        own, "minimal", f"{mute}{MINIMAL}\n    def stimulus(self, situation):\n        raise Mute\n"
-    )
-    with pytest.raises(Failed, match=r"The task minimal failed \(Mute, line \d+ of task\.py\)"):
-        run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
+    write(own, "minimal", f"{MINIMAL}{method(signature, body)}")
+    begins = "The task minimal cannot be set up"
+    assert call("graph", "minimal", "--tasks", own).err.startswith(begins)
 
 
 @pytest.mark.parametrize("levels", ["None", "0", "2.5"])
 def test_levels_that_are_no_number_are_refused_with_a_sentence(
     own: Path, data: Path, levels: str
 ) -> None:
-    write(own, "minimal", MINIMAL + f"\n    levels = property(lambda self: {levels})\n")
     with pytest.raises(Failed, match=rf"its levels are {levels}, not a whole number from 1 on\."):
-        run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
+        run(own, data, f"\n    levels = property(lambda self: {levels})\n")
 
 
 def test_change_is_described_correctly_in_either_direction() -> None:
@@ -580,3 +367,4 @@ def test_change_is_described_correctly_in_either_direction() -> None:
         assert (metric.improved, metric.worsened) == ("better", "worse")
         assert metric.is_better(1, 2) is (better == "lower")
         assert not metric.is_better(1, 1)
+    assert [Metric("taps", unit, "higher").label for unit in ("ms", "")] == ["taps (ms)", "taps"]

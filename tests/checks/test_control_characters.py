@@ -2,7 +2,6 @@
 
 import json
 import re
-import shutil
 from pathlib import Path
 
 import pytest
@@ -18,11 +17,9 @@ BAD = r"\u001b[31m\u202e"
 
 
 @pytest.fixture
-def tapping(tmp_path: Path) -> Path:
-    """The folder of a task in which people tap."""
-    folder = new_task("drumming", tmp_path / "mine", None, Catalogue())
-    shutil.copyfile(Path(__file__).parents[1] / "drumming_task.py", folder / "task.py")
-    return folder
+def mine(tmp_path: Path) -> Path:
+    """The folder of a new task."""
+    return new_task("mine", tmp_path / "own", None, Catalogue())
 
 
 @pytest.fixture
@@ -34,23 +31,23 @@ def evening(tmp_path: Path) -> Path:
 @pytest.mark.parametrize(
     ("text", "changed"),
     [
-        ('title = "Finger tapping"', f'title = "Finger tapping{BAD}"'),
+        ('title = "Choice reaction"', f'title = "Choice reaction{BAD}"'),
         ('worsened="slower"', f'worsened="slower{BAD}"'),
-        ("Duration of a turn", f"{BAD}Duration of a turn"),
-        ('"""Shown before the first attempt."""', f'return "Tap{BAD}"'),
-        ('hint="again', f'hint="{BAD}again'),
+        ("Number of keys in an attempt", f"{BAD}Number of keys in an attempt"),
+        ('"press Escape."', f'"press Escape.{BAD}"'),
+        ('text=f"Press: {key}"', f'hint="again{BAD}", text=f"Press: {{key}}"'),
     ],
     ids=["title", "metric", "help of a parameter", "instructions", "prompt"],
 )
-def test_a_text_of_a_task_is_reported(tapping: Path, text: str, changed: str) -> None:
-    edit(tapping / "task.py", text, changed)
-    problem = next(done.problems for done in check(tapping) if not done.ok)
+def test_a_text_of_a_task_is_reported(mine: Path, text: str, changed: str) -> None:
+    edit(mine / "task.py", text, changed)
+    problem = next(done.problems for done in check(mine) if not done.ok)
     assert FOUND in " ".join(problem)
 
 
-def test_a_translation_of_a_task_is_reported(call: Call, tapping: Path) -> None:
-    (tapping / "words.es.toml").write_text(f'"Tapping" = "Toques{BAD}"', encoding="utf-8")
-    called = call("tasks check", tapping)
+def test_a_translation_of_a_task_is_reported(call: Call, mine: Path) -> None:
+    (mine / "words.es.toml").write_text(f'"Choice reaction" = "Toques{BAD}"', encoding="utf-8")
+    called = call("tasks check", mine)
     said = f"✗ has no control characters in its texts. 'Toques\\x1b[31m\\u202e' {FOUND}"
     assert (called.code, said in " ".join(called.out.split())) == (1, True)
 

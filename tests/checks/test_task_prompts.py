@@ -16,12 +16,9 @@ from sar_tui.plugins import Catalogue
 from tests.widgets.test_big_prompt import prompt
 
 
-@pytest.mark.parametrize("glyph", ["f", "←←→←←", "HOUSE", "Äpfel", "●"])
-def test_large_characters_are_not_warned_of(glyph: str, keyboard: type[Task]) -> None:
-    assert size_warning(keyboard, [prompt(glyph, "Press: f")]) == ""
-
-
 def test_each_character_without_a_large_shape_is_named_once(keyboard: type[Task]) -> None:
+    large = [prompt(glyph, "Press: f") for glyph in ("f", "←←→←←", "HOUSE", "Äpfel", "●")]
+    assert size_warning(keyboard, large) == ""
     prompts = [prompt(glyph, "Say it") for glyph in ("語", "a語", "🍎", "f")]
     found = size_warning(keyboard, prompts)
     assert found.endswith("as there are no large ones: 語 (U+8A9E), 🍎 (U+1F34E).")

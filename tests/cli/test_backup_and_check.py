@@ -24,7 +24,9 @@ def test_whole_data_is_told_with_its_numbers(call: Call, data: Path) -> None:
     call("check --repair").shows("There is nothing to move aside, and nothing was changed.", whole)
 
 
-def test_flaws_are_named_with_their_session(call: Call, simulated: str, data: Path) -> None:
+def test_flaws_are_named_with_their_session_and_a_repair_says_what_it_moved_where(
+    call: Call, simulated: str, data: Path
+) -> None:
     alter(data, "DELETE FROM trials WHERE attempt=2 AND trial=3")
     missing = "Of 20 trials of attempt 2, 1 are missing."
     altered = "Rows of trials are not as its log has them: 1 missing."
@@ -34,6 +36,20 @@ def test_flaws_are_named_with_their_session(call: Call, simulated: str, data: Pa
         {"kind": "rows", "where": simulated, "what": altered},
     ]
     call("backup --verify").shows(f"✗ {simulated}: Of 20 trials", code=1)
+    alter(data, "UPDATE trials SET stimulus=CAST(x'ff' AS TEXT) WHERE trial=1")
+    said = f"{simulated}: 4 of the rows of trials have characters that cannot be read."
+    call("check").shows(said, code=1)
+    alter(data, "UPDATE sessions SET machine='{'")
+    called = call("check --repair --json")
+    assert (called.code, called.json["flaws"]) == (0, [])
+    done = called.json["repair"]
+    reason = "a text sessions.machine that cannot be read"
+    assert {"table": "sessions", "rows": 1, "reason": reason} in done["moved"]
+    assert Path(done["aside"]).parent == data
+    assert Path(done["backup"]).parent == data / "backups"
+    session = interrupted(data)
+    call("check").shows(f"{session}: This session was interrupted")
+    assert call("check --json").json["interrupted"] == [session]
 
 
 @pytest.mark.usefixtures("simulated")
@@ -46,31 +62,6 @@ def test_a_backup_says_where_it_is_and_can_be_verified(
     made = call("backup --json --verify").json
     assert Path(made["file"]).parent == data / "backups"
     assert (made["sessions"], made["verified"]) == (1, True)
-
-
-def test_an_interrupted_session_is_told_and_is_no_flaw(call: Call, data: Path) -> None:
-    session = interrupted(data)
-    call("check").shows(f"{session}: This session was interrupted")
-    assert call("check --json").json["interrupted"] == [session]
-
-
-def test_damaged_characters_do_not_stop_the_check(call: Call, simulated: str, data: Path) -> None:
-    alter(data, "UPDATE trials SET stimulus=CAST(x'ff' AS TEXT) WHERE trial=1")
-    said = f"{simulated}: 4 of the rows of trials have characters that cannot be read."
-    call("check").shows(said, code=1)
-
-
-@pytest.mark.usefixtures("simulated")
-def test_a_repair_says_what_it_moved_where(call: Call, data: Path) -> None:
-    alter(data, "UPDATE sessions SET machine='{'")
-    called = call("check --repair --json")
-    assert called.code == 0
-    done = called.json["repair"]
-    reason = "a text sessions.machine that cannot be read"
-    assert {"table": "sessions", "rows": 1, "reason": reason} in done["moved"]
-    assert Path(done["aside"]).parent == data
-    assert Path(done["backup"]).parent == data / "backups"
-    assert called.json["flaws"] == []
 
 
 def test_a_folder_without_data_is_not_called_whole(call: Call, tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from socket import socket
 from threading import Barrier
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -79,40 +80,38 @@ def raising(error: Exception) -> Callable[..., None]:
 # --- the command
 
 
-def test_without_problems_the_exit_code_is_0(call: Call) -> None:
+def test_the_exit_code_is_0_and_1_if_there_is_a_problem(call: Call, data: Path) -> None:
     called = call("doctor")
     assert (called.code, called.err, "✗" in called.out) == (0, "", False)
     rows = call("doctor --json").json["checks"]
     assert {tuple(row) for row in rows} == {("name", "state", "found", "mend")}
     assert [row["name"] for row in rows] == [check.name for check in command.checks()]
     assert all(row["name"] in called.out for row in rows)
-
-
-def test_a_problem_exits_with_1_and_says_how_to_fix_it(call: Call, data: Path) -> None:
-    data.mkdir()
     (data / "sar-tui.db").write_text("no database at all")
     call("doctor").shows("✗ Data", "→ Choose another folder", code=1)
 
 
-def test_checks_that_wait_wait_side_by_side_and_keep_their_order(tmp_path: Path) -> None:
-    together = Barrier(3)
+def test_checks_that_wait_wait_side_by_side_and_one_that_fails_is_a_finding(tmp_path: Path) -> None:
+    together = Barrier(2)
 
     def meets(_: Machine) -> Finding:
         together.wait(timeout=60)
-        return ok("met the others")
+        return ok("met the other")
 
-    names = ("one", "two", "three")
-    found = examine(Home(tmp_path), [Check(name, meets, waits=True) for name in names])
-    met = [(name, "met the others") for name in names]
-    assert [(each.name, each.found) for each in found] == met
-
-
-@pytest.mark.parametrize("waits", [False, True])
-def test_a_check_that_fails_is_a_finding(tmp_path: Path, waits: bool) -> None:
     fails = raising(ZeroDivisionError("a plain mistake"))
-    (found,) = examine(Home(tmp_path), [Check("Clock", fails, waits)])
-    text = "This check failed (ZeroDivisionError: a plain mistake)."
-    assert found == Finding("Clock", "bad", text)
+    checks = [
+        ("one", meets, True),
+        ("two", fails, True),
+        ("three", meets, True),
+        ("4", fails, False),
+    ]
+    says = "This check failed (ZeroDivisionError: a plain mistake)."
+    assert list(examine(Home(tmp_path), [Check(*each) for each in checks])) == [
+        Finding("one", "ok", "met the other"),
+        Finding("two", "bad", says),
+        Finding("three", "ok", "met the other"),
+        Finding("4", "bad", says),
+    ]
 
 
 # --- the machine
@@ -139,19 +138,14 @@ def test_the_terminal_is_judged(
     check(look(here), state, says)
 
 
-@pytest.mark.parametrize(
-    ("way", "says", "advice"),
-    [
-        ("kitty", "by kitty's graphics", ""),
-        ("half blocks", "in half blocks", ""),
-        (None, "not installed.", ".[images]"),
-    ],
-)
-def test_the_way_of_showing_pictures_is_told(
-    here: Machine, monkeypatch: Patch, way: str | None, says: str, advice: str
-) -> None:
-    monkeypatch.setattr("sar_tui.widgets.prompt_pictures.find_way", lambda: way)
-    check(machine.pictures(here), "ok", says, advice)
+def test_the_way_of_showing_pictures_is_told(here: Machine, monkeypatch: Patch) -> None:
+    for way, says in (
+        ("kitty", "kitty's"),
+        ("half blocks", "half blocks"),
+        (None, "not installed."),
+    ):
+        monkeypatch.setattr("sar_tui.widgets.prompt_pictures.find_way", lambda way=way: way)
+        check(machine.pictures(here), "ok", says)
 
 
 @pytest.mark.parametrize(("free", "state"), [(10, "bad"), (100, "care"), (10_000, "ok")])
@@ -202,28 +196,15 @@ def test_tasks_that_do_not_load_and_folders_that_are_missing_are_noticed(tmp_pat
         assert machine.themes(here).state == "ok"
 
 
-class Plugin:
-    """An entry point of an output."""
-
-    name, value = "lamp", "lamp:Lamp"
-
-    def __init__(self, error: Exception | None = None) -> None:
-        self.error = error
-
-    def load(self) -> object:
-        if self.error:
-            raise self.error
-        return object
-
-
 def test_outputs_of_plug_ins_are_loaded(here: Machine, monkeypatch: Patch) -> None:
-    offer(monkeypatch, "sar_tui.outputs", [Plugin()])
-    found = machine.outputs(here)
-    assert found.state == "ok"
-    assert {"lamp", "ros", "screen", "servo", "speech"} <= set(found.found.split(", "))
-    offer(monkeypatch, "sar_tui.outputs", [Plugin(ImportError("no lamp here"))])
+    def offered(load: Callable[[], object]) -> Finding:
+        entry = SimpleNamespace(name="lamp", value="lamp:Lamp", load=load)
+        offer(monkeypatch, "sar_tui.outputs", [entry])
+        return machine.outputs(here)
+
+    assert {"lamp", "ros", "screen"} <= set(offered(lambda: object).found.split(", "))
     says = "The output lamp (lamp:Lamp) cannot be loaded: ImportError"
-    check(machine.outputs(here), "bad", says)
+    check(offered(raising(ImportError("no lamp here"))), "bad", says)
 
 
 # --- devices
@@ -261,11 +242,6 @@ def test_a_motion_sensor_is_looked_for(
     monkeypatch.setattr(phidget, "PhidgetSource", lambda: sensor)
     check(motion_sensor(here), state, says)
     assert sensor.stopped
-
-
-def test_missing_permission_for_a_motion_sensor_shows_the_udev_rule(
-    here: Machine, monkeypatch: Patch
-) -> None:
     monkeypatch.setattr(driver, "usb_denied", lambda: True)
     rule = 'SUBSYSTEM=="usb", ATTRS{idVendor}=="06c2", TAG+="uaccess"'
     check(motion_sensor(here), "bad", advice=rule)
@@ -286,11 +262,20 @@ def test_without_a_sensor_the_doctor_says_what_one_needs(
     assert (found.state, "write the line" in found.advice) == ("ok", has_advice)
 
 
-def test_a_udev_rule_is_known_by_its_vendor(tmp_path: Path) -> None:
+def test_phidgets_and_rules_for_them_are_known_by_the_vendor(
+    tmp_path: Path, monkeypatch: Patch
+) -> None:
+    monkeypatch.undo()
     (tmp_path / "50-other.rules").write_text('ATTRS{idVendor}=="1234"')
     assert not devices._has_udev_rule((tmp_path, tmp_path / "none"))
     (tmp_path / "99-lab.rules").write_text('SUBSYSTEM=="usb", ATTRS{idVendor}=="06C2", MODE="0666"')
     assert devices._has_udev_rule((tmp_path,))
+    assert driver.plugged_in(tmp_path / "none") is None
+    for device, vendor in (("1-1", "046d"), ("1-2", "06c2")):
+        assert driver.plugged_in(tmp_path) is False
+        (tmp_path / device).mkdir()
+        (tmp_path / device / "idVendor").write_text(f"{vendor}\n")
+    assert driver.plugged_in(tmp_path) is True
 
 
 @pytest.mark.parametrize(
@@ -345,23 +330,9 @@ def test_a_servo_controller_that_cannot_be_used_names_the_check_that_says_why(
     assert devices.servo_controller(here).advice == "See: Motion sensor."
 
 
-@pytest.mark.parametrize(("vendor", "found"), [("06c2", True), ("046d", False)])
-def test_an_attached_phidget_is_known_by_its_vendor(
-    tmp_path: Path, vendor: str, found: bool, monkeypatch: Patch
-) -> None:
-    monkeypatch.undo()
-    (tmp_path / "1-2").mkdir()
-    assert driver.plugged_in(tmp_path) is False
-    (tmp_path / "1-2" / "idVendor").write_text(f"{vendor}\n")
-    assert driver.plugged_in(tmp_path) is found
-    assert driver.plugged_in(tmp_path / "none") is None
-
-
 @needs_speech
 def test_an_engine_with_voices_for_each_language_is_ok(here: Machine) -> None:
-    found = devices.speech_engine(here._replace(voice=examine_voice))
-    assert (found.state, found.advice) == ("ok", "")
-    assert found.found.endswith("voices, including English and Spanish")
+    check(devices.speech_engine(here._replace(voice=examine_voice)), "ok", "English and Spanish")
 
 
 @pytest.mark.parametrize(
@@ -404,7 +375,9 @@ def runtime(monkeypatch: Patch) -> Iterator[Path]:
     shutil.rmtree(folder)
 
 
-def test_operators_can_join_through_a_folder_of_ones_own(here: Machine, runtime: Path) -> None:
+def test_operators_can_join_through_a_folder_of_ones_own(
+    here: Machine, runtime: Path, monkeypatch: Patch
+) -> None:
     says = f"through {runtime}/sar-tui, private to you; no session can be joined now"
     check(link.operator_here(here), "ok", says)
     assert list((runtime / "sar-tui").iterdir()) == []
@@ -412,10 +385,7 @@ def test_operators_can_join_through_a_folder_of_ones_own(here: Machine, runtime:
         assert link.operator_here(here).found.endswith("; 1 session can be joined now")
     (runtime / "sar-tui").chmod(0o755)
     check(link.operator_here(here), "care", "is accessible to others")
-
-
-@pytest.mark.usefixtures("runtime")
-def test_a_folder_without_sockets_is_noticed(here: Machine, monkeypatch: Patch) -> None:
+    (runtime / "sar-tui").chmod(0o700)
     refused = raising(OSError(95, "Operation not supported"))
     monkeypatch.setattr("socket.socket", type("Refused", (socket,), {"bind": refused}))
     check(link.operator_here(here), "care", advice="XDG_RUNTIME_DIR")

@@ -1,12 +1,12 @@
 """``sar-tui export`` as a person calls it."""
 
+import csv
 import errno
 import json
 import os
 import sqlite3
 from contextlib import closing
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -14,9 +14,7 @@ import pytest
 from sar_tui.export.target import sha256
 from sar_tui.store import locks
 from sar_tui.store.database import connect
-from tests.cli.test_limits import limited
 from tests.export.exported import read_csv
-from tests.plugged_in import offer
 from tests.program import Call
 
 
@@ -33,7 +31,7 @@ def ids(folder: Path) -> set[str]:
     return {row["session"] for row in read_csv(folder, "sessions")}
 
 
-def test_live_sessions_leave_and_simulated_ones_only_if_asked_for(
+def test_chosen_and_live_sessions_leave_and_simulated_ones_only_if_asked_for(
     call: Call, live: str, tmp_path: Path
 ) -> None:
     call("export --all --to", tmp_path / "live").shows(f"1 session in {tmp_path / 'live'}\n")
@@ -44,11 +42,6 @@ def test_live_sessions_leave_and_simulated_ones_only_if_asked_for(
     assert {row["mode"] for row in read_csv(tmp_path / "simulated", "trials")} == {"simulated"}
     call("export last --to", tmp_path / "x").refused("is simulated: add --simulated")
     assert not (tmp_path / "x").exists()
-
-
-def test_sessions_are_chosen_by_id_and_by_participant(
-    call: Call, live: str, tmp_path: Path
-) -> None:
     one = call("export", live[:6], live, "--to", tmp_path / "one", "--json").json
     assert (one["sessions"], one["problems"]) == ([live], [])
     assert call("export -p p01 --to", tmp_path / "two").code == 0
@@ -81,6 +74,7 @@ def test_a_session_that_runs_is_named_and_the_rest_leaves(
     ("failure", "sentence"),
     [
         (errno.ENOSPC, "The disk is full: "),
+        (errno.EFBIG, "A file would be larger than the disk or this login may have."),
         (errno.EIO, "The disk cannot be read or written: "),
         (errno.EROFS, "The disk can only be read. "),
     ],
@@ -97,36 +91,6 @@ def test_a_disk_that_fails_leaves_no_target_and_the_database_as_it_was(
     call("export --all --to", tmp_path / "out").refused(sentence, code=1)
     assert [path.name for path in tmp_path.iterdir()] == ["data"]
     assert (tmp_path / "data" / "sar-tui.db").read_bytes() == before
-
-
-@pytest.mark.usefixtures("live")
-def test_a_program_that_may_write_no_more_leaves_no_target(tmp_path: Path) -> None:
-    done = limited(
-        tmp_path / "data", "export", "--all", "--mixed", "--to", tmp_path / "out", bytes=4096
-    )
-    assert done.returncode == 1
-    assert done.stderr.startswith("A file would be larger than the disk or this login may have.")
-    assert [path.name for path in tmp_path.iterdir()] == ["data"]
-
-
-@pytest.mark.usefixtures("live")
-def test_an_installed_package_adds_a_format(
-    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    class Count:
-        name = "count"
-        title = "the number of rows"
-
-        def write(self, contents: Any, folder: Path, progress: Any) -> None:
-            (table,) = (each for each in contents.tables if each.name == "sessions")
-            owners = contents.owners(table)
-            count = sum(1 for owner in owners for _ in contents.rows(table, owner))
-            (folder / "count.txt").write_text(str(count))
-
-    entry = SimpleNamespace(name="count", value="counts:Count", load=lambda: Count)
-    offer(monkeypatch, "sar_tui.exports", [entry])
-    assert call("export --all --format count --to", tmp_path / "out").code == 0
-    assert (tmp_path / "out" / "count.txt").read_text() == "1"
 
 
 def test_the_ledger_tells_what_left_when_and_for_whom(
@@ -156,3 +120,24 @@ def test_an_export_that_cannot_be_recorded_says_so(
     called = call("export --all --to", tmp_path / "out")
     assert (called.code, ids(tmp_path / "out")) == (1, {live})
     assert "not in its ledger" in called.err
+
+
+def test_an_export_tells_the_sensor_on_the_hand_from_that_on_the_trunk(
+    call: Call, tmp_path: Path
+) -> None:
+    settings = "--set imu_trunk=simulated --seed 5 --attempts 1"
+    assert call(f"simulate reaching --user average {settings}").code == 0
+    for kind in ("csv", "bids"):
+        export = f"export --all --simulated --format {kind} --to"
+        assert call(export, tmp_path / kind).code == 0
+    with (tmp_path / "csv" / "imu_streams.csv").open() as file:
+        streams = {row["part"]: row["stream"] for row in csv.DictReader(file)}
+    assert sorted(streams) == ["hand", "trunk"]
+    with (tmp_path / "csv" / "imu.csv").open() as file:
+        assert {row["stream"] for row in csv.DictReader(file)} == set(streams.values())
+    places = set()
+    for channels in (tmp_path / "bids").rglob("*_channels.tsv"):
+        for row in csv.DictReader(channels.read_text().splitlines(), delimiter="\t"):
+            if row["type"] == "GYRO":
+                places.add((row["tracked_point"], row["placement"]))
+    assert places == {("hand", "back of the hand"), ("trunk", "sternum")}

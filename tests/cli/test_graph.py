@@ -2,21 +2,18 @@
 
 from typing import Any, ClassVar
 
-import pytest
-
 from sar_tui.loop.graph import graph, longest_path
 from sar_tui.loop.node import Node, TimedNode, on
 from sar_tui.loop.topics import ACTION, KEY, PERCEIVED, TIMER
 from tests.program import Call
 
 
-@pytest.fixture
-def edges(call: Call) -> set[tuple[str, str, str, str]]:
-    found = call("graph keyboard --json").json["edges"]
-    return {(edge["from"], edge["to"], edge["name"], edge["kind"]) for edge in found}
-
-
-def test_the_loop_is_the_thesis_figure(edges: set[tuple[str, str, str, str]]) -> None:
+def test_the_loop_is_the_thesis_figure_and_each_node_what_it_declares(call: Call) -> None:
+    printed = call("graph keyboard --json").json
+    assert set(printed) == {"task", "nodes", "edges"}
+    edges = {
+        tuple(edge[name] for name in ("from", "to", "name", "kind")) for edge in printed["edges"]
+    }
     assert edges >= {
         ("keyboard", "perception", "input/key", "topic"),
         ("perception", "event_handler", "perception/key", "topic"),
@@ -31,11 +28,6 @@ def test_the_loop_is_the_thesis_figure(edges: set[tuple[str, str, str, str]]) ->
     }
     assert not [edge for edge in edges if edge[0] == edge[1]], "no node talks to itself"
     assert not [edge for edge in edges if edge[2] == TIMER.name]
-
-
-def test_json_has_the_nodes_and_what_each_declares(call: Call) -> None:
-    printed = call("graph keyboard --json").json
-    assert set(printed) == {"task", "nodes", "edges"}
     nodes = {node["name"]: node for node in printed["nodes"]}
     kinds = {"keyboard": "input", "memory": "node", "screen": "output", "recorder": "tap"}
     assert {name: nodes[name]["kind"] for name in kinds} == kinds

@@ -31,14 +31,6 @@ def limited(
     )
 
 
-@pytest.mark.usefixtures("simulated")
-def test_a_file_that_may_not_grow_is_one_sentence_with_the_limit(call: Call, data: Path) -> None:
-    done = limited(data, "backup", bytes=8192)
-    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
-    assert "may write no file larger than 8,192 bytes (ulimit -f)." in done.stderr
-    assert call("check").code == 0
-
-
 def test_a_run_under_a_limit_leaves_no_module_that_is_cut_short(tmp_path: Path) -> None:
     root, checkout = Path(sar_tui.__file__).parents[1], tmp_path / "checkout"
     ignored = shutil.ignore_patterns("__pycache__")
@@ -48,6 +40,14 @@ def test_a_run_under_a_limit_leaves_no_module_that_is_cut_short(tmp_path: Path) 
     kept = list(checkout.rglob("*.pyc"))
     assert not [path for path in kept if path.name.startswith("commands.cpython")]
     assert all(path.stat().st_size < 4096 for path in kept)
+
+
+@pytest.mark.usefixtures("simulated")
+def test_a_file_that_may_not_grow_is_one_sentence_with_the_limit(call: Call, data: Path) -> None:
+    done = limited(data, "backup", bytes=8192)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
+    assert "may write no file larger than 8,192 bytes (ulimit -f)." in done.stderr
+    assert call("check").code == 0
 
 
 @pytest.fixture

@@ -3,6 +3,7 @@ elsewhere.
 """
 
 import importlib.util
+import json
 import sqlite3
 import tempfile
 from collections.abc import Iterator
@@ -13,16 +14,17 @@ from typing import Any
 
 import pytest
 
-from sar_tui.link.broker_process import BrokerProcess
 from sar_tui.link.discovery import joinable_sessions, live_sessions
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import Plan
 from sar_tui.store import participants, programmes
 from sar_tui.store.database import connect
 from sar_tui.store.programmes import Programme
+from tests.outputs.markers.receivers import serial_line
 from tests.program import Call
 
 Opened = list[dict[str, Any]]
+RUN = "run keyboard -p P01"
+SIMULATE = "simulate keyboard --user average --seed 1 --attempts 1 --set prompts_per_attempt=2"
 
 
 def save(data: Path, task: str, programme: Programme) -> None:
@@ -31,15 +33,8 @@ def save(data: Path, task: str, programme: Programme) -> None:
 
 
 @pytest.fixture
-def runtime() -> Iterator[str]:
-    """A folder for sockets, whose paths must be short."""
-    with tempfile.TemporaryDirectory(prefix="sar") as folder:
-        yield folder
-
-
-@pytest.fixture
-def opened(monkeypatch: pytest.MonkeyPatch, runtime: str, data: Path) -> Opened:
-    """Fake a terminal and an app, with two participants; return the arguments of each opening. The
+def opened(monkeypatch: pytest.MonkeyPatch, data: Path) -> Iterator[Opened]:
+    """Fake a terminal and an app, with two participants; yield the arguments of each opening. The
     app exits with 7.
     """
     with closing(connect(data)) as database:
@@ -47,26 +42,17 @@ def opened(monkeypatch: pytest.MonkeyPatch, runtime: str, data: Path) -> Opened:
             participants.add(database, code)
     calls: Opened = []
 
-    def run_app(
-        folder: Path,
-        catalogue: Catalogue,
-        plan: Plan | None = None,
-        resume: str | None = None,
-        link: BrokerProcess | None = None,
-        **_: object,
-    ) -> int:
-        joinable = joinable_sessions(folder)
-        calls.append(
-            {"folder": folder, "plan": plan, "resume": resume, "link": link, "joinable": joinable}
-        )
+    def run_app(folder: Path, catalogue: Catalogue, **given: Any) -> int:
+        calls.append({"folder": folder, "joinable": joinable_sessions(folder), **given})
         return 7
 
-    monkeypatch.setenv("XDG_RUNTIME_DIR", runtime)
     monkeypatch.setattr("sar_tui.app.app.run_app", run_app)
     stream = SimpleNamespace(isatty=lambda: True)
     streams = SimpleNamespace(stdin=stream, stdout=stream, stderr=stream)
     monkeypatch.setattr("sar_tui.cli.common.sys", streams)
-    return calls
+    with tempfile.TemporaryDirectory(prefix="sar") as sockets:
+        monkeypatch.setenv("XDG_RUNTIME_DIR", sockets)
+        yield calls
 
 
 @pytest.fixture
@@ -81,14 +67,17 @@ def session(call: Call, data: Path) -> str:
 def test_without_a_command_the_app_opens(call: Call, opened: Opened, data: Path) -> None:
     assert call().code == 7
     (how,) = opened
-    assert (how["folder"], how["plan"], how["resume"]) == (data, None, None)
+    assert (how["folder"], how.get("plan"), how.get("resume")) == (data, None, None)
 
 
-def test_run_seats_two_left_and_right(call: Call, opened: Opened) -> None:
-    assert call("run pairs -p p01 -p p02 --set policy=race").code == 7
+def test_run_seats_two_left_and_right_each_with_a_sensor(call: Call, opened: Opened) -> None:
+    settings = "--set policy=race --set respond_with=reaches"
+    sensors = "--imu simulated --set imu_b=simulated:tremor"
+    assert call(f"run pairs -p p01 -p p02 {settings} {sensors}").code == 7
     plan = opened[0]["plan"]
     assert (plan.task.name, plan.parameters.policy) == ("pairs", "race")
     assert (plan.participant, plan.partner) == ("P01", "P02")
+    assert (plan.parameters.imu, plan.parameters.imu_b) == ("simulated", "simulated:tremor")
 
 
 JOINT = ("run", "pairs", "-p", "p01", "-p", "p02", "--set", "policy=joint attention")
@@ -97,12 +86,10 @@ JOINT = ("run", "pairs", "-p", "p01", "-p", "p02", "--set", "policy=joint attent
 @pytest.mark.parametrize(
     ("outputs", "cue", "does"),
     [
-        ("speech", "gaze", "looks"),
         ("speech,tones:go", "both", "looks"),
         ("tones", "gesture", "points"),
         ("servo:123456", "gaze", "looks"),
         ("screen", "gaze", ""),
-        ("speech,screen", "both", ""),
         ("servo", "gesture", ""),
     ],
 )
@@ -116,9 +103,8 @@ def test_a_cue_that_no_output_can_show_is_refused(
 
 
 def test_run_plans_a_live_session(call: Call, opened: Opened) -> None:
-    run = "run keyboard -p p01 --set attempts=3 --theme high-contrast"
     for seed in ("--seed 5", "", ""):
-        assert call(f"{run} {seed}").code == 7
+        assert call(f"{RUN} --set attempts=3 --theme high-contrast {seed}").code == 7
     plan, *others = (how["plan"] for how in opened)
     assert (plan.task.name, plan.participant, plan.theme) == ("keyboard", "P01", "high-contrast")
     assert (plan.mode, plan.parameters.attempts) == ("live", 3)
@@ -127,33 +113,75 @@ def test_run_plans_a_live_session(call: Call, opened: Opened) -> None:
     assert {(how["link"], *how["joinable"]) for how in opened} == {(None,)}, "nobody can join"
 
 
-def test_run_starts_from_the_participants_settings(call: Call, opened: Opened, data: Path) -> None:
-    kept = Programme({"attempts": 6, "prompts_per_attempt": 8}, "high-contrast")
-    save(data, "keyboard", kept)
-    call("run keyboard -p P01 --set attempts=2")
-    plan = opened[0]["plan"]
-    assert (plan.parameters.attempts, plan.parameters.prompts_per_attempt) == (2, 8)
-    assert plan.theme == "high-contrast"
-
-
-def test_a_motion_sensor_can_be_named(call: Call, opened: Opened, data: Path) -> None:
-    save(data, "reaching", Programme({"imu": "phidget:1", "attempts": 3}))
+def test_options_override_the_participants_saved_settings_and_keep_the_rest(
+    call: Call, opened: Opened, data: Path
+) -> None:
+    saved = {"attempts": 6, "prompts_per_attempt": 8, "outputs": ["screen", "tones"]}
+    save(data, "keyboard", Programme({**saved, "language": "es"}, "high-contrast"))
+    save(data, "reaching", Programme({"imu": "phidget:1"}))
+    call(RUN)
+    call(f"{RUN} --set attempts=2 --speech sound --language en")
     for option in ("--imu simulated:tremor", "--set imu=simulated:tremor", ""):
         assert call(f"run reaching -p P01 {option}").code == 7
-    parameters = [how["plan"].parameters for how in opened]
-    assert [p.imu for p in parameters] == ["simulated:tremor", "simulated:tremor", "phidget:1"]
-    assert {p.attempts for p in parameters} == {3}
+    first, second, *reaching = (how["plan"].parameters for how in opened)
+    assert (first.attempts, first.outputs, first.language) == (6, ("screen", "tones"), "es")
+    assert (second.attempts, second.language) == (2, "en")
+    assert second.outputs == ("screen", "tones", "speech")
+    assert (first.prompts_per_attempt, second.prompts_per_attempt) == (8, 8)
+    assert [how["plan"].theme for how in opened[:2]] == ["high-contrast"] * 2
+    assert [each.imu for each in reaching] == ["simulated:tremor", "simulated:tremor", "phidget:1"]
 
 
-@pytest.fixture
-def answers(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
-    """Answers to the questions that the program will ask."""
-    given: list[bool] = []
-    monkeypatch.setattr("typer.confirm", lambda *_, **__: given.pop(0))
-    return given
+def test_outputs_are_named_either_way_and_the_option_speech_adds_speech(
+    call: Call, opened: Opened, tmp_path: Path
+) -> None:
+    where = f"file:{tmp_path}"
+    cases: dict[str, tuple[object, str]] = {
+        "--outputs screen,speech": (("screen", "speech"), ""),
+        "--set outputs=screen,speech": (("screen", "speech"), ""),
+        f"--speech {where}": (("screen", "speech"), where),
+        f"--speech {where} --outputs tones,speech": (("tones", "speech"), where),
+        f"--set speech={where}": (("screen",), where),
+    }
+    for options, (outputs, speech) in cases.items():
+        assert call(f"{RUN} {options}").code == 7
+        parameters = opened[-1]["plan"].parameters
+        assert parameters.outputs == outputs, options
+        assert not speech or parameters.speech == speech, options
 
 
-@pytest.mark.usefixtures("answers")
+def test_a_simulated_session_speaks_the_language_it_is_given_and_into_files(
+    call: Call, data: Path, tmp_path: Path
+) -> None:
+    assert call(f"{SIMULATE} --speech file:{tmp_path}/said").code == 0
+    stored = call("show last --json").json["session"]["parameters"]
+    assert (stored["outputs"], stored["speech"]) == (["screen", "speech"], f"file:{tmp_path}/said")
+    for language, thanks in (("en", "Thank you"), ("es", "racias")):
+        assert call(f"{SIMULATE} --language {language}").code == 0
+        session = call("show last --json").json["session"]
+        assert session["parameters"]["language"] == language
+        with closing(connect(data)) as database:
+            said = "SELECT final FROM actions WHERE kind='goodbye' ORDER BY rowid DESC"
+            (final,) = database.execute(said).fetchone()
+        assert thanks in json.loads(final)["text"]
+
+
+@pytest.mark.parametrize("command", ["", RUN])
+def test_the_app_and_a_session_are_opened_with_the_addresses_of_markers(
+    call: Call, opened: Opened, command: str
+) -> None:
+    pytest.importorskip("serial")
+    with serial_line() as line:
+        to = ["udp://127.0.0.1:9", f"serial:{line.name}@9600", "udp://127.0.0.1:10"]
+        assert call(f"{command} --markers {to[0]},{to[1]} --markers {to[2]}").code == 7
+    assert call(f"{command} --sync-flash").code == 7
+    found = [(how["markers"], how["sync_flash"]) for how in opened]
+    assert found == [(tuple(to), False), ((), True)]
+
+
+# --- resumed
+
+
 def test_resume_goes_on_with_the_session_that_is_named(
     call: Call, opened: Opened, data: Path, session: str
 ) -> None:
@@ -164,15 +192,20 @@ def test_resume_goes_on_with_the_session_that_is_named(
     assert opened[0]["resume"] == session
 
 
-@pytest.mark.parametrize("arguments", ["", "last"])
+@pytest.mark.parametrize("arguments", ["resume", "resume last"])
 def test_resume_without_an_id_says_whose_session_it_is_and_asks(
-    call: Call, opened: Opened, session: str, answers: list[bool], arguments: str
+    call: Call,
+    opened: Opened,
+    session: str,
+    monkeypatch: pytest.MonkeyPatch,
+    arguments: str,
 ) -> None:
     call("simulate keyboard --user poor --attempts 1")
-    answers += [False, True]
-    called = call("resume", *arguments.split())
+    answers = [False, True]
+    monkeypatch.setattr("typer.confirm", lambda *_, **__: answers.pop(0))
+    called = call(arguments)
     assert (called.code, opened, "Nothing was resumed." in called.out) == (1, [], True)
-    called = call("resume", *arguments.split())
+    called = call(arguments)
     assert (called.code, opened[0]["resume"]) == (7, session)
     assert f"The latest interrupted session is {session} of SIM: keyboard, began " in called.err
     assert "1 of 1 attempts done." in called.err
@@ -195,32 +228,34 @@ def test_a_session_that_was_not_interrupted_is_not_resumed(
 
 
 def test_a_session_that_operators_may_join_is_found_while_it_runs(
-    call: Call, opened: Opened
+    call: Call, opened: Opened, session: str
 ) -> None:
-    assert call("run keyboard -p P01 --operator").code == 7
-    (how,) = opened
-    (live,) = how["joinable"]
-    assert (live.session, live.task, live.participants) == (how["plan"].id, "keyboard", ("P01",))
+    assert call(f"{RUN} --operator").code == 7
+    assert call("resume", session, "--operator").code == 7
+    first, resumed = opened
+    (live,) = first["joinable"]
+    assert (live.session, live.task, live.participants) == (first["plan"].id, "keyboard", ("P01",))
     assert live.description.startswith("P01, keyboard, since ")
-    assert how["link"].link == how["plan"].id
-    assert how["link"].pid is None  # its process has ended
+    assert first["link"].link == first["plan"].id
+    assert first["link"].pid is None  # its process has ended
+    assert [live.session for live in resumed["joinable"]] == [session]
     assert live_sessions() == []
 
 
-def test_a_resumed_session_can_be_joined_too(call: Call, opened: Opened, session: str) -> None:
-    assert call("resume", session, "--operator").code == 7
-    assert [live.session for live in opened[0]["joinable"]] == [session]
-
-
-def test_a_link_that_cannot_be_is_refused_before_the_screen_changes(
+def test_a_link_or_marker_that_cannot_be_is_refused_before_the_screen_changes(
     call: Call, opened: Opened, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    run = "run keyboard -p P01"
-    call(f"{run} --listen tls/lab:none").refused("has no valid port")
-    listened = call(f"{run} --listen tls/127.0.0.1:7447")
+    call(f"{RUN} --listen tls/lab:none").refused("has no valid port")
+    listened = call(f"{RUN} --listen tls/127.0.0.1:7447")
     listened.refused("Nobody has been invited yet", code=1)
+    for place in ("lsl.find_spec", "serial_line.find_spec"):
+        monkeypatch.setattr(f"sar_tui.outputs.markers.{place}", lambda name: None)
+    for address in ("lsl", "serial:/dev/ttyUSB0"):
+        extra = address.partition(":")[0]
+        said = f"pip install -e '.[{extra}]'"
+        call(f"{RUN} --markers {address}").refused(said, code=1)
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
-    call(f"{run} --operator").refused("pip install -e '.[link]'", code=1)
+    call(f"{RUN} --operator").refused("pip install -e '.[link]'", code=1)
     assert opened == []
 
 
@@ -250,7 +285,7 @@ def test_where_nobody_can_be_asked_a_new_participant_needs_to_be_said(
 ) -> None:
     monkeypatch.setattr("sar_tui.cli.common.is_interactive", lambda: False)
     call("run keyboard -p P0l").refused("give P01 if that is meant, or add --new")
-    call("run keyboard -p P01 --new").refused()
+    call(f"{RUN} --new").refused()
     assert opened == []
     assert call("run keyboard -p P0l --new").code == 7
     assert call("run pairs -p P01 -p P03 --new").code == 7

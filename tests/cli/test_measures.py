@@ -46,6 +46,7 @@ def test_a_measure_has_its_title_unit_and_decimals_in_show_the_summary_and_progr
     assert "variability (ms)" in told
     assert f" {fmean(values):.0f}\n" in told
 
+    assert "variability_ms" in call("tasks show steady", *where).out
     kind = Catalogue(tasks=(steady.parent,)).task("steady")
     ended = [attempt_ended(attempt) for attempt in found["attempts"]]
     assert GuardedView(kind(build(kind.Parameters, {}))).facts(ended) == [mean]
@@ -61,32 +62,6 @@ def test_an_undeclared_measure_is_stored_and_has_its_name_in_progress(
     assert [call(*simulate, "--seed", seed).code for seed in (1, 2)] == [0, 0]
     assert "ariability" not in call("show last", *where).out
     assert "variability ms" in call("progress P01", *where).out
-
-
-def test_tasks_show_lists_details_and_measures(call: Call, steady: Path) -> None:
-    out = call("tasks show keyboard").out
-    assert "key_gap_ms" in out
-    assert "Time since the key before this response, in ms." in out
-    assert "Measures of an attempt" not in out
-    shown = call("tasks show steady --tasks", steady.parent)
-    assert "variability_ms" in shown.out
-    found = call("tasks show keyboard --json").json
-    assert found["details"][0] == {
-        "name": "choices",
-        "type": "integer",
-        "description": "Number of keys that the prompt was drawn from.",
-    }
-
-
-def test_a_declaration_of_another_type_is_a_sentence(call: Call, steady: Path) -> None:
-    edit(
-        steady / "task.py",
-        '(Measure("variability_ms", "variability", unit="ms", decimals=0),)',
-        '("variability",)',
-    )
-    said = call("tasks check", steady)
-    assert said.code == 1
-    assert "its measured are not a tuple of Measure" in said.out
 
 
 def test_a_value_has_the_readers_decimal_sign() -> None:

@@ -96,47 +96,32 @@ def test_what_another_site_recorded_is_changed_only_there(
     call("record list").shows(f"{entered}@BERN")
 
 
-def test_a_session_that_runs_is_left_out_and_named(call: Call, zurich: Path, bern: Path) -> None:
+def test_what_is_left_out_is_named(call: Call, zurich: Path, bern: Path) -> None:
+    """A session that runs, a rescue file, and a record that only this site could have written."""
     play(bern, "abcdef0123", status="running")
-    held = locks.hold(bern, "session", "abcdef0123")
-    called = call("merge", bern)
-    held.release()
-    called.shows("! Session abcdef0123 is running there", code=1)
-    assert len(call("sessions --json").json["sessions"]) == 3
-    assert call("check").code == 0
-    call("merge", bern).shows("From BERN: 1 new session")
-
-
-def test_a_record_that_only_this_site_could_have_written_is_named_and_left_out(
-    call: Call, zurich: Path, bern: Path
-) -> None:
+    file = bern / "sar-tui-rescue-abcdef0123.db"
+    file.touch()
     with closing(connect(bern)) as database:
         database.execute(
             "INSERT INTO programmes (participant, task, version, created_at, author, reason, "
             "parameters, theme, site) VALUES ('P01@ZURICH', 'keyboard', 1, '2026-01-01', '', '', "
             "'{\"attempts\":99}', 'calm', 'ZURICH')"
         )
-    said = "The version 1 of the programme of P01 for keyboard is ZURICH's by what BERN has"
-    call("merge", bern).shows("From BERN: 2 new sessions.", f"! {said}", "It is left out.", code=1)
-    with closing(connect(zurich)) as database:
-        assert database.execute("SELECT * FROM programmes").fetchall() == []
-    (refused,) = call("merge", bern, "--json").json["refused"]
-    assert refused.startswith(said)
-
-
-def test_nothing_is_merged_while_a_session_runs_here(call: Call, zurich: Path, bern: Path) -> None:
-    play(zurich, "abcdef0123", status="running")
-    held = locks.hold(zurich, "session", "abcdef0123")
+    held = locks.hold(bern, "session", "abcdef0123")
     called = call("merge", bern)
     held.release()
-    called.refused("Session abcdef0123 is running here", code=1)
-
-
-@pytest.mark.usefixtures("zurich")
-def test_rescue_files_of_the_other_folder_are_named(call: Call, bern: Path) -> None:
-    file = bern / "sar-tui-rescue-abcdef0123.db"
-    file.touch()
-    call("merge", bern).shows(f"! {file} holds data", code=1)
+    said = "The version 1 of the programme of P01 for keyboard is ZURICH's by what BERN has"
+    called.shows("! Session abcdef0123 is running there", f"! {file} holds data", code=1)
+    called.shows(
+        "From BERN: 2 new sessions, 1 participant.", f"! {said}", "It is left out.", code=1
+    )
+    assert len(call("sessions --json").json["sessions"]) == 3
+    with closing(connect(zurich)) as database:
+        assert database.execute("SELECT * FROM programmes").fetchall() == []
+    assert call("check").code == 0
+    again = call("merge", bern, "--json").json
+    assert again["refused"][0].startswith(said)
+    assert len(call("sessions --json").json["sessions"]) == 4
 
 
 def test_a_database_that_cannot_be_merged_is_refused_in_a_sentence(
@@ -149,6 +134,8 @@ def test_a_database_that_cannot_be_merged_is_refused_in_a_sentence(
     damaged = copy(bern, tmp_path / "damaged")
     with closing(connect(damaged)) as database:
         database.execute("UPDATE trials SET details='{' WHERE rowid=1")
+    laptop, basel = site(tmp_path / "laptop", "ZURICH"), site(tmp_path / "basel", "BASEL")
+    play(laptop, "abcdef0123")
     before = (zurich / "sar-tui.db").read_bytes()
     for words, said in (
         ((text,), "is no database of sar-tui"),
@@ -157,6 +144,9 @@ def test_a_database_that_cannot_be_merged_is_refused_in_a_sentence(
         ((tmp_path / "nameless",), "has no code of its site"),
         ((damaged,), "is damaged"),
         ((zurich,), "is this database itself"),
+        ((laptop,), "add --one-site"),
+        ((basel, "--one-site"), "leave out --one-site"),
+        ((basel, "--data", tmp_path / "nameless"), "Set it first, such as: sar-tui site BERN"),
         ((bern, "--same", "P01=P02"), "are of one site"),
         ((bern, "--same", "P01"), "takes two codes"),
         ((bern, "--same", "P01@BERN=P01", "--same", "P02@BERN=P01"), "would be the same person"),
@@ -165,24 +155,14 @@ def test_a_database_that_cannot_be_merged_is_refused_in_a_sentence(
         called.refused(said)
         assert called.err.count("\n") == 1
     assert (zurich / "sar-tui.db").read_bytes() == before
+    play(zurich, "0123abcdef", status="running")
+    held = locks.hold(zurich, "session", "0123abcdef")
+    call("merge", bern).refused("Session 0123abcdef is running here", code=1)
+    held.release()
+    assert len(call("sessions --json").json["sessions"]) == 2
     assert not list(zurich.glob(".merge-*"))
-
-
-def test_a_site_without_a_code_is_asked_for_one(call: Call, tmp_path: Path) -> None:
-    call("sessions")
-    call("merge", site(tmp_path / "bern", "BERN")).refused("sar-tui site BERN")
-
-
-@pytest.mark.usefixtures("zurich")
-def test_two_databases_of_one_site_are_merged_only_if_that_is_said(
-    call: Call, tmp_path: Path
-) -> None:
-    laptop, basel = site(tmp_path / "laptop", "ZURICH"), site(tmp_path / "basel", "BASEL")
-    play(laptop, "abcdef0123")
-    call("merge", laptop).refused("add --one-site")
     assert call("merge", laptop, "--one-site").code == 0
-    assert len(call("sessions -p P01 --json").json["sessions"]) == 2
-    call("merge", basel, "--one-site").refused("leave out --one-site")
+    assert len(call("sessions -p P01 --json").json["sessions"]) == 3
 
 
 @pytest.mark.usefixtures("zurich")
@@ -208,3 +188,29 @@ def test_a_person_with_two_codes_is_listed_and_the_other_code_told(
     call("sessions -p P01@BERN").shows("P01@BERN is P01 here: sar-tui sessions -p P01\n")
     refused = call("export -p P01@BERN --simulated --to", tmp_path / "out")
     refused.refused("P01@BERN is P01 here: ask for the sessions of P01.")
+
+
+def test_a_site_gets_a_code_in_capitals(call: Call, simulated: str) -> None:
+    assert "no code" in call("site").out
+    assert "belongs to the site BERN" in call("site", " bern ").out
+    assert call("site --json").json == {"site": "BERN"}
+    assert call("site BASEL-1").out.splitlines()[1].startswith("It was BERN")
+    for code in ("", "two words", "P@B", "-A", "A" * 17):
+        call("site --", code).refused("A site's code has 1 to 16 letters")
+
+
+def test_a_code_that_others_may_know_stays(call: Call, simulated: str, data: Path) -> None:
+    call("site BERN")
+    with closing(sqlite3.connect(data / "sar-tui.db", isolation_level=None)) as database:
+        names = "exported_at, exported_by, recipient, format, sessions, options, manifest"
+        row = ("", "", "", "parquet", "[]", "{}", "")
+        database.execute(f"INSERT INTO exports ({names}) VALUES (?, ?, ?, ?, ?, ?, ?)", row)
+    call("site BASEL").refused("data was exported under this code")
+    assert call("site bern").code == 0
+
+
+def test_sessions_are_exported_with_their_site(call: Call, simulated: str, tmp_path: Path) -> None:
+    call("site BERN")
+    assert call("export", simulated, "--simulated", "--to", tmp_path / "out").code == 0
+    head, row = (tmp_path / "out" / "sessions.csv").read_text(encoding="utf-8").splitlines()
+    assert dict(zip(head.split(","), row.split(","), strict=False))["site"] == "BERN"

@@ -2,14 +2,11 @@
 record.
 """
 
-from contextlib import closing
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from sar_tui.store.database import connect
-from sar_tui.store.participants import UnknownParticipant, admit
 from tests.app.app_driver import known
 from tests.program import Call
 
@@ -21,9 +18,23 @@ RECORDS = (
 )
 
 
-@pytest.fixture
-def on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """Somebody who answers yes, or as a test says; the questions that were asked."""
+@pytest.mark.parametrize("record", RECORDS)
+def test_a_code_that_nobody_has_is_refused_with_the_nearest_or_needs_new(
+    call: Call, data: Path, record: str
+) -> None:
+    known(data, "P01")
+    call("simulate keyboard --user average --attempts 1 -p P08")
+    call(record.format("P08")).refused("add --new")  # only simulated people have this code
+    said = "There is no participant P0L: give P01 if that is meant, or add --new for a new"
+    call(record.format("p0l")).refused(said)
+    assert call(record.format("P09"), "--new").code == 0
+    assert call(record.format("p09")).code == 0
+    call(record.format("P09"), "--new").refused("P09 is known here already: leave out --new")
+    assert call("check").code == 0
+    assert call("backup --verify").code == 0
+
+
+def test_on_a_terminal_it_is_asked(call: Call, data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[str] = []
 
     def confirm(question: str, **_: Any) -> bool:
@@ -32,69 +43,23 @@ def on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
     monkeypatch.setattr("sar_tui.cli.common.is_interactive", lambda: True)
     monkeypatch.setattr("sar_tui.cli.common.typer.confirm", confirm)
-    return asked
-
-
-@pytest.mark.parametrize("record", RECORDS)
-def test_a_typing_error_is_refused_with_the_nearest_code(
-    call: Call, data: Path, record: str
-) -> None:
-    known(data, "P01")
-    said = "There is no participant P0L: give P01 if that is meant, or add --new for a new"
-    call(record.format("p0l")).refused(said)
-    assert call("check").code == 0
-
-
-@pytest.mark.parametrize("record", RECORDS)
-def test_a_record_of_a_new_participant_without_a_session_is_whole(call: Call, record: str) -> None:
-    assert call(record.format("P09"), "--new").code == 0
-    assert call(record.format("p09")).code == 0
-    assert call("check").code == 0
-    assert call("backup --verify").code == 0
-    call(record.format("P09"), "--new").refused("P09 is known here already: leave out --new")
-
-
-def test_on_a_terminal_it_is_asked(call: Call, data: Path, on_a_terminal: list[str]) -> None:
     known(data, "P01")
     refused = call(SCORE.format("P0l"))
     assert (refused.code, refused.err) == (1, "Nothing was done.\n")
     assert call(SCORE.format("P77")).code == 0
-    assert on_a_terminal == [
+    assert asked == [
         "There is no participant P0L. Is it P01? Is P0L a new participant?",
         "There is no participant P77. Is P77 a new participant?",
     ]
     assert "P0L" not in call("progress P77").out
-
-
-def test_a_value_that_cannot_be_makes_no_participant(call: Call) -> None:
     assert call("record add FMA-UE P09 score=900 --new").code == 2
-    assert call("progress P09").code == 2
+    assert call("progress P09").code == 2, "a value that cannot be makes no participant"
 
 
-@pytest.mark.usefixtures("simulated")
-def test_people_who_are_only_simulated_are_not_known(call: Call) -> None:
-    call(SCORE.format("P01")).refused("add --new")
-    assert call(SCORE.format("P01"), "--new").code == 0
-    assert call("check").code == 0
-
-
-@pytest.mark.parametrize(
-    "command",
-    [
+def test_each_command_that_looks_for_a_code_names_the_nearest(call: Call, data: Path) -> None:
+    known(data, "P01")
+    for command in (
         "sessions -p", "progress", "record list -p", "programme show", "programme history",
         "report wizard -p", "report intervention -p", "export -p",
-    ],
-)  # fmt: skip
-def test_each_command_that_looks_for_a_code_names_the_nearest(
-    call: Call, data: Path, command: str
-) -> None:
-    known(data, "P01")
-    call(command, "P0l").refused("There is no participant P0L. Is it P01?")
-
-
-def test_of_two_participants_one_may_be_new(data: Path) -> None:
-    known(data, "P01")
-    with closing(connect(data)) as database:
-        assert admit(database, ["p01", "p02"], is_new=True) == ["P01", "P02"]
-        with pytest.raises(UnknownParticipant, match=r"There is no participant P02\."):
-            admit(database, ["P01", "P02"])
+    ):  # fmt: skip
+        call(command, "P0l").refused("There is no participant P0L. Is it P01?")

@@ -1,12 +1,14 @@
-"""``sar-tui passphrase``."""
+"""``sar-tui passphrase``, and ``sar-tui --patient``, which needs one."""
 
 import io
 import os
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
-from sar_tui.store import passphrase
+from sar_tui.store import participants, passphrase
+from sar_tui.store.database import connect
 from sar_tui.store.passphrase import Passphrase
 from sar_tui.timing.pty import Terminal
 from tests.end_to_end.participant_terminal import command
@@ -50,21 +52,25 @@ def test_the_tries_are_listed(call: Call, folder: Path) -> None:
     assert [each["result"] for each in found["tries"]] == ["wrong", "right"]
 
 
-@pytest.mark.parametrize(
-    ("line", "why"), [("", "standard input"), ("abc\n", "at least 6"), ("\n", "at least 6")]
-)
 def test_none_or_a_short_one_is_refused(
-    line: str, why: str, call: Call, folder: Path, monkeypatch: pytest.MonkeyPatch
+    call: Call, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    _type(monkeypatch, line)
-    called = call("passphrase")
-    assert called.code == 2
-    assert why in called.err
-    assert not (folder / passphrase.FILE).exists()
+    for line, why in (("", "standard input"), ("abc\n", "at least 6")):
+        _type(monkeypatch, line)
+        call("passphrase").refused(why)
+        assert not (folder / passphrase.FILE).exists()
 
 
-def test_two_options_that_exclude_each_other_are_refused(call: Call, folder: Path) -> None:
-    assert call("passphrase --remove --tries").code == 2
+def test_patient_mode_needs_a_passphrase_a_participant_and_an_exercise(
+    call: Call, folder: Path
+) -> None:
+    call("--patient P01").refused("sar-tui passphrase")
+    Passphrase(folder).set("quiet river")
+    with closing(connect(folder)) as database:
+        participants.add(database, "P01")
+    call("--patient P01").refused("no exercise to do alone")
+    call("--patient P0l").refused("There is no participant P0L. Is it P01?")
+    call("--patient", "no name").refused("A participant code has")
 
 
 @pytest.mark.skipif(os.name != "posix", reason="there are no pseudo-terminals")

@@ -6,7 +6,7 @@ import io
 import tomllib
 from contextlib import closing
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 
 from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
-from sar_tui.rules.declaration import meta
 from sar_tui.rules.parameters import build, changed, fields
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.programme_file import (
@@ -86,29 +85,20 @@ def test_the_history_tells_who_changed_what_and_why_the_newest_first(
     assert first["version"] == 1
 
 
-def test_a_participant_without_a_programme_and_one_who_does_not_exist_are_told_apart(
-    call: Call, data: Path
+def test_a_session_shows_the_version_that_it_ran_and_a_programme_what_cannot_be_used(
+    call: Call, data: Path, simulated: str
 ) -> None:
     with closing(connect(data)) as database:
         participants.add(database, "P07")
     for command in ("show", "history"):
         call("programme", command, "P07").shows("P07 has no programme yet")
-        call("programme", command, "P09").refused("There is no participant P09. Is it P07?")
     call("programme show P07 keyboard").shows("its defaults are used")
-
-
-@pytest.mark.usefixtures("simulated")
-def test_a_session_shows_the_version_that_it_ran(call: Call, data: Path) -> None:
-    save(data, 0, attempts=12)
+    save(data, 0, attempts=12, tempo=3)
     with closing(connect(data)) as database:
         database.execute("UPDATE seats SET participant='P07'")
         database.execute("UPDATE sessions SET programme=1")
     call("show last").shows("Programme    version 1 by ana: Start")
     assert call("show last --json").json["session"]["programme"] == 1
-
-
-def test_values_that_cannot_be_used_any_more_are_told(call: Call, data: Path) -> None:
-    save(data, 0, attempts=12, tempo=3)
     why = "The setting tempo does not exist any more."
     call("programme show P07").shows(f"! Not used: {why}")
     (row,) = call("programme show P07 --json").json["programmes"]
@@ -121,13 +111,21 @@ def test_values_that_cannot_be_used_any_more_are_told(call: Call, data: Path) ->
 
 
 def test_an_exported_programme_names_every_setting_and_is_imported_for_another(
-    call: Call, data: Path, tmp_path: Path, keyboard: type[Task]
+    call: Call,
+    data: Path,
+    tmp_path: Path,
+    keyboard: type[Task],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     settings = {"attempts": 12, "levels": ["fj", "dfjk"], "choice_set": "left hand"}
     save(data, 0, **settings)
     text = call("programme export P07 keyboard").out
     for field in fields(keyboard.Parameters):
         assert f"\n{field.name} = " in text or f"\n# {field.name} = " in text
+    help_text = (
+        "# Prompts per attempt. Number of keys in an attempt. Allowed: 1 to 200. Default: 20."
+    )
+    assert f"\n{help_text}\n# prompts_per_attempt = 20\n" in text
     assert tomllib.loads(text)["parameters"] == settings
     file = tmp_path / "p07.toml"
     assert [call("programme export P07 keyboard --to", file).code for _ in range(2)] == [0, 2]
@@ -136,6 +134,9 @@ def test_an_exported_programme_names_every_setting_and_is_imported_for_another(
     (row,) = call("programme show P08 --json").json["programmes"]
     assert (row["parameters"], row["reason"]) == (settings, "Reached the goal")
     call("programme import p08 keyboard", file, *WHY).shows("Nothing differs from version 1")
+    monkeypatch.setattr("sys.stdin", io.StringIO('task = "keyboard"\n[parameters]\nattempts = 4\n'))
+    assert call("programme import P07 keyboard -", "--anyway", *WHY).code == 0
+    assert newest(data).parameters == {"attempts": 4}
 
 
 def test_a_file_exported_before_another_change_is_refused_unless_it_is_meant(
@@ -156,54 +157,28 @@ def test_a_file_exported_before_another_change_is_refused_unless_it_is_meant(
 @pytest.mark.parametrize(
     ("content", "says"),
     [
-        ("[parameters]\nattempts = 0", "Attempts is a whole number, 1 to 200, not 0."),
-        ("[parameters]\nattemps = 3", "There is no parameter attemps. Did you mean attempts?"),
-        ('[parameters]\nlanguage = "de"', "has no phrases in de"),
-        ('theme = "gone"', "There is no theme gone."),
-        ("attempts = 3", "unknown entries: attempts. Settings belong under [parameters]."),
+        ('task = "keyboard"\n[parameters]\nattempts = 0', "Attempts is a whole number, 1 to 200, not 0."),
+        ('task = "keyboard"\n[parameters]\nattemps = 3', "There is no parameter attemps. Did you mean attempts?"),
+        ('task = "keyboard"\n[parameters]\nlanguage = "de"', "has no phrases in de"),
+        ('task = "keyboard"\ntheme = "gone"', "There is no theme gone."),
+        ('task = "keyboard"\nattempts = 3', "unknown entries: attempts. Settings belong under [parameters]."),
+        ('task = "reaching"', "This programme is for the task reaching, not keyboard."),
         ("attempts 3", "is not valid TOML"),
-        (None, "is not a programme"),
+        ("", "is not a programme"),
         ("\udcff", "is not a text in UTF-8"),
     ],
-)
+)  # fmt: skip
 def test_a_file_that_does_not_fit_is_refused_with_the_reason(
-    call: Call, data: Path, tmp_path: Path, content: str | None, says: str
+    call: Call, data: Path, tmp_path: Path, content: str, says: str
 ) -> None:
     save(data, 0, attempts=12)
     file = tmp_path / "file.toml"
-    text = "" if content is None else f'task = "keyboard"\n{content}\n'
-    file.write_bytes(text.encode(errors="surrogateescape"))
+    file.write_bytes(f"{content}\n".encode(errors="surrogateescape"))
     call("programme import P07 keyboard", file, *WHY).refused(says)
-    file.write_text('task = "reaching"\n')
-    refused = call("programme import P07 keyboard", file, *WHY)
-    refused.refused("This programme is for the task reaching, not keyboard.")
     assert newest(data).version == 1
 
 
-def test_a_programme_is_read_from_standard_input(
-    call: Call, data: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("sys.stdin", io.StringIO('task = "keyboard"\n[parameters]\nattempts = 4\n'))
-    assert call("programme import P07 keyboard -", *WHY, "--new").code == 0
-    assert newest(data).parameters == {"attempts": 4}
-
-
-def test_a_new_parameter_is_exported_and_listed_without_further_changes(
-    keyboard: type[Task],
-) -> None:
-    class More(keyboard.Parameters, frozen=True, kw_only=True):  # type: ignore[name-defined, misc]
-        tempo: Annotated[int, meta("Tempo", "beats", "How fast the drum beats.", ge=1, le=9)] = 3
-
-    class Drummed(keyboard):  # type: ignore[valid-type, misc]
-        Parameters = More
-
-    exported = write(Drummed, "P07", Programme({"tempo": 5}, version=1))
-    described = "# Tempo (beats). How fast the drum beats. Allowed: 1 to 9. Default: 3."
-    assert f"{described}\ntempo = 5\n" in exported
-    assert parse(exported, "it").parameters == {"tempo": 5}
-
-
-@examples(40)
+@examples(20)
 @given(st.text(), st.text(), st.lists(st.text()), st.floats(allow_nan=False, allow_infinity=False))
 def test_every_programme_that_is_written_is_read_the_same(
     keyboard: type[Task], reason: str, language: str, levels: list[str], threshold: float
@@ -227,10 +202,28 @@ def test_each_task_ships_presets_that_fit_and_set_the_same_settings(
     assert list(found) == ["mild", "moderate", "severe"]
     assert len({frozenset(preset.parameters) for preset in found.values()}) == 1
     assert not any(not_applied(kind, preset) for preset in found.values())
-    built = [build(kind.Parameters, preset.parameters) for preset in found.values()]
     assert all(preset.task == task and preset.summary for preset in found.values())
+    built = [build(kind.Parameters, preset.parameters) for preset in found.values()]
     goals = [parameters.threshold for parameters in built]
     assert goals == sorted(set(goals))
+
+
+def test_the_scope_of_a_preset_is_each_setting_but_the_persons(catalogue: Catalogue) -> None:
+    """A new setting is the exercise's unless it is declared as personal: those are listed here, and
+    in the docs.
+    """
+    everybodys = set(
+        "language outputs speech operator_joins ask_wellbeing pain_limit pain_rise".split()
+    )
+    own = "imu imu_b imu_trunk hand hand_b layout choice_set marker_distances_cm respond_with"
+    for kind in map(catalogue.task, catalogue.task_names()):
+        declared = fields(kind.Parameters)
+        names = {field.name for field in declared}
+        limits = {field.name for field in declared if field.group == "Limits"}
+        personal = {field.name for field in declared if field.personal}
+        assert personal == everybodys | limits | set(own.split()) & names, kind.name
+        after = applied(kind, ProgrammeFile(kind.name), dict.fromkeys(names, "another"))
+        assert {name for name, value in after.items() if value == "another"} == personal
 
 
 def test_a_preset_states_the_exercise_and_leaves_what_is_the_persons(
@@ -275,28 +268,6 @@ def test_what_a_preset_names_of_the_person_stays_and_is_told(call: Call, data: P
     assert newest(data).theme == "calm"
 
 
-@pytest.mark.parametrize("task", Catalogue().task_names())
-def test_the_scope_of_a_preset_is_each_setting_but_the_persons(
-    catalogue: Catalogue, task: str
-) -> None:
-    """A new setting is the exercise's unless it is declared as personal: those are listed here, and
-    in the docs.
-    """
-    kind = catalogue.task(task)
-    declared = fields(kind.Parameters)
-    personal = {field.name for field in declared if field.personal}
-    common = {field.name for field in declared if field.group == "Limits"}
-    common |= set(
-        "language outputs speech operator_joins ask_wellbeing pain_limit pain_rise".split()
-    )
-    own = "imu imu_b imu_trunk hand hand_b layout choice_set marker_distances_cm respond_with"
-    assert common <= personal <= common | set(own.split())
-    assert set(own.split()) & {field.name for field in declared} <= personal
-    changed = {field.name: "another" for field in declared}
-    after = applied(kind, ProgrammeFile(task), changed)
-    assert {name for name, value in after.items() if value == "another"} == personal
-
-
 def test_a_programme_is_kept_as_a_preset_of_ones_own(call: Call, data: Path) -> None:
     save(data, 0, choice_set="left hand", attempts=3)
     assert call("programme export P07 keyboard --preset left-arm").code == 0
@@ -310,9 +281,6 @@ def test_a_programme_is_kept_as_a_preset_of_ones_own(call: Call, data: Path) -> 
     assert call("programme import P08 keyboard --preset left-arm", *WHY, "--new").code == 0
     (row,) = call("programme show P08 --json").json["programmes"]
     assert row["parameters"] == {"attempts": 3}
-
-
-def test_a_preset_that_cannot_be_read_is_listed_with_the_reason(call: Call, data: Path) -> None:
     own_preset(data, "mine", "attempts 3")
     call("programme presets keyboard").shows("mild", "is not valid TOML")
 

@@ -23,8 +23,8 @@ class Clock:
         return self.at
 
 
-RECORDING = Path(__file__).parents[2] / "data" / "table-4.1.csv"
 Patched = Callable[[bool], io.StringIO]
+RECORDING = Path(__file__).parents[2] / "data" / "table-4.1.csv"
 
 
 @pytest.fixture
@@ -62,7 +62,7 @@ def test_a_command_that_takes_long_tells_the_share_and_the_time_left_and_leaves_
     assert [line.strip() for line in lines[-2:]] == ["", ""], "it is erased"
 
 
-def test_a_short_command_shows_nothing(stderr_to: Patched) -> None:
+def test_a_short_command_and_an_error_leave_no_line(stderr_to: Patched) -> None:
     terminal = stderr_to(True)
     clock = Clock()
     with progress_line("Counting", still=True, now=clock) as show:
@@ -70,6 +70,17 @@ def test_a_short_command_shows_nothing(stderr_to: Patched) -> None:
             clock.at = done * 0.009
             show("Counting", done, 100)
     assert terminal.getvalue() == ""
+
+    def stopped() -> None:
+        clock.at = 0
+        with progress_line("Counting", still=True, now=clock) as show:
+            clock.at = 2
+            show("Counting", 0, 0)
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        stopped()
+    assert terminal.getvalue().split("\r")[1:] == ["Counting … 2 s", " " * 14, ""]
 
 
 def test_nothing_is_written_where_output_is_piped_unless_the_command_takes_minutes(
@@ -99,21 +110,6 @@ def test_the_time_left_is_that_of_the_step_that_goes_on(stderr_to: Patched) -> N
     assert "\x1b" not in terminal.getvalue()
 
 
-def test_an_error_leaves_no_line(stderr_to: Patched) -> None:
-    terminal = stderr_to(True)
-    clock = Clock()
-
-    def stopped() -> None:
-        with progress_line("Counting", still=True, now=clock) as show:
-            clock.at = 2
-            show("Counting", 0, 0)
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        stopped()
-    assert terminal.getvalue().split("\r")[1:] == ["Counting … 2 s", " " * 14, ""]
-
-
 def test_a_step_that_tells_nothing_shows_that_time_goes_on(stderr_to: Patched) -> None:
     terminal = stderr_to(True)
     clock = Clock()
@@ -125,19 +121,9 @@ def test_a_step_that_tells_nothing_shows_that_time_goes_on(stderr_to: Patched) -
     assert terminal.getvalue().startswith("\rChecking … 7 s")
 
 
-@pytest.mark.parametrize(
-    ("seconds", "words"),
-    [(0.2, "about 1 s"), (59, "about 59 s"), (119, "about 2 min"), (7200, "about 2.0 h")],
-)
-def test_times_are_told_as_people_say_them(seconds: float, words: str) -> None:
-    assert in_words(seconds) == words
-
-
-@pytest.fixture
-def at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let every command count as one that takes long."""
-    monkeypatch.setattr("sar_tui.cli.progress_line._FROM_S", 0.0)
-    monkeypatch.setattr("sar_tui.cli.progress_line._ON_TERMINAL_S", 0.0)
+def test_times_are_told_as_people_say_them() -> None:
+    told = [in_words(seconds) for seconds in (0.2, 59, 119, 7200)]
+    assert told == ["about 1 s", "about 59 s", "about 2 min", "about 2.0 h"]
 
 
 SIMULATE = "simulate keyboard --user average --attempts 1 --seed 1 --set prompts_per_attempt=2"
@@ -165,7 +151,6 @@ Counting repetitions …: detect {RECORDING} --repetitions
 """
 
 
-@pytest.mark.usefixtures("at_once")
 @pytest.mark.parametrize(
     "commands", [COMMON, pytest.param(OTHERS, marks=pytest.mark.slow)], ids=["common", "others"]
 )
@@ -176,6 +161,8 @@ def test_each_command_that_may_take_long_tells_it(
     monkeypatch: pytest.MonkeyPatch,
     commands: str,
 ) -> None:
+    for name in ("_FROM_S", "_ON_TERMINAL_S"):
+        monkeypatch.setattr(f"sar_tui.cli.progress_line.{name}", 0.0)
     monkeypatch.chdir(tmp_path)
     call(f"{SIMULATE} --data other")
     call(SIMULATE)

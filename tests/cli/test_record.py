@@ -59,10 +59,12 @@ def test_the_records_of_a_participant_are_listed(call: Call) -> None:
     found = call("record list pain -p P01 --json").json
     assert [len(found["records"]), found["tell_therapist"]] == [3, []]
     call("record list -p P02").shows("There are no records of P02.\n")
-    call("record list -p P1").refused("There is no participant P1. Is it P01?")
+    call("record kinds").shows(*kinds())
+    listed = call("record kinds --json").json["kinds"]
+    assert [each["name"] for each in listed] == list(kinds())
 
 
-def test_the_therapist_is_told_of_pain_that_is_new_over_four_sessions(
+def test_the_therapist_is_told_of_pain_that_is_new_over_four_sessions_and_of_advice(
     call: Call, data: Path
 ) -> None:
     with closing(connect(data)) as database:
@@ -73,6 +75,13 @@ def test_the_therapist_is_told_of_pain_that_is_new_over_four_sessions(
             told(database, "P01", "after", "pain", pain, session=str(number))
     assert call("record list -p P01").out.startswith("! Pain is new")
     assert call("record list -p P01 --json").json["tell_therapist"] == ["new pain"]
+    with closing(connect(data)) as database:
+        for question, answer in (("pain", "9"), ("advice", "shown"), ("advice", "stopped")):
+            told(database, "P02", "before", question, answer)
+    found = call("record list -p P02 --json").json
+    assert found["tell_therapist"] == ["stop", "stopped"]
+    (pain,) = found["records"]
+    assert (pain["version"], pain["content"]["advice"]) == (3, "stopped")
 
 
 @pytest.mark.usefixtures("data")
@@ -92,33 +101,24 @@ def test_an_adverse_event_is_recorded_and_corrected(call: Call, simulated: str) 
     assert ("outcome=…" in said, "action=…" in said) == (True, False), "what is still missing"
 
 
-def test_the_advice_not_to_train_and_what_came_of_it_are_told(call: Call, tmp_path: Path) -> None:
-    with closing(connect(tmp_path / "data")) as database:
-        for question, answer in (("pain", "9"), ("advice", "shown"), ("advice", "stopped")):
-            told(database, "P01", "before", question, answer)
-    found = call("record list -p P01 --json").json
-    assert found["tell_therapist"] == ["stop", "stopped"]
-    (pain,) = found["records"]
-    assert (pain["version"], pain["content"]["advice"]) == (3, "stopped")
-
-
 def test_scores_appear_in_progress_with_their_sources(call: Call) -> None:
     for score in ("score=34 --on 2026-03-01 --new", "score=45 --on 2026-05-01"):
         call(f"record add fma-ue p01 {score}").shows("is recorded.")
     shown = " ".join(call("progress P01").out.split())
     assert "34 on 2026-03-01, 45 on 2026-05-01; change +11. Reaches MDC 6.8 points" in shown
+    added = call("record add BBT P09 score=30 --new --json").json["record"]
+    today = datetime.strptime(added["at"], "%Y-%m-%d")
+    assert timedelta(0) <= datetime.now() - today < timedelta(days=2), (
+        "today, unless said otherwise"
+    )
+    without = call("progress P09 --json").json
+    assert (without["lines"], without["days"], len(without["instruments"])) == ([], [], 1)
     spanish = " ".join(call("progress P01 --note --language es").out.split())
     assert "cambio +11. Alcanza MDC 6,8 puntos, 1 a 6 semanas" in spanish
     assert "doi:10.1177/15459683231186985" in spanish
     (found,) = call("progress P01 --json").json["instruments"]
     assert (found["instrument"]["name"], found["change"]) == ("FMA-UE", 11.0)
     assert [each["reached"] for each in found["reached"]] == [True] * 5
-
-
-def test_the_kinds_are_listed_with_their_fields(call: Call) -> None:
-    call("record kinds").shows(*kinds())
-    listed = call("record kinds --json").json["kinds"]
-    assert [each["name"] for each in listed] == list(kinds())
 
 
 @pytest.mark.parametrize(
@@ -141,10 +141,3 @@ def test_bad_input_is_refused_in_a_sentence(
 ) -> None:
     call(*EVENT, who, *FALL, *more).refused(says)
     assert call("record list adverse-event --json").json["records"] == []
-
-
-@pytest.mark.usefixtures("data")
-def test_kinds_and_records_that_do_not_exist_are_told(call: Call) -> None:
-    call("record add fim P01").refused("There is no kind of record fim.")
-    call("record show ffffff").refused()
-    call("record correct ffffff outcome=well").refused()

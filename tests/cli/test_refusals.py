@@ -40,6 +40,7 @@ simulate juggling --user poor -> There is no task juggling. Choose one of: flank
 simulate keyboard --user nobody -> --user
 simulate keyboard --user poor --theme '' -> There is no theme with an empty name.
 simulate keyboard --user poor --theme nope -> There is no theme nope. Choose one of: calm,
+simulate keyboard --user poor --theme [red]:warning:[/x] -> There is no theme [red]:warning:[/x].
 simulate keyboard --user poor --set attempts -> NAME=VALUE
 simulate keyboard --user poor --set =3 -> NAME=VALUE
 simulate keyboard --user poor --set x=1 -> `sar-tui tasks show keyboard` lists what can be set.
@@ -99,6 +100,9 @@ export --all --format xls --to out -> There is no format xls. Choose one of: csv
 report wizard nope -> `sar-tui sessions` lists them.
 report wizard '' -> `sar-tui sessions` lists them.
 reanalyse zzz -> There is no session zzz.
+record add fim P01 -> There is no kind of record fim.
+record show ffffff -> ffffff
+record correct ffffff outcome=well -> ffffff
 progress P1 -> There is no participant P1. Is it P01?
 progress P99 --json -> There is no participant P99.
 progress 'not a code' -> A participant code has 1 to 32 letters

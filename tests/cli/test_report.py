@@ -8,12 +8,10 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from sar_tui.cli.simulate import OperatorName
 from sar_tui.drivers.files import write_private
 from sar_tui.reports.intervention import InterventionReport
 from sar_tui.reports.wizard import WizardReport
 from sar_tui.reports.wizard_study import WizardStudy
-from sar_tui.simulation.operator import PROFILES
 from tests.program import Call
 from tests.store.by_hand import add_message
 
@@ -41,17 +39,6 @@ def played(call: Call, options: str) -> str:
     return str(call(f"{SHORT} {options}").json["session"])
 
 
-def test_json_has_every_field_and_the_data_dictionary_describes_each(call: Call) -> None:
-    session = played(call, f"--operator absent --attempts 20 {BUSY}")
-    printed = call("report wizard", session, "--json").json
-    assert set(printed) == set(WizardReport.__struct_fields__)
-    assert printed["session"] == session
-    data = {"initiated", "answers", "therapist", "counts", "valence_table", "agreement_by_kind"}
-    named_by_data = set().union(*(keys(printed[name]) for name in data & set(printed)))
-    assert keys(printed) - DOCUMENTED - named_by_data == set()
-    assert {"deviations", "absences", "agreement"} <= DOCUMENTED
-
-
 def test_the_printed_report_has_operators_latencies_and_agreement(call: Call) -> None:
     session = played(call, f"--operator careful --attempts 20 {BUSY}")
     made = call("report wizard", session, "--json").json
@@ -62,11 +49,14 @@ def test_the_printed_report_has_operators_latencies_and_agreement(call: Call) ->
         f"Operators decided on {decided} proposals: {accepted} as proposed",
         f"{made['decision_ms']['median']:.1f}",
         "█",
-        "Cohen's kappa",
-        "(Riek 2012)",
         "Plan: operator_feedback approve, operator_encouragement veto, operator_difficulty approve",
         "operator_time_ms 4000, operator_ms_per_word 250, operator_timeout act",
     )
+    session = played(call, "--operator absent --attempts 20")
+    made = call("report wizard", session, "--json").json
+    begins, lasts = (made["absences"][0][name] for name in ("at_s", "duration_s"))
+    absent = f"No operator from {begins:.1f} s of run 1 on, for {lasts:.1f} s"
+    call("report wizard", session).shows(absent, f"lost {made['counts']['lost']}")
 
 
 def test_notes_marks_and_pauses_are_printed_with_their_times(call: Call, tmp_path: Path) -> None:
@@ -92,7 +82,7 @@ def test_notes_marks_and_pauses_are_printed_with_their_times(call: Call, tmp_pat
     assert paused in out
 
 
-def test_sessions_and_show_mention_an_operator(call: Call) -> None:
+def test_sessions_with_and_without_an_operator_are_told_apart(call: Call) -> None:
     alone, session = played(call, "--attempts 1"), played(call, "--operator careful --attempts 1")
     assert f"`sar-tui report wizard {session}`" in call("show", session).out
     assert "report wizard" not in call("show", alone).out
@@ -100,63 +90,15 @@ def test_sessions_and_show_mention_an_operator(call: Call) -> None:
     assert (", operator" in lines[session], ", operator" in lines[alone]) == (True, False)
     listed = {row["id"]: row["operators"] for row in call("sessions --json").json["sessions"]}
     assert listed == {session: ["operator.simulated"], alone: []}
-
-
-def test_absences_and_deviations_are_printed(call: Call) -> None:
-    session = played(call, "--operator absent --attempts 20")
-    made = call("report wizard", session, "--json").json
-    assert made["absences"], "this seed's operator goes"
-    begins, lasts = (made["absences"][0][name] for name in ("at_s", "duration_s"))
-    absent = f"No operator from {begins:.1f} s of run 1 on, for {lasts:.1f} s"
-    call("report wizard", session).shows(absent, f"lost {made['counts']['lost']}")
-
-
-def test_a_session_without_an_operator_says_so_in_one_sentence(call: Call, simulated: str) -> None:
-    out = call("report wizard", simulated).out
-    assert out.startswith(f"No operator took part in session {simulated}")
+    out = call("report wizard", alone).out
+    assert out.startswith(f"No operator took part in session {alone}")
     assert out.count("\n") == 1
-    printed = call("report wizard last --json").json
+    printed = call("report wizard", alone, "--json").json
     assert (printed["operated"], printed["operators"], printed["decision_ms"]) == (False, [], None)
-
-
-def test_an_unreadable_record_is_one_sentence(call: Call, simulated: str, tmp_path: Path) -> None:
-    with sqlite3.connect(tmp_path / "data" / "sar-tui.db") as connection:
-        connection.execute("INSERT INTO topics (name, fields) VALUES ('of/tomorrow', '[]')")
-        connection.execute("UPDATE messages SET topic=last_insert_rowid() WHERE seq=3")
-    called = call("report wizard", simulated)
-    assert called.code != 0
-    assert called.err.startswith(f"Message 3 of session {simulated} cannot be read by this")
-    assert called.err.count("\n") == 1
-
-
-# --- simulate --operator
-
-
-def test_the_option_offers_every_profile() -> None:
-    assert {name.value for name in OperatorName} == set(PROFILES)
-
-
-@pytest.mark.parametrize(
-    ("options", "mode"),
-    [
-        ("", "autonomous"),
-        ("--operator careful", "approve"),
-        ("--operator careful --set operator_feedback=veto", "veto"),
-    ],
-)
-def test_with_an_operator_feedback_needs_approval_unless_set_otherwise(
-    call: Call, options: str, mode: str
-) -> None:
-    shown = call("show", played(call, f"--attempts 2 {options}"), "--json").json
-    assert shown["session"]["parameters"]["operator_feedback"] == mode
-
-
-def test_the_same_seed_gives_the_same_report(call: Call) -> None:
-    def made(seed: int) -> dict[str, object]:
-        session = played(call, f"--attempts 6 --operator hasty --seed {seed}")
-        return {**call("report wizard", session, "--json").json, "session": ""}
-
-    assert made(7) == made(7) != made(8)
+    veto = played(call, "--attempts 1 --operator careful --set operator_feedback=veto")
+    for each, mode in ((alone, "autonomous"), (session, "approve"), (veto, "veto")):
+        parameters = call("show", each, "--json").json["session"]["parameters"]
+        assert parameters["operator_feedback"] == mode
 
 
 @pytest.fixture
@@ -168,20 +110,31 @@ def two_operated(call: Call) -> tuple[str, str]:
     return first, second
 
 
+OF_A_SESSION = "initiated answers therapist counts valence_table agreement_by_kind"
+OF_SEVERAL = (
+    "counts agreement_by_kind valence_table settings statuses modes feedback outputs deviations "
+    "pauses events"
+)
+"""Fields whose names inside are data."""
+
+
 @pytest.mark.parametrize(
-    ("kind", "report"), [("wizard", WizardStudy), ("intervention", InterventionReport)]
+    ("words", "report", "data"),
+    [
+        ("wizard last", WizardReport, OF_A_SESSION),
+        ("wizard --all --simulated", WizardStudy, OF_SEVERAL),
+        ("intervention --all --simulated", InterventionReport, OF_SEVERAL),
+    ],
 )
 @pytest.mark.usefixtures("two_operated")
-def test_json_of_several_sessions_is_described_in_the_data_dictionary(
-    call: Call, kind: str, report: type[msgspec.Struct]
+def test_json_has_every_field_and_the_data_dictionary_describes_each(
+    call: Call, words: str, report: type[msgspec.Struct], data: str
 ) -> None:
-    printed = call(f"report {kind} --all --simulated --json").json
+    played(call, f"--operator absent --attempts 20 {BUSY}")
+    printed = call(f"report {words} --json").json
     assert list(printed) == list(report.__struct_fields__)
-    data = (
-        "counts agreement_by_kind valence_table settings statuses modes feedback outputs deviations "
-        "pauses events"
-    )
     assert keys(printed, data.split()) - DOCUMENTED == set()
+    assert {"deviations", "absences", "agreement"} <= DOCUMENTED
 
 
 def test_a_page_of_a_report_is_self_contained_and_not_overwritten(

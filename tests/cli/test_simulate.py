@@ -8,8 +8,9 @@ from typing import Any
 
 import pytest
 
-from sar_tui.cli.simulate import User
+from sar_tui.cli.simulate import OperatorName, User
 from sar_tui.outputs.output import Output
+from sar_tui.simulation.operator import PROFILES
 from sar_tui.simulation.participant_model import PEOPLE
 from tests.edit import edit
 from tests.plugged_in import offer
@@ -49,27 +50,20 @@ def test_show_lists_what_a_therapist_has_marked(call: Call, tmp_path: Path) -> N
     assert "Marked by the therapist: attempt 2 assisted." in call("show", session).out
 
 
-def test_a_seed_is_drawn_and_reported(call: Call) -> None:
+def test_people_read_a_table_and_a_sentence_with_the_seed_that_was_drawn(call: Call) -> None:
     called = call(f"{AVERAGE} --attempts 1")
     (row,) = call("sessions --json").json["sessions"]
-    called.shows(f"Seed {row['seed']}.")
-    assert call(f"{AVERAGE} --attempts 1").out.count(f"Seed {row['seed']}.") == 0
-
-
-def test_people_read_a_table_and_a_sentence(call: Call) -> None:
-    called = call(f"{AVERAGE} --seed 1 --attempts 2")
-    called.shows("reaction time", "2 attempts, 2 reached the goal, levels 1 to 2", "sar-tui show")
-
-
-def test_user_choices_are_the_simulated_people() -> None:
-    assert {user.value for user in User} == set(PEOPLE)
-
-
-def test_the_code_defaults_to_sim_and_is_stored_in_capitals(call: Call) -> None:
-    call(f"{AVERAGE} --attempts 1")
-    call(f"{AVERAGE} --attempts 1 -p p07")
+    called.shows(f"Seed {row['seed']}.", "reaction time", "1 attempt, ", "sar-tui show")
+    assert f"Seed {row['seed']}." not in call(f"{AVERAGE} --attempts 1").out
+    given = call(f"{AVERAGE} --seed 1 --attempts 2 -p p07")
+    given.shows("2 attempts, 2 reached the goal, levels 1 to 2")
     rows = call("sessions --json").json["sessions"]
-    assert {row["participant"] for row in rows} == {"SIM", "P07"}
+    assert [row["participant"] for row in rows] == ["P07", "SIM", "SIM"]
+
+
+def test_the_choices_are_the_simulated_people_and_operators() -> None:
+    assert {user.value for user in User} == set(PEOPLE)
+    assert {name.value for name in OperatorName} == set(PROFILES)
 
 
 def test_settings_theme_and_people_can_be_changed(call: Call) -> None:
@@ -138,13 +132,8 @@ def test_two_users_sit_left_and_right(call: Call) -> None:
     assert means["A"] < means["B"]
     (row,) = call("sessions -p sim-b --json").json["sessions"]
     assert (row["participant"], row["partner"]) == ("SIM", "SIM-B")
-
-
-def test_a_session_of_two_is_reported_seat_by_seat(call: Call) -> None:
-    called = call("simulate pairs --user average -p p01 -p p02 --attempts 2 --seed 2")
-    called.shows("seat", "Seat A: 2 attempts", "Seat B: 2 attempts")
     shown = call("show last").out
-    assert "Participant  P01, P02" in shown
+    assert "Participant  SIM, SIM-B" in shown
     assert shown.count("reaction time (ms)") == 2
 
 
@@ -164,18 +153,11 @@ def test_wins_and_joint_responses_of_two_are_counted(
 
 
 def test_the_congruency_effect_is_reported_for_each_seat(call: Call) -> None:
-    given = ("--set", "policy=joint attention", "--set", "prompts_per_attempt=40", "--json")
-    attempts = call(PLAYED, *given).json["attempts"]
+    given = ("--set", "policy=joint attention", "--set", "prompts_per_attempt=40")
+    called = call("simulate pairs --user average -p p01 -p p02 --attempts 2 --seed 2", *given)
+    called.shows("seat", "Seat A: 2 attempts", "Seat B: 2 attempts")
+    attempts = call("show last --json").json["attempts"]
     for seat in "AB":
         rows = [row["qualities"] for row in attempts if row["seat"] == seat]
         effect = fmean(row["congruency_effect_ms"] for row in rows)
         call("show last").shows(f"Congruency effect {effect:.0f} ms", "mean of 2 attempts.")
-
-
-def test_the_plots_of_two_have_the_same_axis(call: Call) -> None:
-    call(PLAYED)
-    lines = call("show last").out.splitlines()
-    ticks = [line.split("┤")[0].strip() for line in lines if "┤" in line]
-    half = len(ticks) // 2
-    assert half > 2
-    assert ticks[:half] == ticks[half:]

@@ -60,7 +60,7 @@ def rows(data: Path, sql: str) -> list[tuple[Any, ...]]:
         return database.execute(sql).fetchall()
 
 
-def test_answers_are_stored_apart_from_trials_and_scores(asked: Path) -> None:
+def test_answers_are_stored_apart_from_trials_and_scores_and_shown(call: Call, asked: Path) -> None:
     found = rows(asked, "SELECT attempt, step, kind, status FROM answers ORDER BY number")
     assert [row[:3] for row in found] == [
         (0, "read", "screen"), (1, "mood", "line"), (2, "effort", "borg"), (2, "mood", "line"),
@@ -68,11 +68,8 @@ def test_answers_are_stored_apart_from_trials_and_scores(asked: Path) -> None:
     ]  # fmt: skip
     assert {row[3] for row in found} <= {"done", "answered", "declined"}
     assert rows(asked, "SELECT count(*) FROM answers WHERE answered_ns <= shown_ns") == [(0,)]
-
-
-@pytest.mark.usefixtures("asked")
-def test_a_session_with_questions_replays_identically(call: Call) -> None:
-    call("replay last").shows("identical")
+    call("show last").shows("After attempt 1: How do you feel? ")
+    assert answers(call, "last")[1]["labels"] == "very bad; very good"
 
 
 def test_typed_words_leave_only_with_notes(call: Call, asked: Path, tmp_path: Path) -> None:
@@ -89,37 +86,16 @@ def test_typed_words_leave_only_with_notes(call: Call, asked: Path, tmp_path: Pa
         assert all(0 <= float(row["value"]) <= 100 for row in table if row["value"])
 
 
-@pytest.mark.parametrize(
-    ("steps", "questions", "said"),
-    [
+def test_steps_that_cannot_be_used_are_refused(call: Call, tmp_path: Path) -> None:
+    """The faults of a file of steps have their table in tests/model/test_steps.py."""
+    for steps, questions, said in (
         ('[[steps]]\nname="a"\ntext="A"\nkind="likert"', "effort", "needs 2 to 9 labels"),
         (STEPS, "mood", 'There is no question "mood"'),
         (STEPS.replace('"mood"', '"effort"'), "effort", "Two steps are named 'effort'."),
-        (
-            f"[[steps]]\n{CONSENT.replace('before=true', 'every=1')}",
-            "effort",
-            "it comes before the first attempt only",
-        ),
-    ],
-    ids=["labels", "unknown", "twice", "required"],
-)
-def test_steps_that_cannot_be_used_are_refused(
-    call: Call, tmp_path: Path, steps: str, questions: str, said: str
-) -> None:
-    (tmp_path / "steps.toml").write_text(steps)
-    command = f"{SHORT} --steps {tmp_path}/steps.toml --set questions={questions}"
-    call(command).refused(said)
-
-
-@pytest.mark.usefixtures("asked")
-def test_answers_are_shown_with_the_session(call: Call) -> None:
-    called = call("show last")
-    called.shows("After attempt 1: How do you feel? ")
-    called.shows("After attempt 2: How hard was that for you? ")
-    assert "Next comes the harder part." not in called.out
-    found = answers(call, "last")
-    assert [each["step"] for each in found] == ["read", "mood", "effort", "mood", "words"]
-    assert found[1]["labels"] == "very bad; very good"
+    ):
+        (tmp_path / "steps.toml").write_text(steps)
+        command = f"{SHORT} --steps {tmp_path}/steps.toml --set questions={questions}"
+        call(command).refused(said)
 
 
 def test_simulated_people_agree_to_what_is_required(call: Call, tmp_path: Path) -> None:
@@ -148,11 +124,4 @@ def test_answers_are_told_in_words() -> None:
     other = answer(0, seat="B", value=1, chosen="no")
     told = lines([*known, other], practice=0)[-1]
     assert told == "Before the first attempt, seat B: Fun? 1 (no)"
-
-
-def test_show_counts_the_attempts_of_answers_as_its_table_does(call: Call) -> None:
-    settings = "--set questions=effort --set questions_every=1 --set practice_attempts=1"
-    call(f"{SHORT} {settings}")
-    shown = " ".join(call("show last").out.split())
-    told = [number for number in (1, 2, 3) if f"After attempt {number}: How hard" in shown]
-    assert told == [2, 3]
+    assert lines([answer(1, words="fine")], practice=1) == ['After attempt 2: Fun? "fine"']

@@ -24,31 +24,25 @@ def session(call: Call, rated: Path) -> str:
     return str(call(f"simulate pleasant {who}", rated).json["session"])
 
 
-def test_it_is_listed_without_a_metric(call: Call, rated: Path) -> None:
-    listed = {row["name"]: row for row in call("tasks --json --tasks", rated).json["tasks"]}
-    assert listed["pleasant"]["metric"] is None
-    assert call("tasks show pleasant --json --tasks", rated).json["task"]["metric"] is None
-    call("tasks --tasks", rated).shows("How pleasant?")
-
-
-def test_a_session_is_shown_without_results_goals_and_plot(
+def test_it_is_listed_and_shown_without_a_metric_results_and_goals(
     call: Call, rated: Path, session: str
 ) -> None:
-    shown = call("show", session, "--tasks", rated)
+    where = ("--tasks", rated)
+    listed = {row["name"]: row for row in call("tasks --json", *where).json["tasks"]}
+    assert listed["pleasant"]["metric"] is None
+    assert call("tasks show pleasant --json", *where).json["task"]["metric"] is None
+    call("tasks", *where).shows("How pleasant?")
+    shown = call("show", session, *where)
     shown.shows("3 attempts, levels 1 to 1.")
     assert "reached" not in shown.out
-    for row in call("show", session, "--json", "--tasks", rated).json["attempts"]:
+    for row in call("show", session, "--json", *where).json["attempts"]:
         assert (row["metric"], row["goal"]) == (None, None)
         assert (row["outcome"], row["feedback"]) == ("none", "none")
         assert set(row["qualities"]) == {"mean_rating"}
-
-
-@pytest.mark.usefixtures("session")
-def test_progress_has_its_sessions_and_says_nothing_of_a_goal(call: Call, rated: Path) -> None:
-    told = call("progress P01 --tasks", rated)
+    told = call("progress P01", *where)
     told.shows("100%")
     assert "level at goal is not known" not in told.out
-    (line,) = call("progress P01 --json --tasks", rated).json["lines"]
+    (line,) = call("progress P01 --json", *where).json["lines"]
     (each,) = line["sessions"]
     assert (each["attempts"], each["reached"], each["mean"]) == (3, None, None)
 
@@ -71,8 +65,3 @@ def test_other_commands_take_it(call: Call, rated: Path, tmp_path: Path, command
     called = call(command.format(folder=tmp_path), "--tasks", rated)
     assert (called.code, called.err) == (0, "")
     assert "0%" not in called.out.replace("100%", "")
-
-
-@pytest.mark.slow
-def test_it_passes_its_check(call: Call, rated: Path) -> None:
-    assert call("tasks check", rated / "pleasant").code == 0

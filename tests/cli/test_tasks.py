@@ -1,46 +1,32 @@
 """``sar-tui tasks``: list, show, create, check."""
 
-import re
 import runpy
 import shutil
-from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 from sar_tui.checks.task import check
+from sar_tui.cli import common
 from sar_tui.cli.common import Home
 from sar_tui.cli.doctor.finding import Machine
 from sar_tui.cli.doctor.machine import tasks
 from sar_tui.outputs.sound.protocol import Examined
 from sar_tui.plugins import Catalogue, task_folder
+from sar_tui.runs import plugin_watchdog
 from tests.edit import edit
 from tests.examples import first
 from tests.program import Call
 
-Change = Callable[[str, str], Path]
-TESTS = Path(__file__).parents[1]
 BUNDLED = sorted(set(Catalogue().task_names()) - {"flanker"})
 
 
 @pytest.fixture
-def tapping(call: Call, tmp_path: Path) -> Path:
-    """The folder of a new task, in which people tap."""
-    assert call("tasks new drumming --to", tmp_path / "mine").code == 0
-    folder = tmp_path / "mine" / "drumming"
-    shutil.copyfile(TESTS / "drumming_task.py", folder / "task.py")
-    return folder
-
-
-@pytest.fixture
-def change(tapping: Path) -> Change:
-    """Return a function ``change(old, new)`` that edits the new task and returns its folder."""
-
-    def changed(old: str, new: str) -> Path:
-        edit(tapping / "task.py", old, new)
-        return tapping
-
-    return changed
+def mine(call: Call, tmp_path: Path) -> Path:
+    """The folder of a new task, a choice reaction."""
+    assert call("tasks new mine --to", tmp_path / "own").code == 0
+    return tmp_path / "own" / "mine"
 
 
 # --- listed and shown
@@ -71,19 +57,22 @@ def test_a_task_that_replaces_a_built_in_one_is_named_and_its_sessions_say_so(
     assert session["software"]["task"]["source"] == "own"
 
 
-def test_a_task_that_fails_to_load_is_listed_with_its_reason(call: Call, change: Change) -> None:
-    folder = change("import msgspec", "import no_such_library").parent
-    reason = "The task drumming cannot be loaded: task.py:6: ModuleNotFoundError"
-    call("tasks --tasks", folder).shows(f"✗ drumming: {reason}", "keyboard")
-    assert set(call("tasks --tasks", folder, "--json").json["tasks"][-1]) == {"name", "error"}
-    assert call("simulate drumming --user poor --tasks", folder).code == 2
+def test_a_task_that_fails_to_load_is_listed_with_its_reason(call: Call, mine: Path) -> None:
+    edit(mine / "task.py", "import msgspec", "import no_such_library")
+    reason = "The task mine cannot be loaded: task.py:5: ModuleNotFoundError"
+    call("tasks --tasks", mine.parent).shows(f"✗ mine: {reason}", "keyboard")
+    listed = call("tasks --tasks", mine.parent, "--json").json["tasks"]
+    assert set(listed[-1]) == {"name", "error"}
+    assert call("simulate mine --user poor --tasks", mine.parent).code == 2
+    checked = call("tasks check", mine)
+    checked.shows(f"✗ can be loaded. {reason}", code=1)
+    assert checked.out.count("✗") == 1
 
 
-def test_a_task_shows_its_parameters(call: Call) -> None:
+def test_a_task_shows_its_parameters_and_details(call: Call) -> None:
     called = call("tasks show keyboard")
-    called.shows(
-        "prompts_per_attempt", "1 to 200", "Number of keys in an attempt.", "100 to 60000 ms"
-    )
+    called.shows("prompts_per_attempt", "1 to 200", "100 to 60000 ms", "key_gap_ms")
+    assert "Measures of an attempt" not in called.out
     words = called.out.split()
     own, heading, common = map(words.index, ("sequence_length", "Session", "attempts"))
     assert own < heading < common
@@ -91,36 +80,32 @@ def test_a_task_shows_its_parameters(call: Call) -> None:
     assert printed["task"]["name"] == "keyboard"
     (prompts,) = (row for row in printed["parameters"] if row["name"] == "prompts_per_attempt")
     assert (prompts["default"], prompts["ge"], prompts["le"]) == (20, 1, 200)
+    described = "Number of keys that the prompt was drawn from."
+    choices = {"name": "choices", "type": "integer", "description": described}
+    assert printed["details"][0] == choices
+    annotated_plainly = call("tasks show tapping --json").json["details"][0]
+    assert (annotated_plainly["name"], annotated_plainly["description"]) == (
+        "taps",
+        "Number of taps.",
+    )
 
 
 # --- created
 
 
-def test_a_new_task_passes_its_check_and_runs(call: Call, tapping: Path, tmp_path: Path) -> None:
-    assert "✗" not in call("tasks check", tapping).out
-    printed = call("tasks check", tapping, "--json").json
-    assert (printed["task"], printed["passed"]) == ("drumming", True)
+def test_a_new_task_passes_its_check_and_runs(call: Call, mine: Path, tmp_path: Path) -> None:
+    printed = call("tasks check", mine, "--json").json
+    assert (printed["task"], printed["passed"]) == ("mine", True)
     assert {tuple(row) for row in printed["checks"]} == {("check", "ok", "problem", "warning")}
     assert all(row["ok"] for row in printed["checks"])
     assert not (tmp_path / "data").exists(), "checks leave no data behind"
-    simulate = "simulate drumming --user competent --seed 1 --json --tasks"
-    rows = call(simulate, tapping.parent).json["attempts"]
-    assert {row["metric_unit"] for row in rows} == {"taps/s"}
+    simulate = "simulate mine --user competent --seed 1 --json --tasks"
+    rows = call(simulate, mine.parent).json["attempts"]
+    assert {row["metric_unit"] for row in rows} == {"ms"}
     assert len({row["level"] for row in rows}) > 1
-    readme = (tapping / "README.md").read_text()
-    for hint in (
-        f"tasks check {tapping}",
-        f"run drumming -p P01 --tasks {tapping.parent}",
-        "view.py",
-    ):
-        assert hint in readme
-
-
-def test_without_a_model_a_new_task_has_one_prompt_and_one_key(call: Call, tmp_path: Path) -> None:
-    assert call("tasks new pressing --to", tmp_path).code == 0
-    assert "Choice reaction" in (tmp_path / "pressing" / "README.md").read_text()
-    called = call("simulate pressing --user average --attempts 2 --tasks", tmp_path, "--json")
-    assert {row["metric_unit"] for row in called.json["attempts"]} == {"ms"}
+    readme = (mine / "README.md").read_text()
+    assert f"tasks check {mine}" in readme
+    assert f"run mine -p P01 --tasks {mine.parent}" in readme
 
 
 @pytest.mark.parametrize("model", first(2, [None, "flanker", *BUNDLED]))
@@ -134,51 +119,49 @@ def test_a_new_task_works_and_has_a_test_beside_it(
     test["test_it_keeps_the_contract_of_tasks_and_simulated_people_can_do_it"]()
 
 
-def test_people_tap_at_their_own_rate(call: Call, tapping: Path) -> None:
-    def rate(user: str) -> float:
-        fixed = "--set difficulty_policy=fixed --attempts 3 --seed 1 --json --tasks"
-        rows = call(f"simulate drumming --user {user} {fixed}", tapping.parent).json["attempts"]
-        return float(sum(row["metric"] for row in rows))
-
-    assert rate("poor") < rate("average") < rate("competent")
-
-
 # --- checked
 
 
-def test_a_task_in_a_folder_of_another_name_is_named(call: Call, tapping: Path) -> None:
-    folder = Path(shutil.copytree(tapping, tapping.parent / "other"))
-    call("tasks check", folder).shows("has the name drumming", code=1)
-    call("tasks check", task_folder(Catalogue().task("keyboard"))).shows("passes all checks.")
+def test_a_session_of_a_task_that_is_not_found_says_what_is_missing(call: Call, mine: Path) -> None:
+    done = call("simulate mine --user poor --attempts 1 --seed 1 --tasks", mine.parent)
+    assert f"--tasks {mine.parent}` shows more" in done.out
+    call("show last").shows("! There is no task mine.")
+    assert "There is no task" not in call("show last --tasks", mine.parent).out
 
 
-def test_a_session_of_a_task_that_is_not_found_says_what_is_missing(
-    call: Call, tapping: Path
-) -> None:
-    done = call("simulate drumming --user poor --attempts 1 --seed 1 --tasks", tapping.parent)
-    assert f"--tasks {tapping.parent}` shows more" in done.out
-    call("show last").shows("! There is no task drumming.")
-    assert "There is no task" not in call("show last --tasks", tapping.parent).out
-
-
-def test_meanings_of_details_are_told_however_they_are_annotated(call: Call, tapping: Path) -> None:
-    task = tapping / "task.py"
-    old = re.search(r'msgspec\.Meta\(description=("[^"]+")\)', task.read_text())
-    assert old
-    task.write_text(task.read_text().replace(old[0], old[1]))
-    told = call("tasks show drumming --json --tasks", tapping.parent).json["details"]
-    assert all(detail["description"] for detail in told)
-
-
-def test_a_declared_measure_that_no_attempt_has_is_named(tapping: Path) -> None:
-    task = tapping / "task.py"
+def test_a_declared_measure_that_no_attempt_has_is_named(mine: Path) -> None:
+    task = mine / "task.py"
     imports = "import msgspec\n\nfrom sar_tui.api.task import Measure\n"
     edit(task, "import msgspec\n", imports)
     declared = 'measured = (Measure("pace_ms", "pace", unit="ms"),)'
     edit(task, "    Details =", f"    {declared}\n    Details =")
     measures = '\n    def measures(self, results):\n        return {"pace": 1.0}\n'
     task.write_text(task.read_text() + measures)
-    (told,) = (done for done in check(tapping) if done.check == "has the measures that it declares")
+    (told,) = (done for done in check(mine) if done.check == "has the measures that it declares")
     assert told.ok
     assert "No attempt had pace_ms" in told.warning
     assert "Attempts had pace, which are not declared" in told.warning
+
+
+def test_a_task_that_does_not_return_ends_the_command_with_a_sentence(
+    call: Call, mine: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    quick = partial(plugin_watchdog.PluginWatchdog, limit_s=0.3, period_s=0.1)
+    monkeypatch.setattr(plugin_watchdog, "PluginWatchdog", quick)
+    edit(mine / "task.py", "keys = KEYS[situation.level - 1]", "while True:\n            pass")
+    called = call("simulate mine --user average --tasks", mine.parent)
+    called.refused("The task mine failed (NotResponding: it took longer than 10 s, line ", code=1)
+    assert [row["status"] for row in call("sessions --json").json["sessions"]] == ["interrupted"]
+    said = "✗ makes the same one-line prompts when asked twice. task.py:"
+    checked = call("tasks check", mine)
+    checked.shows(said, "NotResponding: it took longer than 10 s.", code=1)
+
+
+def test_a_task_that_ignores_the_error_ends_the_command(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    codes: list[int] = []
+    monkeypatch.setattr(common.os, "_exit", codes.append)
+    common.give_up("task stubborn")
+    assert codes == [1]
+    assert "The task stubborn does not return" in capsys.readouterr().err

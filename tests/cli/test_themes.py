@@ -3,7 +3,6 @@
 import errno
 import re
 import shutil
-import tomllib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -61,20 +60,14 @@ def test_themes_are_listed_with_title_languages_and_summary(call: Call) -> None:
     )
 
 
-def test_an_incomplete_theme_is_listed_with_what_to_do(
+def test_a_theme_that_is_incomplete_or_cannot_be_read_is_listed_with_what_to_do(
     call: Call, own_themes: Path, change: Change
 ) -> None:
     shutil.copytree(change("theme.toml", "sleeping = '''", "asleep = '''"), own_themes / "evening")
     call("themes").shows("! evening has problems", "sar-tui themes check evening")
     (row,) = (row for row in call("themes --json").json["themes"] if row["name"] == "evening")
     assert "There is no face for sleeping." in row["repairs"]
-
-
-def test_a_theme_that_cannot_be_read_is_listed_with_its_reason(
-    call: Call, own_themes: Path, evening: Path
-) -> None:
-    (evening / "phrases.en.toml").unlink()
-    shutil.copytree(evening, own_themes / "evening")
+    (own_themes / "evening" / "phrases.en.toml").unlink()
     call("themes").shows("✗ The theme evening cannot be read: There is no phrases.en", "calm")
     assert set(call("themes --json").json["themes"][-1]) == {"name", "error"}
 
@@ -83,24 +76,24 @@ def test_a_theme_that_cannot_be_read_is_listed_with_its_reason(
 
 
 @pytest.mark.parametrize("model", ["calm", "high-contrast", "playful"])
-def test_a_new_theme_passes_its_check(call: Call, tmp_path: Path, model: str) -> None:
-    folder = tmp_path / "warm-light"
-    called = call("themes new warm-light --from", model, "--to", tmp_path)
-    called.shows(f"Created {folder}, a copy of {model}", f"themes check {folder}")
-    called.shows(f"To choose it in a session, move it to {user_folder() / 'themes'}.")
+def test_a_new_theme_is_a_copy_with_its_comments_and_passes_its_check(
+    call: Call, catalogue: Catalogue, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, model: str
+) -> None:
+    def full(path: Path, data: bytes) -> int:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    new, folder = ("themes new warm-light --from", model, "--to", tmp_path), tmp_path / "warm-light"
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "write_bytes", full)
+        call(*new).refused("The disk is full: ", code=1)
+    call(*new).shows(f"Created {folder}, a copy of {model}", f"{user_folder() / 'themes'}.")
     checked = call("themes check", folder)
     assert (checked.code, "✗" in checked.out) == (0, False)
-    theme = tomllib.loads((folder / "theme.toml").read_text(encoding="utf-8"))
-    assert theme["title"] == "Warm light"
-
-
-def test_a_new_theme_keeps_the_comments_of_its_template(
-    catalogue: Catalogue, evening: Path
-) -> None:
-    for file in catalogue.theme_folder("playful").iterdir():
-        text = file.read_text("utf-8").replace('title = "Playful"', 'title = "Evening"')
-        assert (evening / file.name).read_text(encoding="utf-8") == text
-        assert "# " in text
+    for file in catalogue.theme_folder(model).iterdir():
+        text = re.sub(
+            '^title = ".*"', 'title = "Warm light"', file.read_text("utf-8"), flags=re.MULTILINE
+        )
+        assert (folder / file.name).read_text(encoding="utf-8") == text
 
 
 def test_a_new_theme_is_created_in_the_users_folder_by_default(
@@ -144,34 +137,21 @@ def test_an_existing_folder_is_never_overwritten(call: Call, evening: Path) -> N
     call("themes new night --to", evening / "theme.toml").refused("cannot be used", code=1)
 
 
-def test_a_new_theme_that_does_not_fit_on_the_disk_leaves_nothing_behind(
-    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def full(path: Path, data: bytes) -> int:
-        raise OSError(errno.ENOSPC, "No space left on device")
-
-    with monkeypatch.context() as patch:
-        patch.setattr(Path, "write_bytes", full)
-        call("themes new evening --to", tmp_path).refused("The disk is full: ", code=1)
-    assert call("themes new evening --to", tmp_path).code == 0
-
-
 # --- checked
 
 
-@pytest.mark.parametrize("name", ["calm", "high-contrast", "playful"])
-def test_the_bundled_themes_pass_their_check(call: Call, name: str) -> None:
-    called = call("themes check", name)
-    called.shows(f"{name} passes all checks.", "every phrase in en", "every phrase in es")
-
-
-def test_contrast_is_measured_and_printed(call: Call) -> None:
+def test_the_bundled_themes_pass_their_check_and_contrast_is_measured(call: Call) -> None:
+    for name in ("calm", "high-contrast", "playful"):
+        called = call("themes check", name)
+        called.shows(f"{name} passes all checks.", "every phrase in en", "every phrase in es")
     call("themes check high-contrast").shows("at least 7 (text 21.00, muted 13.61, accent 16.12,")
     least = call("themes check playful --json").json["contrasts"]
     assert least[0] == {"color": "text", "ground": "surface", "ratio": 12.34}
 
 
-def test_checks_as_json(call: Call, evening: Path) -> None:
+def test_phrases_that_fall_back_to_english_are_named(
+    call: Call, evening: Path, change: Change
+) -> None:
     printed = call("themes check", evening, "--json").json
     assert (printed["theme"], printed["passed"], printed["english"]) == ("evening", True, {})
     assert printed["languages"] == ["en", "es"]
@@ -179,9 +159,6 @@ def test_checks_as_json(call: Call, evening: Path) -> None:
     assert all(row["ok"] for row in printed["checks"])
     colors = {contrast["color"] for contrast in printed["contrasts"]}
     assert colors == {"text", "muted", "accent", "positive", "neutral", "negative"}
-
-
-def test_phrases_that_fall_back_to_english_are_named(call: Call, change: Change) -> None:
     folder = change("phrases.es.toml", "\nrest = [", "\nbreak = [")
     called = call("themes check", folder)
     called.shows("✓ has every phrase in en", "There is no wording for rest (es);", code=1)
@@ -194,21 +171,16 @@ def test_phrases_that_fall_back_to_english_are_named(call: Call, change: Change)
     ("file", "old", "new", "says"),
     [
         ("theme.toml", 'title = "Evening"', "", "✗ has a title, a summary, and dark = true or false"),
-        ("theme.toml", "dark = false", "dark = false\nloud = true", "    theme.toml has no use for loud."),
         ("theme.toml", "#6b5138", "#d0c0a0", "    muted on surface has a contrast of 1.49, less than 4.5."),
-        ("theme.toml", "#6b5138", "brown", "    muted is not a colour like #a0b1c2: brown."),
         ("theme.toml", "[faces]\nneutral", "[faces]\nblank", "✗ has every expression, all of one size"),
         ("theme.toml", "shake = [", "shiver = [", "    There is no gesture shake."),
-        ("theme.toml", "turn = -0.8", "turn = -8", "In shake at 200 ms turn is -8; it must be between -1 and 1."),
         ("theme.toml", 'gesture = "cheer"', 'gesture = "jump"', "✗ has a valid voice, manner and tones"),
-        ("theme.toml", "rate = 160", "rate = 1600", "    voice in theme.toml cannot be used: Expected `int` <= 400"),
         ("theme.toml", "[faces]\n", "[faces\n", "✗ can be read\n    theme.toml is not TOML: "),
         ("phrases.es.toml", "greeting = [", "greeting = ", "✗ can be read\n    phrases.es.toml is not TOML: "),
-        ("phrases.en.toml", "{value}! That reaches", "{valeu}! That reaches", "uses the unknown slot {valeu}."),
+        ("phrases.es.toml", "greeting = [", "greeting = ", "✓ has every phrase in en"),
         ("phrases.es.toml", "¡Casi, casi!", "¡Casi once!", "holds a number: '¡Casi once! ¡Lo he visto!'."),
         ("phrases.en.toml", "goal = ", "gaol = ", "✗ has the vocabulary in en"),
         ("phrases.en.toml", "[units]", '[units]\n"" = "x"', "    A unit in units (en) has an empty name."),
-        ("phrases.en.toml", '"You got there!"', '"[bold]Two {value}[/bold]"', "a number: '[bold]Two {value}[/bold]'."),
         ("theme.toml", "minimum_contrast = 4.5", "minimum_contrast = 1", "    minimum_contrast is 1; it must be at"),
     ],
 )  # fmt: skip
@@ -234,13 +206,6 @@ def test_screen_texts_of_a_theme_are_checked_in_every_language(call: Call, eveni
         "✗ has valid texts for the screens in fr\n    words.fr.toml is not TOML: ",
         code=1,
     )
-
-
-def test_each_language_is_checked_even_if_another_cannot_be_read(
-    call: Call, change: Change
-) -> None:
-    folder = change("phrases.es.toml", "greeting = [", "greeting = ")
-    assert "✓ has every phrase in en" in call("themes check", folder).out
 
 
 @pytest.mark.usefixtures("own_themes")

@@ -37,11 +37,6 @@ def measures(
     monkeypatch.setattr(verdict, "take_turns", take_turns)
 
 
-@pytest.fixture
-def fine(monkeypatch: pytest.MonkeyPatch) -> None:
-    measures(monkeypatch, [0.2, 0.3, 0.4], [0.1, 0.2])
-
-
 # --- the verdict
 
 
@@ -79,40 +74,23 @@ def test_the_baseline_shows_whether_the_machine_or_the_program_is_the_cause() ->
 # --- the command
 
 
-@pytest.mark.usefixtures("fine")
-def test_it_says_in_words_whether_the_machine_is_fit(
-    call: Call, monkeypatch: pytest.MonkeyPatch
+def test_the_verdict_is_printed_and_the_figures_are_stored_for_the_user_alone(
+    call: Call, monkeypatch: pytest.MonkeyPatch, data: Path
 ) -> None:
-    called = call("timing")
-    called.shows("This machine is fit for an experiment")
-    called.shows("sar-tui", "a bare loop", "robust SD", "p99", "keyboard")
-    monkeypatch.setenv("SSH_CONNECTION", "somewhere")
-    assert "not fit for an experiment" in call("timing").out
-
-
-@pytest.mark.usefixtures("fine")
-def test_json_holds_the_figures_the_reasons_and_the_bare_loop(call: Call) -> None:
-    found = call("timing --trials 30 --json").json["timing"]
-    assert set(found) == KEPT | {"reasons", "bare"}
-    assert [found[name] for name in ("trials", "median_ms", "verdict")] == [30, 0.3, "fit"]
-    assert (found["reasons"], found["bare"]["median_ms"]) == ([], 0.15)
-
-
-@pytest.mark.usefixtures("fine")
-def test_the_figures_are_stored_for_later_sessions_and_readable_only_by_the_user(
-    call: Call, data: Path
-) -> None:
-    call("timing")
-    call("timing --trials 12")
+    measures(monkeypatch, [0.2, 0.3, 0.4], [0.1, 0.2])
+    called = call("timing --trials 12")
+    called.shows("This machine is fit for an experiment", "sar-tui", "a bare loop", "keyboard")
     (path,) = data.iterdir()
     assert (path.name, stat.S_IMODE(path.stat().st_mode)) == ("timing.json", 0o600)
     kept = json.loads(path.read_text())
     assert (set(kept), kept["trials"]) == (KEPT, 12)
-
-
-def test_onsets_not_stamped_at_flush_are_reported(
-    call: Call, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    found = call("timing --trials 30 --json").json["timing"]
+    assert set(found) == KEPT | {"reasons", "bare"}
+    assert [found[name] for name in ("trials", "median_ms", "verdict")] == [30, 0.3, "fit"]
+    assert (found["reasons"], found["bare"]["median_ms"]) == ([], 0.15)
+    monkeypatch.setenv("SSH_CONNECTION", "somewhere")
+    assert "not fit for an experiment" in call("timing").out
+    monkeypatch.delenv("SSH_CONNECTION")
     measures(monkeypatch, [0.2, 0.3], [0.2, 0.1], "refresh")
     assert call("timing --json").json["timing"]["verdict"] == "fit with care"
 

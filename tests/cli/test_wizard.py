@@ -52,40 +52,32 @@ def test_bad_input_is_refused_in_a_sentence(
     call(command).refused(said)
 
 
-@pytest.mark.parametrize(
-    ("session", "said"), [(None, "Several"), ("ab", "Several"), ("x", "begins with x")]
-)
-def test_an_ambiguous_choice_of_the_agents_session_lists_them(
-    session: str | None, said: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    live(monkeypatch, ONE)
-    assert session_to_join(None, None, HERE) == ONE
-    live(monkeypatch, ONE, OTHER)
-    assert session_to_join("abd", None, HERE) == OTHER
-    with pytest.raises(Refused, match=said) as refused:
-        session_to_join(session, None, HERE)
-    assert "abc1 (keyboard); abd2 (reaching)" in str(refused.value)
-
-
 def test_the_only_session_is_joined_and_several_are_offered_on_the_screen(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    def show(session: str | None = None) -> object:
+        return session_to_show(session, None, HERE, wait=False, observe=False)
+
     live(monkeypatch, ONE)
-    assert session_to_show(None, None, HERE, wait=False, observe=False) == ONE
+    assert show() == session_to_join(None, None, HERE) == ONE
     live(monkeypatch, ONE, OTHER)
-    assert session_to_show(None, None, HERE, wait=False, observe=False) is None
-    assert session_to_show("abd", None, HERE, wait=False, observe=False) == OTHER
+    assert show() is None
+    assert show("abd") == session_to_join("abd", None, HERE) == OTHER
+    for session, said in ((None, "Several"), ("ab", "Several"), ("x", "begins with x")):
+        with pytest.raises(Refused, match=said) as refused:
+            session_to_join(session, None, HERE)
+        assert "abc1 (keyboard); abd2 (reaching)" in str(refused.value)
 
 
-def test_an_expired_invitation_is_refused(call: Call, data: Path, tmp_path: Path) -> None:
-    path = tmp_path / "late.sar-link"
-    invitation.write(invite_guests(data).late, path)
-    call("wizard --link", path).refused(f"The invitation {path} expired on ")
-
-
-def test_an_operators_invitation_cannot_be_used_to_observe(data: Path, tmp_path: Path) -> None:
-    link = tmp_path / "anna.sar-link"
-    invitation.write(invite_guests(data).anna, link)
+def test_an_expired_invitation_and_one_for_another_role_are_refused(
+    call: Call, data: Path, tmp_path: Path
+) -> None:
+    link, late = tmp_path / "anna.sar-link", tmp_path / "late.sar-link"
+    guests = invite_guests(data)
+    invitation.write(guests.anna, link)
+    invitation.write(guests.late, late)
+    call("wizard --link", late).refused(f"The invitation {late} expired on ")
+    call("serve observer --port 0 --link", link).refused("ask for an observer's invitation")
     with pytest.raises(Refused, match="ask for an observer's invitation"):
         session_to_show(None, link, HERE, wait=False, observe=True)
     with pytest.raises(Refused, match="leave out --name"):

@@ -29,40 +29,29 @@ def test_sessions_with_the_same_settings_share_a_line(keyboard: type[Task]) -> N
     assert line.measure == "level"
 
 
-_OTHERWISE = [
-    {"threshold": 900.0},
-    {"choice_set": "left hand"},
-    {"prompts_per_attempt": 10},
-    {"response_timeout_ms": 3000},
-]
+def test_sessions_that_measured_otherwise_never_share_a_line(keyboard: type[Task]) -> None:
+    measured: list[dict[str, object]] = [
+        {"threshold": 900.0},
+        {"choice_set": "left hand"},
+        {"prompts_per_attempt": 10},
+        {"response_timeout_ms": 3000},
+    ]
+    others = [{"seat": "B"}, {"mode": "simulated"}, {"task_version": "0"}, {"task": "other"}]
+    first = session(1, adapted(1))
+    second = [session(2, adapted(2), parameters) for parameters in measured]
+    for other in (*second, *(session(2, adapted(2), **more) for more in others)):
+        assert [len(line.points) for line in found(keyboard, first, other)] == [1, 1], other
 
 
-_OTHERS = [{"seat": "B"}, {"mode": "simulated"}, {"task_version": "0"}, {"task": "other"}]
-
-
-@pytest.mark.parametrize(
-    ("parameters", "more"),
-    [*((parameters, {}) for parameters in _OTHERWISE), *(({}, more) for more in _OTHERS)],
-)
-def test_sessions_that_measured_otherwise_never_share_a_line(
-    keyboard: type[Task], parameters: dict[str, object], more: dict[str, str]
+def test_defaults_and_what_does_not_bear_on_times_leave_the_line_whole(
+    keyboard: type[Task],
 ) -> None:
-    both = found(keyboard, session(1, adapted(1)), session(2, adapted(2), parameters, **more))
-    assert [len(line.points) for line in both] == [1, 1]
-
-
-@pytest.mark.parametrize(
-    "parameters",
-    [
+    for parameters in (
         {"attempts": 5}, {"start_level": 4}, {"feedback_every": 3}, {"language": "es"},
         {"threshold": 1000.0, "levels": []},
-    ],
-)  # fmt: skip
-def test_defaults_and_what_does_not_bear_on_times_leave_the_line_whole(
-    keyboard: type[Task], parameters: dict[str, object]
-) -> None:
-    (line,) = found(keyboard, session(1, adapted(1)), session(2, adapted(2), parameters))
-    assert len(line.points) == 2
+    ):  # fmt: skip
+        (line,) = found(keyboard, session(1, adapted(1)), session(2, adapted(2), parameters))
+        assert len(line.points) == 2, parameters
 
 
 def test_the_line_with_the_newest_session_comes_last(keyboard: type[Task]) -> None:
@@ -94,27 +83,28 @@ def test_where_the_level_never_changed_the_result_is_the_measure(keyboard: type[
     assert second > first
 
 
-def test_a_session_without_a_finished_attempt_is_left_out(keyboard: type[Task]) -> None:
-    assert found(keyboard, session(1, [])) == []
-
-
 def test_attempts_without_a_result_are_kept_but_not_measured(keyboard: type[Task]) -> None:
+    assert found(keyboard, session(1, [])) == []
     results = [*adapted(1), AttemptResult(2, None, 0)]
     (line,) = found(keyboard, session(1, results))
     (alone,) = found(keyboard, session(1, results[:-1]))
     assert line.points[0].estimate == alone.points[0].estimate
 
 
-def test_a_task_that_is_not_installed_has_results_but_no_estimate() -> None:
-    (line,) = lines([session(1, adapted(1))], lambda name: None)
-    assert line.task is None
-    assert line.points[0].mean is not None
-    assert (line.points[0].estimate, line.measure) == (None, "")
+def test_a_task_or_a_setting_that_is_gone_leaves_results_without_an_estimate(
+    keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(self: Task, level: int) -> float:
+        raise ZeroDivisionError
 
-
-def test_settings_no_longer_accepted_leave_results_without_estimate(keyboard: type[Task]) -> None:
-    (line,) = found(keyboard, session(1, adapted(1), {"choice_set": "feet"}))
-    assert line.task is None
+    (not_installed,) = lines([session(1, adapted(1))], lambda name: None)
+    (not_accepted,) = found(keyboard, session(1, adapted(1), {"choice_set": "feet"}))
+    monkeypatch.setattr(keyboard, "difficulty", broken)
+    (not_placed,) = found(keyboard, session(1, adapted(1)), session(2, adapted(2)))
+    for line in (not_installed, not_accepted, not_placed):
+        assert line.task is None
+        assert all(point.mean is not None and point.estimate is None for point in line.points)
+    assert not_installed.measure == ""
 
 
 def test_reaction_times_lie_over_the_information_in_the_choice(keyboard: type[Task]) -> None:
@@ -142,15 +132,3 @@ def test_levels_not_getting_harder_one_by_one_have_no_places_between(keyboard: t
     task = keyboard(keyboard.Parameters(levels=("asdf", "jk")))
     assert places(task) == []
     assert to_level([], 1.0) is None
-
-
-def test_a_task_whose_levels_cannot_be_placed_still_has_its_results(
-    keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def broken(self: Task, level: int) -> float:
-        raise ZeroDivisionError
-
-    monkeypatch.setattr(keyboard, "difficulty", broken)
-    (line,) = found(keyboard, session(1, adapted(1)), session(2, adapted(2)))
-    assert line.task is None
-    assert all(point.mean is not None and point.estimate is None for point in line.points)

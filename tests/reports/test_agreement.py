@@ -24,21 +24,15 @@ def decided(
     )  # fmt: skip
 
 
-def test_kappa_of_a_table_computed_by_hand() -> None:
+def test_kappa_of_tables_computed_by_hand() -> None:
     """Observed (20 + 15) / 50 = 0.7; by chance 25/50 · 30/50 + 25/50 · 20/50 = 0.5; (0.7 − 0.5) /
     0.5 = 0.4.
     """
     pairs = [("yes", "yes")] * 20 + [("yes", "no")] * 5 + [("no", "yes")] * 10 + [("no", "no")] * 15
     assert kappa(pairs) == 0.4
-
-
-@pytest.mark.parametrize("pairs", [[], [("positive", "positive")] * 7])
-def test_kappa_is_not_defined_without_variation(pairs: list[tuple[str, str]]) -> None:
-    assert kappa(pairs) is None
-
-
-def test_constant_disagreement_is_below_chance() -> None:
     assert kappa([("positive", "negative"), ("negative", "positive")]) == -1
+    assert kappa([]) is None
+    assert kappa([("positive", "positive")] * 7) is None, "not defined without variation"
 
 
 @given(st.lists(st.tuples(VALENCES, VALENCES), min_size=1, max_size=30))
@@ -98,8 +92,5 @@ def test_a_session_computed_by_hand() -> None:
     assert found.valence_table == {"negative": negative, "positive": positive}
     # (4/6 − (4·3 + 2·1)/36) / (1 − 14/36) = (24 − 14) / (36 − 14)
     assert found.valence_kappa == 0.4545
-
-
-def test_without_decisions_there_is_no_agreement() -> None:
     none = {"accepted_share": None, "words_changed_median": None, "valence_kappa": None}
     has(agreement([decided(None)]), decided=0, **none)

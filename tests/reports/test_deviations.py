@@ -1,11 +1,11 @@
-"""Deviations from the plan: each once, with actor and time."""
+"""Deviations from the plan, each once, with actor and time; and the participant's pauses."""
 
 from typing import Any
 
 import pytest
 
 from sar_tui.model import messages as m
-from sar_tui.reports.deviations import Deviation, deviations
+from sar_tui.reports.deviations import Deviation, Pause, deviations, pauses
 from tests.reports.session_script import ANNA, Script, has
 
 GOES_ON = m.Waiting(what="foreperiod", stage="trial")
@@ -27,12 +27,6 @@ def test_a_session_that_went_as_planned_has_none() -> None:
 
 def changed(state: Any, *, operated: bool = False, detail: str = "") -> m.OperatorChanged:
     return m.OperatorChanged(actor=ANNA, state=state, operated=operated, detail=detail)
-
-
-def test_an_observers_stop_counts() -> None:
-    eve = m.OperatorChanged(actor="observer.eve", role="observer", state="joined", operated=False)
-    script = Script().log(5, eve).log(1000, m.SessionCommand(command="stop", actor="observer.eve"))
-    assert [(each.what, each.actor) for each in found(script)] == [("stop", "observer.eve")]
 
 
 @pytest.mark.parametrize(
@@ -57,13 +51,13 @@ def test_each_deviation_has_its_time_and_actor(message: m.Message, what: str, de
     assert found(script) == [Deviation(run=1, at_s=61.5, what=what, actor=ANNA, detail=detail)]
 
 
-def test_refused_acts_reported_together_are_counted() -> None:
+def test_an_observers_stop_and_refused_acts_count_and_other_acts_of_participants_do_not() -> None:
+    eve = m.OperatorChanged(actor="observer.eve", role="observer", state="joined", operated=False)
+    stop = m.SessionCommand(command="stop", actor="observer.eve")
     refused = m.PeerRequestRefused(actor="observer.eve", what="operator/act", why="No.", count=12)
-    (deviation,) = found(Script().log(2000, refused))
-    has(deviation, what="refused", actor="observer.eve", count=12)
-
-
-def test_acts_of_participants_and_observers_are_no_deviations() -> None:
+    both = found(Script().log(5, eve).log(1000, stop).log(2000, refused))
+    acts = [(each.what, each.actor, each.count) for each in both]
+    assert acts == [("stop", "observer.eve", 1), ("refused", "observer.eve", 12)]
     gone = m.OperatorChanged(actor="observer.eve", role="observer", state="left", operated=True)
     acts = [m.SessionCommand(command="pause"), m.SessionCommand(command="stop"), gone]
     assert found(Script().join(10).log(1000, *acts)) == []
@@ -90,3 +84,37 @@ def test_times_count_from_the_start_of_each_run() -> None:
     first, second = found(script)
     has(first, run=1, at_s=3, what="skip")
     has(second, run=2, at_s=2, what="repeat")
+
+
+# --- the participant's pauses
+
+
+def ask(command: Any, reason: str = "", actor: str = "participant") -> m.SessionCommand:
+    return m.SessionCommand(command=command, reason=reason, actor=actor)
+
+
+def taken(script: Script) -> list[Pause]:
+    return pauses(script, [ANNA])
+
+
+def test_a_pause_has_its_reason_and_who_ended_it() -> None:
+    script = Script().log(1000, GOES_ON).log(5000, ask("pause"), PAUSED)
+    script.log(7000, ask("pause", "pain"), PAUSED).log(9000, ask("resume", actor=ANNA), GOES_ON)
+    assert taken(script.log(60_000, GOES_ON)) == [Pause(1, 5, 4, "pain", ANNA)]
+
+
+def test_an_operators_pause_is_not_the_participants_until_they_say_pain() -> None:
+    script = Script().log(5000, ask("pause", actor=ANNA), PAUSED)
+    script.log(8000, ask("resume", actor=ANNA), GOES_ON)
+    assert taken(script) == []
+    script = Script().log(5000, ask("pause", actor=ANNA), PAUSED)
+    script.log(6000, ask("pause", "pain"), PAUSED).log(8000, ask("resume"), GOES_ON)
+    assert taken(script) == [Pause(1, 6, 2, "pain", "participant")]
+
+
+def test_a_pause_ends_with_its_run_and_one_that_did_not_take_effect_is_left_out() -> None:
+    assert taken(Script().log(5000, ask("pause")).log(6000, GOES_ON)) == []
+    script = Script().log(5000, ask("pause", "tired"), PAUSED).log(8000, m.NoteAdded())
+    script.begin(2, 0).log(1000, GOES_ON).log(4000, ask("pause"), PAUSED)
+    script.log(5000, ask("resume"), GOES_ON)
+    assert taken(script) == [Pause(1, 5, 3, "tired", ""), Pause(2, 4, 1, "", "participant")]

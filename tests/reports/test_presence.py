@@ -12,32 +12,22 @@ STILL = m.Waiting(what="enter", stage="attempt")
 """Message that only shows that the session went on."""
 
 
-def test_the_time_before_the_first_operator_is_no_absence() -> None:
+def test_an_operator_is_absent_from_going_until_they_return_or_the_run_ends() -> None:
     has(presence(Script().log(60_000, STILL)), duration_s=60, operated_s=0, absences=())
     there = presence(Script().join(10_000).log(60_000, STILL))
     has(there, duration_s=60, operated_s=50, absences=())
-
-
-def test_a_lost_operator_is_absent_until_they_return() -> None:
     script = Script().join(10_000).join(10_000, state="baton").gone(20_000)
-    script.join(25_500).join(25_500, state="baton").log(60_000, STILL)
-    there = presence(script)
+    there = presence(script.join(25_500).join(25_500, state="baton").log(60_000, STILL))
     assert there.operated_s == 44.5
     (absence,) = there.absences
     has(absence, at_s=20, duration_s=5.5, actor=ANNA, state="lost", came_back=True)
-
-
-def test_an_operator_who_does_not_come_back_is_absent_until_the_run_ends() -> None:
     (absence,) = presence(Script().join(10_000).gone(20_000, "left").log(60_000, STILL)).absences
     has(absence, duration_s=40, state="left", came_back=False)
 
 
-def test_while_one_of_two_operators_stays_there_is_no_absence() -> None:
+def test_while_one_of_two_operators_stays_there_is_no_absence_and_an_observer_is_none() -> None:
     script = Script().join(0).join(5000, "operator.ben").join(8000, state="lost", operated=True)
     has(presence(script.log(10_000, STILL)), absences=(), operated_s=10)
-
-
-def test_an_observer_is_no_operator() -> None:
     came = m.OperatorChanged(actor="observer.eve", role="observer", state="joined", operated=False)
     assert presence(Script().log(1000, came).log(5000, STILL)).operated_s == 0
 

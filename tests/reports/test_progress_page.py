@@ -42,18 +42,53 @@ def page(keyboard: type[Task], sessions: list[SessionResults], code: str = "en")
     return figures(progress("P01", sessions, {"keyboard": keyboard}.get), keyboard, code)
 
 
-@pytest.mark.usefixtures("specs")
-def test_nobody_has_a_page_that_says_so(keyboard: type[Task]) -> None:
-    made = page(keyboard, [])
-    assert "There are no finished attempts yet." in made
-    assert "<svg" not in made
-
-
-def test_one_session_has_its_charts(keyboard: type[Task], specs: list[dict[str, Any]]) -> None:
+def test_a_session_has_its_charts_and_texts_are_escaped(
+    keyboard: type[Task], specs: list[dict[str, Any]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    nobody = page(keyboard, [])
+    assert "There are no finished attempts yet." in nobody
+    assert "<svg" not in nobody
+    made = page(keyboard, [session(1, adapted(1), {"levels": ["<b>", "&c"]})])
+    assert "<b>" not in made
+    assert "&lt;b&gt; &amp;c" in made
+    specs.clear()
     made = page(keyboard, steady(1))
     # level at goal, result, attempts and repetitions of each day
-    assert made.count("<svg") == len(specs) == 4
-    assert made.count("<figcaption>") == 4
+    assert made.count("<svg") == made.count("<figcaption>") == len(specs) == 4
+    specs.clear()
+    one_level = [session(number, at_one_level(number, 950.0)) for number in range(4)]
+    assert "Level at goal of each session" not in page(keyboard, one_level)
+    assert len(specs) == 3
+    specs.clear()
+    played = [session(n, adapted(n), qualities={"sparc": -1.6 - n / 10}) for n in range(3)]
+    assert "Mean of each session: smoothness (SPARC)." in page(keyboard, played)
+    assert len(specs) == 5
+    monkeypatch.setitem(sys.modules, "vl_convert", None)
+    with pytest.raises(charts.ChartsMissing, match=r"pip install -e '\.\[report\]'"):
+        page(keyboard, steady(1))
+
+
+def test_each_chart_has_a_text_alternative_and_a_page_needs_nothing_from_elsewhere(
+    keyboard: type[Task], specs: list[dict[str, Any]]
+) -> None:
+    made = page(keyboard, steady(5))
+    labels = re.findall(r'<svg role="img" aria-label="([^"]+)"', made)
+    assert len(labels) == 4
+    first = r"2026-02-27: level 3\.\d \(.* keys, 95 % band .*\)\. 2026-03-03: level 3"
+    assert re.search(first, labels[0])
+    assert "2000 repetitions on 5 days." in labels[3]
+    assert re.findall(r"https?:|src=|href=|@import|url\(|<script", made) == []
+    (noise,) = specs[0]["layer"][0]["data"]["values"]
+    values = [value["value"] for value in specs[0]["data"]["values"]]
+    assert noise["low"] < min(values)
+    assert 2 < noise["high"] < 60, (
+        "the noise of the baseline in keys, as people read it, not in bits"
+    )
+    made = page(keyboard, steady(5), "es")
+    assert '<html lang="es">' in made
+    shown = re.sub(r"<style>.*?</style>|<[^>]+>", "\n", made, flags=re.DOTALL)
+    assert english_in([shown], SPANISH) == []
+    assert "aciertos" in made
 
 
 def test_a_thousand_sessions_share_marks_by_a_stated_rule_and_the_newest_are_listed(
@@ -71,50 +106,6 @@ def test_a_thousand_sessions_share_marks_by_a_stated_rule_and_the_newest_are_lis
     assert first["date"] == "2026-03-03", "the middle one of nine"
     assert sum(row["repetitions"] for row in specs[3]["data"]["values"]) == 400_000
     assert made.count("<tr>") == 61
-
-
-@pytest.mark.usefixtures("specs")
-def test_each_chart_has_a_text_alternative_and_a_page_needs_nothing_from_elsewhere(
-    keyboard: type[Task],
-) -> None:
-    made = page(keyboard, steady(5))
-    labels = re.findall(r'<svg role="img" aria-label="([^"]+)"', made)
-    assert len(labels) == 4
-    first = r"2026-02-27: level 3\.\d \(.* keys, 95 % band .*\)\. 2026-03-03: level 3"
-    assert re.search(first, labels[0])
-    assert "2000 repetitions on 5 days." in labels[3]
-    assert re.findall(r"https?:|src=|href=|@import|url\(|<script", made) == []
-
-
-@pytest.mark.usefixtures("specs")
-def test_texts_are_escaped(keyboard: type[Task]) -> None:
-    made = page(keyboard, [session(1, adapted(1), {"levels": ["<b>", "&c"]})])
-    assert "<b>" not in made
-    assert "&lt;b&gt; &amp;c" in made
-
-
-@pytest.mark.usefixtures("specs")
-def test_the_page_is_in_spanish(keyboard: type[Task]) -> None:
-    made = page(keyboard, steady(5), "es")
-    assert '<html lang="es">' in made
-    shown = re.sub(r"<style>.*?</style>|<[^>]+>", "\n", made, flags=re.DOTALL)
-    assert english_in([shown], SPANISH) == []
-    assert "aciertos" in made
-
-
-def test_one_level_has_no_chart_of_levels(
-    keyboard: type[Task], specs: list[dict[str, Any]]
-) -> None:
-    made = page(keyboard, [session(number, at_one_level(number, 950.0)) for number in range(4)])
-    assert len(specs) == 3
-    assert "Level at goal of each session" not in made
-
-
-def test_smoothness_has_its_own_chart(keyboard: type[Task], specs: list[dict[str, Any]]) -> None:
-    played = [session(n, adapted(n), qualities={"sparc": -1.6 - n / 10}) for n in range(3)]
-    made = page(keyboard, played)
-    assert len(specs) == 5
-    assert "Mean of each session: smoothness (SPARC)." in made
 
 
 def test_pain_and_tiredness_are_charted_on_the_time_axis_of_the_sessions(
@@ -141,24 +132,6 @@ def test_an_adverse_event_is_told_and_marked(
     signs = [[layer["mark"].get("text") for layer in spec["layer"]] for spec in specs]
     (marked,) = (spec for spec, texts in zip(specs, signs, strict=True) if "!" in texts)
     assert marked["data"]["values"][0]["date"] == "2026-02-28"
-
-
-def test_the_noise_of_the_baseline_is_drawn_on_the_axis_people_read(
-    keyboard: type[Task], specs: list[dict[str, Any]]
-) -> None:
-    page(keyboard, steady(5))
-    (noise,) = specs[0]["layer"][0]["data"]["values"]
-    values = [value["value"] for value in specs[0]["data"]["values"]]
-    assert noise["low"] < min(values)
-    assert 2 < noise["high"] < 60  # keys, not bits
-
-
-def test_without_the_package_it_says_so(
-    keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(sys.modules, "vl_convert", None)
-    with pytest.raises(charts.ChartsMissing, match=r"pip install -e '\.\[report\]'"):
-        page(keyboard, steady(1))
 
 
 @pytest.mark.slow

@@ -25,7 +25,6 @@ APPROVE = TaskParameters(
     operator_gesture="approve",
     operator_encouragement="veto",
 )
-MANUAL = TaskParameters(operator_difficulty="manual")
 A1 = proposal("a1", valence="negative", text="Too slow.")
 
 
@@ -48,83 +47,91 @@ def dropped(reason: Any, id: str = "a1") -> m.Dropped:
     return m.Dropped(id=id, reason=reason)
 
 
-def test_autonomous_actions_are_the_agents() -> None:
-    record = only(started().log(1000, A1, action(A1, ground="mode")), ALONE)
+MILDER = action(A1, "edited", text="A little slow.", valence="neutral")
+CUT_OFF = m.Halt(action="a1", reason="vetoed", asked=1590)
+LATE = m.LateDecision(actor="x", what="veto a1", why="late")
+OUTCOMES: dict[str, tuple[Script, dict[str, Any]]] = {
+    "accepted": (
+        pending_feedback().log(1835, decision("a1", ms=1830), action(A1)).log(2500, action(A1)),
+        # from the screen to the key, not to its arrival; from pending to the decision, not to its turn
+        {"mode": "approve", "fate": "accepted", "verdict": "accepted", "said": "Too slow.",
+         "decision_ms": 800, "waiting_ms": 835},
+    ),
+    "edited": (
+        pending_feedback().log(1500, decision("a1", "edit", 1499), MILDER).log(1600, MILDER),
+        {"fate": "edited", "verdict": "edited", "text": "Too slow.", "said": "A little slow.",
+         "valence": "negative", "said_valence": "neutral"},
+    ),
+    "vetoed": (
+        pending_feedback().log(1500, decision("a1", "veto", 1500), dropped("vetoed")),
+        {"fate": "vetoed", "verdict": "vetoed", "said": None, "decision_ms": 470},
+    ),
+    "vetoed in the queue, the first key is timed": (
+        pending_feedback().log(1230, decision("a1", ms=1230), action(A1))
+        .log(1900, decision("a1", "veto", 1900), dropped("vetoed")),
+        {"fate": "vetoed", "verdict": "vetoed", "decision_ms": 200, "waiting_ms": 230},
+    ),
+    "accepted, but too late": (
+        pending_feedback().log(1230, decision("a1", ms=1230), action(A1)).log(3000, dropped("late")),
+        {"fate": "late", "verdict": "accepted", "said": None},
+    ),
+    "a key after the deadline": (
+        pending_feedback().log(5000, action(A1, ground="deadline"))
+        .log(5100, decision("a1", "veto", 5090), LATE),
+        {"fate": "timed_out_done", "verdict": None, "key_at": None, "waiting_ms": 4000},
+    ),
+    "never on a screen": (
+        started().log(1000, A1, pending(A1)).log(1500, decision("a1", ms=1500), action(A1)),
+        {"fate": "accepted", "decision_ms": None},
+    ),
+    "mode changed while pending": (
+        pending_feedback().log(2000, m.ModeChanged(kind="feedback", mode="manual", actor="x"))
+        .log(2000, pending(A1, "manual")).log(9000, dropped("manual")),
+        {"fate": "mode_changed"},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", OUTCOMES)
+def test_a_pending_proposal_has_its_outcome_and_latencies(case: str) -> None:
+    script, expected = OUTCOMES[case]
+    has(only(script), **expected)
+
+
+def test_autonomous_actions_are_the_agents_unless_an_operator_cuts_them_off() -> None:
+    done = (A1, action(A1, ground="mode"))
+    record = only(started().log(1000, *done), ALONE)
     has(record, kind="feedback", mode="autonomous", fate="agent", verdict=None)
     has(record, pending_at=None, waiting_ms=None, decision_ms=None)
-
-
-def test_an_accepted_proposal_has_its_two_latencies() -> None:
-    script = pending_feedback().log(1835, decision("a1", ms=1830), action(A1)).log(2500, action(A1))
-    record = only(script)
-    has(record, mode="approve", fate="accepted", verdict="accepted", said="Too slow.")
-    assert record.decision_ms == 800, "from the screen to the key, not to its arrival"
-    assert record.waiting_ms == 835, "from pending to the decision, not to its turn"
-
-
-def test_an_edit_stores_the_proposed_and_the_said_text() -> None:
-    milder = action(A1, "edited", text="A little slow.", valence="neutral")
-    script = pending_feedback().log(1500, decision("a1", "edit", 1499), milder).log(1600, milder)
-    has(only(script), fate="edited", verdict="edited", text="Too slow.", said="A little slow.",
-        valence="negative", said_valence="neutral")  # fmt: skip
-
-
-def test_a_veto_leaves_nothing_said() -> None:
-    script = pending_feedback().log(1500, decision("a1", "veto", 1500), dropped("vetoed"))
-    has(only(script), fate="vetoed", verdict="vetoed", said=None, decision_ms=470)
-
-
-def test_an_accepted_proposal_can_be_vetoed_in_the_queue_and_the_first_key_is_timed() -> None:
-    script = pending_feedback().log(1230, decision("a1", ms=1230), action(A1))
-    script.log(1900, decision("a1", "veto", 1900), dropped("vetoed"))
-    has(only(script), fate="vetoed", verdict="vetoed", decision_ms=200, waiting_ms=230)
-
-
-def test_an_accepted_proposal_that_comes_too_late_still_counts_as_agreement() -> None:
-    script = pending_feedback().log(1230, decision("a1", ms=1230), action(A1))
-    has(only(script.log(3000, dropped("late"))), fate="late", verdict="accepted", said=None)
-
-
-def test_an_action_cut_off_under_way_is_vetoed() -> None:
-    halt = m.Halt(action="a1", reason="vetoed", asked=1590)
-    script = started().log(1000, A1, action(A1, ground="mode"))
-    record = only(script.log(1600, decision("a1", "veto", 1590), halt), ALONE)
+    cut_off = started().log(1000, *done).log(1600, decision("a1", "veto", 1590), CUT_OFF)
+    record = only(cut_off, ALONE)
     has(record, fate="cut_off", verdict="vetoed", key_at=1_590_000_000)
     assert record.decision_ms is None, "it stood on no operator's screen"
+    everything = Script().log(1000, *done).log(1500, m.Halt(reason="stopped", asked=1500))
+    assert only(everything, ALONE).verdict is None
 
 
-def test_a_halt_of_everything_is_not_an_operators_verdict() -> None:
-    script = Script().log(1000, A1, action(A1, ground="mode"))
-    assert only(script.log(1500, m.Halt(reason="stopped", asked=1500)), ALONE).verdict is None
+FATES = {
+    **dict.fromkeys(get_args(get_type_hints(m.Dropped)["reason"])),
+    "expired": "timed_out_dropped",
+    "no operator": "no_operator_dropped",
+    "manual": "manual_dropped",
+    **{reason: reason for reason in ("late", "stopped", "amended")},
+}
 
 
-def test_a_key_after_the_deadline_decides_nothing() -> None:
-    late = m.LateDecision(actor="x", what="veto a1", why="late")
-    script = pending_feedback().log(5000, action(A1, ground="deadline"))
-    record = only(script.log(5100, decision("a1", "veto", 5090), late))
-    has(record, fate="timed_out_done", verdict=None, key_at=None, waiting_ms=4000)
-
-
-@pytest.mark.parametrize(
-    ("end", "fate"),
-    [
+def test_each_outcome_without_an_operator_has_a_name() -> None:
+    for reason, name in FATES.items():
+        record = only(pending_feedback().log(5000, dropped(reason)))
+        assert record.fate in get_args(Fate)
+        assert record.fate == name if name else record.fate != "open", reason
+        has(record, key_at=None)
+    ends: list[tuple[m.Message, str]] = [
         (action(A1, ground="no operator"), "no_operator_done"),
-        (dropped("expired"), "timed_out_dropped"),
-        (dropped("no operator"), "no_operator_dropped"),
-        (dropped("manual"), "manual_dropped"),
-        *((dropped(reason), reason) for reason in ("late", "stopped", "amended")),
         (m.Waiting(what="enter", stage="attempt"), "open"),
-    ],
-)
-def test_each_outcome_without_an_operator_has_a_name(end: m.Message, fate: str) -> None:
-    has(only(pending_feedback().log(5000, end)), fate=fate, verdict=None, key_at=None)
-
-
-@pytest.mark.parametrize("reason", get_args(get_type_hints(m.Dropped)["reason"]))
-def test_each_reason_to_drop_a_proposal_has_an_outcome(reason: Any) -> None:
-    fate = only(pending_feedback().log(5000, dropped(reason))).fate
-    assert fate in get_args(Fate)
-    assert fate != "open"
+    ]
+    for end, fate in ends:
+        has(only(pending_feedback().log(5000, end)), fate=fate, verdict=None, key_at=None)
 
 
 def test_two_operators_are_timed_each_by_their_own_screen() -> None:
@@ -138,11 +145,6 @@ def test_a_key_without_effect_does_not_count_for_a_later_change_of_mode() -> Non
     script = pending_feedback().log(1500, decision("a1", ms=1500))
     record = only(script.log(3000, m.ModeChanged(kind="feedback", mode="autonomous"), action(A1)))
     assert (record.verdict, record.key_at, record.waiting_ms) == ("accepted", None, 2000)
-
-
-def test_a_decision_on_an_unseen_proposal_has_no_latency() -> None:
-    script = started().log(1000, A1, pending(A1)).log(1500, decision("a1", ms=1500), action(A1))
-    assert only(script).decision_ms is None
 
 
 def test_the_mode_is_the_one_set_at_the_time_of_the_proposal() -> None:
@@ -175,13 +177,6 @@ def test_a_separate_gesture_is_a_proposal_without_a_valence() -> None:
     has(made, id="a1.gesture", kind="gesture", fate="accepted", valence=None)
 
 
-def test_what_an_operator_does_unasked_is_no_proposal() -> None:
-    remark = proposal("o1", "remark", "Take your time.")
-    by_hand = m.LevelChanged(previous=1, level=3, reason="operator")
-    script = started().log(1000, action(remark, "initiated")).log(2000, by_hand)
-    assert proposal_records(script, APPROVE) == []
-
-
 L1 = proposal("l1", "difficulty", "Level 1 → 2")
 UP = m.LevelChanged(previous=1, level=2, reason="success")
 
@@ -208,12 +203,8 @@ def test_a_pending_change_of_level_is_one_proposal(
     has(record, kind="difficulty", mode="approve", fate=fate, verdict=verdict, waiting_ms=700)
 
 
+MANUAL = TaskParameters(operator_difficulty="manual")
 REJECTED = level_decided("l1", 0, "rejected", "mode")
-
-
-def test_a_level_left_to_the_operator_stays() -> None:
-    script = started().log(1000, pending(L1, "manual", 2)).log(9000, REJECTED)
-    assert only(script, MANUAL).fate == "manual_dropped"
 
 
 STARTED = m.AttemptStarted(attempt=2, practice=False, level=1, trials=3)
@@ -244,27 +235,24 @@ def test_a_level_whose_mode_changed_while_pending_is_dropped_for_its_reason(
     has(only(switched().log(9000, cause, REJECTED)), mode="approve", fate=fate, verdict=None)
 
 
-def test_feedback_whose_mode_changed_while_pending_is_dropped_for_that_reason() -> None:
-    taken = m.ModeChanged(kind="feedback", mode="manual", actor="x")
-    script = pending_feedback().log(2000, taken, pending(A1, "manual"))
-    assert only(script.log(9000, dropped("manual"))).fate == "mode_changed"
-
-
-def test_a_level_rejected_without_being_pending_is_a_proposal() -> None:
-    script = Script().log(1000, level_decided("l1", 1, "rejected", "no operator"))
-    has(only(script), fate="no_operator_dropped", pending_at=None, waiting_ms=None)
-
-
-def test_a_level_that_was_never_pending_is_the_agents() -> None:
+def test_a_level_that_was_never_pending_is_the_agents_or_dropped_for_want_of_an_operator() -> None:
     down = m.LevelChanged(previous=2, level=1, reason="failure")
     found = proposal_records(started().log(1000, UP).log(2000, down), ALONE)
     assert [(record.kind, record.fate) for record in found] == [("difficulty", "agent")] * 2
-
-
-def test_only_in_a_run_without_an_operator_a_level_is_changed_without_one() -> None:
     assert only(started().log(1000, UP)).fate == "agent", "after the last attempt nobody is asked"
     for script in (Script(), started().begin(2, 0)):
         assert only(script.log(1000, UP)).fate == "no_operator_done"
+    rejected = Script().log(1000, level_decided("l1", 1, "rejected", "no operator"))
+    has(only(rejected), fate="no_operator_dropped", pending_at=None, waiting_ms=None)
+    left = started().log(1000, pending(L1, "manual", 2)).log(9000, REJECTED)
+    assert only(left, MANUAL).fate == "manual_dropped"
+
+
+def test_what_an_operator_does_unasked_is_no_proposal() -> None:
+    remark = proposal("o1", "remark", "Take your time.")
+    by_hand = m.LevelChanged(previous=1, level=3, reason="operator")
+    script = started().log(1000, action(remark, "initiated")).log(2000, by_hand)
+    assert proposal_records(script, APPROVE) == []
 
 
 def test_a_change_that_replaces_a_pending_one_is_counted_as_well() -> None:

@@ -26,6 +26,8 @@ def test_a_better_session_is_higher_and_later_ones_are_further_right() -> None:
     places = [(line.index(POINT), row) for row, line in enumerate(lines) if POINT in line]
     assert places == [(31, 0), (21, 3), (11, 6)]
     assert lines[0].startswith(" high┤")
+    for values in ([Value(0.0)], [Value(5.0), Value(5.0)]):
+        assert sum(line.count(POINT) for line in draw(values)) == len(values)
 
 
 def test_bands_are_drawn_and_a_very_wide_one_does_not_flatten_the_others() -> None:
@@ -41,11 +43,6 @@ def test_sessions_without_a_value_have_a_sign_in_a_row_of_their_own() -> None:
     assert len(lines) == 8
     assert lines[0].split() == ["│", ABOVE]
     assert lines[-2].split() == ["│", BELOW, UNKNOWN]
-
-
-def test_one_session_and_alike_ones_have_an_axis() -> None:
-    for values in ([Value(0.0)], [Value(5.0), Value(5.0)]):
-        assert sum(line.count(POINT) for line in draw(values)) == len(values)
 
 
 def test_a_thousand_sessions_share_columns_and_all_fit() -> None:

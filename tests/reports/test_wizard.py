@@ -105,26 +105,18 @@ def test_the_shares_of_a_kind_that_changed_its_mode() -> None:
     has(approve, mode="approve", time_share=0.25, n=1, share=0.3333)
 
 
-def test_a_session_without_duration_has_no_time_shares() -> None:
-    made, _ = report("s1", {}, Script())
-    assert (made.duration_s, made.operated) == (0, False)
-    assert {row.time_share for row in made.proposals} <= {None}
-
-
-def test_a_participants_stop_is_no_act_of_an_operator() -> None:
-    stop = m.SessionCommand(command="stop", at=4_000_000_000)
-    made, latencies = report("s1", {}, Script().join(0).log(5000, stop))
-    assert (made.initiated, latencies.link, made.counts) == ({}, [], {})
-
-
-def test_what_a_therapist_changed_at_the_participants_terminal_is_no_act_of_an_operator() -> None:
+def test_acts_at_the_participants_terminal_are_none_of_an_operator() -> None:
     level = m.SessionCommand(command="level", value=3, actor="therapist", at=5_000_000_000)
     goal = m.SettingChanged(name="goal_ms", value=900, at=6_000_000_000)
     notes = [m.NoteAdded(text="x", actor=actor) for actor in ("therapist", ANNA)]
+    stop = m.SessionCommand(command="stop", at=8_000_000_000)
     script = Script().join(0).log(5000, level).log(6000, goal, goal).log(7000, *notes)
-    made, latencies = report("s1", {}, script)
+    made, latencies = report("s1", {}, script.log(8000, stop))
     assert made.therapist == {"level": 1, "goal_ms": 2, "note": 1}
-    assert (made.initiated, latencies.link) == ({}, [])
+    assert (made.initiated, latencies.link, made.counts) == ({}, [], {})
+    made, _ = report("s1", {}, Script())
+    assert (made.duration_s, made.operated) == (0, False)
+    assert {row.time_share for row in made.proposals} <= {None}
 
 
 class Simulated:
@@ -156,6 +148,10 @@ def simulated(request: Any, tmp_path_factory: pytest.TempPathFactory) -> Simulat
 def test_every_proposal_has_one_outcome(simulated: Simulated) -> None:
     for row in simulated.report.proposals:
         assert sum(row.fates.values()) == row.n
+    unattended = sum(row.unattended_s for row in simulated.report.proposals)
+    whole = simulated.report.operated_s == simulated.report.duration_s
+    assert whole == (not simulated.report.absences) == (unattended == 0)
+    assert len(simulated.report.absences) == simulated.report.counts.get("lost", 0)
     for kind in {row.kind for row in simulated.report.proposals if row.n}:
         shares = [row.share for row in simulated.report.proposals if row.kind == kind]
         assert sum(share or 0 for share in shares) == pytest.approx(1, abs=0.001)
@@ -184,22 +180,14 @@ def test_decision_times_are_between_150_ms_and_the_deadline(simulated: Simulated
     assert simulated.report.agreement.decided >= times.n > 0
 
 
-def test_unattended_time_comes_only_from_absences(simulated: Simulated) -> None:
-    whole = simulated.report.operated_s == simulated.report.duration_s
-    unattended = sum(row.unattended_s for row in simulated.report.proposals)
-    assert whole == (not simulated.report.absences) == (unattended == 0)
-    assert len(simulated.report.absences) == simulated.report.counts.get("lost", 0)
-
-
-def test_without_an_operator_all_proposals_are_the_agents(tmp_path: Path) -> None:
-    made = Simulated(tmp_path, "").report
-    has(made, operated=False, operators=[], operated_s=0, deviations=[])
-    assert {fate for row in made.proposals for fate in row.fates} <= {"agent", "late"}
-    assert made.agreement.decided == 0
-
-
-def test_a_message_that_cannot_be_read_is_named(tmp_path: Path) -> None:
-    session = Simulated(tmp_path, "careful", attempts=1)
+def test_without_an_operator_all_proposals_are_the_agents_and_what_cannot_be_read_is_named(
+    tmp_path: Path,
+) -> None:
+    session = Simulated(tmp_path, "", attempts=2)
+    has(session.report, operated=False, operators=[], operated_s=0, deviations=[])
+    fates = {fate for row in session.report.proposals for fate in row.fates}
+    assert fates <= {"agent", "late"}
+    assert session.report.agreement.decided == 0
     keys = "(SELECT id FROM topics WHERE name='input/key')"
     sql(tmp_path, f"UPDATE messages SET message='{{}}' WHERE topic IN {keys}")
     with pytest.raises(StoreError, match="cannot be read by this version"):

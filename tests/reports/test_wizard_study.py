@@ -1,5 +1,6 @@
 """Statistics on the operators of several sessions, written by hand."""
 
+import random
 from typing import Any
 
 import pytest
@@ -7,11 +8,13 @@ import pytest
 from sar_tui.model import messages as m
 from sar_tui.reports.wizard_study import (
     ALIKE,
+    FEWEST,
     Exclusion,
     OperatedSession,
     WizardStudy,
     read_session,
     study,
+    trend,
 )
 from sar_tui.reports.wizard_study_words import sections
 from tests.reports.session_script import Script, action, has, pending, proposal, seen
@@ -111,3 +114,23 @@ def test_the_words_name_conditions_exclusions_and_what_must_be_added(found: Wiza
     assert "The microphone failed." in text
     nobody = sections(study([unattended("1")]))
     assert nobody[0].parts == ["No operator took part in any of these sessions."]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_slope_and_its_interval_are_those_of_scipy(seed: int) -> None:
+    stats = pytest.importorskip("scipy.stats")
+    chance = random.Random(seed)
+    values = [chance.choice((0.5, 3.0)) * step + chance.gauss(0, 4) for step in range(6 + 3 * seed)]
+    values[2] = values[1]  # a tie
+    found, theirs = trend(values), stats.theilslopes(values, alpha=0.95)
+    assert found is not None
+    assert (found.slope, found.low, found.high) == pytest.approx(
+        (theirs.slope, theirs.low_slope, theirs.high_slope)
+    )
+
+
+def test_few_values_have_no_trend_and_equal_ones_a_flat_one() -> None:
+    assert trend([1.0] * (FEWEST - 1)) is None
+    flat = trend([7.0] * FEWEST)
+    assert flat is not None
+    assert (flat.slope, flat.low, flat.high) == (0, 0, 0)
