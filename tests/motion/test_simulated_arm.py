@@ -77,16 +77,3 @@ def test_a_hand_is_about_where_it_was_after_each_reach_and_gravity_turns_with_it
     assert degrees.max() > 30
     gravity = orientation[at_rest].apply(samples["acceleration"][at_rest])
     assert np.abs(gravity - gravity[0]).max() < 0.2
-
-
-def test_another_seed_is_another_person() -> None:
-    rates = []
-    for seed in (1, 2):
-        arm = SimulatedArm("drinking", PROFILES["clean"], 100.0, seed)
-        arm.move(SECOND, REACH)
-        rates.append(arm.samples(0, 3 * SECOND)["rate"])
-    assert np.abs(rates[0] - rates[1]).max() > 0.2
-
-
-def test_no_samples_are_asked_for_before_the_first_period() -> None:
-    assert len(an_arm().samples(START, START)) == 0

@@ -115,11 +115,6 @@ def test_other_movements_are_not_reaches(name: str) -> None:
     assert find(simulate([OTHER_MOVEMENTS[name]], NOISY).recording).reaches == ()
 
 
-def test_empty_and_very_short_recordings_have_no_reach() -> None:
-    for count in (0, 1, 2, 5):
-        assert find(Recording(np.arange(count) / 250, np.zeros((count, 3)))).reaches == ()
-
-
 # --- phases and sides
 
 
@@ -195,21 +190,6 @@ def test_samples_that_are_not_a_number_are_left_out() -> None:
     recording.rate[::7, 1] = np.nan
     (reach,) = find(recording).reaches
     assert duration(reach) == pytest.approx(1.1, abs=0.02)
-
-
-AXIS = st.floats(width=32, min_value=-40, max_value=40) | st.just(math.nan)
-
-
-@given(rate=st.lists(st.tuples(AXIS, AXIS, AXIS), max_size=200))
-@examples(40)
-def test_reaches_in_any_signal_are_ordered_and_within_the_recording(
-    rate: list[tuple[float, float, float]],
-) -> None:
-    time = np.arange(len(rate)) / 50
-    reaches = find(Recording(time, np.array(rate, dtype=float).reshape(-1, 3))).reaches
-    for reach in reaches:
-        assert 0 <= reach.onset_s <= reach.end_s <= time[-1]
-        assert np.isfinite([reach.arrival_s, reach.departure_s, *reach.axis]).all()
 
 
 # --- filters
