@@ -40,7 +40,9 @@ def playing(setup: Setup) -> Iterator[tuple[SoundProgram, Callable[[], Reply | N
         program.end()
 
 
-def test_the_onset_of_a_tone_is_by_the_clock_of_the_card() -> None:
+def test_onsets_are_by_the_clock_of_the_card_and_a_process_that_is_lost_can_be_started_again() -> (
+    None
+):
     with playing(Setup(backends=NOBODY)) as (program, following):
         program.prepare("tones", warm([BEEP]))
         program.send(cue(1, BEEP, 0))
@@ -48,26 +50,17 @@ def test_the_onset_of_a_tone_is_by_the_clock_of_the_card() -> None:
         planned = host_now() + 2000 * MS
         program.send(cue(2, BEEP, planned))
         onset: Any = following()
-    assert [(type(one), one.job, one.by) for one in (first, onset)] == [
-        (Started, 1, "device"),
-        (Started, 2, "device"),
-    ]
-    assert abs(onset.at - planned) < MS, "it is planned to the sample"
-
-
-def test_the_loss_of_the_process_is_reported_and_it_can_be_started_again() -> None:
-    with playing(Setup(backends=NOBODY)) as (program, following):
-        program.send(cue(1, BEEP, 0))
-        following()
         assert program._process
         child_process.kill(program._process)
         assert following() is None
         assert not program.is_running
         program.start()
-        program.send(cue(2, BEEP, 0))
-        again = following()
-        assert isinstance(again, Started)
-        assert again.job == 2
+        program.send(cue(3, BEEP, 0))
+        again: Any = following()
+    assert [(type(one), one.job, one.by) for one in (first, onset, again)] == [
+        (Started, job, "device") for job in (1, 2, 3)
+    ]
+    assert abs(onset.at - planned) < MS, "it is planned to the sample"
 
 
 def test_a_tone_without_a_card_fails_with_a_sentence() -> None:
