@@ -41,10 +41,6 @@ def test_on_a_virtual_clock_samples_are_those_of_the_hand() -> None:
     assert [(status.state, status.at) for status in statuses] == [("attached", 9 * SECOND)]
 
 
-def test_the_same_moves_give_the_same_samples_each_time() -> None:
-    assert session("patient")[0].tobytes() == session("patient")[0].tobytes()
-
-
 def test_a_hand_that_moves_while_it_is_measured_gives_the_samples_of_one_that_was_told_before() -> (
     None
 ):
