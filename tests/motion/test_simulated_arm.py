@@ -44,14 +44,6 @@ def test_samples_do_not_depend_on_how_they_are_requested(kind: str, cuts: list[i
     assert np.concatenate(parts).tobytes() == whole.tobytes()
 
 
-def test_a_reach_that_is_requested_while_it_is_measured_gives_the_same_samples() -> None:
-    told, arm = an_arm(reaches=2), an_arm(reaches=1)
-    parts = [arm.samples(START, START + 4 * SECOND)]
-    arm.move(START + 5 * SECOND, REACH)
-    parts.append(arm.samples(START + 4 * SECOND, START + 8 * SECOND))
-    assert np.concatenate(parts).tobytes() == told.samples(START, START + 8 * SECOND).tobytes()
-
-
 @pytest.mark.parametrize("kind", ["drinking", "cross-arm", "two-hand-push"])
 def test_a_reach_has_the_duration_of_the_shape_and_turns_about_several_axes(kind: str) -> None:
     samples = clean(kind)

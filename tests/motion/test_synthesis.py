@@ -48,11 +48,6 @@ def test_samples_do_not_depend_on_how_they_are_requested(cuts: list[int], rate_h
     assert np.concatenate(parts).tobytes() == whole.tobytes()
 
 
-def test_another_seed_gives_other_noise() -> None:
-    one, other = (a_hand(seed=seed).samples(0, SECOND).tobytes() for seed in (1, 2))
-    assert one != other
-
-
 def test_samples_lie_on_the_grid_of_the_first_call() -> None:
     hand = SimulatedHand(PROFILES["clean"], 250.0)
     assert len(hand.samples(7, 7)) == 0
@@ -137,12 +132,6 @@ def test_a_tremor_has_its_frequency_and_amplitude() -> None:
     spectrum = np.abs(np.fft.rfft(rate))
     assert np.fft.rfftfreq(len(rate), 1 / 250)[spectrum.argmax()] == pytest.approx(5, abs=0.3)
     assert rate.max() == pytest.approx(0.15, rel=0.01)
-
-
-def test_on_a_tilted_sensor_only_a_tenth_is_about_z() -> None:
-    rate = simulate([REACH], PROFILES["tilted"]).recording.rate
-    assert np.abs(rate[:, 2]).max() == pytest.approx(0.2, abs=0.03)
-    assert np.linalg.norm(rate, axis=1).max() == pytest.approx(2.0, abs=0.03)
 
 
 def test_a_lossy_sensor_loses_its_share_and_samples_beyond_the_range_are_dropped() -> None:

@@ -75,7 +75,7 @@ IN_REAL_TIME = ("speech in real time", "tones in real time", "servo on its threa
 only two here.
 """
 QUICK = (
-    "each_part_ends_exactly_once_and_done_ones_began",
+    "parts_of_one_kind_follow_each_other_in_order",
     "stop_of_one_that_is_under_way_leaves_the_one_that_waits",
 )
 
