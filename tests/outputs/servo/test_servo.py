@@ -1,6 +1,5 @@
 """Gestures by servo motors that are present, missing, pulled out or faulty."""
 
-import sys
 import threading
 from collections.abc import Iterator
 from itertools import pairwise
@@ -298,14 +297,6 @@ def test_a_motor_that_is_pulled_out_in_mid_gesture_fails_it_and_works_again_when
     assert (anew[0], anew[-1]) == (90, 90)
 
 
-def test_an_earlier_error_is_not_reported_as_the_reason_for_unplugging(bench: ServoBench) -> None:
-    bench.channels[0].err(4104, "No external power.")
-    begin(bench)
-    bench.channels[0].pull_out()
-    over(bench)
-    assert why(bench).endswith("It was unplugged: plug it in again.")
-
-
 @pytest.mark.parametrize("code", [52, 59])
 def test_a_motor_that_is_lost_as_it_is_stopped_is_limp_already(
     bench: ServoBench, code: int
@@ -352,9 +343,14 @@ def test_an_error_of_the_controller_is_reported_with_each_gesture_until_it_is_ov
     bench.channels[0].err(4104, "No external power.")
     make(bench)
     assert why(bench) == "It reports: No external power."
+    begin(bench, "b")
+    bench.channels[0].pull_out()
+    over(bench, "b")
+    assert why(bench, "b").endswith("It was unplugged: plug it in again."), "not for that error"
+    bench.channels[0].put_back()
     bench.channels[0].err(4096, "All is well.")
-    make(bench, action="b")
-    assert why(bench, "b") == ""
+    make(bench, action="c")
+    assert why(bench, "c") == ""
 
 
 # --- no motor
@@ -407,19 +403,15 @@ def test_a_controller_that_cannot_be_used_is_reported_with_what_to_do(
         (ModuleNotFoundError("No module named 'Phidget22'"), "pip install phidget22"),
         (OSError("libusb-1.0.so.0: cannot open shared object file"), "libusb-package"),
         (PhidgetError(28, "Unexpected Error"), "The servo cannot be opened: Unexpected Error"),
-        (None, "pip install phidget22"),
     ],
 )
 def test_a_driver_that_is_missing_fails_gestures_at_once_with_how_to_get_it(
-    error: Exception | None, cure: str, monkeypatch: pytest.MonkeyPatch
+    error: Exception, cure: str
 ) -> None:
     def fail() -> Any:
-        assert error
         raise error
 
-    monkeypatch.setitem(sys.modules, "Phidget22.Devices.RCServo", None)
-    servo = Servo(make=fail, denied=lambda: False) if error else Servo()
-    rig = Rig(servo, VirtualClock(), ["gesture"])
+    rig = Rig(Servo(make=fail, denied=lambda: False), VirtualClock(), ["gesture"])
     rig.ask("gesture", "a")
     rig.wait_for("gesture", "a")
     assert rig.clock.now() == 0
@@ -535,17 +527,6 @@ def test_an_invalid_address_is_refused_with_the_reason_and_the_allowed_forms(
             parse(text)
         assert why in str(refused.value), text
         assert "servo:SERIAL?right_arm=0" in str(refused.value), text
-
-
-@given(st.text(max_size=40) | st.text("?&=-0123456789nodturnlean", max_size=40))
-def test_any_address_is_parsed_or_refused(text: str) -> None:
-    try:
-        address = parse(text)
-    except OutputError:
-        return
-    assert address.joint_channels
-    assert 5 <= address.range_deg <= 90
-    assert 30 <= address.speed_deg_s <= 360
 
 
 # --- motion through a gesture
