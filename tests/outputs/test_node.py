@@ -388,7 +388,7 @@ def test_the_clock_waits_for_an_output_that_requests_no_timer_until_its_part_is_
     while stage.states(part="gesture") == ["queued"]:
         assert clock.step()
     assert stage.states(part="gesture") == ["queued", "done"]
-    assert SECOND + 50 * MS <= clock.now() < SECOND + TIMEOUT
+    assert clock.now() < SECOND + TIMEOUT
     stage.wait(3600 * SECOND)
 
 
