@@ -125,15 +125,21 @@ def test_an_invalid_rate_is_left_out_and_its_gap_reported(
     rate[axis] = bad
     bench.send(0.0)
     bench.send(4.0, 8.0, rate=tuple(rate))
-    bench.send(12.0, acceleration=NOTHING)
+    bench.send(12.0)
     samples, statuses = bench.feed.drain()
-    assert samples["device_ms"].tolist() == [0.0, 12.0], "without an acceleration it is a sample"
+    assert samples["device_ms"].tolist() == [0.0, 12.0]
     assert [(status.state, status.count) for status in statuses] == [
         ("attached", 0),
         ("error", 0),
         ("gap", 2),
     ]
     assert (bench.feed.dropped, bench.feed.lost) == (2, 0)
+
+
+def test_an_invalid_acceleration_does_not_drop_the_sample(bench: Bench) -> None:
+    bench.send(0.0, acceleration=NOTHING)
+    bench.send(4.0, acceleration=(1e300, 0.0, 0.0))
+    assert len(bench.feed.drain().samples) == 2
 
 
 def test_a_gap_in_the_sensors_time_is_reported_but_no_jitter_and_none_of_an_unknown_rate(

@@ -10,9 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.motion.filters import Lowpass, smooth
+from sar_tui.motion.orientation import OrientationParameters
 from sar_tui.motion.reach import Bounds
 from sar_tui.motion.samples import Floats, Recording
-from sar_tui.motion.segmenter import Segmenter
+from sar_tui.motion.segmenter import Segmenter, home_since
 from sar_tui.motion.single_axis import SingleAxisParameters, find
 from sar_tui.motion.synthesis import (
     PROFILES,
@@ -20,6 +21,7 @@ from sar_tui.motion.synthesis import (
     Profile,
     ReachShape,
     Scenario,
+    SimulatedHand,
     Simulation,
     scenarios,
     simulate,
@@ -28,6 +30,7 @@ from sar_tui.motion.synthesis import (
 from tests.examples import examples, fewer
 
 SEEDS = range(fewer(40))
+SECOND = 1_000_000_000
 NOISY = Profile(noise_rad_s=0.01)
 REACH = ReachShape(out_s=0.6, back_s=0.5, peak_out=2.0, peak_back=-2.4)
 PAUSED = ReachShape(out_s=0.6, back_s=0.5, dwell_s=1.2, peak_out=2.0, peak_back=-2.4)
@@ -258,6 +261,16 @@ def test_a_pause_at_the_target_is_not_the_end_and_an_earlier_reach_does_not_coun
     assert watched(simulate([PAUSED], NOISY))[0][0] > 4.3 + 0.7
     _, segmenter = watched(simulate([REACH], NOISY))
     assert [segmenter.has_reached(since_s) for since_s in (1.8, 2.9, 3.5)] == [True, False, False]
+
+
+def test_the_rest_before_a_trial_begins_after_the_last_movement_if_there_was_one() -> None:
+    hand = SimulatedHand(PROFILES["steady"], 250.0)
+    hand.move(2 * SECOND, REACH)
+    samples, parameters = hand.samples(0, 5 * SECOND), OrientationParameters()
+    came_ns = home_since(samples, 4 * SECOND, parameters)
+    assert came_ns == pytest.approx(3.2 * SECOND, abs=0.1 * SECOND)
+    assert home_since(samples[:450], SECOND, parameters) is None, "it has not moved before"
+    assert home_since(samples[:700], round(2.7 * SECOND), parameters) is None, "it does not rest"
 
 
 def test_a_bias_that_jumps_is_learnt_after_the_time_out() -> None:

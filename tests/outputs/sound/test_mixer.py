@@ -216,6 +216,8 @@ def test_close_ends_the_process_and_the_threads(calm: Theme, tmp_path: Path) -> 
         listener.close()
         assert set(threading.enumerate()) <= before
         assert not is_alive(pids(file)[0])
+        listener.speech.say("a2", "Well done.")
+        assert listener.states("a2") == []
 
 
 def test_speech_may_leave_while_tones_stay(calm: Theme) -> None:
