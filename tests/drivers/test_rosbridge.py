@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 
 from sar_tui.drivers import rosbridge
-from sar_tui.drivers.rosbridge import Address, AddressError, Bridge, no_package, parse
-from tests.fake_rosbridge import RosBridge, hide_roslibpy, ros_bridge, wait_until
+from sar_tui.drivers.rosbridge import Address, AddressError, Bridge, parse
+from tests.fake_rosbridge import RosBridge, ros_bridge, wait_until
 
 STRING = "std_msgs/String"
 
@@ -114,21 +114,6 @@ def test_nothing_queues_while_the_server_is_away_and_all_works_when_it_returns(
     assert caller.changes == [True, False, True]
 
 
-def test_a_server_that_starts_later_is_found(
-    impatient: None, call: Callable[[int], Caller]
-) -> None:
-    server = RosBridge()
-    server.port = free_port()
-    caller = call(server.port)
-    try:
-        assert not caller.say("into the void")
-        server.arrive()
-        caller.wait_until_connected(server)
-        assert caller.changes == [True]
-    finally:
-        server.close()
-
-
 def test_a_server_that_hangs_is_given_up_and_taken_up_again(
     server: RosBridge, call: Callable[[int], Caller], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -209,16 +194,6 @@ def test_nonsense_from_the_server_does_no_harm(
         wait_until(lambda sent={"data": nonsense}: sent in caller.received)  # type: ignore[misc]
     assert caller.changes == [True]
     assert caller.say("me too")
-
-
-def test_a_missing_package_is_reported_with_how_to_install_it(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    hide_roslibpy(monkeypatch)
-    caller = Caller(9090)
-    wait_until(lambda: caller.changes == [False])
-    assert caller.bridge.problem == no_package()
-    caller.bridge.close()
 
 
 def test_a_transport_that_cannot_be_activated_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -72,13 +72,6 @@ def test_smoothness_is_measured_per_phase() -> None:
     assert halting.movement_units_back > 1
 
 
-def test_a_tremor_shows_in_its_index() -> None:
-    calm, shaking = the_reach(REACH), the_reach(REACH, Profile(tremor_rad_s=0.3))
-    assert calm.tremor_index is not None
-    assert shaking.tremor_index is not None
-    assert shaking.tremor_index > calm.tremor_index + 0.01
-
-
 @pytest.mark.parametrize("hand", ["right", "left"])
 def test_extension_is_positive_and_return_negative_for_either_hand(
     hand: Literal["right", "left"],

@@ -2,7 +2,6 @@
 
 import math
 
-import msgspec
 import numpy as np
 import pytest
 
@@ -83,12 +82,6 @@ def test_it_finds_the_eight_reaches_of_the_table_up_to_130_ms_short() -> None:
 )
 def test_bias_tremor_or_noise_make_it_endless(profile: Profile) -> None:
     assert find(simulate([REACH], profile).recording).reaches[-1].flags[0] == "endless"
-
-
-def test_a_pause_splits_a_reach_and_a_twitch_adds_one() -> None:
-    for more in ({"dwell_s": 1.0}, {"twitch": True, "seed": 1}):
-        shape = msgspec.structs.replace(REACH, **more)
-        assert len(find(simulate([shape]).recording).reaches) == 2
 
 
 def test_the_last_sample_may_lie_beyond_the_grid() -> None:

@@ -14,7 +14,6 @@ from sar_tui.motion.synthesis import (
     Profile,
     ReachShape,
     SimulatedHand,
-    minimum_jerk,
     simulate,
     table_4_1_recording,
     waveform,
@@ -65,13 +64,6 @@ def test_a_noiseless_hand_moves_exactly_during_its_reaches() -> None:
     assert turning.min() == pytest.approx(-2.0, rel=1e-3)
     assert not turning[(time < onset) | (time > end)].any()
     assert not made.recording.rate[:, :2].any()
-
-
-def test_a_minimum_jerk_lobe_is_fastest_in_its_middle_and_covers_eight_fifteenths() -> None:
-    u = np.linspace(0, 1, 1001)
-    speed = minimum_jerk(u)
-    assert u[speed.argmax()] == 0.5
-    assert speed.mean() == pytest.approx(8 / 15, abs=1e-3)
 
 
 @pytest.mark.parametrize("submovements", [2, 3, 5, 7])

@@ -292,8 +292,12 @@ def test_a_folder_that_may_not_be_written_to_is_reported_in_words(
 # --- what there is
 
 
-def test_it_finds_the_voices_and_the_card() -> None:
-    found = examine(backends=NOBODY)
+def test_it_finds_the_voices_and_the_card_and_nothing_is_left_of_it(tmp_path: Path) -> None:
+    file = tmp_path / "pids"
+    before = threading.active_count()
+    found = examine(real_program(file), NOBODY)
+    assert threading.active_count() == before
+    assert not is_alive(pids(file)[0])
     assert any(voice.speaks("en") for voice in found.voices)
     assert any(voice.speaks("es") for voice in found.voices)
     assert (found.no_voices, found.card, found.no_card) == ("", "Null", "")
@@ -319,11 +323,3 @@ def test_a_voice_that_cannot_be_examined_is_reported_in_words(
 ) -> None:
     with pytest.raises(SoundError, match=says):
         examine(program, patience_s=1.0 if "sleep" in program[-1] else 20.0)
-
-
-def test_nothing_is_left_of_an_examination(tmp_path: Path) -> None:
-    file = tmp_path / "pids"
-    before = threading.active_count()
-    examine(real_program(file), NOBODY)
-    assert threading.active_count() == before
-    assert not is_alive(pids(file)[0])

@@ -31,19 +31,12 @@ ESPEAK = [
         ("es-mx", "", "gmw/en", "roa/es"),
         ("pt", "", "gmw/en", "roa/pt-br"),
         ("fi", "", "gmw/en", None),
+        ("e", "", "gmw/en", None),
     ],
 )
 def test_the_voice_fits(language: str, name: str, default: str, chosen: str | None) -> None:
     voice = choose(ESPEAK, language, name, default)
     assert (voice.id if voice else None) == chosen
-
-
-def test_there_may_be_no_voice() -> None:
-    assert choose([], "en", "", "") is None
-
-
-def test_a_language_that_only_begins_alike_is_another() -> None:
-    assert not FoundVoice("aav/x", languages=("est",)).speaks("es")
 
 
 def test_languages_are_read_in_any_form_that_an_engine_gives() -> None:
