@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from typing import Any
 
 _Axes = ctypes.c_double * 3
-SATURATED = 4105
-"""Phidget22's error code for a sample that was dropped because an axis was saturated."""
 
 SERVO_LIMITS = {
     "MinPosition": 0.0,
@@ -67,7 +65,3 @@ class FakeSpatial:
         """Send the sample with this number since the device was attached."""
         axes = (_Axes(*values) for values in (acceleration_g, rate_deg_s, field_gauss))
         self.spatial._onSpatialData(None, None, *axes, float(index * self.interval_ms))
-
-    def saturate(self) -> None:
-        """Report a sample that was dropped because of saturation."""
-        self.spatial._onError(None, None, SATURATED, b"Gyroscope Saturation Detected.")

@@ -2,38 +2,27 @@
 
 import ctypes
 import math
-import sys
 import threading
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
 
-from sar_tui.drivers.phidget import usb_denied
 from sar_tui.inputs import phidget
 from sar_tui.inputs.imu import Sample, SourceError, Status
-from sar_tui.inputs.phidget import NO_PERMISSION, PhidgetSource
+from sar_tui.inputs.phidget import NO_LIBRARY, NO_PACKAGE, NO_PERMISSION, PhidgetSource
+from tests.drivers.fake_phidget import FakeChannel, PhidgetError
 
 WAIT_S = 60.0
 """Time to wait for another thread before a test fails."""
 
 
-class PhidgetError(Exception):
-    """Like Phidget22's exception: a code and two texts."""
-
-    def __init__(self, code: int, description: str, details: str = "") -> None:
-        super().__init__(code)
-        self.code, self.description, self.details = code, description, details
-
-
-class FakeSpatial:
-    """A channel with the methods of Phidget22's ``Spatial``, which can be plugged in and out."""
+class FakeSpatial(FakeChannel):
+    """A channel with the methods of Phidget22's ``Spatial``."""
 
     def __init__(self) -> None:
-        self.handlers: dict[str, Any] = {}
-        self.calls: list[tuple[str, Any]] = []
-        self.facts: dict[str, Any] = {
+        super().__init__()
+        self.facts |= {
             "DeviceName": "PhidgetSpatial Precision 3/3/3",
             "DeviceSKU": "1044_1B",
             "DeviceSerialNumber": 473_001,
@@ -43,39 +32,17 @@ class FakeSpatial:
             "MaxAcceleration": [8.0, 8.0, 8.0],
             "MaxMagneticField": [8.0, 8.0, 8.0],
         }
-        self.failing: dict[str, Exception] = {}
         self.closed = threading.Event()
 
-    def __getattr__(self, name: str) -> Callable[..., Any]:
-        def method(*arguments: Any) -> Any:
-            self.calls.append((name, *arguments) if arguments else (name, None))
-            if name in self.failing:
-                raise self.failing[name]
-            if name.startswith("setOn"):
-                self.handlers[name[5:-7]] = arguments[0]
-            elif name.startswith("set"):
-                self.facts[name[3:]] = arguments[0]
-            elif name.startswith("get"):
-                return self.facts[name[3:]]
-            elif name == "close":
-                self.closed.set()
-            return None
-
-        return method
-
-    def plug_in(self) -> None:
-        self.handlers["Attach"](self)
-
-    def pull_out(self) -> None:
-        self.handlers["Detach"](self)
+    def note(self, name: str, arguments: tuple[Any, ...]) -> None:
+        super().note(name, arguments)
+        if name == "close":
+            self.closed.set()
 
     def send(
         self, acceleration: list[float], rate: list[float], field: list[float], timestamp: float
     ) -> None:
         self.handlers["SpatialData"](self, acceleration, rate, field, timestamp)
-
-    def err(self, code: int, description: str) -> None:
-        self.handlers["Error"](self, code, description)
 
 
 class Bench:
@@ -116,7 +83,9 @@ def bench() -> Iterator[Bench]:
     bench.source.stop()
 
 
-def test_an_attached_sensor_is_described_and_runs_at_its_highest_rate(bench: Bench) -> None:
+def test_an_attached_sensor_is_described_and_runs_at_its_highest_rate_each_time(
+    bench: Bench,
+) -> None:
     channel = bench.start()
     channel.plug_in()
     info = bench.source.info
@@ -130,15 +99,15 @@ def test_an_attached_sensor_is_described_and_runs_at_its_highest_rate(bench: Ben
     assert info.acceleration_range_m_s2 == pytest.approx(8 * 9.80665)
     assert (info.has_acceleration, info.has_field) == (True, True)
     assert channel.facts["DataInterval"] == 4
-    assert bench.states == ["detached", "attached"]
     assert bench.statuses[1].detail == "Firmware 530."
-
-
-def test_until_attached_it_reports_what_it_waits_for(bench: Bench) -> None:
-    bench.start()
-    assert bench.states == ["detached"]
-    assert "plug it in" in bench.statuses[0].detail
+    channel.pull_out()
     assert bench.source.info is None
+    channel.facts["MinDataInterval"] = 1
+    channel.plug_in()
+    assert bench.states == ["detached", "attached", "detached", "attached"]
+    assert bench.source.info is not None
+    assert bench.source.info.rate_hz == 1000.0
+    assert channel.facts["DataInterval"] == 1
 
 
 def test_samples_are_in_metres_radians_and_gauss(bench: Bench) -> None:
@@ -166,19 +135,6 @@ def test_a_model_without_a_gyroscope_is_refused_and_released(bench: Bench, sku: 
     assert bench.source.info is None
 
 
-def test_a_sensor_may_be_detached_and_attached_again(bench: Bench) -> None:
-    channel = bench.start()
-    channel.plug_in()
-    channel.pull_out()
-    assert bench.source.info is None
-    channel.facts["MinDataInterval"] = 1
-    channel.plug_in()
-    assert bench.states == ["detached", "attached", "detached", "attached"]
-    assert bench.source.info is not None
-    assert bench.source.info.rate_hz == 1000.0
-    assert channel.facts["DataInterval"] == 1
-
-
 def test_unavailable_ranges_are_unknown(bench: Bench) -> None:
     for name in ("getMaxAngularRate", "getMaxAcceleration", "getMaxMagneticField"):
         bench.failing[name] = PhidgetError(20, "Unsupported")
@@ -192,29 +148,26 @@ def test_unavailable_ranges_are_unknown(bench: Bench) -> None:
     )
 
 
-def test_saturation_is_reported(bench: Bench) -> None:
-    channel = bench.start()
-    channel.plug_in()
-    channel.err(4105, "Gyroscope Saturation Detected.")
-    assert (bench.statuses[-1].state, bench.statuses[-1].count) == ("saturated", 1)
-    assert bench.statuses[-1].detail == "Gyroscope Saturation Detected."
-
-
 @pytest.mark.parametrize(
     ("code", "advice"),
     [(2, "Close the other program"), (3, "network server"), (1, "same version"), (4099, "lost")],
 )
 def test_an_error_is_reported_with_what_to_do(bench: Bench, code: int, advice: str) -> None:
-    channel = bench.start()
-    channel.err(code, "A packet was lost.")
+    bench.start().err(code, "A packet was lost.")
     assert bench.statuses[-1].state == "error"
     assert bench.statuses[-1].detail.startswith("The sensor reports: A packet was lost.")
     assert advice in bench.statuses[-1].detail
 
 
-def test_a_cleared_error_is_not_reported(bench: Bench) -> None:
-    bench.start().err(4096, "All is well.")
-    assert bench.states == ["detached"]
+def test_saturation_is_reported_and_a_cleared_error_is_not(bench: Bench) -> None:
+    channel = bench.start()
+    channel.err(4096, "All is well.")
+    channel.err(4105, "Gyroscope Saturation Detected.")
+    assert bench.states == ["detached", "saturated"]
+    assert (bench.statuses[1].count, bench.statuses[1].detail) == (
+        1,
+        "Gyroscope Saturation Detected.",
+    )
 
 
 def test_a_handler_that_fails_is_reported_once(bench: Bench) -> None:
@@ -226,52 +179,30 @@ def test_a_handler_that_fails_is_reported_once(bench: Bench) -> None:
     assert "ValueError" in bench.statuses[-1].detail
 
 
-def test_a_sensor_that_cannot_be_set_up_is_reported(bench: Bench) -> None:
-    bench.failing["setDataInterval"] = PhidgetError(52, "Device not Attached", "It went away.")
-    bench.start().plug_in()
-    assert bench.states == ["detached", "error"]
-    assert "Device not Attached: It went away." in bench.statuses[-1].detail
-
-
-@pytest.mark.parametrize("code", [1, 7])
-def test_missing_permission_is_reported_with_the_udev_rule(bench: Bench, code: int) -> None:
-    bench.failing["open"] = PhidgetError(code, "Access Denied")
-    bench.start()
-    assert bench.statuses[-1] == Status(
-        state="error", at=bench.statuses[-1].at, detail=NO_PERMISSION
-    )
-    for part in (
-        "/etc/udev/rules.d/",
-        'SUBSYSTEM=="usb", ATTRS{idVendor}=="06c2", TAG+="uaccess"',
-        "plug it in again",
-    ):
-        assert part in NO_PERMISSION
-
-
-def test_any_other_failure_to_open_is_reported(bench: Bench) -> None:
-    bench.failing["open"] = PhidgetError(28, "Unexpected Error")
-    bench.start()
-    assert bench.statuses[-1].detail == "The sensor cannot be opened: Unexpected Error"
-
-
 @pytest.mark.parametrize(
-    ("error", "cure"),
+    ("call", "error", "detail"),
     [
-        (ModuleNotFoundError("No module named 'Phidget22'"), "pip install phidget22"),
-        (OSError("libusb-1.0.so.0: cannot open shared object file"), "libusb-package"),
+        ("open", PhidgetError(1, "Access Denied"), NO_PERMISSION),
+        ("open", PhidgetError(7, "Access Denied"), NO_PERMISSION),
+        ("open", PhidgetError(28, "Unexpected"), "The sensor cannot be opened: Unexpected"),
+        ("open", ModuleNotFoundError("No Phidget22"), NO_PACKAGE),
+        ("open", OSError("libusb-1.0.so.0"), NO_LIBRARY.format("libusb-1.0.so.0")),
+        (
+            "setDataInterval",
+            PhidgetError(52, "Not Attached", "It went away."),
+            "The sensor cannot be used: Not Attached: It went away.",
+        ),
     ],
 )
-def test_a_missing_driver_is_reported_with_how_to_install_it(error: Exception, cure: str) -> None:
-    def make() -> Any:
-        raise error
-
-    statuses: list[Status] = []
-    source = PhidgetSource(make=make)
-    source.start(lambda _: None, statuses.append)
-    assert [status.state for status in statuses] == ["detached", "error"]
-    assert cure in statuses[1].detail
-    source.zero()
-    source.stop()
+def test_a_sensor_that_cannot_be_used_is_reported_with_the_reason(
+    bench: Bench, call: str, error: Exception, detail: str
+) -> None:
+    bench.failing[call] = error
+    channel = bench.start()
+    if call != "open":
+        channel.plug_in()
+    assert bench.states == ["detached", "error"]
+    assert bench.statuses[1].detail == detail
 
 
 def test_missing_permission_for_an_attached_sensor_is_reported_once(
@@ -287,47 +218,31 @@ def test_missing_permission_for_an_attached_sensor_is_reported_once(
     bench.source.stop()
 
 
-@pytest.mark.parametrize(
-    ("may", "vendor", "denied"),
-    [(False, "06c2", True), (True, "06c2", False), (False, "046d", False)],
-)
-def test_permissions_are_read_from_the_linux_device_list(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, may: bool, vendor: str, denied: bool
-) -> None:
-    device = tmp_path / "devices" / "1-2"
-    device.mkdir(parents=True)
-    for name, text in (("idVendor", vendor), ("busnum", "1"), ("devnum", "7")):
-        (device / name).write_text(f"{text}\n")
-    node = tmp_path / "bus" / "001" / "007"
-    node.parent.mkdir(parents=True)
-    node.touch()
-    monkeypatch.setattr("os.access", lambda path, _mode: may or path != node)
-    assert usb_denied(tmp_path / "devices", tmp_path / "bus") is denied
-    assert not usb_denied(tmp_path / "nothing", tmp_path / "bus")
-
-
 def test_zeroing_is_possible_only_when_attached(bench: Bench) -> None:
     bench.source.zero()
     channel = bench.start()
     bench.source.zero()
-    assert ("zeroGyro", None) not in channel.calls
+    assert ("zeroGyro", ()) not in channel.calls
     channel.plug_in()
     bench.source.zero()
-    assert channel.calls[-1] == ("zeroGyro", None)
+    assert channel.calls[-1] == ("zeroGyro", ())
     bench.failing["zeroGyro"] = PhidgetError(20, "Unsupported")
     bench.source.zero()
     assert bench.states[-1] == "error"
 
 
-def test_stop_releases_the_sensor_and_no_more_reports_arrive(bench: Bench) -> None:
+def test_stop_releases_the_sensor_and_a_restart_opens_a_new_channel(bench: Bench) -> None:
     bench.source.stop()
-    channel = bench.start()
-    channel.plug_in()
+    first = bench.start()
+    first.plug_in()
     bench.source.stop()
-    assert channel.closed.is_set()
-    assert set(channel.handlers.values()) == {None}
+    assert first.closed.is_set()
+    assert set(first.handlers.values()) == {None}
     assert bench.source.info is None
-    bench.source.stop()
+    second = bench.start()
+    assert first is not second
+    second.plug_in()
+    assert bench.states == ["detached", "attached", "detached", "attached"]
 
 
 def test_stop_does_not_wait_for_a_hanging_driver(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -339,15 +254,6 @@ def test_stop_does_not_wait_for_a_hanging_driver(monkeypatch: pytest.MonkeyPatch
     bench.source.stop()
     assert not free.is_set()
     free.set()
-
-
-def test_a_restart_opens_a_new_channel(bench: Bench) -> None:
-    first = bench.start()
-    bench.source.stop()
-    second = bench.start()
-    assert first is not second
-    second.plug_in()
-    assert bench.states == ["detached", "detached", "attached"]
 
 
 def test_the_first_sensor_or_that_with_the_serial_number_is_opened() -> None:
@@ -414,14 +320,6 @@ def test_an_invalid_address_is_refused_with_the_valid_forms(address: str) -> Non
         PhidgetSource(address)
 
 
-def test_phidget22_is_loaded_only_when_a_sensor_is_opened(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "Phidget22.Devices.Spatial", None)
-    statuses: list[Status] = []
-    source = PhidgetSource()
-    source.start(lambda _: None, statuses.append)
-    assert "pip install phidget22" in statuses[-1].detail
-
-
 def test_a_native_library_that_does_not_load_is_reported_without_other_output(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -435,4 +333,18 @@ def test_a_native_library_that_does_not_load_is_reported_without_other_output(
     statuses: list[Status] = []
     PhidgetSource().start(lambda _: None, statuses.append)
     assert "libusb-1.0.so.0" in statuses[-1].detail
+    assert capfd.readouterr().err == ""
+
+
+def test_without_a_device_or_server_the_real_channel_waits(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    statuses: list[Status] = []
+    for address in ("1", "//127.0.0.1:1"):
+        source = PhidgetSource(address, denied=lambda: False)
+        source.start(lambda _: None, statuses.append)
+        source.zero()
+        source.stop()
+        assert source.info is None
+    assert [status.state for status in statuses] == ["detached"] * 2
     assert capfd.readouterr().err == ""

@@ -41,30 +41,6 @@ def test_on_a_virtual_clock_samples_are_those_of_the_hand() -> None:
     assert [(status.state, status.at) for status in statuses] == [("attached", 9 * SECOND)]
 
 
-def test_the_same_moves_give_the_same_samples_each_time() -> None:
-    assert session("patient")[0].tobytes() == session("patient")[0].tobytes()
-
-
-def test_a_hand_that_moves_while_it_is_measured_gives_the_samples_of_one_that_was_told_before() -> (
-    None
-):
-    clock = VirtualClock()
-    source, told = (
-        SimulatedSource(SimulatedHand(PROFILES["patient"], 250.0, seed=3), clock) for _ in range(2)
-    )
-    found: list[list[Sample]] = [[], []]
-    for number in range(3):
-        told.move((1 + 3 * number) * SECOND, REACH)
-    source.start(found[0].append, lambda _: None)
-    told.start(found[1].append, lambda _: None)
-    for _ in range(3):
-        clock.advance(500 * MS)
-        source.move(clock.now() + 500 * MS, REACH)
-        clock.advance(2500 * MS)
-    assert str(found[0]) == str(found[1])
-    assert max(sample.rate[2] for sample in found[0][-500:]) > 3.0
-
-
 def test_lost_samples_are_gaps() -> None:
     samples, statuses, _ = session("lossy")
     gaps = [status for status in statuses if status.state == "gap"]

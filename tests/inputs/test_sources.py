@@ -17,7 +17,6 @@ from sar_tui.inputs.simulated import SimulatedSource
 from sar_tui.inputs.sources import GuardedSource, open_source, source_names
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.model.units import SECOND
-from sar_tui.motion.reach_kinds import KINDS
 from sar_tui.motion.synthesis import PROFILES
 from sar_tui.motion.trajectories import SimulatedArm
 from tests.plugged_in import offer
@@ -63,25 +62,15 @@ def test_a_phidget_is_opened_by_name_serial_number_or_host(name: str) -> None:
     assert isinstance(open_source(name), PhidgetSource)
 
 
-@pytest.mark.parametrize("profile", PROFILES)
-def test_a_simulated_hand_is_opened_by_its_profile(profile: str) -> None:
-    source = open_source(f"simulated:{profile}", seed=4)
-    assert isinstance(source, SimulatedSource)
-    assert source.hand.profile == PROFILES[profile]
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_simulated_hand_is_opened_by_its_kind_of_reach(kind: str) -> None:
-    source = open_source(f"simulated:kind={kind}")
+def test_a_simulated_hand_is_of_a_profile_or_a_kind_of_reach_and_seeded() -> None:
+    for name, profile in (("simulated", "clean"), ("simulated:noisy", "noisy")):
+        source = open_source(name)
+        assert isinstance(source, SimulatedSource)
+        assert source.hand.profile == PROFILES[profile]
+    source = open_source("simulated:kind=drinking")
     assert isinstance(source, SimulatedSource)
     assert isinstance(source.hand, SimulatedArm)
-    assert source.hand.kind == kind
-
-
-def test_a_simulated_hand_is_calm_by_default_and_seeded() -> None:
-    source = open_source("simulated")
-    assert isinstance(source, SimulatedSource)
-    assert source.hand.profile == PROFILES["clean"]
+    assert source.hand.kind == "drinking"
 
     def noise(seed: int) -> bytes:
         clock = VirtualClock()
@@ -168,10 +157,6 @@ def test_a_plug_in_is_opened_by_its_name_with_the_text_after_the_colon() -> None
         "ros",
         "simulated",
     ]
-
-
-def test_shipped_names_are_always_available() -> None:
-    assert {"phidget", "recorded", "simulated"} <= set(source_names())
 
 
 def test_listing_the_names_loads_no_driver() -> None:

@@ -17,7 +17,6 @@ from sar_tui.motion.detection import (
 from sar_tui.motion.samples import SAMPLE, Samples, recording
 from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, SimulatedHand
 from tests.examples import first
-from tests.motion import daily_life
 
 RATE_HZ = 60.0
 SMALL = 1000
@@ -117,18 +116,6 @@ def test_a_movement_without_a_rest_does_not_fill_the_memory() -> None:
 def test_nothing_is_refused() -> None:
     with pytest.raises(ValueError, match="There are no samples"):
         detect_long([])
-
-
-@pytest.mark.parametrize(
-    "kind", first(1, ["typing", "wheelchair", "walking", "tremor", "scratching", "sitting"])
-)
-def test_in_windows_of_daily_life_no_reach_is_found_twice(kind: str) -> None:
-    life = daily_life.simulate(kind, 5, minutes=7.0, rate_hz=60.0).recording
-    samples = np.zeros(len(life.time_s), dtype=SAMPLE)
-    samples["at"] = BEGIN + np.round(life.time_s * SECOND).astype(np.int64)
-    samples["rate"], samples["acceleration"] = life.rate, life.acceleration
-    found = detect_long(np.array_split(samples, 40), window=SMALL).reaches
-    assert all(before.end_s <= after.onset_s for before, after in pairwise(found))
 
 
 def restless(seed: int, lasts_s: float = 400.0, rate_hz: float = 50.0) -> Samples:

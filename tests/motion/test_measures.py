@@ -1,5 +1,5 @@
-"""Measures of a reach: about several axes, against the truth of simulated trajectories; phases;
-tremor; versions.
+"""Measures of a reach and of the trunk, against the truth of simulated trajectories; phases;
+tremor.
 """
 
 import math
@@ -10,24 +10,23 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sar_tui.motion.body_model import Site
 from sar_tui.motion.detection import detect
 from sar_tui.motion.imperfections import PERFECT, StrappedSensor
 from sar_tui.motion.measures import measure
+from sar_tui.motion.quaternions import angle, conjugate, multiply
 from sar_tui.motion.reach import Bounds, Detected, Reach
 from sar_tui.motion.reach_kinds import KINDS
 from sar_tui.motion.rest import even, find_rest
 from sar_tui.motion.samples import Floats, Recording
 from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, Profile, ReachShape, TableRow, simulate
-from sar_tui.motion.trajectories import SimulatedReaches, simulate_reaches
+from sar_tui.motion.trajectories import PLACEMENTS, SimulatedReaches, simulate_reaches
+from sar_tui.perception.reach import trunk_excursion_deg
 from tests.claims.measures import true_measures
 from tests.examples import examples, first
 
 ONE_AXIS = ReachShape(out_s=1.0, back_s=1.0, dwell_s=0.3, peak_out=1.5, peak_back=-1.5)
 Z = (0.0, 0.0, 1.0)
-EXTENDED = {
-    "excursion_deg", "straightness", "return_error_deg", "inclination_rest_deg",
-    "inclination_target_deg", "tremor_rest_hz", "tremor_rest_rad_s", "tremor_action_rad_s",
-}  # fmt: skip
 LARGEST_ERRORS = {"excursion_deg": 0.5, "straightness": 0.06, "return_error_deg": 0.5}
 LARGEST_ERRORS |= {"inclination_rest_deg": 1.2, "inclination_target_deg": 1.2}
 
@@ -224,9 +223,36 @@ def test_sparc_depends_on_neither_rate_nor_noise_and_ldlj_on_both() -> None:
         assert [each for _, each in found] == ldlj
 
 
-# --- what is measured
+# --- excursion of the trunk
 
 
-def test_all_is_measured_of_a_plain_reach_but_a_tremor_at_rest() -> None:
-    reach = measured(simulate([ONE_AXIS]).recording)
-    assert {name for name in EXTENDED if getattr(reach, name) is None} == {"tremor_rest_hz"}
+def lean(seed: int, placement: int = 0) -> tuple[SimulatedReaches, Recording]:
+    made = simulate_reaches("trunk-lean", seed, placement=placement, sternum=True)
+    assert made.sternum is not None
+    return made, made.sternum
+
+
+def true_excursion_deg(made: SimulatedReaches) -> float:
+    time_s = np.linspace(*made.truth[0], 1000)
+    orientation: Floats = made.movement.pose(Site("sternum"), time_s).orientation
+    return math.degrees(float(angle(multiply(conjugate(orientation[:1]), orientation)).max()))
+
+
+@pytest.mark.parametrize("placement", range(len(PLACEMENTS)))
+def test_a_lean_is_measured_within_two_degrees_wherever_the_sensor_sits(placement: int) -> None:
+    for seed in range(5):
+        made, sternum = lean(seed, placement)
+        excursion = trunk_excursion_deg(sternum, *made.truth[0])
+        assert excursion == pytest.approx(true_excursion_deg(made), abs=2.0)
+
+
+def test_a_sensor_lost_within_the_reach_or_never_at_rest_gives_no_excursion() -> None:
+    made, sternum = lean(4)
+    onset, end = made.truth[0]
+    time = sternum.time_s
+    middle = (onset + end) / 2.0
+    hole = (time < middle) | (time > middle + 0.3)
+    restless = abs(time - middle) < end - middle + 0.2
+    for kept in (time < middle, time > middle, hole, time < 0.0, restless):
+        rest = Recording(time_s=time[kept], rate=sternum.rate[kept])
+        assert trunk_excursion_deg(rest, onset, end) is None

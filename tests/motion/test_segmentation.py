@@ -13,8 +13,8 @@ from sar_tui.motion.samples import Floats, Samples
 from sar_tui.motion.segmentation import Segmentation, segment
 from sar_tui.motion.segmenter import Segmenter
 from sar_tui.motion.single_axis import SingleAxisParameters
-from sar_tui.motion.synthesis import PROFILES, ReachShape, SimulatedHand, scenarios
-from tests.examples import examples, first
+from sar_tui.motion.synthesis import PROFILES, ReachShape, SimulatedHand
+from tests.examples import examples
 
 RECORDING = Path(__file__).parents[2] / "data/table-4.1.csv"
 
@@ -69,15 +69,6 @@ def test_a_simulated_hand_is_segmented_as_sample_by_sample(
     assert_same(
         samples, rate_hz, SingleAxisParameters(longest_s=data.draw(st.sampled_from([1.5, 15.0])))
     )
-
-
-@pytest.mark.parametrize("name", first(3, [scenario.name for scenario in scenarios()]))
-def test_difficult_reaches_are_segmented_as_sample_by_sample(name: str) -> None:
-    (scenario,) = [one for one in scenarios() if one.name == name]
-    recording = scenario.make(1).recording
-    samples = np.zeros(len(recording.time_s), [("at", "f8"), ("rate", "f8", 3)])
-    samples["at"], samples["rate"] = recording.time_s * 1e9, recording.rate
-    assert_same(samples, recording.rate_hz)
 
 
 def test_a_recording_is_segmented_as_sample_by_sample() -> None:

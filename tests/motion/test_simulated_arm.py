@@ -44,14 +44,6 @@ def test_samples_do_not_depend_on_how_they_are_requested(kind: str, cuts: list[i
     assert np.concatenate(parts).tobytes() == whole.tobytes()
 
 
-def test_a_reach_that_is_requested_while_it_is_measured_gives_the_same_samples() -> None:
-    told, arm = an_arm(reaches=2), an_arm(reaches=1)
-    parts = [arm.samples(START, START + 4 * SECOND)]
-    arm.move(START + 5 * SECOND, REACH)
-    parts.append(arm.samples(START + 4 * SECOND, START + 8 * SECOND))
-    assert np.concatenate(parts).tobytes() == told.samples(START, START + 8 * SECOND).tobytes()
-
-
 @pytest.mark.parametrize("kind", ["drinking", "cross-arm", "two-hand-push"])
 def test_a_reach_has_the_duration_of_the_shape_and_turns_about_several_axes(kind: str) -> None:
     samples = clean(kind)
@@ -77,16 +69,3 @@ def test_a_hand_is_about_where_it_was_after_each_reach_and_gravity_turns_with_it
     assert degrees.max() > 30
     gravity = orientation[at_rest].apply(samples["acceleration"][at_rest])
     assert np.abs(gravity - gravity[0]).max() < 0.2
-
-
-def test_another_seed_is_another_person() -> None:
-    rates = []
-    for seed in (1, 2):
-        arm = SimulatedArm("drinking", PROFILES["clean"], 100.0, seed)
-        arm.move(SECOND, REACH)
-        rates.append(arm.samples(0, 3 * SECOND)["rate"])
-    assert np.abs(rates[0] - rates[1]).max() > 0.2
-
-
-def test_no_samples_are_asked_for_before_the_first_period() -> None:
-    assert len(an_arm().samples(START, START)) == 0

@@ -72,21 +72,14 @@ def test_a_correction_makes_a_movement_less_smooth_and_adds_a_unit() -> None:
     assert (movement_units(smooth, 100), movement_units(corrected, 100)) == (1, 2)
 
 
-def test_a_wobble_below_a_tenth_of_the_peak_is_not_a_movement_unit() -> None:
+def test_a_wobble_a_fall_and_two_peaks_within_150_ms_add_no_movement_unit() -> None:
     time_s = np.arange(0, 1, 0.01)
     wobbling = minimum_jerk(1.0, 100) + 0.05 * (1 + np.sin(2 * np.pi * 5 * time_s))
     assert movement_units(wobbling, 100) == 1
-
-
-def test_two_peaks_within_150_ms_are_one_movement_unit() -> None:
+    assert movement_units(np.linspace(1, 0, 100), 100) == 0
     near = np.concatenate([minimum_jerk(0.1, 200), minimum_jerk(0.1, 200)])
     apart = np.concatenate([minimum_jerk(0.2, 200), minimum_jerk(0.2, 200)])
     assert (movement_units(near, 200), movement_units(apart, 200)) == (1, 2)
-
-
-def test_a_steady_speed_has_no_jerk_and_one_that_only_falls_no_movement_unit() -> None:
-    assert ldlj(np.ones(200), 250) is None
-    assert movement_units(np.linspace(1, 0, 100), 100) == 0
 
 
 @pytest.mark.parametrize(
@@ -98,6 +91,10 @@ def test_smoothness_is_none_if_it_cannot_be_measured(speed: Floats) -> None:
     assert sparc(speed, 250) is None
     assert ldlj(speed, 250) is None
     assert movement_units(speed, 250) == 0
+
+
+def test_a_steady_speed_has_no_jerk() -> None:
+    assert ldlj(np.ones(200), 250) is None
 
 
 @given(st.lists(st.floats(0, 1e300), max_size=80), st.sampled_from([0.0, 10.0, 50.0, 100.0, 250.0]))

@@ -14,7 +14,6 @@ from sar_tui.motion.synthesis import (
     Profile,
     ReachShape,
     SimulatedHand,
-    minimum_jerk,
     simulate,
     table_4_1_recording,
     waveform,
@@ -48,11 +47,6 @@ def test_samples_do_not_depend_on_how_they_are_requested(cuts: list[int], rate_h
     assert np.concatenate(parts).tobytes() == whole.tobytes()
 
 
-def test_another_seed_gives_other_noise() -> None:
-    one, other = (a_hand(seed=seed).samples(0, SECOND).tobytes() for seed in (1, 2))
-    assert one != other
-
-
 def test_samples_lie_on_the_grid_of_the_first_call() -> None:
     hand = SimulatedHand(PROFILES["clean"], 250.0)
     assert len(hand.samples(7, 7)) == 0
@@ -70,13 +64,6 @@ def test_a_noiseless_hand_moves_exactly_during_its_reaches() -> None:
     assert turning.min() == pytest.approx(-2.0, rel=1e-3)
     assert not turning[(time < onset) | (time > end)].any()
     assert not made.recording.rate[:, :2].any()
-
-
-def test_a_minimum_jerk_lobe_is_fastest_in_its_middle_and_covers_eight_fifteenths() -> None:
-    u = np.linspace(0, 1, 1001)
-    speed = minimum_jerk(u)
-    assert u[speed.argmax()] == 0.5
-    assert speed.mean() == pytest.approx(8 / 15, abs=1e-3)
 
 
 @pytest.mark.parametrize("submovements", [2, 3, 5, 7])
@@ -137,12 +124,6 @@ def test_a_tremor_has_its_frequency_and_amplitude() -> None:
     spectrum = np.abs(np.fft.rfft(rate))
     assert np.fft.rfftfreq(len(rate), 1 / 250)[spectrum.argmax()] == pytest.approx(5, abs=0.3)
     assert rate.max() == pytest.approx(0.15, rel=0.01)
-
-
-def test_on_a_tilted_sensor_only_a_tenth_is_about_z() -> None:
-    rate = simulate([REACH], PROFILES["tilted"]).recording.rate
-    assert np.abs(rate[:, 2]).max() == pytest.approx(0.2, abs=0.03)
-    assert np.linalg.norm(rate, axis=1).max() == pytest.approx(2.0, abs=0.03)
 
 
 def test_a_lossy_sensor_loses_its_share_and_samples_beyond_the_range_are_dropped() -> None:

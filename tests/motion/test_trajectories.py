@@ -38,7 +38,7 @@ def truth_of(made: SimulatedReaches, time_s: Floats) -> tuple[Rotation, Floats]:
     return Rotation.from_quat(orientation, scalar_first=True), position
 
 
-@every_kind
+@pytest.mark.parametrize("kind", first(4, KINDS))
 def test_an_outsider_integrates_the_rate_to_the_orientation(kind: str) -> None:
     made = perfect(kind)
     rate = made.recording.rate
@@ -76,15 +76,6 @@ def test_at_rest_the_rate_is_nil_and_gravity_is_upwards(kind: str, placement: in
     assert np.linalg.norm(acceleration[still], axis=1) == pytest.approx(9.81, abs=1e-5)
     orientation, _ = truth_of(made, made.recording.time_s[still])
     assert orientation.apply(acceleration[still])[:, 2] == pytest.approx(9.81, abs=1e-5)
-
-
-def test_gravity_is_about_along_z_for_a_hand_on_the_table_and_against_it_for_a_sensor_on_the_palm() -> (
-    None
-):
-    for placement, sign in ((0, 1.0), (2, -1.0)):
-        acceleration = perfect("lift-extend-touch", placement=placement).recording.acceleration
-        assert acceleration is not None
-        assert sign * acceleration[0, 2] > 0.8 * 9.81
 
 
 @every_kind
@@ -150,17 +141,6 @@ def test_a_reach_turns_the_hand_away_and_back_within_the_times_and_speeds_of_peo
         assert peak < 1.7
 
 
-def test_a_movement_can_begin_about_another_axis_than_it_continues() -> None:
-    made = perfect("lift-extend-touch")
-    since_s = made.recording.time_s - made.times[0].onset_s
-    speed = np.linalg.norm(made.recording.rate, axis=1)
-    way_out = (since_s > 0.0) & (made.recording.time_s < made.times[0].arrival_s)
-    begin = made.recording.rate[np.searchsorted(since_s, 0.1)]
-    fastest = made.recording.rate[np.flatnonzero(way_out)[speed[way_out].argmax()]]
-    cosine = begin @ fastest / (np.linalg.norm(begin) * np.linalg.norm(fastest))
-    assert math.degrees(math.acos(abs(cosine))) > 45
-
-
 def test_a_person_repeats_a_reach_with_differences() -> None:
     made = simulate_reaches("from-the-side", SEED, count=4, imperfections=PERFECT)
     durations = [end - onset for onset, end in made.truth]
@@ -170,17 +150,13 @@ def test_a_person_repeats_a_reach_with_differences() -> None:
         assert onset - end == pytest.approx(2.0, abs=0.3)
 
 
-def test_the_same_seed_gives_the_same_samples_and_another_one_another_person() -> None:
-    one, same, other = (simulate_reaches("drinking", seed) for seed in (1, 1, 2))
+def test_the_same_seed_is_the_same_person_with_any_sensor_and_another_one_another() -> None:
+    one, other = (simulate_reaches("drinking", seed) for seed in (1, 2))
+    same = simulate_reaches("drinking", 1, accelerometer=False)
     assert one.recording.rate.tobytes() == same.recording.rate.tobytes()
     assert one.truth == same.truth
     assert one.truth != other.truth
-
-
-def test_samples_can_lack_the_accelerometer() -> None:
-    made = simulate_reaches("drinking", 1, accelerometer=False)
-    assert made.recording.acceleration is None
-    assert made.recording.rate.tobytes() == simulate_reaches("drinking", 1).recording.rate.tobytes()
+    assert same.recording.acceleration is None
 
 
 @pytest.mark.parametrize("rate_hz", [50.0, 100.0, 250.0])

@@ -1,10 +1,14 @@
-"""Arithmetic of the analysis gives the numbers of numpy's own, which take longer."""
+"""Arithmetic of the analysis gives the numbers of numpy's and scipy's own, which take longer."""
+
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
+from sar_tui.motion import quaternions
 from sar_tui.motion.arrays import changes, finite_only, lengths, mean_of, percentile
 from sar_tui.motion.boundaries import stretches
 from sar_tui.motion.measures import ACTION_HZ, tremor_amplitude, tremor_in_movement, tremor_index
@@ -68,3 +72,42 @@ def test_one_transform_gives_both_measures_of_tremor(vectors: Floats, count: int
     index, amplitude = tremor_in_movement(vectors[:count], 100.0)
     assert index == tremor_index(vectors[:count], 100.0)
     assert amplitude == pytest.approx(tremor_amplitude(vectors[:count], 100.0, ACTION_HZ))
+
+
+# --- orientations
+
+
+def of_scipy(orientation: Floats) -> Rotation:
+    """Return an orientation as scipy's, whose quaternions have the scalar last."""
+    return Rotation.from_quat(np.roll(orientation, -1, axis=-1))
+
+
+def test_rotation_vectors_become_orientations_and_back(vectors: Floats) -> None:
+    orientation = quaternions.from_rotation(vectors)
+    expected = Rotation.from_rotvec(vectors)
+    assert (of_scipy(orientation).inv() * expected).magnitude().max() < 1e-12
+    assert np.allclose(quaternions.to_rotation(orientation), expected.as_rotvec())
+    assert np.allclose(quaternions.angle(orientation), expected.magnitude())
+    assert quaternions.from_rotation(np.zeros((1, 3))).tolist() == [[1.0, 0.0, 0.0, 0.0]]
+
+
+def test_products_and_turned_vectors_are_those_of_scipy(vectors: Floats) -> None:
+    one, other = quaternions.from_rotation(vectors), quaternions.from_rotation(vectors[::-1])
+    product = quaternions.multiply(one, other)
+    assert np.allclose(of_scipy(product).as_matrix(), (of_scipy(one) * of_scipy(other)).as_matrix())
+    assert np.allclose(quaternions.rotate(one, vectors[::-1]), of_scipy(one).apply(vectors[::-1]))
+    assert np.allclose(quaternions.multiply(one, quaternions.conjugate(one)), (1.0, 0.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 33, 500])
+def test_an_integrated_rate_composes_small_rotations_in_the_sensor_axes(
+    vectors: Floats, count: int
+) -> None:
+    rate = vectors[:count]
+    expected = [Rotation.identity()]
+    for before, after in pairwise(rate):
+        expected.append(expected[-1] * Rotation.from_rotvec((before + after) * 0.005))
+    orientation = quaternions.integrate(rate, 0.01)
+    assert orientation.shape == (count, 4)
+    for found, true in zip(orientation, expected, strict=False):
+        assert (of_scipy(found).inv() * true).magnitude() < 1e-9

@@ -1,8 +1,6 @@
-"""A fake servo controller: the methods of Phidget22's ``RCServo``, which can be plugged in and
-out.
-"""
+"""A fake servo controller: the methods of Phidget22's ``RCServo``."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from typing import Any
 
@@ -10,70 +8,40 @@ from benchmarks.fake_phidget import SERVO_LIMITS
 from sar_tui.loop.clock import Clock, VirtualClock
 from sar_tui.model.units import MS
 from sar_tui.outputs.servo.servo import Servo
+from tests.drivers.fake_phidget import FakeChannel, PhidgetError
 from tests.outputs.contract import Rig, host_clock
-
-
-class PhidgetError(Exception):
-    """Like Phidget22's exception: a code and two texts."""
-
-    def __init__(self, code: int, description: str, details: str = "") -> None:
-        super().__init__(code)
-        self.code, self.description, self.details = code, description, details
-
 
 UNSUPPORTED = PhidgetError(20, "Unsupported")
 NOT_ATTACHED = PhidgetError(52, "Device not Attached")
 
 
-class FakeServo:
+class FakeServo(FakeChannel):
     """A channel and its motor. ``calls``: the calls in order, with their times (ns of
     ``clock``).
     """
 
     def __init__(self, clock: Clock) -> None:
+        super().__init__()
         self.clock = clock
-        self.handlers: dict[str, Any] = {}
-        self.calls: list[tuple[int, str, tuple[Any, ...]]] = []
-        self.failing: dict[str, Exception] = {}
-        self.during: dict[str, Callable[[], object]] = {}
         self.plugged_in = False
         device = {"DeviceName": "16x RC Servo Phidget", "DeviceSKU": "RCC1000_0"}
-        self.facts: dict[str, Any] = {**device, **SERVO_LIMITS, "Engaged": False}
-        self.facts["DeviceSerialNumber"] = 620_001
+        self.facts |= {**device, **SERVO_LIMITS, "Engaged": False, "DeviceSerialNumber": 620_001}
 
-    def __getattr__(self, name: str) -> Callable[..., Any]:
-        def method(*arguments: Any) -> Any:
-            if name in self.during:
-                self.during.pop(name)()
-            if name in self.failing:
-                raise self.failing[name]
-            if name.startswith("setOn"):
-                self.handlers[name[5:-7]] = arguments[0]
-            elif name.startswith("get"):
-                return self.facts[name[3:]]
-            else:
-                self.calls.append((self.clock.now(), name, arguments))
-                if name.startswith("set"):
-                    self.facts[name[3:]] = arguments[0]
-            return None
-
-        return method
+    def note(self, name: str, arguments: tuple[Any, ...]) -> None:
+        self.calls.append((self.clock.now(), name, arguments))
 
     def plug_in(self) -> None:
         self.plugged_in = True
-        self.handlers["Attach"](self)
+        super().plug_in()
 
     def pull_out(self) -> None:
         self.plugged_in = self.facts["Engaged"] = False
         self.failing["setTargetPosition"] = self.failing["setEngaged"] = NOT_ATTACHED
-        self.handlers["Detach"](self)
+        super().pull_out()
 
     def put_back(self) -> None:
         self.failing.clear()
         self.plug_in()
-
-    def err(self, code: int, description: str) -> None:
-        self.handlers["Error"](self, code, description)
 
     def sent(self, name: str) -> list[Any]:
         """Return the arguments of all calls of a method."""

@@ -14,8 +14,7 @@ import pytest
 from sar_tui.drivers import child_process
 from sar_tui.loop.bus import Bus
 from sar_tui.loop.clock import VirtualClock, host_now
-from sar_tui.loop.node import Node, on
-from sar_tui.loop.topics import KEY, TONE_BEGAN, TONE_DUE, TONES_AHEAD, VOIDED
+from sar_tui.loop.topics import TONE_BEGAN, TONE_DUE, TONES_AHEAD, VOIDED
 from sar_tui.model import messages as m
 from sar_tui.model.tone import Tone
 from sar_tui.model.units import MS, SECOND
@@ -23,6 +22,7 @@ from sar_tui.outputs import prompt_tones
 from sar_tui.outputs.prompt_tones import PromptTones, cue, warm
 from sar_tui.outputs.sound.child import TONES, SoundProgram
 from sar_tui.outputs.sound.protocol import Drop, Ended, Reply, Setup, Started
+from tests.outputs.test_node import SENT, Loop, Sent
 from tests.outputs.voice_fixtures import DEADLINE_S, NOBODY
 
 BEEP = Tone(880, 50)
@@ -40,7 +40,9 @@ def playing(setup: Setup) -> Iterator[tuple[SoundProgram, Callable[[], Reply | N
         program.end()
 
 
-def test_the_onset_of_a_tone_is_by_the_clock_of_the_card() -> None:
+def test_onsets_are_by_the_clock_of_the_card_and_a_process_that_is_lost_can_be_started_again() -> (
+    None
+):
     with playing(Setup(backends=NOBODY)) as (program, following):
         program.prepare("tones", warm([BEEP]))
         program.send(cue(1, BEEP, 0))
@@ -48,26 +50,17 @@ def test_the_onset_of_a_tone_is_by_the_clock_of_the_card() -> None:
         planned = host_now() + 2000 * MS
         program.send(cue(2, BEEP, planned))
         onset: Any = following()
-    assert [(type(one), one.job, one.by) for one in (first, onset)] == [
-        (Started, 1, "device"),
-        (Started, 2, "device"),
-    ]
-    assert abs(onset.at - planned) < MS, "it is planned to the sample"
-
-
-def test_the_loss_of_the_process_is_reported_and_it_can_be_started_again() -> None:
-    with playing(Setup(backends=NOBODY)) as (program, following):
-        program.send(cue(1, BEEP, 0))
-        following()
         assert program._process
         child_process.kill(program._process)
         assert following() is None
         assert not program.is_running
         program.start()
-        program.send(cue(2, BEEP, 0))
-        again = following()
-        assert isinstance(again, Started)
-        assert again.job == 2
+        program.send(cue(3, BEEP, 0))
+        again: Any = following()
+    assert [(type(one), one.job, one.by) for one in (first, onset, again)] == [
+        (Started, job, "device") for job in (1, 2, 3)
+    ]
+    assert abs(onset.at - planned) < MS, "it is planned to the sample"
 
 
 def test_a_tone_without_a_card_fails_with_a_sentence() -> None:
@@ -124,22 +117,16 @@ class Program:
         self.asked.append("end")
 
 
-class Source(Node):
-    """Publishes what the event handler would, when a test presses a key."""
+class EventHandler(Loop):
+    """Stands in for the event handler."""
 
-    name = "source"
+    name = "event_handler"
     emits = (TONES_AHEAD, TONE_DUE, VOIDED)
 
-    @on(KEY)
-    def pressed(self, press: m.KeyPressed) -> None:
-        of: Any = {"attempt": 1, "trial": 2, "presentation": 1}
-        match press.key:
-            case "a":
-                self.emit(TONES_AHEAD, m.TonesAhead(tones=(BEEP,)))
-            case "d":
-                self.emit(TONE_DUE, m.ToneDue(**of, frame=3, tone=BEEP, at=7))
-            case "v":
-                self.emit(VOIDED, m.PromptVoided(**of, reason="pause"))
+
+AHEAD = m.TonesAhead(tones=(BEEP,))
+DUE = m.ToneDue(attempt=1, trial=2, presentation=1, frame=3, tone=BEEP, at=7)
+PAUSED = m.PromptVoided(attempt=1, trial=2, presentation=1, reason="pause")
 
 
 class Rig:
@@ -150,13 +137,13 @@ class Rig:
         self.node = PromptTones("sound")
         self.program: Any = self.node._program
         self._bus = Bus(clock or Clock())
-        for each in (Source(), self.node):
+        for each in (EventHandler(), self.node):
             each.attach(self._bus)
         self._bus.subscribe(TONE_BEGAN, self.began.append)
 
-    def press(self, keys: str) -> None:
-        for key in keys:
-            self._bus.publish(KEY, m.KeyPressed(key=key, at=1))
+    def send(self, *messages: m.Message) -> None:
+        for message in messages:
+            self._bus.publish(SENT, Sent(message=message))
 
     @property
     def failed(self) -> list[str]:
@@ -170,7 +157,7 @@ def rig(monkeypatch: pytest.MonkeyPatch) -> Rig:
 
 
 def test_a_tone_is_prepared_played_and_its_onset_reported(rig: Rig) -> None:
-    rig.press("ad")
+    rig.send(AHEAD, DUE)
     assert rig.program.asked == [warm([BEEP]), cue(1, BEEP, 7)]
     rig.program.reply(Started(1, 9, 0.05, by="device"))
     assert rig.began == [
@@ -179,7 +166,7 @@ def test_a_tone_is_prepared_played_and_its_onset_reported(rig: Rig) -> None:
 
 
 def test_what_has_not_sounded_is_dropped_with_the_prompt(rig: Rig) -> None:
-    rig.press("dv")
+    rig.send(DUE, PAUSED)
     assert rig.program.asked[-1] == Drop(1)
     rig.program.reply(Started(1, 9, 0.05, by="device"))
     assert rig.began == []
@@ -188,26 +175,26 @@ def test_what_has_not_sounded_is_dropped_with_the_prompt(rig: Rig) -> None:
 
 
 def test_a_tone_that_cannot_be_played_has_failed(rig: Rig) -> None:
-    rig.press("d")
+    rig.send(DUE)
     rig.program.reply(Ended(1, "failed", 9, "There is no card."))
     rig.program.reply(None)
     assert rig.failed == [
         "There is no card.",
         "The program that plays the tones of prompts has ended.",
     ]
-    rig.press("vd")
+    rig.send(PAUSED, DUE)
     assert rig.program.starts == 2, "it is started again, if it has ended"
 
 
 def test_a_program_that_cannot_be_started_fails_the_tone(rig: Rig) -> None:
     rig.program.problem = OSError(11, "no more processes")
-    rig.press("d")
+    rig.send(DUE)
     assert rig.failed == ["They cannot be played (no more processes)."]
 
 
 @pytest.mark.usefixtures("rig")
 def test_on_a_virtual_clock_nothing_is_played() -> None:
     rig = Rig(VirtualClock(5 * SECOND))
-    rig.press("ad")
+    rig.send(AHEAD, DUE)
     assert (rig.program.asked, rig.program.starts) == ([], 0)
     assert [(one.source, one.at) for one in rig.began] == [("virtual", 5 * SECOND)]

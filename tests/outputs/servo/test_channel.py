@@ -102,16 +102,3 @@ def test_with_no_device_it_waits_in_silence_and_a_gesture_fails(
     assert "right_arm on channel 3" in rig.detail("a", "gesture")
     rig.output.close()
     assert capfd.readouterr().err == ""
-
-
-def test_an_error_of_the_driver_is_reported_in_words(clock: LiveClock) -> None:
-    fake = FakeServo()
-    del fake.servo.setEngaged
-    rig = Rig(Servo(make=lambda: fake.servo, denied=lambda: False), clock, ["gesture"])
-    rig.wait(lambda: fake.servo._onError is not None)
-    fake.attach()
-    rig.ask("gesture", "a")
-    rig.wait_for("gesture", "a")
-    assert rig.states("a", "gesture") == ["failed"]
-    assert "lost while it moved" in rig.detail("a", "gesture")
-    rig.output.close()

@@ -1,6 +1,5 @@
 """Playback to a card or a folder: it takes the samples' time, and can be halted."""
 
-import itertools
 import stat
 import sys
 import threading
@@ -14,7 +13,7 @@ import pytest
 from sar_tui.model.theme import Note
 from sar_tui.outputs.sound.player import Destination, Folder, NoSound, Playback, SoundCard
 from sar_tui.outputs.sound.protocol import SoundError
-from sar_tui.outputs.sound.samples import seconds, tone
+from sar_tui.outputs.sound.samples import tone
 from tests.outputs.voice_fixtures import DEADLINE_S, NOBODY
 
 BEEP = tone((Note(880, 200),))
@@ -49,16 +48,6 @@ def test_the_onset_and_duration_of_a_sound_are_reported_once(destination: Destin
     assert lasts == pytest.approx(0.2, abs=0.001)
 
 
-def test_a_card_plays_again_and_again() -> None:
-    card, began = SoundCard(NOBODY), Began()
-    for _ in range(3):
-        card.play("a", BEEP, Playback(), began)
-    starts = [at / 1e9 for at, _ in began.reports]
-    assert all(
-        later - sooner > seconds(BEEP) - 0.05 for sooner, later in itertools.pairwise(starts)
-    )
-
-
 @pytest.mark.parametrize("in_real_time", [True, False])
 def test_a_file_holds_the_samples_and_is_private(tmp_path: Path, in_real_time: bool) -> None:
     folder = tmp_path / "new" / "sounds"
@@ -81,30 +70,6 @@ def test_files_are_numbered_after_what_is_there_and_nothing_is_overwritten(tmp_p
     assert [name for name in found if found[name] != b"mine"] == [
         f"{n:03d}-a1-say.wav" for n in (8, 9, 10, 11, 12)
     ]
-
-
-def test_a_file_created_by_another_program_is_skipped(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "001-a1-say.wav").write_text("yours")
-    with monkeypatch.context() as before:
-        before.setattr(Path, "iterdir", lambda path: iter(()))
-        Folder(str(tmp_path), False).play(*AS_A_FILE)
-    assert list(contents(tmp_path)) == ["001-a1-say.wav", "002-a1-say.wav"]
-    assert contents(tmp_path)["001-a1-say.wav"] == b"yours"
-
-
-def test_a_folder_is_looked_through_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "007-a1-say.wav").write_text("mine")
-    looked: list[Path] = []
-    look = Path.iterdir
-    with monkeypatch.context() as watched:
-        watched.setattr(Path, "iterdir", lambda path: (looked.append(path), look(path))[1])
-        destination = Folder(str(tmp_path), False)
-        for _ in range(3):
-            destination.play(*AS_A_FILE)
-    assert looked == [tmp_path]
-    assert list(contents(tmp_path))[-1] == "010-a1-say.wav"
 
 
 @pytest.mark.parametrize("name", ["there", "there/below"])

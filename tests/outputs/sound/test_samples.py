@@ -92,13 +92,10 @@ def test_no_tone_clicks(notes: list[Note]) -> None:
     assert peak(samples) <= TONE_LEVEL + 1 / FULL
 
 
-def test_half_the_volume_is_half_the_samples() -> None:
+def test_half_the_volume_is_half_the_samples_and_the_peak_is_farthest_from_silence() -> None:
     assert at_volume(array("h", [1000, -1000, 3]), 0.5).tolist() == [500, -500, 1]
     assert at_volume(HUM, 1.0) == HUM
     assert peak(at_volume(HUM, 0.0)) == 0
-
-
-def test_the_peak_is_the_sample_farthest_from_silence() -> None:
     assert peak(array("h", [100, -FULL, 5])) == 1.0
     assert peak(array("h")) == 0.0
 
@@ -145,11 +142,8 @@ def test_a_file_that_is_no_sound_is_refused_in_words(tmp_path: Path, content: by
         path.write_bytes(content)
     with pytest.raises(SoundError, match="The speech engine gave no sound that can be read"):
         read(str(path))
-
-
-def test_an_aiff_file_of_other_bits_is_refused_in_words(tmp_path: Path) -> None:
     with pytest.raises(SoundError, match="24 bit"):
-        read(aiff(tmp_path / "a.wav", bytes(30), bits=24))
+        read(aiff(tmp_path / "other.wav", bytes(30), bits=24))
 
 
 @pytest.mark.parametrize("make", [wav, aiff])

@@ -166,15 +166,3 @@ def test_it_ends_when_the_program_is_killed_while_it_hangs(tmp_path: Path) -> No
         (pid,) = pids(file)
         parent.send_signal(signal.SIGKILL)
     until(lambda: not is_alive(pid))
-
-
-def test_a_folder_that_the_program_was_started_in_does_not_take_the_place_of_libraries(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    for name in ("wave.py", "queue.py", "msgspec.py", "pyttsx3.py"):
-        (tmp_path / name).write_text("raise SystemExit('not the library')")
-    monkeypatch.chdir(tmp_path)
-    talk = Talk(VOICE, Setup(in_real_time=False))
-    talk.child.send(Say(1, "a1", "Well done.", HELLO))
-    assert isinstance(talk.next(), Started)
-    talk.child.end()

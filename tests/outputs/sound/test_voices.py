@@ -1,8 +1,8 @@
-"""Choice of a voice: by name, or by language."""
+"""Choice of a voice, by name or by language, and the texts that one of a language can read."""
 
 import pytest
 
-from sar_tui.outputs.sound.engine import choose, found_voice
+from sar_tui.outputs.sound.engine import choose, found_voice, why_unreadable
 from sar_tui.outputs.sound.protocol import FoundVoice
 
 ESPEAK = [
@@ -31,19 +31,12 @@ ESPEAK = [
         ("es-mx", "", "gmw/en", "roa/es"),
         ("pt", "", "gmw/en", "roa/pt-br"),
         ("fi", "", "gmw/en", None),
+        ("e", "", "gmw/en", None),
     ],
 )
 def test_the_voice_fits(language: str, name: str, default: str, chosen: str | None) -> None:
     voice = choose(ESPEAK, language, name, default)
     assert (voice.id if voice else None) == chosen
-
-
-def test_there_may_be_no_voice() -> None:
-    assert choose([], "en", "", "") is None
-
-
-def test_a_language_that_only_begins_alike_is_another() -> None:
-    assert not FoundVoice("aav/x", languages=("est",)).speaks("es")
 
 
 def test_languages_are_read_in_any_form_that_an_engine_gives() -> None:
@@ -59,3 +52,33 @@ def test_languages_are_read_in_any_form_that_an_engine_gives() -> None:
 
 def test_a_voice_without_languages_may_tell_them_by_its_id() -> None:
     assert found_voice("roa/es-419", None, None) == FoundVoice("roa/es-419", "", ("es-419",))
+
+
+IN_ITS_SCRIPT = {
+    "en": ("Well done.", "523", "Well done 😀", "The word 好 means good"),
+    "es": ("¡Muy bien! Tu tiempo fue de 523 milisegundos.",),
+    "ru": ("Молодец",),
+    "zh": ("做得好",),
+    "ja": ("よくできました",),
+    "ka": ("კარგია",),
+    "en-gb": ("Hello",),
+}
+
+
+def test_a_text_in_its_own_script_can_be_read() -> None:
+    for language, texts in IN_ITS_SCRIPT.items():
+        for text in texts:
+            assert why_unreadable(text, language) == "", text
+
+
+@pytest.mark.parametrize(
+    ("text", "language"),
+    [("做得好", "en"), ("Молодец, 523", "es"), ("Well done", "ru"), ("好", "en-gb")],
+)
+def test_a_text_in_another_script_cannot_be_read(text: str, language: str) -> None:
+    assert f'a script that the language "{language}" does not' in why_unreadable(text, language)
+
+
+@pytest.mark.parametrize("text", ["😀", "...", "¡!", " "])
+def test_a_text_without_letters_or_digits_cannot_be_read(text: str) -> None:
+    assert "neither letters nor digits" in why_unreadable(text, "en")
