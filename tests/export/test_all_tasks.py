@@ -1,7 +1,5 @@
 """Every bundled task leaves in every format, and the format's own validator, or reader, finds no
 fault.
-
-``pytest tests/export/test_all_tasks.py -s`` prints the table of all tasks and formats.
 """
 
 import json
@@ -107,10 +105,6 @@ def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_every_format_has_a_validator() -> None:
-    assert VALIDATORS.keys() == BUNDLED.keys()
-
-
 @pytest.mark.parametrize("format", BUNDLED)
 def test_all_tasks_in_one_export_are_valid(data: Path, tmp_path: Path, format: str) -> None:
     assert faults(data, tmp_path / "out", format) == []
@@ -128,18 +122,3 @@ def test_all_tasks_in_one_export_are_valid(data: Path, tmp_path: Path, format: s
 def test_all_tasks_are_valid_whatever_leaves(data: Path, tmp_path: Path, format: str) -> None:
     assert faults(data, tmp_path / "recoded", format, recode=tmp_path / "map.csv") == []
     assert faults(data, tmp_path / "noted", format, with_notes=True) == []
-
-
-@pytest.mark.slow
-def test_every_task_passes_the_validator_of_every_format(tmp_path: Path) -> None:
-    """Each task for itself, as its author exports it."""
-    found: dict[tuple[str, str], list[str]] = {}
-    for task in TASKS:
-        store(tmp_path / task, [task])
-        for format in BUNDLED:
-            found[task, format] = faults(tmp_path / task, tmp_path / f"{task}-{format}", format)
-    print()
-    print(f"{'':16}", *(f"{format:9}" for format in BUNDLED))
-    for task in TASKS:
-        print(f"{task:16}", *(f"{len(found[task, format]) or 'valid':9}" for format in BUNDLED))
-    assert {name: each for name, each in found.items() if each} == {}

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from sar_tui.export.errors import ExportError
 from sar_tui.export.registry import names
 from sar_tui.export.target import LOCK
 from sar_tui.store.database import FILE, connect
@@ -129,6 +130,24 @@ def test_hard_sessions_are_named_and_others_leave(study: Path, tmp_path: Path, f
     assert {id for id in stored - set(exported.sessions) if id not in said} == set()
     assert stored - set(exported.sessions) <= {EMPTY, INTERRUPTED}
     assert content(study) == before
+
+
+@pytest.mark.parametrize(
+    ("format", "module", "extra"),
+    [("mat", "scipy.io", "export"), ("elan", "pympi", "export"), ("parquet", "pyarrow", "lake")],
+)
+def test_a_format_whose_package_is_missing_says_how_to_install_it(
+    study: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    format: str,
+    module: str,
+    extra: str,
+) -> None:
+    monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(ExportError, match=rf"pip install -e '\.\[{extra}\]'"):
+        export_as(format, study, tmp_path / "out")
+    assert not files(tmp_path / "out")
 
 
 @pytest.mark.parametrize("release", RELEASES)

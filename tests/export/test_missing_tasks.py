@@ -122,10 +122,6 @@ def test_all_details_leave_with_texts_or_the_task(
     assert export("without") == f"! {_SAID}\n"
 
 
-def test_a_task_that_fails_to_load_is_named_alike(export: Callable[..., str]) -> None:
-    assert export("out", "import nothing_of_this_name") == f"! {_SAID}\n"
-
-
 def test_a_detail_an_installed_task_does_not_declare_is_text(data: Path, tmp_path: Path) -> None:
     sql(data, "UPDATE trials SET details=json_set(details, '$.side', 'left', '$.told', 'ouch')")
     exported = export_csv(data, tmp_path / "out")

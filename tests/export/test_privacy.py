@@ -51,8 +51,9 @@ def data(tmp_path: Path) -> Path:
             ("imu_streams", "serial=?, source=?", NEVER, f"phidget://{NEVER}"),
             (
                 "actions",
-                "actor=?, proposed=json_set(proposed, '$.text', ?)",
+                "actor=?, proposed=json_set(proposed, '$.text', ?), final=json_set(final, '$.text', ?)",
                 f"operator.{NEVER}",
+                TYPED,
                 TYPED,
             ),
             ("trials", "details=json_set(details, '$.remark', ?)", TYPED),

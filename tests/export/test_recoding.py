@@ -8,16 +8,16 @@ import os
 from collections import Counter
 from contextlib import closing
 from pathlib import Path
-from threading import Thread
 from typing import Any
 
 import frictionless
 import pytest
+from filelock import FileLock
 
 from sar_tui.export import recoding as recoding_module
 from sar_tui.export.errors import ExportError
 from sar_tui.export.export import _UNRECORDED
-from sar_tui.export.recoding import Recoding, shifted
+from sar_tui.export.recoding import shifted
 from sar_tui.store import participants
 from sar_tui.store.database import connect
 from tests.export.exported import csv_of, export_as, export_csv, read_csv
@@ -85,25 +85,6 @@ def test_no_code_leaves_and_the_map_brings_them_back(data: Path, tmp_path: Path)
         assert plain == Counter(row["participant"] for row in read_csv(out, table))
     assert frictionless.validate(str(out / "datapackage.json")).valid
     assert os.name != "posix" or map_path.stat().st_mode & 0o777 == 0o600
-
-
-def test_a_format_gets_no_code_but_the_random_ones(
-    data: Path, map_path: Path, tmp_path: Path
-) -> None:
-    seen: set[str] = set()
-
-    class Names:
-        name = "csv"
-
-        def write(self, contents: Any, folder: Path, progress: Any) -> None:
-            for table in contents.tables:
-                for owner in contents.owners(table):
-                    seen.add(owner)
-                    seen.update(str(value) for row in contents.rows(table, owner) for value in row)
-
-    export_as(Names(), data, tmp_path / "out", recode=map_path)  # type: ignore[arg-type]
-    assert {code for code, _ in read_map(map_path).values()} <= seen
-    assert seen & CODES == set()
 
 
 _DATES = {
@@ -254,33 +235,17 @@ def test_a_new_map_of_an_export_that_failed_is_named(
     assert call(*words).code == 0
 
 
-def test_two_exports_at_once_agree_on_the_codes(
-    data: Path, map_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_a_map_that_another_export_writes_is_left_alone(
+    data: Path, map_path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The second one must not read the map before the codes of the first are in it, and then
-    replace them.
-    """
-    told: list[str] = []
-    write = recoding_module._write
-
-    def write_while_another_begins(path: Path, known: Recoding) -> None:
-        other = Thread(target=another)
-        other.start()
-        other.join()
-        write(path, known)
-
-    def another() -> None:
-        with closing(connect(data)) as database, pytest.raises(ExportError) as refused:
-            recoding_module.recoding(database, map_path, CODES)
-        told.append(str(refused.value))
-
+    """Otherwise the codes of one could be replaced by those of the other."""
     monkeypatch.setattr(recoding_module, "_LOCK_TIMEOUT_S", 0)
-    monkeypatch.setattr(recoding_module, "_write", write_while_another_begins)
-    with closing(connect(data)) as database:
-        given = recoding_module.recoding(database, map_path, CODES)
-    assert told == [f"Another export is writing {map_path}. Try again when it has ended."]
-    codes = {code: (each.code, each.shift_days) for code, each in given.people.items()}
-    assert read_map(map_path) == codes
+    with (
+        FileLock(tmp_path / ".map.csv.lock"),
+        pytest.raises(ExportError, match=f"Another export is writing {map_path}"),
+    ):
+        export_csv(data, tmp_path / "out", recode=map_path)
+    assert not map_path.exists()
 
 
 def test_a_map_that_cannot_be_made_is_named(call: Call, data: Path, tmp_path: Path) -> None:
