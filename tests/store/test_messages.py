@@ -97,11 +97,16 @@ def test_a_message_of_a_version_with_other_fields_is_read_with_the_defaults_of_t
 
 
 @pytest.mark.parametrize(
-    "damage", ["topic=999", *(f"message='{text}'" for text in ("[]", "[7, 5]", "not json", "{}"))]
+    "damage",
+    [
+        "messages SET topic=999",
+        "topics SET name='input/none' WHERE name='input/key'",
+        *(f"messages SET message='{text}'" for text in ("[]", "[7, 5]", "not json", "{}", "[1]")),
+    ],
 )
 def test_a_message_that_cannot_be_read_is_named(database: Connection, damage: str) -> None:
     store(database, KEY, m.KeyPressed(key="f", at=5))
-    sql(database, f"UPDATE messages SET {damage}")
+    sql(database, f"UPDATE {damage}")
     with pytest.raises(StoreError, match=f"Message 1 of session {SESSION} cannot be read"):
         read(database)
 
