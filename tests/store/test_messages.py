@@ -11,7 +11,7 @@ import msgspec
 import pytest
 
 from sar_tui.loop.bus import Record, Topic
-from sar_tui.loop.topics import KEY, PRESENCE, SENSOR, WAITING
+from sar_tui.loop.topics import KEY, PRESENCE, REPORT, SENSOR, WAITING
 from sar_tui.model import messages as m
 from sar_tui.store import messages, rows, sessions
 from sar_tui.store.database import StoreError, transaction
@@ -117,3 +117,12 @@ def test_the_names_of_a_topic_and_its_fields_are_stored_once(database: Connectio
     here = messages.numbers(database, "another")
     assert sql(database, "SELECT * FROM topics") == before
     assert here.topics[PRESENCE.name] == messages.PRESENCE_ID, "which its index names"
+
+
+def test_a_report_is_read_and_written_with_its_stored_names() -> None:
+    """Pages for authors of plug-ins read the stored ``deed`` under the name ``part``."""
+    stored = {"seat": "A", "action": "a1", "output": "speech", "deed": "say", "state": "done", "at": 7,
+              "detail": ""}  # fmt: skip
+    message = msgspec.json.decode(msgspec.json.encode(stored), type=REPORT.type)
+    assert message.part == "say"
+    assert msgspec.json.decode(msgspec.json.encode(message)) == stored
