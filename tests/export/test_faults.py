@@ -98,16 +98,6 @@ def test_a_full_disk_leaves_no_export_and_the_database_as_it_was(
     assert content(study) == before
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="a place where nobody can write")
-# a folder of its own, and one that many sites share
-@pytest.mark.parametrize("format", ["csv", "parquet"])
-def test_a_target_that_cannot_be_written_is_named(study: Path, call: Call, format: str) -> None:
-    called = call("export", *EVERYTHING, "--format", format, "--to", "/proc/nowhere/out")
-    assert called.code in (1, 2)
-    assert "/proc/nowhere" in called.err
-    assert len(called.err.strip().splitlines()) == 1, called.err
-
-
 @pytest.mark.skipif(sys.platform == "win32", reason="symbolic links")
 def test_a_link_is_no_way_to_replace_its_target(study: Path, tmp_path: Path, call: Call) -> None:
     (tmp_path / "elsewhere").mkdir()
