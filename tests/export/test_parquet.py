@@ -2,8 +2,6 @@
 them.
 """
 
-import json
-import math
 import re
 from contextlib import closing
 from datetime import datetime
@@ -12,8 +10,6 @@ from typing import Any
 
 import duckdb
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from pyarrow import parquet
 
 from sar_tui.export.errors import ExportError
@@ -21,11 +17,8 @@ from sar_tui.export.export import Exported
 from sar_tui.export.formats.parquet import ROWS
 from sar_tui.store import sites
 from sar_tui.store.database import connect
-from tests.examples import examples
 from tests.export.exported import export_as, export_csv, read_csv
 from tests.export.hard_study import store_study
-from tests.export.test_round_trip import TRIAL
-from tests.export.varied import store_trials
 from tests.played import simulated
 from tests.store.by_hand import sql, value
 
@@ -78,24 +71,6 @@ def test_exports_of_many_sites_in_a_folder_are_one_data_set(clinic: Any, tmp_pat
     assert field.metadata[b"unit"] == b"ms"
     assert b"Missing for a miss" in field.metadata[b"meaning"]
     assert re.fullmatch(r"month=\d{4}-\d{2}", path.parent.name)
-
-
-@given(rows=st.lists(TRIAL, max_size=5))
-@examples(100)
-def test_odd_texts_and_numbers_are_read_back_as_they_are_stored(
-    tmp_path_factory: Any, rows: list[dict[str, Any]]
-) -> None:
-    place = tmp_path_factory.mktemp("odd")
-    store_trials(place, rows)
-    leave(place, place / "lake")
-    names = "stimulus response correct onset_ns response_ns reaction_time_ms".split()
-    read = query(place / "lake", "trials", ", ".join([*names, "details"]), "ORDER BY trial")
-    for (*got, told), row in zip(read, rows, strict=True):
-        time = row["reaction_time_ms"]
-        row["reaction_time_ms"] = time if time is not None and math.isfinite(time) else None
-        assert got == [row[name] for name in names]
-        known = json.loads(row["details"] or "null") or {}
-        assert json.loads(told) == {name: each for name, each in known.items() if each is not None}
 
 
 def test_rows_beyond_one_block_are_all_there(

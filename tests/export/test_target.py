@@ -146,6 +146,8 @@ def test_an_export_is_put_back_if_a_program_was_killed_replacing_it(tmp_path: Pa
 def test_a_folder_that_cannot_be_made_is_named_and_no_hidden_one(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("mine")
     under, long = tmp_path / "file" / "deep" / "out", tmp_path / ("a" * 250)
+    with pytest.raises(ExportError, match=r"/proc/nowhere.* cannot be made: "):
+        made(Path("/proc/nowhere/out"))
     for folder, said in (
         (under, f"{under} cannot be made: {tmp_path / 'file'} is a file."),
         (long, f"{long} is too long for the name of a file or folder."),

@@ -91,6 +91,13 @@ def test_missing_rows_are_counted_by_session_and_table(copy: Path, whole: Path) 
     assert {flaw.where for flaw in done.flaws} == {each.session for each in done.missing}
 
 
+def test_a_repair_tells_what_is_missing(copy: Path, call: Call) -> None:
+    os.truncate(copy / FILE, int((copy / FILE).stat().st_size * 0.8))
+    called = call("check", "--repair", "--data", copy)
+    assert "All rows that can be read are in a new file." in called.out
+    assert ": Missing: " in called.out
+
+
 def test_a_rescue_file_that_is_damaged_is_brought_back_as_far_as_it_can_be_read(
     copy: Path, whole: Path, call: Call
 ) -> None:

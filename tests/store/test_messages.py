@@ -70,20 +70,6 @@ def test_every_message_of_a_session_is_the_same_in_the_view_and_to_the_program(
         assert shown[seq] == (run, at, topic.name, told), topic.name
 
 
-def test_messages_take_half_the_space_of_their_objects(database: Connection, data: Path) -> None:
-    simulated(data, attempts=2)
-    objects = value(
-        database,
-        "SELECT sum(length(message) + length(session) + length(topic)) FROM events"
-        " WHERE topic<>'theme/applied'",
-    )
-    stored = value(
-        database,
-        "SELECT sum(length(message)) FROM messages JOIN topics ON id=topic WHERE name<>'theme/applied'",
-    )
-    assert stored < 0.4 * objects
-
-
 def test_a_message_of_a_version_with_other_fields_is_read_with_the_defaults_of_that_version(
     database: Connection,
 ) -> None:

@@ -144,6 +144,13 @@ def test_level_changes_that_needed_approval_are_rows_too(data: Path) -> None:
     assert levels == [(1,), (1,), (4,), (5,)]
 
 
+def test_a_level_change_dropped_without_an_operator_is_a_row_too(data: Path) -> None:
+    operated = Operated(data, {}, **LEVELS_APPROVED, operator_lost="silent")
+    operated.presence("left", False)
+    rows = picked(operated.rows("difficulty"), "id", "final", "decision", "actor", "ground")
+    assert rows == [(id, None, "rejected", "agent", "no operator") for id in ("l1", "l2")]
+
+
 def test_it_is_stored_when_a_proposal_was_first_seen_and_that_its_operator_was_lost(
     data: Path,
 ) -> None:

@@ -95,11 +95,3 @@ def steps(database: Connection, query: str) -> list[str]:
 def test_presence_is_looked_up_in_its_index(database: Connection, session: str | None) -> None:
     plan = planned(database, lambda: sessions.operators(database, session))
     assert [step for step in plan if "idx_messages_presence" in step]
-
-
-def test_the_newest_sessions_are_found_without_a_sort(database: Connection, data: Path) -> None:
-    plan = planned(database, lambda: sessions.listing(database, data, limit=30))
-    assert plan[0] == "SCAN sessions"
-    assert [step for step in plan if "TEMP B-TREE" in step] == []
-    plan = planned(database, lambda: sessions.listing(database, data, participant="P01", limit=30))
-    assert [step for step in plan if step.startswith("SCAN") or "TEMP B-TREE" in step] == []
