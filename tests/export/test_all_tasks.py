@@ -3,7 +3,6 @@ fault.
 """
 
 import json
-import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -63,10 +62,6 @@ def _mat(folder: Path) -> Iterator[str]:
     for file, table, name in as_scipy:
         if (table, name) not in described:
             yield f"{file}: {table}.{name} is not in the codebook"
-    if shutil.which("octave-cli"):
-        as_octave = {tuple(each[:3]) for each in mat_files.with_octave(folder) if each[1] != "imu"}
-        if as_octave != as_scipy:
-            yield f"Octave reads other fields: {sorted(as_octave ^ as_scipy)[:3]}"
 
 
 def _parquet(folder: Path) -> Iterator[str]:

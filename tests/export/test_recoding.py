@@ -5,6 +5,7 @@ alike.
 import csv
 import errno
 import os
+import shutil
 from collections import Counter
 from contextlib import closing
 from pathlib import Path
@@ -23,42 +24,33 @@ from sar_tui.store.database import connect
 from tests.export.exported import csv_of, export_as, export_csv, read_csv
 from tests.played import simulated
 from tests.program import Call
+from tests.recorded import event, score
 from tests.store.by_hand import insert, sql, value
 
 CODES = {"ANNA", "BEA", "CARL"}
 
 
-@pytest.fixture
-def data(tmp_path: Path) -> Path:
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Sessions of three persons, two of them together, and what was entered about one."""
-    folder, by = (
-        tmp_path / "data",
-        {"recorded_by": "me", "recorded_at": "2026-03-01T10:00:00+00:00"},
-    )
+    folder = tmp_path_factory.mktemp("stored") / "data"
     for code in ("CARL", "ANNA"):
         simulated(folder, "keyboard", code, user="poor", attempts=1)
     simulated(folder, "pairs", "ANNA", "BEA", user="poor", attempts=1, address="code")
     with closing(connect(folder)) as database:
         for code in sorted(CODES):
             participants.add(database, code)
-        for kind, at, content in (
-            ("ARAT", "2026-03-01", '{"score":7}'),
-            ("adverse-event", "2026-03-01 14:30", '{"what":"Fell","severity":"mild"}'),
-        ):
-            insert(
-                database,
-                "records",
-                id=kind,
-                kind=kind,
-                participant="ANNA",
-                at=at,
-                content=content,
-                **by,
-            )
-        insert(
-            database, "programmes", participant="ANNA", created_at=by["recorded_at"], author="me"
-        )
+        score(database, "ANNA", "ARAT", "2026-03-01", 7)
+        event(database, "ANNA", "2026-03-01T14:30", what="Fell", severity="mild")
+        made = {"participant": "ANNA", "created_at": "2026-03-01T10:00:00+00:00"}
+        insert(database, "programmes", author="me", **made)
     return folder
+
+
+@pytest.fixture
+def data(stored: Path, tmp_path: Path) -> Path:
+    """A copy of them."""
+    return Path(shutil.copytree(stored, tmp_path / "data"))
 
 
 @pytest.fixture
@@ -114,24 +106,24 @@ def test_all_dates_of_a_person_are_shifted_by_the_same_days(
         assert row["clock_utc"][:10] == began[row["session"]][:10]
 
 
-def test_a_map_is_used_again(data: Path, map_path: Path) -> None:
-    map_path.write_text("code,recoded,shift_days,key\r\nBEA,XY,-3,ab12\r\n")
+@pytest.mark.parametrize(
+    ("written", "key"),
+    [("code,recoded,shift_days,key\r\nBEA,XY,-3,ab12\r\n", "ab12"),
+     ("code,recoded,shift_days\r\nBEA,XY,-3\r\n", None)],
+    ids=["as now", "of an earlier version"],
+)  # fmt: skip
+def test_a_map_is_used_again(data: Path, map_path: Path, written: str, key: str | None) -> None:
+    map_path.write_text(written)
     one = csv_of(data, "trials", recode=map_path)
     first = read_map(map_path)
     two = csv_of(data, "trials", recode=map_path)
     assert read_map(map_path) == first
     assert (first["BEA"], first["ANNA"][1]) == (("XY", -3), -3)
+    (kept,) = {line.rpartition(",")[2] for line in map_path.read_text().splitlines()[1:]}
+    assert kept == (key or kept)
+    assert key or len(kept) == 32
     same = "the same ids of sessions, in another order"
     assert Counter(str(row) for row in one) == Counter(str(row) for row in two), same
-
-
-def test_a_map_of_an_earlier_version_gets_a_key(data: Path, map_path: Path, tmp_path: Path) -> None:
-    map_path.write_text("code,recoded,shift_days\r\nANNA,A,-1\r\nBEA,B,-3\r\nCARL,C,-2\r\n")
-    export_csv(data, tmp_path / "out", recode=map_path)
-    assert read_map(map_path) == {"ANNA": ("A", -1), "BEA": ("B", -3), "CARL": ("C", -2)}
-    with map_path.open(encoding="utf-8", newline="") as file:
-        (key,) = {row["key"] for row in csv.DictReader(file)}
-    assert len(key) == 32
 
 
 def test_ids_and_seeds_leave_as_others_equal_where_they_were(data: Path, map_path: Path) -> None:
