@@ -201,7 +201,7 @@ def attempt_of(
     )
 
 
-def test_the_best_result_has_the_keys_and_accuracy(
+def test_the_best_result_has_the_keys_accuracy_and_version_of_the_task(
     database: Connection, keyboard: type[Task]
 ) -> None:
     def with_keys(keys: str, **more: Any) -> Task:
@@ -213,14 +213,7 @@ def test_the_best_result_has_the_keys_and_accuracy(
         ("both hands", 0.4, 300.0),
     ):
         attempt_of(database, with_keys(keys, feedback_form="qualitative"), metric, accuracy)
+    # its levels were others
+    attempt_of(database, with_keys("both hands"), 300.0, version="1")
     for keys, best in (("both hands", 900.0), ("left hand", 500.0)):
         assert sessions.best(database, "P01", with_keys(keys)) == {"1": best}
-
-
-def test_the_best_result_excludes_earlier_versions_of_the_task_whose_levels_were_others(
-    database: Connection, keyboard: type[Task]
-) -> None:
-    task = keyboard(build(keyboard.Parameters, {}))
-    for version, metric in (("1", 300.0), (keyboard.version, 700.0)):
-        attempt_of(database, task, metric, version=version)
-    assert sessions.best(database, "P01", task) == {"1": 700.0}
