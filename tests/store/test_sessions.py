@@ -190,15 +190,8 @@ def attempt_of(
     """Store an attempt of a session with the settings of a task."""
     parameters, software = msgspec.to_builtins(task.parameters), {"task": {"version": version}}
     session = enter(database, parameters=parameters, software=software)
-    insert(
-        database,
-        "attempts",
-        session=session,
-        level=1,
-        metric=metric,
-        metric_unit="ms",
-        accuracy=accuracy,
-    )
+    result = {"metric": metric, "metric_unit": "ms", "accuracy": accuracy}
+    insert(database, "attempts", session=session, level=1, **result)
 
 
 def test_the_best_result_has_the_keys_accuracy_and_version_of_the_task(
