@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.step import DECLINE_KEY, Entry, Given, Step, points, press
+from sar_tui.model.step import DECLINE_KEY, Entry, Given, Step, points, press, problem
 from sar_tui.rules.questions import QUESTIONS, StepFileError, chosen, read_steps
 from sar_tui.simulation.participant import answer_keys
 from tests.examples import examples
@@ -33,6 +33,7 @@ def keyed(step: Step, *keys: str) -> Entry | Given:
 def test_nothing_is_chosen_before_a_key_chooses_it(step: Step) -> None:
     assert keyed(step, "enter") == Entry(is_missing=True)
     assert keyed(step, DECLINE_KEY) == Given("declined", None)
+    assert problem(step) == ""
 
 
 @pytest.mark.parametrize(

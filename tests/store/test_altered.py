@@ -317,7 +317,7 @@ OF_SCHEMA = {
 
 @pytest.mark.parametrize("name", OF_SCHEMA)
 def test_a_view_or_trigger_that_is_not_the_programs_is_found_and_repaired(
-    name: str, recorded: tuple[str, str], data: Path
+    name: str, recorded: tuple[str, str], data: Path, call: Call
 ) -> None:
     before = contents(data)
     with closing(sqlite3.connect(data / FILE, isolation_level=None)) as database:
@@ -325,6 +325,7 @@ def test_a_view_or_trigger_that_is_not_the_programs_is_found_and_repaired(
     told = found(data)  # with a view its triggers are gone, too
     assert {flaw.kind for flaw in told} == {"file"}
     assert f"The {name} is not as sar-tui makes it." in [flaw.what for flaw in told]
+    assert "check --repair" in call("check").out
     assert repair(data).flaws == []
     assert contents(data) == before
     assert found(data) == []
