@@ -1,12 +1,11 @@
-"""Attacks on shifted dates: what somebody finds out who has an export, and knows when some people
-trained, or in which order all of them did.
+"""Attacks on shifted dates: what somebody finds out who has an export, and knows in which order all
+people trained, or what their machine's clock read.
 """
 
 import json
 import re
-import zipfile
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from datetime import datetime, timedelta
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +15,6 @@ import scipy.io
 from tests.export.exported import read_csv
 from tests.export.thirty_people import UPTIME_NS
 
-KNOWN = 3
-"""People whose true dates the attacker knows, the first ones."""
 UNITS = {"ns": 1e9, "us": 1e6, "ms": 1e3, "s": 1.0}
 _DATES = ("created_at", "started_at", "ended_at", "clock_utc", "at", "recorded_at", "onset")
 _NUMBER = re.compile(r"(?<![\w.+-])-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?(?![\w.])")
@@ -25,40 +22,21 @@ Guesses = Mapping[str, datetime]
 """The guessed dates of people, by their codes in the export."""
 
 
-def by_clocks(folder: Path, known: Mapping[str, datetime]) -> Iterator[tuple[str, Guesses]]:
-    """Yield guesses by each column of numbers, as if it were a clock: known dates give its zero."""
-    for table, rows in _tables(folder):
-        for column in rows[0] if rows else ():
-            for unit, a_second in UNITS.items():
-                readings = _first_by_person(rows, column, a_second)
-                zeros = [known[code] - readings[code] for code in known if code in readings]
-                if zeros and len(set(readings.values())) > 1:
-                    guesses = {code: zeros[0] + each for code, each in readings.items()}
-                    yield f"{table}.{column} in {unit}", guesses
+def identified_by_order(folder: Path, true: Mapping[str, datetime]) -> dict[str, int]:
+    """Return how many people's dates are guessed to the day, by what may be in the order of
+    enrolment.
 
-
-def _people(folder: Path) -> dict[str, str]:
-    """Return the participants by their sessions."""
-    return {row["session"]: row["participant"] for row in read_csv(folder, "sessions")}
-
-
-def by_times_of_day(folder: Path, known: Mapping[str, datetime]) -> Iterator[tuple[str, Guesses]]:
-    """Yield guesses by a clock that is printed beside a shifted time: equal differences are those
-    of one start.
+    Args:
+        true: the dates in the order of enrolment, by the codes of people in the export.
     """
-    people, clocks = _people(folder), {}
-    for row in read_csv(folder, "runs"):
-        if row["clock_ns"] is not None:
-            clocks[people[row["session"]]] = timedelta(microseconds=row["clock_ns"] / 1000)
-    for code, true in known.items():
-        guesses = {other: true + at - clocks[code] for other, at in clocks.items()}
-        yield "runs.clock_ns beside a known date", guesses
+    return {
+        what: sum(guess.date() == true[code].date() for code, guess in guesses.items())
+        for what, guesses in _by_order(folder, list(true.values()))
+    }
 
 
-def by_order(folder: Path, enrolled: Sequence[datetime]) -> Iterator[tuple[str, Guesses]]:
-    """Yield guesses by what may be in the order of enrolment: rows, names, ids, seeds, versions,
-    times of files.
-    """
+def _by_order(folder: Path, enrolled: Sequence[datetime]) -> Iterator[tuple[str, Guesses]]:
+    """Yield guesses by what may be in the order of enrolment: rows, names, ids, seeds, versions."""
 
     def in_order(codes: Iterable[str]) -> Guesses:
         return dict(zip(dict.fromkeys(codes), enrolled, strict=False))
@@ -79,41 +57,9 @@ def by_order(folder: Path, enrolled: Sequence[datetime]) -> Iterator[tuple[str, 
         yield f"sessions of {name}", in_order(people[each] for each in found if each in people)
 
 
-def by_files(
-    folder: Path, people: Mapping[str, str], enrolled: Sequence[datetime]
-) -> Iterator[tuple[str, Guesses]]:
-    """Yield guesses by names and times of the files of sessions or persons, in a folder or its zip
-    archive.
-
-    Args:
-        people: codes by the sessions that are in names of files.
-    """
-    packed = folder.with_suffix(".zip")
-    with zipfile.ZipFile(packed, "w") as archive:
-        for path in folder.rglob("*"):
-            archive.write(path, path.relative_to(folder))
-        zipped = {folder / info.filename: info.date_time for info in archive.infolist()}
-    packed.unlink()
-    keys: dict[str, Callable[[Path], Any]] = {
-        "names": lambda path: path.name,
-        "times": lambda path: path.stat().st_mtime_ns,
-        "times in a zip archive": zipped.__getitem__,
-    }
-    for what, key in keys.items():
-        firsts: dict[str, Any] = {}
-        for path in folder.rglob("*"):
-            for code in [people[name] for name in people if name in path.as_posix()]:
-                firsts[code] = min(firsts.get(code, key(path)), key(path))
-        ranked = sorted(firsts, key=lambda code: (firsts[code], code))
-        yield f"{what} of files", dict(zip(ranked, enrolled, strict=False))
-
-
-def identified(
-    guesses: Guesses, true: Mapping[str, datetime], known: Mapping[str, datetime] = {}
-) -> int:
-    """Return the number of people whose date was not known, and was guessed to the day."""
-    unknown = [code for code in guesses if code not in known]
-    return sum(guesses[code].date() == true[code].date() for code in unknown)
+def _people(folder: Path) -> dict[str, str]:
+    """Return the participants by their sessions."""
+    return {row["session"]: row["participant"] for row in read_csv(folder, "sessions")}
 
 
 def _tables(folder: Path) -> Iterator[tuple[str, list[dict[str, Any]]]]:
@@ -123,19 +69,6 @@ def _tables(folder: Path) -> Iterator[tuple[str, list[dict[str, Any]]]]:
         rows = read_csv(folder, path.stem)
         owners = [row.get("participant") or people[row["session"]] for row in rows]
         yield path.stem, [row | {"participant": who} for row, who in zip(rows, owners, strict=True)]
-
-
-def _first_by_person(
-    rows: Sequence[dict[str, Any]], column: str, a_second: float
-) -> dict[str, timedelta]:
-    found: dict[str, timedelta] = {}
-    for row in rows:
-        value = row[column]
-        if isinstance(value, str) and column.endswith("_ns"):
-            value = next(map(int, value.replace("[", " ").replace(",", " ").split()[:1]), None)
-        if isinstance(value, int | float) and abs(value / a_second) < 1e10:
-            found.setdefault(row["participant"], timedelta(seconds=value / a_second))
-    return found
 
 
 def written(folder: Path) -> Iterator[tuple[str, str]]:

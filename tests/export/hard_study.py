@@ -42,15 +42,8 @@ def store_study(data: Path) -> None:
             row["onset_ns"] = None if stimulus == "never" else 5_000_000_000 + trial * 10**9
             insert(database, "trials", session=INTERRUPTED, **row)
         for (id,) in sql(database, "SELECT id FROM sessions"):
-            insert(
-                database,
-                "notes",
-                session=id,
-                at_ns=1,
-                author="operator.ana",
-                text=NOTE,
-                label="pausa",
-            )
+            note = {"at_ns": 1, "author": "operator.ana", "text": NOTE, "label": "pausa"}
+            insert(database, "notes", session=id, **note)
         for code in ("P01", "P02"):
             participants.add(database, code)
         score(database, "P01", "ARAT", "2026-01-10", 20, NOTE)

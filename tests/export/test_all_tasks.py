@@ -1,11 +1,8 @@
 """Every bundled task leaves in every format, and the format's own validator, or reader, finds no
 fault.
-
-``pytest tests/export/test_all_tasks.py -s`` prints the table of all tasks and formats.
 """
 
 import json
-import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -65,10 +62,6 @@ def _mat(folder: Path) -> Iterator[str]:
     for file, table, name in as_scipy:
         if (table, name) not in described:
             yield f"{file}: {table}.{name} is not in the codebook"
-    if shutil.which("octave-cli"):
-        as_octave = {tuple(each[:3]) for each in mat_files.with_octave(folder) if each[1] != "imu"}
-        if as_octave != as_scipy:
-            yield f"Octave reads other fields: {sorted(as_octave ^ as_scipy)[:3]}"
 
 
 def _parquet(folder: Path) -> Iterator[str]:
@@ -107,10 +100,6 @@ def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_every_format_has_a_validator() -> None:
-    assert VALIDATORS.keys() == BUNDLED.keys()
-
-
 @pytest.mark.parametrize("format", BUNDLED)
 def test_all_tasks_in_one_export_are_valid(data: Path, tmp_path: Path, format: str) -> None:
     assert faults(data, tmp_path / "out", format) == []
@@ -128,18 +117,3 @@ def test_all_tasks_in_one_export_are_valid(data: Path, tmp_path: Path, format: s
 def test_all_tasks_are_valid_whatever_leaves(data: Path, tmp_path: Path, format: str) -> None:
     assert faults(data, tmp_path / "recoded", format, recode=tmp_path / "map.csv") == []
     assert faults(data, tmp_path / "noted", format, with_notes=True) == []
-
-
-@pytest.mark.slow
-def test_every_task_passes_the_validator_of_every_format(tmp_path: Path) -> None:
-    """Each task for itself, as its author exports it."""
-    found: dict[tuple[str, str], list[str]] = {}
-    for task in TASKS:
-        store(tmp_path / task, [task])
-        for format in BUNDLED:
-            found[task, format] = faults(tmp_path / task, tmp_path / f"{task}-{format}", format)
-    print()
-    print(f"{'':16}", *(f"{format:9}" for format in BUNDLED))
-    for task in TASKS:
-        print(f"{task:16}", *(f"{len(found[task, format]) or 'valid':9}" for format in BUNDLED))
-    assert {name: each for name, each in found.items() if each} == {}

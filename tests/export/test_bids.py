@@ -15,16 +15,15 @@ from typing import Any
 import pytest
 
 from sar_tui.export import registry
+from sar_tui.export.errors import ExportError
 from sar_tui.export.export import Exported, export
 from sar_tui.store import imu
 from sar_tui.store.database import connect, connect_to_read
 from sar_tui.store.selection import Request
-from tests.examples import first_rows
-from tests.export.bids_judge import ALLOWED, complaints, judge
+from tests.export.bids_judge import ALLOWED, judge
 from tests.export.exported import ALL, export_as
 from tests.export.hard_study import EMPTY, INTERRUPTED, NOTE, store_study
-from tests.played import catalogue
-from tests.program import Call
+from tests.played import catalogue, simulated
 from tests.store.by_hand import sql, value
 
 DOCS = Path(__file__).parents[2] / "docs" / "archive-in-bids.md"
@@ -65,40 +64,15 @@ def keyboard_events(dataset: Path, kind: str) -> list[dict[str, str]]:
     return [row for row in read(longest) if row["trial_type"] == kind]
 
 
-_LEAVING: list[tuple[Request, dict[str, Any]]] = [
-    (ALL, {"recode": True}),
-    (ALL, {"with_events": True}),
-    (Request(everything=True), {}),
-    (Request(everything=True, simulated=True), {"with_notes": True}),
-]
-
-
 def one(folder: Path, pattern: str) -> Path:
     (found,) = folder.glob(pattern)
     return found
 
 
 def test_the_validator_finds_no_error_in_a_hard_study(dataset: Path) -> None:
-    assert complaints(dataset) == []
-
-
-@pytest.mark.parametrize(("request_", "options"), first_rows(1, _LEAVING))
-def test_the_validator_finds_no_error_whatever_leaves(
-    study: Path, tmp_path: Path, request_: Request, options: dict[str, Any]
-) -> None:
-    recode = tmp_path / "map.csv" if "recode" in options else None
-    export_bids(study, tmp_path / "out", request_, **{**options, "recode": recode})
-    assert complaints(tmp_path / "out") == []
-
-
-def test_the_judge_finds_a_planted_error(dataset: Path, tmp_path: Path) -> None:
-    planted = tmp_path / "planted"
-    shutil.copytree(dataset, planted)
-    events = one(planted, "sub-P3/ses-*/beh/*_events.tsv")
-    events.write_text(events.read_text().replace("onset\t", "began\t", 1))
-    (planted / "participants.tsv").write_text("participant_id\nsub-P01\n")
-    errors = {issue.what for issue in judge(planted) if issue.severity == "error"}
-    assert errors == {"TSV_COLUMN_MISSING onset", "PARTICIPANT_ID_MISMATCH"}
+    found = judge(dataset)
+    assert {issue.severity for issue in found} == {"warning"}
+    assert {issue.what for issue in found} <= ALLOWED.keys()
 
 
 def test_the_allowed_warnings_are_in_the_docs() -> None:
@@ -218,10 +192,9 @@ def test_a_damaged_block_is_named_and_marked(study: Path, dataset: Path, tmp_pat
     assert after == before + 1
     (said,) = (sentence for sentence in exported.problems if "damaged" in sentence)
     assert said in (out / "README.md").read_text()
-    assert complaints(out) == []
 
 
-def test_a_session_of_two_is_one_of_each(dataset: Path) -> None:
+def test_every_session_is_there_and_one_of_two_is_one_of_each(dataset: Path) -> None:
     (mine,), (partners,) = (
         read(dataset / f"sub-{code}" / f"sub-{code}_sessions.tsv") for code in ("P02", "P3")
     )
@@ -232,8 +205,6 @@ def test_a_session_of_two_is_one_of_each(dataset: Path) -> None:
     codes = {row["participant_id"]: row["participant"] for row in people}
     assert codes == {"sub-P01": "P01", "sub-P02": "P02", "sub-P3": "P-3"}
 
-
-def test_every_session_is_there_with_its_status_and_its_mode(dataset: Path) -> None:
     rows = {row["session_id"]: row for row in read(dataset / "sub-P01" / "sub-P01_sessions.tsv")}
     assert rows[f"ses-{EMPTY}"]["status"] == rows[f"ses-{INTERRUPTED}"]["status"] == "interrupted"
     assert read(one(dataset, f"sub-P01/ses-{EMPTY}/beh/*_beh.tsv")) == []
@@ -270,9 +241,7 @@ def test_scores_and_answers_are_phenotypes(dataset: Path) -> None:
     assert (tired["moment_1"], tired["answer_1"]) == ("after", "not said")
 
 
-def test_questions_are_events_once_they_are_shown(
-    study: Path, dataset: Path, tmp_path: Path
-) -> None:
+def test_questions_and_notes_are_events(study: Path, dataset: Path) -> None:
     query = "SELECT step, status, json_extract(answer, '$'), answered_ns - shown_ns FROM answers ORDER BY number"
     found = [
         (
@@ -285,44 +254,24 @@ def test_questions_are_events_once_they_are_shown(
         (step, status, "n/a" if answer is None else str(answer), Fraction(lasted, 10**9))
         for step, status, answer, lasted in sql(study, query)
     ]
-    export_bids(study, tmp_path / "out")
-    for path in (tmp_path / "out").rglob("*_events.tsv"):
-        assert all("words" not in row for row in read(path))
-
-
-def test_notes_leave_only_if_asked_for_and_keep_quotes_and_line_ends(
-    study: Path, dataset: Path, tmp_path: Path
-) -> None:
     rows = [row for path in dataset.glob("sub-*/ses-*/beh/*_events.tsv") for row in read(path)]
     assert {unescaped(row["text"]) for row in rows if row["label"] == "pausa"} == {NOTE}
-    export_bids(study, tmp_path / "out")
-    files = [path for path in (tmp_path / "out").rglob("*") if path.is_file()]
-    assert [path for path in files if "duele" in path.read_text()] == []
 
 
-def test_an_export_is_replaced_by_the_next(call: Call, simulated: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ("UPDATE seats SET participant='P-01'", "Participants P-01 and P01 would both be sub-P01"),
+        ("UPDATE seats SET participant='P_01'", "Participants P_01 and P01 would both be sub-P01"),
+        ("UPDATE sessions SET task='Key_board'", "Tasks Key_board and keyboard would both be task-keyboard"),
+    ],
+)  # fmt: skip
+def test_what_bids_cannot_tell_apart_is_refused(tmp_path: Path, change: str, said: str) -> None:
+    data = tmp_path / "data"
     for _ in range(2):
-        called = call("export --all --simulated --format bids --to", tmp_path / "out")
-        assert (called.code, called.err) == (0, "")
-
-
-@pytest.mark.parametrize("codes", [("P-01", "P01"), ("A-1", "A_1")])
-def test_participants_that_bids_cannot_tell_apart_are_refused(
-    call: Call, tmp_path: Path, codes: tuple[str, str]
-) -> None:
-    for code in codes:
-        call("simulate keyboard --user poor --attempts 1 -p", code)
-    called = call("export --all --simulated --format bids --to", tmp_path / "out")
-    assert called.code == 2
-    label = codes[1].replace("_", "")
-    assert f"Participants {codes[0]} and {codes[1]} would both be sub-{label} in BIDS" in called.err
-    assert "--recode" in called.err
+        simulated(data, user="poor", attempts=1)
+    sql(data, f"{change} WHERE rowid=1")
+    with pytest.raises(ExportError, match=f"{said} in BIDS") as refused:
+        export_bids(data, tmp_path / "out")
+    assert refused.value.bad_input
     assert not (tmp_path / "out").exists()
-
-
-def test_tasks_bids_cannot_tell_apart_are_named(call: Call, simulated: str, tmp_path: Path) -> None:
-    call("simulate keyboard --user poor --attempts 1")
-    sql(tmp_path / "data", "UPDATE sessions SET task='Key_board' WHERE id=?", simulated)
-    called = call("export --all --simulated --format bids --to", tmp_path / "out")
-    assert (called.code, (tmp_path / "out").exists()) == (2, False)
-    assert "Tasks Key_board and keyboard would both be task-keyboard in BIDS" in called.err

@@ -38,38 +38,24 @@ def session(tmp_path: Path) -> str:
     return simulated(tmp_path / "data", user="poor", attempts=2)
 
 
-def test_a_damaged_value_is_named_others_leave(call: Call, session: str, tmp_path: Path) -> None:
-    cut(tmp_path / "data", "trials SET details=? WHERE attempt=2 AND trial=3", BROKEN)
-    called = call("export --all --simulated --to", tmp_path / "out")
-    place = f"trials, session {session}, attempt 2, trial 3, seat A"
-    said = f"{place}: what is stored in details is damaged, and left out."
-    assert (called.code, called.err.splitlines()) == (1, [f"! {said}"])
-    rows = read_csv(tmp_path / "out", "trials")
-    assert [number for number, row in enumerate(rows) if row["details_choices"] is None] == [22]
-    assert rows[22]["reaction_time_ms"]
-    assert said in json.loads((tmp_path / "out" / "sar-tui-export.json").read_text())["problems"]
-
-
 @pytest.mark.parametrize("format", BUNDLED)
-def test_texts_in_columns_of_numbers_are_named_and_do_not_leave(
+def test_damaged_values_are_named_and_do_not_leave(
     call: Call, session: str, tmp_path: Path, format: str
 ) -> None:
     data = tmp_path / "data"
     cut(data, "trials SET reaction_time_ms='x', onset_ns='secret' WHERE attempt=2 AND trial=3")
     cut(data, "attempts SET metric='y', started_ns='secret' WHERE attempt=2")
+    cut(data, "trials SET details=? WHERE attempt=2 AND trial=3", BROKEN)
     called = call("export --all --simulated --to", tmp_path / "out", "--format", format)
     assert called.code == 1
     trial = f"! trials, session {session}, attempt 2, trial 3, seat A: what is stored in"
     attempt = f"! attempts, session {session}, attempt 2, seat A: what is stored in"
-    places = (
-        f"{trial} onset_ns",
-        f"{trial} reaction_time_ms",
-        f"{attempt} started_ns",
-        f"{attempt} metric",
-    )
-    assert set(called.err.splitlines()) == {
-        f"{place} is damaged, and left out." for place in places
-    }
+    columns = (*((trial, name) for name in ("onset_ns", "reaction_time_ms", "details")),
+               *((attempt, name) for name in ("started_ns", "metric")))  # fmt: skip
+    said = {f"{place} {name} is damaged, and left out." for place, name in columns}
+    assert set(called.err.splitlines()) == said
+    (manifest,) = (tmp_path / "out").rglob("sar-tui-export.json")
+    assert {f"! {each}" for each in json.loads(manifest.read_text())["problems"]} == said
     files = [path for path in (tmp_path / "out").rglob("*") if path.is_file()]
     assert [path for path in files if b"secret" in path.read_bytes()] == []
 

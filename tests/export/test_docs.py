@@ -31,19 +31,24 @@ Means = dict[str, dict[Group, Any]]
 REACTION, REACH = "reaction_time_ms", "details_reach_time_ms"
 
 
+@pytest.fixture(scope="module")
+def exported(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with data, and their exports in the folders ``study`` and ``study-mat``."""
+    place = tmp_path_factory.mktemp("exported")
+    simulate(place / "data", user="poor")
+    simulate(place / "data", "reaching", "P02", seed=2, attempts=2)
+    _add_odd_trials(place / "data")
+    export_csv(place / "data", place / "study")
+    export_as("mat", place / "data", place / "study-mat", with_notes=True)
+    return place
+
+
 @pytest.fixture
-def study(simulated: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Means:
-    """Exports in the folders ``study`` and ``study-mat`` here; the mean times, from the
-    database.
-    """
-    data = tmp_path / "data"
-    simulate(data, "reaching", "P02", seed=2, attempts=2)
-    _add_odd_trials(data)
-    export_csv(data, tmp_path / "study")
-    export_as("mat", data, tmp_path / "study-mat", with_notes=True)
-    monkeypatch.chdir(tmp_path)
+def study(exported: Path, monkeypatch: pytest.MonkeyPatch) -> Means:
+    """Go to the exports, and return the mean times from the database."""
+    monkeypatch.chdir(exported)
     rows = sql(
-        data,
+        exported / "data",
         "SELECT task, participant, level, avg(reaction_time_ms), avg(json_extract(details, '$.reach_time_ms'))"
         " FROM trials JOIN attempts USING (session, attempt, seat) JOIN seats USING (session, seat)"
         " JOIN sessions ON sessions.id=session WHERE trials.correct AND NOT practice GROUP BY 1, 2, 3",
@@ -94,7 +99,9 @@ def test_pandas(study: Means, tmp_path: Path) -> None:
 @needs_r
 def test_r(study: Means, tmp_path: Path) -> None:
     (tmp_path / "script.R").write_text(script("r"))
-    done = subprocess.run(["Rscript", "script.R"], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        ["Rscript", tmp_path / "script.R"], capture_output=True, text=True, check=True
+    )
     found: dict[str, list[list[str]]] = {}
     for line in done.stdout.splitlines():
         *row, last = line.split()
@@ -106,15 +113,15 @@ def test_r(study: Means, tmp_path: Path) -> None:
 
 
 @needs_octave
-def test_octave(study: Means, tmp_path: Path) -> None:
+def test_octave(study: Means) -> None:
     lines = [line.split() for line in _octave(script("matlab"))]
     for index, name in enumerate((REACTION, REACH), 3):
         assert _means([[*line[:3], line[index]] for line in lines]) == study[name]
 
 
 @needs_octave
-def test_octave_reads_samples_and_texts(study: Means, tmp_path: Path) -> None:
-    trials, samples = read_csv(tmp_path / "study", "trials"), read_csv(tmp_path / "study", "imu")
+def test_octave_reads_samples_and_texts(study: Means) -> None:
+    trials, samples = read_csv(Path("study"), "trials"), read_csv(Path("study"), "imu")
     example = re.sub(r"session_\w+", f"session_{samples[0]['session']}", script("matlab samples"))
     said = _octave("\n".join([example, script("matlab texts"), "disp(notes{1})"]))
     found = [float(line.split()[-2]) for line in said if line.startswith("attempt")]
@@ -145,5 +152,5 @@ def test_the_pages_format_works(
     made = runpy.run_path(str(tmp_path / "counts.py"))["Counts"]
     monkeypatch.setattr("tests.export.exported.load", lambda name: made())
     assert registry.names()[0] == "csv"
-    export_csv(tmp_path / "data", tmp_path / "counted")
+    export_csv(Path("data"), tmp_path / "counted")
     assert '"sessions": 2' in (tmp_path / "counted" / "counts.json").read_text()

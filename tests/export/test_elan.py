@@ -1,7 +1,6 @@
 """Sessions leave as tiers for ELAN: valid documents, in which every act is at its time."""
 
 import re
-import sys
 from datetime import datetime
 from itertools import chain
 from pathlib import Path
@@ -18,7 +17,7 @@ from tests.export.resumed import resumed
 from tests.export.test_outputs import REPORTS, store_messages, store_reports
 from tests.export.varied import NOTE, store_trials, varied
 from tests.program import Call
-from tests.store.by_hand import insert, sql
+from tests.store.by_hand import insert
 
 Tiers = dict[str, list[tuple[int, int, str]]]
 MS = 1_000_000
@@ -104,21 +103,6 @@ def values(tiers: Tiers, name: str) -> list[str]:
     return [value for _, _, value in _all(tiers, name)]
 
 
-def test_texts_leave_only_if_they_are_asked_for(tmp_path: Path) -> None:
-    data = tmp_path / "data"
-    varied(data)
-    export_as("elan", data, tmp_path / "out")
-    written = "".join(path.read_text("utf-8") for path in (tmp_path / "out").glob("*.eaf"))
-    said = sql(data, "SELECT json_extract(final, '$.text') FROM actions WHERE final IS NOT NULL")
-    typed = "FROM answers WHERE kind='text' AND status='answered'"
-    said += sql(data, f"SELECT json_extract(answer, '$') {typed}")
-    texts = [text for (text,) in said if text]
-    assert texts
-    assert not [text for text in (*texts, "me duele", "pausa") if text in written]
-    assert ">feedback<" in written
-    assert ">operator: note<" in written
-
-
 def test_the_parts_of_an_action_are_tiers(tmp_path: Path) -> None:
     data = tmp_path / "data"
     store_trials(data, [])
@@ -176,13 +160,3 @@ def test_any_acts_make_a_valid_document_and_none_is_lost(
     document(tiers, "2026-01-01T00:00:00+00:00").to_file(path)
     found = [each[:2] for each in _all(read_eaf(path), "notes")]
     assert sorted(found) == sorted((each.start, each.end) for each in given)
-
-
-def test_without_pympi_a_sentence_says_how_to_install_it(
-    call: Call, simulated: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(sys.modules, "pympi", None)
-    called = call("export --all --simulated --format elan --to", tmp_path / "out")
-    assert called.code == 1
-    assert "pip install -e '.[export]'" in called.err
-    assert not (tmp_path / "out").exists()

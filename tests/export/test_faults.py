@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from sar_tui.export.errors import ExportError
 from sar_tui.export.registry import names
 from sar_tui.export.target import LOCK
 from sar_tui.store.database import FILE, connect
@@ -97,16 +98,6 @@ def test_a_full_disk_leaves_no_export_and_the_database_as_it_was(
     assert content(study) == before
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="a place where nobody can write")
-# a folder of its own, and one that many sites share
-@pytest.mark.parametrize("format", ["csv", "parquet"])
-def test_a_target_that_cannot_be_written_is_named(study: Path, call: Call, format: str) -> None:
-    called = call("export", *EVERYTHING, "--format", format, "--to", "/proc/nowhere/out")
-    assert called.code in (1, 2)
-    assert "/proc/nowhere" in called.err
-    assert len(called.err.strip().splitlines()) == 1, called.err
-
-
 @pytest.mark.skipif(sys.platform == "win32", reason="symbolic links")
 def test_a_link_is_no_way_to_replace_its_target(study: Path, tmp_path: Path, call: Call) -> None:
     (tmp_path / "elsewhere").mkdir()
@@ -129,6 +120,24 @@ def test_hard_sessions_are_named_and_others_leave(study: Path, tmp_path: Path, f
     assert {id for id in stored - set(exported.sessions) if id not in said} == set()
     assert stored - set(exported.sessions) <= {EMPTY, INTERRUPTED}
     assert content(study) == before
+
+
+@pytest.mark.parametrize(
+    ("format", "module", "extra"),
+    [("mat", "scipy.io", "export"), ("elan", "pympi", "export"), ("parquet", "pyarrow", "lake")],
+)
+def test_a_format_whose_package_is_missing_says_how_to_install_it(
+    study: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    format: str,
+    module: str,
+    extra: str,
+) -> None:
+    monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(ExportError, match=rf"pip install -e '\.\[{extra}\]'"):
+        export_as(format, study, tmp_path / "out")
+    assert not files(tmp_path / "out")
 
 
 @pytest.mark.parametrize("release", RELEASES)

@@ -2,10 +2,15 @@
 devices and places never leave.
 """
 
+from pathlib import Path
+
 import pytest
 
 from sar_tui.export.columns import stored
+from sar_tui.model.messages import FeedbackChoice
+from sar_tui.model.messages.loop import Timing
 from sar_tui.store.tables import TABLES
+from tests.export.exported import csv_of
 
 
 @pytest.mark.parametrize(
@@ -41,3 +46,9 @@ def test_every_stamp_date_and_id_has_the_treatment_that_a_recoded_export_replace
         if source.endswith(ending) and treatment not in (right, "inner")
     }
     assert found == {}
+
+
+def test_every_field_of_timing_and_choice_has_a_column(simulated: str, data: Path) -> None:
+    (trial, *_), (attempt, *_) = csv_of(data, "trials"), csv_of(data, "attempts")
+    assert set(Timing.__struct_fields__) - set(trial) == set()
+    assert {f"choice_{name}" for name in FeedbackChoice.__struct_fields__} - set(attempt) == set()

@@ -2,7 +2,6 @@
 say.
 """
 
-import sys
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -105,14 +104,6 @@ def test_the_codebook_describes_every_field(simulated: str, tmp_path: Path) -> N
     assert (units[long["name"]], units["onset_s"]) == ("ms", "s")
 
 
-def test_an_empty_session_leaves(tmp_path: Path) -> None:
-    store_trials(tmp_path / "data", [])
-    export_as("mat", tmp_path / "data", tmp_path / "out")
-    found = mat_files.columns(tmp_path / "out", mat_files.with_scipy)
-    assert found["sessions"]["status"] == ["interrupted"]
-    assert found["trials"]["reaction_time_ms"] == []
-
-
 def test_a_session_too_large_for_a_file_is_named_and_the_rest_leaves(
     tmp_path: Path, simulated: str, call: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -129,13 +120,3 @@ def test_a_session_too_large_for_a_file_is_named_and_the_rest_leaves(
     assert called.code == 1
     assert f"Session {simulated} is left out" in called.err
     assert [path.name for path in (tmp_path / "out").glob("session_*")] == ["session_s1.mat"]
-
-
-def test_without_scipy_a_sentence_says_how_to_install_it(
-    call: Call, simulated: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(sys.modules, "scipy.io", None)
-    called = call("export --all --simulated --format mat --to", tmp_path / "out")
-    assert called.code == 1
-    assert "pip install -e '.[export]'" in called.err
-    assert not (tmp_path / "out").exists()

@@ -3,7 +3,6 @@ it lacks.
 """
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from sar_tui.export.registry import BUNDLED
 from tests.export.exported import export_as, export_csv, read_csv
 from tests.played import simulated
 from tests.program import Call
+from tests.sides_task import TASK
 from tests.store.by_hand import sql
 
 _SOURCE = """
@@ -20,32 +20,16 @@ from typing import Annotated
 
 import msgspec
 
-from sar_tui.loop.task import Task
-from sar_tui.model.trial_types import Details, Metric
-
-
-class Gone(Task):
-    name = "gone"
-    title = "Gone"
-    summary = "A task of somebody else."
-    metric = Metric("reaction_time", unit="ms", better="lower")
-
+from sar_tui.model.trial_types import Details
+""" + TASK.replace(
+    '    name = "sides"',
+    """
     class Details(Details, frozen=True):
-        side: Annotated[str, msgspec.Meta(description="The side that was named.")]
         remark: Annotated[str, msgspec.Meta(description="What the task says of the trial.")]
 
-    def instructions(self):
-        return "Press the key."
-
-    def goal(self, level):
-        return "As fast as you can."
-
-    def stimulus(self, situation):
-        return None
-
-    def perceived(self, trial, percept):
-        return None
-"""
+    name = "gone"
+""",
+)
 
 
 @pytest.fixture
@@ -94,36 +78,21 @@ def test_an_export_says_which_declaration_it_lacks(data: Path, tmp_path: Path, f
         assert _SAID in readme.read_text()
 
 
-@pytest.fixture
-def export(call: Call, data: Path, tmp_path: Path) -> Callable[..., str]:
-    """Export everything into a folder, with a task of one's own; return what it said."""
-
-    def with_task(folder: str, source: str = "") -> str:
-        own = tmp_path / "own"
-        if source:
-            (own / "gone").mkdir(parents=True)
-            (own / "gone" / "task.py").write_text(source)
-        tasks = ("--tasks", own) if source else ()
-        called = call("export --all --simulated --to", tmp_path / folder, *tasks)
-        assert called.code == 0
-        return called.err
-
-    return with_task
-
-
-def test_all_details_leave_with_texts_or_the_task(
-    export: Callable[..., str], data: Path, tmp_path: Path
-) -> None:
+def test_all_details_leave_with_texts_or_the_task(call: Call, data: Path, tmp_path: Path) -> None:
     with_notes = export_csv(data, tmp_path / "noted", with_notes=True)
     assert "details_remark" not in with_notes.notices[0]
-    assert export("with", _SOURCE) == ""
+    for source, folder, said in (
+        (_SOURCE, "with", ""),
+        ("import nothing_of_this_name", "without", f"! {_SAID}\n"),
+    ):
+        own = tmp_path / f"{folder}-tasks" / "gone" / "task.py"
+        own.parent.mkdir(parents=True)
+        own.write_text(source)
+        to = ("--to", tmp_path / folder, "--tasks", own.parents[1])
+        called = call("export --all --simulated", *to)
+        assert (called.code, called.err) == (0, said)
     for folder in ("noted", "with"):
         assert {row["details_remark"] for row in rows_of_gone(tmp_path / folder)} == {"too far out"}
-    assert export("without") == f"! {_SAID}\n"
-
-
-def test_a_task_that_fails_to_load_is_named_alike(export: Callable[..., str]) -> None:
-    assert export("out", "import nothing_of_this_name") == f"! {_SAID}\n"
 
 
 def test_a_detail_an_installed_task_does_not_declare_is_text(data: Path, tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ REPORTS: list[tuple[str, str, str, str, int]] = [
 ]  # fmt: skip
 
 
-def test_each_part_of_an_action_has_its_times(tmp_path: Path) -> None:
+def test_each_part_of_an_action_and_each_signal_for_cameras_has_its_times(tmp_path: Path) -> None:
     store_trials(tmp_path, [])
     store_reports(tmp_path, REPORTS)
     names = ("action", "output", "deed", "started_ns", "ended_ns", "outcome")
@@ -27,10 +27,6 @@ def test_each_part_of_an_action_has_its_times(tmp_path: Path) -> None:
         ("go-1", "ros", "tone", None, None, None),
         ("a1", "speech", "say", 60, 70, "done"),
     ]
-
-
-def test_signals_for_cameras_leave(tmp_path: Path) -> None:
-    store_trials(tmp_path, [])
     flash = {"what": "flash", "source": "flush"}
     store_messages(tmp_path, "output/sync", [flash | {"at": 5}])
     (row,) = csv_of(tmp_path, "sync_signals")

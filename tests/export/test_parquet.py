@@ -2,10 +2,7 @@
 them.
 """
 
-import json
-import math
 import re
-import sys
 from contextlib import closing
 from datetime import datetime
 from pathlib import Path
@@ -13,20 +10,15 @@ from typing import Any
 
 import duckdb
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from pyarrow import parquet
 
 from sar_tui.export.errors import ExportError
 from sar_tui.export.export import Exported
-from sar_tui.export.formats.parquet import ROWS, ParquetFormat
+from sar_tui.export.formats.parquet import ROWS
 from sar_tui.store import sites
 from sar_tui.store.database import connect
-from tests.examples import examples
 from tests.export.exported import export_as, export_csv, read_csv
 from tests.export.hard_study import store_study
-from tests.export.test_round_trip import TRIAL
-from tests.export.varied import store_trials
 from tests.played import simulated
 from tests.store.by_hand import sql, value
 
@@ -74,33 +66,11 @@ def test_exports_of_many_sites_in_a_folder_are_one_data_set(clinic: Any, tmp_pat
     assert all(time > 0 for (time,) in times)
     for table in lake.iterdir():
         assert len({str(parquet.read_schema(path)) for path in table.rglob("*.parquet")}) <= 1
-
-
-def test_a_file_describes_its_columns(clinic: Any, tmp_path: Path) -> None:
-    leave(clinic("BERN", "keyboard"), tmp_path / "lake")
-    (path,) = (tmp_path / "lake").glob("trials/site=BERN/*/trials-BERN-*.parquet")
+    (path,) = lake.glob("trials/site=JENA/*/trials-JENA-*.parquet")
     field = parquet.read_schema(path).field("reaction_time_ms")
     assert field.metadata[b"unit"] == b"ms"
     assert b"Missing for a miss" in field.metadata[b"meaning"]
     assert re.fullmatch(r"month=\d{4}-\d{2}", path.parent.name)
-
-
-@given(rows=st.lists(TRIAL, max_size=5))
-@examples(100)
-def test_odd_texts_and_numbers_are_read_back_as_they_are_stored(
-    tmp_path_factory: Any, rows: list[dict[str, Any]]
-) -> None:
-    place = tmp_path_factory.mktemp("odd")
-    store_trials(place, rows)
-    leave(place, place / "lake")
-    names = "stimulus response correct onset_ns response_ns reaction_time_ms".split()
-    read = query(place / "lake", "trials", ", ".join([*names, "details"]), "ORDER BY trial")
-    for (*got, told), row in zip(read, rows, strict=True):
-        time = row["reaction_time_ms"]
-        row["reaction_time_ms"] = time if time is not None and math.isfinite(time) else None
-        assert got == [row[name] for name in names]
-        known = json.loads(row["details"] or "null") or {}
-        assert json.loads(told) == {name: each for name, each in known.items() if each is not None}
 
 
 def test_rows_beyond_one_block_are_all_there(
@@ -114,22 +84,6 @@ def test_rows_beyond_one_block_are_all_there(
     assert ROWS > 7
 
 
-def test_an_export_replaces_the_data_of_its_own_site_only(clinic: Any, tmp_path: Path) -> None:
-    lake = tmp_path / "lake"
-
-    def files() -> dict[Path, bytes]:
-        found = lake.glob("*/site=BERN/**/*")
-        return {path: path.read_bytes() for path in found if path.is_file()}
-
-    leave(clinic("BERN", "keyboard"), lake)
-    leave(clinic("ULM", "keyboard"), lake)
-    before = files()
-    leave(clinic("ULM", "keyboard"), lake)
-    assert files() == before
-    found = query(lake, "sessions", "site, count(*)", "GROUP BY ALL ORDER BY ALL")
-    assert found == [("BERN", 1), ("ULM", 2)]
-
-
 def test_a_database_without_a_code_is_local_until_it_has_one(tmp_path: Path) -> None:
     data, lake = tmp_path / "data", tmp_path / "lake"
     simulated(data, user="poor", attempts=1)
@@ -139,27 +93,6 @@ def test_a_database_without_a_code_is_local_until_it_has_one(tmp_path: Path) -> 
         with closing(connect(data)) as database:
             sites.set_own(database, "BERN")
     assert not list(lake.glob("*/site=local"))
-
-
-def test_an_export_that_was_stopped_while_its_files_were_moved_is_finished_by_the_next_of_the_site(
-    clinic: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    data, lake = clinic("BERN", "keyboard"), tmp_path / "lake"
-    moves, rename = iter(range(5)), Path.rename
-
-    def move(path: Path, to: Path) -> Path:
-        if next(moves, None) is None:
-            raise KeyboardInterrupt
-        return rename(path, to)
-
-    with monkeypatch.context() as stopping:
-        stopping.setattr(Path, "rename", move)
-        with pytest.raises(KeyboardInterrupt):
-            leave(data, lake)
-    assert not list(lake.glob("sessions/*/*/*.parquet")), "only some tables were moved"
-    assert leave(data, lake).problems == []
-    assert query(lake, "sessions", "count(*)") == [(1,)]
-    assert not list(lake.glob(".site=*"))
 
 
 def test_another_database_of_a_site_does_not_replace_its_data(clinic: Any, tmp_path: Path) -> None:
@@ -226,12 +159,6 @@ def test_months_follow_shifted_dates(clinic: Any, tmp_path: Path) -> None:
         assert month == f"{began:%Y-%m}"
     ((code,),) = query(lake, "participants", "participant")
     assert code != "P01"
-
-
-def test_without_the_package_it_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with pytest.raises(ExportError, match=r"pip install -e '\.\[lake\]'"):
-        ParquetFormat()
 
 
 def test_the_query_of_the_page_gives_what_the_databases_hold(

@@ -34,14 +34,8 @@ def data(tmp_path: Path) -> Path:
         "speech": f"file:/home/{NEVER}",
         "imu": f"x://{NEVER}",
     }
-    report = {
-        "action": "a1",
-        "output": f"ros://{NEVER}",
-        "deed": "say",
-        "state": "failed",
-        "at": 1,
-        "detail": NEVER,
-    }
+    report = {"action": "a1", "output": f"ros://{NEVER}", "deed": "say", "state": "failed", "at": 1,
+              "detail": NEVER}  # fmt: skip
     texts = {"own": TYPED, "count": 3, **addresses}
     with closing(connect(folder)) as database:
         for table, changes, *values in (
@@ -51,8 +45,9 @@ def data(tmp_path: Path) -> Path:
             ("imu_streams", "serial=?, source=?", NEVER, f"phidget://{NEVER}"),
             (
                 "actions",
-                "actor=?, proposed=json_set(proposed, '$.text', ?)",
+                "actor=?, proposed=json_set(proposed, '$.text', ?), final=json_set(final, '$.text', ?)",
                 f"operator.{NEVER}",
+                TYPED,
                 TYPED,
             ),
             ("trials", "details=json_set(details, '$.remark', ?)", TYPED),
@@ -60,19 +55,11 @@ def data(tmp_path: Path) -> Path:
             sql(database, f"UPDATE {table} SET {changes}", *values)
         add_message(database, session, 0, 1, "output/report", report)
         for author in (f"operator.{NEVER}", NEVER):
-            insert(
-                database, "notes", session=session, at_ns=1, author=author, text=TYPED, label=TYPED
-            )
+            note = {"author": author, "text": TYPED, "label": TYPED}
+            insert(database, "notes", session=session, at_ns=1, **note)
         own = json.dumps({"own": TYPED, **addresses})
-        insert(
-            database,
-            "programmes",
-            task="reaching",
-            created_at=NOW,
-            author=NEVER,
-            reason=TYPED,
-            parameters=own,
-        )
+        typed = {"author": NEVER, "reason": TYPED, "parameters": own}
+        insert(database, "programmes", task="reaching", created_at=NOW, **typed)
         contents: dict[str, Any] = {
             "adverse-event": {"what": TYPED, "severity": "mild", "outcome": TYPED},
             "ARAT": {"score": 7, "note": TYPED},

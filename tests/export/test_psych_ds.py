@@ -60,15 +60,3 @@ def test_every_column_has_its_meaning_and_unit(study: Path, tmp_path: Path) -> N
     time, angle = columns["reaction_time_ms"], columns["details_excursion_deg"]
     assert (time["@type"], time["unitText"], angle["unitText"]) == ("PropertyValue", "ms", "deg")
     assert all(each["description"] for each in (*known, *beside))
-
-
-def test_the_rules_find_planted_errors(study: Path, tmp_path: Path) -> None:
-    folder, data = tmp_path / "out", tmp_path / "out" / "data"
-    export_psych_ds(study, folder)
-    (data / "description-runs_data.csv").rename(data / "description-all-runs_data.csv")
-    (data / "description-trials_data.json").write_text('{"variableMeasured": ["session"]}')
-    (folder / "other.txt").write_text("x")
-    found = complaints(folder)
-    assert "FILENAME_KEYWORD_FORMATTING_ERROR description-all-runs_data.csv" in found
-    assert "CSV_COLUMN_MISSING_FROM_METADATA description-trials_data.csv stimulus" in found
-    assert "FILE_NOT_CHECKED other.txt" in found

@@ -5,60 +5,52 @@ alike.
 import csv
 import errno
 import os
+import shutil
 from collections import Counter
 from contextlib import closing
 from pathlib import Path
-from threading import Thread
 from typing import Any
 
 import frictionless
 import pytest
+from filelock import FileLock
 
 from sar_tui.export import recoding as recoding_module
 from sar_tui.export.errors import ExportError
 from sar_tui.export.export import _UNRECORDED
-from sar_tui.export.recoding import Recoding, shifted
+from sar_tui.export.recoding import shifted
 from sar_tui.store import participants
 from sar_tui.store.database import connect
 from tests.export.exported import csv_of, export_as, export_csv, read_csv
 from tests.played import simulated
 from tests.program import Call
+from tests.recorded import event, score
 from tests.store.by_hand import insert, sql, value
 
 CODES = {"ANNA", "BEA", "CARL"}
 
 
-@pytest.fixture
-def data(tmp_path: Path) -> Path:
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Sessions of three persons, two of them together, and what was entered about one."""
-    folder, by = (
-        tmp_path / "data",
-        {"recorded_by": "me", "recorded_at": "2026-03-01T10:00:00+00:00"},
-    )
+    folder = tmp_path_factory.mktemp("stored") / "data"
     for code in ("CARL", "ANNA"):
         simulated(folder, "keyboard", code, user="poor", attempts=1)
     simulated(folder, "pairs", "ANNA", "BEA", user="poor", attempts=1, address="code")
     with closing(connect(folder)) as database:
         for code in sorted(CODES):
             participants.add(database, code)
-        for kind, at, content in (
-            ("ARAT", "2026-03-01", '{"score":7}'),
-            ("adverse-event", "2026-03-01 14:30", '{"what":"Fell","severity":"mild"}'),
-        ):
-            insert(
-                database,
-                "records",
-                id=kind,
-                kind=kind,
-                participant="ANNA",
-                at=at,
-                content=content,
-                **by,
-            )
-        insert(
-            database, "programmes", participant="ANNA", created_at=by["recorded_at"], author="me"
-        )
+        score(database, "ANNA", "ARAT", "2026-03-01", 7)
+        event(database, "ANNA", "2026-03-01T14:30", what="Fell", severity="mild")
+        made = {"participant": "ANNA", "created_at": "2026-03-01T10:00:00+00:00"}
+        insert(database, "programmes", author="me", **made)
     return folder
+
+
+@pytest.fixture
+def data(stored: Path, tmp_path: Path) -> Path:
+    """A copy of them."""
+    return Path(shutil.copytree(stored, tmp_path / "data"))
 
 
 @pytest.fixture
@@ -85,25 +77,6 @@ def test_no_code_leaves_and_the_map_brings_them_back(data: Path, tmp_path: Path)
         assert plain == Counter(row["participant"] for row in read_csv(out, table))
     assert frictionless.validate(str(out / "datapackage.json")).valid
     assert os.name != "posix" or map_path.stat().st_mode & 0o777 == 0o600
-
-
-def test_a_format_gets_no_code_but_the_random_ones(
-    data: Path, map_path: Path, tmp_path: Path
-) -> None:
-    seen: set[str] = set()
-
-    class Names:
-        name = "csv"
-
-        def write(self, contents: Any, folder: Path, progress: Any) -> None:
-            for table in contents.tables:
-                for owner in contents.owners(table):
-                    seen.add(owner)
-                    seen.update(str(value) for row in contents.rows(table, owner) for value in row)
-
-    export_as(Names(), data, tmp_path / "out", recode=map_path)  # type: ignore[arg-type]
-    assert {code for code, _ in read_map(map_path).values()} <= seen
-    assert seen & CODES == set()
 
 
 _DATES = {
@@ -133,24 +106,24 @@ def test_all_dates_of_a_person_are_shifted_by_the_same_days(
         assert row["clock_utc"][:10] == began[row["session"]][:10]
 
 
-def test_a_map_is_used_again(data: Path, map_path: Path) -> None:
-    map_path.write_text("code,recoded,shift_days,key\r\nBEA,XY,-3,ab12\r\n")
+@pytest.mark.parametrize(
+    ("written", "key"),
+    [("code,recoded,shift_days,key\r\nBEA,XY,-3,ab12\r\n", "ab12"),
+     ("code,recoded,shift_days\r\nBEA,XY,-3\r\n", None)],
+    ids=["as now", "of an earlier version"],
+)  # fmt: skip
+def test_a_map_is_used_again(data: Path, map_path: Path, written: str, key: str | None) -> None:
+    map_path.write_text(written)
     one = csv_of(data, "trials", recode=map_path)
     first = read_map(map_path)
     two = csv_of(data, "trials", recode=map_path)
     assert read_map(map_path) == first
     assert (first["BEA"], first["ANNA"][1]) == (("XY", -3), -3)
+    (kept,) = {line.rpartition(",")[2] for line in map_path.read_text().splitlines()[1:]}
+    assert kept == (key or kept)
+    assert key or len(kept) == 32
     same = "the same ids of sessions, in another order"
     assert Counter(str(row) for row in one) == Counter(str(row) for row in two), same
-
-
-def test_a_map_of_an_earlier_version_gets_a_key(data: Path, map_path: Path, tmp_path: Path) -> None:
-    map_path.write_text("code,recoded,shift_days\r\nANNA,A,-1\r\nBEA,B,-3\r\nCARL,C,-2\r\n")
-    export_csv(data, tmp_path / "out", recode=map_path)
-    assert read_map(map_path) == {"ANNA": ("A", -1), "BEA": ("B", -3), "CARL": ("C", -2)}
-    with map_path.open(encoding="utf-8", newline="") as file:
-        (key,) = {row["key"] for row in csv.DictReader(file)}
-    assert len(key) == 32
 
 
 def test_ids_and_seeds_leave_as_others_equal_where_they_were(data: Path, map_path: Path) -> None:
@@ -254,33 +227,17 @@ def test_a_new_map_of_an_export_that_failed_is_named(
     assert call(*words).code == 0
 
 
-def test_two_exports_at_once_agree_on_the_codes(
-    data: Path, map_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_a_map_that_another_export_writes_is_left_alone(
+    data: Path, map_path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The second one must not read the map before the codes of the first are in it, and then
-    replace them.
-    """
-    told: list[str] = []
-    write = recoding_module._write
-
-    def write_while_another_begins(path: Path, known: Recoding) -> None:
-        other = Thread(target=another)
-        other.start()
-        other.join()
-        write(path, known)
-
-    def another() -> None:
-        with closing(connect(data)) as database, pytest.raises(ExportError) as refused:
-            recoding_module.recoding(database, map_path, CODES)
-        told.append(str(refused.value))
-
+    """Otherwise the codes of one could be replaced by those of the other."""
     monkeypatch.setattr(recoding_module, "_LOCK_TIMEOUT_S", 0)
-    monkeypatch.setattr(recoding_module, "_write", write_while_another_begins)
-    with closing(connect(data)) as database:
-        given = recoding_module.recoding(database, map_path, CODES)
-    assert told == [f"Another export is writing {map_path}. Try again when it has ended."]
-    codes = {code: (each.code, each.shift_days) for code, each in given.people.items()}
-    assert read_map(map_path) == codes
+    with (
+        FileLock(tmp_path / ".map.csv.lock"),
+        pytest.raises(ExportError, match=f"Another export is writing {map_path}"),
+    ):
+        export_csv(data, tmp_path / "out", recode=map_path)
+    assert not map_path.exists()
 
 
 def test_a_map_that_cannot_be_made_is_named(call: Call, data: Path, tmp_path: Path) -> None:

@@ -14,15 +14,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.export.csv_file import cell
-from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
 from tests.examples import examples
 from tests.export import mat_files
 from tests.export.exported import export_as, read_csv
-from tests.export.varied import store_trials
+from tests.export.varied import store_trials, varied
 from tests.needs_statistics import needs_octave
-from tests.played import simulated
 
 Read = Callable[[Path], list[dict[str, Any]]]
 
@@ -38,10 +36,6 @@ def from_mat(folder: Path) -> list[dict[str, Any]]:
 def from_mat_by_octave(folder: Path) -> list[dict[str, Any]]:
     return mat_files.rows(folder, "trials", mat_files.with_octave)
 
-
-each_format = pytest.mark.parametrize(
-    ("format", "read"), [("csv", from_csv), ("mat", from_mat)], ids=["csv", "mat"]
-)  # fmt: skip
 
 WRITTEN: dict[Read, Callable[[Any], Any]] = {from_csv: cell}
 """Values as a format writes them, if not as they are."""
@@ -77,50 +71,12 @@ def assert_equal_to_the_database(data: Path, trials: list[dict[str, Any]], read:
         assert {name: row[name] for name in expected} == expected
 
 
-SETTINGS = {
-    "keyboard": st.fixed_dictionaries(
-        {
-            "attempts": st.integers(1, 2),
-            "prompts_per_attempt": st.integers(1, 6),
-            "response_timeout_ms": st.sampled_from([700, 5000]),
-            "feedback_schedule": st.sampled_from(["every", "summary", "none"]),
-        }
-    ),
-    "reaching": st.fixed_dictionaries(
-        {"attempts": st.just(1), "reaches_per_attempt": st.integers(1, 2)}
-    ),
-    "pairs": st.fixed_dictionaries(
-        {
-            "attempts": st.just(1),
-            "policy": st.sampled_from(["alternate", "race", "cooperative", "joint attention"]),
-        }
-    ),
-}
-GENERATED: dict[str, Any] = {
-    "played": st.lists(
-        st.sampled_from(sorted(SETTINGS)).flatmap(
-            lambda task: st.tuples(st.just(task), SETTINGS[task])
-        ),
-        min_size=1,
-        max_size=3,
-    ),
-    "seed": st.integers(0, 2**31),
-    "user": st.sampled_from(sorted(PEOPLE)),
-}
-
-
 @needs_octave
-@given(**GENERATED)
-@examples(20)
-def test_trials_of_generated_sessions(
-    tmp_path_factory: Any, played: list[tuple[str, dict[str, Any]]], seed: int, user: str
-) -> None:
-    place = tmp_path_factory.mktemp("played")
-    for number, (task, settings) in enumerate(played):
-        simulated(place / "data", task, f"P{number}", user=user, seed=seed + number, **settings)
+def test_trials_of_played_sessions(tmp_path: Path) -> None:
+    varied(tmp_path / "data")
     for format, read in {"csv": from_csv, "mat": from_mat_by_octave}.items():
-        export_as(format, place / "data", place / format)
-        assert_equal_to_the_database(place / "data", read(place / format), read)
+        export_as(format, tmp_path / "data", tmp_path / format)
+        assert_equal_to_the_database(tmp_path / "data", read(tmp_path / format), read)
 
 
 TEXT = st.text(
@@ -155,32 +111,21 @@ TRIAL = st.fixed_dictionaries(
 )
 
 
-@each_format
+@pytest.mark.parametrize(
+    ("format", "read"), [("csv", from_csv), ("mat", from_mat)], ids=["csv", "mat"]
+)
 @given(rows=st.lists(TRIAL, max_size=5))
 @examples(200)
 def test_odd_texts_and_numbers(
     tmp_path_factory: Any, format: str, read: Read, rows: list[dict[str, Any]]
 ) -> None:
-    _assert_they_come_back(tmp_path_factory.mktemp("odd"), format, read, rows)
-
-
-@pytest.mark.slow
-@needs_octave
-@given(rows=st.lists(TRIAL, min_size=10, max_size=40))
-@examples(10)
-def test_odd_texts_and_numbers_in_octave(tmp_path_factory: Any, rows: list[dict[str, Any]]) -> None:
-    _assert_they_come_back(tmp_path_factory.mktemp("odd"), "mat", from_mat_by_octave, rows)
-
-
-def _assert_they_come_back(
-    place: Path, format: str, read: Read, rows: list[dict[str, Any]]
-) -> None:
+    place = tmp_path_factory.mktemp("odd")
     store_trials(place / "data", rows)
     export_as(format, place / "data", place / "out")
     for row in rows:
         if row["reaction_time_ms"] is not None and not math.isfinite(row["reaction_time_ms"]):
             row["reaction_time_ms"] = None  # of an earlier version, and read as no result
-    found = read(place / "out") if rows else []
+    found = read(place / "out")
     assert_equal_to_the_database(place / "data", found, read)
     written = WRITTEN.get(read, lambda same: same)
     assert [row["stimulus"] for row in found] == [written(row["stimulus"]) or None for row in rows]

@@ -61,9 +61,11 @@ def test_what_a_task_keeps_tells_no_clock_and_no_date(name: str, value: Any, lea
     assert without_dates(name, value, START, days=-1) == leaves
 
 
-def test_small_numbers_stay_although_the_machine_had_just_been_started() -> None:
-    assert without_dates("details_count", 12, start=10, days=-1) == 12
-    assert without_dates("details_turn_ns", 12, start=10, days=-1) == 2
+@pytest.mark.parametrize(("name", "leaves"), [("details_count", 12), ("details_turn_ns", 2)])
+def test_small_numbers_stay_although_the_machine_had_just_been_started(
+    name: str, leaves: int
+) -> None:
+    assert without_dates(name, 12, start=10, days=-1) == leaves
 
 
 def test_times_within_each_run_of_a_resumed_session_stay(tmp_path: Path) -> None:
@@ -85,3 +87,19 @@ def test_times_within_each_run_of_a_resumed_session_stay(tmp_path: Path) -> None
             for row in read_csv(tmp_path / "plain", table)
         ]
         assert [row[stamp] for row in read_csv(tmp_path / "out", table)] == plain, table
+
+
+def test_rows_of_a_resumed_session_name_the_run_whose_clock_stamped_them(tmp_path: Path) -> None:
+    resumed(tmp_path / "data")
+    export_csv(tmp_path / "data", tmp_path / "out", with_notes=True)
+    notes = [(row["text"], row["run"]) for row in read_csv(tmp_path / "out", "notes")]
+    assert notes == [("in run 1", 1), ("in run 2", 2)]
+    begun = {row["run"]: row["clock_ns"] for row in read_csv(tmp_path / "out", "runs")}
+    assert begun[2] < begun[1], "the second run's clock began anew"
+    actions = read_csv(tmp_path / "out", "actions")
+    assert {row["run"] for row in actions} == {1, 2}
+    for row in actions:
+        assert row["run"] == (1 if row["decided_ns"] >= begun[1] else 2)
+    first, second = read_csv(tmp_path / "out", "attempts")
+    assert [(row["started_run"], row["run"]) for row in (first, second)] == [(1, 1), (1, 2)]
+    assert second["started_ns"] >= begun[1] > second["ended_ns"] >= begun[2]

@@ -34,7 +34,9 @@ def names(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 
 
-def test_the_folder_appears_when_it_is_complete(tmp_path: Path) -> None:
+def test_the_folder_appears_when_it_is_complete_is_its_owners_and_is_replaced_as_a_whole(
+    tmp_path: Path,
+) -> None:
     folder = tmp_path / "deep" / "out"
     with target(folder, "csv") as hidden:
         (hidden / "a.csv").write_text("1")
@@ -42,14 +44,12 @@ def test_the_folder_appears_when_it_is_complete(tmp_path: Path) -> None:
         write_manifest(hidden, format="csv")
         sync(hidden)
     assert names(folder) == ["a.csv", "sar-tui-export.json"]
+    if os.name == "posix":
+        assert {path.stat().st_mode & 0o777 for path in folder.iterdir()} == {0o600}
+        assert folder.stat().st_mode & 0o777 == 0o700
+    made(folder, "2", "b.csv")
+    assert names(folder) == ["b.csv", "sar-tui-export.json"]
     assert names(folder.parent) == ["out"]
-
-
-@pytest.mark.skipif(os.name != "posix", reason="permissions of POSIX")
-def test_only_its_owner_can_read_it(tmp_path: Path) -> None:
-    made(tmp_path / "out")
-    assert {path.stat().st_mode & 0o777 for path in (tmp_path / "out").iterdir()} == {0o600}
-    assert (tmp_path / "out").stat().st_mode & 0o777 == 0o700
 
 
 @pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt()])
@@ -60,13 +60,6 @@ def test_a_failure_leaves_an_earlier_export_whole(tmp_path: Path, error: BaseExc
             fail(tmp_path / name, error)
     assert names(tmp_path) == ["old"]
     assert (tmp_path / "old" / "a.csv").read_text() == "1"
-
-
-def test_an_earlier_export_is_replaced_as_a_whole(tmp_path: Path) -> None:
-    made(tmp_path / "out")
-    made(tmp_path / "out", "2", "b.csv")
-    assert names(tmp_path / "out") == ["b.csv", "sar-tui-export.json"]
-    assert names(tmp_path) == ["out"]
 
 
 def test_other_files_are_never_touched(tmp_path: Path) -> None:
@@ -146,6 +139,8 @@ def test_an_export_is_put_back_if_a_program_was_killed_replacing_it(tmp_path: Pa
 def test_a_folder_that_cannot_be_made_is_named_and_no_hidden_one(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("mine")
     under, long = tmp_path / "file" / "deep" / "out", tmp_path / ("a" * 250)
+    with pytest.raises(ExportError, match=r"/proc/nowhere.* cannot be made: "):
+        made(Path("/proc/nowhere/out"))
     for folder, said in (
         (under, f"{under} cannot be made: {tmp_path / 'file'} is a file."),
         (long, f"{long} is too long for the name of a file or folder."),

@@ -42,7 +42,7 @@ def unpack(release: str, folder: Path) -> Path:
 def make(folder: Path) -> None:
     """Fill all tables of a database in a data folder."""
     _play_sessions(folder)
-    session = _play_interrupted(folder)
+    session = play_interrupted(folder)
     with closing(connect(folder)) as database:
         saved = programmes.Programme({"attempts": 2}, "calm")
         programmes.save(database, "P01", "keyboard", saved, after=0, author="ana", reason="Short.")
@@ -85,17 +85,18 @@ def _play_sessions(folder: Path) -> None:
     play(resume(session, folder, catalogue(), clock, somebody), clock)
 
 
-def _play_interrupted(folder: Path) -> str:
+def operated(task: Any, theme: Any, seed: int) -> list[Node]:
+    """Return the nodes of a participant and an operator."""
+    return [*somebody(task, theme, seed), SimulatedOperator(PROFILES["careful"], seed)]
+
+
+def play_interrupted(folder: Path) -> str:
     """Play a session with questions, an operator, a note and a pause, until its power fails."""
-
-    def participants(task: Any, theme: Any, seed: int) -> list[Node]:
-        return [*somebody(task, theme, seed), SimulatedOperator(PROFILES["careful"], seed)]
-
     settings = {"attempts": 3, "prompts_per_attempt": 4, "questions": ["effort", "remark"],
                 "questions_every": 1, "operator_feedback": "approve"}  # fmt: skip
     clock = VirtualClock()
     plan = make_plan(catalogue(), "keyboard", ["P01"], settings, seed=9)
-    run = start(plan, folder, catalogue(), clock, participants)
+    run = start(plan, folder, catalogue(), clock, operated)
     run.begin()
     run.session.bus.publish(NOTE_ADDED, NoteAdded(text="Sits well.", actor="operator.ana"))
     for _ in range(55):

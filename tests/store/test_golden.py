@@ -79,18 +79,17 @@ def test_its_interrupted_session_is_resumed(release: str, data: Path) -> None:
     assert {trial["run"] for trial in trials} == {1, 2}
 
 
-def test_it_is_merged_into_another(release: str, data: Path, call: Call, tmp_path: Path) -> None:
+def test_it_is_merged_into_another_and_shown(
+    release: str, data: Path, call: Call, tmp_path: Path
+) -> None:
     other = tmp_path / "other"
     sessions = len(rows(data)["sessions"][1])
     assert call("site", "BERN", "--data", other).code == 0
     called = call("merge", data / FILE, "--data", other)
     assert called.out.startswith(f"From ZURICH: {sessions} new sessions"), called
     assert call("check", "--data", other).code == 0
-
-
-def test_its_sessions_are_shown(release: str, data: Path, call: Call) -> None:
-    listed = call("sessions", "--json").json["sessions"]
-    assert len(listed) == len(rows(data)["sessions"][1])
+    listed = call("sessions --json --data", other).json["sessions"]
+    assert len(listed) == sessions
     for session in listed:
-        called = call("show", session["id"])
-        assert (called.code, called.err) == (0, "")
+        shown = call("show", session["id"], "--data", other)
+        assert (shown.code, shown.err) == (0, "")

@@ -7,8 +7,9 @@ from sqlite3 import Connection
 
 import pytest
 
-from sar_tui.store.database import FILE, connect
-from sar_tui.store.integrity import Flaw, flaws
+from sar_tui.store.backup import back_up
+from sar_tui.store.database import FILE, StoreError, connect
+from sar_tui.store.integrity import flaws
 from tests.played import simulated
 from tests.store.by_hand import sql, value
 
@@ -65,9 +66,12 @@ def test_damage_is_found(recorded: Connection, damage: str) -> None:
     sql(recorded, damage)
     kind, words = DAMAGE[damage]
     assert any(each == kind and words in what for each, what in found(recorded)), found(recorded)
+    assert all(flaw.where for flaw in flaws(recorded)), "each names its session or participant"
 
 
-def test_damaged_pages_are_found_and_nothing_else_is(recorded: Connection, data: Path) -> None:
+def test_damaged_pages_are_found_and_nothing_else_is_and_they_are_not_backed_up(
+    recorded: Connection, data: Path, tmp_path: Path
+) -> None:
     sql(recorded, "PRAGMA wal_checkpoint(TRUNCATE)")
     root = value(recorded, "SELECT rootpage FROM sqlite_master WHERE name='trials'")
     size = value(recorded, "PRAGMA page_size")
@@ -77,17 +81,6 @@ def test_damaged_pages_are_found_and_nothing_else_is(recorded: Connection, data:
         file.write(b"\xff" * 100)
     with closing(connect(data)) as database:
         assert {flaw.kind for flaw in flaws(database)} == {"file"}
-
-
-def test_an_interrupted_session_lacks_its_last_result(recorded: Connection) -> None:
-    pairs = "(SELECT id FROM sessions WHERE task='pairs')"
-    sql(recorded, f"DELETE FROM attempts WHERE attempt=2 AND session={pairs}")
-    assert [kind for kind, _ in found(recorded)] == ["rows"], "deleted by hand, and no gap"
-
-
-def test_a_flaw_names_its_session(recorded: Connection) -> None:
-    session = value(recorded, "SELECT id FROM sessions WHERE task='reaching'")
-    sql(recorded, "UPDATE imu_chunks SET crc32=crc32+1 WHERE seq=2")
-    damaged, of_log = flaws(recorded)
-    assert damaged == Flaw("samples", session, "Block 2 of sensor stream 1 is damaged.")
-    assert (of_log.kind, of_log.where) == ("log", session)
+    with pytest.raises(StoreError, match="damaged"):
+        back_up(data, tmp_path / "safe")
+    assert list((tmp_path / "safe").iterdir()) == []

@@ -11,7 +11,7 @@ import msgspec
 import pytest
 
 from sar_tui.loop.bus import Record, Topic
-from sar_tui.loop.topics import KEY, PRESENCE, SENSOR, WAITING
+from sar_tui.loop.topics import KEY, PRESENCE, REPORT, SENSOR, WAITING
 from sar_tui.model import messages as m
 from sar_tui.store import messages, rows, sessions
 from sar_tui.store.database import StoreError, transaction
@@ -70,20 +70,6 @@ def test_every_message_of_a_session_is_the_same_in_the_view_and_to_the_program(
         assert shown[seq] == (run, at, topic.name, told), topic.name
 
 
-def test_messages_take_half_the_space_of_their_objects(database: Connection, data: Path) -> None:
-    simulated(data, attempts=2)
-    objects = value(
-        database,
-        "SELECT sum(length(message) + length(session) + length(topic)) FROM events"
-        " WHERE topic<>'theme/applied'",
-    )
-    stored = value(
-        database,
-        "SELECT sum(length(message)) FROM messages JOIN topics ON id=topic WHERE name<>'theme/applied'",
-    )
-    assert stored < 0.4 * objects
-
-
 def test_a_message_of_a_version_with_other_fields_is_read_with_the_defaults_of_that_version(
     database: Connection,
 ) -> None:
@@ -97,11 +83,16 @@ def test_a_message_of_a_version_with_other_fields_is_read_with_the_defaults_of_t
 
 
 @pytest.mark.parametrize(
-    "damage", ["topic=999", *(f"message='{text}'" for text in ("[]", "[7, 5]", "not json", "{}"))]
+    "damage",
+    [
+        "messages SET topic=999",
+        "topics SET name='input/none' WHERE name='input/key'",
+        *(f"messages SET message='{text}'" for text in ("[]", "[7, 5]", "not json", "{}", "[1]")),
+    ],
 )
 def test_a_message_that_cannot_be_read_is_named(database: Connection, damage: str) -> None:
     store(database, KEY, m.KeyPressed(key="f", at=5))
-    sql(database, f"UPDATE messages SET {damage}")
+    sql(database, f"UPDATE {damage}")
     with pytest.raises(StoreError, match=f"Message 1 of session {SESSION} cannot be read"):
         read(database)
 
@@ -112,3 +103,12 @@ def test_the_names_of_a_topic_and_its_fields_are_stored_once(database: Connectio
     here = messages.numbers(database, "another")
     assert sql(database, "SELECT * FROM topics") == before
     assert here.topics[PRESENCE.name] == messages.PRESENCE_ID, "which its index names"
+
+
+def test_a_report_is_read_and_written_with_its_stored_names() -> None:
+    """Pages for authors of plug-ins read the stored ``deed`` under the name ``part``."""
+    stored = {"seat": "A", "action": "a1", "output": "speech", "deed": "say", "state": "done", "at": 7,
+              "detail": ""}  # fmt: skip
+    message = msgspec.json.decode(msgspec.json.encode(stored), type=REPORT.type)
+    assert message.part == "say"
+    assert msgspec.json.decode(msgspec.json.encode(message)) == stored

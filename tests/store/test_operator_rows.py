@@ -113,13 +113,6 @@ def test_a_proposal_that_expired_is_stored_with_its_deadline(data: Path) -> None
         assert (first["actor"], first["decided_ns"]) == ("agent", first["deadline_ns"])
 
 
-def test_a_decision_without_an_operator_is_stored_as_such(data: Path) -> None:
-    operated = Operated(data, {}, operator_feedback="approve")
-    operated.bus.subscribe(PENDING_APPROVAL, lambda _: operated.presence("lost", False))
-    rows = operated.rows("feedback")
-    assert picked(rows, "decision", "actor", "ground") == [("accepted", "agent", "no operator")] * 3
-
-
 def test_an_operators_own_words_and_notes_are_stored_with_their_times(data: Path) -> None:
     operated = Operated(data, {})
     operated.remark()
@@ -158,14 +151,20 @@ def test_a_level_change_dropped_without_an_operator_is_a_row_too(data: Path) -> 
     assert rows == [(id, None, "rejected", "agent", "no operator") for id in ("l1", "l2")]
 
 
-def test_the_first_time_a_proposal_was_seen_is_stored(data: Path) -> None:
+def test_it_is_stored_when_a_proposal_was_first_seen_and_that_its_operator_was_lost(
+    data: Path,
+) -> None:
     operated = Operated(data, {1: {"verdict": "accept"}}, operator_feedback="approve")
     operated.bus.subscribe(
         PENDING_APPROVAL,
         lambda seen: operated.see_later(seen.proposal.id, 300, "observer.ben", 900 * MS),
     )
-    first = operated.rows("feedback")[0]
+    operated.bus.subscribe(PENDING_APPROVAL, lambda _: operated.presence("lost", False))
+    first, *others = operated.rows("feedback")
     assert first["shown_ns"] - first["proposed_ns"] == 200 * MS
+    assert (
+        picked(others, "decision", "actor", "ground") == [("accepted", "agent", "no operator")] * 2
+    )
 
 
 def test_an_operators_stop_differs_from_the_participants(data: Path) -> None:

@@ -19,31 +19,22 @@ from tests.store.test_sessions import enter
 
 @pytest.mark.parametrize(
     ("typed", "kept"),
-    [("P01", "P01"), ("p01", "P01"), (" p-1_x ", "P-1_X"), ("7", "7"), ("a" * 32, "A" * 32)],
+    [
+        ("P01", "P01"),
+        ("p01", "P01"),
+        (" p-1_x ", "P-1_X"),
+        (" p01@bern-2 ", "P01@BERN-2"),
+        ("7", "7"),
+        ("a" * 32, "A" * 32),
+    ],
 )
 def test_a_code_is_stored_in_capitals(typed: str, kept: str) -> None:
     assert check_code(typed) == kept
 
 
-@pytest.mark.parametrize(
-    "code",
-    [
-        "",
-        " ",
-        "Anna Berg",
-        "-1",
-        "_x",
-        "a" * 33,
-        "p/1",
-        "../p",
-        "P01\n2",
-        "é1",
-        "P.1",
-        "ß1",
-        "ı1",
-        "ﬁ",
-    ],
-)
+@pytest.mark.parametrize("code", ["", " ", "Anna Berg", "-1", "_x", "a" * 33, "p/1", "../p", "P01\n2",
+                                  "é1", "P.1", "ß1", "ı1", "ﬁ",
+                                  "P01@", "@BERN", "P01@BERN@X", "P01@" + "B" * 17, "P01@-"])  # fmt: skip
 def test_an_invalid_code_is_refused_with_a_warning_against_names(code: str) -> None:
     with pytest.raises(StoreError, match="Never use a name") as caught:
         check_code(code)
@@ -56,7 +47,7 @@ def test_a_code_that_is_unsafe_as_a_file_name_is_refused(code: str) -> None:
         kept = check_code(code)
     except StoreError:
         return
-    assert re.fullmatch("[A-Z0-9][A-Z0-9_-]{0,31}", kept)
+    assert re.fullmatch("[A-Z0-9][A-Z0-9_-]{0,31}(@[A-Z0-9][A-Z0-9-]{0,15})?", kept)
     assert check_code(kept) == kept
 
 

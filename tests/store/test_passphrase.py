@@ -37,17 +37,18 @@ def stored(data: Path, clock: _Clock) -> Passphrase:
     return made
 
 
-def try_wrong_ones(stored: Passphrase) -> None:
-    for _ in range(FREE_TRIES):
-        assert not stored.check("wrong one")
-
-
 def test_only_the_passphrase_that_was_set_is_right(stored: Passphrase, clock: _Clock) -> None:
     assert stored.is_set
     assert stored.check(RIGHT)
     for wrong in ("", "Quiet river", RIGHT + " ", "\x00\x1b", "\ud800"):
         clock.now += 400
         assert not stored.check(wrong)
+    with pytest.raises(StoreError, match="at least 6"):
+        stored.set("abc")
+    clock.now += 400
+    assert stored.check(RIGHT), "the earlier one stays"
+    stored.set("canci\u00f3n azul")
+    assert stored.check("cancio\u0301n azul"), "an accent may be typed in two parts"
 
 
 def test_the_file_is_private_and_does_not_hold_the_passphrase(
@@ -64,59 +65,36 @@ def test_the_file_is_private_and_does_not_hold_the_passphrase(
     assert sorted(os.listdir(data)) == [passphrase.FILE, passphrase.LOG]
 
 
-def test_an_accent_may_be_typed_in_one_part_or_two(stored: Passphrase) -> None:
-    stored.set("canci\u00f3n azul")
-    assert stored.check("cancio\u0301n azul")
-
-
-def test_a_short_one_is_refused_and_the_earlier_one_stays(stored: Passphrase) -> None:
-    with pytest.raises(StoreError, match="at least 6"):
-        stored.set("abc")
-    assert stored.check(RIGHT)
-
-
-def test_wrong_ones_are_followed_by_longer_and_longer_waits(
-    stored: Passphrase, clock: _Clock
-) -> None:
-    waits = []
-    for _ in range(FREE_TRIES + 8):
-        assert not stored.check("wrong one")
-        waits.append(stored.wait_s)
-        clock.now += stored.wait_s
-    assert waits == [0, 0, 5, 10, 20, 40, 80, 160, 300, 300, 300]
-    assert stored.check(RIGHT), "after the wait the right one is taken"
-    assert stored.wait_s == 0
-
-
-def test_during_the_wait_none_is_taken_and_nothing_is_logged(
+def test_wrong_ones_are_logged_and_followed_by_longer_and_longer_waits(
     stored: Passphrase, data: Path, clock: _Clock
 ) -> None:
-    try_wrong_ones(stored)
-    assert not stored.check(RIGHT)
-    assert len(stored.tries()) == FREE_TRIES
-    assert Passphrase(data, clock).wait_s == stored.wait_s == 5, "after a restart, too"
-
-
-def test_a_clock_set_back_does_not_lock_the_therapist_out(
-    stored: Passphrase, clock: _Clock
-) -> None:
-    try_wrong_ones(stored)
+    waits = []
+    for tries in range(1, FREE_TRIES + 9):
+        assert not stored.check("wrong one", "pause")
+        waits.append(stored.wait_s)
+        if stored.wait_s:
+            assert not stored.check(RIGHT), "during the wait none is taken"
+            assert Passphrase(data, clock).wait_s == stored.wait_s, "after a restart, too"
+        assert len(stored.tries()) == tries
+        clock.now += stored.wait_s
+    assert waits == [0, 0, 5, 10, 20, 40, 80, 160, 300, 300, 300]
+    assert stored.check(RIGHT, "patient mode"), "after the wait the right one is taken"
+    assert stored.wait_s == 0
+    *_, wrong, right = [(each.result, each.where) for each in stored.tries()]
+    assert (wrong, right) == (("wrong", "pause"), ("right", "patient mode"))
+    assert stored.tries()[-1].seconds == clock.now
+    for _ in range(FREE_TRIES):
+        assert not stored.check("wrong one")
     clock.now -= 1_000_000
-    assert stored.check(RIGHT)
-
-
-def test_every_try_is_logged_with_its_time_and_screen(stored: Passphrase, clock: _Clock) -> None:
-    stored.check("wrong one", "pause")
-    stored.check(RIGHT, "patient mode")
-    tries = [(each.result, each.where, each.seconds) for each in stored.tries()]
-    assert tries == [("wrong", "pause", clock.now), ("right", "patient mode", clock.now)]
+    assert stored.check(RIGHT), "a clock that was set back locks nobody out"
 
 
 def test_without_a_log_the_waits_are_kept_by_the_program(
     stored: Passphrase, data: Path, clock: _Clock
 ) -> None:
     (data / passphrase.LOG).mkdir()
-    try_wrong_ones(stored)
+    for _ in range(FREE_TRIES):
+        assert not stored.check("wrong one")
     assert stored.wait_s == 5
     clock.now += 5
     assert stored.check(RIGHT)

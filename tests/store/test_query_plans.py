@@ -49,6 +49,10 @@ LOOKS: dict[str, Look] = {
     "show last": lambda db, folder, _: sessions.find(db, folder, "last"),
     "resume last": lambda db, folder, _: sessions.latest_interrupted(db, folder),
     "history": lambda db, _, session: list(sessions.history(db, session)),
+    "view of messages": lambda db, _, session: sql(
+        db,
+        f"SELECT message FROM events WHERE session='{session}' AND topic='input/key' ORDER BY seq",
+    ),
     "report": lambda db, _, session: logged_messages.read(db, session),
     "resume sensors": lambda db, _, session: imu.resume_streams(db, session, 2),
 }
@@ -91,16 +95,3 @@ def steps(database: Connection, query: str) -> list[str]:
 def test_presence_is_looked_up_in_its_index(database: Connection, session: str | None) -> None:
     plan = planned(database, lambda: sessions.operators(database, session))
     assert [step for step in plan if "idx_messages_presence" in step]
-
-
-def test_the_newest_sessions_are_found_without_a_sort(database: Connection, data: Path) -> None:
-    plan = planned(database, lambda: sessions.listing(database, data, limit=30))
-    assert plan[0] == "SCAN sessions"
-    assert [step for step in plan if "TEMP B-TREE" in step] == []
-    plan = planned(database, lambda: sessions.listing(database, data, participant="P01", limit=30))
-    assert [step for step in plan if step.startswith("SCAN") or "TEMP B-TREE" in step] == []
-
-
-def test_the_view_of_messages_looks_at_a_sessions_own(database: Connection) -> None:
-    where = "session='5e55100001' AND topic='input/key'"
-    assert scans(database, f"SELECT message FROM events WHERE {where} ORDER BY seq") == set()

@@ -20,7 +20,6 @@ from sar_tui.store.integrity import flaws
 from sar_tui.store.locks import Held, hold
 from sar_tui.store.record_changes import change_status
 from tests.played import catalogue
-from tests.program import Call
 from tests.store.by_hand import sql
 from tests.store.test_sessions import enter
 
@@ -34,12 +33,8 @@ def changed(database: Connection, session: str) -> list[RecordChanged]:
     return [message for message in logged if isinstance(message, RecordChanged)]
 
 
-@pytest.mark.parametrize("stored", ["running", "interrupted"])
-def test_an_interrupted_one_is_dismissed_and_restored(
-    stored: str, database: Connection, data: Path
-) -> None:
+def test_an_interrupted_one_is_dismissed_and_restored(database: Connection, data: Path) -> None:
     session = enter(database)
-    sql(database, "UPDATE sessions SET status=?", stored)
     assert change_status(database, data, session, "dismissed", actor="ana", reason="moved away")
     assert [row["status"] for row in sessions.listing(database, data)] == ["dismissed"]
     with pytest.raises(StoreError, match="is dismissed; only a live one"):
@@ -118,12 +113,3 @@ def test_a_restored_session_goes_on_counting(data: Path, plan: Plan) -> None:
         assert [one.seq for one in stored] == list(range(1, len(stored) + 1))
         assert {one.run for one in stored[count:]} == {2}
         assert replay(database, data, catalogue(), row).identical
-
-
-def test_a_dismissed_session_is_listed_and_not_resumed(call: Call, data: Path) -> None:
-    with closing(connect(data)) as database:
-        session = enter(database)
-        change_status(database, data, session, "dismissed", actor="ana")
-    assert "dismissed" in call("sessions").out
-    assert call("sessions --json").json["sessions"][0]["id"] == session
-    assert call("resume").code == 2

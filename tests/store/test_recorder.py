@@ -16,7 +16,17 @@ from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.node import Node
 from sar_tui.loop.session import Session
 from sar_tui.loop.task import Task
-from sar_tui.loop.topics import ACTION, ATTEMPT_ENDED, COMMAND, STORAGE, STORED, TRIAL, WAITING
+from sar_tui.loop.topics import (
+    ACTION,
+    ALL,
+    ATTEMPT_ENDED,
+    COMMAND,
+    MARKED,
+    STORAGE,
+    STORED,
+    TRIAL,
+    WAITING,
+)
 from sar_tui.model.messages import (
     KeyPressed,
     SessionCommand,
@@ -24,6 +34,7 @@ from sar_tui.model.messages import (
     Stored,
     Timing,
     TrialEnded,
+    TrialMarked,
 )
 from sar_tui.model.units import SECOND
 from sar_tui.outputs.node import OutputNode
@@ -33,8 +44,9 @@ from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
-from sar_tui.store.messages import numbers
+from sar_tui.store.messages import Numbers, numbers
 from sar_tui.store.recorder import GROUP, Recorder
+from sar_tui.store.rows import rows_of
 from sar_tui.store.tables import ATTEMPTS, TRIALS, Table
 from tests.outputs.fake_outputs import FakeOutput, Speaker
 from tests.played import catalogue
@@ -170,23 +182,12 @@ def test_a_dropped_action_is_stored_with_who_dropped_it(data: Path) -> None:
     recorded.finish()
     recorded.recorder.write()
     greeting, instruction = recorded.actions[:2]
-    names = ("kind", "decision", "started_ns", "ended_ns")
-    assert [greeting[name] for name in names] == ["greeting", "accepted", 0, at]
-    names = ("kind", "decision", "actor", "final", "decided_ns", "started_ns")
-    assert [instruction[name] for name in names] == [
-        "instruction",
-        "dropped",
-        "stop",
-        None,
-        at,
-        None,
-    ]
+    names = ("kind", "decision", "actor", "decided_ns", "started_ns", "ended_ns")
+    assert [greeting[name] for name in names] == ["greeting", "accepted", "agent", 0, 0, at]
+    dropped = ["instruction", "dropped", "stop", at, None, None]
+    assert [instruction[name] for name in names] == dropped
+    assert instruction["final"] is None
     assert instruction["proposed"]["spoken"] == recorded.session.task.instructions()
-
-
-def test_an_utterance_that_is_too_late_is_dropped_by_the_agent(data: Path) -> None:
-    _, row, *_ = Recorded(data, outputs=[Speaker(5000)]).play().actions
-    assert (row["kind"], row["decision"], row["actor"]) == ("instruction", "dropped", "agent")
 
 
 def test_an_action_lasts_from_its_first_part_to_its_last_in_any_order(data: Path) -> None:
@@ -218,16 +219,6 @@ def test_on_a_virtual_clock_trials_are_acknowledged_at_once_and_written_together
     assert statements.count("COMMIT") == 1 + len(recorded.records) // GROUP == 2
     recorded.recorder.write()
     assert recorded.history == recorded.records
-
-
-def test_the_messages_do_not_depend_on_how_many_are_written_at_a_time(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    histories = []
-    for group in (1, 7, 2000):
-        monkeypatch.setattr("sar_tui.store.recorder.GROUP", group)
-        histories.append(Recorded(tmp_path / str(group)).play().history)
-    assert histories[0] == histories[1] == histories[2]
 
 
 def test_on_a_thread_a_trial_is_acknowledged_once_it_was_written(data: Path) -> None:
@@ -314,10 +305,6 @@ def test_on_a_full_disk_only_stored_trials_are_acknowledged_and_later_all(data: 
     assert recorded.session.faults == []
 
 
-def test_a_recorder_of_its_own_keeps_few_pages_in_memory(data: Path) -> None:
-    assert value(Recorded(data, inline=False).database, "PRAGMA cache_size") == -256
-
-
 def test_other_errors_than_a_full_disk_are_reported_each_and_everything_is_stored(
     data: Path,
 ) -> None:
@@ -376,29 +363,6 @@ def test_on_a_virtual_clock_a_full_disk_raises_and_everything_before_it_is_kept(
     assert recorded.history[: len(recorded.records)] == recorded.records
 
 
-def test_two_threads_on_one_database_are_both_whole(data: Path) -> None:
-    """Each recorder's thread commits while the other's does, as two apps on one database would."""
-    pair = [Recorded(data, inline=False, seed=seed) for seed in (1, 2)]
-    for recorded in pair:
-        recorded.session.begin()
-    while not all(recorded.session.ended for recorded in pair):
-        for each in pair:
-            each.until(lambda r=each: r.session.ended or r.all(WAITING)[-1].what == "storage")
-        threads = [threading.Thread(target=recorded.recorder.try_write) for recorded in pair]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
-        for recorded in pair:
-            recorded.clock.advance(0)
-    for recorded in pair:
-        recorded.recorder.write()
-        assert recorded.history == recorded.records
-        assert len(recorded.stored("trials")) == 6
-    assert pair[0].history != pair[1].history
-    assert value(data, "PRAGMA integrity_check") == "ok"
-
-
 def test_streams_are_not_written_as_events(database: Connection) -> None:
     bus = Bus(VirtualClock())
     recorder = Recorder(database, "s", 1, bus, inline=True)
@@ -406,3 +370,27 @@ def test_streams_are_not_written_as_events(database: Connection) -> None:
     bus.publish(topic, KeyPressed(key="x", at=0))
     recorder.write()
     assert sql(database, "SELECT * FROM events") == []
+
+
+NUMBERS = Numbers(1, dict.fromkeys(ALL, 2))
+
+
+def marked(seat: str = "A", mark: str = "leaned") -> TrialMarked:
+    return TrialMarked(seat=seat, attempt=1, trial=2, mark=mark, correct=True)
+
+
+def test_a_mark_before_its_trials_row_is_in_it_and_one_after_is_stored_apart() -> None:
+    before, other, ended = (
+        (MARKED, marked()),
+        (MARKED, marked("B")),
+        (TRIAL, msgspec.structs.replace(A_TRIAL, trial=2)),
+    )
+    after = (MARKED, marked(mark=""))
+    for given, marks in (
+        ((before, other, ended), [(True, "leaned", "s", 1, 2, "B")]),
+        ((ended, after), [(True, None, "s", 1, 2, "A")]),
+    ):
+        records = [
+            Record(seq, seq, topic, message) for seq, (topic, message) in enumerate(given, 1)
+        ]
+        assert rows_of("s", 1, records, NUMBERS)["marks"] == marks

@@ -2,18 +2,13 @@
 
 import random
 from contextlib import closing
-from datetime import UTC, date, datetime
+from datetime import UTC, datetime
 from pathlib import Path
 from sqlite3 import Connection
 
 import pytest
 
-from sar_tui.app.home.contents import read_card
-from sar_tui.loop.task import Task
-from sar_tui.plugins import Catalogue
 from sar_tui.records.kind import find
-from sar_tui.reports.progress import progress
-from sar_tui.reports.progress_words import warnings, words
 from sar_tui.rules.wellbeing import SessionRatings, tell_therapist
 from sar_tui.store import participants, records, sessions, wellbeing
 from sar_tui.store.database import StoreError, connect
@@ -65,7 +60,9 @@ def test_without_a_date_a_record_is_of_now_as_its_kind_writes_it(
     assert told(database, "P01", "before", "pain", "2").at.endswith("+00:00")
 
 
-def test_of_a_score_the_last_entry_of_a_day_counts(database: Connection) -> None:
+def test_the_last_score_of_a_day_counts_and_one_entered_by_mistake_can_be_entered_anew(
+    database: Connection,
+) -> None:
     for value in (30, 31):
         last = score(database, "P01", "arat", "2026-03-01", value)
     score(database, "P01", "arat", "2026-04-01", 32)
@@ -73,15 +70,11 @@ def test_of_a_score_the_last_entry_of_a_day_counts(database: Connection) -> None
     assert [one.content["score"] for one in known] == [31, 32]
     assert len(records.versions(database, last.id)) == 2
     assert records.listing(database, participant="P02") == []
-
-
-def test_what_was_entered_by_mistake_can_be_entered_anew(database: Connection) -> None:
-    entered = score(database, "P01", "ARAT", "2026-03-01", 30)
-    records.correct(database, entered.id, {}, removed=True, author="ben")
-    assert records.listing(database) == []
-    assert [one.removed for one in records.listing(database, with_removed=True)] == [True]
-    score(database, "P01", "ARAT", "2026-03-01", 31)
-    assert [one.content["score"] for one in records.listing(database)] == [31]
+    records.correct(database, last.id, {}, removed=True, author="ben")
+    assert [one.content["score"] for one in records.listing(database)] == [32]
+    assert [one.removed for one in records.listing(database, with_removed=True)] == [True, False]
+    score(database, "P01", "ARAT", "2026-03-01", 33)
+    assert [one.content["score"] for one in records.listing(database)] == [33, 32]
 
 
 def test_what_cannot_be_corrected_is_refused(database: Connection) -> None:
@@ -143,6 +136,8 @@ def test_answers_before_a_session_belong_to_it_once_it_begins(database: Connecti
     known = wellbeing.of_participant(database, "P01")
     assert [(one.session, one.content["rating"]) for one in known] == [(None, 8), ("abc", 2)]
     assert [one.session for one in wellbeing.of_participant(database, "P02")] == [None]
+    assert list(flaws(database)) == []
+    assert participants.codes(database) == ["P01", "P02"]
 
 
 def test_a_copied_session_keeps_answers_of_the_target(database: Connection, tmp_path: Path) -> None:
@@ -157,14 +152,10 @@ def test_a_copied_session_keeps_answers_of_the_target(database: Connection, tmp_
     assert sorted(one.content["rating"] for one in known) == [2, 3]
 
 
-def test_answers_before_a_session_that_does_not_begin_are_whole(database: Connection) -> None:
-    told(database, "P09", "before", "pain", "9")
-    assert list(flaws(database)) == []
-    assert participants.codes(database) == ["P01", "P09"]
-
-
 def test_ratings_are_the_last_answers_of_each_seat(database: Connection) -> None:
+    assert wellbeing.of_session(database, "abc") == []
     new_session(database, "abc", partner="P02")
+    assert wellbeing.history(database, "P01") == [SessionRatings()]
     for answer in ("4", "5"):
         told(database, "P01", "before", "pain", answer, session="abc")
     told(database, "P01", "after", "pain", wellbeing.NOT_SAID, session="abc")
@@ -173,12 +164,6 @@ def test_ratings_are_the_last_answers_of_each_seat(database: Connection) -> None
     assert wellbeing.ratings(known) == SessionRatings(pain_before=5)
     assert wellbeing.ratings(known, "B") == SessionRatings(fatigue_after=10)
     assert wellbeing.history(database, "P02") == [SessionRatings(fatigue_after=10)]
-
-
-def test_sessions_without_an_answer_are_known_without_ratings(database: Connection) -> None:
-    new_session(database, "abc")
-    assert wellbeing.of_session(database, "abc") == []
-    assert wellbeing.history(database, "P01") == [SessionRatings()]
 
 
 def rated(database: Connection, participant: str, answers: list[tuple[str, str]]) -> None:
@@ -204,13 +189,3 @@ def test_the_newest_ratings_tell_what_all_of_them_do(database: Connection) -> No
         assert tell_therapist(wellbeing.newest_ratings(database, code)) == told_by_all, answers
         reasons |= set(told_by_all)
     assert {"stop", "tired"} <= reasons
-
-
-def test_pain_over_sessions_far_apart_is_told_in_the_same_words_everywhere(
-    database: Connection, tmp_path: Path, catalogue: Catalogue, keyboard: type[Task]
-) -> None:
-    rated(database, "P01", [("0", "2"), *[("2", "")] * 3, *[("", "")] * 12, ("3", "")])
-    card = read_card(database, tmp_path, catalogue, "P01", keyboard, date(2026, 3, 1))
-    found = progress("P01", [], {}.get, ratings=wellbeing.history(database, "P01"))
-    assert card.told == warnings(found, words("en", None))
-    assert found.tell == ("new pain",)

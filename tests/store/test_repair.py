@@ -168,13 +168,16 @@ def test_what_can_be_read_of_damaged_pages_is_saved(recorded: Path, table: str, 
         assert not [flaw for flaw in flaws(database) if flaw.kind in ("file", "orphan")]
 
 
-def test_a_file_of_which_nothing_can_be_read_is_left_as_it_is(recorded: Path) -> None:
+@pytest.mark.parametrize("damage", ["no header", "no schema", "a page is left"])
+def test_a_file_of_which_nothing_can_be_read_is_left_as_it_is(recorded: Path, damage: str) -> None:
     sql(recorded, "PRAGMA wal_checkpoint(TRUNCATE)")
     with (recorded / FILE).open("rb+") as file:
-        file.seek(100)
-        file.write(b"\xff" * 3000)
+        file.seek(100 if damage == "no schema" else 0)
+        file.write({"no header": bytes(100), "no schema": b"\xff" * 3000}.get(damage, b""))
+        if damage == "a page is left":
+            file.truncate(3000)
     damaged = (recorded / FILE).read_bytes()
-    with pytest.raises(StoreError, match="damaged"):
+    with pytest.raises(StoreError, match=r"damaged|is not a SQLite database"):
         repair(recorded)
     assert (recorded / FILE).read_bytes() == damaged
     assert not list(recorded.glob("*.part"))

@@ -118,9 +118,14 @@ def test_a_session_whose_database_is_gone_goes_on_in_a_rescue_file_with_all_that
     participants.add(connect(data), "P09")
     recorded = Safe(data, 2)
     happens(data)
-    recorded.to_trial(4)
+    before = os.umask(0)
+    try:
+        recorded.to_trial(4)
+    finally:
+        os.umask(before)
     recorded.recorder.write()
     recorded.assert_rescued(trials=4)
+    assert stat.S_IMODE(recorded.rescue_file.stat().st_mode) == 0o600
     if happens is not empty:  # its pages can be read by nobody
         assert participants.codes(open_file(recorded.rescue_file)) == ["P09"]
 
@@ -189,17 +194,6 @@ def test_a_file_system_whose_file_numbers_change_does_not_fill_up(
         with suppress(Moved):
             recorded.recorder.write()
     assert len(rescue_files(data)) == 5
-
-
-def test_a_rescue_file_is_private(data: Path) -> None:
-    recorded = Safe(data, 1)
-    delete(data)
-    before = os.umask(0)
-    try:
-        recorded.to_trial(2)
-    finally:
-        os.umask(before)
-    assert stat.S_IMODE(recorded.rescue_file.stat().st_mode) == 0o600
 
 
 def test_a_trial_is_not_acknowledged_while_it_can_be_written_nowhere(

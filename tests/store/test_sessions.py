@@ -13,7 +13,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.loop.task import Task
-from sar_tui.loop.topics import ALL
 from sar_tui.model.trial_types import Metric
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.parameters import TaskParameters, build
@@ -21,7 +20,7 @@ from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.locks import hold
 from tests.examples import examples
-from tests.store.by_hand import add_message, insert, sql
+from tests.store.by_hand import insert, sql
 
 VERSION = Catalogue().task("keyboard").version
 
@@ -85,6 +84,8 @@ def test_an_export_lists_damaged_sessions_and_shares_facts(
 
 
 def test_a_session_is_found_by_id_beginning_or_as_last(database: Connection, data: Path) -> None:
+    with pytest.raises(StoreError, match="There is no session"):
+        sessions.find(database, data, "last")
     for id in ("aab0000001", "aac0000002"):
         session = enter(database)
         sql(database, "UPDATE sessions SET id=? WHERE id=?", id, session)
@@ -95,16 +96,11 @@ def test_a_session_is_found_by_id_beginning_or_as_last(database: Connection, dat
         "aa": "More than one session begins with aa",
         "x": "There is no session x",
         "": "no session",
+        **dict.fromkeys(("%", "_", "' OR 1=1 --"), "There is no session"),
     }.items():
         with pytest.raises(StoreError, match=why) as caught:
             sessions.find(database, data, name)
         assert caught.value.bad_input
-
-
-@pytest.mark.parametrize("name", ["last", "abc", "%", "_", "' OR 1=1 --"])
-def test_a_session_that_is_missing_is_told(database: Connection, data: Path, name: str) -> None:
-    with pytest.raises(StoreError, match="There is no session"):
-        sessions.find(database, data, name)
 
 
 def test_each_run_has_its_number_its_anchor_and_its_program(database: Connection) -> None:
@@ -134,17 +130,6 @@ def test_correct_is_a_count_in_attempts_and_a_bool_in_trials(database: Connectio
     assert (attempt["practice"], type(attempt["correct"]), attempt["trials"]) == (False, int, 1)
     assert (trial["correct"], trial["timing"], trial["details"]) == (True, {}, None)
     assert trial["correct"] is True
-
-
-@pytest.mark.parametrize(
-    ("topic", "message"),
-    [("input/none", "{}"), ("input/key", "{}"), ("input/key", "not json"), ("input/key", "[1]")],
-)
-def test_an_unreadable_message_is_reported(database: Connection, topic: str, message: str) -> None:
-    session = enter(database)
-    add_message(database, session, 1, 0, topic, message)
-    with pytest.raises(StoreError, match=f"Message 1 of session {session} cannot be read"):
-        list(sessions.history(database, session))
 
 
 # --- earlier best results
@@ -205,18 +190,11 @@ def attempt_of(
     """Store an attempt of a session with the settings of a task."""
     parameters, software = msgspec.to_builtins(task.parameters), {"task": {"version": version}}
     session = enter(database, parameters=parameters, software=software)
-    insert(
-        database,
-        "attempts",
-        session=session,
-        level=1,
-        metric=metric,
-        metric_unit="ms",
-        accuracy=accuracy,
-    )
+    result = {"metric": metric, "metric_unit": "ms", "accuracy": accuracy}
+    insert(database, "attempts", session=session, level=1, **result)
 
 
-def test_the_best_result_has_the_keys_and_accuracy(
+def test_the_best_result_has_the_keys_accuracy_and_version_of_the_task(
     database: Connection, keyboard: type[Task]
 ) -> None:
     def with_keys(keys: str, **more: Any) -> Task:
@@ -228,19 +206,7 @@ def test_the_best_result_has_the_keys_and_accuracy(
         ("both hands", 0.4, 300.0),
     ):
         attempt_of(database, with_keys(keys, feedback_form="qualitative"), metric, accuracy)
+    # its levels were others
+    attempt_of(database, with_keys("both hands"), 300.0, version="1")
     for keys, best in (("both hands", 900.0), ("left hand", 500.0)):
         assert sessions.best(database, "P01", with_keys(keys)) == {"1": best}
-
-
-def test_the_best_result_excludes_earlier_versions_of_the_task_whose_levels_were_others(
-    database: Connection, keyboard: type[Task]
-) -> None:
-    task = keyboard(build(keyboard.Parameters, {}))
-    for version, metric in (("1", 300.0), (keyboard.version, 700.0)):
-        attempt_of(database, task, metric, version=version)
-    assert sessions.best(database, "P01", task) == {"1": 700.0}
-
-
-def test_every_topic_can_be_found_by_its_name() -> None:
-    assert all(name == topic.name for name, topic in ALL.items())
-    assert {"framework/fault", "input/key", "store/stored"} <= set(ALL)

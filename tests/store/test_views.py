@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from sar_tui.store import schema, sites
+from sar_tui.store import sites
 from tests.played import simulated
 from tests.store.by_hand import sql, value
 
@@ -92,7 +92,3 @@ def test_the_data_dictionary_names_every_column(database: Connection) -> None:
     for view in ("v_attempts", "v_trials", "v_reaches"):
         columns = {name for _, name, *_ in sql(database, f"PRAGMA table_info({view})")}
         assert columns - named == set()
-
-
-def test_old_versions_of_sqlite_can_read_them() -> None:
-    assert "->" not in " ".join(schema.VIEWS.values())

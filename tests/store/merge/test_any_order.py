@@ -82,16 +82,8 @@ class World:
         for id, version, kind in records:
             if not sql(place, "SELECT 1 FROM records WHERE (id, version)=(?,?)", id, version):
                 insert(place, "records", id=id, version=version, kind=kind, **given, **stamps)
-        insert(
-            place,
-            "exports",
-            number=None,
-            exported_at=at,
-            format="csv",
-            sessions="[]",
-            options="{}",
-            site="",
-        )
+        export = {"format": "csv", "sessions": "[]", "options": "{}", "site": ""}
+        insert(place, "exports", number=None, exported_at=at, **export)
 
     def edit(self, code: str) -> None:
         if places := self.copies_of(code):

@@ -79,10 +79,3 @@ def test_what_was_merged_comes_back_from_a_rescue_file(zurich: Path, tmp_path: P
     assert holds(removed) == before
     with closing(connect(removed)) as database:
         assert sites.own(database) == "ZURICH"
-
-
-def test_codes_of_other_sites_are_valid_and_told_apart() -> None:
-    assert participants.check_code(" p01@bern-2 ") == "P01@BERN-2"
-    for code in ("P01@", "@BERN", "P01@BERN@X", "P01@" + "B" * 17, "P01@-"):
-        with pytest.raises(participants.StoreError, match="1 to 32 letters"):
-            participants.check_code(code)
