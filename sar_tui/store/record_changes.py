@@ -96,8 +96,7 @@ def erase_note(
         # or the text would stay in parts of the file that are free
         db.execute("PRAGMA secure_delete=ON")
         with transaction(db) as connection:
-            rows = messages.stored_rows(connection, session, seq - 1, topics=(NOTE_ADDED.name,))
-            row = next(rows, None)
+            row = _next_note(connection, session, seq - 1)
             is_own = connection.execute(
                 "SELECT 1 FROM sessions WHERE id=? AND site=''", (session,)
             ).fetchone()
@@ -111,9 +110,8 @@ def erase_note(
                 (session, note.at or row.at, note.actor, note.text, note.label),
             )
             messages.replace(connection, session, seq, NOTE_ADDED, replace(note, text="", label=""))
-            rest = next(
-                messages.stored_rows(connection, session, seq - 1, topics=(NOTE_ADDED.name,))
-            )
+            rest = _next_note(connection, session, seq - 1)
+            assert rest is not None
             hashes = " ".join(log_hashes.message_hash(each).hex() for each in (row, rest))
             erased: Json = {str(seq): hashes}
             said = RecordChanged(
@@ -126,6 +124,12 @@ def erase_note(
     finally:
         held.release()
     return True
+
+
+def _next_note(db: sqlite3.Connection, session: str, after: int) -> messages.StoredRow | None:
+    """Return the first note after a message. All are read: an open cursor blocks a checkpoint."""
+    notes = [*messages.stored_rows(db, session, after, topics=(NOTE_ADDED.name,))]
+    return notes[0] if notes else None
 
 
 def erased_hashes(db: sqlite3.Connection, session: str) -> dict[bytes, bytes]:

@@ -276,19 +276,20 @@ def test_a_note_that_was_erased_leaves_its_hash_and_no_other_takes_its_place(
     session = recorded[KEYS]
     with closing(connect(data)) as database:
         logged = messages.read(database, session)
-        *_, last = (one for one in logged if isinstance(one.message, NoteAdded))
-        text = last.message.text
-        assert not erase_note(database, data, session, last.seq + 1, actor="ana", reason="no note")
-        assert erase_note(database, data, session, last.seq, actor="ana", reason="a name")
+        note, *later = (one for one in logged if isinstance(one.message, NoteAdded))
+        assert later, "the text of an earlier note must leave the file too"
+        text = note.message.text
+        assert not erase_note(database, data, session, note.seq + 1, actor="ana", reason="no note")
+        assert erase_note(database, data, session, note.seq, actor="ana", reason="a name")
         assert list(flaws(database)) == []
-        kept = sql(database, "SELECT text, label FROM notes WHERE at_ns=?", last.at)
+        kept = sql(database, "SELECT text, label FROM notes WHERE at_ns=?", note.at)
         assert kept == [("", "")]
         row = sessions.find(database, data, session)
         assert replay(database, data, catalogue(), row).identical
         assert text.encode() not in (data / FILE).read_bytes()
-        other = replace(last.message, text="sits badly")
-        messages.replace(database, session, last.seq, NOTE_ADDED, other)
-        sql(database, "UPDATE notes SET text='sits badly' WHERE at_ns=?", last.at)
+        other = replace(note.message, text="sits badly")
+        messages.replace(database, session, note.seq, NOTE_ADDED, other)
+        sql(database, "UPDATE notes SET text='sits badly' WHERE at_ns=?", note.at)
         assert {flaw.kind for flaw in flaws(database)} == {"log"}
 
 
