@@ -15,14 +15,13 @@ from tests.end_to_end.participant_terminal import (
     rows,
     see_the_summary,
 )
-from tests.examples import first
 
 _ASKED = re.compile(r"^ *(?:Left: (\w))? *(?:Right: (\w))?$", re.MULTILINE)
 _PATIENCE = 60.0
 
 
 def asked(terminal: Terminal, reader: ScreenReader) -> list[str]:
-    """The keys that the next prompt asks for, once its plain line stands on the screen."""
+    """Return the keys that the next prompt asks for, once its plain line stands on the screen."""
     deadline = time.monotonic() + _PATIENCE
     while time.monotonic() < deadline:
         terminal.read(time.monotonic_ns() + 20_000_000)
@@ -32,11 +31,10 @@ def asked(terminal: Terminal, reader: ScreenReader) -> list[str]:
     raise AssertionError(f"no prompt came up:\n{reader.text()}")
 
 
-@pytest.mark.parametrize("policy", first(1, ["race", "joint attention"]))
-def test_a_session_of_two_in_a_real_terminal(tmp_path: Path, policy: str) -> None:
-    data = tmp_path / "data"
+@pytest.mark.slow
+def test_a_session_of_two_in_a_real_terminal(data: Path) -> None:
     settings = QUICK | {
-        "policy": policy,
+        "policy": "joint attention",
         "attempts": 1,
         "prompts_per_attempt": 2,
         "cue_lead_ms": 60,
@@ -75,7 +73,6 @@ def test_a_session_of_two_in_a_real_terminal(tmp_path: Path, policy: str) -> Non
         assert correct
         assert json.loads(timing)["onset_source"] == "flush"
         assert json.loads(timing)["flags"] == []
-        if policy == "joint attention":
-            assert json.loads(details)["cue_lead_ms"] >= 60
+        assert json.loads(details)["cue_lead_ms"] >= 60
     assert {seat for _, seat, *_ in stored_rows} <= {"A", "B"}
     assert rows(data, "SELECT count(*) FROM events WHERE topic='framework/fault'") == [(0,)]
