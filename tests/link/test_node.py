@@ -17,7 +17,7 @@ from sar_tui.link.broker_process import (
     OutgoingSnapshot,
 )
 from sar_tui.link.node import LinkNode
-from sar_tui.link.peer import MarkKey, Welcome
+from sar_tui.link.peer import MarkKey, Welcome, session_welcome
 from sar_tui.link.protocol import (
     ActReceived,
     AnswersRequested,
@@ -53,6 +53,8 @@ from sar_tui.loop.topics import (
 from sar_tui.model import messages as m
 from sar_tui.model.messages import Message
 from sar_tui.model.units import MS, SECOND
+from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import build
 
 ANNA, BEN, OLAF = "operator.anna", "operator.ben", "observer.olaf"
 _OF_TASK: Any = {"task": "keyboard", "title": "Keyboard", "unit": "ms", "decimals": 0}
@@ -482,3 +484,25 @@ def test_broker_is_checked_while_the_node_is_attached(bench: Bench) -> None:
     bench.clock.advance(10 * SECOND)
     assert bench.channel.checks == checks
     assert bench.presence() == []
+
+
+# --- the welcome
+
+
+def welcome_of(name: str, **parameters: object) -> Welcome:
+    """Return the welcome of a session of a task."""
+    kind = Catalogue().task(name)
+    people = {"A": "P01", "B": "P02"} if name == "pairs" else {"A": "P01"}
+    return session_welcome(kind(build(kind.Parameters, parameters)), "s1", "l1", people)
+
+
+def test_welcome_has_format_length_and_parameters() -> None:
+    welcome = welcome_of("keyboard", attempts=5, practice_attempts=2, prompts_per_attempt=7)
+    assert (welcome.unit, welcome.decimals, welcome.spoken_names) == ("ms", 0, {})
+    assert (welcome.attempts, welcome.trials) == (7, 7)
+    assert welcome.parameters["prompts_per_attempt"] == 7
+
+
+def test_welcome_of_two_has_their_spoken_names() -> None:
+    assert welcome_of("pairs").spoken_names == {"A": "Left", "B": "Right"}
+    assert welcome_of("pairs", address="code").spoken_names == {"A": "P01", "B": "P02"}

@@ -132,6 +132,7 @@ async def test_proposal_is_approved_in_a_browser(data: Path) -> None:
     assert decided > 0
 
 
+@pytest.mark.slow
 async def test_agent_in_a_browser_follows_the_session(data: Path) -> None:
     session = [*run_command(data, prompts_per_attempt=2, attempts=1), "--operator"]
     with Terminal(session) as terminal:
