@@ -91,7 +91,7 @@ class Brittle(Task):
 
     def stimulus(self, situation):
         if situation.trial == 3:
-            THIRD
+            time.sleep(600)
         return Stimulus("j", "j", "Press: j")
 
     def perceived(self, trial, percept):
@@ -99,43 +99,16 @@ class Brittle(Task):
 """
 
 
-def _brittle_command(data: Path, folder: Path, third: str) -> list[str]:
-    """Write a task whose third trial executes a statement; return the command that runs it."""
-    task = folder / "tasks" / "brittle"
-    task.mkdir(parents=True)
-    (task / "task.py").write_text(_BRITTLE.replace("THIRD", third))
-    words = ["run", "brittle", "-p", "P01", "--data", str(data), "--tasks", str(task.parent)]
-    return command(*words, "--set=quiet_ms=40", "--set=foreperiod_max_ms=500")
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("third", "error"),
-    [
-        ("raise RuntimeError('no third')", b"RuntimeError: no third"),
-        ("while True: pass", b"NotResponding: it took longer than 10 s"),
-    ],
-)
-def test_a_task_that_raises_or_never_returns_is_reported_and_finished_trials_are_stored(
-    data: Path, tmp_path: Path, third: str, error: bytes
-) -> None:
-    with Terminal(_brittle_command(data, tmp_path, third)) as terminal:
-        _answer(terminal, 2)
-        terminal.wait_for("Please fetch the experimenter")
-        terminal.settle()
-        terminal.confirm()
-        assert terminal.wait() == 1
-        assert error in terminal.output
-        assert b"Traceback" not in terminal.output
-    assert rows(data, "SELECT count(*) FROM trials") == [(2,)]
-    assert rows(data, "SELECT count(*) FROM events WHERE topic='framework/fault'") == [(1,)]
-
-
 @pytest.mark.slow
 def test_a_task_that_no_error_can_end_ends_the_program_with_its_name(
     data: Path, tmp_path: Path
 ) -> None:
-    with Terminal(_brittle_command(data, tmp_path, "time.sleep(600)")) as terminal:
+    task = tmp_path / "tasks" / "brittle"
+    task.mkdir(parents=True)
+    (task / "task.py").write_text(_BRITTLE)
+    words = ["run", "brittle", "-p", "P01", "--data", str(data), "--tasks", str(task.parent)]
+    quick = ("--set=quiet_ms=40", "--set=foreperiod_max_ms=500")
+    with Terminal(command(*words, *quick)) as terminal:
         before = terminal.modes()
         _answer(terminal, 2)
         assert terminal.wait() == 1

@@ -92,6 +92,11 @@ LOST = m.OperatorChanged(
         # operators
         (t.PRESENCE, b.presence(), "You have control."),
         (t.PRESENCE, b.presence("baton", "operator.ben"), "ben has control."),
+        (
+            t.PRESENCE,
+            replace(b.presence("unproven"), detail="the terminal answers no queries."),
+            "Your presence is not proven: the terminal answers no queries.",
+        ),
         (t.PRESENCE, LOST, "ben lost the connection: The connection broke."),
         (
             t.REFUSED,

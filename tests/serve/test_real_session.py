@@ -130,25 +130,3 @@ async def test_proposal_is_approved_in_a_browser(data: Path) -> None:
     assert actor.startswith("operator.")
     assert json.loads(final)["text"] == text
     assert decided > 0
-
-
-@pytest.mark.slow
-async def test_agent_in_a_browser_follows_the_session(data: Path) -> None:
-    session = [*run_command(data, prompts_per_attempt=2, attempts=1), "--operator"]
-    with Terminal(session) as terminal:
-        await asyncio.to_thread(terminal.wait_for, "Press Enter to go on.")
-        async with keep_reading(terminal):
-            greeting = str((await logged_message(data, "arbiter/action", kind="greeting"))["text"])
-        async with serve("agent", "--data", str(data)) as address, chromium() as browser:
-            async with keep_reading(terminal):
-                await browser.open(address)
-                await browser.see(greeting[:12])
-            participant = ScriptedParticipant(terminal, random_answers(3, 120, 220))
-            terminal.confirm()
-            await asyncio.to_thread(participant.run, 2)
-            async with keep_reading(terminal):
-                feedback = str(
-                    (await logged_message(data, "arbiter/action", kind="feedback"))["text"]
-                )
-                await browser.see(feedback[:12])
-                assert greeting[:12] not in browser.text
