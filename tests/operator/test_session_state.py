@@ -214,9 +214,29 @@ def test_a_failed_voice_is_shown_until_it_works_again() -> None:
     failed = m.OutputReport(
         action="a1", output="speech", part="say", state="failed", at=0, detail="no loudspeaker"
     )
+    assert after((t.REPORT, replace(failed, part="gesture"))).voice == ""
     state = after((t.REPORT, failed))
     assert "No voice: no loudspeaker" in activity(state)
     assert after((t.REPORT, replace(failed, state="started")), state=state).voice == ""
+
+
+@pytest.mark.parametrize(
+    ("acting", "current", "text"),
+    [
+        (True, b.action("a1"), "▶ The agent speaks"),
+        (True, b.action("a1", spoken=""), "▶ The agent moves"),
+        (False, None, "The agent is idle"),
+    ],
+)
+def test_what_the_agent_does_is_shown(acting: bool, current: m.Action | None, text: str) -> None:
+    halted = m.Halt(reason="stopped", asked=0)  # before this panel joined
+    state = after(
+        (t.ARBITER_STATE, b.arbiter_state(current=current)),
+        (t.HALT, halted),
+        (t.ACTING, m.AgentActing(acting=acting)),
+    )
+    assert activity(state).endswith(text)
+    assert state.stops == ()
 
 
 # --- the header and the log
