@@ -5,6 +5,7 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from sar_tui.link.peer import Connection
 from sar_tui.loop import topics as t
@@ -103,10 +104,11 @@ def test_a_proposal_is_reported_as_seen_once_and_only_by_who_may_decide(panel: P
     assert panel.peer.sent == []
     for _ in range(2):
         panel.receive(t.PRESENCE, b.presence("baton", ANNA, ben="operator"))
-    panel.commands.report_seen(other, NOW + 2)
     assert [(name, act.action, act.at) for name, act in panel.peer.sent] == [
         (t.PROPOSAL_SEEN.name, "p2", NOW + 1)
     ]
+    panel.commands.report_seen(other, NOW + 2)
+    assert len(panel.peer.sent) == 1
 
 
 def test_proposals_are_sorted_by_deadline_and_then_by_reading_time() -> None:
@@ -133,6 +135,22 @@ def test_sorting_loses_none_and_puts_those_without_deadline_last(
     assert sorted(order, key=given_.index) == list(given_)
     is_free = [approval.deadline is None for approval in order]
     assert is_free == sorted(is_free)
+
+
+@pytest.mark.parametrize(
+    ("left_ms", "otherwise", "text"),
+    [
+        (0, "act", "time is up"),
+        (1000, "act", "acts by itself in 1.0 s"),
+        (1000, "drop", "is dropped in 1.0 s"),
+        (None, "act", "waits for you until the next attempt begins"),
+    ],
+)
+def test_the_time_left_is_told_with_what_happens_then(
+    left_ms: int | None, otherwise: Any, text: str
+) -> None:
+    approval = replace(b.approval("p1", left_ms), otherwise=otherwise)
+    assert proposal_strip.time_left(approval, NOW) == text
 
 
 def test_a_reported_change_stands_beside_its_mdc95_in_the_title() -> None:
@@ -248,6 +266,8 @@ def test_of_two_participants_the_agent_names_the_one_it_speaks_to(panel: Panel) 
     panel.commands.receive(b.welcome(participants=people, spoken_names=names))
     assert panel.commands.say("Hi", "B", NOW)
     assert panel.lines[-1][0] == "Saying to P02 “Hi” …"
+    panel.receive(t.REMARK, m.Remark(id="9", text="Ho", seat="B", actor="operator.ben"))
+    assert panel.lines[-1][0] == "ben: Saying to P02 “Ho” …"
     assert panel.commands.edit(b.approval("p1", seat="B", text="Right: Good"), "Good!", NOW)
     panel.answer("refused")
     assert panel.commands.edit(b.approval("p1", seat="B", text="Good"), "Good!", NOW)
