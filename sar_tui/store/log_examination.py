@@ -128,19 +128,20 @@ def _changed_groups(
     stored = messages.stored_rows(database, session)
     erased = erased_hashes(database, session)
     waiting = next(stored, None)
-    before, first = "", 1
+    before, first, number = "", 1, 0
     for position, group in enumerate(groups, start=1):
         digests = []
         while waiting is not None and waiting.seq <= group.until:
             digest = log_hashes.message_hash(waiting)
             digests.append(erased.get(digest, digest))
+            number = waiting.seq
             waiting = next(stored, None)
         beside = [_possible_hashes(database, session, people, entry) for entry in group.beside]
         holds = any(
             log_hashes.group_hash(before, (*digests, *some)) == group.hash
             for some in product(*beside)
         )
-        if not holds or group.number != position:
+        if not holds or (group.number, group.until) != (position, number):
             yield _where(first, group)
         before, first = group.hash, group.until + 1
     if waiting is not None:

@@ -264,14 +264,6 @@ def plain(text: str) -> str:
     )
 
 
-def is_running(pid: int) -> bool:
-    """Return True if a process exists and is not a zombie (Linux)."""
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
-    except OSError:
-        return False
-
-
 def children(pid: int) -> dict[int, str]:
     """Return all descendants of a process with their command lines (Linux)."""
     found: dict[int, str] = {}

@@ -4,7 +4,6 @@ import json
 import sqlite3
 import subprocess
 import sys
-import time
 from collections.abc import Sequence
 from contextlib import closing
 from itertools import pairwise
@@ -51,19 +50,6 @@ def see_the_summary(terminal: Terminal) -> None:
     terminal.settle()
 
 
-def see_the_agent_still(terminal: Terminal, data: Path, seconds: float = 60) -> None:
-    """Wait until the agent has stopped acting."""
-    deadline = time.monotonic() + seconds
-    acting: list[bool] = []
-    while not acting or acting[-1]:
-        assert time.monotonic() < deadline, "the agent goes on and on"
-        terminal.settle(silence_ms=50)
-        reported = rows(
-            data, "SELECT message FROM events WHERE topic='arbiter/acting' ORDER BY seq"
-        )
-        acting = [json.loads(message)["acting"] for (message,) in reported]
-
-
 class ScreenReader:
     """Reads the text on a terminal's screen."""
 
@@ -75,18 +61,9 @@ class ScreenReader:
 
     def text(self) -> str:
         """Return the text on the screen."""
-        self._feed()
-        return "\n".join(line.rstrip() for line in self._screen.display)
-
-    def color_of(self, character: str) -> str:
-        """Return the colour of a character that is on the screen, as rrggbb or a name."""
-        self._feed()
-        cells = (cell for row in self._screen.buffer.values() for cell in row.values())
-        return str(next(cell.fg for cell in cells if cell.data == character))
-
-    def _feed(self) -> None:
         self._stream.feed(bytes(self._terminal.output[self._seen :]))
         self._seen = len(self._terminal.output)
+        return "\n".join(line.rstrip() for line in self._screen.display)
 
 
 def rows(data: Path, query: str, *values: object) -> list[tuple[Any, ...]]:

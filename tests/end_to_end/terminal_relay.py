@@ -1,9 +1,8 @@
 """A terminal at the end of a line: runs a program in a pseudo-terminal of its own, and answers it
 as a terminal does.
 
-``python -m tests.end_to_end.terminal_relay PROGRAM ...``. Stopped (SIGSTOP), nothing of the program
-is read any more. After SIGUSR1 it is a server whose ssh client is frozen: it takes output, but
-shows and answers nothing until SIGUSR2.
+``python -m tests.end_to_end.terminal_relay PROGRAM ...``. After SIGUSR1 it is a server whose ssh
+client is frozen: it takes output, but shows and answers nothing until SIGUSR2.
 """
 
 import os

@@ -23,17 +23,15 @@ from tests.end_to_end.participant_terminal import (
     see_the_summary,
 )
 
-PROMPTS = 8
-
 
 @pytest.mark.parametrize(
-    ("kills", "attempts"), [(1, 2), pytest.param(20, 8, marks=pytest.mark.slow)]
+    ("kills", "attempts", "prompts"), [(1, 2, 4), pytest.param(20, 8, 8, marks=pytest.mark.slow)]
 )
 def test_kills_lose_no_acknowledged_trial_and_change_no_prompt(
-    data: Path, catalogue: Catalogue, kills: int, attempts: int
+    data: Path, catalogue: Catalogue, kills: int, attempts: int, prompts: int
 ) -> None:
     pressed = 0
-    start = run_command(data, prompts_per_attempt=PROMPTS, attempts=attempts)
+    start = run_command(data, prompts_per_attempt=prompts, attempts=attempts)
     for kill in range(kills):
         with Terminal(
             start if kill == 0 else command("resume", only_session(data), "--data", str(data))
@@ -54,7 +52,7 @@ def test_kills_lose_no_acknowledged_trial_and_change_no_prompt(
         pressed = stored[0]
 
     with Terminal(command("resume", only_session(data), "--data", str(data))) as terminal:
-        ScriptedParticipant(terminal, random_answers(99, 60, 120)).run(PROMPTS * attempts - pressed)
+        ScriptedParticipant(terminal, random_answers(99, 60, 120)).run(prompts * attempts - pressed)
         see_the_summary(terminal)
         terminal.confirm()
         assert terminal.wait() == 0
@@ -64,14 +62,16 @@ def test_kills_lose_no_acknowledged_trial_and_change_no_prompt(
     assert levels == list(range(1, attempts + 1)), "all answers are right and fast"
     trials = rows(data, "SELECT attempt, trial, stimulus FROM trials ORDER BY attempt, trial")
     assert [(a, t) for a, t, _ in trials] == [
-        (a, t) for a in range(1, attempts + 1) for t in range(1, PROMPTS + 1)
+        (a, t) for a in range(1, attempts + 1) for t in range(1, prompts + 1)
     ]
-    assert trials == _prompts_it_would_have_had(data, catalogue)
+    assert trials == _prompts_it_would_have_had(data, catalogue, prompts)
     assert replays_identically(data)
 
 
-def _prompts_it_would_have_had(data: Path, catalogue: Catalogue) -> list[tuple[int, int, str]]:
-    """The prompts of a session that nobody killed: from its seed, its parameters and the levels it
+def _prompts_it_would_have_had(
+    data: Path, catalogue: Catalogue, prompts: int
+) -> list[tuple[int, int, str]]:
+    """Return the prompts of a session that nobody killed: from its seed, its parameters and the levels it
     reached.
     """
     ((seed, parameters),) = rows(data, "SELECT seed, parameters FROM sessions")
@@ -88,5 +88,5 @@ def _prompts_it_would_have_had(data: Path, catalogue: Catalogue) -> list[tuple[i
             ).name,
         )
         for attempt, level in rows(data, "SELECT attempt, level FROM attempts ORDER BY attempt")
-        for trial in range(1, PROMPTS + 1)
+        for trial in range(1, prompts + 1)
     ]

@@ -126,8 +126,7 @@ def tasks(tmp_path: Path) -> Path:
     folder = tmp_path / "mytasks"
     for name in ("oddball", "span", "cueing"):
         shutil.copytree(OWN / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
-    for name in ("stopping", "beat"):
-        write_documented(folder, name)
+    write_documented(folder, "beat")
     return folder
 
 

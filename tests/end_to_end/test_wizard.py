@@ -5,10 +5,8 @@ stored.
 import json
 from pathlib import Path
 
-import pytest
-
 from tests.end_to_end.operator_terminal import Row, SessionTerminals, plain
-from tests.end_to_end.participant_terminal import command, replays_identically, rows, run_command
+from tests.end_to_end.participant_terminal import replays_identically, rows
 
 WORDS = "Lovely, and now a little slower."
 NOTE = "rubs the left wrist"
@@ -131,23 +129,3 @@ def _shares_four_words(text: str, lines: set[str]) -> bool:
     return any(
         " ".join(words[at : at + 4]) in line for line in lines for at in range(len(words) - 3)
     )
-
-
-@pytest.mark.slow
-def test_a_panel_joins_the_session_of_its_own_data_folder(data: Path, tmp_path: Path) -> None:
-    other = tmp_path / "other"
-    with SessionTerminals(data) as terminals:
-        panel = terminals.start_program(
-            command("wizard", "--wait", "--name", "ben", "--data", str(other)), 100, 30
-        )
-        panel.wait_for("Waiting for one")
-        terminals.participant("--operator", **SETTINGS).terminal.wait_for("Press Enter to go on.")
-        panel.wait_for("There is a session of another data folder:")
-        assert terminals.presence() == []
-        there = terminals.start_program([*run_command(other, **SETTINGS), "--operator"])
-        there.wait_for("Press Enter to go on.")
-        joined = "SELECT 1 FROM events WHERE topic='operator/presence'"
-        terminals.until(
-            lambda: rows(other, joined), "the panel has joined the session of its folder"
-        )
-        assert rows(data, joined) == []

@@ -1,12 +1,11 @@
-"""Panel in a process of its own that tests can freeze and kill. It prints each state of its link.
+"""Operator's panel in a process of its own that tests can freeze and kill. It prints each state of its link.
 
-``python -m tests.link.panel_process SESSION LINK NAME ROLE``; each line on standard input is sent
+``python -m tests.link.panel_process SESSION LINK NAME``; each line on standard input is sent
 as a note.
 """
 
 import asyncio
 import sys
-from typing import get_args
 
 from sar_tui.link.client import connect
 from sar_tui.link.discovery import JoinableSession
@@ -15,7 +14,7 @@ from sar_tui.loop.topics import NOTE_ADDED
 from sar_tui.model import messages as m
 
 
-async def main(session: str, link: str, name: str, role: str) -> None:
+async def main(session: str, link: str, name: str) -> None:
     loop = asyncio.get_running_loop()
     over = asyncio.Event()
 
@@ -28,8 +27,7 @@ async def main(session: str, link: str, name: str, role: str) -> None:
             print("welcome", flush=True)
 
     where = JoinableSession(session=session, task="keyboard", link=link, pid=0)
-    (known,) = (each for each in get_args(m.Role) if each == role)
-    peer = connect(where, name, known, receive, loop)
+    peer = connect(where, name, "operator", receive, loop)
 
     def send_note() -> None:
         line = sys.stdin.readline().strip()

@@ -8,13 +8,11 @@ import pytest
 import zenoh
 
 from sar_tui.link import client
-from sar_tui.link.authority import Authority
 from sar_tui.link.client import NOT_ADMITTED, probe
 from sar_tui.link.errors import LinkError
 from sar_tui.link.invitation import Invitation
 from sar_tui.link.peer import Connection
 from sar_tui.link.zenoh_settings import (
-    Credentials,
     Endpoint,
     Guest,
     TlsFiles,
@@ -77,26 +75,6 @@ def received_before_last(
 # --- admission
 
 
-def test_operator_with_valid_certificate_sends_and_receives(
-    at: LinkGuests, host: FakeBroker
-) -> None:
-    received: list[bytes] = []
-    with visiting(at.anna) as [anna]:
-        anna.declare_subscriber(at.keys.broadcast, lambda s: received.append(bytes(s.payload)))
-        anna.declare_subscriber(
-            at.keys.reply("operator.anna"), lambda s: received.append(bytes(s.payload))
-        )
-        anna.put(at.keys.act("operator.anna"), b"veto")
-        assert eventually(lambda: (at.keys.act("operator.anna"), b"veto") in host.received)
-
-        def both_received() -> bool:
-            host.session.put(at.keys.broadcast, b"to all")
-            host.session.put(at.keys.reply("operator.anna"), b"to anna")
-            return {b"to all", b"to anna"} <= set(received)
-
-        assert eventually(both_received)
-
-
 def test_liveliness_of_an_operator_is_seen(at: LinkGuests, host: FakeBroker) -> None:
     key = at.keys.ping("operator.anna")
     with visiting(at.anna) as [anna]:
@@ -104,31 +82,6 @@ def test_liveliness_of_an_operator_is_seen(at: LinkGuests, host: FakeBroker) -> 
         assert eventually(lambda: host.liveliness == [key])
         token.undeclare()
     assert eventually(lambda: host.liveliness == [key, key])
-
-
-def test_connection_without_certificate_fails(at: LinkGuests, host: FakeBroker) -> None:
-    settings = msgspec.json.decode(settings_of(at.anna))
-    for name in ("connect_certificate_base64", "connect_private_key_base64", "enable_mtls"):
-        del settings["transport"]["link"]["tls"][name]
-    with pytest.raises(zenoh.ZError):
-        zenoh.open(config(msgspec.json.encode(settings).decode()))
-
-
-def test_connection_with_certificate_of_another_authority_fails(
-    at: LinkGuests, host: FakeBroker, tmp_path: Path
-) -> None:
-    stranger = Authority.open_or_create(tmp_path).invite(Guest("anna", "operator"), [at.where], 30)
-    own = stranger.credentials
-    trusting = Credentials(at.anna.credentials.authority, own.certificate, own.key)
-    with pytest.raises(zenoh.ZError):
-        zenoh.open(config(network_settings(at.where, trusting)))
-    with pytest.raises(zenoh.ZError), visiting(stranger):
-        pass  # and the guest, too, rejects a host of another authority
-
-
-def test_connection_with_expired_certificate_fails(at: LinkGuests, host: FakeBroker) -> None:
-    with pytest.raises(zenoh.ZError), visiting(at.late):
-        pass
 
 
 @pytest.mark.parametrize("is_new", [False, True], ids=["revoked", "made after the session began"])

@@ -1,4 +1,4 @@
-"""Messages of peers are forwarded or refused, tested without Zenoh."""
+"""Peers are admitted, lost and limited, and their messages forwarded or refused: without Zenoh."""
 
 from typing import Any
 
@@ -6,7 +6,8 @@ import msgspec
 import pytest
 
 from sar_tui.link import protocol
-from sar_tui.link.admission import Admission
+from sar_tui.link.admission import Admission, ReportThrottle, TokenBucket
+from sar_tui.link.presence import FIRST_ANSWER_WITHIN, MAX_PEERS
 from sar_tui.link.protocol import (
     ActReceived,
     AnswersRequested,
@@ -25,7 +26,7 @@ from sar_tui.model import messages as m
 from sar_tui.model.messages import Message
 from sar_tui.model.units import MS, SECOND
 
-ANNA, OLAF = "operator.anna", "observer.olaf"
+ANNA, BEN, OLAF = "operator.anna", "operator.ben", "observer.olaf"
 NOTE = m.NoteAdded(text="well")
 
 
@@ -65,6 +66,12 @@ class Bench:
         assert all(answer.outcome == "refused" for answer in found)
         return {answer.id: answer.why for answer in found}
 
+    def refusal(self) -> str:
+        """Return why the last heartbeat was refused; empty if it was not."""
+        pong = self.answers[-1][1]
+        assert isinstance(pong, Pong)
+        return pong.refusal
+
     def take(self) -> list[BrokerEvent]:
         events, self.events[:] = list(self.events), []
         return events
@@ -75,6 +82,13 @@ def bench() -> Bench:
     return Bench()
 
 
+SILENT = PeerLeft(ANNA, "lost", "No heartbeat for 2000 ms.")
+UNATTENDED = PeerLeft(ANNA, "lost", "Its terminal did not answer for 2000 ms.")
+
+
+# --- presence
+
+
 def test_first_ping_admits_a_peer_and_is_answered_with_the_clock(bench: Bench) -> None:
     bench.admission.number = 5
     bench.ping(ANNA, 3 * SECOND, wants_snapshot=True)
@@ -82,37 +96,33 @@ def test_first_ping_admits_a_peer_and_is_answered_with_the_clock(bench: Bench) -
     assert bench.answers == [(ANNA, Pong(77, 3 * SECOND, "here", 5, "1"))]
 
 
-def test_snapshots_are_limited_to_one_per_second(bench: Bench) -> None:
-    for at in range(0, 1000, 50):
-        bench.ping(ANNA, at * MS, wants_snapshot=True)
-    assert bench.take().count(SnapshotRequested(ANNA)) == 3
-
-
-def test_leaving_peer_has_left_and_silent_peer_is_lost(bench: Bench) -> None:
+def test_leaving_peer_has_left_and_silent_peer_is_lost_once(bench: Bench) -> None:
     bench.ping(ANNA, 0)
     bench.ping(OLAF, 0)
+    bench.ping(OLAF, 0, client_id="2", is_leaving=True)  # another program's
+    assert bench.take() == [PeerJoined(ANNA), PeerJoined(OLAF)]
     bench.ping(OLAF, 0, is_leaving=True)
-    bench.admission.tick(2 * SECOND + 1)
-    assert bench.take()[2:] == [
-        PeerLeft(OLAF, "left"),
-        PeerLeft(ANNA, "lost", "No heartbeat for 2000 ms."),
-    ]
-
-
-def test_peer_whose_connection_breaks_is_lost_at_once(bench: Bench) -> None:
-    bench.ping(ANNA, 0)
-    bench.admission.disconnect(ANNA, 200 * MS)
-    bench.admission.disconnect(ANNA, 200 * MS)
-    assert bench.take()[1:] == [PeerLeft(ANNA, "lost", "The connection broke.")]
-
-
-def test_silent_peer_whose_connection_breaks_is_lost_after_its_time(bench: Bench) -> None:
-    bench.ping(ANNA, 0)
-    bench.admission.disconnect(ANNA, 900 * MS)
-    bench.admission.tick(2 * SECOND)
+    for at in (2 * SECOND, 2 * SECOND + 1, 9 * SECOND):
+        bench.admission.tick(at)
+    assert bench.take() == [PeerLeft(OLAF, "left"), SILENT]
+    bench.ping(ANNA, 10 * SECOND)
     assert bench.take() == [PeerJoined(ANNA)]
+
+
+@pytest.mark.parametrize(
+    ("silent_ms", "at_once", "later"),
+    [(500, [PeerLeft(ANNA, "lost", "The connection broke.")], []), (501, [], [SILENT])],
+    ids=["at once", "after its time if it was silent before"],
+)
+def test_peer_whose_connection_breaks_is_lost(
+    bench: Bench, silent_ms: int, at_once: list[BrokerEvent], later: list[BrokerEvent]
+) -> None:
+    bench.ping(ANNA, 0)
+    for _ in range(2):
+        bench.admission.disconnect(ANNA, silent_ms * MS)
+    assert bench.take()[1:] == at_once
     bench.admission.tick(2 * SECOND + 1)
-    assert bench.take() == [PeerLeft(ANNA, "lost", "No heartbeat for 2000 ms.")]
+    assert bench.take() == later
 
 
 def test_peer_that_reconnects_in_time_is_not_lost(bench: Bench) -> None:
@@ -123,80 +133,97 @@ def test_peer_that_reconnects_in_time_is_not_lost(bench: Bench) -> None:
     assert bench.take() == [PeerJoined(ANNA)]
 
 
-def test_act_is_forwarded(bench: Bench) -> None:
+def test_a_name_belongs_to_one_program_until_it_leaves(bench: Bench) -> None:
     bench.ping(ANNA, 0)
-    bench.act(ANNA, 1)
-    assert bench.take()[1:] == [ActReceived(ANNA, NOTE_ADDED.name, raw(NOTE))]
+    bench.ping(ANNA, 1, client_id="2", wants_snapshot=True)
+    assert "name is in use" in bench.refusal()
+    bench.act(ANNA, 2, client_id="2")
+    assert [type(event) for event in bench.take()] == [PeerJoined, RequestRefused]
+    bench.ping(ANNA, 3, is_leaving=True)
+    bench.ping(ANNA, 4, client_id="2")
+    assert bench.refusal() == ""
+    assert bench.take() == [PeerLeft(ANNA, "left"), PeerJoined(ANNA)]
 
 
-def test_act_counts_as_heartbeat(bench: Bench) -> None:
-    bench.act(ANNA, 0)
-    assert isinstance(bench.take()[0], PeerJoined)
+def test_number_of_peers_is_limited(bench: Bench) -> None:
+    for number in range(MAX_PEERS + 1):
+        bench.ping(f"observer.{number}", 0)
+    assert "Too many people" in bench.refusal()
+    assert len(bench.take()) == MAX_PEERS
 
 
-def test_an_operator_whose_terminal_is_silent_is_lost_after_its_time(bench: Bench) -> None:
+# --- terminals that do not answer
+
+
+def test_an_operator_whose_terminal_is_silent_is_lost_after_its_time_though_its_program_runs(
+    bench: Bench,
+) -> None:
     for at in range(0, 2001, 150):
         bench.ping(ANNA, at * MS, silence=at * MS)
     bench.admission.tick(2 * SECOND)
     assert bench.take() == [PeerJoined(ANNA)]
     bench.admission.tick(2 * SECOND + 1)
-    assert bench.take() == [PeerLeft(ANNA, "lost", "Its terminal did not answer for 2000 ms.")]
+    assert bench.take() == [UNATTENDED]
 
 
-def test_an_act_of_a_silent_terminal_does_not_bring_it_back(bench: Bench) -> None:
-    """A panel reports by itself that it shows a proposal."""
+def test_neither_an_act_nor_a_ping_of_a_silent_terminal_brings_it_back_and_its_name_is_free(
+    bench: Bench,
+) -> None:
     bench.ping(ANNA, 0, silence=0)
     bench.admission.tick(3 * SECOND)
     bench.take()
-    bench.act(ANNA, 3 * SECOND, silence=3 * SECOND)
-    assert bench.take() == [
-        RequestRefused(ANNA, NOTE_ADDED.name, "The terminal of this panel does not answer.", 1)
-    ]
+    bench.act(ANNA, 3 * SECOND, silence=3 * SECOND)  # by itself, for a proposal that it shows
+    why = "The terminal of this panel does not answer."
+    assert bench.take() == [RequestRefused(ANNA, NOTE_ADDED.name, why, 1)]
     bench.ping(ANNA, 3 * SECOND, wants_snapshot=True, silence=3 * SECOND)
-    assert bench.take() == []
-    assert isinstance(pong := bench.answers[-1][1], Pong)
-    assert "does not answer" in pong.refusal
+    assert (bench.refusal(), bench.take()) == (why, [])
+    bench.ping(ANNA, 4 * SECOND, client_id="2")
+    assert bench.take() == [PeerJoined(ANNA)]
 
 
 def test_an_operator_whose_terminal_is_back_joins_again_with_a_snapshot(bench: Bench) -> None:
     bench.ping(ANNA, 0, silence=0)
     bench.admission.tick(3 * SECOND)
     bench.take()
-    bench.ping(ANNA, 4 * SECOND, wants_snapshot=True, silence=MS)
+    bench.ping(ANNA, 4 * SECOND, wants_snapshot=True, silence=2 * SECOND)
     assert bench.take() == [PeerJoined(ANNA), SnapshotRequested(ANNA)]
 
 
+def test_an_older_answer_of_the_terminal_does_not_count(bench: Bench) -> None:
+    for silence in (0, 5 * SECOND, None):
+        bench.ping(ANNA, 10 * SECOND, silence=silence)
+    bench.admission.tick(12 * SECOND)
+    assert bench.take() == [PeerJoined(ANNA)]
+
+
 def test_an_operator_without_proof_is_reported_once_and_an_observer_not(bench: Bench) -> None:
-    for name in (ANNA, OLAF):
-        bench.ping(name, 0)
-        for at in range(0, 8000, 150):
-            bench.ping(name, at * MS)
+    for at in (0, FIRST_ANSWER_WITHIN):
+        for name in (ANNA, OLAF):
+            bench.ping(name, at)
     bench.take()
-    for at in (6, 7):
-        bench.admission.tick(at * SECOND)
+    bench.admission.tick(FIRST_ANSWER_WITHIN)
+    assert bench.take() == []
+    for later in (1, 2):
+        bench.admission.tick(FIRST_ANSWER_WITHIN + later)
     assert bench.take() == [PeerUnproven(ANNA, "the terminal answers no queries.")]
 
 
 def test_a_multiplexer_proves_nothing(bench: Bench) -> None:
     bench.ping(ANNA, 0, silence=0, is_relayed=True)
+    bench.act(ANNA, 0, silence=0)  # does not say
+    bench.ping(BEN, 0, silence=0, is_relayed=False)
+    bench.take()
     bench.admission.tick(1)
-    assert bench.take()[1:] == [
-        PeerUnproven(ANNA, "tmux, screen, Zellij or mosh answers for the terminal.")
-    ]
+    why = "tmux, screen, Zellij or mosh answers for the terminal."
+    assert bench.take() == [PeerUnproven(ANNA, why)]
 
 
-def test_a_silence_below_zero_is_refused(bench: Bench) -> None:
-    bench.ping(ANNA, 0, silence=-1)
-    assert bench.take() == [RequestRefused(ANNA, "a heartbeat", "It cannot be read.", 1)]
+# --- acts
 
 
-def test_second_program_with_the_same_name_is_refused(bench: Bench) -> None:
-    bench.ping(ANNA, 0)
-    bench.ping(ANNA, 1, client_id="2", wants_snapshot=True)
-    bench.act(ANNA, 2, client_id="2")
-    assert isinstance(pong := bench.answers[-1][1], Pong)
-    assert (pong.client_id, "name is in use" in pong.refusal) == ("2", True)
-    assert [type(event) for event in bench.take()] == [PeerJoined, RequestRefused]
+def test_act_is_forwarded_and_counts_as_heartbeat(bench: Bench) -> None:
+    bench.act(ANNA, 0)
+    assert bench.take() == [PeerJoined(ANNA), ActReceived(ANNA, NOTE_ADDED.name, raw(NOTE))]
 
 
 @pytest.mark.parametrize(
@@ -208,61 +235,49 @@ def test_second_program_with_the_same_name_is_refused(bench: Bench) -> None:
         (protocol.TAKE_CONTROL, NOTE),
     ],
 )
-def test_observer_cannot_act(bench: Bench, topic: str, message: Message) -> None:
+def test_observer_can_only_stop_the_agent(bench: Bench, topic: str, message: Message) -> None:
     bench.ping(OLAF, 0)
     bench.act(OLAF, 1, message, topic)
     (refused,) = bench.take()[1:]
     assert isinstance(refused, RequestRefused)
     assert (refused.name, refused.why) == (OLAF, "An observer can only stop the agent.")
-
-
-def test_observer_may_stop_the_agent(bench: Bench) -> None:
     stop = m.SessionCommand(command="stop")
-    bench.ping(OLAF, 0)
     bench.act(OLAF, 1, stop, COMMAND.name)
-    assert bench.take()[1:] == [ActReceived(OLAF, COMMAND.name, raw(stop))]
+    assert bench.take() == [ActReceived(OLAF, COMMAND.name, raw(stop))]
 
 
 @pytest.mark.parametrize(
     "name", ["*", "**", "anna", "director.anna", "operator.", "operator.a/b", "operator.\x1b"]
 )
-def test_invalid_name_is_refused(bench: Bench, name: str) -> None:
+def test_invalid_name_is_refused_and_not_repeated(bench: Bench, name: str) -> None:
     bench.ping(name, 0)
     bench.act(name, 0)
-    refused = bench.take()
-    assert [type(event) for event in refused] == [RequestRefused, RequestRefused]
-    assert all(
-        isinstance(event, RequestRefused) and event.name == "unknown" for event in refused
-    ), "an invalid name is not repeated"
+    why = "It does not say who sent it."
+    assert bench.take() == [
+        RequestRefused("unknown", "a heartbeat", why, 1),
+        RequestRefused("unknown", "an act", why, 1),
+    ]
     assert bench.answers == []
 
 
-def test_undecodable_message_is_refused(bench: Bench) -> None:
-    bench.admission.receive_act(ANNA, b"\xc1nonsense", 0)
+@pytest.mark.parametrize("id", ["x", "a" * 33, "a\n"])
+def test_what_a_panel_would_not_send_is_refused(bench: Bench, id: str) -> None:
     bench.admission.receive_ping(ANNA, b"", 0)
-    assert bench.take() == [
-        RequestRefused(ANNA, "an act", "It cannot be read.", 1),
-        RequestRefused(ANNA, "a heartbeat", "It cannot be read.", 1),
-    ]
-
-
-def test_note_that_is_too_long_is_refused(bench: Bench) -> None:
+    bench.ping(ANNA, 0, silence=-1)
+    bench.admission.receive_act(ANNA, b"\xc1nonsense", 0)
+    bench.act(ANNA, 0, id=id)
     bench.act(ANNA, 0, m.NoteAdded(text="x" * 100_000))
-    assert bench.take() == [RequestRefused(ANNA, "an act", "It is longer than 20000 bytes.", 1)]
+    assert bench.take() == [
+        RequestRefused(ANNA, "a heartbeat", "It cannot be read.", 1),
+        RequestRefused(ANNA, "an act", "It cannot be read.", 1),
+        RequestRefused(ANNA, "an act", "It is longer than 20000 bytes.", 1),
+    ]
+    assert bench.answers == []
+    bench.admission.tick(SECOND)
+    assert [event.count for event in bench.take() if isinstance(event, RequestRefused)] == [1, 1]
 
 
-def test_flood_of_acts_is_limited_and_counted(bench: Bench) -> None:
-    bench.ping(ANNA, 0)
-    bench.take()
-    for number in range(10_000):
-        bench.act(ANNA, number * SECOND // 10_000)
-    bench.admission.tick(2 * SECOND)
-    events = bench.take()
-    forwarded = [event for event in events if isinstance(event, ActReceived)]
-    refused = [event for event in events if isinstance(event, RequestRefused)]
-    assert len(forwarded) <= 90
-    assert len(refused) <= 2
-    assert len(forwarded) + sum(event.count for event in refused) == 10_000
+# --- answers and limits
 
 
 @pytest.mark.parametrize(
@@ -282,6 +297,31 @@ def test_an_act_that_is_not_forwarded_is_answered(
     assert not [event for event in bench.take() if isinstance(event, ActReceived)]
 
 
+def test_a_question_for_answers_is_forwarded(bench: Bench) -> None:
+    bench.ping(ANNA, 0, unanswered=("a1", "a2"))
+    assert bench.take()[-1] == AnswersRequested(ANNA, ("a1", "a2"))
+
+
+def test_snapshots_are_limited_to_one_per_second(bench: Bench) -> None:
+    for at in range(0, 1000, 50):
+        bench.ping(ANNA, at * MS, wants_snapshot=True)
+    assert bench.take().count(SnapshotRequested(ANNA)) == 3
+
+
+def test_flood_of_acts_is_limited_and_counted(bench: Bench) -> None:
+    bench.ping(ANNA, 0)
+    bench.take()
+    for number in range(10_000):
+        bench.act(ANNA, number * SECOND // 10_000)
+    bench.admission.tick(2 * SECOND)
+    events = bench.take()
+    forwarded = [event for event in events if isinstance(event, ActReceived)]
+    refused = [event for event in events if isinstance(event, RequestRefused)]
+    assert len(forwarded) <= 90
+    assert len(refused) <= 2
+    assert len(forwarded) + sum(event.count for event in refused) == 10_000
+
+
 def test_acts_that_come_too_fast_are_answered_but_not_a_flood_of_them(bench: Bench) -> None:
     for number in range(1000):
         bench.act(ANNA, 0, id=f"{number:x}")
@@ -292,14 +332,26 @@ def test_acts_that_come_too_fast_are_answered_but_not_a_flood_of_them(bench: Ben
     assert 0 < len(refused) < 100
 
 
-def test_a_question_for_answers_is_forwarded(bench: Bench) -> None:
-    ping = Ping("1", 77, unanswered=("a1", "a2"))
-    bench.admission.receive_ping(ANNA, protocol.encode(ping), 0)
-    assert bench.take()[-1] == AnswersRequested(ANNA, ("a1", "a2"))
+def test_bucket_passes_a_burst_then_the_rate_and_saves_no_more_than_a_burst() -> None:
+    bucket = TokenBucket(rate=10, burst=5)
+    assert sum(bucket.take(0) for _ in range(100)) == 5
+    assert sum(bucket.take(at * MS) for at in range(1, 1001)) == 10
+    assert sum(bucket.take(3600 * SECOND) for _ in range(100)) == 5
 
 
-@pytest.mark.parametrize("id", ["x", "a" * 33, "a\n"])
-def test_an_id_that_a_panel_would_not_make_is_refused(bench: Bench, id: str) -> None:
-    bench.act(ANNA, 0, id=id)
-    assert bench.take() == [RequestRefused(ANNA, "an act", "It cannot be read.", 1)]
-    assert bench.refusals() == {}
+def test_repeated_event_is_reported_at_once_then_once_a_second_with_count() -> None:
+    throttle: ReportThrottle[str] = ReportThrottle()
+    assert throttle.add("flood", 0) == 1
+    assert throttle.add("another", 1) == 1
+    assert [throttle.add("flood", at * MS) for at in range(1, 500)] == [0] * 499
+    assert throttle.due(999 * MS) == []
+    assert throttle.due(SECOND) == [("flood", 499)]
+    assert throttle.due(5 * SECOND) == []
+    assert throttle.add("flood", 6 * SECOND) == 1
+
+
+def test_events_beyond_the_maximum_wait_until_others_are_forgotten() -> None:
+    throttle: ReportThrottle[int] = ReportThrottle(max_keys=3)
+    assert [throttle.add(thing, 0) for thing in range(1000)] == [1, 1, 1] + [0] * 997
+    assert throttle.due(SECOND) == []
+    assert throttle.add(999, SECOND) == 1

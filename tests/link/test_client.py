@@ -32,11 +32,12 @@ from sar_tui.link.protocol import (
     Pong,
     Snapshot,
 )
+from sar_tui.link.remote_clock import RemoteClock
 from sar_tui.link.zenoh_settings import Endpoint, Guest
 from sar_tui.loop.bus import Record
 from sar_tui.loop.topics import ANSWERED, KEY, LEVEL, NOTE_ADDED
 from sar_tui.model import messages as m
-from sar_tui.model.units import SECOND
+from sar_tui.model.units import MS, SECOND
 from sar_tui.rules.parameters import TaskParameters, fields
 from tests.link.test_node import ANNA
 from tests.link.test_node import WELCOME as BASE_WELCOME
@@ -147,19 +148,17 @@ async def test_snapshot_connects_and_messages_follow_in_order(panel: Panel) -> N
     assert frames == [[Frame(*level(1))], [Frame(*level(4))]]
 
 
-async def test_missing_batch_stops_messages_until_a_snapshot(panel: Panel) -> None:
+@pytest.mark.parametrize("is_last", [False, True])
+async def test_missing_batch_stops_messages_until_a_snapshot(panel: Panel, is_last: bool) -> None:
     await panel.connect()
-    await panel.receive(batch(5), batch(6))
+    # nothing follows the last one, but the answer to a ping tells its number
+    await panel.receive(panel.pong(number=4) if is_last else batch(5), batch(6))
     assert panel.levels() == []
+    if is_last:
+        await panel.receive(Connection("connected"))  # a ping follows
     assert panel.wants_snapshot()
     await panel.receive(Snapshot(6, WELCOME, protocol.encode_frames([level(6)])), batch(7))
     assert panel.levels() == [6, 7]
-
-
-async def test_pong_reveals_a_missing_last_batch(panel: Panel) -> None:
-    await panel.connect()
-    await panel.receive(panel.pong(number=4), batch(5))
-    assert panel.levels() == []
 
 
 async def test_act_is_sent_only_while_connected(panel: Panel) -> None:
@@ -338,15 +337,14 @@ def test_name_as_part_of_a_key(name: str, part: str) -> None:
     assert client.to_key_part(name) == part
 
 
-async def test_a_panel_that_has_lost_its_terminal_says_no_goodbye(panel: Panel) -> None:
-    await panel.connect()
-    panel.peer.close(says_goodbye=False)
-    assert not any(each.is_leaving for each in panel.transport.pings)
-    assert (panel.transport.is_closed, panel.transport.awaits_answer) == (True, False)
-
-
-async def test_close_without_connection_does_not_wait(panel: Panel) -> None:
-    panel.peer.close()
+@pytest.mark.parametrize("is_connected", [True, False], ids=["terminal lost", "not connected"])
+async def test_without_terminal_or_connection_nothing_is_waited_for_at_the_end(
+    panel: Panel, is_connected: bool
+) -> None:
+    if is_connected:
+        await panel.connect()
+    panel.peer.close(says_goodbye=not is_connected)
+    assert any(each.is_leaving for each in panel.transport.pings) is not is_connected
     assert (panel.transport.is_closed, panel.transport.awaits_answer) == (True, False)
 
 
@@ -354,3 +352,52 @@ def test_several_pings_fit_into_the_shortest_operator_lost_ms() -> None:
     (lost,) = [field for field in fields(TaskParameters) if field.name == "operator_lost_ms"]
     assert lost.ge is not None
     assert lost.ge >= 3 * 1000 * client.PING_INTERVAL_S
+
+
+# --- the session's clock
+
+
+AHEAD = 1000 * SECOND
+
+
+class Watch:
+    """Clock set by hand."""
+
+    now = 5 * SECOND
+
+    def __call__(self) -> int:
+        return self.now
+
+
+def exchange_ping(
+    clock: RemoteClock, watch: Watch, outward: int, back: int, clock_id: str = "there"
+) -> None:
+    """Exchange a ping with these travel times (ns)."""
+    sent = watch.now
+    watch.now += outward + back
+    clock.update(Pong(sent, sent + outward + AHEAD, clock_id, 0, "1"))
+
+
+def test_on_the_same_host_it_is_the_same_clock_whatever_pings_say() -> None:
+    watch = Watch()
+    clock = RemoteClock(watch, "here")
+    exchange_ping(clock, watch, 100 * MS, 1 * MS, clock_id="here")
+    assert clock.now() == watch.now
+
+
+def test_elsewhere_it_is_off_by_no_more_than_half_of_the_shortest_round_trip() -> None:
+    watch = Watch()
+    clock = RemoteClock(watch, "here")
+    for there, back in ((40, 2), (3, 1), (90, 5)):
+        exchange_ping(clock, watch, there * MS, back * MS)
+    assert abs(clock.now() - (watch.now + AHEAD)) <= 2 * MS
+
+
+def test_pings_from_before_a_restart_of_the_sessions_machine_do_not_count() -> None:
+    watch = Watch()
+    clock = RemoteClock(watch, "here")
+    exchange_ping(clock, watch, 1, 1)
+    sent = watch.now
+    watch.now += 10 * MS
+    clock.update(Pong(sent, 7, "there, restarted", 0, "1"))
+    assert abs(clock.now() - 7) <= 10 * MS

@@ -6,6 +6,7 @@ import signal
 import stat
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -45,42 +46,32 @@ def test_the_folder_is_made_for_this_user_alone(runtime: Path) -> None:
     assert stat.S_IMODE(socket_folder().stat().st_mode) == 0o700
 
 
-@pytest.mark.parametrize("configured", [None, "", "/there/is/none"])
-def test_without_a_runtime_folder_it_is_in_the_temporary_folder(
-    configured: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("configured", ["", "/there/is/none"])
+def test_without_a_runtime_folder_it_is_in_the_usual_one_or_else_the_temporary_folder(
+    configured: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.delenv("XDG_RUNTIME_DIR")
-    if configured is not None:
-        monkeypatch.setenv("XDG_RUNTIME_DIR", configured)
+    monkeypatch.setenv("XDG_RUNTIME_DIR", configured)
     monkeypatch.setattr(discovery.tempfile, "gettempdir", lambda: str(tmp_path))
     assert socket_folder() == tmp_path / f"sar-tui-{os.getuid()}"
-
-
-def test_without_the_variable_the_usual_runtime_folder_is_used(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
     usual = tmp_path / "run" / str(os.getuid())
     usual.mkdir(parents=True, mode=0o700)
     monkeypatch.delenv("XDG_RUNTIME_DIR")
     assert socket_folder() == usual / "sar-tui"
 
 
-def test_a_folder_that_others_can_enter_is_refused(runtime: Path) -> None:
-    socket_folder().chmod(0o750)
-    with pytest.raises(LinkError, match="is accessible to others"):
-        socket_folder()
-
-
-def test_a_symbolic_link_is_refused(runtime: Path, tmp_path: Path) -> None:
-    (tmp_path / "elsewhere").mkdir(mode=0o700)
-    (runtime / "sar-tui").symlink_to(tmp_path / "elsewhere")
-    with pytest.raises(LinkError, match="is a symbolic link"):
-        socket_folder()
-
-
-def test_a_file_in_its_place_is_refused(runtime: Path) -> None:
-    (runtime / "sar-tui").touch(mode=0o600)
-    with pytest.raises(LinkError, match="is not a folder"):
+@pytest.mark.parametrize(
+    ("spoil", "why"),
+    [
+        (lambda folder: folder.mkdir(mode=0o750), "is accessible to others"),
+        (lambda folder: folder.symlink_to(folder.parent), "is a symbolic link"),
+        (lambda folder: folder.touch(mode=0o600), "is not a folder"),
+    ],
+)
+def test_a_folder_that_is_not_private_to_this_user_is_refused(
+    runtime: Path, spoil: Callable[[Path], object], why: str
+) -> None:
+    spoil(runtime / "sar-tui")
+    with pytest.raises(LinkError, match=why):
         socket_folder()
 
 
@@ -125,20 +116,15 @@ def test_invalid_session_id_is_refused(session: str) -> None:
         socket_path(session)
 
 
-def test_session_is_found_while_announced_and_leaves_no_files() -> None:
+def test_session_is_found_while_announced_by_one_program_and_leaves_no_files() -> None:
     assert live_sessions() == []
     with announce(HERE) as path:
         assert path == HERE.socket == socket_folder() / "1a2b3c4d5e.sock"
-        assert live_sessions() == [HERE]
-    assert live_sessions() == []
-    assert list(socket_folder().iterdir()) == []
-
-
-def test_a_session_is_announced_by_one_program_at_a_time() -> None:
-    with announce(HERE):
         with pytest.raises(LinkError, match="Another program"), announce(HERE):
             pass
         assert live_sessions() == [HERE]
+    assert live_sessions() == []
+    assert list(socket_folder().iterdir()) == []
 
 
 def test_full_disk_is_reported_and_leaves_no_files(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,6 +7,7 @@ import os
 import secrets
 import shutil
 import signal
+import socket
 import stat
 import subprocess
 import sys
@@ -21,27 +22,36 @@ import pytest
 import zenoh
 
 from sar_tui.link import protocol
+from sar_tui.link.authority import Authority
 from sar_tui.link.broker_process import BrokerProcess
 from sar_tui.link.client import connect
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.errors import LinkError
+from sar_tui.link.invitation import Invitation
 from sar_tui.link.listening import ListenOptions, open_link
 from sar_tui.link.node import LinkNode
 from sar_tui.link.peer import Connection, Frame, Peer, PeerEvent, Welcome
-from sar_tui.link.zenoh_settings import LinkKeys, config, host_settings, socket_settings
+from sar_tui.link.zenoh_settings import (
+    Guest,
+    LinkKeys,
+    config,
+    host_settings,
+    network_settings,
+    socket_settings,
+)
 from sar_tui.loop.bus import Bus, Record, Topic
 from sar_tui.loop.clock import LiveClock
 from sar_tui.loop.nodes.arbiter import Arbiter
-from sar_tui.loop.topics import ANSWERED, NOTE_ADDED, PRESENCE, REFUSED, REMARK, SESSION
+from sar_tui.loop.topics import ANSWERED, NOTE_ADDED, PRESENCE, REFUSED, SESSION
 from sar_tui.model import messages as m
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS
 from sar_tui.rules.parameters import TaskParameters
 from tests.link.test_node import STARTED, WELCOME
-from tests.link.tls_fixtures import eventually
+from tests.link.tls_fixtures import eventually, invite_guests, visiting, without_certificate
 
 LOST_MS = 800
-ANNA, OLAF = "operator.anna", "observer.olaf"
+ANNA = "operator.anna"
 
 
 async def until(condition: Callable[[], object], seconds: float = 60) -> None:
@@ -55,9 +65,11 @@ async def until(condition: Callable[[], object], seconds: float = 60) -> None:
 class Panel:
     """Panel in this process."""
 
-    def __init__(self, live: JoinableSession, name: str, role: m.Role = "operator") -> None:
+    def __init__(
+        self, where: JoinableSession | Invitation, name: str = "", role: m.Role = "operator"
+    ) -> None:
         self.events: list[PeerEvent] = []
-        self.peer: Peer = connect(live, name, role, self.events.append, asyncio.get_running_loop())
+        self.peer: Peer = connect(where, name, role, self.events.append, asyncio.get_running_loop())
 
     @property
     def states(self) -> list[str]:
@@ -77,11 +89,11 @@ class Panel:
 class PanelProcess:
     """Panel in a process of its own."""
 
-    def __init__(self, live: JoinableSession, name: str, role: m.Role = "operator") -> None:
-        program = [sys.executable, "-m", "tests.link.panel_process", live.session, live.link]
+    def __init__(self, live: JoinableSession, name: str) -> None:
+        program = [sys.executable, "-m", "tests.link.panel_process", live.session, live.link, name]
         pipes: Any = {"bufsize": 0, "stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
         folder = Path(__file__).parents[2]
-        self.process = subprocess.Popen([*program, name, role], cwd=folder, **pipes)
+        self.process = subprocess.Popen(program, cwd=folder, **pipes)
         assert self.process.stdout
         os.set_blocking(self.process.stdout.fileno(), False)
         self._output = b""
@@ -125,20 +137,25 @@ class LinkSession:
     def of(self, topic: Topic[Any]) -> list[Any]:
         return [record.message for record in self.log if record.topic is topic]
 
+    @property
+    def refusals(self) -> set[tuple[str, str]]:
+        """Peers of whom something was refused, with the reasons; each may be reported again."""
+        return {(refused.actor, refused.why) for refused in self.of(REFUSED)}
+
     def states(self, name: str) -> list[str]:
         """Return the states reported of a peer; no terminal proves its presence."""
         changes = (changed for changed in self.of(PRESENCE) if changed.actor == name)
         return [changed.state for changed in changes if changed.state != "unproven"]
 
-    async def panel(self, name: str, role: m.Role = "operator") -> Panel:
-        """Start a panel in this process and wait until it is connected."""
-        self.panels.append(panel := Panel(self.live, name, role))
+    async def panel(self, name: str) -> Panel:
+        """Start an operator's panel in this process and wait until it is connected."""
+        self.panels.append(panel := Panel(self.live, name))
         await until(lambda: "connected" in panel.states)
         return panel
 
-    async def panel_process(self, name: str, role: m.Role = "operator") -> PanelProcess:
-        """Start a panel in another process and wait until it is connected."""
-        self.panel_processes.append(panel_process := PanelProcess(self.live, name, role))
+    async def panel_process(self, name: str) -> PanelProcess:
+        """Start an operator's panel in another process and wait until it is connected."""
+        self.panel_processes.append(panel_process := PanelProcess(self.live, name))
         await until(lambda: "welcome" in panel_process.output())
         return panel_process
 
@@ -178,7 +195,9 @@ async def session(
     shutil.rmtree(folder)
 
 
-async def test_late_peer_gets_welcome_and_snapshot(session: LinkSession) -> None:
+async def test_a_peer_gets_welcome_and_snapshot_and_its_act_returns_until_it_leaves(
+    session: LinkSession,
+) -> None:
     panel = await session.panel("anna")
     welcomes = [each for each in panel.events if isinstance(each, Welcome)]
     distinct = {(welcome.name, welcome.role, welcome.session) for welcome in welcomes}
@@ -186,7 +205,13 @@ async def test_late_peer_gets_welcome_and_snapshot(session: LinkSession) -> None
         "on a busy machine it may come twice"
     )
     await until(lambda: STARTED in [frame.message for frame in panel.frames])
-    assert session.states(ANNA) == ["joined", "baton"]
+    at = panel.peer.now()
+    panel.peer.send(NOTE_ADDED, m.NoteAdded(text="well", at=at))
+    expected = m.NoteAdded(text="well", actor=ANNA, at=at)
+    await until(lambda: expected in [frame.message for frame in panel.frames])
+    assert session.of(NOTE_ADDED) == [expected]
+    panel.peer.close()
+    await until(lambda: session.states(ANNA) == ["joined", "baton", "left"])
 
 
 async def test_files_beside_the_socket_are_private_whatever_the_folder_is(
@@ -197,45 +222,35 @@ async def test_files_beside_the_socket_are_private_whatever_the_folder_is(
     assert {stat.S_IMODE(each.stat().st_mode) & 0o177 for each in files} == {0}
 
 
-async def test_act_is_published_and_returns_to_the_panel(session: LinkSession) -> None:
+@pytest.mark.parametrize(
+    "fault", [signal.SIGKILL, pytest.param(signal.SIGSTOP, marks=pytest.mark.slow)]
+)
+async def test_killed_or_frozen_broker_is_restarted_and_panels_reconnect(
+    session: LinkSession, fault: signal.Signals
+) -> None:
     panel = await session.panel("anna")
-    at = panel.peer.now()
-    panel.peer.send(NOTE_ADDED, m.NoteAdded(text="well", at=at))
-    expected = m.NoteAdded(text="well", actor=ANNA, at=at)
-    await until(lambda: expected in [frame.message for frame in panel.frames])
-    assert session.of(NOTE_ADDED) == [expected]
-
-
-async def test_killed_broker_is_restarted_and_panels_reconnect(session: LinkSession) -> None:
-    panel = await session.panel("anna")
-    assert session.broker.pid
-    os.kill(session.broker.pid, signal.SIGKILL)
+    broker = session.broker.pid
+    assert broker
+    os.kill(broker, fault)
     await until(lambda: panel.states[-2:] == ["lost", "connected"])
+    assert session.broker.pid != broker
     assert session.states(ANNA) == ["joined", "baton", "lost", "joined", "baton"]
     panel.peer.send(NOTE_ADDED, m.NoteAdded(text="again"))
     await until(lambda: session.of(NOTE_ADDED))
 
 
-@pytest.mark.slow
-async def test_frozen_broker_is_killed_and_restarted(session: LinkSession) -> None:
-    panel = await session.panel("anna")
-    frozen = session.broker.pid
-    assert frozen
-    os.kill(frozen, signal.SIGSTOP)
-    await until(lambda: panel.states[-2:] == ["lost", "connected"])
-    assert session.broker.pid != frozen
-    assert session.states(ANNA) == ["joined", "baton", "lost", "joined", "baton"]
-
-
-async def test_frozen_panel_is_lost_and_regains_control(session: LinkSession) -> None:
+async def test_control_passes_on_when_a_panel_freezes_and_it_may_come_back_until_it_is_killed(
+    session: LinkSession,
+) -> None:
     panel_process = await session.panel_process("anna")
+    await session.panel("ben")
     panel_process.process.send_signal(signal.SIGSTOP)
-    await until(lambda: "lost" in session.states(ANNA))
-    assert session.of(PRESENCE)[-1].operated is False
+    await until(lambda: session.states("operator.ben") == ["joined", "baton"])
+    assert session.states(ANNA) == ["joined", "baton", "lost"]
     panel_process.process.send_signal(signal.SIGCONT)
-    await until(lambda: session.states(ANNA)[-2:] == ["joined", "baton"])
-    panel_process.send("here I am")
-    await until(lambda: session.of(NOTE_ADDED))
+    await until(lambda: session.states(ANNA)[3:] == ["joined"])
+    panel_process.end()
+    await until(lambda: session.states(ANNA)[4:] == ["lost"])
 
 
 @pytest.mark.parametrize("session", [60_000], indirect=True)
@@ -260,43 +275,7 @@ async def test_panel_that_reconnects_in_time_is_not_lost(session: LinkSession) -
     assert session.states(ANNA) == ["joined", "baton"]
 
 
-async def test_control_passes_on_when_a_panel_is_killed(session: LinkSession) -> None:
-    panel_process = await session.panel_process("anna")
-    await session.panel("ben")
-    panel_process.end()
-    await until(lambda: session.states("operator.ben") == ["joined", "baton"])
-    assert session.states(ANNA) == ["joined", "baton", "lost"]
-
-
-async def test_closed_panel_has_left(session: LinkSession) -> None:
-    panel = await session.panel("anna")
-    panel.peer.close()
-    await until(lambda: session.states(ANNA) == ["joined", "baton", "left"])
-
-
-async def test_acts_of_an_observer_are_refused_and_logged(session: LinkSession) -> None:
-    panel = await session.panel("olaf", "observer")
-    panel.peer.send(NOTE_ADDED, m.NoteAdded(text="me, too"))
-    panel.peer.take_control()
-    await until(lambda: session.of(REFUSED))
-    assert {refused.actor for refused in session.of(REFUSED)} == {OLAF}
-    assert session.of(NOTE_ADDED) == []
-    assert session.of(PRESENCE)[-1].operated is False
-
-
 # --- answers
-
-
-async def test_each_of_several_acts_that_are_refused_at_once_is_answered(
-    session: LinkSession,
-) -> None:
-    await session.panel("anna")
-    ben = await session.panel("ben")
-    for id in ("1", "2", "3"):
-        ben.peer.send(REMARK, m.Remark(id=id, text="Well held."))
-    await until(lambda: len(ben.answers) == 3)
-    refused = ("refused", "Another operator is in control.")
-    assert ben.answers == dict.fromkeys(("1", "2", "3"), refused)
 
 
 async def test_of_too_many_acts_each_is_answered(session: LinkSession, calm: Theme) -> None:
@@ -370,27 +349,66 @@ async def test_flood_is_held_back_and_an_operator_can_still_act(session: LinkSes
     assert len(received) < 100 + 50 * (time.monotonic() - started)
 
 
-async def test_invalid_messages_are_refused_and_logged(session: LinkSession) -> None:
+async def test_messages_that_are_too_long_or_unsigned_are_refused_and_logged(
+    session: LinkSession,
+) -> None:
     panel = await session.panel("anna")
     panel.peer.send(NOTE_ADDED, m.NoteAdded(text="x" * 100_000))
-    panel.peer.send(NOTE_ADDED, m.NoteAdded(text="x" * 5_000))
-    panel.peer.send(NOTE_ADDED, m.NoteAdded(text="\x1b[2J"))
     with zenoh.open(config(socket_settings(session.live.socket))) as guest:
-        for key in ("act/operator.anna", "act/nobody", "act/*"):
-            guest.put(f"sar-tui/{session.live.link}/{key}", b"nonsense")
-        whys = ("20000 bytes", "4000 characters", "control characters")
-        whys += ("cannot be read", "who sent it")
-        await until(
-            lambda: all(any(why in each.why for each in session.of(REFUSED)) for why in whys)
-        )
+        guest.put(f"sar-tui/{session.live.link}/act/nobody", b"nonsense")
+        refused = {
+            (ANNA, "It is longer than 20000 bytes."),
+            ("unknown", "It does not say who sent it."),
+        }
+        await until(lambda: session.refusals == refused)
     assert session.of(NOTE_ADDED) == []
 
 
-async def test_panels_see_that_a_session_has_ended(session: LinkSession) -> None:
-    panel = await session.panel("anna")
-    session.node.detach()
-    session.broker.close()
-    await until(lambda: panel.states[-1] == "ended")
+async def test_over_the_network_invited_guests_join_and_others_are_refused_with_the_reason(
+    tmp_path: Path,
+) -> None:
+    at = invite_guests(tmp_path)
+    anna, eve, keys = str(at.anna.guest), str(at.eve.guest), at.keys
+    stranger = Authority.open_or_create(tmp_path / "elsewhere").invite(
+        Guest("anna", "operator"), [at.where], 30
+    )
+    pretender = msgspec.structs.replace(
+        stranger.credentials, authority=at.anna.credentials.authority
+    )
+    listening = ListenOptions.parse(operator=False, listen=at.where.locator)
+    with open_link(tmp_path, "s1", "keyboard", ["P01"], listening, LOST_MS) as broker:
+        session = LinkSession(broker, JoinableSession("s1", "keyboard", broker.link, os.getpid()))
+        try:
+            panels = [Panel(at.anna), Panel(at.eve)]
+            session.panels += panels
+            await until(lambda: all("connected" in panel.states for panel in panels))
+            for panel in panels:
+                panel.peer.send(NOTE_ADDED, m.NoteAdded(text=panel.peer.name))
+            with visiting(at.gone, at.eve) as [_, forger]:
+                key = forger.declare_keyexpr(keys.act(anna))  # sent even if nobody subscribes
+                forger.put(key, b"evil", congestion_control=zenoh.CongestionControl.BLOCK)
+                await until(lambda: len(session.refusals) == 3)
+            for settings in (
+                without_certificate(at.anna),
+                network_settings(at.where, at.late.credentials),
+                network_settings(at.where, pretender),
+                network_settings(at.where, stranger.credentials),
+            ):
+                with pytest.raises(zenoh.ZError):
+                    await asyncio.to_thread(zenoh.open, config(settings))
+            await until(lambda: len(session.refusals) == 7)
+        finally:
+            session.leave()
+    assert [note.text for note in session.of(NOTE_ADDED)] == [anna]
+    assert session.refusals == {
+        (eve, "An observer can only stop the agent."),
+        (eve, "It may not send among the acts of operator.anna."),
+        ("operator.gone", "Its invitation was revoked, or is not known here."),
+        ("unknown", "It has no certificate."),
+        ("unknown", "Its invitation has expired."),
+        ("unknown", "Its certificate was made by another authority."),
+        ("unknown", "It does not trust this host's certificate."),
+    }
 
 
 async def test_panels_rejoin_a_resumed_session(session: LinkSession) -> None:
@@ -451,10 +469,6 @@ def test_link_that_cannot_listen_is_reported_on_open(tmp_path: Path) -> None:
 
 
 def test_taken_port_and_missing_authority_are_reported(tmp_path: Path) -> None:
-    import socket
-
-    from sar_tui.link.authority import Authority
-
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()

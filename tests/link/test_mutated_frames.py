@@ -21,13 +21,12 @@ from sar_tui.loop.topics import (
     NOTE_ADDED,
     PRESENCE,
     PROPOSAL_SEEN,
-    REFUSED,
     REMARK,
 )
 from sar_tui.model import messages as m
 from sar_tui.model.messages import Message
-from sar_tui.model.units import MS, SECOND
-from tests.examples import fewer
+from sar_tui.model.units import MS
+from tests.examples import fewer, first
 from tests.link.test_admission import ANNA, OLAF
 from tests.link.test_admission import Bench as AdmissionBench
 from tests.link.test_node import Bench as NodeBench
@@ -105,7 +104,7 @@ def names(rng: random.Random) -> str:
     return rng.choice((ANNA, OLAF, OLAF, rng.choice(forged)))
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", first(1, range(3)))
 def test_no_mutated_message_of_a_peer_ends_the_link_or_lets_an_observer_act(seed: int) -> None:
     rng = random.Random(seed)
     gate, session = AdmissionBench(), NodeBench()
@@ -137,29 +136,6 @@ def test_no_mutated_message_of_a_peer_ends_the_link_or_lets_an_observer_act(seed
         topic.type for topic in protocol.OPERATOR_TOPICS.values()
     }
     assert OLAF not in {each.holder for each in session.of(PRESENCE)}
-    session.node.detach()
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_the_session_that_acts_reach_takes_damage_between_the_processes_as_well(seed: int) -> None:
-    """The broker process has checked an act; its node does so again, and ignores all but the
-    operator in control.
-    """
-    rng = random.Random(seed)
-    session = NodeBench()
-    session.receive(PeerJoined(ANNA), PeerJoined(OLAF))
-    contents = [protocol.encode(act) for _, act in ACTS]
-    topics = [topic for topic, _ in ACTS]
-    for number in range(FRAMES // 4):
-        name = rng.choice((ANNA, OLAF))
-        topic, act = rng.choice(ACTS)
-        content = mutated(protocol.encode(act), contents, rng)
-        topic = rng.choice([topic, topic, *topics, "input/key", ""])
-        session.receive(ActReceived(name, topic, msgspec.Raw(content)))
-        session.clock.advance(SECOND if number % 50 == 0 else MS)
-    acted = [record for record in session.records if record.topic.name in protocol.OPERATOR_TOPICS]
-    assert {record.message.actor for record in acted} == {ANNA}
-    assert session.of(REFUSED), "the others were refused"
     session.node.detach()
 
 

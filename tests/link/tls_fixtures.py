@@ -8,6 +8,7 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import NamedTuple
 
+import msgspec
 import zenoh
 
 from sar_tui.link.authority import Authority
@@ -93,6 +94,14 @@ class FakeBroker:
                 keys.ping("*"), lambda s: self.liveliness.append(str(s.key_expr))
             ),
         )
+
+
+def without_certificate(invited: Invitation) -> str:
+    """Return a guest's settings without their certificate."""
+    settings = msgspec.json.decode(network_settings(invited.where[0], invited.credentials))
+    for name in ("connect_certificate_base64", "connect_private_key_base64", "enable_mtls"):
+        del settings["transport"]["link"]["tls"][name]
+    return msgspec.json.encode(settings).decode()
 
 
 @contextmanager

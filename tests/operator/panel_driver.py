@@ -66,6 +66,15 @@ class FakePeer:
     def send(self, topic: Topic[Any], message: Message) -> None:
         self.sent.append((topic.name, message))
 
+    def of(self, topic: Topic[Any]) -> list[Any]:
+        """Return what was sent on a topic, without time stamps and ids."""
+        anonymous = {"id": ""} if issubclass(topic.type, m.OperatorAct) else {}
+        return [
+            msgspec.structs.replace(message, at=0, **anonymous)
+            for name, message in self.sent
+            if name == topic.name
+        ]
+
     def watch_terminal(self, state: Callable[[], TerminalState]) -> None:
         self.terminal = state
 
@@ -330,12 +339,7 @@ class PanelDriver:
 
     def sent(self, topic: Topic[Any]) -> list[Any]:
         """Return what was sent on a topic, without time stamps and ids."""
-        anonymous = {"id": ""} if issubclass(topic.type, m.OperatorAct) else {}
-        return [
-            msgspec.structs.replace(message, at=0, **anonymous)
-            for name, message in self.peer.sent
-            if name == topic.name
-        ]
+        return self.peer.of(topic)
 
     async def answer(self, outcome: m.ActOutcome = "done", why: str = "", ms: int = 0) -> None:
         """Answer the last act, which took some time to arrive."""

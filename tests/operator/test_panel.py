@@ -5,7 +5,6 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 import pytest
-from msgspec.structs import replace
 from textual.events import Key, Paste
 from textual.widgets import Static
 
@@ -14,11 +13,9 @@ from sar_tui.loop import topics as t
 from sar_tui.model import messages as m
 from sar_tui.model.messages import Role
 from sar_tui.model.units import MS, SECOND
-from sar_tui.operator.commands import Commands
 from sar_tui.operator.keymap import FILE
 from sar_tui.plugins import Catalogue
 from sar_tui.widgets.agent import Agent
-from tests.examples import first
 from tests.operator import panel_driver as b
 from tests.operator.panel_driver import ANNA, PanelDriver
 from tests.settle import settle
@@ -33,6 +30,13 @@ async def panel(
 
 
 @pytest.fixture
+async def driver(catalogue: Catalogue, folder: Path) -> AsyncIterator[PanelDriver]:
+    """An operator's panel at a running session."""
+    async with panel(catalogue, folder) as driver:
+        yield driver
+
+
+@pytest.fixture
 def folder(tmp_path: Path) -> Path:
     return tmp_path
 
@@ -41,498 +45,274 @@ def folder(tmp_path: Path) -> Path:
 
 
 async def test_one_key_decides_with_its_time_stamp_and_each_proposal_is_reported_as_seen_once(
-    catalogue: Catalogue, folder: Path
+    driver: PanelDriver,
 ) -> None:
-    async with panel(catalogue, folder) as driver:
-        for number, key in enumerate(("enter", "x", "delete", "plus", "equals_sign", "minus")):
-            await driver.propose(b.approval(f"p{number}"))
-            await driver.press(key)
-        assert driver.sent(t.DECISION) == [
-            m.Decision(action="p0", verdict="accept", actor=ANNA),
-            m.Decision(action="p1", verdict="veto", actor=ANNA),
-            m.Decision(action="p2", verdict="veto", actor=ANNA),
-            m.Decision(action="p3", verdict="edit", valence="positive", actor=ANNA),
-            m.Decision(action="p4", verdict="edit", valence="neutral", actor=ANNA),
-            m.Decision(action="p5", verdict="edit", valence="negative", actor=ANNA),
-        ]
-        at = [message.at for name, message in driver.peer.sent if name == t.DECISION.name][-1]
-        assert driver.peer.now() - 5 * SECOND < at <= driver.peer.now()
-        assert [seen.action for seen in driver.sent(t.PROPOSAL_SEEN)] == [
-            "p0",
-            "p1",
-            "p2",
-            "p3",
-            "p4",
-            "p5",
-        ]
+    for number, key in enumerate(("enter", "x", "delete", "plus", "equals_sign", "minus")):
+        await driver.propose(b.approval(f"p{number}"))
+        await driver.press(key)
+    assert driver.sent(t.DECISION) == [
+        m.Decision(action="p0", verdict="accept", actor=ANNA),
+        m.Decision(action="p1", verdict="veto", actor=ANNA),
+        m.Decision(action="p2", verdict="veto", actor=ANNA),
+        m.Decision(action="p3", verdict="edit", valence="positive", actor=ANNA),
+        m.Decision(action="p4", verdict="edit", valence="neutral", actor=ANNA),
+        m.Decision(action="p5", verdict="edit", valence="negative", actor=ANNA),
+    ]
+    at = [message.at for name, message in driver.peer.sent if name == t.DECISION.name][-1]
+    assert driver.peer.now() - 5 * SECOND < at <= driver.peer.now()
+    seen = [seen.action for seen in driver.sent(t.PROPOSAL_SEEN)]
+    assert seen == [f"p{number}" for number in range(6)]
 
 
 async def test_text_is_edited_in_place_unchanged_it_is_approved_and_escape_cancels(
-    catalogue: Catalogue, folder: Path
+    driver: PanelDriver,
 ) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.propose(b.approval("p1", text="Well done"))
-        await driver.press("e", "!", "enter")
-        await driver.propose(b.approval("p2"))
-        await driver.press("e", "enter")
-        await driver.propose(b.approval("p3"))
-        await driver.press("e", "x", "escape")
-        assert len(driver.sent(t.DECISION)) == 2
-        await driver.press("x")
-        assert driver.sent(t.DECISION) == [
-            m.Decision(action="p1", verdict="edit", text="Well done!", actor=ANNA),
-            m.Decision(action="p2", verdict="accept", actor=ANNA),
-            m.Decision(action="p3", verdict="veto", actor=ANNA),
-        ]
+    await driver.propose(b.approval("p1", text="Well done"))
+    await driver.press("e", "!", "enter")
+    await driver.propose(b.approval("p2"))
+    await driver.press("e", "enter")
+    await driver.propose(b.approval("p3"))
+    await driver.press("e", "x", "escape")
+    assert len(driver.sent(t.DECISION)) == 2
+    await driver.press("x")
+    assert driver.sent(t.DECISION) == [
+        m.Decision(action="p1", verdict="edit", text="Well done!", actor=ANNA),
+        m.Decision(action="p2", verdict="accept", actor=ANNA),
+        m.Decision(action="p3", verdict="veto", actor=ANNA),
+    ]
 
 
 async def test_typed_text_never_acts_as_keys_and_an_edit_that_is_too_late_can_be_said(
-    catalogue: Catalogue, folder: Path
+    driver: PanelDriver,
 ) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.press("e", "s", "r", "space", "u", "enter")
-        assert driver.sent(t.COMMAND) == []
-        assert driver.sent(t.REMARK) == [m.Remark(text="sr u", source="free text", actor=ANNA)]
-        await driver.propose(b.approval(text="Well done"))
-        await driver.press("e", "!")
-        await driver.propose()
-        await driver.press("enter")
-        assert driver.sent(t.DECISION) == []
-        assert "Too late: it was already decided." in driver.text
-        await driver.press("enter")
-        assert driver.sent(t.REMARK)[1:] == [
-            m.Remark(text="Well done!", source="free text", actor=ANNA)
-        ]
+    await driver.press("e", "s", "r", "space", "u", "enter")
+    assert driver.sent(t.COMMAND) == []
+    assert driver.sent(t.REMARK) == [m.Remark(text="sr u", source="free text", actor=ANNA)]
+    await driver.propose(b.approval(text="Well done"))
+    await driver.press("e", "!")
+    await driver.propose()
+    await driver.press("enter")
+    assert driver.sent(t.DECISION) == []
+    assert "Too late: it was already decided." in driver.text
+    await driver.press("enter")
+    assert driver.sent(t.REMARK)[1:] == [
+        m.Remark(text="Well done!", source="free text", actor=ANNA)
+    ]
 
 
-async def test_a_level_is_edited_as_a_number_and_a_gesture_by_its_name_and_neither_has_a_valence(
-    catalogue: Catalogue, folder: Path
+async def test_a_level_has_no_valence_and_is_typed_again_until_the_session_can_have_it(
+    driver: PanelDriver,
 ) -> None:
-    async with panel(catalogue, folder) as driver:
-        gesture = b.approval("g1", kind="gesture", text="", spoken="", gesture="nod")
-        await driver.propose(b.approval("d1", level=5, text="Level 4 → 5"), gesture)
-        assert "Level 4 → 5, from the next attempt on" in driver.text
-        assert "positive" not in driver.text
-        await driver.press("plus", "e", "backspace", "x", "enter")
-        assert driver.sent(t.DECISION) == []
-        assert "A level is a number" in driver.text
-        await driver.press("backspace", "3", "enter")
-        await driver.advance(500)
-        await driver.press("e", *["backspace"] * 3, *"bow", "enter")
-        assert "The theme has no gesture 'bow'" in driver.text
-        await driver.press(*["backspace"] * 3, *"lean", "space", *"in", "enter")
-        assert driver.sent(t.DECISION) == [
-            m.Decision(action="d1", verdict="edit", level=3, actor=ANNA),
-            m.Decision(action="g1", verdict="edit", gesture="lean_in", actor=ANNA),
-        ]
+    await driver.propose(b.approval("d1", level=5, text="Level 4 → 5"))
+    assert "Level 4 → 5, from the next attempt on" in driver.text
+    assert "positive" not in driver.text
+    await driver.press("plus", "e", "backspace", "x", "enter")
+    assert driver.sent(t.DECISION) == []
+    await driver.press("backspace", "3", "enter")
+    assert driver.sent(t.DECISION) == [m.Decision(action="d1", verdict="edit", level=3, actor=ANNA)]
 
 
-@pytest.mark.parametrize(
-    ("typed", "limit"), [("0", "lowest"), ("11", "highest"), ("9" * 30, "highest")]
-)
-async def test_a_level_that_the_session_cannot_have_is_not_sent(
-    catalogue: Catalogue, folder: Path, typed: str, limit: str
-) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.propose(b.approval("d1", level=5, text="Level 4 → 5"))
-        await driver.press("e", "backspace", *typed, "enter")
-        assert driver.sent(t.DECISION) == []
-        assert f"is the {limit} level. Nothing was sent." in driver.text
-        await driver.press(*["backspace"] * len(typed), "7", "enter")
-        assert [decision.level for decision in driver.sent(t.DECISION)] == [7]
-
-
-@pytest.mark.parametrize(
-    "late",
-    [b.approval("p1", 2000, level=5), b.approval("p1", 2000, text="", spoken="", gesture="nod")],
-)
-async def test_only_late_words_can_be_said_anyway(
-    catalogue: Catalogue, folder: Path, late: m.PendingApproval
-) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.propose(late)
-        await driver.press("e", "8")
-        await driver.advance(2000)
-        await driver.publish(t.ARBITER_STATE, b.arbiter_state(b.approval("p2", 9000)))
-        await driver.press("enter")
-        assert "Too late: it was already decided. Nothing was sent." in driver.text
-        assert "says it anyway" not in driver.text
+async def test_only_late_words_can_be_said_anyway(driver: PanelDriver) -> None:
+    await driver.propose(b.approval("p1", 2000, level=5))
+    await driver.press("e", "8")
+    await driver.advance(2000)
+    await driver.publish(t.ARBITER_STATE, b.arbiter_state(b.approval("p2", 9000)))
+    await driver.press("enter")
+    assert "Too late: it was already decided. Nothing was sent." in driver.text
+    assert "says it anyway" not in driver.text
 
 
 async def test_the_shown_proposal_stays_until_it_is_decided_and_a_key_right_after_is_not_for_the_next(
-    catalogue: Catalogue, folder: Path
+    driver: PanelDriver,
 ) -> None:
-    async with panel(catalogue, folder) as driver:
-        first, second = b.approval("p1", 4000), b.approval("p2", 4000, text="Second")
-        await driver.propose(first, second)
-        assert "1 of 2" in driver.text
-        urgent = b.approval("p3", 1500, text="Urgent")
-        await driver.propose(urgent, first, second)
-        assert "2 of 3" in driver.text
-        assert "Also pending: 0 s feedback “Urgent”" in driver.text
-        await driver.press("right")
-        assert "┃ “Second”" in driver.text
-        await driver.press("left")
-        await driver.propose(second, urgent)  # the first is gone while it is shown
-        await driver.press("right", "enter")
-        assert driver.sent(t.DECISION) == []
-        assert "Too soon" in driver.text
-        await driver.advance(500)
-        await driver.press("enter")
-        assert [decision.action for decision in driver.sent(t.DECISION)] == ["p2"]
+    first, second = b.approval("p1", 4000), b.approval("p2", 4000, text="Second")
+    await driver.propose(first, second)
+    assert "1 of 2" in driver.text
+    urgent = b.approval("p3", 1500, text="Urgent")
+    await driver.propose(urgent, first, second)
+    assert "2 of 3" in driver.text
+    assert "Also pending: 0 s feedback “Urgent”" in driver.text
+    await driver.press("right")
+    assert "┃ “Second”" in driver.text
+    await driver.press("left")
+    await driver.propose(second, urgent)  # the first is gone while it is shown
+    await driver.press("right", "enter")
+    assert driver.sent(t.DECISION) == []
+    assert "Too soon" in driver.text
+    await driver.advance(500)
+    await driver.press("enter")
+    assert [decision.action for decision in driver.sent(t.DECISION)] == ["p2"]
 
 
-def test_a_proposal_painted_twice_is_on_the_screen_since_the_first_time() -> None:
-    commands = Commands()
-    commands.report_seen(b.approval("p1"), 1000 * MS)
-    commands.report_seen(b.approval("p1"), 1100 * MS)
-    assert commands.shown == ("p1", 1000 * MS)
-
-
-async def test_a_decided_proposal_makes_room_for_the_next_and_is_not_decided_twice(
-    catalogue: Catalogue, folder: Path
+async def test_a_decided_proposal_makes_room_for_the_next_until_it_is_refused(
+    driver: PanelDriver,
 ) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.propose(b.approval("p1"), b.approval("p2", text="Second"))
-        await driver.press("enter")
-        assert "“Second”" in driver.text
-        await driver.advance(500)
-        await driver.press("x", "x")
-        assert [(each.action, each.verdict) for each in driver.sent(t.DECISION)] == [
-            ("p1", "accept"),
-            ("p2", "veto"),
-        ]
-        assert driver.text.count("Vetoing feedback …") == 2, "instead of its keys, and in the log"
-        await driver.answer("refused", "Too many at once.")
-        await driver.press("x", "enter")
-        await driver.answer("refused", "It did not arrive.")
-        await driver.press("enter")
-        assert [each.verdict for each in driver.sent(t.DECISION)] == [
-            "accept",
-            "veto",
-            "veto",
-            "accept",
-        ]
+    await driver.propose(b.approval("p1"), b.approval("p2", text="Second"))
+    await driver.press("enter")
+    assert "“Second”" in driver.text
+    await driver.advance(500)
+    await driver.press("x", "x")
+    assert driver.text.count("Vetoing feedback …") == 2, "instead of its keys, and in the log"
+    await driver.answer("refused", "Too many at once.")
+    await driver.press("enter")
+    assert [(each.action, each.verdict) for each in driver.sent(t.DECISION)] == [
+        ("p1", "accept"),
+        ("p2", "veto"),
+        ("p2", "accept"),
+    ]
 
 
-async def test_the_time_left_is_counted_down_for_each_proposal_with_what_happens_then(
-    catalogue: Catalogue, folder: Path
-) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.publish(
-            t.ARBITER_STATE, b.arbiter_state(b.approval(ms=4000), b.approval("p2", ms=4000))
-        )
-        assert "acts by itself in 4.0 s" in driver.text
-        full = driver.text.count("█")
-        await driver.advance(2000)
-        assert "acts by itself in 2.0 s" in driver.text
-        left = driver.text.count("█")
-        assert left < full
-        await driver.press("right")
-        assert driver.text.count("█") == left  # it has been counting down all the time
-        await driver.publish(
-            t.ARBITER_STATE, b.arbiter_state(replace(b.approval("p3"), otherwise="drop"))
-        )
-        assert "is dropped in 2.0 s" in driver.text
-        await driver.publish(t.ARBITER_STATE, b.arbiter_state(b.approval("p4", ms=None)))
-        assert "waits for you until the next attempt begins" in driver.text
+async def test_the_time_left_is_counted_down_for_each_proposal(driver: PanelDriver) -> None:
+    await driver.publish(
+        t.ARBITER_STATE, b.arbiter_state(b.approval(ms=4000), b.approval("p2", ms=4000))
+    )
+    assert "acts by itself in 4.0 s" in driver.text
+    full = driver.text.count("█")
+    await driver.advance(2000)
+    assert "acts by itself in 2.0 s" in driver.text
+    left = driver.text.count("█")
+    assert left < full
+    await driver.press("right")
+    assert driver.text.count("█") == left  # it has been counting down all the time
 
 
 # --- the session
 
 
-async def test_single_keys_control_the_session_and_levels_stop_at_the_highest(
-    catalogue: Catalogue, folder: Path
-) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.press("u")
-        await driver.answer()
-        await driver.publish(t.LEVEL, m.LevelChanged(previous=4, level=5, reason="operator"))
-        await driver.press("u")
-        assert [act.value for act in driver.sent(t.COMMAND)] == [5, 6]
-        await driver.answer()
-        await driver.publish(t.LEVEL, m.LevelChanged(previous=6, level=10, reason="success"))
-        await driver.press("u")
-        assert len(driver.sent(t.COMMAND)) == 2
-        assert "Level 10 is the highest level." in driver.text
-        await driver.join()
-        driver.peer.sent.clear()
-        await driver.press("f2", "space")
-        await driver.publish(t.WAITING, b.waiting())
-        await driver.press("s", "r", "u")
-        await driver.join()
-        await driver.press("d")
-        assert driver.sent(t.COMMAND) == [
-            m.SessionCommand(command="stop", actor=ANNA),
-            m.SessionCommand(command="pause", actor=ANNA),
-            m.SessionCommand(command="skip", actor=ANNA),
-            m.SessionCommand(command="repeat", actor=ANNA),
-            m.SessionCommand(command="level", value=5, actor=ANNA),
-            m.SessionCommand(command="level", value=4, actor=ANNA),
-        ]
+async def test_single_keys_control_the_session(driver: PanelDriver) -> None:
+    await driver.press("f2", "space")
+    await driver.publish(t.WAITING, b.waiting())
+    await driver.press("s", "r", "u", "d", "d")
+    assert driver.sent(t.COMMAND) == [
+        m.SessionCommand(command="stop", actor=ANNA),
+        m.SessionCommand(command="pause", actor=ANNA),
+        m.SessionCommand(command="skip", actor=ANNA),
+        m.SessionCommand(command="repeat", actor=ANNA),
+        m.SessionCommand(command="level", value=5, actor=ANNA),
+        m.SessionCommand(command="level", value=4, actor=ANNA),
+        m.SessionCommand(command="level", value=3, actor=ANNA),
+    ]
 
 
-async def test_pause_and_hold_toggle_and_end_asks_once(catalogue: Catalogue, folder: Path) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.publish(t.COMMAND, m.SessionCommand(command="pause", actor="operator.ben"))
-        await driver.publish(t.WAITING, b.waiting("resume", "paused"))
-        assert "ben paused" in driver.text
-        await driver.press("space", "end")
-        assert "End the session? Press End again to end it" in driver.text
-        await driver.press("escape", "end")
-        assert [act.command for act in driver.sent(t.COMMAND)] == ["resume"]
-        await driver.press("end")
-        assert [act.command for act in driver.sent(t.COMMAND)] == ["resume", "end"]
-        await driver.press("h")
-        held = b.arbiter_state(modes={**b.MODES, "difficulty": "manual"})
-        await driver.publish(t.ARBITER_STATE, held)
-        assert "manual: difficulty" in driver.text
-        await driver.press("h")
-        assert driver.sent(t.MODE) == [
-            m.ModeChanged(kind="difficulty", mode="manual", actor=ANNA),
-            m.ModeChanged(kind="difficulty", mode="veto", actor=ANNA),
-        ]
+async def test_pause_and_hold_toggle_and_end_asks_once(driver: PanelDriver) -> None:
+    await driver.publish(t.COMMAND, m.SessionCommand(command="pause", actor="operator.ben"))
+    await driver.publish(t.WAITING, b.waiting("resume", "paused"))
+    assert "ben paused" in driver.text
+    await driver.press("space", "end")
+    assert "End the session? Press End again to end it" in driver.text
+    await driver.press("escape", "end")
+    assert [act.command for act in driver.sent(t.COMMAND)] == ["resume"]
+    await driver.press("end", "h")
+    assert [act.command for act in driver.sent(t.COMMAND)] == ["resume", "end"]
+    assert [each.mode for each in driver.sent(t.MODE)] == ["manual"]
+    held = b.arbiter_state(modes={**b.MODES, "difficulty": "manual"})
+    await driver.publish(t.ARBITER_STATE, held)
+    assert "manual: difficulty" in driver.text
 
 
 async def test_a_participants_pause_is_highlighted_and_ended_only_by_a_second_key(
-    catalogue: Catalogue, folder: Path
+    driver: PanelDriver,
 ) -> None:
-    async with panel(catalogue, folder) as driver:
-        for reason, text in (
-            ("", "P01 paused"),
-            ("pain", "P01 paused: in pain"),
-            ("tired", "P01 paused: tired"),
-        ):
-            await driver.join()
-            driver.peer.sent.clear()
-            await driver.publish(t.COMMAND, m.SessionCommand(command="pause", reason=reason))
-            await driver.publish(t.WAITING, b.waiting("resume", "paused", reason=reason))
-            assert driver.text.count(text) == 2, "in the activity and in the log"
-            await driver.press("space")
-            assert f"{text}. Press Space again within 3 s to resume." in driver.text
-            await driver.press("space")  # a key that bounces
-            await driver.advance(3200)
-            driver.panel._clock.advance(3200 * MS)  # type: ignore[attr-defined]
-            assert "Space again" not in driver.text
-            await driver.press("space")
-            assert driver.sent(t.COMMAND) == []
-            await driver.advance(1000)
-            await driver.press("space")
-            assert [act.command for act in driver.sent(t.COMMAND)] == ["resume"]
-            assert "Space again" not in driver.text
-
-
-async def test_a_pause_for_pain_counts_as_the_participants_for_an_operator_who_joins_later(
-    catalogue: Catalogue, folder: Path
-) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.publish(t.WAITING, b.waiting("resume", "paused", reason="pain"))
-        assert "Paused: in pain" in driver.text
-        await driver.press("space")
-        assert driver.sent(t.COMMAND) == []
+    await driver.publish(t.COMMAND, m.SessionCommand(command="pause", reason="pain"))
+    await driver.publish(t.WAITING, b.waiting("resume", "paused", reason="pain"))
+    assert driver.text.count("P01 paused: in pain") == 2, "in the activity and in the log"
+    await driver.press("space")
+    assert "P01 paused: in pain. Press Space again within 3 s to resume." in driver.text
+    await driver.advance(3200)
+    driver.panel._clock.advance(3200 * MS)  # type: ignore[attr-defined]
+    assert "Space again" not in driver.text
+    await driver.press("space")
+    assert driver.sent(t.COMMAND) == []
+    await driver.advance(1000)
+    await driver.press("space")
+    assert [act.command for act in driver.sent(t.COMMAND)] == ["resume"]
+    assert "Space again" not in driver.text
 
 
 async def test_in_a_burst_of_keys_each_key_goes_to_what_the_one_before_opened(
-    catalogue: Catalogue, folder: Path
+    driver: PanelDriver,
 ) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.burst(
-            "n", *"hurx", "backspace", "t", "enter", "t", *"Hi", "enter", "n", *"so", "enter", "h"
-        )
-        assert [note.text for note in driver.sent(t.NOTE_ADDED)] == ["hurt", "so"]
-        assert [remark.text for remark in driver.sent(t.REMARK)] == ["Hi"]
-        assert [each.mode for each in driver.sent(t.MODE)] == ["manual"]
-        await driver.propose(b.approval(text="Well done"))
-        await driver.burst("e", "!", "enter", "u")
-        assert [each.text for each in driver.sent(t.DECISION)] == ["Well done!"]
-        assert [act.command for act in driver.sent(t.COMMAND)] == ["level"]
-        driver.app.post_message(Key("n", "n"))
-        driver.app.post_message(Paste("pasted\nlines"))
-        await driver.burst("enter")
-        assert [note.text for note in driver.sent(t.NOTE_ADDED)][2:] == ["pasted"]
+    await driver.burst(
+        "n", *"hurx", "backspace", "t", "enter", "t", *"Hi", "enter", "n", *"so", "enter", "h"
+    )
+    assert [note.text for note in driver.sent(t.NOTE_ADDED)] == ["hurt", "so"]
+    assert [remark.text for remark in driver.sent(t.REMARK)] == ["Hi"]
+    assert [each.mode for each in driver.sent(t.MODE)] == ["manual"]
+    await driver.propose(b.approval(text="Well done"))
+    await driver.burst("e", "!", "enter", "u")
+    assert [each.text for each in driver.sent(t.DECISION)] == ["Well done!"]
+    assert [act.command for act in driver.sent(t.COMMAND)] == ["level"]
+    driver.app.post_message(Key("n", "n"))
+    driver.app.post_message(Paste("pasted\nlines"))
+    await driver.burst("enter")
+    assert [note.text for note in driver.sent(t.NOTE_ADDED)][2:] == ["pasted"]
 
 
 @pytest.mark.slow
 async def test_an_edit_whose_time_runs_out_says_so_and_is_not_shown_with_the_next_proposal(
-    catalogue: Catalogue, folder: Path
+    driver: PanelDriver,
 ) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.propose(b.approval("p1", 2000, text="Well done"))
-        await driver.press("e", "!")
-        assert "Enter sends, Esc cancels" in driver.text
-        await driver.advance(2000)
-        await driver.publish(
-            t.ARBITER_STATE, b.arbiter_state(b.approval("p2", 9000, text="The next"))
-        )
-        assert "Time is up: Well done!" in driver.text
-        assert "FEEDBACK · time is up" in driver.text
-        assert "Enter twice says it anyway" in driver.text
-        assert "Also pending: 6 s feedback “The next”" in driver.text
-        assert "┃ “The next”" not in driver.text
-        await driver.press("enter")
-        assert driver.sent(t.DECISION) == []
-        await driver.press("escape")
-        assert "┃ “The next”" in driver.text
-        assert "Time is up" not in driver.text
+    await driver.propose(b.approval("p1", 2000, text="Well done"))
+    await driver.press("e", "!")
+    assert "Enter sends, Esc cancels" in driver.text
+    await driver.advance(2000)
+    await driver.publish(t.ARBITER_STATE, b.arbiter_state(b.approval("p2", 9000, text="The next")))
+    assert "Time is up: Well done!" in driver.text
+    assert "FEEDBACK · time is up" in driver.text
+    assert "Enter twice says it anyway" in driver.text
+    assert "Also pending: 6 s feedback “The next”" in driver.text
+    assert "┃ “The next”" not in driver.text
+    await driver.press("enter")
+    assert driver.sent(t.DECISION) == []
+    await driver.press("escape")
+    assert "┃ “The next”" in driver.text
+    assert "Time is up" not in driver.text
 
 
-async def test_while_the_panel_is_hidden_only_the_stop_key_acts(
-    catalogue: Catalogue, folder: Path
-) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.press("f1", "space", "u", "h", "1", "t", "x", "f2")
-        assert [name for name, _ in driver.peer.sent] == [t.COMMAND.name]
-        await driver.press("escape")
-        await driver.pilot.resize_terminal(60, 16)
-        await settle(driver.app)
-        assert "This window is too small: it has 60 by 16 characters" in driver.text
-        await driver.press("space", "f2")
-        assert [act.command for act in driver.sent(t.COMMAND)] == ["stop", "stop"]
-        await driver.pilot.resize_terminal(80, 24)
-        await settle(driver.app)
-        assert "too small" not in driver.text
+async def test_while_the_panel_is_hidden_only_the_stop_key_acts(driver: PanelDriver) -> None:
+    await driver.press("f1", "space", "u", "h", "1", "t", "x", "f2")
+    assert [name for name, _ in driver.peer.sent] == [t.COMMAND.name]
+    await driver.press("escape")
+    await driver.pilot.resize_terminal(60, 16)
+    await settle(driver.app)
+    assert "This window is too small: it has 60 by 16 characters" in driver.text
+    await driver.press("space", "f2")
+    assert [act.command for act in driver.sent(t.COMMAND)] == ["stop", "stop"]
+    await driver.pilot.resize_terminal(80, 24)
+    await settle(driver.app)
+    assert "too small" not in driver.text
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("keys", first(1, [(), ("f1",), ("e",)]))
-async def test_the_panel_survives_any_size_of_its_window(
-    keys: tuple[str, ...], catalogue: Catalogue, folder: Path
-) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.propose(b.approval())
-        await driver.press(*keys)
-        before, full = driver.text, driver.app.size
-        for size in [(60, 20), (30, 5), (13, 24), (5, 3), (1, 1), (20, 200), (200, 1), full]:
-            await driver.pilot.resize_terminal(*size)
-            await settle(driver.app)
-        assert driver.text == before
+async def test_the_panel_survives_any_size_of_its_window(driver: PanelDriver) -> None:
+    await driver.propose(b.approval())
+    await driver.press("e")
+    before, full = driver.text, driver.app.size
+    for size in [(60, 20), (30, 5), (13, 24), (5, 3), (1, 1), (20, 200), (200, 1), full]:
+        await driver.pilot.resize_terminal(*size)
+        await settle(driver.app)
+    assert driver.text == before
 
 
-async def test_remarks_that_must_wait_are_logged_so_and_typed_slots_are_filled(
-    catalogue: Catalogue, folder: Path
-) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.burst("t", *"{participant} :{", "enter")
-        assert [remark.text for remark in driver.sent(t.REMARK)] == ["P01 :{"]
-        await driver.publish(t.WAITING, b.waiting("response"))
-        await driver.press("1")
-        assert "Saying “" in driver.text
-        await driver.burst("t", *"{result}", "enter")
-        assert [remark.text for remark in driver.sent(t.REMARK)][2:] == ["0.50 seconds"]
-        await driver.receive(b.welcome())
-        await driver.burst("t", *"{result}", "enter")
-        assert "{result} is not known yet. Nothing was sent." in driver.text
-        assert len(driver.sent(t.REMARK)) == 3
+async def test_a_text_that_the_session_refuses_is_offered_again(driver: PanelDriver) -> None:
+    await driver.burst("t", *"Well held.", "enter")
+    await driver.answer("refused", "It comes too fast.")
+    assert "not done, it comes too fast; the text is kept" in driver.text
+    await driver.burst("t", "enter")
+    assert [remark.text for remark in driver.sent(t.REMARK)] == ["Well held.", "Well held."]
+    await driver.press("t")
+    assert driver.panel.strip.typed == ""
 
 
-async def test_a_text_that_the_session_refuses_is_offered_again(
-    catalogue: Catalogue, folder: Path
-) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.burst("t", *"Well held.", "enter")
-        await driver.answer("refused", "It comes too fast.")
-        assert "not done, it comes too fast; the text is kept" in driver.text
-        await driver.burst("t", "enter")
-        assert [remark.text for remark in driver.sent(t.REMARK)] == ["Well held.", "Well held."]
-        await driver.press("t")
-        assert driver.panel.strip.typed == ""
-
-
-async def test_the_skip_key_ends_a_rest_that_must_be_taken(
-    catalogue: Catalogue, folder: Path
-) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.publish(t.WAITING, b.waiting("rest", "rest"))
-        assert "A rest that must be taken" in driver.text
-        await driver.press("s")
-        assert [(act.command, act.reason) for act in driver.sent(t.COMMAND)] == [("skip", "rest")]
-        await driver.answer()
-        assert "✓ Ended the rest" in " ".join(driver.text.split())
-
-
-async def test_without_a_prompt_nothing_is_skipped_or_repeated(
-    catalogue: Catalogue, folder: Path
-) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.press("s", "r")
-        assert driver.sent(t.COMMAND) == []
-        assert "No prompt is shown. Nothing was sent." in driver.text
-
-
-async def test_an_approved_action_that_is_due_later_is_counted_down(
-    catalogue: Catalogue, folder: Path
-) -> None:
-    async with panel(catalogue, folder) as driver:
-        due = b.action("a9", text="Well done", due=b.START + 1900 * MS)
-        await driver.publish(t.ARBITER_STATE, b.arbiter_state(queued=(due,)))
-        assert "goes out in 1.9 s" in driver.text
-        await driver.advance(1000)
-        assert "goes out in 0.9 s" in driver.text
-
-
-async def test_ctrl_q_asks_before_the_panel_of_a_session_is_left(
-    catalogue: Catalogue, folder: Path
-) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.press("ctrl+q")
-        assert "Leave the panel?" in driver.text
-        await driver.press("escape")
-        assert "Leave the panel?" not in driver.text
-        await driver.press("ctrl+q", "ctrl+q")
-        assert not driver.app.is_running
-
-
-async def test_after_the_session_the_panel_says_so_and_one_key_leaves_it(
-    catalogue: Catalogue, folder: Path
-) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.publish(t.SESSION_ENDED, m.SessionEnded(status="completed"))
-        await driver.receive(Connection("ended", "The session is over."))
-        assert (
-            "The session is over. q leaves. For the report: sar-tui report wizard last"
-            in driver.text
-        )
-        assert "no connection" not in driver.text
-        await driver.press("q")
-        assert driver.peer.is_closed
+async def test_an_approved_action_that_is_due_later_is_counted_down(driver: PanelDriver) -> None:
+    due = b.action("a9", text="Well done", due=b.START + 1900 * MS)
+    await driver.publish(t.ARBITER_STATE, b.arbiter_state(queued=(due,)))
+    assert "goes out in 1.9 s" in driver.text
+    await driver.advance(1000)
+    assert "goes out in 0.9 s" in driver.text
 
 
 # --- palette, speech, notes
-
-
-async def test_a_mark_replaces_another_only_if_its_key_is_pressed_twice(
-    catalogue: Catalogue, folder: Path
-) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.join(marks=b.MARKS)
-        await driver.publish(t.TRIAL, b.trial(4, "f", 400))
-        await driver.press("m", "1")
-        await driver.publish(
-            t.MARKED, m.TrialMarked(attempt=3, trial=4, mark="missed", correct=False)
-        )
-        await driver.press("m", "2")
-        assert [act.reason for act in driver.sent(t.COMMAND)] == ["missed"]
-        assert (
-            "Marked as marker missed already. The same key again: assisted instead." in driver.text
-        )
-        await driver.press("m", "2")
-        assert [act.reason for act in driver.sent(t.COMMAND)] == ["missed", "assisted"]
-
-
-@pytest.mark.parametrize("name", ["missed", "assisted"])
-async def test_the_present_mark_is_removed_and_a_new_trial_marked_at_once(
-    catalogue: Catalogue, folder: Path, name: str
-) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.join(marks=b.MARKS)
-        await driver.publish(t.TRIAL, b.trial(4, "f", 400))
-        await driver.publish(
-            t.MARKED, m.TrialMarked(attempt=3, trial=4, mark="missed", correct=False)
-        )
-        if name == "assisted":
-            await driver.publish(t.TRIAL, b.trial(5, "f", 400))
-        await driver.press("m", "1" if name == "missed" else "2")
-        assert [act.reason for act in driver.sent(t.COMMAND)] == [name]
 
 
 async def test_numbers_choose_items_tab_turns_the_page_and_escape_goes_back(
@@ -566,52 +346,48 @@ async def test_numbers_choose_items_tab_turns_the_page_and_escape_goes_back(
 
 
 async def test_speech_notes_and_events_are_sent_and_a_note_has_the_time_of_its_key(
-    catalogue: Catalogue, folder: Path
+    driver: PanelDriver,
 ) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.press("t", *"Hi", "enter", "n")
-        await driver.advance(20_000)
-        await driver.press(*"tired", "enter", "f5")
-        assert driver.sent(t.REMARK) == [m.Remark(text="Hi", source="free text", actor=ANNA)]
-        assert driver.sent(t.NOTE_ADDED) == [
-            m.NoteAdded(text="tired", actor=ANNA),
-            m.NoteAdded(label="distracted", actor=ANNA),
-        ]
-        note = next(message for name, message in driver.peer.sent if name == t.NOTE_ADDED.name)
-        assert note.at <= driver.peer.now() - 20 * SECOND
+    await driver.press("t", *"Hi", "enter", "n")
+    await driver.advance(20_000)
+    await driver.press(*"tired", "enter", "f5")
+    assert driver.sent(t.REMARK) == [m.Remark(text="Hi", source="free text", actor=ANNA)]
+    assert driver.sent(t.NOTE_ADDED) == [
+        m.NoteAdded(text="tired", actor=ANNA),
+        m.NoteAdded(label="distracted", actor=ANNA),
+    ]
+    note = next(message for name, message in driver.peer.sent if name == t.NOTE_ADDED.name)
+    assert note.at <= driver.peer.now() - 20 * SECOND
 
 
 async def test_with_two_participants_remarks_go_to_the_chosen_one_and_proposals_name_theirs(
-    catalogue: Catalogue, folder: Path
+    driver: PanelDriver,
 ) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.join(
-            participants={"A": "P01", "B": "P02"}, spoken_names={"A": "Left", "B": "Right"}
-        )
-        assert "Encourage 1/10 · to P01 (a)" in driver.text
-        await driver.press("a", "1", "t", *"Hi")
-        assert "Say to P02: Hi" in driver.text
-        await driver.press("enter")
-        assert "Encourage 1/10 · to P02 (a)" in driver.text
-        assert "Saying to P02 “Hi” …" in driver.text
-        phrase, own = driver.sent(t.REMARK)
-        assert (phrase.seat, own.seat, own.text) == ("B", "B", "Right: Hi")
-        assert phrase.text.startswith("Right: ")
-        await driver.propose(b.approval("p1", seat="B"))
-        assert "FEEDBACK to P02 · positive" in driver.text
-        await driver.propose(b.approval("p3", seat="B", text="Right: Well done"))
-        await driver.press("e")
-        assert "Edit: Well done" in driver.text
-        await driver.press("!", "enter")
-        assert [decision.text for decision in driver.sent(t.DECISION)] == ["Right: Well done!"]
-        await driver.propose(b.approval("l1", level=5))
-        assert "DIFFICULTY · clear" in driver.text
+    await driver.join(
+        participants={"A": "P01", "B": "P02"}, spoken_names={"A": "Left", "B": "Right"}
+    )
+    assert "Encourage 1/10 · to P01 (a)" in driver.text
+    await driver.press("a", "1", "t", *"Hi")
+    assert "Say to P02: Hi" in driver.text
+    await driver.press("enter")
+    assert "Encourage 1/10 · to P02 (a)" in driver.text
+    phrase, own = driver.sent(t.REMARK)
+    assert (phrase.seat, own.seat, own.text) == ("B", "B", "Right: Hi")
+    assert phrase.text.startswith("Right: ")
+    await driver.propose(b.approval("p3", seat="B", text="Right: Well done"))
+    assert "FEEDBACK to P02 · positive" in driver.text
+    await driver.press("e")
+    assert "Edit: Well done" in driver.text
+    await driver.press("escape")
+    await driver.propose(b.approval("l1", level=5))
+    assert "DIFFICULTY · clear" in driver.text
 
 
-async def test_keys_and_phrases_of_the_operators_file_are_used(
+async def test_keys_and_phrases_of_the_operators_file_are_used_unless_it_is_invalid(
     catalogue: Catalogue, folder: Path
 ) -> None:
-    (folder / FILE).write_text('phrases = ["Go on, {participant}."]\n[keys]\napprove = "y"\n')
+    file = 'phrases = ["Go on, {participant}."]\n[keys]\napprove = "y"\n'
+    (folder / FILE).write_text(file)
     async with panel(catalogue, folder) as driver:
         await driver.propose(b.approval())
         assert " y  approve" in driver.text
@@ -620,11 +396,6 @@ async def test_keys_and_phrases_of_the_operators_file_are_used(
         await driver.press("y", "1")
         assert [decision.verdict for decision in driver.sent(t.DECISION)] == ["accept"]
         assert [remark.text for remark in driver.sent(t.REMARK)] == ["Go on, P01."]
-
-
-async def test_an_invalid_file_is_logged_and_the_default_keys_work(
-    catalogue: Catalogue, folder: Path
-) -> None:
     (folder / FILE).write_text("[keys]\nstpo = 'y'\n")
     async with panel(catalogue, folder) as driver:
         assert "is ignored" in driver.text
@@ -635,130 +406,53 @@ async def test_an_invalid_file_is_logged_and_the_default_keys_work(
 # --- operators and the link
 
 
-async def test_the_log_shows_each_act_with_its_outcome(catalogue: Catalogue, folder: Path) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.publish(t.WAITING, b.waiting())
-        await driver.press("s")
-        assert "Skipping the prompt …" in driver.text
-        await driver.publish(t.COMMAND, driver.peer.sent[-1][1])
-        assert "Skipping the prompt …" in driver.text
-        await driver.answer(ms=14)
-        assert "✓ Skipped the prompt · link 14 ms" in driver.text
-        await driver.press("r")
-        why = "Another operator has control."
-        refused = m.PeerRequestRefused(actor=ANNA, what=t.COMMAND.name, why=why)
-        await driver.publish(t.REFUSED, refused)
-        await driver.answer("refused", why)
-        assert "Repeating the prompt: not done, another operator has control" in driver.text
-        assert "Refused" not in driver.text
-        await driver.press("space")
-        await driver.receive(Connection("lost", "Nothing is heard from the session."))
-        assert "Pausing: not confirmed: the connection was lost" in driver.text
-        await driver.join()
-        await driver.answer("refused", "It did not arrive.")
-        assert "Pausing: not done, it did not arrive" in driver.text
-
-
-async def test_an_observer_sees_the_same_but_cannot_act(catalogue: Catalogue, folder: Path) -> None:
+async def test_an_observer_sees_the_same_but_can_only_stop_the_agent(
+    catalogue: Catalogue, folder: Path
+) -> None:
     async with panel(catalogue, folder, "observer") as driver:
         await driver.propose(b.approval())
-        assert "Well done." in driver.text
-        assert "you are observing" in driver.text
+        for text in ("Well done.", "you are observing", "You are an observer.", "F2 Stop"):
+            assert text in driver.text
         assert "approve " not in driver.text.replace("· approve", "")
-        assert "You are an observer." in driver.text
-        await driver.press(
-            "enter",
-            "x",
-            "e",
-            "plus",
-            "space",
-            "s",
-            "u",
-            "h",
-            "1",
-            "t",
-            "n",
-            "f5",
-            "b",
-            "end",
-            "end",
-        )
+        assert "Encourage" not in driver.text
+        await driver.press("enter", "x", "e", "plus", "space", "s", "u", "h", "1", "t", "n", "f5")
+        await driver.press("b", "end", "end")
         assert driver.peer.sent == []
         assert driver.peer.control_requests == 0
-        assert "Encourage" not in driver.text
         await driver.press("f1")
         assert "All keys" in driver.text
         assert "Skip prompt" not in driver.text
         assert "Stop the agent at once" in driver.text
+        await driver.press("f2")
+        assert [act.command for act in driver.sent(t.COMMAND)] == ["stop"]
 
 
-async def test_an_observer_and_an_operator_without_control_may_stop_the_agent(
-    catalogue: Catalogue, folder: Path
-) -> None:
-    for role in ("observer", "operator"):
-        async with panel(catalogue, folder, role) as driver:
-            await driver.publish(t.PRESENCE, b.presence("baton", "operator.ben", ben="operator"))
-            assert "F2 Stop" in driver.text
-            await driver.press("f2")
-            assert [(act.command, act.actor) for act in driver.sent(t.COMMAND)] == [
-                ("stop", f"{role}.anna")
-            ]
+async def test_without_control_nothing_is_sent_until_it_is_taken(driver: PanelDriver) -> None:
+    await driver.publish(t.PRESENCE, b.presence("baton", "operator.ben", ben="operator"))
+    assert "ben in control" in driver.text
+    assert "Nothing is pending for ben." in driver.text
+    await driver.propose(b.approval())
+    assert "ben decides; b takes control." in driver.text
+    await driver.publish(t.WAITING, b.waiting())
+    await driver.press("s", "t", "s")
+    assert driver.peer.sent == []
+    assert "ben has control; b takes it. Nothing was sent." in driver.text
+    await driver.press("b")
+    assert driver.peer.control_requests == 1
+    await driver.publish(t.PRESENCE, b.presence("baton", ANNA, ben="operator"))
+    await driver.press("s")
+    assert [act.command for act in driver.sent(t.COMMAND)] == ["skip"]
 
 
-async def test_without_control_nothing_is_sent_until_it_is_taken(
-    catalogue: Catalogue, folder: Path
-) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.publish(
-            t.PRESENCE, b.presence("baton", "operator.ben", ben="operator", cara="observer")
-        )
-        assert "ben in control" in driver.text
-        assert "cara watches" in driver.text
-        assert "Nothing is pending for ben." in driver.text
-        await driver.propose(b.approval())
-        assert "ben decides; b takes control." in driver.text
-        await driver.publish(t.WAITING, b.waiting())
-        await driver.press("s", "t")
-        assert driver.sent(t.COMMAND) == []
-        assert "ben has control; b takes it. Nothing was sent." in driver.text
-        await driver.press("b")
-        assert driver.peer.control_requests == 1
-        await driver.publish(t.PRESENCE, b.presence("baton", ANNA, ben="operator"))
-        await driver.press("s")
-        assert [act.command for act in driver.sent(t.COMMAND)] == ["skip"]
-
-
-async def test_who_takes_control_has_seen_the_proposals_since_they_were_on_their_own_screen(
-    catalogue: Catalogue, folder: Path
-) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.publish(t.PRESENCE, b.presence("baton", "operator.ben", ben="operator"))
-        await driver.propose(b.approval("p1", 4000))
-        await driver.propose(b.approval("p2", 6000))
-        shown_at = driver.panel.commands.shown[1]
-        await driver.advance(1500)
-        assert driver.sent(t.PROPOSAL_SEEN) == []
-        for _ in range(2):
-            await driver.publish(t.PRESENCE, b.presence("baton", ANNA, ben="operator"))
-        assert [(name, act.action, act.at) for name, act in driver.peer.sent] == [
-            (t.PROPOSAL_SEEN.name, "p2", shown_at)
-        ]
-
-
-async def test_a_lost_link_is_shown_until_it_is_back(catalogue: Catalogue, folder: Path) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.propose(b.approval())
-        await driver.receive(Connection("lost", "Nothing is heard from the session."))
-        assert "connection lost" in driver.text
-        assert "the session goes on by" in driver.text
-        await driver.press("enter", "s")
-        assert driver.sent(t.DECISION) == driver.sent(t.COMMAND) == []
-        assert "There is no connection. Nothing was sent." in driver.text
-        await driver.join()
-        await driver.publish(t.WAITING, b.waiting())
-        await driver.press("s")
-        assert "● in control" in driver.text
-        assert [act.command for act in driver.sent(t.COMMAND)] == ["skip"]
+async def test_a_lost_link_is_shown_until_it_is_back(driver: PanelDriver) -> None:
+    await driver.propose(b.approval())
+    await driver.receive(Connection("lost", "Nothing is heard from the session."))
+    assert "connection lost" in driver.text
+    assert "the session goes on by" in driver.text
+    await driver.press("enter")
+    assert driver.sent(t.DECISION) == []
+    await driver.join()
+    assert "● in control" in driver.text
 
 
 async def test_the_panel_takes_the_theme_of_the_session(catalogue: Catalogue, folder: Path) -> None:
@@ -768,32 +462,27 @@ async def test_the_panel_takes_the_theme_of_the_session(catalogue: Catalogue, fo
         assert "playful" in driver.app.theme
 
 
-async def test_the_panel_shows_the_agent_as_the_participant_sees_it(
-    catalogue: Catalogue, folder: Path
-) -> None:
-    async with panel(catalogue, folder) as driver:
-        await driver.publish(t.ACTION, b.action("a2", text="Look at that!"))
-        assert "Look at that!" in driver.text
-        assert driver.text.count("◠") == 2
-        await driver.publish(
-            t.ACTION, b.action("a3", text="And then " + "on " * 60 + "to the end.", joins=True)
-        )
-        assert "to the end." in driver.text
-        assert "…" in "".join(row[:46] for row in driver.rows[2:9]), (
-            "cut text ends with an ellipsis"
-        )
-        await driver.receive(b.TRACE)
-        assert "rad/s" in driver.text
-        await driver.publish(t.WAITING, b.waiting("foreperiod"))
-        assert "to the end." not in driver.text
-        ahead = driver.panel.query_one(Agent).query_one(".robot", Static).render()
-        await driver.publish(t.CUE, b.cue())
-        aside = driver.panel.query_one(Agent).query_one(".robot", Static).render()
-        assert str(aside) != str(ahead)
-        await driver.publish(t.WAITING, b.waiting("response"))
-        assert str(driver.panel.query_one(Agent).query_one(".robot", Static).render()) == str(aside)
-        await driver.publish(t.WAITING, b.waiting("quiet"))
-        assert str(driver.panel.query_one(Agent).query_one(".robot", Static).render()) == str(ahead)
+async def test_the_panel_shows_the_agent_as_the_participant_sees_it(driver: PanelDriver) -> None:
+    await driver.publish(t.ACTION, b.action("a2", text="Look at that!"))
+    assert "Look at that!" in driver.text
+    assert driver.text.count("◠") == 2
+    await driver.publish(
+        t.ACTION, b.action("a3", text="And then " + "on " * 60 + "to the end.", joins=True)
+    )
+    assert "to the end." in driver.text
+    assert "…" in "".join(row[:46] for row in driver.rows[2:9]), "cut text ends with an ellipsis"
+    await driver.receive(b.TRACE)
+    assert "rad/s" in driver.text
+    await driver.publish(t.WAITING, b.waiting("foreperiod"))
+    assert "to the end." not in driver.text
+    ahead = driver.panel.query_one(Agent).query_one(".robot", Static).render()
+    await driver.publish(t.CUE, b.cue())
+    aside = driver.panel.query_one(Agent).query_one(".robot", Static).render()
+    assert str(aside) != str(ahead)
+    await driver.publish(t.WAITING, b.waiting("response"))
+    assert str(driver.panel.query_one(Agent).query_one(".robot", Static).render()) == str(aside)
+    await driver.publish(t.WAITING, b.waiting("quiet"))
+    assert str(driver.panel.query_one(Agent).query_one(".robot", Static).render()) == str(ahead)
 
 
 async def test_at_80_by_24_all_keys_are_listed_stop_works_anywhere_and_other_proposals_are_named(
@@ -818,19 +507,25 @@ async def test_at_80_by_24_all_keys_are_listed_stop_works_anywhere_and_other_pro
         assert "Also pending: 4 s gesture [wave]" in driver.text
 
 
-async def test_a_missing_connection_is_explained_and_leaving_asks_once(
+async def test_leaving_asks_once_until_the_session_is_over(
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with b.open_panel(catalogue, folder, joins=False) as driver:
-        await driver.receive(
-            Connection("connecting", "The other side does not know this invitation.")
-        )
-        assert (
-            "There is no connection yet: The other side does not know this invitation."
-            in driver.text
-        )
+        await driver.receive(Connection("connecting", "The other side refuses."))
+        assert "There is no connection yet: The other side refuses." in driver.text
         await driver.press("q")
         assert "Leave the panel? Press q again to leave" in driver.text
+        await driver.press("escape")
+        assert "Leave the panel?" not in driver.text
+        await driver.press("ctrl+q")
+        assert "Leave the panel?" in driver.text
         assert not driver.peer.is_closed
+        await driver.press("ctrl+q")
+        assert not driver.app.is_running
+    async with panel(catalogue, folder) as driver:
+        await driver.publish(t.SESSION_ENDED, m.SessionEnded(status="completed"))
+        await driver.receive(Connection("ended", "The session is over."))
+        assert "The session is over. q leaves." in driver.text
+        assert "no connection" not in driver.text
         await driver.press("q")
         assert driver.peer.is_closed

@@ -152,6 +152,7 @@ def test_marks_modes_and_queue_have_pages(state: SessionState) -> None:
     assert [item.text for item in found["marks"].items] == ["Marker missed", "Assisted"]
     assert found["modes"].items[0].message == m.ModeChanged(kind="feedback", mode="manual")
     assert [item.text for item in found["queue"].items] == ["feedback “Now.”", "feedback “Next.”"]
+    assert [item.is_current for item in found["queue"].items] == [True, False]
     assert found["queue"].items[1].message == m.Decision(action="a9", verdict="veto")
 
 

@@ -55,20 +55,8 @@ def wizard(catalogue: Catalogue, folder: Path, *, waits: bool = False) -> Wizard
     return WizardApp(catalogue.theme("calm"), folder, "anna", waits=waits)
 
 
-async def test_the_panel_of_the_chosen_session_opens(
+async def test_sessions_are_listed_with_their_facts_and_the_panel_of_the_chosen_one_opens(
     catalogue: Catalogue, tmp_path: Path, joined: list[Any], there: list[JoinableSession]
-) -> None:
-    there += [here(ONE, tmp_path), here(OTHER, tmp_path)]
-    app = wizard(catalogue, tmp_path)
-    async with app.run_test() as pilot:
-        await pilot.press("down", "enter")
-        await pilot.pause()
-        assert isinstance(app.screen, PanelScreen)
-    assert joined == [(there[1], "anna", "operator")]
-
-
-async def test_a_session_is_listed_with_its_participants_task_and_start(
-    catalogue: Catalogue, tmp_path: Path, there: list[JoinableSession]
 ) -> None:
     facts = {"participants": ("P01", "P02"), "started": "2026-01-02T03:04:05+00:00"}
     there += [msgspec.structs.replace(here(ONE, tmp_path), **facts), here(OTHER, tmp_path)]
@@ -79,6 +67,10 @@ async def test_a_session_is_listed_with_its_participants_task_and_start(
         began = datetime.fromisoformat("2026-01-02T03:04:05+00:00").astimezone()
         first = str(listed.get_option_at_index(0).prompt)
         assert first == f"P01 and P02, keyboard, since {began:%Y-%m-%d %H:%M}   s1"
+        await pilot.press("down", "enter")
+        await pilot.pause()
+        assert isinstance(app.screen, PanelScreen)
+    assert joined == [(there[1], "anna", "operator")]
 
 
 async def test_a_session_of_another_data_folder_is_named_but_never_joined(
@@ -111,12 +103,15 @@ async def test_without_a_session_it_says_how_to_start_one_and_joins_the_first(
     assert joined == [(there[0], "anna", "operator")]
 
 
-async def test_leaving_the_choice_leaves_the_app(
+async def test_the_choice_survives_any_size_of_the_window_and_leaving_it_leaves_the_app(
     catalogue: Catalogue, tmp_path: Path, there: list[JoinableSession]
 ) -> None:
     there += [here(ONE, tmp_path), here(OTHER, tmp_path)]
     app = wizard(catalogue, tmp_path)
     async with app.run_test() as pilot:
+        for size in [(30, 5), (1, 1), (20, 200), (200, 1), (80, 24)]:
+            await pilot.resize_terminal(*size)
+        assert isinstance(app.screen, ChooseScreen)
         await pilot.press("escape")
     assert app.return_code == 0
 
@@ -125,16 +120,13 @@ async def test_a_failed_link_ends_the_app_with_a_message(
     catalogue: Catalogue, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse(*_: Any, **__: Any) -> Any:
-        raise LinkError("The link needs Python packages that are not installed here.")
+        raise LinkError("The link needs Python packages.")
 
     monkeypatch.setattr(operator_app, "connect", refuse)
     app = WizardApp(catalogue.theme("calm"), tmp_path, "anna", where=ONE)
     async with app.run_test() as pilot:
         await pilot.pause()
-    assert (app.return_code, app.failure) == (
-        1,
-        "The link needs Python packages that are not installed here.",
-    )
+    assert (app.return_code, app.failure) == (1, "The link needs Python packages.")
 
 
 async def test_home_offers_the_panel_while_a_session_can_be_joined(
@@ -161,14 +153,3 @@ def test_a_login_name_becomes_a_valid_name(login: str, monkeypatch: pytest.Monke
     for name in ("USER", "LNAME", "USERNAME"):
         monkeypatch.delenv(name, raising=False)
     assert re.fullmatch(NAME, own_name())
-
-
-async def test_the_choice_survives_any_size_of_the_window(
-    catalogue: Catalogue, tmp_path: Path, there: list[JoinableSession]
-) -> None:
-    there += [here(ONE, tmp_path), here(OTHER, tmp_path)]
-    app = wizard(catalogue, tmp_path)
-    async with app.run_test() as pilot:
-        for size in [(60, 20), (30, 5), (5, 3), (1, 1), (20, 200), (200, 1), (80, 24)]:
-            await pilot.resize_terminal(*size)
-        assert isinstance(app.screen, ChooseScreen)

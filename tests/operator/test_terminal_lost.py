@@ -33,7 +33,6 @@ async def test_an_operator_who_is_back_reads_how_long_the_terminal_was_away(
     async with open_panel(catalogue, tmp_path, size=(110, 30)) as panel:
         probe = panel.app.terminal_probe = TerminalProbe(lambda _: None, lambda: now)
         probe.answered()
-        await panel.join()
         if was_told:
             await panel.receive(
                 Connection("connecting", "The terminal of this panel does not answer.")
@@ -65,20 +64,6 @@ async def test_an_absence_told_before_the_panel_has_joined_again_stays_in_sight(
             )
             await panel.publish(t.PRESENCE, joined)
         assert panel.text.count("This terminal did not answer for 34 s.") == 1
-
-
-async def test_a_presence_without_proof_is_said(catalogue: Catalogue, tmp_path: Path) -> None:
-    async with open_panel(catalogue, tmp_path, size=(110, 30)) as panel:
-        doubt = m.OperatorChanged(
-            actor=ANNA,
-            state="unproven",
-            operated=True,
-            holder=ANNA,
-            detail="the terminal answers no queries.",
-            peers={ANNA: "operator"},
-        )
-        await panel.publish(t.PRESENCE, doubt)
-        assert "Your presence is not proven: the terminal answers no queries." in panel.text
 
 
 async def test_an_operator_who_closes_the_panel_has_left_and_one_whose_terminal_hangs_up_is_lost(

@@ -129,11 +129,6 @@ class Chromium:
         await self.call("Input.dispatchKeyEvent", type="keyDown", **name)
         await self.call("Input.dispatchKeyEvent", type="keyUp", **name)
 
-    async def picture(self, path: Path) -> None:
-        """Save a screenshot."""
-        shot = await self.call("Page.captureScreenshot", format="png")
-        path.write_bytes(base64.b64decode(shot["data"]))
-
 
 @asynccontextmanager
 async def chromium() -> AsyncIterator[Chromium]:

@@ -55,6 +55,7 @@ def test_url_of_a_wildcard_address_can_be_opened(host: str) -> None:
         (HERE, "http://localhost:8000", "127.0.0.1:8000", False),
         (HERE, "https://127.0.0.1:8000", "127.0.0.1:8000", False),
         (HERE, "http://127.0.0.1:3000", "127.0.0.1:8000", False),
+        (HERE, "http://127.0.0.1:8000x", "127.0.0.1:8000", False),
         (HERE, "null", "127.0.0.1:8000", False),
         (HERE, "", "127.0.0.1:8000", False),
         (PROXIED, "https://lab.example", "lab.example", True),

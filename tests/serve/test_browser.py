@@ -99,18 +99,6 @@ Tiny().run()
         await browser.wait_until(f"{COVER} === ''")
 
 
-async def test_page_without_token_is_one_sentence(tmp_path: Path) -> None:
-    async with serving(tmp_path / "diary") as served, chromium() as browser:
-        await browser.open(f"{served.origin}/")
-        await browser.wait_until(
-            "document.body !== null && document.body.innerText.includes('token')"
-        )
-        assert await browser.value("document.body.innerText") == (
-            "Open the complete address that `sar-tui serve` printed, with its token."
-        )
-        assert not served.diary.exists()
-
-
 VOICES = """
 window.said = [];
 const voice = (lang, localService) => ({lang, localService});

@@ -1,30 +1,24 @@
-"""A session in its terminal is watched and operated from a browser."""
+"""A session in its terminal is operated over a served view."""
 
 import asyncio
 import json
-import os
 import signal
 import sys
 import tempfile
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
 from pathlib import Path
-from typing import Any
 
 import aiohttp
 import pytest
 
+if sys.platform == "win32":
+    pytest.skip("pseudo-terminals of POSIX systems", allow_module_level=True)
+
 from sar_tui.timing.pty import Terminal
 from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answers
 from tests.end_to_end.participant_terminal import rows, run_command
-from tests.needs_browser import needs_browser
-from tests.serve.chromium import chromium
-from tests.serve.serve_fixtures import SECONDS
-
-pytestmark = [
-    needs_browser,
-    pytest.mark.skipif(os.name != "posix", reason="pseudo-terminals of POSIX systems"),
-]
+from tests.serve.serve_fixtures import SECONDS, TerminalScreen, press, read_until
 
 
 @pytest.fixture(autouse=True)
@@ -38,116 +32,61 @@ def short_runtime_folder(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 @asynccontextmanager
 async def serve(*arguments: str) -> AsyncIterator[str]:
     """Run ``sar-tui serve``; yields the printed address."""
-    process = await asyncio.create_subprocess_exec(
-        sys.executable,
-        "-m",
-        "sar_tui",
-        "serve",
-        *arguments,
-        "--port",
-        "0",
-        stdout=asyncio.subprocess.PIPE,
-    )
+    words = [sys.executable, "-m", "sar_tui", "serve", *arguments, "--port", "0"]
+    process = await asyncio.create_subprocess_exec(*words, stdout=asyncio.subprocess.PIPE)
     try:
         assert process.stdout
         yield (await asyncio.wait_for(process.stdout.readline(), SECONDS)).decode().strip()
     finally:
         process.send_signal(signal.SIGTERM)
-        try:
-            await asyncio.wait_for(process.wait(), SECONDS)
-        except TimeoutError:
-            process.kill()
+        await asyncio.wait_for(process.wait(), SECONDS)
 
 
-@asynccontextmanager
-async def keep_reading(terminal: Terminal) -> AsyncIterator[None]:
-    """Keep reading a terminal's output, because a program whose output nobody reads blocks."""
-    looks = True
-
-    def look() -> None:
-        while looks:
-            terminal.settle(silence_ms=50, seconds=0.2)
-
-    looking = asyncio.create_task(asyncio.to_thread(look))
-    try:
-        yield
-    finally:
-        looks = False
-        await looking
-
-
-async def logged_message(data: Path, topic: str, **with_values: str) -> dict[str, Any]:
-    """Wait for the first logged message of a topic with these values."""
+async def logged(data: Path, terminal: Terminal, topic: str) -> str:
+    """Wait for the first logged message of a topic, and read the terminal meanwhile: a program
+    whose output nobody reads blocks.
+    """
     async with asyncio.timeout(SECONDS):
         while True:
-            for (text,) in rows(
-                data, "SELECT message FROM events WHERE topic=? ORDER BY seq", topic
-            ):
-                message: dict[str, Any] = json.loads(text)
-                if with_values.items() <= message.items():
-                    return message
-            await asyncio.sleep(0.05)
+            await asyncio.to_thread(terminal.settle, silence_ms=50, seconds=0.2)
+            query = "SELECT message FROM events WHERE topic=? ORDER BY seq"
+            if found := rows(data, query, topic):
+                return str(found[0][0])
 
 
 @pytest.mark.slow
-async def test_proposal_is_approved_in_a_browser(data: Path) -> None:
-    settings = {
-        "operator_feedback": "approve",
-        "operator_time_ms": 60_000,
-        "operator_timeout": "drop",
-    }
-    session = [*run_command(data, prompts_per_attempt=2, attempts=1, **settings), "--operator"]
-    with Terminal(session) as terminal:
+async def test_proposal_is_approved_in_a_served_view(data: Path) -> None:
+    settings = {"operator_feedback": "approve", "operator_time_ms": 60_000}
+    session = run_command(data, prompts_per_attempt=2, attempts=1, **settings)
+    screen = TerminalScreen(100, 30)
+    with Terminal([*session, "--operator"]) as terminal:
         await asyncio.to_thread(terminal.wait_for, "Press Enter to go on.")
-        async with serve("operator", "--data", str(data)) as address, chromium() as browser:
-            async with (
-                aiohttp.ClientSession() as http,
-                http.get(address.partition("?")[0]) as refused,
-            ):
-                assert refused.status == 403
-            async with keep_reading(terminal):
-                await browser.open(address)
-                await browser.see("P01")
-            participant = ScriptedParticipant(terminal, random_answers(3, 120, 220))
-            terminal.confirm()
-            await asyncio.to_thread(participant.run, 2)
-            async with keep_reading(terminal):
-                text = (await logged_message(data, "arbiter/pending_approval"))["proposal"]["text"]
-                await browser.see(text[:20])
+        async with (
+            serve("operator", "--data", str(data)) as address,
+            aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as http,
+        ):
+            origin = address.partition("/?")[0]
+            async with http.get(address) as opened:
+                assert opened.status == 200
+            async with http.ws_connect(
+                f"{origin}/ws/one?width=100&height=30", headers={"Origin": origin}
+            ) as view:
+                await read_until(view, screen, "P01")
+                await logged(data, terminal, "operator/presence")
+                participant = ScriptedParticipant(terminal, random_answers(3, 120, 220))
+                terminal.confirm()
+                await asyncio.to_thread(participant.run, 2)
+                pending = await logged(data, terminal, "arbiter/pending_approval")
+                text = str(json.loads(pending)["proposal"]["text"])
+                await read_until(view, screen, text[:20])
                 assert text[:20].encode() not in terminal.output
                 # keys pressed too soon after a proposal are ignored
-                await logged_message(data, "arbiter/filler_due")
-                await browser.press("Enter")
-            await asyncio.to_thread(terminal.wait_for, text[:20])
-            await browser.call("Page.navigate", url="about:blank")
-            async with keep_reading(terminal):
-                left = await logged_message(data, "operator/presence", state="left")
-    assert left["actor"].startswith("operator.")
+                await logged(data, terminal, "arbiter/filler_due")
+                await press(view, "\r")
+                await asyncio.to_thread(terminal.wait_for, text[:20])
     ((decision, actor, final, decided),) = rows(
         data, "SELECT decision, actor, final, decided_ns FROM actions WHERE kind='feedback'"
     )
-    assert decision == "accepted"
-    assert actor.startswith("operator.")
+    assert (decision, actor.partition(".")[0]) == ("accepted", "operator")
     assert json.loads(final)["text"] == text
     assert decided > 0
-
-
-async def test_agent_in_a_browser_follows_the_session(data: Path) -> None:
-    session = [*run_command(data, prompts_per_attempt=2, attempts=1), "--operator"]
-    with Terminal(session) as terminal:
-        await asyncio.to_thread(terminal.wait_for, "Press Enter to go on.")
-        async with keep_reading(terminal):
-            greeting = str((await logged_message(data, "arbiter/action", kind="greeting"))["text"])
-        async with serve("agent", "--data", str(data)) as address, chromium() as browser:
-            async with keep_reading(terminal):
-                await browser.open(address)
-                await browser.see(greeting[:12])
-            participant = ScriptedParticipant(terminal, random_answers(3, 120, 220))
-            terminal.confirm()
-            await asyncio.to_thread(participant.run, 2)
-            async with keep_reading(terminal):
-                feedback = str(
-                    (await logged_message(data, "arbiter/action", kind="feedback"))["text"]
-                )
-                await browser.see(feedback[:12])
-                assert greeting[:12] not in browser.text

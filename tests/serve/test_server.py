@@ -1,16 +1,22 @@
-"""Web server: access, views, speech and shutdown."""
+"""Web server: access, views, speech and shutdown; its page; and no session in a browser."""
 
 import asyncio
 import json
 import os
+import re
 import signal
 import sys
 from pathlib import Path
 
 import aiohttp
 import pytest
+import textual_serve
 
+from sar_tui.serve import server
+from sar_tui.serve.browser_view import DRIVER
 from sar_tui.serve.server import MAX_VIEWS
+from tests.app.app_driver import known, stored
+from tests.program import Call, call
 from tests.serve.serve_fixtures import (
     SECONDS,
     TOKEN,
@@ -24,6 +30,10 @@ from tests.serve.serve_fixtures import (
     told,
 )
 
+__all__ = ["call"]
+
+PAGE = Path(server.__file__).parent / "page"
+LIBRARY = Path(textual_serve.__file__).parent / "static"
 PATHS = (
     "/",
     "/ready",
@@ -49,9 +59,8 @@ async def status(served: Served, path: str, headers: dict[str, str]) -> tuple[in
         return answer.status, await answer.text()
 
 
-@pytest.mark.parametrize("kind", ["operator", "observer", "agent"])
-async def test_without_token_everything_is_refused(tmp_path: Path, kind: str) -> None:
-    async with serving(tmp_path / "diary", kind) as served:  # type: ignore[arg-type]
+async def test_without_token_everything_is_refused(tmp_path: Path) -> None:
+    async with serving(tmp_path / "diary", "agent") as served:
         for path in PATHS:
             assert await status(served, path, {}) == (
                 403,
@@ -91,15 +100,10 @@ async def test_foreign_host_or_origin_is_refused_even_with_the_token(tmp_path: P
     async with serving(tmp_path / "diary") as served:
         rebound = {"Host": f"evil.example:{served.port}"}
         assert "not a name" in (await status(served, f"/?token={TOKEN}", rebound))[1]
-        for origin in (
-            "http://evil.example",
-            f"http://127.0.0.1:{served.port + 1}",
-            "null",
-            f"{served.origin}x",
-        ):
-            got, why = await status(served, "/ws/one", UPGRADE | served.cookie | {"Origin": origin})
-            assert (got, why) == (403, "Other pages may not connect to this one.")
-        assert (await status(served, "/ws/one", UPGRADE | served.cookie))[0] == 403
+        why = "Other pages may not connect to this one."
+        for origin in ({"Origin": "http://evil.example"}, {}):
+            got = await status(served, "/ws/one", UPGRADE | served.cookie | origin)
+            assert got == (403, why)
         assert not served.diary.exists()
 
 
@@ -146,16 +150,6 @@ async def test_browser_is_disconnected_when_the_program_ends(tmp_path: Path) -> 
         assert await told(socket, "ended") == {"failed": False, "why": ""}
         assert await close_code(socket) == aiohttp.WSCloseCode.OK
         assert await served.written("went")
-
-
-@pytest.mark.slow
-async def test_page_is_told_that_the_app_runs(tmp_path: Path) -> None:
-    async with (
-        serving(tmp_path / "diary") as served,
-        served.http.ws_connect(f"{served.origin}/ws/one", headers=served.allowed) as socket,
-    ):
-        for _ in range(3):
-            await told(socket, "alive")
 
 
 async def test_page_is_not_told_so_by_an_app_that_hangs(tmp_path: Path) -> None:
@@ -293,3 +287,63 @@ async def test_program_ends_when_its_server_is_killed(tmp_path: Path) -> None:
             process.send_signal(signal.SIGKILL)
     assert process.returncode == 0
     assert (tmp_path / "diary").read_text().splitlines()[-1] == "went lost"
+
+
+# --- sessions stay in their terminal
+
+
+@pytest.mark.parametrize("driver", [DRIVER, "textual.drivers.web_driver:WebDriver"])
+def test_no_session_runs_in_a_browser(
+    call: Call, monkeypatch: pytest.MonkeyPatch, driver: str
+) -> None:
+    monkeypatch.setenv("TEXTUAL_DRIVER", driver)
+    why = "A session cannot run in a browser, where responses cannot be timed. Use a terminal.\n"
+    assert call("run", "keyboard", "-p", "P01") == (2, "", why)
+
+
+async def test_home_opens_in_a_browser_but_starts_no_session(tmp_path: Path) -> None:
+    data = tmp_path / "data"
+    known(data, "P01")
+    program = [sys.executable, "-m", "sar_tui", "--data", str(data)]
+    async with (
+        serving(tmp_path / "diary", program=program) as served,
+        served.http.ws_connect(
+            f"{served.origin}/ws/one?width=100&height=30", headers=served.allowed
+        ) as socket,
+    ):
+        screen = TerminalScreen(100, 30)
+        await read_until(socket, screen, "P01")
+        await press(socket, "\x1b[C\x1b[C\x1b[C\r")
+        await read_until(socket, screen, "cannot run in a browser")
+    assert stored(data, "SELECT id FROM sessions") == []
+
+
+# --- all parts of the page come from this server
+
+
+def test_page_refers_only_to_existing_files() -> None:
+    page = (PAGE / "index.html").read_text("utf-8")
+    named = re.findall(r'(?:src|href)="([^"]*)"', page)
+    named += re.findall(r'url\("?([^")]*)"?\)', (PAGE / "page.css").read_text("utf-8"))
+    named.remove("data:,")
+    folders = {"page": PAGE, "library": LIBRARY}
+    files = [folders[name.split("/")[1]] / name.split("/", 2)[2] for name in named]
+    assert len(files) == 8
+    assert [file for file in files if not file.is_file()] == []
+
+
+def test_scripts_and_styles_contain_no_other_hosts() -> None:
+    served = [
+        *PAGE.iterdir(),
+        *(path for path in LIBRARY.rglob("*") if path.suffix in (".js", ".css")),
+    ]
+    for path in served:
+        text = re.sub(r"/\*.*?\*/", "", path.read_text("utf-8"), flags=re.DOTALL)
+        assert re.findall(r"(?:https?|wss?)://[\w.-]+", text) == [], path.name
+
+
+def test_page_has_no_inline_script_or_handler() -> None:
+    page = (PAGE / "index.html").read_text("utf-8")
+    assert re.findall(r"<script(?![^>]*src=)", page) == []
+    assert re.findall(r"\son\w+=", page) == []
+    assert "script-src 'self';" in server._HEADERS["Content-Security-Policy"]

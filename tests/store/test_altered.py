@@ -132,6 +132,7 @@ ALTERATIONS: dict[str, tuple[int, str]] = {
     "a pause for pain": (KEYS, "DELETE FROM records WHERE session=:s AND moment='pause'"),
     "samples with their checksum": (SENSOR, _SAMPLES.format("data=zeroblob(length(data))") + ";"
                                     + _SAMPLES.format("crc32=crc32(data)")),
+    "a last hash of more messages": (KEYS, f"UPDATE log_hashes SET seq=seq + 9 WHERE {_LAST_HASH}"),
     "hashes removed": (KEYS, "DELETE FROM log_hashes WHERE session=:s"),
     "all hashes removed": (KEYS, "DELETE FROM log_hashes WHERE session=:s;"
                            "UPDATE sessions SET log_hash='' WHERE id=:s"),
