@@ -20,7 +20,7 @@ from sar_tui.validation.modularity import (
     source_lines,
 )
 from sar_tui.validation.report import Conditions
-from tests.claims.broken_parts import OwnMemory
+from tests.validation.broken_parts import OwnMemory
 
 
 def file(folder: Path, name: str, lines: int) -> str:
