@@ -113,9 +113,6 @@ def test_custom_levels_are_used_as_given() -> None:
         ({"levels": ["ab"], "start_level": 2}, "start_level", "only 1 levels"),
         ({"choice_set": "arrow keys", "start_level": 4}, "start_level", "only 3 levels"),
         ({"choice_set": "arrow keys", "start_level": 5, "min_level": 5}, "start_level", "level 5"),
-        ({"threshold": 99}, "threshold", "100 to 60000"),
-        ({"prompts_per_attempt": 0}, "prompts_per_attempt", "1 to 200"),
-        ({"layout": "dvorak"}, "layout", "qwerty, azerty, qwertz, not dvorak"),
     ],
 )
 def test_invalid_settings_are_reported(parameters: dict[str, object], name: str, part: str) -> None:
