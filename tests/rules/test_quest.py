@@ -49,7 +49,7 @@ def test_harder_may_be_higher() -> None:
 
 @pytest.mark.parametrize("threshold", first(1, [-1.8, -0.4]))
 def test_it_finds_the_threshold_within_the_error_that_it_states(threshold: float) -> None:
-    found = [QUEST.estimate(answers(threshold, seed)) for seed in range(20)]
+    found = [QUEST.estimate(answers(threshold, seed)) for seed in range(10)]
     errors = [estimate.mean - threshold for estimate in found]
     assert fmean(errors) == pytest.approx(0, abs=0.06)
     assert math.sqrt(fmean(error**2 for error in errors)) == pytest.approx(
