@@ -9,7 +9,6 @@ from statistics import fmean
 from typing import Any, NamedTuple
 
 from sar_tui.loop.session import OWN_PARTS, Parts
-from sar_tui.loop.session_phase import REQUEST_KEY
 from sar_tui.loop.task import Task
 from sar_tui.model.messages import KeyPressed, Message, OutputReport, Shown, TrialEnded
 from sar_tui.model.units import MS
@@ -26,14 +25,11 @@ TASK, THEME = "keyboard", "calm"
 
 
 class Simulated(NamedTuple):
-    """A session: its attempts, the agent's actions and outputs, and when the participant requested
-    feedback (ns).
-    """
+    """A session: its attempts, and the agent's actions and outputs."""
 
     task: Task
     attempts: list[Row]
     actions: list[Row]
-    asked: list[int]
     reports: list[OutputReport]
     timed: dict[int, float]
     """Mean reaction time (ms) of each attempt with one, from when prompts were shown and keys
@@ -114,11 +110,6 @@ class SessionRunner:
                 task=self._kind(plan.parameters),
                 attempts=sessions.rows(database, "attempts", name),
                 actions=sessions.rows(database, "actions", name),
-                asked=[
-                    each.at
-                    for each in messages
-                    if isinstance(each, KeyPressed) and each.key == REQUEST_KEY
-                ],
                 reports=[each for each in messages if isinstance(each, OutputReport)],
                 timed=timed(messages),
             )

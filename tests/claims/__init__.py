@@ -1,1 +1,1 @@
-"""Statistical claims of this project, and the simulations that they are tested by."""
+"""Statistical claims of this project, each a simulation."""

@@ -4,9 +4,7 @@ estimates.
 
 import math
 import random
-from collections.abc import Sequence
 from statistics import fmean
-from typing import Any
 
 import msgspec
 import pytest
@@ -15,7 +13,6 @@ from sar_tui.progress import change
 from sar_tui.progress.level_estimate import (
     Attempt,
     Estimate,
-    brackets_goal,
     level_at_goal,
     near_goal,
     shared_slope,
@@ -23,7 +20,6 @@ from sar_tui.progress.level_estimate import (
 )
 from sar_tui.simulation.participant_model import PEOPLE, Person
 
-Row = dict[str, Any]
 HISTORIES = 700
 """Histories of each user; three users make more than 2,000."""
 SESSIONS, ATTEMPTS, PROMPTS = 8, 20, 20
@@ -39,7 +35,6 @@ class Model(msgspec.Struct, frozen=True):
     """A world in which histories are played. The estimates know nothing of it.
 
     Args:
-        is_fitted: True if times grow in a straight line, as the estimates assume.
         day_sd_ms: SD of all times from day to day.
         attempt_sd_ms: SD of the mean time from attempt to attempt.
         curve_ms: added for each squared bit away from three bits.
@@ -48,7 +43,6 @@ class Model(msgspec.Struct, frozen=True):
         recovery: share of the times saved after the baseline.
     """
 
-    is_fitted: bool = True
     day_sd_ms: float = 30.0
     attempt_sd_ms: float = 0.0
     curve_ms: float = 0.0
@@ -58,12 +52,11 @@ class Model(msgspec.Struct, frozen=True):
 
 MODELS: dict[str, Model] = {
     "only practice": Model(),
-    "attempts vary": Model(is_fitted=False, attempt_sd_ms=30.0),
-    "curved times": Model(is_fitted=False, curve_ms=20.0),
-    "slow practice": Model(is_fitted=False, practice=(0.1, 4.0)),
-    "20 % faster": Model(is_fitted=False, recovery=0.2),
+    "attempts vary": Model(attempt_sd_ms=30.0),
+    "curved times": Model(curve_ms=20.0),
+    "slow practice": Model(practice=(0.1, 4.0)),
+    "20 % faster": Model(recovery=0.2),
 }
-FITTED = tuple(name for name, model in MODELS.items() if model.is_fitted)
 
 
 class _Day(msgspec.Struct, frozen=True):
@@ -76,75 +69,53 @@ class _Day(msgspec.Struct, frozen=True):
     last: int
 
 
+class Findings(msgspec.Struct):
+    """Bands of histories with the true level at goal of each, and verdicts on last sessions."""
+
+    bands: list[tuple[Estimate, float]] = []
+    verdicts: list[str] = []
+
+    def covered(self) -> float:
+        """Return the share of bands that hold the true level at goal."""
+        return fmean(band.low <= truth <= band.high for band, truth in self.bands)
+
+    def bias_bits(self) -> float:
+        return fmean(band.value - truth for band, truth in self.bands)
+
+    def changed(self) -> float:
+        """Return the share of known verdicts that say that the person changed."""
+        known = [verdict for verdict in self.verdicts if verdict != "not yet known"]
+        return fmean(verdict in ("more", "less") for verdict in known)
+
+
 @pytest.mark.slow
 def test_bands_hold_the_truth_and_practice_is_no_change_in_over_two_thousand_histories() -> None:
-    rows = [row_of(name, user, HISTORIES) for name in FITTED for user in PEOPLE]
-    assert sum(row["histories"] for row in rows) >= 2000
+    found = [findings("only practice", user, HISTORIES) for user in PEOPLE]
+    bands = [band for each in found for band in each.bands]
     low, high = COVERAGE
-    assert low <= covered(rows) <= high
-    assert max(row["changed"] for row in rows) <= MOST_CHANGED
+    assert low <= Findings(bands).covered() <= high
+    assert max(each.changed() for each in found) <= MOST_CHANGED
 
 
 @pytest.mark.parametrize("model", MODELS)
 def test_bands_hold_the_truth_in_a_few_histories_of_every_world(model: str) -> None:
-    row = row_of(model, "average", 12)
-    assert row["coverage"] > 0.85
-    assert abs(row["bias_bits"]) < 0.15
+    found = findings(model, "average", 12)
+    assert found.covered() > 0.85
+    assert abs(found.bias_bits()) < 0.15
 
 
-def test_a_band_that_is_too_narrow_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sar_tui.progress.level_estimate.t95", lambda df: 0.5)
-    assert covered([row_of("only practice", "average", 12)]) < COVERAGE[0]
-
-
-def test_a_verdict_without_students_t_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sar_tui.progress.change.t95", lambda df: 0.5)
-    assert max(row_of("only practice", user, 12)["changed"] for user in PEOPLE) > MOST_CHANGED
-
-
-def covered(rows: Sequence[Row]) -> float:
-    """Return the share of estimates whose band holds the true level at goal."""
-    estimates = sum(row["estimates"] for row in rows)
-    return sum(row["coverage"] * row["estimates"] for row in rows) / estimates
-
-
-def row_of(name: str, user: str, count: int) -> Row:
-    """Return the figures of some histories of a user in a world."""
-    model, rng = MODELS[name], random.Random(f"{name} {user}")
-    histories = [_history(rng, model, PEOPLE[user]) for _ in range(count)]
-    found = [_estimates(days) for days in histories]
-    pairs = [
-        (estimate, day.truth)
-        for days, estimates in zip(histories, found, strict=True)
-        for day, estimate in zip(days, estimates, strict=True)
-        if estimate
-    ]
-    verdicts = [_verdict([each.value for each in estimates if each]) for estimates in found]
-    known = [verdict for verdict in verdicts if verdict != "not yet known"]
-    days = [day for days in histories for day in days]
-    return {
-        "model": name,
-        "user": user,
-        "histories": len(histories),
-        "sessions": len(days),
-        "estimates": len(pairs),
-        "one_sided": sum(not brackets_goal(day.attempts) for day in days) / len(days),
-        "coverage": fmean(each.low <= truth <= each.high for each, truth in pairs),
-        "bias_bits": fmean(each.value - truth for each, truth in pairs),
-        "width_bits": fmean(each.high - each.low for each, _ in pairs),
-        "judged": len(known),
-        "changed": fmean(verdict in ("more", "less") for verdict in known) if known else None,
-    }
-
-
-def _estimates(days: Sequence[_Day]) -> list[Estimate | None]:
-    shared = shared_slope([slope for day in days if (slope := slope_of(day.attempts))])
-    return [level_at_goal(day.attempts, shared) for day in days]
-
-
-def _verdict(values: Sequence[float]) -> str:
-    found = change.baseline(values)
-    return change.verdict(values[-1], found) if values else "not yet known"
+def findings(model: str, user: str, histories: int) -> Findings:
+    """Play histories of a user in a world, and estimate the level at goal of each session."""
+    rng, found = random.Random(f"{model} {user}"), Findings()
+    for _ in range(histories):
+        days = _history(rng, MODELS[model], PEOPLE[user])
+        shared = shared_slope([slope for day in days if (slope := slope_of(day.attempts))])
+        bands = [level_at_goal(day.attempts, shared) for day in days]
+        found.bands += [(band, day.truth) for band, day in zip(bands, days, strict=True) if band]
+        values = [band.value for band in bands if band]
+        if values:
+            found.verdicts.append(change.verdict(values[-1], change.baseline(values)))
+    return found
 
 
 def _history(rng: random.Random, model: Model, kind: Person) -> list[_Day]:

@@ -2,13 +2,11 @@
 baseline.
 """
 
-import random
 from itertools import pairwise
 
 import pytest
 
-from sar_tui.rules.decline import BY_CHANCE, EACH, LEAST_BASELINE, LONGEST_BASELINE, decline
-from tests.examples import first
+from sar_tui.rules.decline import EACH, LEAST_BASELINE, LONGEST_BASELINE, decline
 
 BASELINE = (20.0, 21.0, 19.0, 20.0, 22.0, 18.0, 20.5, 19.5)
 
@@ -61,21 +59,3 @@ def test_what_was_long_ago_does_not_count() -> None:
     assert decline([*[500.0, 0.0] * 10, *recent, 30.0, 31.0], "lower") == decline(
         [*recent, 30.0, 31.0], "lower"
     )
-
-
-@pytest.mark.parametrize("measures", first(1, [3, 1, 4]))
-def test_by_chance_it_is_as_rare_as_was_promised_and_a_true_one_is_found(measures: int) -> None:
-    rng = random.Random(measures)
-    by_chance = found = 0
-    count, known = 1500, 15
-    for _ in range(count):
-        drawn = [[rng.gauss(0, 1) for _ in range(known + 3)] for _ in range(measures)]
-        by_chance += any(
-            decline(values[: known + 2], "lower", measures=measures) for values in drawn
-        )
-        worse = [value + 3 * (number >= known) for number, value in enumerate(drawn[0])]
-        found += any(
-            decline(worse[: known + more], "lower", measures=measures) for more in (1, 2, 3)
-        )
-    assert by_chance / count <= BY_CHANCE
-    assert found / count >= 0.9

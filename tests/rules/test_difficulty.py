@@ -44,18 +44,6 @@ def levels(parameters: TaskParameters, count: int, outcomes: list[Outcome]) -> l
 
 
 @given(set_ups(), OUTCOMES)
-def test_the_level_never_leaves_its_bounds_and_moves_by_one(
-    set_up: tuple[TaskParameters, int], outcomes: list[Outcome]
-) -> None:
-    parameters, count = set_up
-    found = levels(parameters, count, outcomes)
-    assert found[0] == parameters.start_level
-    assert all(parameters.min_level <= level <= min(parameters.max_level, count) for level in found)
-    for before, outcome, after in zip(found, outcomes, found[1:], strict=False):
-        assert after - before in ((0, 1) if outcome == "success" else (0, -1))
-
-
-@given(set_ups(), OUTCOMES)
 def test_the_level_changes_exactly_after_the_required_number_in_a_row(
     set_up: tuple[TaskParameters, int], outcomes: list[Outcome]
 ) -> None:
@@ -94,11 +82,6 @@ def test_each_change_of_level_has_a_reason_and_no_other_attempt_has_one() -> Non
         state = level_choice.step(state, ScoredAttempt(number, outcome), parameters, 3)
         why.append(state.why)
     assert why == ["Goal reached.", "", "", "Goal missed 2 times in a row."]
-
-
-def test_by_default_every_success_raises_and_every_failure_lowers_the_level() -> None:
-    parameters = build(TaskParameters, {})
-    assert levels(parameters, 10, ["success", "success", "failure", "success"]) == [1, 2, 3, 2, 3]
 
 
 def test_an_initial_level_beyond_the_last_starts_and_stays_at_the_last() -> None:

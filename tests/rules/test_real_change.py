@@ -1,40 +1,29 @@
 """A change counts as real if it exceeds the noise of the person's own last attempts."""
 
 import math
-import random
-from statistics import fmean, stdev
+from statistics import stdev
+from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.rules.real_change import LATEST, LEAST_ATTEMPTS, Sample, judge
-from sar_tui.rules.student import t95
-from tests.examples import fewer
+from sar_tui.rules.student import quantile, t95, within
+
+
+@pytest.mark.parametrize("df", [1, 2, 3, 4, 5, 9, 18, 19, 60, 198, 399])
+def test_student_t_is_scipys(df: int, stats: Any) -> None:
+    assert t95(df) == pytest.approx(stats.t.ppf(0.975, df), abs=1e-9)
+    assert quantile(df, 0.98) == pytest.approx(stats.t.ppf(0.99, df), abs=1e-9)
+    assert within(1.3, df) == pytest.approx(1 - 2 * stats.t.sf(1.3, df), abs=1e-9)
+
 
 VALUES = st.floats(-1e3, 1e3).map(lambda value: round(value, 3))
 
 
 def attempts(*means: float, n: int = 4, sd: float = 1.0) -> list[Sample]:
     return [Sample(mean, n, sd) for mean in means]
-
-
-def drawn(rng: random.Random, count: int, reaches: int, shift: float = 0.0) -> list[Sample]:
-    """Return attempts of reaches whose noise is normal, with SD 1; the last is shifted."""
-    found = []
-    for number in range(count):
-        values = [rng.gauss(shift * (number == count - 1), 1) for _ in range(reaches)]
-        found.append(Sample(fmean(values), reaches, stdev(values) if reaches > 1 else 0.0))
-    return found
-
-
-def share_better(earlier: int, reaches: int, shift: float, pairs: int, measures: int = 1) -> float:
-    rng, said = random.Random(f"{earlier} {reaches} {shift}"), 0
-    for _ in range(pairs):
-        *before, now = drawn(rng, earlier + 1, reaches, shift)
-        change = judge(now, before[-1], before, "higher", measures=measures)
-        said += change is not None and change.verdict == "better"
-    return said / pairs
 
 
 def test_the_margin_is_the_mdc95_of_the_larger_noise() -> None:
@@ -137,12 +126,3 @@ def test_what_is_judged_with_others_needs_no_smaller_change(means: list[float], 
         [verdicts[0], "chance", "chance"],
         [*verdicts[:2], "chance"],
     )
-
-
-@pytest.mark.parametrize(("earlier", "reaches"), [(3, 3), (5, 1), (10, 5)])
-def test_noise_is_seldom_called_better_and_a_change_of_two_mdc_mostly(
-    earlier: int, reaches: int
-) -> None:
-    two_mdc = 2 * 1.96 * math.sqrt(2 / reaches)
-    assert share_better(earlier, reaches, 0.0, pairs=fewer(1000)) <= 0.06
-    assert share_better(earlier, reaches, two_mdc, pairs=fewer(1000)) >= 0.76

@@ -104,11 +104,8 @@ def like(profile: str, **changes: Any) -> OperatorProfile:
     return msgspec.structs.replace(PROFILES[profile], **changes)
 
 
-@pytest.mark.parametrize("name", PROFILES)
-def test_the_same_seed_gives_the_same_session_and_another_a_different_one(
-    name: str, play: Play
-) -> None:
-    profile = PROFILES[name]
+def test_the_same_seed_gives_the_same_session_and_another_a_different_one(play: Play) -> None:
+    profile = PROFILES["careful"]
     assert play(profile, 5) == play(profile, 5)
     decisions = [
         [(d.action, d.verdict, d.at) for d in of(m.Decision, play(profile, seed))]
@@ -117,17 +114,15 @@ def test_the_same_seed_gives_the_same_session_and_another_a_different_one(
     assert decisions[0] != decisions[1]
 
 
-def test_it_joins_at_the_start_and_takes_control(play: Play) -> None:
+def test_it_takes_control_at_the_start_sees_pending_proposals_and_then_decides(
+    play: Play,
+) -> None:
     messages = play(PLAIN)
     came = [(at, message) for at, message in messages if isinstance(message, m.OperatorChanged)]
     assert [(at, message.state, message.operated, message.actor) for at, message in came] == [
         (0, "joined", True, NAME),
         (0, "baton", True, NAME),
     ]
-
-
-def test_pending_proposals_are_seen_and_then_decided(play: Play) -> None:
-    messages = play(PLAIN)
     pending = {
         message.proposal.id: at
         for at, message in messages
@@ -140,9 +135,8 @@ def test_pending_proposals_are_seen_and_then_decided(play: Play) -> None:
     for id, at in pending.items():
         assert seen[id] - at == 30_000_000
         assert decided[id] - seen[id] == pytest.approx(500_000_000, abs=2_000_000)
-    assert {message.ground for message in of(m.Action, messages) if message.kind == "feedback"} == {
-        "operator"
-    }
+    said = [message for message in of(m.Action, messages) if message.kind == "feedback"]
+    assert {message.ground for message in said} == {"operator"}
 
 
 def test_proposals_are_decided_one_after_the_other(play: Play) -> None:
@@ -217,17 +211,12 @@ def test_a_proposal_that_becomes_pending_again_is_decided_once(play: Play) -> No
 
 def test_acts_on_its_own_initiative(play: Play) -> None:
     messages = play(msgspec.structs.replace(PLAIN, remarks=1.0, notes=1.0, levels=1.0), attempts=8)
-    acts = Counter(
-        type(message).__name__
-        for message in of(m.Remark | m.NoteAdded | m.SessionCommand, messages)
-    )
-    assert acts["Remark"] >= 7
-    assert acts["NoteAdded"] >= 7
-    assert {message.command for message in of(m.SessionCommand, messages)} == {"level"}
-    assert all(
-        message.actor == NAME and message.at
-        for message in of(m.Remark | m.NoteAdded | m.SessionCommand, messages)
-    )
+    remarks, notes = of(m.Remark, messages), of(m.NoteAdded, messages)
+    commands = of(m.SessionCommand, messages)
+    assert len(remarks) >= 7
+    assert len(notes) >= 7
+    assert {message.command for message in commands} == {"level"}
+    assert all(message.actor == NAME and message.at for message in (*remarks, *notes, *commands))
 
 
 def test_the_participant_is_as_fast_with_an_operator_as_without(play: Play) -> None:
@@ -264,13 +253,3 @@ def test_times_match_the_profile(name: str) -> None:
     assert fmean(times) == pytest.approx(5 * profile.ms_per_word + profile.mean_ms, rel=0.03)
     assert median(times) < fmean(times), "the tail is on the slow side"
     assert min(times) >= 150
-
-
-def test_hasty_operators_are_faster_and_more_often_wrong_than_careful_ones() -> None:
-    text = "You were a little slower than last time."
-    hasty, careful = (
-        fmean(PROFILES[name].reaction_ms(text, streams) for streams in MANY)
-        for name in ("hasty", "careful")
-    )
-    assert hasty < careful / 2
-    assert PROFILES["hasty"].slips > PROFILES["careful"].slips

@@ -70,13 +70,3 @@ def test_the_same_moment_is_the_same_each_time_and_each_person_is_their_own() ->
     for person in PEOPLE.values():
         assert draws(person, count=5) == draws(person, count=5)
     assert len({tuple(draws(person, count=5)) for person in PEOPLE.values()}) == 3
-
-
-def test_the_better_the_person_the_faster_and_surer() -> None:
-    poor, average, competent = (PEOPLE[name] for name in ("poor", "average", "competent"))
-    for choices in (1, 2, 10, 80):
-        assert (
-            competent.mean_ms(choices, 1) < average.mean_ms(choices, 1) < poor.mean_ms(choices, 1)
-        )
-    assert competent.errors < average.errors < poor.errors
-    assert competent.misses < average.misses < poor.misses

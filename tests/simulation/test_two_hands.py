@@ -1,18 +1,22 @@
 """Reaches of two participants with a sensor each are stored for the right seat."""
 
+from contextlib import closing
 from pathlib import Path
-from typing import Annotated, Any
+from statistics import fmean
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import pytest
 
+from sar_tui.loop.bus import Record
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.node import Node
-from sar_tui.loop.session import Session
 from sar_tui.loop.topics import REACH, SENSOR, WAITING
 from sar_tui.model import messages as m
+from sar_tui.model.theme import Theme
 from sar_tui.model.trial_types import Again, Trial
-from sar_tui.model.units import SECOND
+from sar_tui.model.units import MS, SECOND
+from sar_tui.motion.samples import Samples
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.declaration import ParameterError, meta
 from sar_tui.rules.parameters import build, changed
@@ -67,106 +71,102 @@ def parameters(**more: object) -> Any:
     )
 
 
-@pytest.fixture(scope="module")
-def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("two") / "data"
+class Played(NamedTuple):
+    """A stored session of two, and the samples of each seat."""
+
+    data: Path
+    name: str
+    trials: list[sessions.Row]
+    streams: list[sessions.Row]
+    samples: dict[str, Samples]
+    history: list[Record]
 
 
 @pytest.fixture(scope="module")
-def played(data: Path) -> str:
+def played(tmp_path_factory: pytest.TempPathFactory) -> Played:
+    data = tmp_path_factory.mktemp("two") / "data"
     settings = changed(parameters())
     plan = make_plan(Catalogue(), TwoHands, ["P01", "P02"], settings, seed=5, mode="simulated")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("sar_tui.runs.run.task_code", lambda kind: Path(__file__).parent / "nowhere")
-        return simulate(plan, PEOPLE["competent"], data, Catalogue(), partner=PEOPLE["poor"])
+        patch.setattr("sar_tui.inputs.simulated.STEP", 40 * MS)
+        patch.setattr("sar_tui.inputs.sensor.DRAIN", 40 * MS)
+        name = simulate(plan, PEOPLE["competent"], data, Catalogue(), partner=PEOPLE["poor"])
+    with closing(connect(data)) as database:
+        return Played(
+            data,
+            name,
+            trials=sessions.rows(database, "trials", name),
+            streams=sessions.rows(database, "imu_streams", name),
+            samples={seat: imu.samples(database, name, seat=seat) for seat in "AB"},
+            history=list(sessions.history(database, name)),
+        )
 
 
-def test_each_reach_has_the_seat_of_its_hand(data: Path, played: str) -> None:
-    database = connect(data)
-    trials = sessions.rows(database, "trials", played)
-    streams = sessions.rows(database, "imu_streams", played)
-    samples = {seat: imu.samples(database, played, seat=seat) for seat in "AB"}
-    history = list(sessions.history(database, played))
-    database.close()
-    assert [(row["seat"], row["stream"]) for row in streams] == [("A", 1), ("B", 2)]
-    assert [(row["attempt"], row["trial"], row["seat"]) for row in trials] == [
+def test_each_reach_has_the_seat_of_its_hand(played: Played) -> None:
+    assert [(row["seat"], row["stream"]) for row in played.streams] == [("A", 1), ("B", 2)]
+    assert [(row["attempt"], row["trial"], row["seat"]) for row in played.trials] == [
         (attempt, trial, seat) for attempt in (1, 2) for trial in (1, 2) for seat in "AB"
     ]
-    for row in trials:
-        assert row["correct"]
-        for seat, measured in samples.items():
-            moved = measured[
-                (measured["at"] >= row["onset_ns"]) & (measured["at"] < row["response_ns"])
-            ]
-            assert len(moved) > 50, seat
+    assert all(row["correct"] for row in played.trials)
     times = {
-        seat: np.mean([row["details"]["reach_time_ms"] for row in trials if row["seat"] == seat])
+        seat: fmean(row["details"]["reach_time_ms"] for row in played.trials if row["seat"] == seat)
         for seat in "AB"
     }
     assert times["A"] < times["B"]
-    reaches = [record.message for record in history if record.topic is REACH]
+    reaches = [record.message for record in played.history if record.topic is REACH]
     assert {reach.seat for reach in reaches} == {"A", "B"}
 
 
-def test_the_samples_of_each_are_their_own_and_in_order(data: Path, played: str) -> None:
-    database = connect(data)
-    samples = {seat: imu.samples(database, played, seat=seat) for seat in "AB"}
-    database.close()
-    for measured in samples.values():
+def test_the_samples_of_each_are_their_own_and_in_order(played: Played) -> None:
+    for measured in played.samples.values():
         assert np.all(np.diff(measured["at"]) > 0)
         assert 240 < len(measured) / (measured["at"][-1] - measured["at"][0]) * 1e9 < 260
-    assert not np.array_equal(samples["A"]["rate"], samples["B"]["rate"])
+        for row in played.trials:
+            since, until = row["onset_ns"], row["response_ns"]
+            assert np.sum((measured["at"] >= since) & (measured["at"] < until)) > 50
+    assert not np.array_equal(played.samples["A"]["rate"], played.samples["B"]["rate"])
 
 
-def test_a_session_with_two_sensors_replays_identically(data: Path, played: str) -> None:
-    database = connect(data)
-    history = list(sessions.history(database, played))
-    database.close()
-    replayed = Session(TwoHands(parameters()), Catalogue().theme("calm"), VirtualClock(), 5)
-    replayed.replay(history)
-    assert replayed.ended
-
-
-def test_the_session_waits_for_the_sensor_of_either(calm: Any) -> None:
-    driver = LoopDriver(TwoHands, calm, imu="simulated")
-    publish = driver.session.bus.publish
-    publish(SENSOR, m.SensorChanged(seat="A", state="attached", at=driver.clock.now(), rate_hz=250))
-    driver.enter()
-    assert (driver.last(WAITING).stage, driver.last(WAITING).what) == ("paused", "sensor")
-    publish(SENSOR, m.SensorChanged(seat="B", state="attached", at=driver.clock.now(), rate_hz=250))
-    assert (driver.last(WAITING).stage, driver.last(WAITING).what) == ("attempt", "enter")
-    publish(
-        SENSOR,
-        m.SensorChanged(seat="A", state="detached", at=driver.clock.now(), detail="Unplugged."),
-    )
-    assert (driver.last(WAITING).what, driver.last(WAITING).detail) == ("sensor", "Unplugged.")
-    publish(SENSOR, m.SensorChanged(seat="B", state="flowing", at=driver.clock.now()))
-    assert driver.last(WAITING).what == "sensor"
-    publish(SENSOR, m.SensorChanged(seat="A", state="attached", at=driver.clock.now(), rate_hz=250))
-    assert driver.last(WAITING).stage == "attempt"
-
-
-def test_a_stored_session_gives_each_seat_its_own_samples(data: Path, played: str) -> None:
-    database = connect(data)
-    measured = {seat: imu.samples(database, played, seat=seat) for seat in "AB"}
-    database.close()
+def test_a_stored_session_gives_each_seat_its_own_samples(played: Played) -> None:
     clock = VirtualClock()
-    given = parameters(imu=f"session:{played}?speed=fast", imu_b=f"session:{played}?speed=fast")
-    for feed, seat in zip(open_sensors(TwoHands, given, 1, clock, data), "AB", strict=True):
+    source = f"session:{played.name}?speed=fast"
+    given = parameters(imu=source, imu_b=source)
+    for feed, seat in zip(open_sensors(TwoHands, given, 1, clock, played.data), "AB", strict=True):
         feed.start()
         clock.advance(SECOND)
         drained, _ = feed.drain()
         assert len(drained) > 100
-        assert np.array_equal(drained["rate"][:100], measured[seat]["rate"][:100])
+        assert np.array_equal(drained["rate"][:100], played.samples[seat]["rate"][:100])
         feed.stop()
 
 
+def test_the_session_waits_for_the_sensor_of_either(calm: Theme) -> None:
+    driver = LoopDriver(TwoHands, calm, imu="simulated")
+
+    def waits_after(seat: str, state: m.SensorState, detail: str = "") -> tuple[str, str, str]:
+        changed = m.SensorChanged(
+            seat=seat, state=state, at=driver.clock.now(), detail=detail, rate_hz=250
+        )
+        driver.session.bus.publish(SENSOR, changed)
+        waiting = driver.last(WAITING)
+        return waiting.stage, waiting.what, waiting.detail
+
+    waits_after("A", "attached")
+    driver.enter()
+    assert driver.last(WAITING).what == "sensor"
+    assert waits_after("B", "attached") == ("attempt", "enter", "")
+    assert waits_after("A", "detached", "Unplugged.") == ("paused", "sensor", "Unplugged.")
+    assert waits_after("B", "flowing")[1] == "sensor"
+    assert waits_after("A", "attached")[0] == "attempt"
+
+
 def test_each_seat_names_its_sensor_and_a_wrong_name_is_reported_by_its_parameter(
-    data: Path,
+    tmp_path: Path,
 ) -> None:
     clock = VirtualClock()
     given = parameters(imu_b="recorded")
-    assert open_sensor(given, 1, clock, data, "A").source is not None
+    assert open_sensor(given, 1, clock, tmp_path, "A").source is not None
     with pytest.raises(ParameterError) as raised:
-        open_sensor(given, 1, clock, data, "B")
+        open_sensor(given, 1, clock, tmp_path, "B")
     assert set(raised.value.problems) == {"imu_b"}

@@ -11,7 +11,6 @@ from typing import Annotated, Any, NamedTuple
 
 import pytest
 
-from sar_tui.checks import task_translations
 from sar_tui.checks.task import check
 from sar_tui.export.damage import Damage
 from sar_tui.export.tables.results import trials
@@ -45,13 +44,14 @@ NODES = {"slider": ("task", "view"), "twist": ("task", "twists")}
 
 
 class Played(NamedTuple):
-    """A simulated session of a task: its class, its prompts, its messages, attempts and trials."""
+    """A simulated session of a task: its messages, attempts and trials."""
 
-    kind: type[Task]
-    prompts: list[Any]
     history: list[Record]
     attempts: list[sessions.Row]
     trials: list[sessions.Row]
+
+    def all(self, topic: Any) -> list[Any]:
+        return [record.message for record in self.history if record.topic is topic]
 
 
 def documented(folder: Path, name: str) -> Catalogue:
@@ -67,29 +67,20 @@ def play(tmp_path: Path, name: str, parameters: Mapping[str, object] = {}) -> Pl
     values = {"attempts": 3, **parameters}
     plan = make_plan(catalogue, kind, ["P01"], values, theme="calm", seed=SEED, mode="simulated")
     session = simulate(plan, PEOPLE["average"], tmp_path / "data", catalogue)
-    database = connect(tmp_path / "data")
-    try:
-        history = list(sessions.history(database, session))
-        attempts, trials = (
-            sessions.rows(database, table, session) for table in ("attempts", "trials")
+    with closing(connect(tmp_path / "data")) as database:
+        played = Played(
+            list(sessions.history(database, session)),
+            sessions.rows(database, "attempts", session),
+            sessions.rows(database, "trials", session),
         )
-    finally:
-        database.close()
-    Session(
-        kind(build(kind.Parameters, values)), catalogue.theme("calm"), VirtualClock(), SEED
-    ).replay(history)
-    return Played(
-        kind,
-        [record.message for record in history if record.topic is PROMPT],
-        history,
-        attempts,
-        trials,
-    )
+    task = plan.task(plan.parameters)
+    Session(task, catalogue.theme("calm"), VirtualClock(), SEED).replay(played.history)
+    return played
 
 
 def test_a_staircase_within_an_attempt(tmp_path: Path) -> None:
     played = play(tmp_path, "larger")
-    first = [int(prompt.stimulus) for prompt in played.prompts if prompt.attempt == 1]
+    first = [int(prompt.stimulus) for prompt in played.all(PROMPT) if prompt.attempt == 1]
     answers = [trial["correct"] for trial in played.trials if trial["attempt"] == 1]
     assert len(first) == 30
     expected = Staircase(start=24, steps=(8, 4, 2, 1), lowest=1, highest=40).track(answers)
@@ -99,27 +90,20 @@ def test_a_staircase_within_an_attempt(tmp_path: Path) -> None:
 
 def test_points_after_each_choice_of_a_tree_that_reverses(tmp_path: Path) -> None:
     played = play(tmp_path, "harvest")
-    shown = [record.message for record in played.history if record.topic is TRIAL_FEEDBACK]
-    answered = [
-        record.message
-        for record in played.history
-        if record.topic is TRIAL and record.message.response
-    ]
+    shown = played.all(TRIAL_FEEDBACK)
+    answered = [trial for trial in played.all(TRIAL) if trial.response]
     assert {each.text for each in shown} == {"+10", "0"}
     assert [int(each.text) for each in shown if each.text != "0"] == [
         trial.value for trial in answered if trial.value
     ]
     good = [trial["stimulus"] for trial in played.trials if trial["attempt"] == 1]
     assert set(good) == {"left", "right"}
-    seen = [
-        record.message.trial for record in played.history if record.topic is TRIAL_FEEDBACK_SHOWN
-    ]
-    assert len(seen) == len(shown)
+    assert len(played.all(TRIAL_FEEDBACK_SHOWN)) == len(shown)
 
 
 def test_questions_between_attempts_are_answered(tmp_path: Path) -> None:
     played = play(tmp_path, "effort")
-    asked = [record.message for record in played.history if record.topic is STEP_ENDED]
+    asked = played.all(STEP_ENDED)
     assert [(each.attempt, each.name) for each in asked] == [
         (0, "read"), (1, "effort"), (2, "effort"), (3, "effort"), (3, "fun"),
     ]  # fmt: skip
@@ -140,14 +124,13 @@ def test_digits_are_typed_and_timed_from_their_first_key(tmp_path: Path) -> None
     )
     typing_ms = (right[0]["response_ns"] - right[0]["onset_ns"]) / 1e6
     assert typing_ms == 250 * len(right[0]["response"])
-    echoed = [record.message.text for record in played.history if record.topic is TYPED]
-    assert right[0]["response"] in echoed
+    assert right[0]["response"] in [echoed.text for echoed in played.all(TYPED)]
 
 
 def test_flankers_keep_their_congruency_with_each_trial(tmp_path: Path) -> None:
     played = play(tmp_path, "flankers")
     kept = [trial["data"]["congruent"] for trial in played.trials]
-    assert kept == [prompt.data["congruent"] for prompt in played.prompts]
+    assert kept == [prompt.data["congruent"] for prompt in played.all(PROMPT)]
     assert kept == [trial["stimulus"][0] == trial["stimulus"][2] for trial in played.trials]
     orders = [
         [trial["stimulus"] for trial in played.trials if trial["attempt"] == attempt]
@@ -170,14 +153,15 @@ def test_flankers_keep_their_congruency_with_each_trial(tmp_path: Path) -> None:
 
 def test_two_back_in_one_stream(tmp_path: Path) -> None:
     played = play(tmp_path, "twoback")
-    letters = [prompt.stimulus for prompt in played.prompts if prompt.attempt == 2]
-    targets = [bool(prompt.expected) for prompt in played.prompts if prompt.attempt == 2]
+    prompts = [prompt for prompt in played.all(PROMPT) if prompt.attempt == 2]
+    letters = [prompt.stimulus for prompt in prompts]
+    targets = [bool(prompt.expected) for prompt in prompts]
     assert targets == [
         place > 1 and letter == letters[place - 2] for place, letter in enumerate(letters)
     ]
     assert any(targets)
     assert [attempt["trials"] for attempt in played.attempts] == [20, 20, 20]
-    keys = [record.message.key for record in played.history if record.topic is KEY]
+    keys = [pressed.key for pressed in played.all(KEY)]
     assert keys.count("enter") == 3, "for the instructions, the first attempt, and the end"
 
 
@@ -186,7 +170,8 @@ def test_hands_that_take_turns_are_conditions(tmp_path: Path) -> None:
     conditions = [attempt["condition"] for attempt in played.attempts]
     assert conditions in (["left", "right"] * 2, ["right", "left"] * 2)
     keys = {"left": "asdf", "right": "jkl;"}
-    assert all(prompt.stimulus in keys[conditions[prompt.attempt - 1]] for prompt in played.prompts)
+    for prompt in played.all(PROMPT):
+        assert prompt.stimulus in keys[conditions[prompt.attempt - 1]]
     measured = [set(attempt["qualities"]) for attempt in played.attempts]
     assert measured == [set(), *[{"slower_than_other_hand_ms"}] * 3]
 
@@ -229,15 +214,6 @@ def test_settings_that_conflict_are_named(tmp_path: Path) -> None:
     speed = documented(tmp_path, "speed").task("speed")
     with pytest.raises(ParameterError, match="too many for a day"):
         build(speed.Parameters, {"prompts_per_attempt": 30, "attempts": 60})
-
-
-def test_the_documented_translation_is_complete(tmp_path: Path) -> None:
-    task = write_documented(tmp_path, "speed")
-    (task / "words.es.toml").write_text(FILES["speed", "words.es.toml"], encoding="utf-8")
-    speed = Catalogue(tasks=(tmp_path,)).task("speed")
-    texts = speed(build(speed.Parameters, {"language": "es"}))
-    assert texts.instructions() == "Pulse la flecha que aparece. Son 10."
-    assert task_translations.problems(speed) == []
 
 
 def test_the_documented_test_passes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

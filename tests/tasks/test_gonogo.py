@@ -1,22 +1,18 @@
-"""The Go/No-Go task: its shapes, its score, and the commission errors of its simulated people."""
+"""The Go/No-Go task: its shapes, its score, and the errors of its simulated people."""
 
 from statistics import NormalDist, fmean
 
 import pytest
 
-from sar_tui.loop.task import Task
 from sar_tui.loop.topics import PROMPT, TRIAL
 from sar_tui.model.theme import Theme
 from sar_tui.model.trial_types import Result
 from sar_tui.plugins import Catalogue
-from sar_tui.simulation.participant_model import Effect, mean_time
-from sar_tui.validation.effects import play
+from sar_tui.simulation.participant_model import mean_time
 from tests.loop_driver import LoopDriver
+from tests.tasks.conftest import EffectSession
 
-
-@pytest.fixture(scope="module")
-def gonogo() -> type[Task]:
-    return Catalogue().task("gonogo")
+GONOGO = Catalogue().task("gonogo")
 
 
 def shape(go: bool, pressed: bool) -> Result:
@@ -29,7 +25,7 @@ def shape(go: bool, pressed: bool) -> Result:
     )
 
 
-def test_sensitivity_is_the_distance_between_two_normal_distributions(gonogo: type[Task]) -> None:
+def test_sensitivity_is_the_distance_between_two_normal_distributions() -> None:
     """An ideal observer whose evidence is d' apart, with a criterion in the middle, presses at
     Φ(d'/2) and Φ(-d'/2).
     """
@@ -37,13 +33,13 @@ def test_sensitivity_is_the_distance_between_two_normal_distributions(gonogo: ty
     count = 10_000
     pressed = {True: round(count * hits), False: round(count * (1 - hits))}
     results = [shape(go, number < pressed[go]) for go in (True, False) for number in range(count)]
-    measures = gonogo(gonogo.Parameters()).measures(results)
+    measures = GONOGO(GONOGO.Parameters()).measures(results)
     assert measures["d_prime"] == pytest.approx(2.0, abs=0.01)
     assert measures["commissions"] == pytest.approx(100 * (1 - hits), abs=0.01)
 
 
-def test_sensitivity_is_finite_without_an_error(gonogo: type[Task]) -> None:
-    task = gonogo(gonogo.Parameters())
+def test_sensitivity_is_finite_without_an_error() -> None:
+    task = GONOGO(GONOGO.Parameters())
     results = [shape(True, True)] * 15 + [shape(False, False)] * 5
     z = NormalDist().inv_cdf
     assert task.measures(results) == {
@@ -53,8 +49,8 @@ def test_sensitivity_is_finite_without_an_error(gonogo: type[Task]) -> None:
     assert task.measures(results[:15]) == {}
 
 
-def test_a_key_at_a_square_is_wrong_and_waiting_is_right(gonogo: type[Task], calm: Theme) -> None:
-    driver = LoopDriver(gonogo, calm, attempts=1, prompts_per_attempt=12, squares=0.5)
+def test_a_key_at_a_square_is_wrong_and_waiting_is_right(calm: Theme) -> None:
+    driver = LoopDriver(GONOGO, calm, attempts=1, prompts_per_attempt=12, squares=0.5)
     driver.start()
     judged: list[tuple[bool, bool]] = []
     for number in range(12):
@@ -73,13 +69,10 @@ def test_a_key_at_a_square_is_wrong_and_waiting_is_right(gonogo: type[Task], cal
     assert len(set(judged)) == 4
 
 
-def test_people_press_at_some_squares_and_sooner_than_at_circles(
-    gonogo: type[Task], calm: Theme
+def test_people_who_press_at_a_square_are_sooner_than_at_circles(
+    effect_session: EffectSession,
 ) -> None:
-    effect = Effect(
-        "", "", 0, 0, "", lambda _: None, gonogo, {"attempts": 6, "prompts_per_attempt": 40}
-    )
-    trials = [trial for seed in range(1, 5) for trial in play(gonogo, effect, calm, seed)]
+    trials = effect_session("gonogo")
     squares = [trial for trial in trials if not trial.data["go"]]
     errors = [trial for trial in squares if trial.response is not None]
     assert len(errors) / len(squares) == pytest.approx(0.15, abs=0.06)

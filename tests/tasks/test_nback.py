@@ -6,18 +6,14 @@ from statistics import NormalDist
 
 import pytest
 
-from sar_tui.loop.task import Task
 from sar_tui.loop.topics import PROMPT, TRIAL
 from sar_tui.model.theme import Theme
 from sar_tui.model.trial_types import Result
 from sar_tui.plugins import Catalogue
-from sar_tui.validation.effects import effects, play
 from tests.loop_driver import LoopDriver
+from tests.tasks.conftest import EffectSession
 
-
-@pytest.fixture(scope="module")
-def nback() -> type[Task]:
-    return Catalogue().task("nback")
+NBACK = Catalogue().task("nback")
 
 
 def results(hits: int, misses: int, alarms: int, passed: int) -> list[Result]:
@@ -29,8 +25,8 @@ def results(hits: int, misses: int, alarms: int, passed: int) -> list[Result]:
     ]
 
 
-def test_the_score_is_hits_minus_false_alarms(nback: type[Task]) -> None:
-    task = nback(nback.Parameters())
+def test_the_score_is_hits_minus_false_alarms() -> None:
+    task = NBACK(NBACK.Parameters())
     score = task.score(results(hits=8, misses=2, alarms=1, passed=19))
     assert score.metric == pytest.approx(80 - 5)
     assert score.accuracy == pytest.approx(27 / 30)
@@ -38,8 +34,8 @@ def test_the_score_is_hits_minus_false_alarms(nback: type[Task]) -> None:
     assert task.score(results(10, 0, 20, 0)).metric == 0  # all is pressed
 
 
-def test_d_prime_has_half_a_response_more_in_each_count(nback: type[Task]) -> None:
-    task = nback(nback.Parameters())
+def test_d_prime_has_half_a_response_more_in_each_count() -> None:
+    task = NBACK(NBACK.Parameters())
     found = task.measures(results(hits=8, misses=2, alarms=1, passed=19))["d_prime"]
     cdf = NormalDist().cdf
     criterion = -NormalDist().inv_cdf(1.5 / 21)
@@ -47,10 +43,8 @@ def test_d_prime_has_half_a_response_more_in_each_count(nback: type[Task]) -> No
     assert task.measures(results(5, 5, 5, 5))["d_prime"] == pytest.approx(0)
 
 
-def test_letters_keep_their_pace_and_only_the_first_press_counts(
-    nback: type[Task], calm: Theme
-) -> None:
-    driver = LoopDriver(nback, calm, attempts=1, letters=10)
+def test_letters_keep_their_pace_and_only_the_first_press_counts(calm: Theme) -> None:
+    driver = LoopDriver(NBACK, calm, attempts=1, letters=10)
     driver.start()
     driver.wait(700)
     driver.press("x")
@@ -68,10 +62,8 @@ def test_letters_keep_their_pace_and_only_the_first_press_counts(
     assert len(driver.all(TRIAL)) == 2
 
 
-def test_an_interrupted_attempt_begins_again_with_other_letters(
-    nback: type[Task], calm: Theme
-) -> None:
-    driver = LoopDriver(nback, calm, attempts=1, letters=10)
+def test_an_interrupted_attempt_begins_again_with_other_letters(calm: Theme) -> None:
+    driver = LoopDriver(NBACK, calm, attempts=1, letters=10)
     driver.start()
     driver.wait(7000)
     before = [prompt.stimulus for prompt in driver.all(PROMPT)]
@@ -86,9 +78,8 @@ def test_an_interrupted_attempt_begins_again_with_other_letters(
     assert again[: len(before)] != before
 
 
-def test_as_many_letters_as_declared_are_the_same(nback: type[Task], calm: Theme) -> None:
-    (effect,) = (effect for kind, effect in effects(Catalogue()) if kind is nback)
-    session = play(nback, effect, calm, 1)
+def test_as_many_letters_as_declared_are_the_same(effect_session: EffectSession) -> None:
+    session = effect_session("nback")
     for attempt, n in ((1, 1), (2, 2)):
         trials = [trial for trial in session if trial.attempt == attempt]
         letters = [trial.stimulus for trial in trials]

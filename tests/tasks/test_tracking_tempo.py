@@ -10,27 +10,19 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from sar_tui.loop.task import Task
 from sar_tui.model.theme import Theme
 from sar_tui.motion.samples import SAMPLE, Samples
 from sar_tui.plugins import Catalogue
 from sar_tui.validation.effects import effects, play
 
-
-@pytest.fixture(scope="module")
-def tempo() -> type[Task]:
-    return Catalogue().task("tracking_tempo")
+TEMPO: Any = Catalogue().task("tracking_tempo")
+BEATS: Any = sys.modules[TEMPO.__module__]
 
 
 @pytest.fixture(scope="module")
-def turns(tempo: type[Task]) -> Any:
-    tempo(tempo.Parameters()).nodes()
-    return sys.modules[f"{tempo.__module__.rpartition('.')[0]}.turns"]
-
-
-@pytest.fixture(scope="module")
-def beats(tempo: type[Task]) -> Any:
-    return sys.modules[tempo.__module__]
+def turns() -> Any:
+    TEMPO(TEMPO.Parameters()).nodes()  # loads the module
+    return sys.modules[f"{TEMPO.__module__.rpartition('.')[0]}.turns"]
 
 
 def swinging(period_s: float, seed: int, rate_hz: float = 100.0) -> tuple[Samples, list[float]]:
@@ -52,8 +44,7 @@ def swinging(period_s: float, seed: int, rate_hz: float = 100.0) -> tuple[Sample
     return samples, [2 + period_s * turn for turn in range(1, 8)]
 
 
-@pytest.mark.parametrize("period_s", [0.5, 0.9, 1.2])
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize(("period_s", "seed"), [(0.5, 1), (0.9, 2), (1.2, 3)])
 def test_each_turn_of_a_hand_that_swings_about_any_axis_is_found(
     turns: Any, period_s: float, seed: int
 ) -> None:
@@ -73,21 +64,19 @@ def test_missing_samples_are_no_turns_but_a_reason_to_repeat(turns: Any) -> None
     assert faults == ["", "samples", "samples", "gap"]
 
 
-def test_a_row_is_scored_by_the_one_turn_near_each_beat(beats: Any) -> None:
+def test_a_row_is_scored_by_the_one_turn_near_each_beat() -> None:
     at = [round(second * 1e9) for second in range(8)]
     turned = [int(1e9 * moment) for moment in (0.97, 1.98, 2.92, 3.97, 4.2, 5.9, 6.3)]
-    found = beats.in_time(at, turned, 1000.0)
+    found = BEATS.in_time(at, turned, 1000.0)
     assert found.followed == pytest.approx(3 / 6), "at 4 s and 6 s there are two turns, at 5 s none"
     assert found.asynchrony_ms == pytest.approx(fmean((-30, -20, -80)))
-    assert beats.in_time(at, [], 1000.0) == (None, None, 0.0)
+    assert BEATS.in_time(at, [], 1000.0) == (None, None, 0.0)
 
 
-def test_those_who_keep_a_tempo_of_their_own_do_not_follow_the_beat(
-    tempo: type[Task], calm: Theme
-) -> None:
-    (effect,) = (effect for kind, effect in effects(Catalogue()) if kind is tempo)
+def test_those_who_keep_a_tempo_of_their_own_do_not_follow_the_beat(calm: Theme) -> None:
+    (effect,) = (effect for kind, effect in effects(Catalogue()) if kind is TEMPO)
 
-    class Own(tempo):  # type: ignore[valid-type,misc]
+    class Own(TEMPO):  # type: ignore[misc]
         def rehearse(self, stimulus: Any, performance: Any, streams: Any) -> Any:
             return super().rehearse(stimulus, type(performance)(500.0, slips=True), streams)
 

@@ -13,44 +13,41 @@ from sar_tui.validation import difficulty
 from sar_tui.validation.difficulty import User, attempt_success, chances, prompt_success
 from sar_tui.validation.report import Conditions, Row
 
-FEW = range(1, 5)
-
-
-def rows_of(catalogue: Catalogue, seeds: range) -> list[Row]:
-    kind = catalogue.task("keyboard")
-    keys = [2, 3, 4, 5, 6, 7, 8, 9, 11, 13, 15, 18, 22, 26, 31, 38, 46, 54, 63, 72]
-    return difficulty.compare(keys, kind.metric, kind.Parameters, Conditions(catalogue), seeds)
-
 
 @pytest.fixture(scope="module")
 def rows(catalogue: Catalogue) -> list[Row]:
     """The figures from few seeds: 160 attempts count for each."""
-    return rows_of(catalogue, FEW)
+    kind = catalogue.task("keyboard")
+    keys = [2, 3, 4, 5, 6, 7, 8, 9, 11, 13, 15, 18, 22, 26, 31, 38, 46, 54, 63, 72]
+    return difficulty.compare(
+        keys, kind.metric, kind.Parameters, Conditions(catalogue), seeds=range(1, 5)
+    )
 
 
 def test_there_is_a_row_for_each_policy_user_and_state(rows: list[Row]) -> None:
-    assert len(rows) == len(difficulty.POLICIES) * len(PEOPLE) * 2
+    assert {(row["policy"], row["user"], row["learning"]) for row in rows} == {
+        (policy, user, learning)
+        for policy in difficulty.POLICIES
+        for user in PEOPLE
+        for learning in (False, True)
+    }
     keys = {"policy", "user", "learning", "success_rate", "fitting", "level_sd", "at_bound"}
     assert all(set(row) == keys for row in rows)
 
 
-def test_the_same_seeds_give_the_same_figures(catalogue: Catalogue, rows: list[Row]) -> None:
-    assert rows_of(catalogue, FEW) == rows
-
-
-def test_one_up_one_down_succeeds_half_the_time_and_rarely_fits(rows: list[Row]) -> None:
-    found = [row for row in rows if row["policy"] == "one-up-one-down"]
-    assert [row["success_rate"] for row in found] == pytest.approx([0.5] * 6, abs=0.05)
-    assert max(row["fitting"] for row in found) < 0.5
-
-
-@pytest.mark.parametrize("policy", ["target", "percentile"])
-def test_target_and_percentile_succeed_in_seven_of_ten_and_mostly_fit(
-    rows: list[Row], policy: str
+@pytest.mark.parametrize(
+    ("policy", "success", "within"),
+    [("one-up-one-down", 0.5, 0.05), ("target", 0.7, 0.1), ("percentile", 0.7, 0.1)],
+)
+def test_policies_succeed_as_often_as_they_promise_and_targets_mostly_fit(
+    rows: list[Row], policy: str, success: float, within: float
 ) -> None:
     found = [row for row in rows if row["policy"] == policy]
-    assert [row["success_rate"] for row in found] == pytest.approx([0.7] * 6, abs=0.1)
-    assert fmean(row["fitting"] for row in found) >= 0.7
+    assert [row["success_rate"] for row in found] == pytest.approx([success] * 6, abs=within)
+    if policy == "one-up-one-down":
+        assert max(row["fitting"] for row in found) < 0.5
+    else:
+        assert fmean(row["fitting"] for row in found) >= 0.7
 
 
 @pytest.mark.slow
@@ -60,7 +57,7 @@ def test_all_claims_hold_with_all_seeds(catalogue: Catalogue) -> None:
 
 
 @pytest.mark.parametrize("name", PEOPLE)
-@pytest.mark.parametrize("margin", [-60.0, 0.0, 25.0])
+@pytest.mark.parametrize("margin", [-60.0, 25.0])
 def test_the_probabilities_are_the_shares_of_many_attempts(name: str, margin: float) -> None:
     user = User(PEOPLE[name], learns=False, goal=1000.0)
     attempts = [chance.attempt(1, 1000.0 - margin, 1000.0) for chance in chances(user, 4000, 1)]
@@ -76,23 +73,24 @@ def test_a_learner_is_a_third_faster_after_sixty_attempts() -> None:
     assert shares == pytest.approx([1, 0.825, 0.65, 0.65])
 
 
-def row(policy: str, **figures: Any) -> Row:
-    usual = {"success_rate": 0.5 if policy == "one-up-one-down" else 0.7, "fitting": 0.9}
-    return {"policy": policy, "user": "poor", "learning": True, **usual, **figures}
-
-
 @pytest.mark.parametrize(
-    ("wrong", "sentence", "against"),
+    ("policy", "wrong", "claim"),
     [
-        (row("one-up-one-down", success_rate=0.7), "one-up-one-down: about half", "one-up-one-down, poor, "
-         "learning: 0.70"),
-        (row("target", success_rate=0.9), "target: 7 of 10 prompts", "target, poor, learning: 0.90"),
-        (row("percentile", fitting=0.5), "target and percentile: at least", "percentile, poor, learning: 0.50"),
+        ("one-up-one-down", {"success_rate": 0.56}, 0),
+        ("one-up-one-down", {"success_rate": 0.44}, 0),
+        ("target", {"success_rate": 0.76}, 1),
+        ("percentile", {"success_rate": 0.64}, 1),
+        ("percentile", {"fitting": 0.69}, 2),
     ],
-)  # fmt: skip
-def test_a_figure_out_of_range_fails_its_claim(wrong: Row, sentence: str, against: str) -> None:
-    found = {
-        claim.sentence: claim.against for claim in difficulty.claims([row("percentile"), wrong])
-    }
-    assert [text for said, text in found.items() if said.startswith(sentence)] == [against]
-    assert sum(map(bool, found.values())) == 1
+)
+def test_a_figure_out_of_range_fails_its_claim(
+    policy: str, wrong: dict[str, float], claim: int
+) -> None:
+    right: dict[str, Any] = {"policy": policy, "user": "poor", "learning": True, "fitting": 0.7}
+    right["success_rate"] = 0.5 if policy == "one-up-one-down" else 0.7
+    assert all(each.holds for each in difficulty.claims([right]))
+    against = [each.against for each in difficulty.claims([right, right | wrong])]
+    (figure,) = wrong.values()
+    expected = ["", "", ""]
+    expected[claim] = f"{policy}, poor, learning: {figure:.2f}"
+    assert against == expected

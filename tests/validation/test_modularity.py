@@ -17,10 +17,9 @@ from sar_tui.validation.modularity import (
     count,
     load,
     node_classes,
-    source_lines,
 )
 from sar_tui.validation.report import Conditions
-from tests.claims.broken_parts import OwnMemory
+from tests.validation.broken_parts import OwnMemory
 
 
 def file(folder: Path, name: str, lines: int) -> str:
@@ -45,7 +44,9 @@ def test_a_session_loads_what_its_task_needs(catalogue: Catalogue) -> None:
     }  # fmt: skip
 
 
-def test_modules_of_a_tasks_folder_are_its_own_and_those_of_the_app_shared(tmp_path: Path) -> None:
+def test_modules_in_a_tasks_folder_or_loaded_by_it_are_its_own_and_those_of_the_app_shared(
+    tmp_path: Path,
+) -> None:
     loaded = Loaded(
         modules={
             "sar_tui.loop.bus": file(tmp_path, "bus.py", 10),
@@ -56,14 +57,11 @@ def test_modules_of_a_tasks_folder_are_its_own_and_those_of_the_app_shared(tmp_p
         folder=str(tmp_path / "mine"),
     )
     file(tmp_path / "mine", "view.py", 2)
-    counted = code(loaded)
-    assert counted.shared == {"sar_tui.loop.bus": 10}
-    assert counted.own == {"task.py": 3, "view.py": 2}
-
-
-def test_modules_loaded_by_an_external_task_are_its_own(tmp_path: Path) -> None:
+    assert code(loaded).shared == {"sar_tui.loop.bus": 10}
+    assert code(loaded).own == {"task.py": 3, "view.py": 2}
     modules = {"lab": file(tmp_path, "lab.py", 4), "laboratory": file(tmp_path, "laboratory.py", 9)}
-    assert code(Loaded(modules=modules, package="lab", folder=str(tmp_path))).own == {"lab": 4}
+    external = Loaded(modules=modules, package="lab", folder=str(tmp_path / "none"))
+    assert code(external).own == {"lab": 4}
 
 
 def test_in_the_strict_count_modules_used_by_one_task_are_its_own(
@@ -134,9 +132,3 @@ def test_a_part_that_a_task_lacks_or_replaces_under_its_name_is_told(catalogue: 
 )
 def test_only_code_is_counted(source: str, lines: int) -> None:
     assert count(source) == lines
-
-
-def test_a_file_is_read_in_its_own_encoding(tmp_path: Path) -> None:
-    path = tmp_path / "old.py"
-    path.write_bytes("# -*- coding: latin-1 -*-\nname = 'Gr\xfc\xdfe'\n".encode("latin-1"))
-    assert source_lines(path) == 1

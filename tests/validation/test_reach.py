@@ -21,13 +21,12 @@ def kinds() -> dict[str, reach.Group]:
     return {group.name: group for group in reach.groups() if group.axes == "many"}
 
 
-@pytest.fixture
-def one_of_each(
-    monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue, kinds: dict[str, reach.Group]
-) -> Report:
+@pytest.fixture(scope="module")
+def one_of_each(catalogue: Catalogue, kinds: dict[str, reach.Group]) -> Report:
     clean = next(group for group in reach.groups() if group.name == "clean")
-    monkeypatch.setattr(reach, "groups", lambda: [clean, *kinds.values()])
-    return reach.run(Conditions(catalogue, reaches=2))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(reach, "groups", lambda: [clean, *kinds.values()])
+        return reach.run(Conditions(catalogue, reaches=2))
 
 
 def test_every_kind_is_made_with_either_arm_each_placement_and_either_sensor(

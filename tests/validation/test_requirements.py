@@ -18,7 +18,7 @@ from sar_tui.validation.modularity import Code, Loaded, code
 from sar_tui.validation.report import Conditions
 from sar_tui.validation.requirements import Body, System
 from sar_tui.validation.simulated_sessions import session_runner
-from tests.claims import broken_parts
+from tests.validation import broken_parts
 
 
 def with_own_framework(loaded: Loaded) -> Code:

@@ -1,5 +1,6 @@
 """Pair policies with keys: rows, scores and feedback per seat."""
 
+import importlib
 from collections.abc import Callable
 from typing import Any
 
@@ -21,11 +22,13 @@ from sar_tui.model.messages import TrialEnded
 from sar_tui.model.random_streams import RandomStreams
 from sar_tui.model.theme import Theme
 from sar_tui.model.trial_types import Performance, Result, Situation, Stimulus
+from sar_tui.model.units import MS
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.declaration import ParameterError
 from sar_tui.rules.parameters import build
 from tests.tasks.pairs.pairs_driver import SHORT, PairsDriver
 
+TASK: Any = importlib.import_module(Catalogue().task("pairs").__module__)
 NewSession = Callable[..., PairsDriver]
 
 
@@ -106,16 +109,6 @@ def test_in_turn_the_turn_is_announced_before_the_prompt(new_session: NewSession
     assert driver.waiting.seat == "B"
 
 
-def test_in_turn_wrong_keys_and_misses_are_stored(new_session: NewSession) -> None:
-    driver = new_session("alternate", response_timeout_ms=1000)
-    (row,) = driver.press_after((300, wrong(driver.keys[0])))
-    assert (row.seat, row.correct, row.details["right"]) == ("A", False, False)
-    driver.to_prompt()
-    driver.wait(1100)
-    row = driver.last(TRIAL)
-    assert (row.seat, row.response, row.correct) == ("B", None, False)
-
-
 def test_in_turn_each_seat_has_its_score_and_feedback_and_the_level_is_shared(
     new_session: NewSession,
 ) -> None:
@@ -127,47 +120,60 @@ def test_in_turn_each_seat_has_its_score_and_feedback_and_the_level_is_shared(
         (one.outcome, one.feedback, round(one.metric), one.trials) for one in ended(driver)
     ] == [("success", "positive", 400, 2), ("failure", "negative", 1300, 2)]
     assert driver.all(LEVEL) == []
-    given = [(one.seat, one.valence) for one in driver.all(FEEDBACK)]
-    assert given == [("A", "positive"), ("B", "negative")]
-
-
-def test_the_level_rises_if_both_reach_the_goal(new_session: NewSession) -> None:
-    driver = new_session("alternate")
-    for _ in range(2):
-        driver.press_after((400, "".join(driver.keys)))
-    driver.wait(1000)
-    assert [(change.previous, change.level) for change in driver.all(LEVEL)] == [(1, 2)]
-    assert driver.waiting.level == 2
+    given = [(one.seat, one.valence, one.won) for one in driver.all(FEEDBACK)]
+    assert given == [("A", "positive", None), ("B", "negative", None)]
 
 
 # --- race
 
 
+def responses(*given: tuple[str, float] | None) -> dict[str, Any]:
+    """Return the responses of both seats, asked for f and j, to a key after a time (ms)."""
+    found = {}
+    for seat, asked, key in zip("AB", "fj", given, strict=True):
+        found[seat] = TASK.Response(asked)
+        if key is not None:
+            pressed, ms = key
+            found[seat] = TASK.Response(
+                asked, True, pressed, round(ms * MS), latency_ms=ms, is_real=ms >= 100
+            )
+    return found
+
+
 @pytest.mark.parametrize(
-    ("a_ms", "b_ms", "won"),
-    [(500, 400, (False, True)), (400, 400, (True, True)), (50, 400, (False, True))],
+    ("a", "b", "won"),
+    [
+        (("f", 500), ("j", 400), (False, True)),
+        (("f", 400), ("j", 400), (True, True)),
+        (("f", 50), ("j", 400), (False, True)),
+        (("x", 300), ("j", 900), (False, True)),
+        (("F", 300), None, (True, False)),
+        (("x", 300), None, (False, False)),
+        (None, None, (False, False)),
+    ],
 )
-def test_in_a_race_the_fastest_response_that_is_no_anticipation_wins(
-    new_session: NewSession, a_ms: int, b_ms: int, won: tuple[bool, bool]
+def test_the_fastest_right_response_that_is_no_anticipation_wins_a_race(
+    a: tuple[str, float] | None, b: tuple[str, float] | None, won: tuple[bool, bool]
 ) -> None:
-    rows = new_session("race").both(a_ms=a_ms, b_ms=b_ms)
-    early = a_ms < 100
-    assert told(rows, "won", "value") == [(won[0], None if early else a_ms), (won[1], b_ms)]
-    assert rows["A"].timing.flags == (("anticipation",) if early else ())
+    results = TASK.race(responses(a, b), {})
+    assert tuple(result.details["won"] for result in results.values()) == won
+    assert [result.value for result in results.values()] == [key and key[1] for key in (a, b)]
 
 
-@pytest.mark.parametrize("corrects", [False, True])
-def test_in_a_race_a_slow_right_key_wins_over_a_fast_wrong_one_corrected_or_not(
-    new_session: NewSession, corrects: bool
+def test_in_a_race_a_corrected_key_and_an_anticipation_do_not_count(
+    new_session: NewSession,
 ) -> None:
     driver = new_session("race")
     left, right = driver.keys
-    presses = [(300.0, wrong(left)), (900.0, right), *([(350.0, left)] if corrects else [])]
+    presses = [(300.0, wrong(left)), (350.0, left), (900.0, right)]
     rows = driver.by_seat(driver.press_after(*presses))
     assert told(rows, "correct", "won", "response") == [
         (False, False, wrong(left)),
         (True, True, right),
     ]
+    rows = driver.both(a_ms=50, b_ms=400)
+    assert told(rows, "won", "value") == [(False, None), (True, 400)]
+    assert rows["A"].timing.flags == ("anticipation",)
 
 
 def test_in_a_race_the_other_seat_wins_after_a_miss(new_session: NewSession) -> None:
@@ -206,12 +212,15 @@ def test_feedback_on_a_race_depends_on_winning_not_on_the_goal(
     assert [feedback.won for feedback in driver.all(FEEDBACK)] == list(won)
 
 
-def test_the_level_of_a_race_depends_on_the_goal_not_on_winning(new_session: NewSession) -> None:
+def test_the_level_of_a_race_rises_if_both_reach_the_goal_whoever_won(
+    new_session: NewSession,
+) -> None:
     driver = new_session("race")
     for _ in range(2):
         driver.both(400, 500)
     assert [one.outcome for one in ended(driver)] == ["success", "success"]
-    assert [change.level for change in driver.all(LEVEL)] == [2]
+    assert [(change.previous, change.level) for change in driver.all(LEVEL)] == [(1, 2)]
+    assert driver.waiting.level == 2
 
 
 def test_feedback_on_a_race_says_plainly_who_won_and_without_a_winner_the_accuracy(
@@ -239,68 +248,45 @@ def test_a_skipped_prompt_of_a_race_has_no_winner(new_session: NewSession) -> No
     assert [one.qualities["won"] for one in ended(driver)] == [1, 0]
 
 
-@pytest.mark.parametrize("policy", ["alternate", "cooperative", "joint attention"])
-def test_wins_are_mentioned_only_in_a_race(new_session: NewSession, policy: str) -> None:
-    driver = new_session(policy)
-    for _ in range(2):
-        driver.press_after(*((300, key) for key in driver.keys if key))
-    assert [answer.won for answer in driver.all(FEEDBACK)] == [None, None]
-
-
 # --- cooperative
 
 
 @pytest.mark.parametrize(
-    ("b_ms", "together"), [(650, True), (700, True), (701, False), (100, True), (90, False)]
+    ("a", "b", "together", "between_ms"),
+    [
+        (("f", 400), ("j", 700), True, 300),
+        (("f", 400), ("j", 701), False, 301),
+        (("f", 400), ("j", 100), True, 300),
+        (("f", 80), ("j", 200), False, 120),
+        (("f", 400), ("x", 450), False, 50),
+        (("f", 400), None, False, None),
+        (None, None, False, None),
+    ],
 )
 def test_together_is_correct_only_if_both_are_correct_within_the_window(
-    new_session: NewSession, b_ms: int, together: bool
+    a: tuple[str, float] | None,
+    b: tuple[str, float] | None,
+    together: bool,
+    between_ms: float | None,
 ) -> None:
-    rows = new_session("cooperative", window_ms=300).both(a_ms=400, b_ms=b_ms)
-    assert (
-        told(rows, "correct", "together", "right", "between_ms", "value")
-        == [(together, together, True, abs(b_ms - 400), max(400, b_ms) if together else None)] * 2
-    )
-
-
-def test_together_an_anticipation_is_no_response_however_close_to_the_other(
-    new_session: NewSession,
-) -> None:
-    rows = new_session("cooperative", window_ms=300).both(a_ms=80, b_ms=200)
-    assert told(rows, "correct", "together") == [(False, False)] * 2
-    assert ["anticipation" in rows[seat].timing.flags for seat in "AB"] == [True, False]
-
-
-def test_together_one_wrong_key_fails_both(new_session: NewSession) -> None:
-    driver = new_session("cooperative")
-    left, right = driver.keys
-    rows = driver.by_seat(driver.press_after((400, left), (450, "m" if right != "m" else "n")))
-    assert told(rows, "correct", "right") == [(False, True), (False, False)]
+    results = TASK.cooperate(responses(a, b), {}, window_ms=300)
+    latest = max(key[1] for key in (a, b) if key) if together else None
+    for result, asked, key in zip(results.values(), "fj", (a, b), strict=True):
+        assert (result.correct, result.details["together"]) == (together, together)
+        assert (result.value, result.details["between_ms"]) == (latest, between_ms)
+        assert result.details["right"] == (key is not None and key[0] == asked)
 
 
 def test_together_both_have_one_result_and_one_outcome(new_session: NewSession) -> None:
-    driver = new_session("cooperative")
+    driver = new_session("cooperative", window_ms=300)
     driver.both(300, 500)
-    driver.both(600, 400)
+    rows = driver.both(600, 400)
+    assert told(rows, "together", "between_ms", "value") == [(True, 200, 600)] * 2
     results = {
         (round(one.metric), one.accuracy, one.outcome, one.feedback) for one in ended(driver)
     }
     assert results == {(550, 1.0, "success", "positive")}
     assert {one.valence for one in driver.all(PROPOSED) if one.kind == "feedback"} == {"positive"}
-
-
-@pytest.mark.parametrize("responds", [False, True])
-def test_together_one_response_alone_or_none_is_not_correct(
-    new_session: NewSession, responds: bool
-) -> None:
-    driver = new_session("cooperative", response_timeout_ms=800)
-    left, _ = driver.keys
-    driver.press_after(*([(300.0, left)] if responds else []))
-    driver.wait(900)
-    assert told(driver.by_seat(driver.all(TRIAL)), "correct", "right", "between_ms", "value") == [
-        (False, responds, None, None),
-        (False, False, None, None),
-    ]
 
 
 # --- joint attention
@@ -334,29 +320,15 @@ def test_the_cue_is_gaze_gesture_or_both_and_alone_announces_the_side(
     assert driver.last(PROMPT).seat in ("A", "B")
 
 
-def test_in_joint_attention_only_keys_on_the_side_of_the_prompt_count(
-    new_session: NewSession,
-) -> None:
-    driver = new_session("joint attention")
-    left, right = driver.keys
-    assert driver.press_after((200, "k" if left else "d")) == []
-    (row,) = driver.press_after((100, left or right))
-    assert (row.seat, row.correct) == ("A" if left else "B", True)
-    assert "other_seat" in row.timing.flags
-
-
 @pytest.mark.parametrize("share", [1.0, 0.0])
-def test_the_share_of_congruent_trials_is_as_set_and_sides_are_balanced(
-    new_session: NewSession, share: float
-) -> None:
+def test_the_share_of_congruent_trials_is_as_set(new_session: NewSession, share: float) -> None:
     driver = new_session("joint attention", congruent_share=share, prompts_per_attempt=10)
     for _ in range(10):
         driver.press_after((300, "".join(driver.keys)))
     assert {row.details["congruent"] for row in driver.all(TRIAL)} == {bool(share)}
-    assert [row.seat for row in driver.all(TRIAL)].count("A") == 5
 
 
-def test_the_order_of_sides_differs_between_attempts(pairs: type[Task]) -> None:
+def test_sides_are_balanced_and_their_order_differs_between_attempts(pairs: type[Task]) -> None:
     task = pairs(build(pairs.Parameters, {"policy": "joint attention", "prompts_per_attempt": 20}))
     sides = {
         "".join(
@@ -398,17 +370,7 @@ def test_a_key_before_the_cue_delays_the_cue_which_is_given_once(new_session: Ne
     assert len(driver.all(CUE)) == known + 1
 
 
-def test_the_cueing_effect_is_incongruent_minus_congruent(new_session: NewSession) -> None:
-    driver = new_session("joint attention", prompts_per_attempt=20)
-    for _ in range(20):
-        left, right = driver.keys
-        looked = driver.last(CUE).side == ("left" if left else "right")
-        driver.press_after((300 if looked else 340, left or right))
-    for one in ended(driver):
-        assert one.qualities["congruency_effect_ms"] == pytest.approx(40, abs=0.1)
-
-
-def test_a_slow_response_without_result_is_excluded_from_the_cueing_effect(
+def test_the_cueing_effect_is_incongruent_minus_congruent_without_wrong_and_early_responses(
     pairs: type[Task],
 ) -> None:
     task = pairs(build(pairs.Parameters, {"policy": "joint attention"}))
@@ -442,24 +404,9 @@ def test_presses_repeats_and_gaps_are_counted_per_seat(new_session: NewSession) 
     ]  # fmt: skip
 
 
-def test_a_correct_key_counts_with_caps_lock_on(new_session: NewSession) -> None:
-    driver = new_session("race")
-    left, right = driver.keys
-    rows = driver.by_seat(driver.press_after((300, left.upper()), (400, right)))
-    assert told(rows, "correct", "won", "response")[0] == (True, True, left.upper())
-
-
-def test_the_time_since_the_last_key_is_stored_per_seat_in_milliseconds(
+def test_each_row_of_a_race_has_the_delay_and_the_gap_of_its_seats_key(
     new_session: NewSession,
 ) -> None:
-    driver = new_session("race")
-    first, second = driver.both(300, 350), driver.both(310, 400)
-    since = (second["A"].response_at or 0) - (first["A"].response_at or 0)
-    assert second["A"].details["key_gap_ms"] == pytest.approx(since / 1_000_000)
-    assert first["B"].details["key_gap_ms"] is None
-
-
-def test_each_row_of_a_race_has_the_delay_of_its_seats_key(new_session: NewSession) -> None:
     driver = new_session("race")
     left, right = driver.keys
     now = driver.clock.now()
@@ -468,6 +415,10 @@ def test_each_row_of_a_race_has_the_delay_of_its_seats_key(new_session: NewSessi
     driver.press(right, at=now + 350_000_000)
     rows = driver.by_seat(driver.all(TRIAL))
     assert [rows[seat].timing.handler_delay_ms for seat in "AB"] == pytest.approx([100, 50])
+    assert rows["A"].details["key_gap_ms"] is None
+    second = driver.both(310, 400)
+    since_ms = ((second["A"].response_at or 0) - (rows["A"].response_at or 0)) / MS
+    assert second["A"].details["key_gap_ms"] == pytest.approx(since_ms)
 
 
 def test_a_second_key_does_not_change_the_row_of_the_first(new_session: NewSession) -> None:

@@ -3,12 +3,10 @@
 from itertools import pairwise
 from typing import Any
 
-import msgspec
-import numpy as np
 import pytest
 
 from sar_tui.inputs import sensor
-from sar_tui.loop.topics import ATTEMPT_ENDED, PROMPT, REACH, SENSOR, TRIAL, VOIDED
+from sar_tui.loop.topics import PROMPT, REACH, SENSOR, TRIAL, VOIDED
 from sar_tui.model.messages import SensorChanged
 from sar_tui.model.units import MS
 from sar_tui.motion.detector_names import COLUMN_NAMES, DetectorName
@@ -22,7 +20,6 @@ from tests.tasks.reaching.reaching_driver import (
     FLICK,
     REACH_OUT,
     ReachingDriver,
-    analysed_again,
     arm_that_holds,
     ms,
 )
@@ -77,8 +74,6 @@ def muted(driver: ReachingDriver, milliseconds: float) -> None:
 
 # --- a hand that goes again
 
-HOLDS_S = (0.3, 0.8, 1.5, 2.5, 4.0)
-
 
 def six_reaches(
     hold_s: float, *, own_rest_ms: float | None = None, **settings: Any
@@ -116,7 +111,7 @@ def found(driver: ReachingDriver) -> list[bool]:
     ]
 
 
-@pytest.mark.parametrize("hold_s", HOLDS_S)
+@pytest.mark.parametrize("hold_s", [0.3, 4.0])
 def test_six_of_six_reaches_are_found_of_a_person_who_holds_at_the_marker_and_goes_again(
     hold_s: float,
 ) -> None:
@@ -127,9 +122,8 @@ def test_six_of_six_reaches_are_found_of_a_person_who_holds_at_the_marker_and_go
         assert after.details["window_from_ns"] >= before.response_at
 
 
-@pytest.mark.parametrize("hold_s", first(2, HOLDS_S))
-def test_a_movement_of_ones_own_before_the_start_key_is_no_part_of_the_reach(hold_s: float) -> None:
-    assert found(six_reaches(hold_s, own_rest_ms=400)) == [True] * 6
+def test_a_movement_of_ones_own_before_the_start_key_is_no_part_of_the_reach() -> None:
+    assert found(six_reaches(0.8, own_rest_ms=400)) == [True] * 6
 
 
 # --- a reach between two presses
@@ -147,12 +141,10 @@ def test_a_reach_is_one_row_timed_by_the_hand_not_by_the_keys() -> None:
     assert ms(trial.onset - onset) == about(0, 15)
     assert ms(trial.response_at - onset) == about(1000, 15)
     assert trial.value == about(1000)
-    assert (
-        trial.value
-        == trial.details["reach_time_ms"]
-        == about(ms(trial.response_at - trial.onset), 0.01)
-    )
+    assert trial.value == about(ms(trial.response_at - trial.onset), 0.01)
+    assert trial.value == trial.details["reach_time_ms"]
     assert trial.details["closed"] == "key"
+    assert trial.reaction_time_ms is None, "there was no signal"
     assert (driver.percept.at, driver.percept.end) == (trial.response_at, trial.response_at)
     assert trial.response_at < pressed
     assert driver.all(VOIDED) == []
@@ -221,50 +213,11 @@ def test_a_key_that_is_tapped_all_the_time_ends_the_reach_once_the_hand_has_move
     assert (trial.details["closed"], trial.value) == ("key", about(1000))
 
 
-def test_successive_reaches_have_separate_windows() -> None:
-    driver = ready(reaches_per_attempt=3, attempts=1)
-    values = []
-    for number, shape in enumerate([REACH_OUT, SLOW, FAST], 1):
-        trial = driver.reach(shape)
-        assert trial.trial == number
-        values.append(trial.value)
-        driver.wait(500)
-    assert values == [
-        pytest.approx(shape.duration_s * 1000, rel=0.06) for shape in (REACH_OUT, SLOW, FAST)
-    ]
-    assert driver.last(ATTEMPT_ENDED).metric == pytest.approx(float(np.mean(values)))
-    assert [trial.details["reaches"] for trial in driver.all(TRIAL)] == [1, 1, 1]
-
-
-def test_both_detectors_are_stored_and_the_selected_one_scores() -> None:
-    names: tuple[DetectorName, ...] = ("single-axis", "fixed-threshold")
-    for name in names:
-        trial = ready(detector=name).reach()
-        details = trial.details
-        assert details["detector"] == name
-        time_ms = details[f"{COLUMN_NAMES[name]}_reach_time_ms"]
-        assert trial.value == details["reach_time_ms"] == time_ms
-        assert details["single_axis_reach_time_ms"] != details["fixed_threshold_reach_time_ms"]
-        above_threshold_ms = 930
-        assert details["fixed_threshold_reach_time_ms"] == about(above_threshold_ms, 15)
-        parameters = msgspec.json.decode(str(details["detector_parameters"]))
-        assert ("threshold_rad_s" in parameters) == (name == "fixed-threshold")
-
-
 def test_a_reach_stores_the_declared_details() -> None:
     stored = ready().reach(SLOW).details
     declared = set(Catalogue().task("reaching").Details.__struct_fields__)
     assert set(stored) | {"mark", "trunk_excursion_deg", "compensation_share"} == declared
     assert [name for name, value in stored.items() if value is None] == ["tremor_rest_hz"]
-
-
-def test_the_same_samples_and_window_give_the_same_details() -> None:
-    driver = ready(sensor="noisy")
-    trial = driver.reach()
-    found = analysed_again(driver.samples, trial.details)
-    assert found.details.items() <= trial.details.items()
-    times = (trial.onset, trial.details["turn_ns"], trial.response_at)
-    assert (found.onset_ns, found.turn_ns, found.end_ns) == times
 
 
 # --- presses that are missing, doubled or early
@@ -334,12 +287,11 @@ def test_a_double_press_at_the_end_does_not_start_a_trial() -> None:
     assert len(driver.all(PROMPT)) == 1
 
 
-@pytest.mark.parametrize("key", ["enter", "x", "s"])
-def test_another_key_does_not_end_a_reach(key: str) -> None:
+def test_another_key_does_not_end_a_reach() -> None:
     driver = started()
     driver.move(300)
     driver.wait(1500)
-    driver.press(key)
+    driver.press("enter")
     driver.wait(1500)
     assert driver.all(REACH) == []
 
@@ -409,18 +361,13 @@ def test_a_reach_that_ended_before_the_press_is_ignored() -> None:
 # --- a signal to go
 
 
-@pytest.mark.parametrize("reaction_ms", first(1, [180, 320]))
-def test_with_a_go_signal_there_is_a_reaction_time(reaction_ms: float) -> None:
+def test_with_a_go_signal_there_is_a_reaction_time() -> None:
     driver = started(go_signal=True)
-    driver.move(reaction_ms)
-    trial = driver.finish(reaction_ms + 1400)
-    assert trial.reaction_time_ms == about(reaction_ms, 15)
+    driver.move(320)
+    trial = driver.finish(320 + 1400)
+    assert trial.reaction_time_ms == about(320, 15)
     assert trial.value == about(1000)
     assert trial.timing.foreperiod_ms >= 500
-
-
-def test_without_a_signal_there_is_no_reaction_time() -> None:
-    assert ready().reach().reaction_time_ms is None
 
 
 def test_movement_before_the_signal_is_an_anticipation() -> None:
@@ -434,25 +381,21 @@ def test_movement_before_the_signal_is_an_anticipation() -> None:
 # --- hands and sensors
 
 
-@pytest.mark.parametrize("shape", [REACH_OUT, MIRRORED])
-@pytest.mark.parametrize("hand", ["right", "left"])
-def test_the_left_hand_turns_the_other_way(hand: str, shape: ReachShape) -> None:
-    trial = ready(hand=hand).reach(shape)
-    assert (trial.correct, trial.details["hand"]) == (True, hand)
-    assert ("reversed" in trial.timing.flags) is ((hand == "left") is not (shape is MIRRORED))
+@pytest.mark.parametrize(("shape", "is_reversed"), [(REACH_OUT, True), (MIRRORED, False)])
+def test_the_left_hand_turns_the_other_way(shape: ReachShape, is_reversed: bool) -> None:
+    trial = ready(hand="left").reach(shape)
+    assert (trial.correct, trial.details["hand"]) == (True, "left")
+    assert ("reversed" in trial.timing.flags) is is_reversed
     assert float(trial.details["peak_extension_rad_s"] or 0) > 1.3
     assert float(trial.details["peak_return_rad_s"] or 0) < -1.3
     assert trial.value == about(1000)
 
 
-@pytest.mark.parametrize(
-    "name",
-    first(3, ["clean", "noisy", "biased", "drifting", "tremor", "tilted", "lossy", "patient"]),
-)
-def test_a_reach_is_found_and_timed_with_every_sensor(name: str) -> None:
-    trial = ready(sensor=name).reach()
-    assert trial.correct
-    assert trial.value == about(1000, 60)
+@pytest.mark.parametrize("name", ["single-axis", "fixed-threshold"])
+def test_the_selected_detector_scores(name: DetectorName) -> None:
+    trial = ready(detector=name).reach()
+    assert trial.details["detector"] == name
+    assert trial.value == trial.details[f"{COLUMN_NAMES[name]}_reach_time_ms"]
 
 
 def test_a_reach_beyond_the_range_is_timed_without_peaks() -> None:
