@@ -135,11 +135,9 @@ class Leaving:
         get back to it.
         """
         app = self._app
-        in_mode = bool(app.patient)
-        troubles = app.patient_mode.troubles if in_mode else ()  # nobody was there to be told
-        trouble = app.live.trouble if app.live and not in_mode else ""
-        notices = filter(None, (app.themes.pending_notice, trouble))
-        return [*self._exit_message(code), *troubles, *notices]
+        untold = app.patient_mode.troubles if app.patient else ()  # nobody was there to be told
+        said = (*self._exit_message(code), *untold, app.themes.pending_notice)
+        return [text for text in dict.fromkeys(said) if text]
 
     def _exit_message(self, code: int) -> Iterator[str]:
         live = self._app.live
