@@ -1,13 +1,10 @@
 """``sar-tui export`` as a person calls it."""
 
 import csv
-import errno
 import json
-import os
 import sqlite3
 from contextlib import closing
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -67,30 +64,6 @@ def test_a_session_that_runs_is_named_and_the_rest_leaves(
     assert ids(tmp_path / "out") == {live}
     assert (alone.code, (tmp_path / "alone").exists()) == (1, False)
     assert call(*one).code == 0, "it was interrupted"
-
-
-@pytest.mark.usefixtures("live")
-@pytest.mark.parametrize(
-    ("failure", "sentence"),
-    [
-        (errno.ENOSPC, "The disk is full: "),
-        (errno.EFBIG, "A file would be larger than the disk or this login may have."),
-        (errno.EIO, "The disk cannot be read or written: "),
-        (errno.EROFS, "The disk can only be read. "),
-    ],
-)
-def test_a_disk_that_fails_leaves_no_target_and_the_database_as_it_was(
-    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, failure: int, sentence: str
-) -> None:
-    before = (tmp_path / "data" / "sar-tui.db").read_bytes()
-
-    def fail(*_: Any) -> None:
-        raise OSError(failure, os.strerror(failure))
-
-    monkeypatch.setattr("os.fsync", fail)
-    call("export --all --to", tmp_path / "out").refused(sentence, code=1)
-    assert [path.name for path in tmp_path.iterdir()] == ["data"]
-    assert (tmp_path / "data" / "sar-tui.db").read_bytes() == before
 
 
 def test_the_ledger_tells_what_left_when_and_for_whom(

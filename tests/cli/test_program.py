@@ -1,5 +1,6 @@
 """The program as a whole: help, version, exit codes, and errors."""
 
+import errno
 import os
 import shutil
 import sqlite3
@@ -22,6 +23,10 @@ tasks/show tasks/new tasks/check link/invite link/list link/revoke link/check re
 report/intervention programme/show programme/history programme/export programme/import
 programme/presets
 """.split()
+
+
+OTHERS = {f"sar_tui.cli.{name}" for name in ("detect", "live", "link", "validate")}
+OF_SESSIONS = {"sqlite_utils", "filelock", "numpy", "textual"}
 
 
 def python(
@@ -51,10 +56,29 @@ def test_version_is_the_packages(call: Call) -> None:
     assert call("--version") == (0, f"sar-tui {sar_tui.__version__}\n", "")
 
 
-def test_help_and_version_import_nothing_heavy() -> None:
-    assert not loaded_by("--version") & {*HEAVY, "typer", "typing", "re", "pathlib"}
-    assert not loaded_by("--help") & HEAVY
-    assert not loaded_by("simulate", "--help") & HEAVY
+@pytest.mark.parametrize(
+    ("arguments", "loads", "lighter_by"),
+    [
+        ("--version", "sar_tui", {*HEAVY, "typer", "typing", "re", "pathlib"}),
+        ("--help", "typer", HEAVY),
+        ("simulate --help", "typer", HEAVY),
+        ("tasks", "sar_tui.cli.tasks", {*OTHERS, *OF_SESSIONS, "sqlite3"}),
+        ("sessions --data data", "sar_tui.store.sessions", OF_SESSIONS),
+    ],
+)
+def test_a_command_loads_only_what_it_needs(
+    simulated: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    arguments: str,
+    loads: str,
+    lighter_by: set[str],
+) -> None:
+    """The sessions of a current database need no module that migrates one."""
+    monkeypatch.chdir(tmp_path)
+    modules = loaded_by(*arguments.split())
+    assert loads in modules
+    assert not modules & lighter_by
 
 
 def loaded_by(*arguments: str) -> set[str]:
@@ -68,21 +92,6 @@ def loaded_by(*arguments: str) -> set[str]:
     code, *modules = python("-c", script).stderr.split()
     assert code == "0", modules
     return set(modules)
-
-
-def test_a_command_loads_no_other_command() -> None:
-    modules = loaded_by("tasks")
-    assert "sar_tui.cli.tasks" in modules
-    others = {f"sar_tui.cli.{name}" for name in ("detect", "live", "link", "validate")}
-    assert not modules & (others | {"sqlite3", "sqlite_utils", "filelock", "numpy", "textual"})
-
-
-def test_the_sessions_of_a_current_database_are_listed_without_the_modules_that_migrate_one(
-    simulated: str, tmp_path: Path
-) -> None:
-    modules = loaded_by("sessions", "--data", str(tmp_path / "data"))
-    assert "sar_tui.store.sessions" in modules
-    assert not modules & {"sqlite_utils", "filelock", "numpy", "textual"}
 
 
 def test_every_command_takes_the_data_and_tasks_folders_and_has_help(call: Call) -> None:
@@ -112,25 +121,6 @@ def test_a_folder_without_a_name_is_bad_usage_and_not_the_present_folder(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_file_that_is_no_database_is_bad_input_and_so_is_a_newer_one(
-    call: Call, tmp_path: Path, simulated: str
-) -> None:
-    file = tmp_path / "data" / "sar-tui.db"
-    with sqlite3.connect(file) as connection:
-        connection.execute("PRAGMA user_version=999")
-    call("show", simulated).refused("newer sar-tui")
-    (file.parent / "sar-tui.db-wal").unlink(missing_ok=True)
-    file.write_text("Dear diary, today I was a text file.")
-    call("sessions").refused("is not a SQLite database")
-
-
-def test_a_folder_that_cannot_be_made_is_a_failure(call: Call, tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    called = call("sessions --data", tmp_path / "file" / "data")
-    called.refused("cannot be written to", code=1)
-    assert called.err.count("\n") == 1
-
-
 @pytest.mark.parametrize(
     ("error", "code", "said"),
     [
@@ -138,7 +128,9 @@ def test_a_folder_that_cannot_be_made_is_a_failure(call: Call, tmp_path: Path) -
         (ZeroDivisionError(), 1, "SAR_TUI_DEBUG=1"),
         (sqlite3.OperationalError("no such table: t"), 1, "sar-tui.db: no such table: t."),
         (EOFError("marshal data too short"), 1, "Python keeps compiled is cut short"),
-        (EOFError("marshal data too short"), 1, "-m compileall -fq"),
+        (OSError(errno.EFBIG, "x"), 1, "A file would be larger than the disk or this login may "),
+        (OSError(errno.EIO, "x"), 1, "The disk cannot be read or written: "),
+        (OSError(errno.EROFS, "x"), 1, "The disk can only be read. "),
         (KeyboardInterrupt(), 130, "Stopped."),
     ],
 )
