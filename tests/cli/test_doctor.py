@@ -206,6 +206,11 @@ def test_outputs_of_plug_ins_are_loaded(here: Machine, monkeypatch: Patch) -> No
 # --- devices
 
 
+DETACHED = Status(state="detached", at=0)
+ATTACHED = Status(state="attached", at=1)
+NO_GYROSCOPE = Status(state="error", at=0, detail="It has no gyroscope.")
+
+
 class Plugged:
     """Fake PhidgetSpatial that reports its statuses at once."""
 
@@ -224,38 +229,37 @@ class Plugged:
 
 
 @pytest.mark.parametrize(
-    ("status", "state", "says"),
+    ("statuses", "system", "rule", "state", "says", "has_advice"),
     [
-        (Status(state="detached", at=0), "ok", "none plugged in"),
-        (Status(state="attached", at=1), "ok", "Spatial 3/3/3, serial 629001, 250 samples a sec"),
-        (Status(state="error", at=0, detail="It has no gyroscope."), "care", "no gyroscope"),
+        ([DETACHED], "linux", False, "ok", "none plugged in", True),
+        ([], "linux", True, "ok", "none plugged in", False),
+        ([], "win32", False, "ok", "none plugged in", False),
+        ([ATTACHED], "linux", False, "ok", "Spatial 3/3/3, serial 629001, 250 samples", False),
+        ([NO_GYROSCOPE], "linux", False, "care", "no gyroscope", False),
     ],
 )
-def test_a_motion_sensor_is_looked_for(
-    here: Machine, monkeypatch: Patch, status: Status, state: str, says: str
+def test_a_motion_sensor_is_looked_for_and_what_one_needs_is_said(
+    here: Machine,
+    monkeypatch: Patch,
+    statuses: list[Status],
+    system: str,
+    rule: bool,
+    state: str,
+    says: str,
+    has_advice: bool,
 ) -> None:
-    sensor = Plugged(status)
+    sensor = Plugged(*statuses)
     monkeypatch.setattr(phidget, "PhidgetSource", lambda: sensor)
-    check(motion_sensor(here), state, says)
-    assert sensor.stopped
-    monkeypatch.setattr(driver, "usb_denied", lambda: True)
-    rule = 'SUBSYSTEM=="usb", ATTRS{idVendor}=="06c2", TAG+="uaccess"'
-    check(motion_sensor(here), "bad", advice=rule)
-
-
-@pytest.mark.parametrize(
-    ("system", "rule", "has_advice"),
-    [("linux", False, True), ("linux", True, False), ("win32", False, False)],
-)
-def test_without_a_sensor_the_doctor_says_what_one_needs(
-    here: Machine, monkeypatch: Patch, system: str, rule: bool, has_advice: bool
-) -> None:
-    monkeypatch.setattr(phidget, "PhidgetSource", Plugged)
     monkeypatch.setattr("os.geteuid", lambda: 1000)
     monkeypatch.setattr(devices, "_has_udev_rule", lambda: rule)
     monkeypatch.setattr(sys, "platform", system)
     found = motion_sensor(here)
-    assert (found.state, "write the line" in found.advice) == ("ok", has_advice)
+    check(found, state, says)
+    assert ("write the line" in found.advice) == has_advice
+    assert sensor.stopped
+    monkeypatch.setattr(driver, "usb_denied", lambda: True)
+    line = 'SUBSYSTEM=="usb", ATTRS{idVendor}=="06c2", TAG+="uaccess"'
+    check(motion_sensor(here), "bad", advice=line)
 
 
 def test_phidgets_and_rules_for_them_are_known_by_the_vendor(

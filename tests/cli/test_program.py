@@ -199,15 +199,6 @@ def test_a_command_whose_standard_output_is_closed_is_done_all_the_same(argument
     assert (done.returncode, done.stderr) == (0, "")
 
 
-@pytest.mark.parametrize("arguments", ["", "run keyboard -p P01"])
-def test_without_a_terminal_the_app_is_refused(
-    call: Call, monkeypatch: pytest.MonkeyPatch, arguments: str
-) -> None:
-    for term in ("xterm", "dumb"):
-        monkeypatch.setenv("TERM", term)
-        call(arguments).refused("terminal", "sar-tui simulate")
-
-
 PROGRAM = ("-m", "sar_tui")
 LONG = "x" * 300
 TOO_LONG = """
@@ -226,34 +217,31 @@ run keyboard -p P01 --speech file:…
 simulate keyboard --user poor -p …
 simulate keyboard --user poor --set …=1
 """
+IS_NOT_TEXT = """
+simulate keyboard --user poor --set layout=qwerty…
+simulate keyboard --user poor --set speech=file:…
+simulate keyboard --user poor --set levels=…
+simulate keyboard --user poor --set attempts=…
+simulate keyboard --user poor --set …=1
+simulate keyboard --user poor --outputs screen,…
+simulate keyboard --user poor --language …
+simulate keyboard --user poor --theme …
+simulate keyboard --user poor -p …
+"""
 NOT_TEXT = "\udcff"
 """An argument of one byte that is not UTF-8, as Python passes it."""
 
 
-def test_a_name_that_is_too_long_is_bad_input(
+def test_a_name_that_is_too_long_or_not_text_is_bad_input(
     call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sar_tui.plugin_loader.user_folder", lambda: tmp_path)
-    for arguments in TOO_LONG.strip().splitlines():
-        called = call(arguments.replace("…", LONG))
-        assert (called.code, called.err.count("\n")) == (2, 1), arguments
-        assert "unexpected" not in called.err, arguments
-        assert LONG not in called.err, arguments
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        "--set layout=qwerty?", "--set speech=file:?", "--set levels=?", "--set attempts=?",
-        "--set ?=1", "--outputs screen,?", "--language ?", "--theme ?", "-p ?",
-    ],
-)  # fmt: skip
-def test_an_argument_that_is_not_text_is_bad_input(call: Call, arguments: str) -> None:
-    words = arguments.replace("?", NOT_TEXT).split()
-    called = call("simulate keyboard --user poor", *words)
-    assert called.code == 2
-    assert "unexpected" not in called.err
-    assert NOT_TEXT not in called.err
+    for name, commands in ((LONG, TOO_LONG), (NOT_TEXT, IS_NOT_TEXT)):
+        for arguments in commands.strip().splitlines():
+            called = call(arguments.replace("…", name))
+            assert (called.code, called.err.count("\n")) == (2, 1), arguments
+            assert "unexpected" not in called.err, arguments
+            assert name not in called.err, arguments
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="names of files that are not text")
@@ -269,15 +257,17 @@ def test_a_theme_whose_name_is_not_text_is_bad_input(
 
 @pytest.mark.skipif(os.name != "posix", reason="kinds of terminals")
 @pytest.mark.parametrize("arguments", ["", "run keyboard -p P01", "wizard --wait"])
-def test_a_dumb_terminal_and_one_of_no_kind_are_refused(
+def test_without_a_terminal_and_in_a_dumb_one_or_one_of_no_kind_the_app_is_refused(
     call: Call, monkeypatch: pytest.MonkeyPatch, arguments: str
 ) -> None:
-    for stream in ("stdin", "stdout", "stderr"):
-        monkeypatch.setattr(getattr(sys, stream), "isatty", lambda: True, raising=False)
     monkeypatch.setattr("sar_tui.link.discovery.live_sessions", list)
     for opens in ("sar_tui.app.app.run_app", "sar_tui.operator.app.run_wizard"):
         monkeypatch.setattr(opens, lambda *_, **__: 7)
-    monkeypatch.setenv("TERM", "dumb")
+    for term in ("xterm", "dumb"):
+        monkeypatch.setenv("TERM", term)
+        call(arguments).refused("terminal")
+    for stream in ("stdin", "stdout", "stderr"):
+        monkeypatch.setattr(getattr(sys, stream), "isatty", lambda: True, raising=False)
     call(arguments).refused("TERM=dumb")
     monkeypatch.delenv("TERM")
     call(arguments).refused("TERM, which names the kind of this one, is empty")

@@ -208,12 +208,21 @@ def older(data: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return data
 
 
-def test_an_older_database_is_backed_up_and_upgraded(older: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("is_large", [True, False])
+def test_an_older_database_is_backed_up_and_upgraded_which_is_announced_if_it_is_large(
+    older: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    is_large: bool,
+) -> None:
+    monkeypatch.setattr(module, "_LARGE_MB", 0.0 if is_large else 1.0)
     opened, new = connect(older), connect(tmp_path / "new")
     assert pragma(opened, "user_version") == VERSION + 1
     assert schema_of(opened) == schema_of(new)
     assert codes(opened) == ["P01"]
     connect(older)  # again: another backup would make this test fail
+    assert capsys.readouterr().err.count("is brought up to date for this version") == is_large
     (backup,) = older.glob("*-v*.db")
     assert backup.name.startswith(f"{FILE.removesuffix('.db')}-v{VERSION}-")
     assert os.name != "posix" or mode(backup) == 0o600
@@ -234,17 +243,6 @@ def test_an_upgrade_that_fails_changes_nothing(
     with closing(sqlite3.connect(older / FILE)) as database:
         assert (pragma(database, "user_version"), list(database.iterdump())) == (VERSION, before)
     assert pragma(connect(older), "user_version") == VERSION + 1
-
-
-@pytest.mark.parametrize("is_large", [True, False])
-def test_it_is_announced_that_a_large_database_is_brought_up_to_date(
-    older: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], is_large: bool
-) -> None:
-    monkeypatch.setattr(module, "_LARGE_MB", 0.0 if is_large else 1.0)
-    connect(older)
-    connect(older)
-    said = "is brought up to date for this version of sar-tui. A copy of it is kept."
-    assert capsys.readouterr().err.count(said) == is_large
 
 
 def test_threads_that_open_a_new_folder_at_the_same_moment_all_can(data: Path) -> None:

@@ -4,14 +4,13 @@ import sqlite3
 import threading
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from sqlite3 import Connection
 from typing import Any
 
 import msgspec
 import pytest
 from sqlite_utils import Database
 
-from sar_tui.loop.bus import Bus, Record, Topic
+from sar_tui.loop.bus import Record
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.node import Node
 from sar_tui.loop.session import Session
@@ -28,7 +27,6 @@ from sar_tui.loop.topics import (
     WAITING,
 )
 from sar_tui.model.messages import (
-    KeyPressed,
     SessionCommand,
     StorageChanged,
     Stored,
@@ -349,15 +347,6 @@ def test_on_a_virtual_clock_a_full_disk_raises_and_everything_before_it_is_kept(
     recorded.recorder.write()
     assert recorded.recorder.pending == 0
     assert recorded.history[: len(recorded.records)] == recorded.records
-
-
-def test_streams_are_not_written_as_events(database: Connection) -> None:
-    bus = Bus(VirtualClock())
-    recorder = Recorder(database, "s", 1, bus, inline=True)
-    topic = Topic("imu/sample", KeyPressed, origin="input", stream=True)
-    bus.publish(topic, KeyPressed(key="x", at=0))
-    recorder.write()
-    assert sql(database, "SELECT * FROM events") == []
 
 
 NUMBERS = Numbers(1, dict.fromkeys(ALL, 2))
