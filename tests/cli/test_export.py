@@ -67,7 +67,7 @@ def test_a_session_that_runs_is_named_and_the_rest_leaves(
 
 
 def test_the_ledger_tells_what_left_when_and_for_whom(
-    call: Call, live: str, tmp_path: Path
+    call: Call, live: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     call("export --ledger").shows("Nothing was exported yet.\n")
     board = ("--for", "the ethics board", "--json")
@@ -75,6 +75,12 @@ def test_the_ledger_tells_what_left_when_and_for_whom(
     call("export zzz --to", tmp_path / "two")
     recode = f"--recode {tmp_path}/map.csv"
     call(f"export --all --mixed --with-notes {recode} --to", tmp_path / "three")
+    with monkeypatch.context() as patch:
+        # as if the database were read only
+        patch.setattr("sar_tui.export.export.StoreConnection", sqlite3.Blob)
+        called = call("export --all --to", tmp_path / "four")
+    assert (called.code, ids(tmp_path / "four")) == (1, {live})
+    assert "not in its ledger" in called.err
     last, entry = call("export --ledger --json").json["exports"]
     assert (entry["recipient"], entry["format"]) == ("the ethics board", "csv")
     assert entry["sessions"] == [live]
@@ -83,16 +89,6 @@ def test_the_ledger_tells_what_left_when_and_for_whom(
     assert len(last["sessions"]) == 2
     assert last["options"] == {"with_notes": True, "with_events": False, "recoded": True}
     call("export --ledger").shows("the ethics board", "with notes, recoded")
-
-
-def test_an_export_that_cannot_be_recorded_says_so(
-    call: Call, live: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    # as if it were read only
-    monkeypatch.setattr("sar_tui.export.export.StoreConnection", sqlite3.Blob)
-    called = call("export --all --to", tmp_path / "out")
-    assert (called.code, ids(tmp_path / "out")) == (1, {live})
-    assert "not in its ledger" in called.err
 
 
 def test_an_export_tells_the_sensor_on_the_hand_from_that_on_the_trunk(
