@@ -232,9 +232,15 @@ def locked(data: Path) -> Safe:
     return recorded
 
 
-def test_what_a_locked_database_refuses_is_in_a_rescue_file_and_brought_back(
+def test_a_short_lock_is_waited_for_and_what_a_long_one_refuses_is_in_a_rescue_file(
     data: Path, locked: Safe
 ) -> None:
+    locked.write_and_hear()
+    assert locked.all(STORAGE) == []
+    for _ in range(10):
+        locked.write_on_a_thread()
+    locked.clock.advance(0)
+    assert [changed.working for changed in locked.all(STORAGE)] == [False]
     locked.recorder.run(lambda: True)
     assert locked.recorder.pending == 0
     assert "keeps sar-tui.db locked" in locked.safeguard.text
@@ -242,15 +248,6 @@ def test_what_a_locked_database_refuses_is_in_a_rescue_file_and_brought_back(
     sql(locked.reader, "ROLLBACK")
     assert [brought.session for brought in bring_back(data)] == [locked.id]
     locked.assert_back()
-
-
-def test_a_short_lock_is_waited_for_without_a_word_and_a_long_one_is_reported(locked: Safe) -> None:
-    locked.write_and_hear()
-    assert locked.all(STORAGE) == []
-    for _ in range(10):
-        locked.write_on_a_thread()
-    locked.clock.advance(0)
-    assert [changed.working for changed in locked.all(STORAGE)] == [False]
 
 
 def test_without_room_for_a_rescue_file_none_is_left(
