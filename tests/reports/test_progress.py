@@ -255,17 +255,20 @@ def test_the_note_tells_of_pain_where_it_is_known(keyboard: type[Task]) -> None:
     assert "Worst" not in progress_words.note("P01", line, tr)
 
 
-def test_at_a_tall_screen_both_charts_are_shown_and_the_text_fits(keyboard: type[Task]) -> None:
-    line = of(keyboard, *steady(6)).lines[0]
+def test_parts_fit_show_both_charts_at_a_tall_screen_and_mark_the_session_to_compare_with(
+    keyboard: type[Task],
+) -> None:
+    (line,) = of(keyboard, *steady(6)).lines
     tr = progress_words.words("en", keyboard)
-    shown = {
-        rows: level_part(line, (78, rows), 5, tr, advice=["! Pain is new."]) for rows in (20, 46)
-    }
-    for rows, part in shown.items():
+    for rows in (20, 46):
+        part = level_part(line, (78, rows), 5, tr, advice=["! Pain is new."])
         assert len(part) <= rows
         assert any(row.startswith("reaction time (s)") for row in part) == (rows == 46)
-    assert "! Pain is new." in " ".join(shown[20])
-    assert "no change can be shown" in " ".join(shown[46])
+        says = "no change can be shown" if rows == 46 else "! Pain is new."
+        assert says in " ".join(part)
+    for draw in (level_part, results_part):
+        (foot,) = (row for row in draw(line, (78, 20), 5, tr, "session001") if "└" in row)
+        assert 0 < foot.index("◆") < foot.index("▲")
 
 
 def test_every_text_of_charts_parts_and_dose_has_a_translation_and_none_is_left() -> None:
@@ -344,14 +347,6 @@ def test_a_better_result_is_higher_up_whichever_way_is_better(
     assert spec is not None
     assert spec["layer"][0]["encoding"]["y"]["scale"]["reverse"] == (better == "lower")
     assert ("better is up" in drawn[0]) == (better == "lower")
-
-
-def test_the_session_to_compare_with_has_a_sign_on_the_axis(keyboard: type[Task]) -> None:
-    (line,) = of(keyboard, *steady(6)).lines
-    tr = progress_words.words("en", keyboard)
-    for draw in (level_part, results_part):
-        (foot,) = (row for row in draw(line, (78, 20), 5, tr, "session001") if "└" in row)
-        assert 0 < foot.index("◆") < foot.index("▲")
 
 
 def test_values_that_differ_by_rounding_have_equal_bars() -> None:
