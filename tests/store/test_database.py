@@ -251,26 +251,22 @@ def test_threads_that_open_a_new_folder_at_the_same_moment_all_can(data: Path) -
     assert [pragma(database, "user_version") for database in opened] == [VERSION] * 8
 
 
-def test_a_transaction_is_all_or_nothing(database: Connection) -> None:
+def test_a_transaction_that_is_stopped_or_that_the_disk_refuses_changes_nothing(
+    database: Connection,
+) -> None:
     def half() -> None:
         with transaction(database) as connection:
             sql(connection, NEW, "P01")
             raise KeyboardInterrupt
 
-    with pytest.raises(KeyboardInterrupt):
-        half()
-    assert codes(database) == []
-    with transaction(database) as connection:
-        sql(connection, NEW, "P02")
-    assert codes(database) == ["P02"]
-
-
-def test_a_transaction_the_disk_refuses_changes_nothing_and_says_why(database: Connection) -> None:
     def too_much() -> None:
         with transaction(database) as connection:
             sql(connection, NEW, "P01")
             sql(connection, "INSERT INTO notes (session, text) VALUES ('s', zeroblob(1000000))")
 
+    with pytest.raises(KeyboardInterrupt):
+        half()
+    assert codes(database) == []
     sql(database, f"PRAGMA max_page_count={pragma(database, 'page_count')}")
     with pytest.raises(StoreError, match="The disk is full"):
         too_much()

@@ -49,11 +49,6 @@ def bern(tmp_path: Path, zurich: Path) -> Path:
     return folder
 
 
-def newest(folder: Path) -> dict[str, Any]:
-    with closing(connect(folder)) as database:
-        return programmes.newest(database, "P01", "keyboard").parameters
-
-
 def listed(folder: Path) -> list[str]:
     with closing(connect(folder)) as database:
         return [row["id"] for row in sessions.listing(database, folder, participant="P01")]
@@ -102,29 +97,23 @@ def test_ones_own_records_are_never_added_or_changed_by_another_site(
     why = "is ZURICH's by what BERN has, and is not so here. It is left out."
     assert merged.refused == ([f"The {named} {why}"] if named else [])
     assert (merged.added, merged.updated, merged.conflicts) == (["b1"], [], [])
-    assert newest(zurich) == {"attempts": 5}
+    with closing(connect(zurich)) as database:
+        assert programmes.newest(database, "P01", "keyboard").parameters == {"attempts": 5}
     assert [table for table, rows in holds(zurich).items() if before[table] - rows] == []
     for table in ("sessions", "trials", "messages"):
         assert {row[0] for row in holds(zurich)[table] - before[table]} == {"b1"}
 
 
-_KINDS = {"abc": "pain", "abd": "adverse-event"}
-
-
-def store_records(bern: Path, session: str) -> None:
-    dated = {"at": "2026-03-09", "recorded_at": "2026-03-09"}
-    for id, kind in _KINDS.items():
-        insert(bern, "records", id=id, kind=kind, session=session, **dated)
-
-
 def test_a_record_of_one_not_in_its_session_is_refused(zurich: Path, bern: Path) -> None:
     """It would be read as said by the person of this site who has the same seat."""
     before = holds(zurich)
-    store_records(bern, "a1")
+    kinds = {"abc": "pain", "abd": "adverse-event"}
+    for id, kind in kinds.items():
+        insert(bern, "records", id=id, kind=kind, session="a1", at=_DAY, recorded_at=_DAY)
     merged = merge(zurich, bern)
     why = "is of session a1 by what BERN has, and P01@BERN was not in it. It is left out."
     assert sorted(merged.refused) == [
-        f"The version 1 of the record {id}@BERN ({kind}) {why}" for id, kind in _KINDS.items()
+        f"The version 1 of the record {id}@BERN ({kind}) {why}" for id, kind in kinds.items()
     ]
     assert merged.added == ["b1"]
     assert holds(zurich)["records"] == before["records"]
