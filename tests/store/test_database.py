@@ -16,7 +16,7 @@ from sqlite_utils import Database
 
 from sar_tui.store import database as module
 from sar_tui.store import tables
-from sar_tui.store.database import FILE, StoreError, connect, explain, transaction
+from sar_tui.store.database import FILE, StoreError, connect, default_folder, explain, transaction
 from sar_tui.store.tables import FIRST_VERSION, VERSION, Column, Table
 from tests.program import Call
 from tests.store.by_hand import Place, sql, value
@@ -274,6 +274,15 @@ def test_a_transaction_that_is_stopped_or_that_the_disk_refuses_changes_nothing(
     with transaction(database) as connection:
         sql(connection, NEW, "P02")
     assert codes(database) == ["P02"]
+
+
+def test_the_environment_sets_the_data_folder(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("SAR_TUI_DATA", str(tmp_path))
+    assert default_folder() == tmp_path
+    monkeypatch.delenv("SAR_TUI_DATA")
+    assert default_folder().name == "sar-tui"
 
 
 TEMPORARY = "FULL IOERR_FSYNC BUSY_SNAPSHOT READONLY CANTOPEN NOMEM".split()
