@@ -72,13 +72,6 @@ def sentence(own: Path, name: str) -> str:
     return str(caught.value)
 
 
-def test_shipped_tasks_and_themes_are_found(catalogue: Catalogue) -> None:
-    assert "keyboard" in catalogue.task_names()
-    assert {"calm", "high-contrast"} <= set(catalogue.theme_names())
-    assert catalogue.task("keyboard").name == "keyboard"
-    assert (task_folder(catalogue.task("keyboard")) / "README.md").is_file()
-
-
 def test_tasks_of_named_folders_come_before_the_users_and_the_built_in_ones(own: Path) -> None:
     source = MINIMAL.replace('return "Press."', "return INSTRUCTIONS")
     words = 'INSTRUCTIONS = "Tap as often as you can."'
@@ -200,25 +193,20 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return site
 
 
-def test_an_installed_task_is_found_by_its_entry_point_and_one_that_cannot_be_loaded_is_reported(
+def test_an_installed_task_is_found_by_its_entry_point_and_hashed_without_other_packages(
     installed: Path,
 ) -> None:
     assert {"chess", "draughts", "minimal"} <= set(Catalogue().task_names())
-    assert task_folder(Catalogue().task("minimal")) == installed
     with pytest.raises(PluginError, match=r"task chess .* cannot be loaded: ModuleNotFoundError"):
         Catalogue().task("chess")
     with pytest.raises(PluginError, match=r"The entry point draughts .* is not a Task"):
         Catalogue().task("draughts")
+    task = Catalogue().task("minimal")
+    assert task_folder(task) == installed
 
-
-def test_the_hash_of_an_installed_module_is_of_its_file_and_not_of_all_that_is_installed(
-    installed: Path,
-) -> None:
     def hashed() -> object:
-        task = Catalogue().task("minimal")
-        return software(
-            task, task_source(task), task_code(task), installed / "games-1.0.dist-info"
-        )["task"]["hash"]
+        info = installed / "games-1.0.dist-info"
+        return software(task, task_source(task), task_code(task), info)["task"]["hash"]
 
     before = hashed()
     (installed / "another_package.py").write_text("x = 1\n")
@@ -268,23 +256,6 @@ def method(signature: str, body: str) -> str:
     return f"\n    def {signature}:\n        {body}\n"
 
 
-@pytest.mark.parametrize(
-    "signature", ["stimulus(self, situation)", "perceived(self, trial, percept)"]
-)
-@pytest.mark.parametrize("error", ["KeyError: 'missing'", "SystemExit: 3"])
-def test_a_task_that_raises_in_a_session_is_reported_and_finished_trials_are_stored(
-    own: Path, data: Path, signature: str, error: str
-) -> None:
-    raises = method(signature, "raise {}({})".format(*error.split(": ")))
-    said = rf"The task minimal failed \({error}, line \d+ of task\.py\)\. What was done"
-    with pytest.raises(Failed, match=said):
-        run(own, data, raises)
-    (left,) = sessions.listing(connect(data), data)
-    assert left["status"] == "interrupted"
-    history = sessions.history(connect(data), left["id"])
-    assert len([record for record in history if record.topic is FAULT]) == 1
-
-
 MUTE = """
         class Mute(Exception):
             def __str__(self):
@@ -298,6 +269,9 @@ PERCEIVED, STIMULUS = "perceived(self, trial, percept)", "stimulus(self, situati
 @pytest.mark.parametrize(
     ("signature", "body", "said"),
     [
+        (PERCEIVED, "raise SystemExit(3)", r"SystemExit: 3, line \d+ of task\.py\)\. What was done"),
+        (STIMULUS, "raise KeyError('missing')", r"KeyError: 'missing', line \d+ of task\.py\)\. What was"),
+        (STIMULUS, MUTE, r"Mute, line \d+ of task\.py\)"),
         (SCORE, "return Score(1.0, 1.0, correct=99, trials=1)", "the score of an attempt has 99 right "),
         (SCORE, "return Score(1.0, 1.0, correct=-5, trials=-1)", "the score of an attempt has -5 right "),
         (SCORE, "return Score(1.0, 7.0, correct=1, trials=1)", "the score of an attempt has an accuracy of"),
@@ -307,15 +281,19 @@ PERCEIVED, STIMULUS = "perceived(self, trial, percept)", "stimulus(self, situati
         (TARGET, "return Target(float('nan'), 0.0)", "the Target of an attempt cannot be stored: a num"),
         (PERCEIVED, "return {}", "the results of a trial are for the seats none; they are due for A"),
         (PERCEIVED, "return {'B': Result(correct=True)}", "the results of a trial are for the seat"),
-        (STIMULUS, MUTE, r"Mute, line \d+ of task\.py\)"),
     ],
 )  # fmt: skip
-def test_a_result_that_cannot_be_one_stops_the_session_and_is_not_stored(
+def test_an_error_or_a_result_that_cannot_be_one_stops_the_session_and_is_not_stored(
     own: Path, data: Path, signature: str, body: str, said: str
 ) -> None:
     with pytest.raises(Failed, match=rf"The task minimal failed \((\w+: )?{said}"):
         run(own, data, method(signature, body))
-    assert connect(data).execute("SELECT count(*) FROM attempts").fetchone() == (0,)
+    database = connect(data)
+    assert database.execute("SELECT count(*) FROM attempts").fetchone() == (0,)
+    (left,) = sessions.listing(database, data)
+    assert left["status"] == "interrupted"
+    history = sessions.history(database, left["id"])
+    assert len([record for record in history if record.topic is FAULT]) == 1
 
 
 def test_a_simulation_that_waits_for_ever_is_a_failure(
@@ -334,31 +312,27 @@ def test_a_simulation_that_waits_for_ever_is_a_failure(
 
 
 @pytest.mark.parametrize(
-    ("signature", "body", "said"),
+    ("source", "said"),
     [
-        ("__init__(self, parameters)", "raise KeyError('missing')", r" \(KeyError: 'missing'\)\."),
-        ("nodes(self)", "return 1 / 0", r" \(ZeroDivisionError: "),
-        ("nodes(self)", "return None", r" \(TypeError: "),
-        ("nodes(self)", "return (5,)", ": among its nodes is 5"),
+        (method("__init__(self, parameters)", "raise KeyError('missing')"), r" \(KeyError: 'missing'\)\."),
+        (method("nodes(self)", "return 1 / 0"), r" \(ZeroDivisionError: "),
+        (method("nodes(self)", "return None"), r" \(TypeError: "),
+        (method("nodes(self)", "return (5,)"), ": among its nodes is 5"),
+        *(
+            (f"\n    levels = property(lambda self: {levels})\n", f": its levels are {levels}, not a whole number")
+            for levels in ("None", "0", "2.5")
+        ),
     ],
 )  # fmt: skip
 def test_a_task_that_cannot_be_set_up_is_reported_and_leaves_no_session(
-    own: Path, data: Path, call: Call, signature: str, body: str, said: str
+    own: Path, data: Path, call: Call, source: str, said: str
 ) -> None:
     with pytest.raises(Failed, match=f"The task minimal cannot be set up{said}"):
-        run(own, data, method(signature, body))
+        run(own, data, source)
     assert sessions.listing(connect(data), data) == []
-    write(own, "minimal", f"{MINIMAL}{method(signature, body)}")
+    write(own, "minimal", f"{MINIMAL}{source}")
     begins = "The task minimal cannot be set up"
     assert call("graph", "minimal", "--tasks", own).err.startswith(begins)
-
-
-@pytest.mark.parametrize("levels", ["None", "0", "2.5"])
-def test_levels_that_are_no_number_are_refused_with_a_sentence(
-    own: Path, data: Path, levels: str
-) -> None:
-    with pytest.raises(Failed, match=rf"its levels are {levels}, not a whole number from 1 on\."):
-        run(own, data, f"\n    levels = property(lambda self: {levels})\n")
 
 
 def test_change_is_described_correctly_in_either_direction() -> None:

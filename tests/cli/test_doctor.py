@@ -138,21 +138,17 @@ def test_the_terminal_is_judged(
     check(look(here), state, says)
 
 
-def test_the_way_of_showing_pictures_is_told(here: Machine, monkeypatch: Patch) -> None:
-    for way, says in (
-        ("kitty", "kitty's"),
-        ("half blocks", "half blocks"),
-        (None, "not installed."),
-    ):
+def test_a_full_disk_and_the_way_of_showing_pictures_are_told(
+    here: Machine, monkeypatch: Patch
+) -> None:
+    usage = namedtuple("usage", "total used free")
+    for free, state in ((10, "bad"), (100, "care"), (10_000, "ok")):
+        found = usage(10**12, 0, free * 1_000_000)
+        monkeypatch.setattr("shutil.disk_usage", lambda _, found=found: found)
+        assert machine.disk_space(here).state == state
+    for way, says in (("kitty", "kitty's"), ("half blocks", "half blocks"), (None, "not inst")):
         monkeypatch.setattr("sar_tui.widgets.prompt_pictures.find_way", lambda way=way: way)
         check(machine.pictures(here), "ok", says)
-
-
-@pytest.mark.parametrize(("free", "state"), [(10, "bad"), (100, "care"), (10_000, "ok")])
-def test_a_full_disk_is_noticed(here: Machine, monkeypatch: Patch, free: int, state: str) -> None:
-    usage = namedtuple("usage", "total used free")
-    monkeypatch.setattr("shutil.disk_usage", lambda _: usage(10**12, 0, free * 1_000_000))
-    assert machine.disk_space(here).state == state
 
 
 FIGURES = {"measured_at": "2026-01-02T03:04", "median_ms": 0.3, "robust_sd_ms": 0.1, "p99_ms": 0.9}
@@ -210,6 +206,11 @@ def test_outputs_of_plug_ins_are_loaded(here: Machine, monkeypatch: Patch) -> No
 # --- devices
 
 
+DETACHED = Status(state="detached", at=0)
+ATTACHED = Status(state="attached", at=1)
+NO_GYROSCOPE = Status(state="error", at=0, detail="It has no gyroscope.")
+
+
 class Plugged:
     """Fake PhidgetSpatial that reports its statuses at once."""
 
@@ -228,38 +229,37 @@ class Plugged:
 
 
 @pytest.mark.parametrize(
-    ("status", "state", "says"),
+    ("statuses", "system", "rule", "state", "says", "has_advice"),
     [
-        (Status(state="detached", at=0), "ok", "none plugged in"),
-        (Status(state="attached", at=1), "ok", "Spatial 3/3/3, serial 629001, 250 samples a sec"),
-        (Status(state="error", at=0, detail="It has no gyroscope."), "care", "no gyroscope"),
+        ([DETACHED], "linux", False, "ok", "none plugged in", True),
+        ([], "linux", True, "ok", "none plugged in", False),
+        ([], "win32", False, "ok", "none plugged in", False),
+        ([ATTACHED], "linux", False, "ok", "Spatial 3/3/3, serial 629001, 250 samples", False),
+        ([NO_GYROSCOPE], "linux", False, "care", "no gyroscope", False),
     ],
 )
-def test_a_motion_sensor_is_looked_for(
-    here: Machine, monkeypatch: Patch, status: Status, state: str, says: str
+def test_a_motion_sensor_is_looked_for_and_what_one_needs_is_said(
+    here: Machine,
+    monkeypatch: Patch,
+    statuses: list[Status],
+    system: str,
+    rule: bool,
+    state: str,
+    says: str,
+    has_advice: bool,
 ) -> None:
-    sensor = Plugged(status)
+    sensor = Plugged(*statuses)
     monkeypatch.setattr(phidget, "PhidgetSource", lambda: sensor)
-    check(motion_sensor(here), state, says)
-    assert sensor.stopped
-    monkeypatch.setattr(driver, "usb_denied", lambda: True)
-    rule = 'SUBSYSTEM=="usb", ATTRS{idVendor}=="06c2", TAG+="uaccess"'
-    check(motion_sensor(here), "bad", advice=rule)
-
-
-@pytest.mark.parametrize(
-    ("system", "rule", "has_advice"),
-    [("linux", False, True), ("linux", True, False), ("win32", False, False)],
-)
-def test_without_a_sensor_the_doctor_says_what_one_needs(
-    here: Machine, monkeypatch: Patch, system: str, rule: bool, has_advice: bool
-) -> None:
-    monkeypatch.setattr(phidget, "PhidgetSource", Plugged)
     monkeypatch.setattr("os.geteuid", lambda: 1000)
     monkeypatch.setattr(devices, "_has_udev_rule", lambda: rule)
     monkeypatch.setattr(sys, "platform", system)
     found = motion_sensor(here)
-    assert (found.state, "write the line" in found.advice) == ("ok", has_advice)
+    check(found, state, says)
+    assert ("write the line" in found.advice) == has_advice
+    assert sensor.stopped
+    monkeypatch.setattr(driver, "usb_denied", lambda: True)
+    line = 'SUBSYSTEM=="usb", ATTRS{idVendor}=="06c2", TAG+="uaccess"'
+    check(motion_sensor(here), "bad", advice=line)
 
 
 def test_phidgets_and_rules_for_them_are_known_by_the_vendor(
@@ -288,46 +288,41 @@ def test_phidgets_and_rules_for_them_are_known_by_the_vendor(
 def test_a_missing_driver_is_reported_with_its_fix(
     here: Machine, monkeypatch: Patch, error: Exception, says: str, advice: str
 ) -> None:
-    monkeypatch.setattr(driver, "new_channel", raising(error))
-    check(devices.sensor_driver(here), "care", says, advice)
-
-
-@pytest.mark.parametrize(
-    ("prepare", "state", "says", "advice"),
-    [
-        (lambda m: m.during.update(open=m.plug_in), "ok", "makes its motors limp 1000 ms", ""),
-        (
-            lambda m: m.during.update(open=m.plug_in) or m.failing.update(enableFailsafe=UNSUPPORTED),
-            "care", "has no failsafe", "limp",
-        ),
-        (lambda m: None, "ok", "none plugged in, or another program uses it.", ""),
-        (
-            lambda m: m.during.update(open=lambda: m.err(2, "Channel is in use.")),
-            "ok", "Close the other program", "",
-        ),
-    ],
-    ids=["failsafe", "no failsafe", "none", "in use"],
-)  # fmt: skip
-def test_a_servo_controller_is_looked_for(
-    here: Machine, monkeypatch: Patch, prepare: Any, state: str, says: str, advice: str
-) -> None:
-    motor = FakeServo(VirtualClock())
-    monkeypatch.setattr(driver, "new_channel", lambda _kind: motor)
-    monkeypatch.setattr(driver, "plugged_in", lambda: None)
-    prepare(motor)
-    check(devices.servo_controller(here), state, says, advice)
-    assert (motor.sent("setEngaged"), motor.sent("close")) == ([], [None])
-
-
-def test_a_servo_controller_that_cannot_be_used_names_the_check_that_says_why(
-    here: Machine, monkeypatch: Patch
-) -> None:
     assert devices.servo_controller(here).state == "ok", "the system lists none"
+    monkeypatch.setattr(driver, "new_channel", raising(error))
     monkeypatch.setattr(driver, "plugged_in", lambda: None)
-    monkeypatch.setattr(driver, "new_channel", raising(OSError("libusb-1.0.so.0: cannot open")))
+    check(devices.sensor_driver(here), "care", says, advice)
     assert "Sensor driver" in devices.servo_controller(here).advice
     monkeypatch.setattr(driver, "usb_denied", lambda: True)
     assert devices.servo_controller(here).advice == "See: Motion sensor."
+
+
+@pytest.mark.parametrize(
+    ("opening", "failing", "state", "says", "advice"),
+    [
+        (FakeServo.plug_in, {}, "ok", "makes its motors limp 1000 ms", ""),
+        (FakeServo.plug_in, {"enableFailsafe": UNSUPPORTED}, "care", "has no failsafe", "limp"),
+        (lambda motor: None, {}, "ok", "none plugged in, or another program uses it.", ""),
+        (lambda motor: motor.err(2, "In use."), {}, "ok", "Close the other program", ""),
+    ],
+    ids=["failsafe", "no failsafe", "none", "in use"],
+)
+def test_a_servo_controller_is_looked_for(
+    here: Machine,
+    monkeypatch: Patch,
+    opening: Callable[[FakeServo], None],
+    failing: dict[str, Any],
+    state: str,
+    says: str,
+    advice: str,
+) -> None:
+    motor = FakeServo(VirtualClock())
+    motor.during.update(open=lambda: opening(motor))
+    motor.failing.update(failing)
+    monkeypatch.setattr(driver, "new_channel", lambda _kind: motor)
+    monkeypatch.setattr(driver, "plugged_in", lambda: None)
+    check(devices.servo_controller(here), state, says, advice)
+    assert (motor.sent("setEngaged"), motor.sent("close")) == ([], [None])
 
 
 @needs_speech
@@ -411,31 +406,26 @@ def test_missing_packages_are_no_fault_and_named_with_the_command(
     check(look(here), "ok", "not installed. ", f"To install it: {pip_install_extra(extra)}")
 
 
-@pytest.mark.parametrize(
-    ("days_ago", "state", "says"),
-    [
-        (3, "ok", "2 valid: operator.anna, observer.eva"),
-        (24, "care", "2 valid: operator.anna, observer.eva; expiring soon: anna on "),
-        (40, "ok", "1 valid: observer.eva"),
-        (70, "ok", "none is valid now, so nobody can join over the network"),
-    ],
-)
-def test_expiry_of_invitations(here: Machine, days_ago: int, state: str, says: str) -> None:
-    began = NOW - timedelta(days=days_ago)
-    authority = Authority.open_or_create(here.home.folder)
-    authority.invite(Guest("anna", "operator"), [parse_endpoint("lab")], 30, began)
-    authority.invite(Guest("eva", "observer"), [parse_endpoint("lab")], 60, began)
-    check(link.invitations(here), state, says)
-
-
-def test_invitations_that_are_revoked_readable_by_others_or_damaged(here: Machine) -> None:
+def test_invitations_that_are_valid_expire_are_readable_by_others_or_damaged(
+    here: Machine,
+) -> None:
     keys = here.home.folder / FOLDER
     assert link.invitations(here).found.startswith("nobody is invited")
     assert not keys.exists()
     authority = Authority.open_or_create(here.home.folder)
-    authority.invite(Guest("anna", "operator"), [parse_endpoint("lab")], 30, NOW)
+    for name, role, days_left in (
+        ("tom", "observer", -40),
+        ("anna", "operator", 6),
+        ("eva", "observer", 36),
+    ):
+        guest, began = Guest(name, role), NOW - timedelta(days=60 - days_left)
+        authority.invite(guest, [parse_endpoint("lab")], 60, began)
+    says = "2 valid: operator.anna, observer.eva; expiring soon: anna on "
+    check(link.invitations(here), "care", says)
     authority.revoke("anna", NOW)
-    assert link.invitations(here).found.startswith("none is valid")
+    check(link.invitations(here), "ok", "1 valid: observer.eva")
+    authority.revoke("eva", NOW)
+    check(link.invitations(here), "ok", "none is valid now, so nobody can join over the network")
     keys.chmod(0o755)
     assert f"chmod 700 {keys}" in link.invitations(here).advice
     keys.chmod(0o700)

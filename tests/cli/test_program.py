@@ -1,5 +1,6 @@
 """The program as a whole: help, version, exit codes, and errors."""
 
+import errno
 import os
 import shutil
 import sqlite3
@@ -22,6 +23,10 @@ tasks/show tasks/new tasks/check link/invite link/list link/revoke link/check re
 report/intervention programme/show programme/history programme/export programme/import
 programme/presets
 """.split()
+
+
+OTHERS = {f"sar_tui.cli.{name}" for name in ("detect", "live", "link", "validate")}
+OF_SESSIONS = {"sqlite_utils", "filelock", "numpy", "textual"}
 
 
 def python(
@@ -51,10 +56,29 @@ def test_version_is_the_packages(call: Call) -> None:
     assert call("--version") == (0, f"sar-tui {sar_tui.__version__}\n", "")
 
 
-def test_help_and_version_import_nothing_heavy() -> None:
-    assert not loaded_by("--version") & {*HEAVY, "typer", "typing", "re", "pathlib"}
-    assert not loaded_by("--help") & HEAVY
-    assert not loaded_by("simulate", "--help") & HEAVY
+@pytest.mark.parametrize(
+    ("arguments", "loads", "lighter_by"),
+    [
+        ("--version", "sar_tui", {*HEAVY, "typer", "typing", "re", "pathlib"}),
+        ("--help", "typer", HEAVY),
+        ("simulate --help", "typer", HEAVY),
+        ("tasks", "sar_tui.cli.tasks", {*OTHERS, *OF_SESSIONS, "sqlite3"}),
+        ("sessions --data data", "sar_tui.store.sessions", OF_SESSIONS),
+    ],
+)
+def test_a_command_loads_only_what_it_needs(
+    simulated: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    arguments: str,
+    loads: str,
+    lighter_by: set[str],
+) -> None:
+    """The sessions of a current database need no module that migrates one."""
+    monkeypatch.chdir(tmp_path)
+    modules = loaded_by(*arguments.split())
+    assert loads in modules
+    assert not modules & lighter_by
 
 
 def loaded_by(*arguments: str) -> set[str]:
@@ -68,21 +92,6 @@ def loaded_by(*arguments: str) -> set[str]:
     code, *modules = python("-c", script).stderr.split()
     assert code == "0", modules
     return set(modules)
-
-
-def test_a_command_loads_no_other_command() -> None:
-    modules = loaded_by("tasks")
-    assert "sar_tui.cli.tasks" in modules
-    others = {f"sar_tui.cli.{name}" for name in ("detect", "live", "link", "validate")}
-    assert not modules & (others | {"sqlite3", "sqlite_utils", "filelock", "numpy", "textual"})
-
-
-def test_the_sessions_of_a_current_database_are_listed_without_the_modules_that_migrate_one(
-    simulated: str, tmp_path: Path
-) -> None:
-    modules = loaded_by("sessions", "--data", str(tmp_path / "data"))
-    assert "sar_tui.store.sessions" in modules
-    assert not modules & {"sqlite_utils", "filelock", "numpy", "textual"}
 
 
 def test_every_command_takes_the_data_and_tasks_folders_and_has_help(call: Call) -> None:
@@ -112,25 +121,6 @@ def test_a_folder_without_a_name_is_bad_usage_and_not_the_present_folder(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_file_that_is_no_database_is_bad_input_and_so_is_a_newer_one(
-    call: Call, tmp_path: Path, simulated: str
-) -> None:
-    file = tmp_path / "data" / "sar-tui.db"
-    with sqlite3.connect(file) as connection:
-        connection.execute("PRAGMA user_version=999")
-    call("show", simulated).refused("newer sar-tui")
-    (file.parent / "sar-tui.db-wal").unlink(missing_ok=True)
-    file.write_text("Dear diary, today I was a text file.")
-    call("sessions").refused("is not a SQLite database")
-
-
-def test_a_folder_that_cannot_be_made_is_a_failure(call: Call, tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    called = call("sessions --data", tmp_path / "file" / "data")
-    called.refused("cannot be written to", code=1)
-    assert called.err.count("\n") == 1
-
-
 @pytest.mark.parametrize(
     ("error", "code", "said"),
     [
@@ -138,7 +128,9 @@ def test_a_folder_that_cannot_be_made_is_a_failure(call: Call, tmp_path: Path) -
         (ZeroDivisionError(), 1, "SAR_TUI_DEBUG=1"),
         (sqlite3.OperationalError("no such table: t"), 1, "sar-tui.db: no such table: t."),
         (EOFError("marshal data too short"), 1, "Python keeps compiled is cut short"),
-        (EOFError("marshal data too short"), 1, "-m compileall -fq"),
+        (OSError(errno.EFBIG, "x"), 1, "A file would be larger than the disk or this login may "),
+        (OSError(errno.EIO, "x"), 1, "The disk cannot be read or written: "),
+        (OSError(errno.EROFS, "x"), 1, "The disk can only be read. "),
         (KeyboardInterrupt(), 130, "Stopped."),
     ],
 )
@@ -194,9 +186,8 @@ def test_output_that_does_not_fit_on_the_disk_is_a_failure_in_a_sentence(
 ) -> None:
     with Path("/dev/full").open("w") as full:
         done = python(*PROGRAM, *arguments.split(), stdout=full, SAR_TUI_DATA=str(tmp_path))
-    assert done.returncode == 1
+    assert (done.returncode, done.stderr.count("\n")) == (1, 1)
     assert done.stderr.startswith("The disk is full: what was to be written is not complete.")
-    assert done.stderr.count("\n") == 1
 
 
 @pytest.mark.skipif(os.name != "posix", reason="the shell of POSIX systems")
@@ -205,15 +196,6 @@ def test_a_command_whose_standard_output_is_closed_is_done_all_the_same(argument
     words = ["sh", "-c", f'"{sys.executable}" -m sar_tui {arguments} >&-']
     done = subprocess.run(words, stderr=subprocess.PIPE, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
-
-
-@pytest.mark.parametrize("arguments", ["", "run keyboard -p P01"])
-def test_without_a_terminal_the_app_is_refused(
-    call: Call, monkeypatch: pytest.MonkeyPatch, arguments: str
-) -> None:
-    for term in ("xterm", "dumb"):
-        monkeypatch.setenv("TERM", term)
-        call(arguments).refused("terminal", "sar-tui simulate")
 
 
 PROGRAM = ("-m", "sar_tui")
@@ -234,34 +216,31 @@ run keyboard -p P01 --speech file:…
 simulate keyboard --user poor -p …
 simulate keyboard --user poor --set …=1
 """
+IS_NOT_TEXT = """
+simulate keyboard --user poor --set layout=qwerty…
+simulate keyboard --user poor --set speech=file:…
+simulate keyboard --user poor --set levels=…
+simulate keyboard --user poor --set attempts=…
+simulate keyboard --user poor --set …=1
+simulate keyboard --user poor --outputs screen,…
+simulate keyboard --user poor --language …
+simulate keyboard --user poor --theme …
+simulate keyboard --user poor -p …
+"""
 NOT_TEXT = "\udcff"
 """An argument of one byte that is not UTF-8, as Python passes it."""
 
 
-def test_a_name_that_is_too_long_is_bad_input(
+def test_a_name_that_is_too_long_or_not_text_is_bad_input(
     call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sar_tui.plugin_loader.user_folder", lambda: tmp_path)
-    for arguments in TOO_LONG.strip().splitlines():
-        called = call(arguments.replace("…", LONG))
-        assert (called.code, called.err.count("\n")) == (2, 1), arguments
-        assert "unexpected" not in called.err, arguments
-        assert LONG not in called.err, arguments
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        "--set layout=qwerty?", "--set speech=file:?", "--set levels=?", "--set attempts=?",
-        "--set ?=1", "--outputs screen,?", "--language ?", "--theme ?", "-p ?",
-    ],
-)  # fmt: skip
-def test_an_argument_that_is_not_text_is_bad_input(call: Call, arguments: str) -> None:
-    words = arguments.replace("?", NOT_TEXT).split()
-    called = call("simulate keyboard --user poor", *words)
-    assert called.code == 2
-    assert "unexpected" not in called.err
-    assert NOT_TEXT not in called.err
+    for name, commands in ((LONG, TOO_LONG), (NOT_TEXT, IS_NOT_TEXT)):
+        for arguments in commands.strip().splitlines():
+            called = call(arguments.replace("…", name))
+            assert (called.code, called.err.count("\n")) == (2, 1), arguments
+            assert "unexpected" not in called.err, arguments
+            assert name not in called.err, arguments
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="names of files that are not text")
@@ -277,15 +256,17 @@ def test_a_theme_whose_name_is_not_text_is_bad_input(
 
 @pytest.mark.skipif(os.name != "posix", reason="kinds of terminals")
 @pytest.mark.parametrize("arguments", ["", "run keyboard -p P01", "wizard --wait"])
-def test_a_dumb_terminal_and_one_of_no_kind_are_refused(
+def test_without_a_terminal_and_in_a_dumb_one_or_one_of_no_kind_the_app_is_refused(
     call: Call, monkeypatch: pytest.MonkeyPatch, arguments: str
 ) -> None:
-    for stream in ("stdin", "stdout", "stderr"):
-        monkeypatch.setattr(getattr(sys, stream), "isatty", lambda: True, raising=False)
     monkeypatch.setattr("sar_tui.link.discovery.live_sessions", list)
     for opens in ("sar_tui.app.app.run_app", "sar_tui.operator.app.run_wizard"):
         monkeypatch.setattr(opens, lambda *_, **__: 7)
-    monkeypatch.setenv("TERM", "dumb")
+    for term in ("xterm", "dumb"):
+        monkeypatch.setenv("TERM", term)
+        call(arguments).refused("terminal")
+    for stream in ("stdin", "stdout", "stderr"):
+        monkeypatch.setattr(getattr(sys, stream), "isatty", lambda: True, raising=False)
     call(arguments).refused("TERM=dumb")
     monkeypatch.delenv("TERM")
     call(arguments).refused("TERM, which names the kind of this one, is empty")

@@ -2,7 +2,6 @@
 
 import re
 import tomllib
-from collections.abc import Callable
 from datetime import date
 from pathlib import Path
 from typing import Any, Literal
@@ -25,13 +24,6 @@ from sar_tui.rules.wellbeing import SessionRatings
 from sar_tui.store.records import Record
 from tests.progress.session_results import adapted, at_one_level, session
 from tests.untranslated import english_in
-
-
-def both(tell: Callable[[Any], Any]) -> tuple[Any, Any]:
-    """Return something in English and in Spanish."""
-    english, spanish = (tell(progress_words.words(code, None)) for code in ("en", "es"))
-    return english, spanish
-
 
 SPANISH = tomllib.loads(
     (Path(progress_words.__file__).parent / "words.es.toml").read_text(encoding="utf-8")
@@ -61,28 +53,32 @@ def test_one_session_has_a_level_at_goal_and_no_verdict(keyboard: type[Task]) ->
     assert (line.baseline, line.verdict, line.between_sd) == (None, "not yet known", None)
     assert "Level at goal in the last session: level 3." in said(found)
     assert "not yet known. It needs 4 sessions" in said(found)
-    tr = progress_words.words("en", keyboard)
-    assert "In the only session: correct 95%." in " ".join(results_part(line, (78, 20), 0, tr))
-    note = progress_words.note("P01", line, tr)
+    note = progress_words.note("P01", line, progress_words.words("en", keyboard))
     assert "goal 1.0 s: 1 session on 2026-02-27; 20 of 20 attempts done," in note
 
 
-@pytest.mark.parametrize(("base", "verdict"), [(450.0, "noise"), (50.0, "more"), (750.0, "less")])
+@pytest.mark.parametrize(
+    ("base", "verdict", "says"),
+    [
+        (450.0, "noise", "no change can be shown"),
+        (50.0, "more", "better than that: a change that noise and practice do not explain"),
+        (750.0, "less", "worse"),
+    ],
+)
 def test_a_person_who_gets_much_faster_or_slower_has_changed(
-    keyboard: type[Task], base: float, verdict: str
+    keyboard: type[Task], base: float, verdict: str, says: str
 ) -> None:
     found = of(keyboard, *steady(5), session(9, adapted(9, base=base)))
     assert found.lines[0].verdict == verdict
-    assert ("no change can be shown" in said(found)) == (verdict == "noise")
-    told = "better than that: a change that noise and practice do not explain" in said(found)
-    assert told == (verdict == "more")
+    assert says in said(found)
 
 
-def test_the_gain_after_the_first_session_is_called_practice(keyboard: type[Task]) -> None:
-    later = (session(n, adapted(n)) for n in (1, 2, 3))
-    found = of(keyboard, session(0, adapted(0, base=600.0)), *later)
-    assert "Practice: from" in said(found)
-    assert "Practice: from" not in said(of(keyboard, *steady(6)))
+@pytest.mark.parametrize(("first", "is_practice"), [(600.0, True), (450.0, False)])
+def test_the_gain_after_the_first_session_is_called_practice(
+    keyboard: type[Task], first: float, is_practice: bool
+) -> None:
+    found = of(keyboard, session(0, adapted(0, base=first)), *steady(6)[1:])
+    assert ("Practice: from" in said(found)) is is_practice
 
 
 def test_at_a_fixed_level_lower_times_are_better(keyboard: type[Task]) -> None:
@@ -125,34 +121,32 @@ def compared_in(found: Progress, one: int, other: int, code: str, keyboard: type
     return progress_words.compared(found.lines[0], comparison, progress_words.words(code, keyboard))
 
 
-def test_sessions_that_all_beat_the_goal_are_compared_by_their_results_and_what_would_help_is_said(
+def test_sessions_without_a_level_at_goal_are_marked_and_compared_at_the_levels_of_both(
     keyboard: type[Task],
 ) -> None:
     found = of(keyboard, fast(0, 1, 500.0), fast(1, 2, 400.0), fast(2, 4, 400.0))
-    english = compared_in(found, 0, 1, "en", keyboard)
-    for part in ("every result was better than the goal. Mean at level 2: 0.60 s, then 0.40 s;",
-                 "Harder levels would make it known."):  # fmt: skip
-        assert part in english
+    compared = compared_in(found, 0, 1, "en", keyboard)
+    assert (
+        "every result was better than the goal. Mean at level 2: 0.60 s, then 0.40 s;" in compared
+    )
     assert "No level was played in both" in compared_in(found, 0, 2, "en", keyboard)
     spanish = compared_in(found, 0, 1, "es", keyboard)
     assert "0,60 s, luego 0,40 s" in spanish
     assert english_in([spanish], SPANISH) == []
-
-
-def test_sessions_without_a_level_at_goal_are_named_with_the_levels_of_both(
-    keyboard: type[Task],
-) -> None:
     four = [AttemptResult(level, 400.0 + 10 * level, 20) for level in (1, 2, 3, 4)]
     found = of(keyboard, session(0, four), session(1, four))
     assert "Mean at levels 1 to 4, played in both: 0.4" in compared_in(found, 0, 1, "en", keyboard)
+    hardest = keyboard(keyboard.Parameters()).levels
+    found = of(keyboard, *(fast(n, hardest - 1, 400.0) for n in (1, 2)))
+    assert "a harder goal" in compared_in(found, 1, 2, "en", keyboard)
     found = of(keyboard, *steady(2), session(9, at_one_level(9, 400.0)))
     easy = compared_in(found, 0, 9, "en", keyboard)
     assert easy.startswith("The level at goal of 2026-03-08 is not known: every result was better")
     assert "Mean at level 3:" in easy
-    hardest = keyboard(keyboard.Parameters()).levels
-    found = of(keyboard, *(fast(n, hardest - 1, 400.0) for n in (1, 2)))
-    said = compared_in(found, 1, 2, "en", keyboard)
-    assert said.endswith("a harder goal would begin a new chart.")
+    assert "harder levels can be tried" in said(found)
+    drawn = level_figure(found.lines[0], 120, 16, progress_words.words("en", keyboard))
+    assert "^ all too easy" in drawn[0]
+    assert "^" in drawn[1]
 
 
 def test_two_sessions_are_compared_in_the_order_they_were_played(keyboard: type[Task]) -> None:
@@ -203,21 +197,13 @@ def test_the_dose_of_the_last_four_weeks_includes_today_and_not_the_day_before_t
     said = dose_words.recent_text(found, progress_words.words("en", None))
     assert "sessions on 2 days, on 2 of them" in said
     assert "40 of 40 attempts, 800 repetitions" in said
-    found = recent(days_of([session(0, adapted(0), on_day=0)]), date(2026, 3, 1))
-    english, spanish = both(lambda tr: dose_words.recent_text(found, tr))
-    assert "sessions on 1 day, on 1 of them all that was planned; 20 of 20" in english
-    assert "sesiones en 1 día, en 1 de ellos todo lo previsto; 20 de 20" in spanish
 
 
-def test_new_pain_and_adverse_events_are_told_in_either_language(keyboard: type[Task]) -> None:
-    given: Any = {"ratings": [SessionRatings(pain_after=0), *[SessionRatings(pain_after=2)] * 4],
-                  "records": [fell("2026-03-01", what="Cramp")]}  # fmt: skip
-    found = progress("P01", steady(2), {"keyboard": keyboard}.get, **given)
-    english, spanish = both(lambda tr: progress_words.warnings(found, tr))
-    assert english[0].startswith("Pain is new: some in each of the last four sessions")
-    assert english[1] == "Adverse event 2026-03-01, mild: Cramp. Outcome not yet recorded."
-    assert spanish[1] == "Evento adverso 2026-03-01, leve: Cramp. Desenlace aún sin anotar."
-    assert spanish[0].startswith("El dolor es nuevo")
+def test_new_pain_and_adverse_events_are_told(keyboard: type[Task]) -> None:
+    found = progress("P01", steady(2), {"keyboard": keyboard}.get, **NEW_PAIN)
+    pain, event = progress_words.warnings(found, progress_words.words("en", None))
+    assert pain.startswith("Pain is new: some in each of the last four sessions")
+    assert event == "Adverse event 2026-03-01, mild: Cramp. Outcome not yet recorded."
     events = [fell("2026-03-01", outcome="No injury.")]
     found = progress("P01", steady(2), {"keyboard": keyboard}.get, records=events)
     (noted,) = progress_words.after_notes(found, progress_words.words("en", None))
@@ -228,6 +214,12 @@ def fell(onset: str, session: str | None = None, **more: str) -> Record:
     content = {"what": "Fell", "severity": "mild"} | more
     given: Any = {"kind": "adverse-event", "participant": "P01", "content": content}
     return Record(id=onset, at=onset, session=session, **given)
+
+
+NEW_PAIN: Any = {
+    "ratings": [SessionRatings(pain_after=0), *[SessionRatings(pain_after=2)] * 4],
+    "records": [fell("2026-03-01", what="Cramp")],
+}
 
 
 def test_an_adverse_event_stands_below_its_session_and_its_day(keyboard: type[Task]) -> None:
@@ -250,35 +242,33 @@ def test_an_adverse_event_stands_below_its_session_and_its_day(keyboard: type[Ta
     assert "! adverse event" in calendar
 
 
-def felt(keyboard: type[Task], *pain: int) -> list[SessionResults]:
-    ratings = (SessionRatings(pain_after=rating) for rating in pain)
-    return [session(n, adapted(n), felt=each) for n, each in enumerate(ratings)]
-
-
 def test_the_note_tells_of_pain_where_it_is_known(keyboard: type[Task]) -> None:
-    def note(*sessions: SessionResults) -> str:
-        line = of(keyboard, *sessions).lines[0]
-        return progress_words.note("P01", line, progress_words.words("en", keyboard))
-
-    known = note(*felt(keyboard, 1, 4), *steady(3)[2:])
-    assert "Worst of each session, 0 to 10, from first to last: pain 1 → 4." in known
-    assert "Worst" not in note(*steady(1))
-    line = of(keyboard, *felt(keyboard, 0, 6, 1)).lines[0]
-    told = both(lambda tr: progress_words.felt_range(line, tr))
-    assert told == ("pain 0 → 1 (highest 6)", "dolor 0 → 1 (máximo 6)")
-
-
-def test_at_a_tall_screen_both_charts_are_shown_and_the_text_fits(keyboard: type[Task]) -> None:
-    line = of(keyboard, *steady(6)).lines[0]
     tr = progress_words.words("en", keyboard)
-    shown = {
-        rows: level_part(line, (78, rows), 5, tr, advice=["! Pain is new."]) for rows in (20, 46)
-    }
-    for rows, part in shown.items():
+    rated = [
+        session(n, adapted(n), felt=SessionRatings(pain_after=pain))
+        for n, pain in enumerate((0, 6, 1))
+    ]
+    (line,) = of(keyboard, *rated, *steady(4)[3:]).lines
+    said = "Worst of each session, 0 to 10, from first to last: pain 0 → 1 (highest 6)."
+    assert said in progress_words.note("P01", line, tr)
+    (line,) = of(keyboard, *steady(1)).lines
+    assert "Worst" not in progress_words.note("P01", line, tr)
+
+
+def test_parts_fit_show_both_charts_at_a_tall_screen_and_mark_the_session_to_compare_with(
+    keyboard: type[Task],
+) -> None:
+    (line,) = of(keyboard, *steady(6)).lines
+    tr = progress_words.words("en", keyboard)
+    for rows in (20, 46):
+        part = level_part(line, (78, rows), 5, tr, advice=["! Pain is new."])
         assert len(part) <= rows
         assert any(row.startswith("reaction time (s)") for row in part) == (rows == 46)
-    assert "! Pain is new." in " ".join(shown[20])
-    assert "no change can be shown" in " ".join(shown[46])
+        says = "no change can be shown" if rows == 46 else "! Pain is new."
+        assert says in " ".join(part)
+    for draw in (level_part, results_part):
+        (foot,) = (row for row in draw(line, (78, 20), 5, tr, "session001") if "└" in row)
+        assert 0 < foot.index("◆") < foot.index("▲")
 
 
 def test_every_text_of_charts_parts_and_dose_has_a_translation_and_none_is_left() -> None:
@@ -296,19 +286,22 @@ def test_every_text_of_charts_parts_and_dose_has_a_translation_and_none_is_left(
 
 def test_every_sentence_is_in_spanish(keyboard: type[Task]) -> None:
     tr = progress_words.words("es", keyboard)
+    pain = SessionRatings(pain_after=4)
     for sessions in (
         steady(1),
         [session(0, adapted(0, base=600.0)), *steady(6)[1:]],
         [*steady(5), session(9, adapted(9, base=50.0))],
         [*steady(5), session(9, adapted(9, base=750.0))],
-        [session(1, at_one_level(1, 400.0))],
+        [session(1, at_one_level(1, 400.0), felt=pain)],
         [session(1, at_one_level(1, 1900.0))],
         [session(number, at_one_level(number, 950.0)) for number in range(5)],
         [session(1, adapted(1), mode="simulated", seat="B")],
     ):
-        (line,) = of(keyboard, *sessions).lines
-        shown = progress_words.note("P01", line, tr)
-        assert english_in([shown, dose_words.legend(tr)], SPANISH) == []
+        found = progress("P01", sessions, {"keyboard": keyboard}.get, **NEW_PAIN)
+        shown = progress_words.note("P01", found.lines[0], tr)
+        dose = dose_words.recent_text(recent(found.days, date(2026, 3, 1)), tr)
+        others = [dose, dose_words.legend(tr), *progress_words.warnings(found, tr)]
+        assert english_in([shown, *others], SPANISH) == []
         assert "ms" not in shown or not re.search(r"\d\.\d", shown)
 
 
@@ -354,24 +347,6 @@ def test_a_better_result_is_higher_up_whichever_way_is_better(
     assert spec is not None
     assert spec["layer"][0]["encoding"]["y"]["scale"]["reverse"] == (better == "lower")
     assert ("better is up" in drawn[0]) == (better == "lower")
-
-
-def test_a_session_that_was_all_too_easy_is_marked_and_asks_for_harder_levels(
-    keyboard: type[Task],
-) -> None:
-    found = of(keyboard, *steady(2), session(9, at_one_level(9, 400.0)))
-    assert "harder levels can be tried" in said(found)
-    drawn = level_figure(found.lines[0], 120, 16, progress_words.words("en", keyboard))
-    assert "^ all too easy" in drawn[0]
-    assert "^" in drawn[1]
-
-
-def test_the_session_to_compare_with_has_a_sign_on_the_axis(keyboard: type[Task]) -> None:
-    (line,) = of(keyboard, *steady(6)).lines
-    tr = progress_words.words("en", keyboard)
-    for draw in (level_part, results_part):
-        (foot,) = (row for row in draw(line, (78, 20), 5, tr, "session001") if "└" in row)
-        assert 0 < foot.index("◆") < foot.index("▲")
 
 
 def test_values_that_differ_by_rounding_have_equal_bars() -> None:

@@ -50,6 +50,7 @@ def dropped(reason: Any, id: str = "a1") -> m.Dropped:
 MILDER = action(A1, "edited", text="A little slow.", valence="neutral")
 CUT_OFF = m.Halt(action="a1", reason="vetoed", asked=1590)
 LATE = m.LateDecision(actor="x", what="veto a1", why="late")
+BY_BEN = m.Decision(action="a1", verdict="accept", actor="operator.ben", at=1_890_000_000)
 OUTCOMES: dict[str, tuple[Script, dict[str, Any]]] = {
     "accepted": (
         pending_feedback().log(1835, decision("a1", ms=1830), action(A1)).log(2500, action(A1)),
@@ -79,6 +80,15 @@ OUTCOMES: dict[str, tuple[Script, dict[str, Any]]] = {
         pending_feedback().log(5000, action(A1, ground="deadline"))
         .log(5100, decision("a1", "veto", 5090), LATE),
         {"fate": "timed_out_done", "verdict": None, "key_at": None, "waiting_ms": 4000},
+    ),
+    "of two operators, each is timed by their own screen": (
+        pending_feedback().log(1400, seen("a1", 1390, "operator.ben")).log(1895, BY_BEN, action(A1)),
+        {"by": "operator.ben", "decision_ms": 500},
+    ),
+    "a key without effect before a change of mode": (
+        pending_feedback().log(1500, decision("a1", ms=1500))
+        .log(3000, m.ModeChanged(kind="feedback", mode="autonomous"), action(A1)),
+        {"verdict": "accepted", "key_at": None, "waiting_ms": 2000},
     ),
     "never on a screen": (
         started().log(1000, A1, pending(A1)).log(1500, decision("a1", ms=1500), action(A1)),
@@ -134,38 +144,20 @@ def test_each_outcome_without_an_operator_has_a_name() -> None:
         has(only(pending_feedback().log(5000, end)), fate=fate, verdict=None, key_at=None)
 
 
-def test_two_operators_are_timed_each_by_their_own_screen() -> None:
-    script = pending_feedback().log(1400, seen("a1", 1390, "operator.ben"))
-    ben = m.Decision(action="a1", verdict="accept", actor="operator.ben", at=1_890_000_000)
-    record = only(script.log(1895, ben, action(A1)))
-    assert (record.by, record.decision_ms) == ("operator.ben", 500)
-
-
-def test_a_key_without_effect_does_not_count_for_a_later_change_of_mode() -> None:
-    script = pending_feedback().log(1500, decision("a1", ms=1500))
-    record = only(script.log(3000, m.ModeChanged(kind="feedback", mode="autonomous"), action(A1)))
-    assert (record.verdict, record.key_at, record.waiting_ms) == ("accepted", None, 2000)
-
-
-def test_the_mode_is_the_one_set_at_the_time_of_the_proposal() -> None:
-    script = started().log(1000, A1).log(2000, m.ModeChanged(kind="feedback", mode="manual"))
-    first, later = proposal_records(script.log(3000, proposal("a2")), APPROVE)
-    has(first, id="a1", mode="approve")
-    has(later, id="a2", mode="manual")
-
-
-@pytest.mark.parametrize(
-    ("kind", "ruled_by", "mode"),
-    [
+def test_each_has_the_mode_of_its_controlled_kind_at_the_time_of_the_proposal() -> None:
+    rows: list[tuple[Any, str, str]] = [
         ("greeting", "instruction", "autonomous"),
         ("goodbye", "instruction", "autonomous"),
         ("rest", "encouragement", "veto"),
         ("feedback", "feedback", "approve"),
         ("filler", "filler", "autonomous"),
-    ],
-)
-def test_each_kind_has_the_mode_of_its_controlled_kind(kind: Any, ruled_by: str, mode: str) -> None:
-    has(only(started().log(1000, proposal("a1", kind))), kind=ruled_by, mode=mode)
+    ]
+    proposals = [proposal(kind, kind) for kind, *_ in rows]
+    script = started().log(1000, *proposals)
+    script.log(2000, m.ModeChanged(kind="feedback", mode="manual"))
+    *first, later = proposal_records(script.log(3000, A1), APPROVE)
+    assert [(record.id, record.kind, record.mode) for record in first] == rows
+    has(later, id="a1", kind="feedback", mode="manual")
 
 
 def test_a_separate_gesture_is_a_proposal_without_a_valence() -> None:
@@ -205,25 +197,16 @@ def test_a_pending_change_of_level_is_one_proposal(
 
 MANUAL = TaskParameters(operator_difficulty="manual")
 REJECTED = level_decided("l1", 0, "rejected", "mode")
-
-
-STARTED = m.AttemptStarted(attempt=2, practice=False, level=1, trials=3)
 ENDED = m.AttemptEnded(
     attempt=1, practice=False, level=1, metric=None, metric_unit="ms", accuracy=1, correct=3,
     trials=3, outcome="success", feedback="none", started=0, ended=1
 )  # fmt: skip
 
 
-def switched() -> Script:
-    """A level is pending; then the operator sets its mode to manual."""
-    taken = m.ModeChanged(kind="difficulty", mode="manual", actor="x")
-    return started().log(1000, pending(L1, level=2)).log(2000, taken, pending(L1, "manual", 2))
-
-
 @pytest.mark.parametrize(
     ("cause", "fate"),
     [
-        (STARTED, "mode_changed"),
+        (m.AttemptStarted(attempt=2, practice=False, level=1, trials=3), "mode_changed"),
         (ENDED, "amended"),
         (m.SessionCommand(command="stop", actor="x"), "stopped"),
         (m.SessionEnded(status="aborted"), "late"),
@@ -232,7 +215,9 @@ def switched() -> Script:
 def test_a_level_whose_mode_changed_while_pending_is_dropped_for_its_reason(
     cause: m.Message, fate: str
 ) -> None:
-    has(only(switched().log(9000, cause, REJECTED)), mode="approve", fate=fate, verdict=None)
+    taken = m.ModeChanged(kind="difficulty", mode="manual", actor="x")
+    script = started().log(1000, pending(L1, level=2)).log(2000, taken, pending(L1, "manual", 2))
+    has(only(script.log(9000, cause, REJECTED)), mode="approve", fate=fate, verdict=None)
 
 
 def test_a_level_that_was_never_pending_is_the_agents_or_dropped_for_want_of_an_operator() -> None:

@@ -60,7 +60,11 @@ def schema_of(database: Connection) -> tuple[object, ...]:
     return (columns, *(set(database.execute(query)) for query in (others, indexes)))
 
 
-def test_every_commit_is_synced_to_the_disk(database: Connection) -> None:
+def test_every_commit_is_synced_to_the_disk_and_a_lost_write_ahead_log_mode_comes_back(
+    data: Path,
+) -> None:
+    sql(data, "PRAGMA journal_mode=DELETE")
+    database = connect(data)
     assert (pragma(database, "journal_mode"), pragma(database, "synchronous")) == ("wal", 2)
 
 
@@ -74,15 +78,18 @@ def test_a_current_database_opens_while_another_holds_the_upgrade_lock(data: Pat
             assert "locked" in str(refusal(data))
 
 
-def test_a_current_database_that_lost_its_write_ahead_log_mode_gets_it_back(data: Path) -> None:
-    sql(data, "PRAGMA journal_mode=DELETE")
-    assert pragma(data, "journal_mode") == "wal"
-
-
 @posix
-def test_the_folder_and_its_files_are_its_owners_alone(database: Connection, data: Path) -> None:
+def test_the_folder_those_above_and_its_files_are_their_owners_alone_whatever_the_umask(
+    tmp_path: Path,
+) -> None:
+    data = tmp_path / "clinic" / "ward" / "data"
+    before = os.umask(0)
+    try:
+        database = connect(data)
+    finally:
+        os.umask(before)
     sql(database, NEW, "P01")
-    assert mode(data) == 0o700
+    assert [mode(folder) for folder in (data, *data.parents[:2])] == [0o700] * 3
     assert {mode(path) for path in data.iterdir()} == {0o600}
     assert {FILE, f"{FILE}-wal"} <= {path.name for path in data.iterdir()}
     (data / FILE).chmod(0o644)
@@ -113,19 +120,15 @@ def test_a_file_that_is_no_database_is_refused_and_unchanged(data: Path, content
     assert (data / FILE).read_bytes() == content
 
 
-def test_a_damaged_database_is_reported(data: Path) -> None:
-    connect(data).close()
-    whole = (data / FILE).read_bytes()
-    (data / FILE).write_bytes(whole[:100] + b"\xff" * 4000 + whole[4100:])
-    assert refusal(data).bad_input
-
-
-def test_a_schema_that_is_not_even_text_is_reported_as_damage(data: Path) -> None:
+def test_damaged_pages_and_a_schema_that_is_not_even_text_are_reported(data: Path) -> None:
     text = "CAST('CREATE TABLE ' || x'ff' || '(' AS TEXT)"
     with closing(connect(data)) as database:
         sql(database, "PRAGMA writable_schema=ON")
         sql(database, f"UPDATE sqlite_schema SET sql={text} WHERE name='trials'")
     assert "sar-tui.db is damaged. Restore a backup" in str(refusal(data))
+    whole = (data / FILE).read_bytes()
+    (data / FILE).write_bytes(whole[:100] + b"\xff" * 4000 + whole[4100:])
+    assert refusal(data).bad_input
 
 
 def test_a_folder_that_is_a_file_is_reported(tmp_path: Path) -> None:
@@ -151,17 +154,6 @@ def test_a_folder_that_is_read_only_is_reported() -> None:
             folder.chmod(0o700)
     assert "cannot be written to: Permission denied" in str(refused)
     assert not refused.bad_input
-
-
-@posix
-def test_the_folders_above_are_private_too_whatever_the_umask(tmp_path: Path) -> None:
-    before = os.umask(0)
-    try:
-        connect(tmp_path / "clinic" / "ward" / "data").close()
-    finally:
-        os.umask(before)
-    folders = [tmp_path / each for each in ("clinic", "clinic/ward", "clinic/ward/data")]
-    assert [mode(folder) for folder in folders] == [0o700] * 3
 
 
 def test_a_database_of_an_unreleased_version_is_refused_and_left_unchanged(
@@ -216,12 +208,21 @@ def older(data: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return data
 
 
-def test_an_older_database_is_backed_up_and_upgraded(older: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("is_large", [True, False])
+def test_an_older_database_is_backed_up_and_upgraded_which_is_announced_if_it_is_large(
+    older: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    is_large: bool,
+) -> None:
+    monkeypatch.setattr(module, "_LARGE_MB", 0.0 if is_large else 1.0)
     opened, new = connect(older), connect(tmp_path / "new")
     assert pragma(opened, "user_version") == VERSION + 1
     assert schema_of(opened) == schema_of(new)
     assert codes(opened) == ["P01"]
     connect(older)  # again: another backup would make this test fail
+    assert capsys.readouterr().err.count("is brought up to date for this version") == is_large
     (backup,) = older.glob("*-v*.db")
     assert backup.name.startswith(f"{FILE.removesuffix('.db')}-v{VERSION}-")
     assert os.name != "posix" or mode(backup) == 0o600
@@ -244,43 +245,28 @@ def test_an_upgrade_that_fails_changes_nothing(
     assert pragma(connect(older), "user_version") == VERSION + 1
 
 
-@pytest.mark.parametrize("is_large", [True, False])
-def test_it_is_announced_that_a_large_database_is_brought_up_to_date(
-    older: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], is_large: bool
-) -> None:
-    monkeypatch.setattr(module, "_LARGE_MB", 0.0 if is_large else 1.0)
-    connect(older)
-    connect(older)
-    said = "is brought up to date for this version of sar-tui. A copy of it is kept."
-    assert capsys.readouterr().err.count(said) == is_large
-
-
 def test_threads_that_open_a_new_folder_at_the_same_moment_all_can(data: Path) -> None:
     with ThreadPoolExecutor(8) as pool:
         opened = list(pool.map(lambda _: connect(data), range(8)))
     assert [pragma(database, "user_version") for database in opened] == [VERSION] * 8
 
 
-def test_a_transaction_is_all_or_nothing(database: Connection) -> None:
+def test_a_transaction_that_is_stopped_or_that_the_disk_refuses_changes_nothing(
+    database: Connection,
+) -> None:
     def half() -> None:
         with transaction(database) as connection:
             sql(connection, NEW, "P01")
             raise KeyboardInterrupt
 
-    with pytest.raises(KeyboardInterrupt):
-        half()
-    assert codes(database) == []
-    with transaction(database) as connection:
-        sql(connection, NEW, "P02")
-    assert codes(database) == ["P02"]
-
-
-def test_a_transaction_the_disk_refuses_changes_nothing_and_says_why(database: Connection) -> None:
     def too_much() -> None:
         with transaction(database) as connection:
             sql(connection, NEW, "P01")
             sql(connection, "INSERT INTO notes (session, text) VALUES ('s', zeroblob(1000000))")
 
+    with pytest.raises(KeyboardInterrupt):
+        half()
+    assert codes(database) == []
     sql(database, f"PRAGMA max_page_count={pragma(database, 'page_count')}")
     with pytest.raises(StoreError, match="The disk is full"):
         too_much()
@@ -288,23 +274,6 @@ def test_a_transaction_the_disk_refuses_changes_nothing_and_says_why(database: C
     with transaction(database) as connection:
         sql(connection, NEW, "P02")
     assert codes(database) == ["P02"]
-
-
-def failed(words: str, code: int | None) -> sqlite3.OperationalError:
-    error = sqlite3.OperationalError(words)
-    if code is not None:
-        error.sqlite_errorcode = code
-    return error
-
-
-def test_errors_are_explained() -> None:
-    readonly = failed("attempt to write a readonly database", sqlite3.SQLITE_READONLY)
-    assert "sar-tui.db-wal and sar-tui.db-shm, which another user" in str(explain(readonly))
-    unforeseen = failed("no such thing", None)
-    assert str(explain(unforeseen, Path("x.db"))) == "x.db: no such thing."
-
-
-TEMPORARY = "FULL IOERR_FSYNC BUSY_SNAPSHOT READONLY CANTOPEN NOMEM".split()
 
 
 def test_the_environment_sets_the_data_folder(
@@ -316,7 +285,15 @@ def test_the_environment_sets_the_data_folder(
     assert default_folder().name == "sar-tui"
 
 
+TEMPORARY = "FULL IOERR_FSYNC BUSY_SNAPSHOT READONLY CANTOPEN NOMEM".split()
+
+
 @pytest.mark.parametrize("name", [*TEMPORARY, "CORRUPT", "CONSTRAINT_PRIMARYKEY", None])
 def test_temporary_and_permanent_errors_are_told_apart(name: str | None) -> None:
-    error = failed("refused", name and getattr(sqlite3, f"SQLITE_{name}"))
-    assert explain(error).temporary is (name in TEMPORARY)
+    error = sqlite3.OperationalError("refused")
+    if name is not None:
+        error.sqlite_errorcode = getattr(sqlite3, f"SQLITE_{name}")
+    explained = explain(error, Path("x.db"))
+    assert explained.temporary is (name in TEMPORARY)
+    unforeseen = name in ("CONSTRAINT_PRIMARYKEY", None)
+    assert (str(explained) == "x.db: refused.") is unforeseen

@@ -79,14 +79,17 @@ def test_samples_are_one_chunk_until_a_message_divides_them() -> None:
     assert found == [[1, 1, 2, 2, 20], [1, 2, 4, 1, 30]]
 
 
-def test_each_attachment_of_a_sensor_begins_a_stream_whose_chunks_are_counted_from_one() -> None:
+def test_only_an_attachment_begins_a_stream_whose_chunks_are_counted_from_one() -> None:
+    states: Any = "detached gap saturated stalled flowing error ended".split()
+    others = [Record(3, 3, SENSOR, SensorChanged(state=state, at=3)) for state in states]
     facts = {"source": "test", "model": "By hand", "serial": "7", "rate_hz": 250.0,
              "rate_range_rad_s": 5.0}  # fmt: skip
-    records = [attached(1), block(2, 10), key(2), block(3, 20), attached(3, **facts), block(4, 30)]
+    again = [attached(4, **facts), block(5, 30)]
+    records = [attached(1), block(2, 10), key(2), *others, block(4, 20), *again]
     streams, rows, _ = imu.StreamRows("s", 4).rows(records)
     assert [(row[1], row[2]) for row in rows] == [(1, 1), (1, 2), (2, 1)]
     assert [row[:4] for row in streams] == [("s", 1, "A", 4), ("s", 2, "A", 4)]
-    assert streams[1][4:] == (*facts.values(), 0.0, imu.layout(), 3, "hand")
+    assert streams[1][4:] == (*facts.values(), 0.0, imu.layout(), 4, "hand")
 
 
 def test_hand_and_trunk_have_their_own_streams_and_a_replay_gets_the_trunk_first(
@@ -103,14 +106,6 @@ def test_hand_and_trunk_have_their_own_streams_and_a_replay_gets_the_trunk_first
     assert [len(imu.samples(database, "s", part=part)) for part in ("hand", "trunk")] == [2, 2]
     resumed = imu.resume_streams(database, "s", 2)
     assert [row[1:3] for row in resumed.rows([leaning, block(5, 60)])[1]] == [(2, 2), (1, 2)]
-
-
-def test_other_statuses_of_a_sensor_do_not_begin_a_stream() -> None:
-    states: Any = "detached gap saturated stalled flowing error ended".split()
-    others = [Record(3, 3, SENSOR, SensorChanged(state=state, at=3)) for state in states]
-    records = [attached(1), block(2, 10), key(2), *others, block(4, 20)]
-    streams, rows, _ = imu.StreamRows("s", 1).rows(records)
-    assert (len(streams), [(row[1], row[2]) for row in rows]) == (1, [(1, 1), (1, 2)])
 
 
 def test_chunks_are_counted_across_batches_once_they_are_stored() -> None:
@@ -196,28 +191,6 @@ class StoredSession:
         assert replayed(self.history, self.driver) == events(self.driver.records)
 
 
-def test_every_sample_of_a_session_is_stored_as_it_was_measured(data: Path) -> None:
-    stored = StoredSession(data).do(2)
-    assert len(stored.driver.samples) > 1500
-    assert stored.samples().tobytes() == stored.driver.samples.tobytes()
-    (stream,) = stored.streams
-    names = ("stream", "run", "source", "rate_hz")
-    assert [stream[name] for name in names] == [1, 1, "simulated", 250.0]
-    assert sum(chunk["n"] for chunk in stored.chunks()) == len(stored.driver.samples)
-    blocks = [record for record in stored.driver.records if record.topic is IMU]
-    assert len(stored.chunks()) < len(blocks) / 4, "few rows, not one a block"
-
-
-def test_a_trial_is_not_acknowledged_before_its_samples_are_there(data: Path) -> None:
-    stored = StoredSession(data, inline=False).do(1)
-    assert stored.driver.all(STORED) == []
-    stored.write()
-    assert stored.driver.all(STORED) != []
-    details = stored.driver.last(TRIAL).details
-    inside = stored.samples(int(details["window_from_ns"] or 0), int(details["window_to_ns"] or 0))
-    assert len(inside) == details["samples"]
-
-
 def test_samples_and_messages_do_not_depend_on_how_many_are_written_at_a_time(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -230,9 +203,15 @@ def test_samples_and_messages_do_not_depend_on_how_many_are_written_at_a_time(
     assert found[0] == found[1] == found[2]
 
 
-def test_samples_are_found_by_when_they_were_measured(data: Path) -> None:
-    stored = StoredSession(data).do(1)
+def test_every_sample_is_stored_in_few_rows_and_found_by_when_it_was_measured(data: Path) -> None:
+    stored = StoredSession(data).do(2)
+    (stream,) = stored.streams
+    names = ("stream", "run", "source", "rate_hz")
+    assert [stream[name] for name in names] == [1, 1, "simulated", 250.0]
     stamps = stored.driver.samples["at"]
+    assert sum(chunk["n"] for chunk in stored.chunks()) == len(stamps) > 1500
+    blocks = [record for record in stored.driver.records if record.topic is IMU]
+    assert len(stored.chunks()) < len(blocks) / 4, "few rows, not one a block"
     for first, last in [(0, 1), (100, 100), (249, 900), (0, len(stamps) - 1)]:
         found = stored.samples(int(stamps[first]), int(stamps[last]))
         assert found["at"].tolist() == stamps[first:last].tolist()
@@ -242,23 +221,19 @@ def test_samples_are_found_by_when_they_were_measured(data: Path) -> None:
     assert len(imu.samples(stored.reader, "another", 0, 2**62)) == 0
 
 
-@pytest.mark.parametrize("change", ["a byte", "cut short", "another block's"])
-def test_a_damaged_block_is_named_and_never_taken_for_samples(data: Path, change: str) -> None:
+def test_a_damaged_block_is_named_and_never_taken_for_samples(data: Path) -> None:
     stored = StoredSession(data).do(1)
     number = len(stored.chunks()) // 2
     damaged, following = stored.chunks()[number - 1 : number + 1]
     whole = damaged["data"]
-    bad = {
-        "a byte": bytes([whole[0] ^ 1]) + whole[1:],
-        "cut short": whole[: -SAMPLE.itemsize],
-        "another block's": following["data"],
-    }[change]
-    sql(data, "UPDATE imu_chunks SET data=? WHERE session=? AND seq=?", bad, stored.id, number)
-    words = f"Block {number} of sensor stream 1 of session {stored.id} is damaged"
-    for read in (stored.samples, lambda: stored.history):
-        with pytest.raises(StoreError, match=words):
-            read()
-    assert len(stored.samples(0, damaged["t0_ns"])), "what is not damaged can still be read"
+    a_byte_changed = bytes([whole[0] ^ 1]) + whole[1:]
+    for bad in (a_byte_changed, whole[: -SAMPLE.itemsize], following["data"]):
+        sql(data, "UPDATE imu_chunks SET data=? WHERE session=? AND seq=?", bad, stored.id, number)
+        words = f"Block {number} of sensor stream 1 of session {stored.id} is damaged"
+        for read in (stored.samples, lambda: stored.history):
+            with pytest.raises(StoreError, match=words):
+                read()
+        assert len(stored.samples(0, damaged["t0_ns"])), "what is not damaged can still be read"
 
 
 def events(records: Iterable[Record]) -> list[Record]:
@@ -317,9 +292,16 @@ def test_a_session_cut_off_anywhere_and_written_in_any_batches_can_be_replayed(
     assert resumed.driver.session.faults == []
 
 
-def test_a_second_run_has_its_own_stream_with_the_next_number(data: Path) -> None:
+def test_a_trial_is_acknowledged_with_its_samples_and_a_second_run_has_the_next_stream(
+    data: Path,
+) -> None:
     first = StoredSession(data, inline=False).do(1)
+    assert first.driver.all(STORED) == []
     first.write()
+    assert first.driver.all(STORED) != []
+    details = first.driver.last(TRIAL).details
+    window = (int(details[name] or 0) for name in ("window_from_ns", "window_to_ns"))
+    assert len(first.samples(*window)) == details["samples"]
     first.driver.wait(300)
     first.driver.begin()
     first.driver.start()
@@ -339,11 +321,10 @@ def test_a_second_run_has_its_own_stream_with_the_next_number(data: Path) -> Non
     assert second.chunks()[: len(before)] == before
     assert second.samples(run=2).tobytes() == second.driver.samples.tobytes()
     assert second.samples(run=1).tobytes() == first.driver.samples.tobytes()
-    assert [each.seq for each in events(second.history)] == list(
-        range(1, len(events(second.history)) + 1)
-    )
+    stored = events(second.history)
+    assert [each.seq for each in stored] == list(range(1, len(stored) + 1))
     assert merged(second.history) == merged([*cut, *second.driver.records])
-    assert replayed(second.history, second.driver) == events(second.history)
+    assert replayed(second.history, second.driver) == stored
 
 
 # --- a full disk

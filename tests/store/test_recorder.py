@@ -4,14 +4,13 @@ import sqlite3
 import threading
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from sqlite3 import Connection
 from typing import Any
 
 import msgspec
 import pytest
 from sqlite_utils import Database
 
-from sar_tui.loop.bus import Bus, Record, Topic
+from sar_tui.loop.bus import Record
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.node import Node
 from sar_tui.loop.session import Session
@@ -28,7 +27,6 @@ from sar_tui.loop.topics import (
     WAITING,
 )
 from sar_tui.model.messages import (
-    KeyPressed,
     SessionCommand,
     StorageChanged,
     Stored,
@@ -47,7 +45,7 @@ from sar_tui.store.database import StoreError, connect
 from sar_tui.store.messages import Numbers, numbers
 from sar_tui.store.recorder import GROUP, Recorder
 from sar_tui.store.rows import rows_of
-from sar_tui.store.tables import ATTEMPTS, TRIALS, Table
+from sar_tui.store.tables import ATTEMPTS, TRIALS
 from tests.outputs.fake_outputs import FakeOutput, Speaker
 from tests.played import catalogue
 from tests.store.by_hand import sql, value
@@ -112,12 +110,6 @@ class Recorded:
         self.write_on_a_thread()
         self.clock.advance(0)
 
-    def take_first_number(self) -> None:
-        """Store a message with the number of the first."""
-        here = numbers(self.reader, self.id)
-        topic = here.topics["input/key"]
-        sql(self.reader, "INSERT INTO messages VALUES (?,1,1,0,?,'[]')", here.session, topic)
-
     def all(self, topic: Any) -> list[Any]:
         return [record.message for record in self.records if record.topic is topic]
 
@@ -149,21 +141,13 @@ def test_a_whole_session_is_in_the_tables_as_it_was_on_the_bus(data: Path) -> No
     assert {row["run"] for table in tables for row in recorded.stored(table)} == {1}
     ((status, ended),) = sql(data, "SELECT status, ended_at FROM sessions")
     assert (status, ended is not None) == ("completed", True)
-
-
-@pytest.mark.parametrize(("table", "topic"), [(TRIALS, TRIAL), (ATTEMPTS, ATTEMPT_ENDED)])
-def test_a_row_has_the_fields_of_its_message(data: Path, table: Table, topic: Topic[Any]) -> None:
-    recorded = Recorded(data).play()
-    rows = sessions.rows(recorded.reader, table.name, recorded.id)  # type: ignore[arg-type]
-    columns = [column for column in table.columns if column.name not in ("session", "run")]
-    for row, message in zip(rows, recorded.all(topic), strict=True):
-        fields = msgspec.json.decode(msgspec.json.encode(message))
-        for column in columns:
-            assert row[column.name] == fields[column.field or column.name], column.name
-
-
-def test_an_action_has_its_proposal_its_decision_and_each_moment(data: Path) -> None:
-    recorded = Recorded(data).play()
+    for table, topic in ((TRIALS, TRIAL), (ATTEMPTS, ATTEMPT_ENDED)):
+        rows = sessions.rows(recorded.reader, table.name, recorded.id)  # type: ignore[arg-type]
+        columns = [column for column in table.columns if column.name not in ("session", "run")]
+        for row, message in zip(rows, recorded.all(topic), strict=True):
+            fields = msgspec.json.decode(msgspec.json.encode(message))
+            for column in columns:
+                assert row[column.name] == fields[column.field or column.name], column.name
     kinds = ["greeting", "instruction", "feedback", "feedback", "goodbye"]
     assert [row["kind"] for row in recorded.actions] == kinds
     for row, action in zip(recorded.actions, recorded.all(ACTION), strict=True):
@@ -313,7 +297,9 @@ def test_other_errors_than_a_full_disk_are_reported_each_and_everything_is_store
     sql(recorded.database, "PRAGMA query_only=1")
     recorded.write_and_hear()
     sql(recorded.database, "PRAGMA query_only=0")
-    recorded.take_first_number()
+    here = numbers(recorded.reader, recorded.id)
+    first_number = (here.session, here.topics["input/key"])
+    sql(recorded.reader, "INSERT INTO messages VALUES (?,1,1,0,?,'[]')", *first_number)
     for _ in range(3):
         recorded.write_and_hear()
     first, second = recorded.all(STORAGE)
@@ -361,15 +347,6 @@ def test_on_a_virtual_clock_a_full_disk_raises_and_everything_before_it_is_kept(
     recorded.recorder.write()
     assert recorded.recorder.pending == 0
     assert recorded.history[: len(recorded.records)] == recorded.records
-
-
-def test_streams_are_not_written_as_events(database: Connection) -> None:
-    bus = Bus(VirtualClock())
-    recorder = Recorder(database, "s", 1, bus, inline=True)
-    topic = Topic("imu/sample", KeyPressed, origin="input", stream=True)
-    bus.publish(topic, KeyPressed(key="x", at=0))
-    recorder.write()
-    assert sql(database, "SELECT * FROM events") == []
 
 
 NUMBERS = Numbers(1, dict.fromkeys(ALL, 2))

@@ -128,6 +128,12 @@ def test_a_session_whose_database_is_gone_goes_on_in_a_rescue_file_with_all_that
     assert stat.S_IMODE(recorded.rescue_file.stat().st_mode) == 0o600
     if happens is not empty:  # its pages can be read by nobody
         assert participants.codes(open_file(recorded.rescue_file)) == ["P09"]
+    if happens is delete:  # a rescue file that is removed too is followed by another
+        for path in data.glob(f"{recorded.rescue_file.name}*"):
+            path.unlink()
+        recorded.to_trial(5)
+        recorded.recorder.write()
+        recorded.assert_rescued()
 
 
 def test_the_experimenter_is_told_and_the_trial_is_repeated(data: Path) -> None:
@@ -214,17 +220,6 @@ def test_a_trial_is_not_acknowledged_while_it_can_be_written_nowhere(
     recorded.assert_rescued(trials=2)
 
 
-def test_a_rescue_file_that_is_removed_too_is_followed_by_another(data: Path) -> None:
-    recorded = Safe(data, 1)
-    delete(data)
-    recorded.to_trial(2)
-    for path in data.glob(f"{recorded.rescue_file.name}*"):
-        path.unlink()
-    recorded.to_trial(3)
-    recorded.recorder.write()
-    recorded.assert_rescued()
-
-
 @pytest.fixture
 def locked(data: Path) -> Safe:
     """A session whose database another program keeps locked, with messages that were not
@@ -237,9 +232,15 @@ def locked(data: Path) -> Safe:
     return recorded
 
 
-def test_what_a_locked_database_refuses_is_in_a_rescue_file_and_brought_back(
+def test_a_short_lock_is_waited_for_and_what_a_long_one_refuses_is_in_a_rescue_file(
     data: Path, locked: Safe
 ) -> None:
+    locked.write_and_hear()
+    assert locked.all(STORAGE) == []
+    for _ in range(10):
+        locked.write_on_a_thread()
+    locked.clock.advance(0)
+    assert [changed.working for changed in locked.all(STORAGE)] == [False]
     locked.recorder.run(lambda: True)
     assert locked.recorder.pending == 0
     assert "keeps sar-tui.db locked" in locked.safeguard.text
@@ -247,15 +248,6 @@ def test_what_a_locked_database_refuses_is_in_a_rescue_file_and_brought_back(
     sql(locked.reader, "ROLLBACK")
     assert [brought.session for brought in bring_back(data)] == [locked.id]
     locked.assert_back()
-
-
-def test_a_short_lock_is_waited_for_without_a_word_and_a_long_one_is_reported(locked: Safe) -> None:
-    locked.write_and_hear()
-    assert locked.all(STORAGE) == []
-    for _ in range(10):
-        locked.write_on_a_thread()
-    locked.clock.advance(0)
-    assert [changed.working for changed in locked.all(STORAGE)] == [False]
 
 
 def test_without_room_for_a_rescue_file_none_is_left(
@@ -292,9 +284,14 @@ def rescued(data: Path, happens: Callable[[Path], None] = delete) -> Safe:
 
 
 @pytest.mark.parametrize("happens", [delete, replace, delete_the_log])
-def test_a_rescued_session_is_brought_back_once(
+def test_a_rescued_session_is_brought_back_once_with_participants_and_programmes(
     data: Path, happens: Callable[[Path], None]
 ) -> None:
+    with closing(connect(data)) as database:
+        participants.add(database, "P09")
+        own = Programme({"attempts": 3})
+        programmes.save(database, "P09", "keyboard", own, after=0, author="Ana", reason="Tired")
+        saved = programmes.versions(database, "P09", "keyboard")
     recorded = rescued(data, happens)
     path = recorded.rescue_file
     (brought,) = bring_back(data)
@@ -302,6 +299,9 @@ def test_a_rescued_session_is_brought_back_once(
         path, recorded.id, "P01", "keyboard", "",
     )  # fmt: skip
     recorded.assert_back(trials=6)
+    with closing(connect(data)) as database:
+        assert participants.codes(database) == ["P09"]
+        assert programmes.versions(database, "P09", "keyboard") == saved != []
     assert rescue_files(data) == bring_back(data) == []
     for number in range(1, 4):
         assert len(list(data.glob("sar-tui-rescued-*.db"))) == number, "all are kept"
@@ -319,19 +319,6 @@ def test_a_session_that_went_on_differently_is_not_overwritten(data: Path, locke
         assert "went on differently" in brought.problem
         assert sessions.rows(database, "trials", locked.id) == before
     assert rescue_files(data) == [brought.file]
-
-
-def test_participants_and_programmes_that_the_database_lacks_are_brought_back(data: Path) -> None:
-    with closing(connect(data)) as database:
-        participants.add(database, "P09")
-        own = Programme({"attempts": 3})
-        programmes.save(database, "P09", "keyboard", own, after=0, author="Ana", reason="Tired")
-        saved = programmes.versions(database, "P09", "keyboard")
-    rescued(data)
-    bring_back(data)
-    with closing(connect(data)) as database:
-        assert participants.codes(database) == ["P09"]
-        assert programmes.versions(database, "P09", "keyboard") == saved != []
 
 
 def test_a_transaction_in_a_database_that_stays_is_not_refused(data: Path) -> None:

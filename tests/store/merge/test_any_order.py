@@ -54,7 +54,8 @@ class World:
     def go_on(self, code: str) -> None:
         """Let a session go on, sometimes in a copy, so that there are two records of it."""
         if found := self._sessions.get(self.sites[code]):
-            places = [path for path in self.copies_of(code) if holds_session(path, found[-1])]
+            query = "SELECT 1 FROM sessions WHERE id=?"
+            places = [path for path in self.copies_of(code) if sql(path, query, found[-1])]
             place = self.random.choice([self.sites[code], self.sites[code], *places])
             response, status = self.random.choice("fj"), self.random.choice(_STATES)
             go_on(place, found[-1], response=response, status=status)
@@ -98,10 +99,6 @@ class World:
         if others:
             pair = [self.random.choice(_PAIRS)] if self.random.random() < 0.3 else []
             merge(self.sites[code], self.random.choice(others), same=tuple(pair))
-
-
-def holds_session(folder: Path, session: str) -> bool:
-    return bool(sql(folder, "SELECT 1 FROM sessions WHERE id=?", session))
 
 
 @pytest.fixture(autouse=True)

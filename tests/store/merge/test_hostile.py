@@ -28,7 +28,16 @@ def zurich(tmp_path: Path) -> Path:
     return folder
 
 
-_OWN = {"participant": "P01@ZURICH", "site": "ZURICH"}
+_PROGRAMME = "of the programme of P01 for keyboard"
+_OTHER, _DAY = '{"attempts":99}', "2026-03-09"
+_RESULTS = "UPDATE trials SET response='q', correct=0 WHERE session='a2'"
+_SETTINGS = f"UPDATE sessions SET parameters='{_OTHER}' WHERE id='a2'"
+_EARLIER = f"UPDATE programmes SET parameters='{_OTHER}', created_at='2020-01-01'"
+_OWN: Any = {"participant": "P01@ZURICH", "site": "ZURICH"}
+_NEWER = {**_OWN, "version": 2, "parameters": _OTHER, "created_at": "2026-01-01"}
+_RECORD = {**_OWN, "id": "abc@ZURICH", "kind": "pain", "at": _DAY, "recorded_at": _DAY}
+_EXPORT = {"number": None, "exported_at": _DAY, "sessions": "[]", "options": "{}", "site": "ZURICH"}
+_PERSON = {"code": "P77@ZURICH", "created_at": _DAY, "site": "ZURICH"}
 
 
 @pytest.fixture
@@ -40,49 +49,15 @@ def bern(tmp_path: Path, zurich: Path) -> Path:
     return folder
 
 
-_ROWS: dict[str, tuple[str, dict[str, object]]] = {
-    "version 2 of the programme of P01 for keyboard": (
-        "programmes", {**_OWN, "version": 2, "parameters": '{"attempts":99}', "created_at": "2026-01-01"}
-    ),
-    "version 1 of the record abc (pain)": (
-        "records", {**_OWN, "id": "abc@ZURICH", "kind": "pain", "at": "2026-03-09", "recorded_at": "2026-03-09"}
-    ),
-    "export of 2026-03-09": (
-        "exports",
-        {"number": None, "exported_at": "2026-03-09", "sessions": "[]", "options": "{}", "site": "ZURICH"},
-    ),
-    "participant P77": ("participants", {"code": "P77@ZURICH", "created_at": "2026-03-09", "site": "ZURICH"}),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("what", _ROWS)
-def test_an_unknown_row_that_names_this_site_is_refused(
-    zurich: Path, bern: Path, what: str
-) -> None:
-    go_on(zurich, "a2")  # an older copy of ones own records is nothing to tell
-    change(bern, "UPDATE sessions SET status='completed' WHERE id='a2'")
-    before = holds(zurich)
-    table, row = _ROWS[what]
-    insert(bern, table, **row)
-    merged = merge(zurich, bern)
-    assert merged.refused == [f"The {what} {_NOT_SO}"]
-    assert merged.added == ["b1"]
-    assert [table for table, rows in holds(zurich).items() if before[table] - rows] == []
-    assert newest(zurich) == {"attempts": 5}
-
-
-_PROGRAMME = "version 1 of the programme of P01 for keyboard"
-_NOT_SO = "is ZURICH's by what BERN has, and is not so here. It is left out."
-
-
-def newest(folder: Path) -> dict[str, Any]:
-    with closing(connect(folder)) as database:
-        return programmes.newest(database, "P01", "keyboard").parameters
-
-
 def listed(folder: Path) -> list[str]:
     with closing(connect(folder)) as database:
         return [row["id"] for row in sessions.listing(database, folder, participant="P01")]
+
+
+def older_copy(bern: Path) -> None:
+    """Let the session go on in Zurich."""
+    go_on(bern.with_name("zurich"), "a2")
+    change(bern, "UPDATE sessions SET status='completed' WHERE id='a2'")
 
 
 def new_session(bern: Path) -> None:
@@ -95,20 +70,19 @@ def other_author(bern: Path) -> None:
     change(bern, "UPDATE sessions SET site='' WHERE id='a2'")
 
 
-_ALTERED: dict[str, Callable[[Path], None]] = {
-    "a new session": new_session,
-    "a longer session": lambda bern: go_on(bern, "a2", trials=9),
-    "other results": lambda bern: change(
-        bern, "UPDATE trials SET response='q', correct=0 WHERE session='a2'"
-    ),
-    "other settings": lambda bern: change(
-        bern, "UPDATE sessions SET parameters='{\"attempts\":99}' WHERE id='a2'"
-    ),
-    "another author": other_author,
-    "an earlier programme": lambda bern: change(
-        bern, "UPDATE programmes SET parameters='{\"attempts\":99}', created_at='2020-01-01'"
-    ),
-}
+_ALTERED: dict[str, tuple[str, Callable[[Path], None]]] = {
+    "an older copy": ("", older_copy),
+    "a new session": ("session a9", new_session),
+    "a longer session": ("session a2", lambda bern: go_on(bern, "a2", trials=9)),
+    "other results": ("session a2", lambda bern: change(bern, _RESULTS)),
+    "other settings": ("session a2", lambda bern: change(bern, _SETTINGS)),
+    "another author": ("session a2", other_author),
+    "an earlier programme": (f"version 1 {_PROGRAMME}", lambda bern: change(bern, _EARLIER)),
+    "a new programme": (f"version 2 {_PROGRAMME}", lambda bern: insert(bern, "programmes", **_NEWER)),
+    "a record": ("version 1 of the record abc (pain)", lambda bern: insert(bern, "records", **_RECORD)),
+    "an export": ("export of 2026-03-09", lambda bern: insert(bern, "exports", **_EXPORT)),
+    "a participant": ("participant P77", lambda bern: insert(bern, "participants", **_PERSON)),
+}  # fmt: skip
 """Changes of what Zurich recorded. Of two versions of a programme the earlier one counts."""
 
 
@@ -116,35 +90,30 @@ _ALTERED: dict[str, Callable[[Path], None]] = {
 def test_ones_own_records_are_never_added_or_changed_by_another_site(
     zurich: Path, bern: Path, what: str
 ) -> None:
+    named, alter = _ALTERED[what]
+    alter(bern)
     before = holds(zurich)
-    _ALTERED[what](bern)
     merged = merge(zurich, bern)
-    named = {"a new session": "session a9", "an earlier programme": _PROGRAMME}
-    assert merged.refused == [f"The {named.get(what, 'session a2')} {_NOT_SO}"]
+    why = "is ZURICH's by what BERN has, and is not so here. It is left out."
+    assert merged.refused == ([f"The {named} {why}"] if named else [])
     assert (merged.added, merged.updated, merged.conflicts) == (["b1"], [], [])
-    assert newest(zurich) == {"attempts": 5}
+    with closing(connect(zurich)) as database:
+        assert programmes.newest(database, "P01", "keyboard").parameters == {"attempts": 5}
+    assert [table for table, rows in holds(zurich).items() if before[table] - rows] == []
     for table in ("sessions", "trials", "messages"):
-        assert before[table] <= holds(zurich)[table]
         assert {row[0] for row in holds(zurich)[table] - before[table]} == {"b1"}
-
-
-_KINDS = {"abc": "pain", "abd": "adverse-event"}
-
-
-def store_records(bern: Path, session: str) -> None:
-    dated = {"at": "2026-03-09", "recorded_at": "2026-03-09"}
-    for id, kind in _KINDS.items():
-        insert(bern, "records", id=id, kind=kind, session=session, **dated)
 
 
 def test_a_record_of_one_not_in_its_session_is_refused(zurich: Path, bern: Path) -> None:
     """It would be read as said by the person of this site who has the same seat."""
     before = holds(zurich)
-    store_records(bern, "a1")
+    kinds = {"abc": "pain", "abd": "adverse-event"}
+    for id, kind in kinds.items():
+        insert(bern, "records", id=id, kind=kind, session="a1", at=_DAY, recorded_at=_DAY)
     merged = merge(zurich, bern)
     why = "is of session a1 by what BERN has, and P01@BERN was not in it. It is left out."
     assert sorted(merged.refused) == [
-        f"The version 1 of the record {id}@BERN ({kind}) {why}" for id, kind in _KINDS.items()
+        f"The version 1 of the record {id}@BERN ({kind}) {why}" for id, kind in kinds.items()
     ]
     assert merged.added == ["b1"]
     assert holds(zurich)["records"] == before["records"]

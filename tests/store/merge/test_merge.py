@@ -1,6 +1,11 @@
 """A merge brings in all that another database has, once, whatever the order."""
 
+import os
 import shutil
+import sqlite3
+import stat
+import subprocess
+import sys
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -8,10 +13,10 @@ from typing import Any
 import pytest
 
 from sar_tui.store import sessions
-from sar_tui.store.database import FILE, connect
+from sar_tui.store.database import FILE, StoreConnection, StoreError, connect
 from sar_tui.store.merge.merge import Merged
 from sar_tui.store.record_changes import BY_MISTAKE, change_status
-from tests.store.by_hand import value
+from tests.store.by_hand import sql, value
 from tests.store.merge.sites import change, copy, go_on, holds, merge, play, save_programme, site
 
 
@@ -36,23 +41,21 @@ def bern(tmp_path: Path) -> Path:
     return folder
 
 
-def test_the_same_code_at_two_sites_is_two_people(zurich: Path, bern: Path) -> None:
+def test_the_same_code_at_two_sites_is_two_people_and_merging_again_changes_nothing(
+    zurich: Path, bern: Path
+) -> None:
     merged = merge(zurich, bern)
     assert (merged.site, merged.other, merged.added) == ("ZURICH", "BERN", ["b1"])
+    assert merged.backup
     found = holds(zurich)
     assert {row[2]: row[0] for row in found["seats"]} == {"P01@ZURICH": "a1", "P01@BERN": "b1"}
     assert found == holds(bern) | found
     assert merged.conflicts == []
-
-
-def test_merging_again_changes_nothing(zurich: Path, bern: Path) -> None:
-    assert merge(zurich, bern).backup
-    before = holds(zurich)
     none = dict.fromkeys("same_people participants exports programmes records".split(), 0)
     assert merge(zurich, bern) == Merged(site="ZURICH", other="BERN", records=none)
-    assert holds(zurich) == before
+    assert holds(zurich) == found
     merge(bern, zurich)
-    assert holds(bern) == holds(zurich)
+    assert holds(bern) == found
 
 
 def test_a_session_discarded_there_counts_no_more_until_restored(zurich: Path, bern: Path) -> None:
@@ -125,14 +128,13 @@ def test_one_person_with_two_codes_is_one_person(zurich: Path, bern: Path, first
     else:
         merge(zurich, bern)
         merge(zurich, None, same=("p01@bern = p01",))
-    found = holds(zurich)
     # the first of a person's names
-    assert {row[2] for row in found["seats"]} == {"P01@BERN", "P02@BERN"}
+    assert {row[2] for row in holds(zurich)["seats"]} == {"P01@BERN", "P02@BERN"}
     play(bern, "b4")
     merge(zurich, bern)
-    merge(bern, zurich, same=("P01=P01@ZURICH",) if first else ())
     if not first:
-        merge(bern, zurich, same=("P01=P01@ZURICH",))
+        merge(bern, zurich)
+    merge(bern, zurich, same=("P01=P01@ZURICH",))
     assert holds(bern) == holds(zurich)
     assert {row[0] for row in holds(bern)["seats"] if row[2] == "P01@BERN"} == {"a1", "b1", "b4"}
     assert len(holds(bern)["programmes"]) == 2
@@ -172,3 +174,71 @@ def test_the_newest_are_read_from_the_log(
         before = files()
         assert merge(zurich, other).added == ["b1", "b2"]
         assert files() == before
+
+
+# --- undone
+
+
+def stopped(db: sqlite3.Connection) -> None:
+    raise KeyboardInterrupt("stopped")
+
+
+def full(folder: Path) -> StoreConnection:
+    opened = connect(folder)
+    sql(opened, f"PRAGMA max_page_count={value(opened, 'PRAGMA page_count')}")
+    return opened
+
+
+@pytest.mark.parametrize(
+    ("place", "fails", "error", "says"),
+    [
+        ("put_in_order", stopped, KeyboardInterrupt, "stopped"),
+        ("connect", full, StoreError, "The disk is full"),
+        ("FOLDER", "sar-tui.db", StoreError, "cannot be written to"),
+    ],
+)
+def test_a_merge_that_is_stopped_or_out_of_disk_leaves_the_database_as_it_was(
+    zurich: Path,
+    bern: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    place: str,
+    fails: object,
+    error: type[BaseException],
+    says: str,
+) -> None:
+    play(bern, "b2", trials=100)
+    before = holds(zurich)
+    with monkeypatch.context() as patch:
+        patch.setattr(f"sar_tui.store.merge.merge.{place}", fails)
+        with pytest.raises(error, match=says):
+            merge(zurich, bern)
+    assert holds(zurich) == before
+    assert not list(zurich.glob(".merge-*"))
+    merged = merge(zurich, bern)
+    assert merged.added == ["b1", "b2"]
+    assert merged.backup
+    with closing(sqlite3.connect(merged.backup)) as backup:
+        assert sql(backup, "SELECT id FROM sessions") == [("a1",)], "what there was before"
+
+
+_KILLED = """
+import os, signal, sys
+from pathlib import Path
+from sar_tui.store.merge import merge
+
+merge.put_in_order = lambda db: os.kill(os.getpid(), signal.SIGKILL)
+merge.merge(Path(sys.argv[1]), Path(sys.argv[2]), start=lambda step: lambda done, total: None)
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+def test_the_next_merge_removes_what_a_killed_one_left(zurich: Path, bern: Path) -> None:
+    before = holds(zurich)
+    command = [sys.executable, "-c", _KILLED, zurich, bern]
+    assert subprocess.run(command, check=False, capture_output=True).returncode == -9
+    (left,) = zurich.glob(".merge-*")
+    assert stat.S_IMODE(left.stat().st_mode) == 0o700
+    assert stat.S_IMODE((left / FILE).stat().st_mode) == 0o600
+    assert holds(zurich) == before
+    assert merge(zurich, bern).added == ["b1"]
+    assert not list(zurich.glob(".merge-*"))
