@@ -5,7 +5,7 @@ ends it in order.
 import os
 import sys
 
-from sar_tui.drivers.files import largest_file
+from sar_tui.drivers.file_limit import largest_file
 from sar_tui.tui.exit_codes import INTERRUPTED
 
 

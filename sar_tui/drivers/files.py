@@ -3,11 +3,6 @@
 import os
 from pathlib import Path
 
-try:
-    import resource
-except ImportError:  # Windows has no limit of the size of files
-    resource = None  # type: ignore[assignment]
-
 
 def unused(path: Path) -> Path:
     """Return the path, or one with a number if there is a file or folder of that name:
@@ -47,13 +42,3 @@ def make_private(folder: Path) -> None:
         folder = folder.parent
     for each in reversed(missing):
         each.mkdir(mode=0o700, exist_ok=True)
-
-
-def largest_file() -> int | None:
-    """Return the largest size of a file that this login may write, in bytes (``ulimit -f``); None if
-    there is no limit.
-    """
-    if resource is None:
-        return None
-    limit, _ = resource.getrlimit(resource.RLIMIT_FSIZE)
-    return None if limit == resource.RLIM_INFINITY else limit

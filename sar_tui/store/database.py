@@ -16,7 +16,8 @@ from urllib.parse import quote
 import msgspec
 import platformdirs
 
-from sar_tui.drivers.files import largest_file, make_private
+from sar_tui.drivers.file_limit import largest_file
+from sar_tui.drivers.files import make_private
 from sar_tui.store import schema
 from sar_tui.store.tables import FIRST_VERSION, VERSION, Table
 
