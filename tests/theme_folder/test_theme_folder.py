@@ -407,7 +407,7 @@ def test_an_impossible_image_name_is_told_briefly(mine: Path, change: Change, na
     assert len(expected) < 100
 
 
-@pytest.mark.parametrize("fault", [OSError("gone"), OverflowError("too large")])
+@pytest.mark.parametrize("fault", [OSError("gone"), ValueError("odd"), OverflowError("large")])
 def test_any_error_reading_a_theme_is_one_sentence(
     mine: Path, monkeypatch: pytest.MonkeyPatch, fault: Exception
 ) -> None:
