@@ -57,14 +57,18 @@ async def test_a_session_asks_before_and_after(asked: AppDriver) -> None:
     assert asked.stored("SELECT DISTINCT session FROM records") == [(session,)]
 
 
-async def test_the_last_of_corrected_answers_counts(asked: AppDriver) -> None:
-    await asked.press("9", "backspace", "0")
+async def test_a_held_key_answers_once_and_the_last_of_corrected_answers_counts(
+    asked: AppDriver,
+) -> None:
+    await asked.wait(700)
+    await asked.write("0", "0", "0")
     asked.see("How tired are you now?")
-    await asked.press("3")
+    assert answers(asked) == [("before", "pain", 0)]
+    await asked.press("backspace", "9", "backspace", "0", "3")
     assert asked.screen_name == "SessionScreen", "the pain that was corrected is no reason to stop"
     assert answers(asked) == [("before", "pain", 0), ("before", "tiredness", 3)]
     found = asked.stored("SELECT kind, version FROM records ORDER BY recorded_at")
-    assert found == [("pain", 1), ("pain", 2), ("tiredness", 1)]
+    assert found == [("pain", 1), ("pain", 2), ("pain", 3), ("tiredness", 1)]
 
 
 @pytest.mark.parametrize("ms", [120, 2_000])
@@ -78,13 +82,6 @@ async def test_ten_can_be_typed_with_two_keys(asked: AppDriver, ms: int) -> None
     assert asked.screen_name == "SessionScreen", "10 was corrected"
     found = answers(asked)
     assert found == [("before", "pain", 1, "left shoulder"), ("before", "tiredness", 2)]
-
-
-async def test_a_key_that_is_held_answers_one_question_only(asked: AppDriver) -> None:
-    await asked.wait(700)
-    await asked.write("0", "0", "0")
-    asked.see("How tired are you now?")
-    assert answers(asked) == [("before", "pain", 0)]
 
 
 @pytest.mark.parametrize(
@@ -133,22 +130,35 @@ async def test_the_therapist_sets_the_pain_limits(open_session: OpenSession, dat
         assert not any(rated.is_reason_to_stop for rated in wellbeing.history(database, "P01"))
 
 
-async def test_pain_that_rose_much_is_a_reason_to_stop(asked: AppDriver) -> None:
-    await asked.press("1", "2", "3")
-    await asked.do_session()
-    await asked.press("enter", "3", "2", "3")
-    asked.see("Please rest now Rest, and tell your therapist about the pain", "Nobody is watching")
-    await asked.press("g")
-    assert asked.sees("Press Enter to close."), "there is nothing to go on with"
-    await asked.press("enter")
-    assert asked.app.return_code == 0
-    assert ("after", "pain", 3, "right hand", "shown") in answers(asked)
+async def test_pain_that_rose_much_is_a_reason_to_stop_in_a_resumed_session_too(
+    opened: OpenApp, open_session: OpenSession
+) -> None:
+    async with open_session(ask_wellbeing=True) as driver:
+        await driver.press("1", "2", "3")
+        await driver.to_first_prompt()
+        session = driver.session_id
+    async with opened(session) as driver:
+        assert driver.screen_name == "SessionScreen"
+        await driver.press("enter")
+        await driver.finish(await driver.to_prompt())
+        await driver.press("enter", "3", "2", "3")
+        driver.see("Please rest now Rest, and tell your therapist about the pain")
+        driver.see("Nobody is watching")
+        await driver.press("g")
+        assert driver.sees("Press Enter to close."), "there is nothing to go on with"
+        await driver.press("enter")
+        assert driver.app.return_code == 0
+        assert ("after", "pain", 3, "right hand", "shown") in answers(driver)
+    assert driver.stored("SELECT DISTINCT session FROM records") == [(session,)]
 
 
-async def test_pain_in_a_pause_is_asked_with_its_number(asked: AppDriver) -> None:
+async def test_after_too_much_pain_in_a_pause_one_key_goes_on_and_enter_ends(
+    asked: AppDriver,
+) -> None:
+    told = ("escape", "down", "down", "enter")
     await asked.press("2", "5", "1")
     prompt = await asked.to_first_prompt()
-    await asked.press("escape", "down", "down", "enter")
+    await asked.press(*told)
     asked.see("How much pain do you have now?")
     assert not asked.sees("Stop voice"), "there is none"
     await asked.press("6", "5")
@@ -164,31 +174,14 @@ async def test_pain_in_a_pause_is_asked_with_its_number(asked: AppDriver) -> Non
         ("pause", "pain", "told in a pause"),
         ("pause", "pain", 6, "left shoulder", "went on"),
     }
-
-
-async def test_enter_ends_after_too_much_pain_in_a_pause(asked: AppDriver) -> None:
-    await asked.press("2", "5", "1")
-    await asked.to_first_prompt()
-    await asked.press("escape", "down", "down", "enter", "6", "5", "enter")
+    await asked.press(*told, "6", "5", "enter")
     assert asked.waiting.stage == "ended"
     assert ("pause", "pain", 6, "left shoulder", "stopped") in answers(asked)
 
 
-async def test_a_resumed_session_asks(opened: OpenApp, open_session: OpenSession) -> None:
-    async with open_session(ask_wellbeing=True) as driver:
-        await driver.press("0", "1")
-        await driver.to_first_prompt()
-        session = driver.session_id
-    async with opened(session) as driver:
-        assert driver.screen_name == "SessionScreen"
-        await driver.press("enter")
-        await driver.finish(await driver.to_prompt())
-        await driver.press("enter", "4", "2", "3")
-        driver.see("Please rest now")
-    assert driver.stored("SELECT DISTINCT session FROM records") == [(session,)]
-
-
-async def test_two_participants_are_asked_in_turn(opened: OpenApp, catalogue: Catalogue) -> None:
+async def test_two_participants_are_asked_in_turn_and_an_adverse_event_names_one(
+    opened: OpenApp, data: Path, catalogue: Catalogue
+) -> None:
     settings = {"attempts": 1, "prompts_per_attempt": 2, "ask_wellbeing": True}
     async with opened(make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=7)) as driver:
         driver.see("Left (P01) How much pain")
@@ -204,6 +197,16 @@ async def test_two_participants_are_asked_in_turn(opened: OpenApp, catalogue: Ca
         ]
         people = driver.stored("SELECT DISTINCT participant, seat FROM records")
         assert people == [("P01", "A"), ("P02", "B")]
+        await driver.press("enter", "ctrl+q", "down", "enter")
+    with closing(connect(data)) as database:
+        change_status(database, data, driver.session_id, "dismissed", actor="therapist")
+    async with opened() as driver:
+        await driver.press("f6", "enter", "a")
+        await driver.press(*"Dizzy", "enter", *"mild", "enter", "enter", *["shift+tab"] * 5)
+        assert driver.sees("Participant"), "it scrolls to the field"
+        await driver.press(*"P09", *["enter"] * 6)
+        driver.see("P09 did not take part in this session.")
+        assert records.listing(driver.app.database, kinds=("adverse-event",)) == []
 
 
 async def test_the_questions_and_the_key_of_ten_are_in_the_sessions_language(
@@ -238,22 +241,3 @@ async def test_a_past_session_shows_what_was_said_and_takes_an_adverse_event(
         (entered,) = records.listing(driver.app.database, kinds=("adverse-event",))
         assert (entered.participant, entered.session) == ("P01", session)
         assert entered.content == {"what": "Dizzy", "severity": "mild", "action": "Rested"}
-
-
-async def test_an_adverse_event_of_two_names_its_participant(
-    opened: OpenApp, data: Path, catalogue: Catalogue
-) -> None:
-    settings = {"attempts": 1, "prompts_per_attempt": 2}
-    two = make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=7)
-    async with opened(two) as driver:
-        await driver.press("enter", "ctrl+q", "down", "enter")
-    with closing(connect(data)) as database:
-        change_status(database, data, driver.session_id, "dismissed", actor="therapist")
-    async with opened() as driver:
-        await driver.press("f6", "enter", "a")
-        await driver.press(*"Dizzy", "enter", *"mild", "enter", "enter", "shift+tab", "shift+tab")
-        await driver.press("shift+tab", "shift+tab", "shift+tab")
-        assert driver.sees("Participant"), "it scrolls to the field"
-        await driver.press(*"P09", *["enter"] * 6)
-        driver.see("P09 did not take part in this session.")
-        assert records.listing(driver.app.database) == []
