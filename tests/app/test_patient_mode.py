@@ -14,7 +14,6 @@ from sar_tui.store import participants, passphrase, programmes
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.passphrase import Passphrase
 from tests.app.app_driver import SHORT, AppDriver, OpenApp, stored
-from tests.examples import first
 
 RIGHT = "quiet river"
 REACHING = {"imu": "simulated", "attempts": 1, "reaches_per_attempt": 1}
@@ -78,7 +77,9 @@ async def test_a_days_limit_ends_the_exercises(opened: OpenApp, data: Path) -> N
         assert driver.app.patient_mode.troubles[0].startswith("That is enough for P77 today")
 
 
-async def test_one_enter_never_begins_in_severe_pain(opened: OpenApp, data: Path) -> None:
+async def test_in_severe_pain_one_enter_never_begins_and_later_nothing_invites_to_more(
+    opened: OpenApp, data: Path
+) -> None:
     programme(data, "P01", "keyboard", ask_wellbeing=True)
     async with opened(patient="P01") as driver:
         await driver.press("enter", "9", "3", "2")
@@ -90,17 +91,11 @@ async def test_one_enter_never_begins_in_severe_pain(opened: OpenApp, data: Path
         driver.see("Exercise 1 of 2")
         await driver.press("enter")
         assert driver.sees("How much pain do you have now?"), "it is asked again"
-        assert (
-            "P01: The participant was advised not to train, and stopped."
-            in driver.app.patient_mode.troubles
-        )
-    assert stored(data, "SELECT count(*) FROM sessions") == [(0,)]
+        advised = "P01: The participant was advised not to train, and stopped."
+        assert advised in driver.app.patient_mode.troubles
+        assert driver.stored("SELECT count(*) FROM sessions") == [(0,)]
 
-
-async def test_after_too_much_pain_nothing_invites_to_more(opened: OpenApp, data: Path) -> None:
-    programme(data, "P01", "keyboard", ask_wellbeing=True)
-    async with opened(patient="P01") as driver:
-        await driver.press("enter", "3", "5", "1")
+        await driver.press("3", "5", "1")
         await driver.do_session()
         await driver.press("enter", "6", "5", "4")
         driver.see("Please rest now")
@@ -149,17 +144,6 @@ async def test_an_attempt_can_be_left_out_in_ones_own_language(opened: OpenApp, 
         ]
 
 
-@pytest.mark.parametrize("key", first(1, ["ctrl+q", "ctrl+c"]))
-async def test_the_keys_that_leave_pause_instead(alone: AppDriver, key: str) -> None:
-    await alone.press("enter")
-    await alone.to_first_prompt()
-    await alone.press(key)
-    alone.see("Take your time.")
-    alone.lacks("Ctrl-Q")
-    await alone.press("enter")
-    assert alone.waiting.stage == "trial"
-
-
 async def test_neither_screens_nor_help_name_a_way_out(opened: OpenApp, data: Path) -> None:
     programme(data, "P88", "reaching", **REACHING, ask_wellbeing=True)
     others = ("Quit", "Ctrl-Q", "Settings", "F12", "F2 on the first screen", "F7")
@@ -174,20 +158,9 @@ async def test_neither_screens_nor_help_name_a_way_out(opened: OpenApp, data: Pa
         assert driver.screen_name == "SessionScreen"
 
 
-async def test_the_passphrase_ends_it_at_the_first_screen(alone: AppDriver, data: Path) -> None:
-    await end_mode(alone, "wrong one")
-    alone.see("That is not the passphrase.")
-    await alone.press("escape")
-    assert alone.screen_name == "PatientScreen"
-    await end_mode(alone)
-    assert alone.screen_name == "HomeScreen"
-    alone.see("P77")
-    await alone.press("ctrl+q")
-    assert not alone.app.is_running
-    assert [each.result for each in Passphrase(data).tries()] == ["wrong", "right"]
-
-
-async def test_it_begins_from_the_first_screen_and_ends_there_again(first_run: AppDriver) -> None:
+async def test_it_begins_from_the_first_screen_and_the_passphrase_ends_it_there(
+    first_run: AppDriver, data: Path
+) -> None:
     numbers = (signal.SIGTSTP, signal.SIGQUIT)
     before = [signal.getsignal(number) for number in numbers]
     await first_run.press("f12")
@@ -197,16 +170,29 @@ async def test_it_begins_from_the_first_screen_and_ends_there_again(first_run: A
     first_run.app.signalled(signal.SIGINT)
     await first_run.settle()
     assert first_run.screen_name == "PatientScreen"
+    await end_mode(first_run, "wrong one")
+    first_run.see("That is not the passphrase.")
+    await first_run.press("escape")
+    assert first_run.screen_name == "PatientScreen"
     await end_mode(first_run)
     assert first_run.screen_name == "HomeScreen"
+    assert [each.result for each in Passphrase(data).tries()] == ["wrong", "right"]
     assert [signal.getsignal(number) for number in numbers] == before
     await first_run.press("f2")
     assert first_run.screen_name == "SettingsScreen", "all keys work again"
 
 
-async def test_ended_in_a_session_home_follows_that(alone: AppDriver) -> None:
+async def test_in_a_session_the_keys_that_leave_pause_it_and_the_passphrase_leads_home_after_it(
+    alone: AppDriver,
+) -> None:
     await alone.press("enter")
     await alone.to_first_prompt()
+    for key in ("ctrl+q", "ctrl+c"):
+        await alone.press(key)
+        alone.see("Take your time.")
+        alone.lacks("Ctrl-Q")
+        await alone.press("enter")
+        await alone.to_prompt()
     await end_mode(alone)
     alone.see("Paused")
     await alone.press("enter")
@@ -214,6 +200,8 @@ async def test_ended_in_a_session_home_follows_that(alone: AppDriver) -> None:
     await alone.press("enter")
     assert alone.screen_name == "HomeScreen"
     alone.see("2 of 2 reached")
+    await alone.press("ctrl+q")
+    assert not alone.app.is_running
 
 
 async def test_a_removed_passphrase_still_guards(alone: AppDriver, data: Path) -> None:

@@ -57,18 +57,26 @@ async def test_practice_does_not_count(open_session: OpenSession) -> None:
     assert driver.stored("SELECT attempt, practice FROM attempts") == [(1, 1), (2, 0), (3, 0)]
 
 
-async def test_a_bouncing_enter_does_not_close_the_summary(open_session: OpenSession) -> None:
-    async with open_session(attempts=1) as driver:
+async def test_a_bouncing_enter_neither_closes_the_summary_nor_begins_another_session(
+    opened: OpenApp, data: Path
+) -> None:
+    known(data, "P01", attempts=1, prompts_per_attempt=1)
+    async with opened() as driver:
+        await driver.press("enter", "enter")
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.wait(300)
         await driver.press("enter")
-        for _ in range(30):  # bounces, or is held
+        for _ in range(30):
             await driver.wait(40)
             await driver.strike("enter")
-        assert driver.app.is_running
         driver.see("Press Enter to finish.")
         await driver.press("enter")
-        assert not driver.app.is_running
+        await driver.wait(450)
+        for _ in range(60):
+            await driver.strike("enter")
+            await driver.wait(33)
+        assert driver.screen_name == "HomeScreen"
+        assert driver.stored("SELECT count(*) FROM sessions") == [(1,)]
 
 
 async def test_an_enter_that_is_held_is_asked_to_be_let_go(driver: AppDriver) -> None:
@@ -83,20 +91,6 @@ async def test_an_enter_that_is_held_is_asked_to_be_let_go(driver: AppDriver) ->
     await driver.press("enter")
     assert driver.waiting.stage == "trial"
     driver.lacks("let go")
-
-
-async def test_a_held_enter_begins_no_other_session(opened: OpenApp, data: Path) -> None:
-    known(data, "P01", attempts=1, prompts_per_attempt=1)
-    async with opened() as driver:
-        await driver.press("enter", "enter")
-        await driver.do_session()
-        await driver.press("enter")
-        await driver.wait(450)
-        for _ in range(60):
-            await driver.strike("enter")
-            await driver.wait(33)
-        assert driver.screen_name == "HomeScreen"
-        assert driver.stored("SELECT count(*) FROM sessions") == [(1,)]
 
 
 async def test_after_the_last_attempt_it_resumes(
@@ -157,7 +151,7 @@ async def test_an_attempt_that_begins_again_counts_once_and_the_next_one_begins_
         assert (await driver.to_prompt()).attempt == 3
 
 
-async def test_the_rest_tells_the_time_that_is_left_until_enter_helps_again(
+async def test_the_rest_tells_the_time_that_is_left_and_the_therapist_ends_it(
     open_session: OpenSession,
 ) -> None:
     async with open_session(
@@ -175,10 +169,7 @@ async def test_the_rest_tells_the_time_that_is_left_until_enter_helps_again(
         driver.see("Press Enter for attempt 2 of 3.")
         assert driver.said == "Start when you are ready."
 
-
-async def test_the_therapist_ends_the_rest(open_session: OpenSession) -> None:
-    async with open_session(rest_after_attempts=1) as driver:
-        await driver.do_attempt(await driver.to_first_prompt())
+        await driver.do_attempt(await driver.begin())
         await driver.press("escape", "up", "enter")
         driver.see("End the rest")
         await driver.press("enter")
