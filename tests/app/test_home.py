@@ -32,7 +32,7 @@ async def test_a_code_leads_from_a_fresh_start_to_a_session(opened: OpenApp) -> 
         await driver.press("escape", "down", "enter")
         await driver.enter("p01")
         assert driver.screen_name == "NewParticipantScreen", "the code is taken"
-        await driver.press("escape", "up", "enter", "enter", "enter")
+        await driver.press("escape", "up", "enter", "enter")
         driver.see("A key appears in the middle of the screen.")
     assert driver.stored("SELECT code FROM participants") == [("P01",)]
     assert driver.stored("SELECT task, theme, mode FROM sessions") == [("keyboard", "calm", "live")]
