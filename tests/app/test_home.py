@@ -134,23 +134,20 @@ async def test_the_last_task_of_a_participant_is_chosen(opened: OpenApp, data: P
         driver.see("P01 · Reaching")
 
 
-@pytest.mark.slow
-async def test_a_task_may_not_load(data: Path, catalogue: Catalogue, tmp_path: Path) -> None:
-    broken = tmp_path / "tasks" / "aaa" / "task.py"
-    broken.parent.mkdir(parents=True)
+async def test_a_task_that_does_not_load_or_is_removed_while_it_is_chosen_is_told(
+    data: Path, tmp_path: Path
+) -> None:
+    folder = write_sides(tmp_path / "mine")
+    broken = folder.parent / "aaa" / "task.py"
+    broken.parent.mkdir()
     broken.write_text("raise RuntimeError('not yet')")
     known(data, "P01")
-    async with open_app(data, Catalogue((broken.parent.parent,))) as driver:
+    async with open_app(data, Catalogue((folder.parent,))) as driver:
         await driver.press("right")
         driver.see("P01 · Keyboard reaction")
         await driver.press("end")
         driver.see("aaa (does not load)")
-
-
-async def test_a_task_removed_while_it_is_chosen_is_told(data: Path, tmp_path: Path) -> None:
-    folder = write_sides(tmp_path / "mine")
-    known(data, "P01")
-    async with open_app(data, Catalogue((folder.parent,))) as driver:
+        await driver.press("escape")
         driver.app.screen.query_one("#task", PickList).choose("sides")
         await driver.settle()
         driver.see("P01 · Sides")
@@ -223,8 +220,6 @@ async def test_an_interrupted_session_is_dismissed_taken_back_and_resumed(
         session = driver.session_id
     async with open_session(participant="P02", attempts=1) as driver:
         await driver.do_session()
-    tables = ("trials", "events", "runs", "seats")
-    everything = [driver.stored(f"SELECT * FROM {table}") for table in tables]
     async with opened() as driver:
         await driver.press("up")
         recent = [row for row in driver.rows if "Keyboard re…" in row]
@@ -242,8 +237,6 @@ async def test_an_interrupted_session_is_dismissed_taken_back_and_resumed(
         assert driver.screen_name == "PastSessionScreen"
         await driver.press("enter", "delete")
         assert "Del Dismiss" in driver.rows[-1]
-        for table, before in zip(tables, everything, strict=True):
-            assert set(before) <= set(driver.stored(f"SELECT * FROM {table}")), table
 
         await driver.press("enter")
         assert driver.session_id == session
@@ -253,7 +246,6 @@ async def test_an_interrupted_session_is_dismissed_taken_back_and_resumed(
         assert (prompt.trial, prompt.text) == (left_at.trial, left_at.text)
         await driver.answer(prompt)
         await driver.finish(await driver.begin())
-        driver.see("You did 2 attempts; goal reached in 2.")
     assert driver.stored("SELECT status FROM sessions WHERE id=?", session) == [("completed",)]
     found = driver.stored("SELECT attempt, trial FROM trials WHERE session=?", session)
     assert found == [(1, 1), (1, 2), (2, 1), (2, 2)]

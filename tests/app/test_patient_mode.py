@@ -182,9 +182,10 @@ async def test_it_begins_from_the_first_screen_and_the_passphrase_ends_it_there(
     assert first_run.screen_name == "SettingsScreen", "all keys work again"
 
 
-async def test_in_a_session_the_keys_that_leave_pause_it_and_the_passphrase_leads_home_after_it(
-    alone: AppDriver,
+async def test_in_a_session_the_keys_that_leave_pause_it_and_a_removed_passphrase_still_guards(
+    alone: AppDriver, data: Path
 ) -> None:
+    Passphrase(data).remove()
     await alone.press("enter")
     await alone.to_first_prompt()
     for key in ("ctrl+q", "ctrl+c"):
@@ -193,7 +194,11 @@ async def test_in_a_session_the_keys_that_leave_pause_it_and_the_passphrase_lead
         alone.lacks("Ctrl-Q")
         await alone.press("enter")
         await alone.to_prompt()
+    await alone.press("escape", "up", "enter")
+    assert alone.sees("Please enter the passphrase."), "the changes in a pause as well"
+    await alone.press("escape")
     await end_mode(alone)
+    assert not alone.app.patient
     alone.see("Paused")
     await alone.press("enter")
     await alone.finish(await alone.to_prompt())
@@ -202,15 +207,6 @@ async def test_in_a_session_the_keys_that_leave_pause_it_and_the_passphrase_lead
     alone.see("2 of 2 reached")
     await alone.press("ctrl+q")
     assert not alone.app.is_running
-
-
-async def test_a_removed_passphrase_still_guards(alone: AppDriver, data: Path) -> None:
-    Passphrase(data).remove()
-    await alone.press("enter", "enter", "escape", "up", "enter")
-    assert alone.sees("Please enter the passphrase."), "the changes in a pause as well"
-    await alone.press("escape")
-    await end_mode(alone)
-    assert not alone.app.patient
 
 
 async def test_without_a_passphrase_or_an_exercise_it_does_not_begin(

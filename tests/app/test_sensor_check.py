@@ -171,13 +171,9 @@ async def test_the_end_of_the_program_releases_the_sensor(open_check: OpenCheck)
     assert driver.stored("SELECT id FROM sessions") == []
 
 
-async def test_a_session_that_cannot_be_opened_releases_the_sensor_and_no_unknown_one_begins(
-    open_check: OpenCheck, opened: OpenApp, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+async def test_a_session_that_cannot_be_opened_releases_the_sensor(
+    open_check: OpenCheck, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with opened(reaching_plan(catalogue, imu="wiimote")) as driver:
-        assert 'There is no sensor "wiimote".' in driver.app.failure
-        assert driver.app.return_code == 1
-    assert driver.stored("SELECT id FROM sessions") == []
     source = Plugged()
     markers = {"marker_distances_cm": (10, 20, 30, 40, 50, 60)}
     async with open_check(source, max_level=6, start_level=6, **markers) as driver:
@@ -187,6 +183,13 @@ async def test_a_session_that_cannot_be_opened_releases_the_sensor_and_no_unknow
         assert driver.app.failure == "The disk is full."
         assert driver.app.return_code == 1
         assert not source.running
+
+
+async def test_no_unknown_sensor_begins(opened: OpenApp, catalogue: Catalogue) -> None:
+    async with opened(reaching_plan(catalogue, imu="wiimote")) as driver:
+        assert 'There is no sensor "wiimote".' in driver.app.failure
+        assert driver.app.return_code == 1
+    assert driver.stored("SELECT id FROM sessions") == []
 
 
 # --- what is seen of the sensor

@@ -14,10 +14,13 @@ from tests.runs.test_resume import interrupted
 
 
 async def test_a_session_from_start_to_summary(open_session: OpenSession) -> None:
-    async with open_session() as driver:
+    async with open_session(practice_attempts=1) as driver:
         await driver.press("enter")
-        driver.see("Attempt 1 of 2 · level 1", "in less than 1 second on average, with 2 of 2")
+        driver.see("Practice 0 of 1", "in less than 1 second on average, with 2 of 2")
         await driver.do_attempt(await driver.begin())
+        driver.see("Practice is over.", "Attempts 0 of 2", "Attempt 1 of 2 · level 1")
+        await driver.do_attempt(await driver.begin())
+        driver.lacks("Practice is over.")
         driver.see("Keys 2 of 2", "Attempts 1 of 2")
         assert "0.40 seconds" in driver.said
         assert "you ━━━━━━━━━━━━━━──────────────────────┊ goal: less than 1 second ✓" in driver.text
@@ -39,22 +42,10 @@ async def test_a_session_from_start_to_summary(open_session: OpenSession) -> Non
         assert not driver.app.is_running
         assert driver.app.return_code == 0
     assert driver.stored("SELECT status FROM sessions") == [("completed",)]
+    assert driver.stored("SELECT attempt, practice FROM attempts") == [(1, 1), (2, 0), (3, 0)]
     assert driver.stored(
         "SELECT count(*), sum(correct), min(reaction_time_ms), max(reaction_time_ms) FROM trials"
-    ) == [(4, 4, 400.0, 400.0)]
-
-
-async def test_practice_does_not_count(open_session: OpenSession) -> None:
-    async with open_session(practice_attempts=1) as driver:
-        await driver.press("enter")
-        driver.see("Practice 0 of 1")
-        await driver.do_attempt(await driver.begin())
-        driver.see("Practice is over.", "Attempts 0 of 2", "Attempt 1 of 2 · level 1")
-        await driver.do_attempt(await driver.begin())
-        driver.lacks("Practice is over.")
-        await driver.finish(await driver.begin())
-        driver.see("You did 2 attempts; goal reached in 2.")
-    assert driver.stored("SELECT attempt, practice FROM attempts") == [(1, 1), (2, 0), (3, 0)]
+    ) == [(6, 6, 400.0, 400.0)]
 
 
 async def test_a_bouncing_enter_neither_closes_the_summary_nor_begins_another_session(

@@ -179,20 +179,18 @@ def test_a_vocabulary_that_is_not_a_table_is_reported(mine: Path, change: Change
     assert set(theme.repairs) == {"units (en) must be a table.", "other is not a situation (en)."}
 
 
-def test_a_theme_without_a_language_speaks_english(mine: Path) -> None:
-    theme = applied(mine, "fr")
-    assert theme.language == "en"
-    assert theme.phrases == applied(mine).phrases
-    assert theme.repairs == ("There is no phrases.fr.toml; the agent speaks English.",)
-
-
-def test_a_regional_language_falls_back_to_its_base_language(mine: Path, change: Change) -> None:
+def test_a_regional_language_falls_back_to_its_base_language_and_others_to_english(
+    mine: Path,
+) -> None:
     assert applied(mine, "es-mx").phrases == applied(mine, "es").phrases
     assert applied(mine, "es-mx").language == "es-mx"
     assert applied(mine, "en-gb").repairs == ()
-    (mine / "phrases.es-mx.toml").write_text('greeting = ["¡Qué onda!"]', encoding="utf-8")
+    write(mine / "phrases.es-mx.toml", 'greeting = ["¡Qué onda!"]')
     assert applied(mine, "es-mx").phrases["greeting"] == ("¡Qué onda!",)
     assert languages(mine) == ("en", "es", "es-mx")
+    french = applied(mine, "fr")
+    assert (french.language, french.phrases) == ("en", applied(mine).phrases)
+    assert french.repairs == ("There is no phrases.fr.toml; the agent speaks English.",)
 
 
 def test_a_theme_without_english_is_reported_and_completed(mine: Path) -> None:
@@ -455,21 +453,33 @@ def test_an_empty_theme_equals_the_default_under_its_own_name(tmp_path: Path, ca
     assert len(theme.repairs) > len(PHRASE_KEYS)
 
 
-@pytest.mark.parametrize("name", ["theme.toml", "phrases.en.toml"])
-def test_invalid_toml_is_reported_with_its_position(mine: Path, name: str) -> None:
-    for text in ('title = "Mine"\ngreeting = [\n', "a = " + "[" * 5000):
-        write(mine / name, text)
-        said = rf"^The theme mine cannot be read: {name} is not TOML"
-        with pytest.raises(PluginError, match=said):
-            load_theme(mine)
-
-
-def test_another_encoding_is_reported_with_the_line(mine: Path) -> None:
-    (mine / "phrases.es.toml").write_bytes('greeting = [\n"¡Hola!"]\n'.encode("latin-1"))
-    said = r"phrases\.es\.toml is not UTF-8 text from line 2 on; save it as UTF-8\.$"
-    with pytest.raises(PluginError, match=said):
+@pytest.mark.parametrize(
+    ("name", "content", "said"),
+    [
+        ("theme.toml", b'title = "Mine"\ngreeting = [\n', r"theme\.toml is not TOML"),
+        ("theme.toml", b"a = " + b"[" * 5000, r"theme\.toml is not TOML"),
+        ("phrases.es.toml", b"greeting = [\n", r"phrases\.es\.toml is not TOML"),
+        (
+            "phrases.es.toml",
+            b"a = [\n'\xa1Hola!']\n",
+            r"phrases\.es\.toml is not UTF-8 text from line 2 on;",
+        ),
+        ("theme.toml", None, r"theme\.toml cannot be read: Is a directory\.$"),
+    ],
+    ids=["a list without end", "nested too deeply", "phrases", "another encoding", "a folder"],
+)
+def test_an_unreadable_file_is_reported(
+    mine: Path, name: str, content: bytes | None, said: str
+) -> None:
+    if content is None:
+        (mine / name).unlink()
+        (mine / name).mkdir()
+    else:
+        (mine / name).write_bytes(content)
+    with pytest.raises(PluginError, match=rf"^The theme mine cannot be read: {said}"):
         load_theme(mine, "es")
-    assert applied(mine, "en").repairs == ()
+    if name.startswith("phrases"):
+        assert applied(mine, "en").repairs == (), "its other language can be used"
 
 
 def test_a_byte_order_mark_is_ignored(mine: Path) -> None:
@@ -477,13 +487,6 @@ def test_a_byte_order_mark_is_ignored(mine: Path) -> None:
         file.write_bytes(b"\xef\xbb\xbf" + file.read_bytes().replace(b"\n", b"\r\n"))
     assert applied(mine).repairs == ()
     assert applied(mine).faces == load_theme(mine, "es").faces
-
-
-def test_a_folder_in_place_of_a_file_is_reported(mine: Path) -> None:
-    (mine / "theme.toml").unlink()
-    (mine / "theme.toml").mkdir()
-    with pytest.raises(PluginError, match=r"theme\.toml cannot be read: Is a directory\."):
-        load_theme(mine)
 
 
 JUNK = st.recursive(
