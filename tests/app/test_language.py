@@ -68,10 +68,14 @@ def test_every_text_of_the_app_is_translated_and_no_translation_is_obsolete() ->
     ] == []
 
 
-def test_texts_of_a_theme_precede_those_of_the_app_and_an_unknown_language_is_english() -> None:
+async def test_texts_of_a_theme_precede_those_of_the_app_and_an_unknown_language_is_english(
+    opened: OpenApp, catalogue: Catalogue
+) -> None:
     tr = app_language("es", {"Welcome": "¡Hola!"})
     assert (tr("Welcome"), tr("Go on")) == ("¡Hola!", "Seguir")
     assert app_language("de")("Press {key} to start.", key="Space") == "Press Space to start."
+    async with opened(plan(catalogue, "keyboard", "playful")) as driver:
+        driver.see("Púlsala lo más rápido que puedas", "Pulsa Enter para seguir.")
 
 
 # --- sessions
@@ -180,10 +184,3 @@ def test_each_tu_has_the_slots_of_usted(catalogue: Catalogue, shipped: dict[str,
     ] == []
     assert set(written) - set(shipped) == set()
     assert [english for english, own in written.items() if own == shipped[english]] == []
-
-
-async def test_a_session_shows_the_texts_of_its_theme(
-    opened: OpenApp, catalogue: Catalogue
-) -> None:
-    async with opened(plan(catalogue, "keyboard", "playful")) as driver:
-        driver.see("Púlsala lo más rápido que puedas", "Pulsa Enter para seguir.")

@@ -227,19 +227,6 @@ async def test_settings_that_became_invalid_are_told_and_can_be_set(
         assert meaning(driver).endswith("Default: en.")
 
 
-@pytest.mark.slow
-async def test_outputs_are_picked_from_a_list_or_typed(form: AppDriver) -> None:
-    await go_to(form, "outputs")
-    await form.press("enter")
-    form.see("✓ screen")
-    await form.press("down", "down", "enter", "escape")
-    assert field(form, "outputs").value == "screen tones"
-    await form.press("enter", "enter", "escape")
-    assert field(form, "outputs").value == "tones"
-    await fill(form, "outputs", "ros://lab/x")
-    assert field(form, "outputs").value == "ros://lab/x"
-
-
 # --- groups
 
 
@@ -363,7 +350,7 @@ async def test_a_preset_leaves_nothing_of_the_one_before(opened: OpenApp, data: 
 
 
 @pytest.mark.slow
-async def test_choices_open_in_a_list(form: AppDriver) -> None:
+async def test_choices_and_outputs_open_in_a_list(form: AppDriver) -> None:
     await go_to(form, "layout")
     choice = field(form, "layout").query_one(Choice)
     await form.press("down")
@@ -383,3 +370,13 @@ async def test_choices_open_in_a_list(form: AppDriver) -> None:
     await form.pilot.click(choice)
     await form.settle()
     assert choice.has_focus
+
+    await go_to(form, "outputs")
+    await form.press("enter")
+    form.see("✓ screen")
+    await form.press("down", "down", "enter", "escape")
+    assert field(form, "outputs").value == "screen tones"
+    await form.press("enter", "enter", "escape")
+    assert field(form, "outputs").value == "tones"
+    await fill(form, "outputs", "ros://lab/x")
+    assert field(form, "outputs").value == "ros://lab/x"
