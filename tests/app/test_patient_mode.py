@@ -10,10 +10,10 @@ import pytest
 from sar_tui.app.app import SarTui
 from sar_tui.plugins import Catalogue
 from sar_tui.reports import session_facts
-from sar_tui.store import participants, passphrase, programmes
+from sar_tui.store import passphrase
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.passphrase import Passphrase
-from tests.app.app_driver import SHORT, AppDriver, OpenApp, stored
+from tests.app.app_driver import AppDriver, OpenApp, known, stored
 
 RIGHT = "quiet river"
 REACHING = {"imu": "simulated", "attempts": 1, "reaches_per_attempt": 1}
@@ -24,17 +24,9 @@ def prepared(data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Set a passphrase, which is cheap to check, and two participants; P01 has two exercises."""
     monkeypatch.setattr(passphrase, "_COST", 16)
     Passphrase(data).set(RIGHT)
-    programme(data, "P01", "keyboard")
-    programme(data, "P01", "reaching", **REACHING)
-    programme(data, "P77", "keyboard")
-
-
-def programme(data: Path, participant: str, task: str, **parameters: object) -> None:
-    with closing(connect(data)) as database:
-        participants.add(database, participant)
-        values = {**(SHORT if task == "keyboard" else {}), **parameters}
-        before = programmes.newest(database, participant, task).version
-        programmes.save(database, participant, task, programmes.Programme(values), after=before)
+    known(data, "P01")
+    known(data, "P01", task="reaching", **REACHING)
+    known(data, "P77")
 
 
 @pytest.fixture
@@ -64,7 +56,7 @@ async def test_enter_starts_one_exercise_after_the_other(alone: AppDriver) -> No
 
 
 async def test_a_days_limit_ends_the_exercises(opened: OpenApp, data: Path) -> None:
-    programme(data, "P77", "keyboard", attempts_a_day=1)
+    known(data, "P77", attempts_a_day=1)
     async with opened(patient="P77") as driver:
         driver.see("Hello!")
         driver.lacks("Skip this exercise")
@@ -80,7 +72,7 @@ async def test_a_days_limit_ends_the_exercises(opened: OpenApp, data: Path) -> N
 async def test_in_severe_pain_one_enter_never_begins_and_later_nothing_invites_to_more(
     opened: OpenApp, data: Path
 ) -> None:
-    programme(data, "P01", "keyboard", ask_wellbeing=True)
+    known(data, "P01", ask_wellbeing=True)
     async with opened(patient="P01") as driver:
         await driver.press("enter", "9", "3", "2")
         driver.see("Please do not train now")
@@ -125,7 +117,7 @@ async def test_the_next_exercise_follows_an_ended_one_and_the_same_a_mistake(
 
 
 async def test_an_attempt_can_be_left_out_in_ones_own_language(opened: OpenApp, data: Path) -> None:
-    programme(data, "P01", "keyboard", language="es")
+    known(data, "P01", language="es")
     async with opened(patient="P01") as driver:
         driver.see("Ejercicio 1 de 2")
         await driver.press("enter")
@@ -144,7 +136,7 @@ async def test_an_attempt_can_be_left_out_in_ones_own_language(opened: OpenApp, 
 
 
 async def test_neither_screens_nor_help_name_a_way_out(opened: OpenApp, data: Path) -> None:
-    programme(data, "P88", "reaching", **REACHING, ask_wellbeing=True)
+    known(data, "P88", task="reaching", **REACHING, ask_wellbeing=True)
     others = ("Quit", "Ctrl-Q", "Settings", "F12", "F2 on the first screen", "F7")
     async with opened(patient="P88") as driver:
         for keys in ((), ("enter",), ("0", "1"), ("enter",)):
@@ -269,7 +261,7 @@ participant's, too.
 
 
 async def test_therapists_keys_do_nothing(opened: OpenApp, data: Path) -> None:
-    programme(data, "P05", "reaching", ask_wellbeing=True, **REACHING)
+    known(data, "P05", task="reaching", ask_wellbeing=True, **REACHING)
     async with opened(patient="P05") as driver:
         screens = []
 

@@ -3,7 +3,7 @@
 import math
 import re
 from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager, closing
+from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 from unittest.mock import Mock
@@ -21,11 +21,9 @@ from sar_tui.motion.analysis import Finding
 from sar_tui.motion.synthesis import PROFILES, Profile, ReachShape, SimulatedHand
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan, make_plan
-from sar_tui.store import participants, programmes
-from sar_tui.store.database import StoreError, connect
-from sar_tui.store.programmes import Programme
+from sar_tui.store.database import StoreError
 from tests.album import Album
-from tests.app.app_driver import AppDriver, OpenApp, open_app, stored
+from tests.app.app_driver import AppDriver, OpenApp, known, open_app, stored
 
 SNAPSHOTS = Path(__file__).parent / "sensor_snapshots"
 Alter = Callable[[Sample], Sample]
@@ -142,10 +140,7 @@ async def test_the_session_takes_over_the_running_sensor(
 
 
 async def test_escape_leads_home_and_back_again(opened: OpenApp, data: Path) -> None:
-    reaching = Programme({"imu": "simulated"}, "high-contrast")
-    with closing(connect(data)) as database:
-        participants.add(database, "P01")
-        programmes.save(database, "P01", "reaching", reaching, after=0)
+    known(data, theme="high-contrast", task="reaching", imu="simulated")
     async with opened() as driver:
         start = driver.app.screen.query_one("#start", Button)
         start.active_effect_duration = 0  # it takes no second press meanwhile
