@@ -120,18 +120,6 @@ async def test_after_too_much_pain_skipping_is_advised_on(asked: AppDriver) -> N
     assert answers(asked) == [("before", "pain", 1, "shown")]
 
 
-async def test_the_therapist_sets_the_pain_limits(open_session: OpenSession, data: Path) -> None:
-    settings = {"ask_wellbeing": True, "pain_limit": 8, "pain_rise": 3}
-    async with open_session(**settings) as driver:
-        await driver.press("6", "1", "2")
-        await driver.do_session()
-        await driver.press("enter", "8", "1", "2")
-        assert driver.app.return_code == 0
-    with closing(connect(data)) as database:
-        assert not any("shown" in each for each in said(database))
-        assert not any(rated.is_reason_to_stop for rated in wellbeing.history(database, "P01"))
-
-
 async def test_pain_that_rose_much_is_a_reason_to_stop_in_a_resumed_session_too(
     opened: OpenApp, open_session: OpenSession
 ) -> None:
@@ -221,17 +209,23 @@ async def test_the_questions_and_the_key_of_ten_are_in_the_sessions_language(
         assert answers(driver)[0] == ("before", "pain", 10, "head", "shown"), "stored in English"
 
 
-async def test_a_past_session_shows_what_was_said_and_takes_an_adverse_event(
+async def test_a_session_within_the_therapists_limits_shows_what_was_said_and_takes_an_adverse_event(
     opened: OpenApp, open_session: OpenSession
 ) -> None:
-    async with open_session(attempts=1, ask_wellbeing=True) as driver:
-        await driver.press("0", "1")
+    settings = {"ask_wellbeing": True, "pain_limit": 8, "pain_rise": 3}
+    async with open_session(attempts=1, **settings) as driver:
+        await driver.press("6", "5", "1")
         await driver.do_session()
-        await driver.press("enter", "2", "5", "8")
+        await driver.press("enter", "8", "5", "8")
+        assert driver.app.return_code == 0, "without the advice to stop"
         session = driver.session_id
     async with opened() as driver:
+        assert not any("shown" in each for each in answers(driver))
+        rated = wellbeing.history(driver.app.database, "P01")
+        assert [each.is_reason_to_stop for each in rated] == [False]
         await driver.press("f6", "enter")
-        driver.see("Pain: 0 before, 2 after (left shoulder). Tiredness: 1 before, 8 after.")
+        driver.see("Pain: 6 before (left shoulder), 8 after (left shoulder).")
+        driver.see("Tiredness: 1 before, 8 after.")
         await driver.press("a", *"Drowsy", "escape")
         assert driver.screen_name == "PastSessionScreen"
         await driver.press("a", *"Dizzy", "enter", *"awful", "enter", "enter", "enter")
