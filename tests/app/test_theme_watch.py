@@ -109,13 +109,13 @@ def test_added_phrases_are_an_edit_and_the_language_stays(folder: Path, editor: 
     assert [theme.language for theme in editor.applied] == ["es"]
 
 
-def test_an_unreadable_theme_is_told_once(folder: Path, editor: Editor, themes: Catalogue) -> None:
+def test_an_unreadable_theme_is_told_once(folder: Path, editor: Editor) -> None:
     edit(folder, "[colors]", "[colors")
     editor.look(4)
     assert editor.applied == []
-    (notices,) = editor.notices
-    assert notices.startswith("The theme mine cannot be read: ")
-    assert notices.endswith("The previous version stays in use.")
+    (notice,) = editor.notices
+    assert notice.startswith("The theme mine cannot be read: ")
+    assert notice.endswith("The previous version stays in use.")
     edit(folder, "[colors\n", "[colors]\n")
     editor.look(2)
     assert len(editor.applied) == 1

@@ -71,14 +71,15 @@ async def test_a_held_key_answers_once_and_the_last_of_corrected_answers_counts(
     assert found == [("pain", 1), ("pain", 2), ("pain", 3), ("tiredness", 1)]
 
 
-@pytest.mark.parametrize("ms", [120, 2_000])
-async def test_ten_can_be_typed_with_two_keys(asked: AppDriver, ms: int) -> None:
-    await asked.wait(700)
-    await asked.write("1")
-    await asked.wait(ms)
-    await asked.write("0")
-    asked.see("Where does it hurt? ", "You said: 10. Backspace goes back.")
-    await asked.press("backspace", "1", "5", "2")
+async def test_ten_can_be_typed_with_two_keys(asked: AppDriver) -> None:
+    for ms in (120, 2_000):
+        await asked.wait(700)
+        await asked.write("1")
+        await asked.wait(ms)
+        await asked.write("0")
+        asked.see("Where does it hurt? ", "You said: 10. Backspace goes back.")
+        await asked.press("backspace")
+    await asked.press("1", "5", "2")
     assert asked.screen_name == "SessionScreen", "10 was corrected"
     found = answers(asked)
     assert found == [("before", "pain", 1, "left shoulder"), ("before", "tiredness", 2)]
