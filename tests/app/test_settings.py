@@ -125,6 +125,9 @@ async def test_values_are_checked_as_they_are_typed(
     assert meaning(form) == "Shortest wait (1800 ms) is above the longest (1500 ms)."
     await fill(form, "foreperiod_max_ms", "1900")
     assert field(form, "foreperiod_min_ms").problem == ""
+    await fill(form, "start_level", "21")
+    found = meaning(form)
+    assert found == "There are only 20 levels in this choice of keys, so there is no level 21."
     await fill(form, "start_level", "5")
     keys = keyboard(build(keyboard.Parameters, {"start_level": 5}))
     assert meaning(form).endswith(f"Level 5: {keys.level_name(5)}")
