@@ -52,15 +52,19 @@ def plan(
     return make_plan(catalogue, task, [participant], SHORT | parameters, theme=theme, seed=7)
 
 
-def known(data: Path, participant: str = "P01", theme: str = "calm", **parameters: object) -> None:
-    """Store a participant with settings for the keyboard task."""
-    database = connect(data)
-    participants.add(database, participant)
-    last = programmes.newest(database, participant, "keyboard")
-    programmes.save(
-        database, participant, "keyboard", Programme(SHORT | parameters, theme), after=last.version
-    )
-    database.close()
+def known(
+    data: Path,
+    participant: str = "P01",
+    theme: str = "calm",
+    task: str = "keyboard",
+    **parameters: object,
+) -> None:
+    """Store a participant with settings for a task; a session of the keyboard task is short."""
+    values = (SHORT if task == "keyboard" else {}) | parameters
+    with closing(connect(data)) as database:
+        participants.add(database, participant)
+        before = programmes.newest(database, participant, task).version
+        programmes.save(database, participant, task, Programme(values, theme), after=before)
 
 
 class AppDriver:

@@ -7,13 +7,10 @@ from pathlib import Path
 import pytest
 from textual.widgets import Button
 
-from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
-from sar_tui.store import programmes
 from sar_tui.store.database import connect
 from sar_tui.store.locks import hold
-from sar_tui.store.programmes import Programme
 from sar_tui.widgets.lists import MarkedList, PickList
 from tests.app.app_driver import AppDriver, OpenApp, OpenSession, known, open_app, plan, stored
 from tests.recorded import told
@@ -25,9 +22,15 @@ async def test_a_code_leads_from_a_fresh_start_to_a_session(opened: OpenApp) -> 
     async with opened() as driver:
         driver.see("+ New participant")
         await driver.press("enter")
+        await driver.enter("Peter Maier")
+        assert driver.screen_name == "NewParticipantScreen", "a name is refused"
+        await driver.press("ctrl+u")
         await driver.enter("p01")
         driver.see("P01 · Keyboard reaction")
-        await driver.press("enter", "enter", "enter")
+        await driver.press("escape", "down", "enter")
+        await driver.enter("p01")
+        assert driver.screen_name == "NewParticipantScreen", "the code is taken"
+        await driver.press("escape", "up", "enter", "enter")
         driver.see("A key appears in the middle of the screen.")
     assert driver.stored("SELECT code FROM participants") == [("P01",)]
     assert driver.stored("SELECT task, theme, mode FROM sessions") == [("keyboard", "calm", "live")]
@@ -37,31 +40,26 @@ async def test_escape_in_a_list_restores_the_choice(opened: OpenApp, data: Path)
     known(data, "P02")
     known(data, "P01")
     async with opened() as driver:
-        screen = driver.app.screen
-        chosen = {}
-        for name in ("participant", "task", "theme"):
-            chosen[name] = screen.query_one(f"#{name}", MarkedList).chosen
-        colors = driver.app.theme
-        before = driver.text
+
+        def chosen() -> list[str | None]:
+            names = ("participant", "task", "theme")
+            return [driver.app.screen.query_one(f"#{name}", MarkedList).chosen for name in names]
+
+        before, text, colors = chosen(), driver.text, driver.app.theme
         await driver.press("down")
-        assert driver.text != before
+        assert driver.text != text
         await driver.press("escape")
-        assert driver.text == before
+        assert driver.text == text
         for way in (("right",), ("right", "right")):
-            await driver.press(*way)
-            assert isinstance(driver.app.focused, PickList)
-            await driver.press("down")
-            assert (
-                screen.query_one(f"#{driver.app.focused.id}", MarkedList).chosen
-                != chosen[driver.app.focused.id]
-            )
+            await driver.press(*way, "down")
+            assert chosen() != before
             await driver.press("escape")
+            assert chosen() == before
+            assert driver.app.focused
             assert driver.app.focused.id == "participant"
-        for name, was in chosen.items():
-            assert screen.query_one(f"#{name}", MarkedList).chosen == was
         assert driver.app.theme == colors
         await driver.press("right", "down", "enter", "escape")
-        assert screen.query_one("#task", MarkedList).chosen != chosen["task"], "Enter confirms it"
+        assert chosen() != before, "Enter confirms it"
 
 
 @pytest.mark.slow
@@ -114,8 +112,7 @@ async def test_the_card_tells_how_a_participant_does(
 async def test_the_last_task_of_a_participant_is_chosen(opened: OpenApp, data: Path) -> None:
     known(data, "P02")
     known(data, "P01")
-    with closing(connect(data)) as database:
-        programmes.save(database, "P01", "reaching", Programme(), after=0)
+    known(data, "P01", task="reaching")
     async with opened() as driver:
         driver.see("P01 · Reaching")
         await driver.press("right")
@@ -129,33 +126,20 @@ async def test_the_last_task_of_a_participant_is_chosen(opened: OpenApp, data: P
         driver.see("P01 · Reaching")
 
 
-@pytest.mark.parametrize("code", ["Peter Maier", "p01"], ids=["invalid", "taken"])
-async def test_such_a_code_is_refused(home: AppDriver, code: str) -> None:
-    await home.press("down", "enter")
-    await home.enter(code)
-    assert home.screen_name == "NewParticipantScreen"
-    await home.press("escape")
-    assert home.screen_name == "HomeScreen"
-    assert home.stored("SELECT code FROM participants") == [("P01",)]
-
-
-@pytest.mark.slow
-async def test_a_task_may_not_load(data: Path, catalogue: Catalogue, tmp_path: Path) -> None:
-    broken = tmp_path / "tasks" / "aaa" / "task.py"
-    broken.parent.mkdir(parents=True)
+async def test_a_task_that_does_not_load_or_is_removed_while_it_is_chosen_is_told(
+    data: Path, tmp_path: Path
+) -> None:
+    folder = write_sides(tmp_path / "mine")
+    broken = folder.parent / "aaa" / "task.py"
+    broken.parent.mkdir()
     broken.write_text("raise RuntimeError('not yet')")
     known(data, "P01")
-    async with open_app(data, Catalogue((broken.parent.parent,))) as driver:
+    async with open_app(data, Catalogue((folder.parent,))) as driver:
         await driver.press("right")
         driver.see("P01 · Keyboard reaction")
         await driver.press("end")
         driver.see("aaa (does not load)")
-
-
-async def test_a_task_removed_while_it_is_chosen_is_told(data: Path, tmp_path: Path) -> None:
-    folder = write_sides(tmp_path / "mine")
-    known(data, "P01")
-    async with open_app(data, Catalogue((folder.parent,))) as driver:
+        await driver.press("escape")
         driver.app.screen.query_one("#task", PickList).choose("sides")
         await driver.settle()
         driver.see("P01 · Sides")
@@ -166,12 +150,18 @@ async def test_a_task_removed_while_it_is_chosen_is_told(data: Path, tmp_path: P
         assert driver.screen_name == "HomeScreen"
 
 
-async def test_nothing_starts_without_a_participant(first_run: AppDriver) -> None:
-    for key in ("f2", "f12"):
-        await first_run.press(key)
-        assert first_run.screen_name == "HomeScreen"
-        first_run.see("Choose or add a participant first.")
-        first_run.app.clear_notifications()
+async def test_without_a_participant_nothing_starts_and_imprecise_timing_is_told(
+    opened: OpenApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SSH_CONNECTION", "somewhere")
+    monkeypatch.setenv("TMUX", "some")
+    async with opened() as driver:
+        driver.see("inside ssh and tmux: reaction times are less exact")
+        for key in ("f2", "f12"):
+            await driver.press(key)
+            assert driver.screen_name == "HomeScreen"
+            driver.see("Choose or add a participant first.")
+            driver.app.clear_notifications()
 
 
 async def test_a_theme_that_is_chosen_is_stored_for_its_participant(
@@ -222,8 +212,6 @@ async def test_an_interrupted_session_is_dismissed_taken_back_and_resumed(
         session = driver.session_id
     async with open_session(participant="P02", attempts=1) as driver:
         await driver.do_session()
-    tables = ("trials", "events", "runs", "seats")
-    everything = [driver.stored(f"SELECT * FROM {table}") for table in tables]
     async with opened() as driver:
         await driver.press("up")
         recent = [row for row in driver.rows if "Keyboard re…" in row]
@@ -241,8 +229,6 @@ async def test_an_interrupted_session_is_dismissed_taken_back_and_resumed(
         assert driver.screen_name == "PastSessionScreen"
         await driver.press("enter", "delete")
         assert "Del Dismiss" in driver.rows[-1]
-        for table, before in zip(tables, everything, strict=True):
-            assert set(before) <= set(driver.stored(f"SELECT * FROM {table}")), table
 
         await driver.press("enter")
         assert driver.session_id == session
@@ -252,7 +238,6 @@ async def test_an_interrupted_session_is_dismissed_taken_back_and_resumed(
         assert (prompt.trial, prompt.text) == (left_at.trial, left_at.text)
         await driver.answer(prompt)
         await driver.finish(await driver.begin())
-        driver.see("You did 2 attempts; goal reached in 2.")
     assert driver.stored("SELECT status FROM sessions WHERE id=?", session) == [("completed",)]
     found = driver.stored("SELECT attempt, trial FROM trials WHERE session=?", session)
     assert found == [(1, 1), (1, 2), (2, 1), (2, 2)]
@@ -282,19 +267,6 @@ async def test_a_session_in_another_program_is_shown_so_far_and_not_dismissed(
         driver.see("· interrupted · 1/2 attempts")
 
 
-async def test_home_opens_on_who_trained_last(
-    opened: OpenApp, open_session: OpenSession, data: Path
-) -> None:
-    for code in ("P01", "P02"):
-        known(data, code)
-    async with opened() as driver:
-        assert driver.sees("P02 · Keyboard reaction"), "nobody trained yet: the one added last"
-    async with open_session(participant="P01"):
-        pass
-    async with opened() as driver:
-        driver.see("P01 · Keyboard reaction")
-
-
 async def test_a_removed_tasks_session_is_shown(open_session: OpenSession, data: Path) -> None:
     async with open_session(attempts=1) as driver:
         await driver.do_session()
@@ -308,30 +280,18 @@ async def test_a_removed_tasks_session_is_shown(open_session: OpenSession, data:
         assert driver.screen_name == "HomeScreen"
 
 
-async def test_imprecise_timing_is_told(opened: OpenApp, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("SSH_CONNECTION", "somewhere")
-    monkeypatch.setenv("TMUX", "some")
-    async with opened() as driver:
-        driver.see("inside ssh and tmux: reaction times are less exact")
+async def test_tasks_are_listed_by_aim_and_the_open_list_says_what_is_done(
+    home: AppDriver, catalogue: Catalogue
+) -> None:
+    tasks = home.app.screen.query_one("#task", PickList)
+    listed = [str(option.prompt) for option in tasks.options]
+    assert tasks.chosen == "keyboard"
+    assert listed.index("Reaction") < listed.index("Keyboard reaction")
+    assert listed.index("Attention") < listed.index("Arrow in the middle")
+    aims = {catalogue.task(name).trains for name in catalogue.task_names()}
+    headings = [option.disabled for option in tasks.options if option.id is None]
+    assert headings == [True] * len(aims)
 
-
-async def test_tasks_are_listed_by_aim(opened: OpenApp, data: Path, catalogue: Catalogue) -> None:
-    known(data, "P01")
-    async with opened() as driver:
-        tasks = driver.app.screen.query_one("#task", PickList)
-        listed = [str(option.prompt) for option in tasks.options]
-        assert tasks.chosen == "keyboard"
-        for trains, title in (
-            ("Reaction", "Keyboard reaction"),
-            ("Attention", "Arrow in the middle"),
-        ):
-            assert listed.index(trains) < listed.index(title)
-        assert [option.disabled for option in tasks.options if option.id is None] == [True] * len(
-            {catalogue.task(name).trains for name in catalogue.task_names()}
-        )
-
-
-async def test_the_open_list_says_what_is_done_in_the_chosen_task(home: AppDriver) -> None:
     home.lacks("Press the key that appears")
     await home.press("right")
     home.see("Press the key that appears, as")
@@ -366,15 +326,3 @@ async def test_a_session_of_another_site_is_seen_and_left_as_it_is(
         await driver.press("escape")
     assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
     assert stored(data, "SELECT code, site FROM participants") == [("P01@BERN", "BERN")]
-
-
-async def test_pages_are_turned_in_a_list_that_is_not_laid_out(driver: AppDriver) -> None:
-    await driver.to_first_prompt()
-    await driver.press("escape")
-    menu = driver.app.screen.query_one(PauseMenu)
-    menu._lines.clear()
-    menu._index_to_line.clear()
-    menu.action_page_up()
-    menu.action_page_down()
-    await driver.settle()
-    assert driver.app.is_running

@@ -25,7 +25,7 @@ from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.store.wellbeing import NOT_SAID
 from sar_tui.tui.base_app import BaseApp
 from sar_tui.tui.language import app_language, session_language
-from tests.app.app_driver import AppDriver, OpenApp, known
+from tests.app.app_driver import OpenApp, known
 from tests.untranslated import english_in, phrases
 
 APP = Path(sar_tui.app.__file__).parent
@@ -35,33 +35,6 @@ _FRAMES = str.maketrans("│▌╭╮╰╯─━", "        ")
 def plan(catalogue: Catalogue, name: str, theme: str = "calm", **parameters: Any) -> Plan:
     settings = {"language": "es", "attempts": 2, **parameters}
     return make_plan(catalogue, name, ["P01"], settings, theme=theme, seed=7)
-
-
-class Tour:
-    """Walk through a session that collects the texts seen."""
-
-    def __init__(self, driver: AppDriver) -> None:
-        self.driver = driver
-        self.seen: list[str] = []
-
-    def look(self, *words: str) -> None:
-        """Collect the texts on the screen, and check that these are among them."""
-        self.seen += [
-            " ".join(self.driver.text.translate(_FRAMES).split()),
-            *self.driver.text.split("\n"),
-        ]
-        self.driver.see(*words)
-
-    async def press(self, *keys: str) -> None:
-        """Press keys, and collect the texts after each."""
-        for key in keys:
-            await self.driver.press(key)
-            self.look()
-
-    def found(self, catalogue: Catalogue) -> list[tuple[str, str]]:
-        """Return the English texts found."""
-        said = phrases(catalogue.theme("calm"), catalogue.theme("calm", "es"))
-        return english_in(self.seen, session_language(self.driver.session.task).texts | said)
 
 
 # --- the app's own words
@@ -95,10 +68,14 @@ def test_every_text_of_the_app_is_translated_and_no_translation_is_obsolete() ->
     ] == []
 
 
-def test_texts_of_a_theme_precede_those_of_the_app_and_an_unknown_language_is_english() -> None:
+async def test_texts_of_a_theme_precede_those_of_the_app_and_an_unknown_language_is_english(
+    opened: OpenApp, catalogue: Catalogue
+) -> None:
     tr = app_language("es", {"Welcome": "¡Hola!"})
     assert (tr("Welcome"), tr("Go on")) == ("¡Hola!", "Seguir")
     assert app_language("de")("Press {key} to start.", key="Space") == "Press Space to start."
+    async with opened(plan(catalogue, "keyboard", "playful")) as driver:
+        driver.see("Púlsala lo más rápido que puedas", "Pulsa Enter para seguir.")
 
 
 # --- sessions
@@ -106,31 +83,43 @@ def test_texts_of_a_theme_precede_those_of_the_app_and_an_unknown_language_is_en
 
 async def test_a_session_of_keys_is_in_spanish(opened: OpenApp, catalogue: Catalogue) -> None:
     settings = {"prompts_per_attempt": 2, "practice_attempts": 1, "threshold": 850.0}
+    seen: list[str] = []
     async with opened(plan(catalogue, "keyboard", **settings)) as driver:
-        tour = Tour(driver)
-        tour.look("Reacción con el teclado", "Le damos la bienvenida")
-        await tour.press("f1", "enter", "enter")
-        tour.look("en menos de 0,85 segundos de media, y acertar 2 de 2.", "Teclas 0 de 2")
+
+        def look(*words: str) -> None:
+            """Collect the texts on the screen, and check that these are among them."""
+            seen.append(" ".join(driver.text.translate(_FRAMES).split()))
+            seen.extend(driver.rows)
+            driver.see(*words)
+
+        async def press(*keys: str) -> None:
+            """Press keys, and collect the texts after each."""
+            for key in keys:
+                await driver.press(key)
+                look()
+
+        look("Reacción con el teclado", "Le damos la bienvenida")
+        await press("f1", "enter", "enter")
+        look("en menos de 0,85 segundos de media, y acertar 2 de 2.", "Teclas 0 de 2")
         prompt = await driver.begin()
-        tour.look(f"Pulse: {prompt.expected}")
-        await tour.press("ctrl+q", "escape", "escape", "down", "enter", "down", "enter")
-        await tour.press("down", "enter")
+        look(f"Pulse: {prompt.expected}")
+        await press("ctrl+q", "escape", "escape", *["down", "enter"] * 3)
         await driver.resize(60, 20)
-        tour.look("Tiene 60 por 20 caracteres; hacen falta 80 por 24.")
+        look("Tiene 60 por 20 caracteres; hacen falta 80 por 24.")
         await driver.resize(80, 24)
-        await tour.press("enter", "escape", "up", "enter", "escape", "enter")
+        await press("enter", "escape", "up", "enter", "escape", "enter")
         await driver.do_attempt(await driver.to_prompt())
-        await driver.disk(working=False)
-        tour.look()
-        await driver.disk(working=True)
-        tour.look()
-        await tour.press("enter")
+        for working in (False, True):
+            await driver.disk(working)
+            look()
+        await press("enter")
         for _ in range(2):
             await driver.do_attempt(await driver.begin())
-            tour.look()
+            look()
         await driver.see_the_summary()
-        tour.look("Ha hecho 2 intentos; meta alcanzada en 2.")
-        assert tour.found(catalogue) == []
+        look("Ha hecho 2 intentos; meta alcanzada en 2.")
+        said = phrases(catalogue.theme("calm"), catalogue.theme("calm", "es"))
+        assert english_in(seen, session_language(driver.session.task).texts | said) == []
 
 
 @pytest.mark.parametrize("name", Catalogue().task_names())
@@ -195,10 +184,3 @@ def test_each_tu_has_the_slots_of_usted(catalogue: Catalogue, shipped: dict[str,
     ] == []
     assert set(written) - set(shipped) == set()
     assert [english for english, own in written.items() if own == shipped[english]] == []
-
-
-async def test_a_session_shows_the_texts_of_its_theme(
-    opened: OpenApp, catalogue: Catalogue
-) -> None:
-    async with opened(plan(catalogue, "keyboard", "playful")) as driver:
-        driver.see("Púlsala lo más rápido que puedas", "Pulsa Enter para seguir.")

@@ -10,11 +10,10 @@ import pytest
 from sar_tui.app.app import SarTui
 from sar_tui.plugins import Catalogue
 from sar_tui.reports import session_facts
-from sar_tui.store import participants, passphrase, programmes
+from sar_tui.store import passphrase
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.passphrase import Passphrase
-from tests.app.app_driver import SHORT, AppDriver, OpenApp, stored
-from tests.examples import first
+from tests.app.app_driver import AppDriver, OpenApp, known, stored
 
 RIGHT = "quiet river"
 REACHING = {"imu": "simulated", "attempts": 1, "reaches_per_attempt": 1}
@@ -25,17 +24,9 @@ def prepared(data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Set a passphrase, which is cheap to check, and two participants; P01 has two exercises."""
     monkeypatch.setattr(passphrase, "_COST", 16)
     Passphrase(data).set(RIGHT)
-    programme(data, "P01", "keyboard")
-    programme(data, "P01", "reaching", **REACHING)
-    programme(data, "P77", "keyboard")
-
-
-def programme(data: Path, participant: str, task: str, **parameters: object) -> None:
-    with closing(connect(data)) as database:
-        participants.add(database, participant)
-        values = {**(SHORT if task == "keyboard" else {}), **parameters}
-        before = programmes.newest(database, participant, task).version
-        programmes.save(database, participant, task, programmes.Programme(values), after=before)
+    known(data, "P01")
+    known(data, "P01", task="reaching", **REACHING)
+    known(data, "P77")
 
 
 @pytest.fixture
@@ -65,7 +56,7 @@ async def test_enter_starts_one_exercise_after_the_other(alone: AppDriver) -> No
 
 
 async def test_a_days_limit_ends_the_exercises(opened: OpenApp, data: Path) -> None:
-    programme(data, "P77", "keyboard", attempts_a_day=1)
+    known(data, "P77", attempts_a_day=1)
     async with opened(patient="P77") as driver:
         driver.see("Hello!")
         driver.lacks("Skip this exercise")
@@ -78,8 +69,10 @@ async def test_a_days_limit_ends_the_exercises(opened: OpenApp, data: Path) -> N
         assert driver.app.patient_mode.troubles[0].startswith("That is enough for P77 today")
 
 
-async def test_one_enter_never_begins_in_severe_pain(opened: OpenApp, data: Path) -> None:
-    programme(data, "P01", "keyboard", ask_wellbeing=True)
+async def test_in_severe_pain_one_enter_never_begins_and_later_nothing_invites_to_more(
+    opened: OpenApp, data: Path
+) -> None:
+    known(data, "P01", ask_wellbeing=True)
     async with opened(patient="P01") as driver:
         await driver.press("enter", "9", "3", "2")
         driver.see("Please do not train now")
@@ -90,17 +83,11 @@ async def test_one_enter_never_begins_in_severe_pain(opened: OpenApp, data: Path
         driver.see("Exercise 1 of 2")
         await driver.press("enter")
         assert driver.sees("How much pain do you have now?"), "it is asked again"
-        assert (
-            "P01: The participant was advised not to train, and stopped."
-            in driver.app.patient_mode.troubles
-        )
-    assert stored(data, "SELECT count(*) FROM sessions") == [(0,)]
+        advised = "P01: The participant was advised not to train, and stopped."
+        assert advised in driver.app.patient_mode.troubles
+        assert driver.stored("SELECT count(*) FROM sessions") == [(0,)]
 
-
-async def test_after_too_much_pain_nothing_invites_to_more(opened: OpenApp, data: Path) -> None:
-    programme(data, "P01", "keyboard", ask_wellbeing=True)
-    async with opened(patient="P01") as driver:
-        await driver.press("enter", "3", "5", "1")
+        await driver.press("3", "5", "1")
         await driver.do_session()
         await driver.press("enter", "6", "5", "4")
         driver.see("Please rest now")
@@ -111,27 +98,26 @@ async def test_after_too_much_pain_nothing_invites_to_more(opened: OpenApp, data
         driver.see("Exercise 2 of 2")
 
 
-@pytest.mark.parametrize(
-    ("end", "following", "status"),
-    [
-        (["down", "enter"], "Exercise 2 of 2", "aborted"),
-        (["down", "down", "enter"], "Exercise 1 of 2", "discarded"),
-    ],
-    ids=["ended early", "begun by mistake"],
-)
 async def test_the_next_exercise_follows_an_ended_one_and_the_same_a_mistake(
-    alone: AppDriver, end: list[str], following: str, status: str
+    alone: AppDriver,
 ) -> None:
-    await alone.press("enter", "enter", "escape", "down", "down", "down", "down", "enter", *end)
-    await alone.wait(300)
-    await alone.press("enter")
-    alone.see(following)
-    alone.lacks("Please call your therapist")
-    assert alone.stored("SELECT status FROM sessions") == [(status,)]
+    for choice, following in (
+        (["down", "down", "enter"], "Exercise 1 of 2"),
+        (["down", "enter"], "Exercise 2 of 2"),
+    ):
+        await alone.press("enter", "enter", "escape", *["down"] * 4, "enter", *choice)
+        await alone.wait(300)
+        await alone.press("enter")
+        alone.see(following)
+        alone.lacks("Please call your therapist")
+    assert alone.stored("SELECT status FROM sessions ORDER BY rowid") == [
+        ("discarded",),
+        ("aborted",),
+    ]
 
 
 async def test_an_attempt_can_be_left_out_in_ones_own_language(opened: OpenApp, data: Path) -> None:
-    programme(data, "P01", "keyboard", language="es")
+    known(data, "P01", language="es")
     async with opened(patient="P01") as driver:
         driver.see("Ejercicio 1 de 2")
         await driver.press("enter")
@@ -149,19 +135,8 @@ async def test_an_attempt_can_be_left_out_in_ones_own_language(opened: OpenApp, 
         ]
 
 
-@pytest.mark.parametrize("key", first(1, ["ctrl+q", "ctrl+c"]))
-async def test_the_keys_that_leave_pause_instead(alone: AppDriver, key: str) -> None:
-    await alone.press("enter")
-    await alone.to_first_prompt()
-    await alone.press(key)
-    alone.see("Take your time.")
-    alone.lacks("Ctrl-Q")
-    await alone.press("enter")
-    assert alone.waiting.stage == "trial"
-
-
 async def test_neither_screens_nor_help_name_a_way_out(opened: OpenApp, data: Path) -> None:
-    programme(data, "P88", "reaching", **REACHING, ask_wellbeing=True)
+    known(data, "P88", task="reaching", **REACHING, ask_wellbeing=True)
     others = ("Quit", "Ctrl-Q", "Settings", "F12", "F2 on the first screen", "F7")
     async with opened(patient="P88") as driver:
         for keys in ((), ("enter",), ("0", "1"), ("enter",)):
@@ -174,20 +149,9 @@ async def test_neither_screens_nor_help_name_a_way_out(opened: OpenApp, data: Pa
         assert driver.screen_name == "SessionScreen"
 
 
-async def test_the_passphrase_ends_it_at_the_first_screen(alone: AppDriver, data: Path) -> None:
-    await end_mode(alone, "wrong one")
-    alone.see("That is not the passphrase.")
-    await alone.press("escape")
-    assert alone.screen_name == "PatientScreen"
-    await end_mode(alone)
-    assert alone.screen_name == "HomeScreen"
-    alone.see("P77")
-    await alone.press("ctrl+q")
-    assert not alone.app.is_running
-    assert [each.result for each in Passphrase(data).tries()] == ["wrong", "right"]
-
-
-async def test_it_begins_from_the_first_screen_and_ends_there_again(first_run: AppDriver) -> None:
+async def test_it_begins_from_the_first_screen_and_the_passphrase_ends_it_there(
+    first_run: AppDriver, data: Path
+) -> None:
     numbers = (signal.SIGTSTP, signal.SIGQUIT)
     before = [signal.getsignal(number) for number in numbers]
     await first_run.press("f12")
@@ -197,32 +161,43 @@ async def test_it_begins_from_the_first_screen_and_ends_there_again(first_run: A
     first_run.app.signalled(signal.SIGINT)
     await first_run.settle()
     assert first_run.screen_name == "PatientScreen"
+    await end_mode(first_run, "wrong one")
+    first_run.see("That is not the passphrase.")
+    await first_run.press("escape")
+    assert first_run.screen_name == "PatientScreen"
     await end_mode(first_run)
     assert first_run.screen_name == "HomeScreen"
+    assert [each.result for each in Passphrase(data).tries()] == ["wrong", "right"]
     assert [signal.getsignal(number) for number in numbers] == before
     await first_run.press("f2")
     assert first_run.screen_name == "SettingsScreen", "all keys work again"
 
 
-async def test_ended_in_a_session_home_follows_that(alone: AppDriver) -> None:
+async def test_in_a_session_the_keys_that_leave_pause_it_and_a_removed_passphrase_still_guards(
+    alone: AppDriver, data: Path
+) -> None:
+    Passphrase(data).remove()
     await alone.press("enter")
     await alone.to_first_prompt()
+    for key in ("ctrl+q", "ctrl+c"):
+        await alone.press(key)
+        alone.see("Take your time.")
+        alone.lacks("Ctrl-Q")
+        await alone.press("enter")
+        await alone.to_prompt()
+    await alone.press("escape", "up", "enter")
+    assert alone.sees("Please enter the passphrase."), "the changes in a pause as well"
+    await alone.press("escape")
     await end_mode(alone)
+    assert not alone.app.patient
     alone.see("Paused")
     await alone.press("enter")
     await alone.finish(await alone.to_prompt())
     await alone.press("enter")
     assert alone.screen_name == "HomeScreen"
     alone.see("2 of 2 reached")
-
-
-async def test_a_removed_passphrase_still_guards(alone: AppDriver, data: Path) -> None:
-    Passphrase(data).remove()
-    await alone.press("enter", "enter", "escape", "up", "enter")
-    assert alone.sees("Please enter the passphrase."), "the changes in a pause as well"
-    await alone.press("escape")
-    await end_mode(alone)
-    assert not alone.app.patient
+    await alone.press("ctrl+q")
+    assert not alone.app.is_running
 
 
 async def test_without_a_passphrase_or_an_exercise_it_does_not_begin(
@@ -286,7 +261,7 @@ participant's, too.
 
 
 async def test_therapists_keys_do_nothing(opened: OpenApp, data: Path) -> None:
-    programme(data, "P05", "reaching", ask_wellbeing=True, **REACHING)
+    known(data, "P05", task="reaching", ask_wellbeing=True, **REACHING)
     async with opened(patient="P05") as driver:
         screens = []
 

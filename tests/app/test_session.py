@@ -14,10 +14,13 @@ from tests.runs.test_resume import interrupted
 
 
 async def test_a_session_from_start_to_summary(open_session: OpenSession) -> None:
-    async with open_session() as driver:
+    async with open_session(practice_attempts=1) as driver:
         await driver.press("enter")
-        driver.see("Attempt 1 of 2 · level 1", "in less than 1 second on average, with 2 of 2")
+        driver.see("Practice 0 of 1", "in less than 1 second on average, with 2 of 2")
         await driver.do_attempt(await driver.begin())
+        driver.see("Practice is over.", "Attempts 0 of 2", "Attempt 1 of 2 · level 1")
+        await driver.do_attempt(await driver.begin())
+        driver.lacks("Practice is over.")
         driver.see("Keys 2 of 2", "Attempts 1 of 2")
         assert "0.40 seconds" in driver.said
         assert "you ━━━━━━━━━━━━━━──────────────────────┊ goal: less than 1 second ✓" in driver.text
@@ -39,36 +42,32 @@ async def test_a_session_from_start_to_summary(open_session: OpenSession) -> Non
         assert not driver.app.is_running
         assert driver.app.return_code == 0
     assert driver.stored("SELECT status FROM sessions") == [("completed",)]
+    assert driver.stored("SELECT attempt, practice FROM attempts") == [(1, 1), (2, 0), (3, 0)]
     assert driver.stored(
         "SELECT count(*), sum(correct), min(reaction_time_ms), max(reaction_time_ms) FROM trials"
-    ) == [(4, 4, 400.0, 400.0)]
+    ) == [(6, 6, 400.0, 400.0)]
 
 
-async def test_practice_does_not_count(open_session: OpenSession) -> None:
-    async with open_session(practice_attempts=1) as driver:
-        await driver.press("enter")
-        driver.see("Practice 0 of 1")
-        await driver.do_attempt(await driver.begin())
-        driver.see("Practice is over.", "Attempts 0 of 2", "Attempt 1 of 2 · level 1")
-        await driver.do_attempt(await driver.begin())
-        driver.lacks("Practice is over.")
-        await driver.finish(await driver.begin())
-        driver.see("You did 2 attempts; goal reached in 2.")
-    assert driver.stored("SELECT attempt, practice FROM attempts") == [(1, 1), (2, 0), (3, 0)]
-
-
-async def test_a_bouncing_enter_does_not_close_the_summary(open_session: OpenSession) -> None:
-    async with open_session(attempts=1) as driver:
+async def test_a_bouncing_enter_neither_closes_the_summary_nor_begins_another_session(
+    opened: OpenApp, data: Path
+) -> None:
+    known(data, "P01", attempts=1, prompts_per_attempt=1)
+    async with opened() as driver:
+        await driver.press("enter", "enter")
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.wait(300)
         await driver.press("enter")
-        for _ in range(30):  # bounces, or is held
+        for _ in range(30):
             await driver.wait(40)
             await driver.strike("enter")
-        assert driver.app.is_running
         driver.see("Press Enter to finish.")
         await driver.press("enter")
-        assert not driver.app.is_running
+        await driver.wait(450)
+        for _ in range(60):
+            await driver.strike("enter")
+            await driver.wait(33)
+        assert driver.screen_name == "HomeScreen"
+        assert driver.stored("SELECT count(*) FROM sessions") == [(1,)]
 
 
 async def test_an_enter_that_is_held_is_asked_to_be_let_go(driver: AppDriver) -> None:
@@ -83,20 +82,6 @@ async def test_an_enter_that_is_held_is_asked_to_be_let_go(driver: AppDriver) ->
     await driver.press("enter")
     assert driver.waiting.stage == "trial"
     driver.lacks("let go")
-
-
-async def test_a_held_enter_begins_no_other_session(opened: OpenApp, data: Path) -> None:
-    known(data, "P01", attempts=1, prompts_per_attempt=1)
-    async with opened() as driver:
-        await driver.press("enter", "enter")
-        await driver.do_session()
-        await driver.press("enter")
-        await driver.wait(450)
-        for _ in range(60):
-            await driver.strike("enter")
-            await driver.wait(33)
-        assert driver.screen_name == "HomeScreen"
-        assert driver.stored("SELECT count(*) FROM sessions") == [(1,)]
 
 
 async def test_after_the_last_attempt_it_resumes(
@@ -157,7 +142,7 @@ async def test_an_attempt_that_begins_again_counts_once_and_the_next_one_begins_
         assert (await driver.to_prompt()).attempt == 3
 
 
-async def test_the_rest_tells_the_time_that_is_left_until_enter_helps_again(
+async def test_the_rest_tells_the_time_that_is_left_and_the_therapist_ends_it(
     open_session: OpenSession,
 ) -> None:
     async with open_session(
@@ -175,10 +160,7 @@ async def test_the_rest_tells_the_time_that_is_left_until_enter_helps_again(
         driver.see("Press Enter for attempt 2 of 3.")
         assert driver.said == "Start when you are ready."
 
-
-async def test_the_therapist_ends_the_rest(open_session: OpenSession) -> None:
-    async with open_session(rest_after_attempts=1) as driver:
-        await driver.do_attempt(await driver.to_first_prompt())
+        await driver.do_attempt(await driver.begin())
         await driver.press("escape", "up", "enter")
         driver.see("End the rest")
         await driver.press("enter")

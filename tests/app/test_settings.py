@@ -35,11 +35,6 @@ def field(driver: AppDriver, name: str) -> ParameterField:
     return next(widget for widget in every_field(driver) if widget.field.name == name)
 
 
-def panel(driver: AppDriver, title: str) -> FieldPanel:
-    """Return the panel with a title."""
-    return next(found for found in panels(driver) if found.title == title)
-
-
 def open_panels(driver: AppDriver) -> list[str]:
     return [found.title for found in panels(driver) if found.display]
 
@@ -78,7 +73,7 @@ def stored_settings(data: Path) -> dict[str, Any]:
 
 @pytest.fixture
 def a_participant(data: Path) -> None:
-    known(data, "P01", attempts=20, prompts_per_attempt=20)
+    known(data, "P01", attempts=20, prompts_per_attempt=20, quiet_ms=700)
 
 
 @pytest.fixture
@@ -87,14 +82,6 @@ async def form(a_participant: None, opened: OpenApp) -> AsyncIterator[AppDriver]
     async with opened() as driver:
         await driver.press("f2")
         yield driver
-
-
-async def test_settings_of_a_rule_that_is_not_chosen_are_marked(form: AppDriver) -> None:
-    await go_to(form, "target_share")
-    assert meaning(form).startswith("Without effect now: only with target.")
-    form.see("– Target")
-    await go_to(form, "consecutive_successes")
-    assert not meaning(form).startswith("Without effect")
 
 
 @pytest.mark.usefixtures("a_participant")
@@ -121,11 +108,12 @@ async def test_any_parameter_has_a_field(opened: OpenApp, data: Path, keyboard: 
         await driver.press("enter", "down", "enter")
         driver.see("● Drum no")
         await save(driver)
-    assert stored_settings(data) == {"tempo": 7, "drum": False}
+    assert stored_settings(data) == {"tempo": 7, "drum": False, "quiet_ms": 700}
 
 
-@pytest.mark.slow
-async def test_values_are_checked_as_they_are_typed(form: AppDriver, keyboard: type[Task]) -> None:
+async def test_values_are_checked_as_they_are_typed(
+    form: AppDriver, data: Path, keyboard: type[Task]
+) -> None:
     await fill(form, "attempts", "2x")
     assert meaning(form) == "Attempts is a whole number, 1 to 200, not 2x."
     form.see("1 to fix", "Session ! 1", "! Attempts 2x")
@@ -143,13 +131,12 @@ async def test_values_are_checked_as_they_are_typed(form: AppDriver, keyboard: t
     await fill(form, "start_level", "5")
     keys = keyboard(build(keyboard.Parameters, {"start_level": 5}))
     assert meaning(form).endswith(f"Level 5: {keys.level_name(5)}")
-
-
-async def test_an_invalid_value_gets_the_focus(form: AppDriver, data: Path) -> None:
     await fill(form, "attempts", "0")
-    await go_to(form, "prompts_per_attempt")
+    await go_to(form, "target_share")
+    assert meaning(form).startswith("Without effect now: only with target.")
+    form.see("– Target")
     await form.press("ctrl+s")
-    assert field(form, "attempts").has_focus_within
+    assert field(form, "attempts").has_focus_within, "the invalid value"
     assert meaning(form) == "Attempts is a whole number, 1 to 200, not 0."
     assert stored_settings(data)["attempts"] == 20
 
@@ -198,16 +185,13 @@ async def test_saved_settings_apply_to_the_next_session(opened: OpenApp, data: P
         await fill(driver, "attempts", "3")
         await go_to(driver, "choice_set")
         await driver.press("enter", "down", "enter")
-        assert (
-            driver.app.screen.query_one("#parameter-choice_set").query_one(Choice).value
-            == "arrow keys"
-        )
+        assert field(driver, "choice_set").value == "arrow keys"
         await save(driver)
         driver.see("saved: version 2", "The next session starts at level 1.")
         await driver.press("escape", *["right"] * 3, "enter", "enter")
         driver.see("Press Enter to begin attempt 1 of 3.")
         assert (await driver.begin()).expected in ("left", "right")
-    assert stored_settings(data) == {"attempts": 3, "choice_set": "arrow keys"}
+    assert stored_settings(data) == {"attempts": 3, "choice_set": "arrow keys", "quiet_ms": 700}
     assert stored(
         data, "SELECT json_extract(parameters, '$.attempts') FROM settings WHERE participant='P02'"
     ) == [(2,)]
@@ -229,28 +213,21 @@ async def test_a_language_that_the_theme_lacks_is_told(opened: OpenApp, data: Pa
     assert stored_settings(data)["language"] == "es"
 
 
-async def test_a_language_can_be_set_with_a_missing_theme_and_an_obsolete_setting(
+async def test_settings_that_became_invalid_are_told_and_can_be_set(
     opened: OpenApp, data: Path
 ) -> None:
-    known(data, "P01", theme="gone", tempo=3)
+    known(data, "P01", theme="gone", attempts=20, tempo=3, layout="sholes")
     async with opened() as driver:
         await driver.press("f2")
         driver.see("These settings do not exist any more: tempo.")
+        driver.see("Keyboard layout sholes ▼")
+        assert field(driver, "layout").note.endswith(", not sholes.")
+        await go_to(driver, "layout")
+        await driver.press("enter", "enter")
+        assert field(driver, "layout").value == "qwerty"
+        driver.lacks("to fix")
         await fill(driver, "language", "es")
         assert meaning(driver).endswith("Default: en.")
-
-
-@pytest.mark.slow
-async def test_outputs_are_picked_from_a_list_or_typed(form: AppDriver) -> None:
-    await go_to(form, "outputs")
-    await form.press("enter")
-    form.see("✓ screen")
-    await form.press("down", "down", "enter", "escape")
-    assert field(form, "outputs").value == "screen tones"
-    await form.press("enter", "enter", "escape")
-    assert field(form, "outputs").value == "tones"
-    await fill(form, "outputs", "ros://lab/x")
-    assert field(form, "outputs").value == "ros://lab/x"
 
 
 # --- groups
@@ -268,20 +245,6 @@ async def test_arrows_and_page_keys_move_between_groups(form: AppDriver) -> None
     assert field(form, "attempts").has_focus_within
     await form.press("pageup", "pageup")
     assert open_panels(form) == ["Timing"]
-
-
-async def test_settings_never_shown_are_saved_too(opened: OpenApp, data: Path) -> None:
-    known(data, "P01", attempts=20, prompts_per_attempt=20, quiet_ms=700, operator_lost_ms=3000)
-    async with opened() as driver:
-        await driver.press("f2")
-        await fill(driver, "attempts", "7")
-        await save(driver)
-        assert stored_settings(data) == {"attempts": 7, "quiet_ms": 700, "operator_lost_ms": 3000}
-        driver.app.screen.query_one("#reset-all").focus()
-        await driver.press("enter")
-        await save(driver)
-        assert not any(field(driver, name).is_mounted for name in ("quiet_ms", "operator_lost_ms"))
-    assert stored_settings(data) == {}
 
 
 # --- finding
@@ -313,7 +276,7 @@ async def test_a_setting_is_found_by_a_word_of_its_title_or_help(first_run: AppD
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_saving_asks_for_a_reason_and_keeps_it(opened: OpenApp) -> None:
+async def test_saving_asks_for_a_reason_and_keeps_it(opened: OpenApp, data: Path) -> None:
     async with opened() as driver:
         await driver.press("f2", "ctrl+s")
         driver.see("nothing has changed")
@@ -330,8 +293,16 @@ async def test_saving_asks_for_a_reason_and_keeps_it(opened: OpenApp) -> None:
         await driver.write("end", "ctrl+u")
         await driver.enter("Ana")
         driver.see("Settings of P01 for Keyboard reaction: version 2")
-    found = driver.stored("SELECT version, author, reason FROM programmes ORDER BY version")
-    assert found == [(1, "", ""), (2, "Ana", "Reached it")]
+        found = driver.stored("SELECT version, author, reason FROM programmes ORDER BY version")
+        assert found == [(1, "", ""), (2, "Ana", "Reached it")]
+        settings = stored_settings(data)
+        assert (settings["threshold"], settings["quiet_ms"]) == (900, 700)
+
+        driver.app.screen.query_one("#reset-all").focus()
+        await driver.press("enter")
+        await save(driver)
+        assert not field(driver, "quiet_ms").is_mounted, "a setting never shown is saved too"
+    assert stored_settings(data) == {}
 
 
 @pytest.mark.slow
@@ -382,7 +353,7 @@ async def test_a_preset_leaves_nothing_of_the_one_before(opened: OpenApp, data: 
 
 
 @pytest.mark.slow
-async def test_choices_open_in_a_list(form: AppDriver) -> None:
+async def test_choices_and_outputs_open_in_a_list(form: AppDriver) -> None:
     await go_to(form, "layout")
     choice = field(form, "layout").query_one(Choice)
     await form.press("down")
@@ -403,14 +374,12 @@ async def test_choices_open_in_a_list(form: AppDriver) -> None:
     await form.settle()
     assert choice.has_focus
 
-
-async def test_a_choice_that_no_longer_exists_is_told(opened: OpenApp, data: Path) -> None:
-    known(data, "P01", attempts=20, layout="sholes")
-    async with opened() as driver:
-        await driver.press("f2")
-        driver.see("Keyboard layout sholes ▼")
-        assert field(driver, "layout").note.endswith(", not sholes.")
-        await go_to(driver, "layout")
-        await driver.press("enter", "enter")
-        assert field(driver, "layout").value == "qwerty"
-        driver.lacks("to fix")
+    await go_to(form, "outputs")
+    await form.press("enter")
+    form.see("✓ screen")
+    await form.press("down", "down", "enter", "escape")
+    assert field(form, "outputs").value == "screen tones"
+    await form.press("enter", "enter", "escape")
+    assert field(form, "outputs").value == "tones"
+    await fill(form, "outputs", "ros://lab/x")
+    assert field(form, "outputs").value == "ros://lab/x"

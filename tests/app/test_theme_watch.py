@@ -2,7 +2,7 @@
 
 import os
 import shutil
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from pathlib import Path
 from unittest.mock import Mock
 
@@ -34,8 +34,9 @@ def themes(folder: Path) -> Catalogue:
 
 @pytest.fixture
 async def mine(data: Path, themes: Catalogue, keyboard: type[Task]) -> AsyncIterator[AppDriver]:
-    """A session in the copy."""
-    async with open_app(data, themes, plan(themes, keyboard, theme="mine")) as driver:
+    """A session in the copy, with feedback in words."""
+    planned = plan(themes, keyboard, theme="mine", feedback_form="qualitative")
+    async with open_app(data, themes, planned) as driver:
         yield driver
 
 
@@ -108,13 +109,13 @@ def test_added_phrases_are_an_edit_and_the_language_stays(folder: Path, editor: 
     assert [theme.language for theme in editor.applied] == ["es"]
 
 
-def test_an_unreadable_theme_is_told_once(folder: Path, editor: Editor, themes: Catalogue) -> None:
+def test_an_unreadable_theme_is_told_once(folder: Path, editor: Editor) -> None:
     edit(folder, "[colors]", "[colors")
     editor.look(4)
     assert editor.applied == []
-    (notices,) = editor.notices
-    assert notices.startswith("The theme mine cannot be read: ")
-    assert notices.endswith("The previous version stays in use.")
+    (notice,) = editor.notices
+    assert notice.startswith("The theme mine cannot be read: ")
+    assert notice.endswith("The previous version stays in use.")
     edit(folder, "[colors\n", "[colors]\n")
     editor.look(2)
     assert len(editor.applied) == 1
@@ -154,9 +155,12 @@ def test_a_folder_that_cannot_be_accessed_is_told_and_the_theme_stays_applied(
 # --- the app
 
 
-async def test_home_changes_its_colours_and_reports_a_faulty_edit_at_once(
+async def test_home_reads_all_themes_and_applies_an_edit_or_reports_its_fault_at_once(
     at_home: AppDriver, folder: Path
 ) -> None:
+    assert list(at_home.app.themes.known) == ["calm", "high-contrast", "mine", "playful"]
+    options = at_home.app.screen.query_one("#theme", OptionList).options
+    assert [option.id for option in options] == list(at_home.app.themes.known)
     edit(folder, "#10171e", "#30171e")
     await look(at_home)
     assert at_home.app.screen.styles.background.hex.lower() == "#30171e"
@@ -167,35 +171,46 @@ async def test_home_changes_its_colours_and_reports_a_faulty_edit_at_once(
 
 
 async def test_in_a_session_face_colours_and_later_utterances_change(
-    data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
+    mine: AppDriver, folder: Path
 ) -> None:
-    async with open_app(
-        data, themes, plan(themes, keyboard, theme="mine", feedback_form="qualitative")
-    ) as driver:
-        words = driver.said
-        assert HAPPY_EYES in driver.text
-        edit(folder, HAPPY_EYES, "│  Q   Q  │")
-        edit(folder, "#10171e", "#30171e")
-        phrases = (folder / "phrases.en.toml").read_text(encoding="utf-8")
-        start = phrases.index("positive_strong = [")
-        wordings = phrases[start : phrases.index("]", start) + 1]
-        edit(folder, wordings, 'positive_strong = ["Splendid."]', "phrases.en.toml")
-        await look(driver)
-        assert "│  Q   Q  │" in driver.text
-        assert HAPPY_EYES not in driver.text
-        assert driver.said == words
-        assert driver.app.screen.styles.background.hex.lower() == "#30171e"
-        await driver.do_attempt(await driver.to_first_prompt())
-        assert "Splendid." in driver.said
-        applied = driver.messages("theme/applied")
-        assert applied[-1]["theme"]["colors"]["background"] == "#30171e"
+    words = mine.said
+    assert HAPPY_EYES in mine.text
+    edit(folder, HAPPY_EYES, "│  Q   Q  │")
+    edit(folder, "#10171e", "#30171e")
+    phrases = (folder / "phrases.en.toml").read_text(encoding="utf-8")
+    start = phrases.index("positive_strong = [")
+    wordings = phrases[start : phrases.index("]", start) + 1]
+    edit(folder, wordings, 'positive_strong = ["Splendid."]', "phrases.en.toml")
+    await look(mine)
+    assert "│  Q   Q  │" in mine.text
+    assert HAPPY_EYES not in mine.text
+    assert mine.said == words
+    assert mine.app.screen.styles.background.hex.lower() == "#30171e"
+    timer = mine.app.themes._looks._active  # type: ignore[union-attr]
+    prompt = await mine.to_first_prompt()
+    assert not timer.is_set(), "no file is looked at in a trial"
+    await mine.answer(prompt)
+    assert not timer.is_set()
+    await mine.answer(await mine.to_prompt())
+    assert timer.is_set()
+    assert "Splendid." in mine.said
+    applied = mine.messages("theme/applied")
+    assert applied[-1]["theme"]["colors"]["background"] == "#30171e"
 
 
-async def test_a_fault_is_told_later(at_home: AppDriver, folder: Path, themes: Catalogue) -> None:
+async def test_a_fault_is_told_after_the_session_unless_it_was_fixed(
+    at_home: AppDriver, folder: Path
+) -> None:
     await at_home.press("enter", "enter", "enter", "enter")
+    edit(folder, '"#7cc4e8"', '"blueish"')
+    await look(at_home)
+    assert at_home.app.themes.pending_notice.startswith("Theme edited. One thing to fix: ")
+    edit(folder, '"blueish"', '"#7cc4e8"')
+    await look(at_home)
+    assert at_home.app.themes.pending_notice == ""
     edit(folder, "[colors]", "[colors")
     await look(at_home)
-    at_home.lacks("cannot be read")
+    at_home.lacks("Theme edited", "cannot be read")
     assert HAPPY_EYES in at_home.text
     await at_home.do_attempt(await at_home.to_first_prompt())
     at_home.lacks("cannot be read")
@@ -205,27 +220,11 @@ async def test_a_fault_is_told_later(at_home: AppDriver, folder: Path, themes: C
     assert at_home.app.themes.pending_notice == ""
 
 
-async def test_a_faulty_edit_is_reported_on_the_terminal_unless_it_was_fixed(
-    mine: AppDriver, folder: Path, themes: Catalogue
-) -> None:
-    edit(folder, '"#7cc4e8"', '"blueish"')
-    await look(mine)
-    assert mine.app.themes.pending_notice.startswith("Theme edited. One thing to fix: ")
-    mine.lacks("Theme edited")
-    edit(folder, '"blueish"', '"#7cc4e8"')
-    await look(mine)
-    assert mine.app.themes.pending_notice == ""
-
-
 # --- the beginning
 
 
-async def test_only_the_first_theme_is_read(data: Path, folder: Path, themes: Catalogue) -> None:
+def test_only_the_first_theme_is_read_before_the_app_runs(data: Path, themes: Catalogue) -> None:
     assert list(SarTui(data, themes).themes.known) == ["calm"]
-    async with open_app(data, themes) as driver:
-        assert list(driver.app.themes.known) == ["calm", "high-contrast", "mine", "playful"]
-        options = driver.app.screen.query_one("#theme", OptionList).options
-        assert [option.id for option in options] == list(driver.app.themes.known)
 
 
 async def test_a_faulty_calm_is_replaced(data: Path, folder: Path, themes: Catalogue) -> None:
@@ -234,23 +233,3 @@ async def test_a_faulty_calm_is_replaced(data: Path, folder: Path, themes: Catal
     async with open_app(data, themes) as driver:
         assert driver.app.theme == "sar-high-contrast"
         driver.see("The theme calm cannot be read")
-
-
-async def test_no_theme_file_is_checked_during_a_trial(
-    data: Path, themes: Catalogue, keyboard: type[Task], folder: Path
-) -> None:
-    async with open_app(data, themes, plan(themes, keyboard, theme=folder.name)) as driver:
-        timer = driver.app.themes._looks
-        assert _runs(timer)
-        prompt = await driver.to_first_prompt()
-        while driver.waiting.stage == "trial":
-            assert not _runs(timer)
-            await driver.answer(prompt)
-            assert _runs(timer) == (driver.waiting.stage != "trial")
-            if driver.waiting.stage == "trial":
-                prompt = await driver.to_prompt()
-
-
-def _runs(timer: object) -> bool:
-    active: Callable[[], bool] = timer._active.is_set  # type: ignore[attr-defined]
-    return active()

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from textual.widgets import Button
 
-from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.store import records, wellbeing
@@ -57,60 +57,60 @@ async def test_a_session_asks_before_and_after(asked: AppDriver) -> None:
     assert asked.stored("SELECT DISTINCT session FROM records") == [(session,)]
 
 
-async def test_the_last_of_corrected_answers_counts(asked: AppDriver) -> None:
-    await asked.press("9", "backspace", "0")
+async def test_a_held_key_answers_once_and_the_last_of_corrected_answers_counts(
+    asked: AppDriver,
+) -> None:
+    await asked.wait(700)
+    await asked.write("0", "0", "0")
     asked.see("How tired are you now?")
-    await asked.press("3")
+    assert answers(asked) == [("before", "pain", 0)]
+    await asked.press("backspace", "9", "backspace", "0", "3")
     assert asked.screen_name == "SessionScreen", "the pain that was corrected is no reason to stop"
     assert answers(asked) == [("before", "pain", 0), ("before", "tiredness", 3)]
     found = asked.stored("SELECT kind, version FROM records ORDER BY recorded_at")
-    assert found == [("pain", 1), ("pain", 2), ("tiredness", 1)]
+    assert found == [("pain", 1), ("pain", 2), ("pain", 3), ("tiredness", 1)]
 
 
-@pytest.mark.parametrize("ms", [120, 2_000])
-async def test_ten_can_be_typed_with_two_keys(asked: AppDriver, ms: int) -> None:
-    await asked.wait(700)
-    await asked.write("1")
-    await asked.wait(ms)
-    await asked.write("0")
-    asked.see("Where does it hurt? ", "You said: 10. Backspace goes back.")
-    await asked.press("backspace", "1", "5", "2")
+async def test_ten_can_be_typed_with_two_keys(asked: AppDriver) -> None:
+    for ms in (120, 2_000):
+        await asked.wait(700)
+        await asked.write("1")
+        await asked.wait(ms)
+        await asked.write("0")
+        asked.see("Where does it hurt? ", "You said: 10. Backspace goes back.")
+        await asked.press("backspace")
+    await asked.press("1", "5", "2")
     assert asked.screen_name == "SessionScreen", "10 was corrected"
     found = answers(asked)
     assert found == [("before", "pain", 1, "left shoulder"), ("before", "tiredness", 2)]
 
 
-async def test_a_key_that_is_held_answers_one_question_only(asked: AppDriver) -> None:
-    await asked.wait(700)
-    await asked.write("0", "0", "0")
-    asked.see("How tired are you now?")
-    assert answers(asked) == [("before", "pain", 0)]
-
-
-@pytest.mark.parametrize(
-    ("key", "screen", "advice"),
-    [("enter", "HomeScreen", "stopped"), ("g", "SessionScreen", "went on")],
-)
 async def test_pain_above_the_limit_before_a_session_is_a_reason_not_to_begin(
-    opened: OpenApp, data: Path, keyboard: type[Task], key: str, screen: str, advice: str
+    opened: OpenApp, data: Path
 ) -> None:
     known(data, ask_wellbeing=True)
     async with opened() as driver:
+        driver.app.screen.query_one("#start", Button).active_effect_duration = 0
         await driver.press("right", "right", "right", "enter", "6", "3", "4")
         driver.see("Please do not train now Rest, and tell your therapist", "Nobody is watching")
         await driver.press("5", "space", "n", "t")
         assert driver.sees("Please do not train now"), "only the keys on the screen leave it"
-        await driver.press(key)
-        assert driver.screen_name == screen
-        found = answers(driver)
-        assert found == [("before", "pain", 6, "left arm", advice), ("before", "tiredness", 4)]
-        ((session,),) = driver.stored("SELECT DISTINCT session FROM records")
-        assert (session is None) == (screen == "HomeScreen")
-        if screen == "HomeScreen":
-            assert driver.sees("pain 6"), "in the list of participants"
-            told = "Pain was above the limit when it was last told."
-            (row,) = [number for number, row in enumerate(driver.rows) if told in row]
-            assert "╭" in driver.rows[row - 1], "first on the card"
+        await driver.press("enter")
+        assert driver.screen_name == "HomeScreen"
+        stopped = [("before", "pain", 6, "left arm", "stopped"), ("before", "tiredness", 4)]
+        assert answers(driver) == stopped
+        assert driver.stored("SELECT DISTINCT session FROM records") == [(None,)]
+        assert driver.sees("pain 6"), "in the list of participants"
+        told = "Pain was above the limit when it was last told."
+        (row,) = [number for number, row in enumerate(driver.rows) if told in row]
+        assert "╭" in driver.rows[row - 1], "first on the card"
+
+        await driver.press("enter", "7", "3", "5", "g")
+        assert driver.screen_name == "SessionScreen"
+        went_on = [("before", "pain", 7, "left arm", "went on"), ("before", "tiredness", 5)]
+        assert answers(driver) == stopped + went_on
+        sessions = driver.stored("SELECT DISTINCT session FROM records WHERE session IS NOT NULL")
+        assert sessions == [(driver.session_id,)]
 
 
 async def test_after_too_much_pain_skipping_is_advised_on(asked: AppDriver) -> None:
@@ -121,34 +121,35 @@ async def test_after_too_much_pain_skipping_is_advised_on(asked: AppDriver) -> N
     assert answers(asked) == [("before", "pain", 1, "shown")]
 
 
-async def test_the_therapist_sets_the_pain_limits(open_session: OpenSession, data: Path) -> None:
-    settings = {"ask_wellbeing": True, "pain_limit": 8, "pain_rise": 3}
-    async with open_session(**settings) as driver:
-        await driver.press("6", "1", "2")
-        await driver.do_session()
-        await driver.press("enter", "8", "1", "2")
+async def test_pain_that_rose_much_is_a_reason_to_stop_in_a_resumed_session_too(
+    opened: OpenApp, open_session: OpenSession
+) -> None:
+    async with open_session(ask_wellbeing=True) as driver:
+        await driver.press("1", "2", "3")
+        await driver.to_first_prompt()
+        session = driver.session_id
+    async with opened(session) as driver:
+        assert driver.screen_name == "SessionScreen"
+        await driver.press("enter")
+        await driver.finish(await driver.to_prompt())
+        await driver.press("enter", "3", "2", "3")
+        driver.see("Please rest now Rest, and tell your therapist about the pain")
+        driver.see("Nobody is watching")
+        await driver.press("g")
+        assert driver.sees("Press Enter to close."), "there is nothing to go on with"
+        await driver.press("enter")
         assert driver.app.return_code == 0
-    with closing(connect(data)) as database:
-        assert not any("shown" in each for each in said(database))
-        assert not any(rated.is_reason_to_stop for rated in wellbeing.history(database, "P01"))
+        assert ("after", "pain", 3, "right hand", "shown") in answers(driver)
+    assert driver.stored("SELECT DISTINCT session FROM records") == [(session,)]
 
 
-async def test_pain_that_rose_much_is_a_reason_to_stop(asked: AppDriver) -> None:
-    await asked.press("1", "2", "3")
-    await asked.do_session()
-    await asked.press("enter", "3", "2", "3")
-    asked.see("Please rest now Rest, and tell your therapist about the pain", "Nobody is watching")
-    await asked.press("g")
-    assert asked.sees("Press Enter to close."), "there is nothing to go on with"
-    await asked.press("enter")
-    assert asked.app.return_code == 0
-    assert ("after", "pain", 3, "right hand", "shown") in answers(asked)
-
-
-async def test_pain_in_a_pause_is_asked_with_its_number(asked: AppDriver) -> None:
+async def test_after_too_much_pain_in_a_pause_one_key_goes_on_and_enter_ends(
+    asked: AppDriver,
+) -> None:
+    told = ("escape", "down", "down", "enter")
     await asked.press("2", "5", "1")
     prompt = await asked.to_first_prompt()
-    await asked.press("escape", "down", "down", "enter")
+    await asked.press(*told)
     asked.see("How much pain do you have now?")
     assert not asked.sees("Stop voice"), "there is none"
     await asked.press("6", "5")
@@ -164,31 +165,14 @@ async def test_pain_in_a_pause_is_asked_with_its_number(asked: AppDriver) -> Non
         ("pause", "pain", "told in a pause"),
         ("pause", "pain", 6, "left shoulder", "went on"),
     }
-
-
-async def test_enter_ends_after_too_much_pain_in_a_pause(asked: AppDriver) -> None:
-    await asked.press("2", "5", "1")
-    await asked.to_first_prompt()
-    await asked.press("escape", "down", "down", "enter", "6", "5", "enter")
+    await asked.press(*told, "6", "5", "enter")
     assert asked.waiting.stage == "ended"
     assert ("pause", "pain", 6, "left shoulder", "stopped") in answers(asked)
 
 
-async def test_a_resumed_session_asks(opened: OpenApp, open_session: OpenSession) -> None:
-    async with open_session(ask_wellbeing=True) as driver:
-        await driver.press("0", "1")
-        await driver.to_first_prompt()
-        session = driver.session_id
-    async with opened(session) as driver:
-        assert driver.screen_name == "SessionScreen"
-        await driver.press("enter")
-        await driver.finish(await driver.to_prompt())
-        await driver.press("enter", "4", "2", "3")
-        driver.see("Please rest now")
-    assert driver.stored("SELECT DISTINCT session FROM records") == [(session,)]
-
-
-async def test_two_participants_are_asked_in_turn(opened: OpenApp, catalogue: Catalogue) -> None:
+async def test_two_participants_are_asked_in_turn_and_an_adverse_event_names_one(
+    opened: OpenApp, data: Path, catalogue: Catalogue
+) -> None:
     settings = {"attempts": 1, "prompts_per_attempt": 2, "ask_wellbeing": True}
     async with opened(make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=7)) as driver:
         driver.see("Left (P01) How much pain")
@@ -204,6 +188,16 @@ async def test_two_participants_are_asked_in_turn(opened: OpenApp, catalogue: Ca
         ]
         people = driver.stored("SELECT DISTINCT participant, seat FROM records")
         assert people == [("P01", "A"), ("P02", "B")]
+        await driver.press("enter", "ctrl+q", "down", "enter")
+    with closing(connect(data)) as database:
+        change_status(database, data, driver.session_id, "dismissed", actor="therapist")
+    async with opened() as driver:
+        await driver.press("f6", "enter", "a")
+        await driver.press(*"Dizzy", "enter", *"mild", "enter", "enter", *["shift+tab"] * 5)
+        assert driver.sees("Participant"), "it scrolls to the field"
+        await driver.press(*"P09", *["enter"] * 6)
+        driver.see("P09 did not take part in this session.")
+        assert records.listing(driver.app.database, kinds=("adverse-event",)) == []
 
 
 async def test_the_questions_and_the_key_of_ten_are_in_the_sessions_language(
@@ -216,17 +210,23 @@ async def test_the_questions_and_the_key_of_ten_are_in_the_sessions_language(
         assert answers(driver)[0] == ("before", "pain", 10, "head", "shown"), "stored in English"
 
 
-async def test_a_past_session_shows_what_was_said_and_takes_an_adverse_event(
+async def test_a_session_within_the_therapists_limits_shows_what_was_said_and_takes_an_adverse_event(
     opened: OpenApp, open_session: OpenSession
 ) -> None:
-    async with open_session(attempts=1, ask_wellbeing=True) as driver:
-        await driver.press("0", "1")
+    settings = {"ask_wellbeing": True, "pain_limit": 8, "pain_rise": 3}
+    async with open_session(attempts=1, **settings) as driver:
+        await driver.press("6", "5", "1")
         await driver.do_session()
-        await driver.press("enter", "2", "5", "8")
+        await driver.press("enter", "8", "5", "8")
+        assert driver.app.return_code == 0, "without the advice to stop"
         session = driver.session_id
     async with opened() as driver:
+        assert not any("shown" in each for each in answers(driver))
+        rated = wellbeing.history(driver.app.database, "P01")
+        assert [each.is_reason_to_stop for each in rated] == [False]
         await driver.press("f6", "enter")
-        driver.see("Pain: 0 before, 2 after (left shoulder). Tiredness: 1 before, 8 after.")
+        driver.see("Pain: 6 before (left shoulder), 8 after (left shoulder).")
+        driver.see("Tiredness: 1 before, 8 after.")
         await driver.press("a", *"Drowsy", "escape")
         assert driver.screen_name == "PastSessionScreen"
         await driver.press("a", *"Dizzy", "enter", *"awful", "enter", "enter", "enter")
@@ -238,22 +238,3 @@ async def test_a_past_session_shows_what_was_said_and_takes_an_adverse_event(
         (entered,) = records.listing(driver.app.database, kinds=("adverse-event",))
         assert (entered.participant, entered.session) == ("P01", session)
         assert entered.content == {"what": "Dizzy", "severity": "mild", "action": "Rested"}
-
-
-async def test_an_adverse_event_of_two_names_its_participant(
-    opened: OpenApp, data: Path, catalogue: Catalogue
-) -> None:
-    settings = {"attempts": 1, "prompts_per_attempt": 2}
-    two = make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=7)
-    async with opened(two) as driver:
-        await driver.press("enter", "ctrl+q", "down", "enter")
-    with closing(connect(data)) as database:
-        change_status(database, data, driver.session_id, "dismissed", actor="therapist")
-    async with opened() as driver:
-        await driver.press("f6", "enter", "a")
-        await driver.press(*"Dizzy", "enter", *"mild", "enter", "enter", "shift+tab", "shift+tab")
-        await driver.press("shift+tab", "shift+tab", "shift+tab")
-        assert driver.sees("Participant"), "it scrolls to the field"
-        await driver.press(*"P09", *["enter"] * 6)
-        driver.see("P09 did not take part in this session.")
-        assert records.listing(driver.app.database) == []

@@ -5,6 +5,7 @@ import shutil
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
+from unittest.mock import Mock
 
 import msgspec
 import pytest
@@ -39,13 +40,16 @@ def change(mine: Path) -> Change:
     return lambda name, old, new: edit(mine / name, old, new)
 
 
+def write(file: Path, text: str) -> None:
+    file.write_text(text, encoding="utf-8")
+
+
 def without(folder: Path, situation: str, language: str) -> None:
     """Take a situation out of the phrases of a language."""
     file = folder / f"phrases.{language}.toml"
     text = file.read_text(encoding="utf-8")
     before, rest = text.split(f"\n{situation} = [", 1)
-    file.write_text(before + rest.split("\n]", 1)[1], encoding="utf-8")
-    assert situation not in tomllib.loads(file.read_text(encoding="utf-8"))
+    write(file, before + rest.split("\n]", 1)[1])
 
 
 def as_toml(value: object) -> str:
@@ -78,11 +82,23 @@ def test_a_complete_theme_needs_no_repair(mine: Path) -> None:
     assert names >= {"phrases.en.toml", "phrases.es.toml", "theme.toml"}
 
 
-def test_a_missing_phrase_is_taken_from_the_default_theme(mine: Path, calm: Theme) -> None:
+@pytest.mark.parametrize(
+    ("value", "repair"),
+    [
+        ("", "There is no wording for goodbye (en)."),
+        ('goodbye = "Hello!"', "The wordings for goodbye (en) must be a list of texts."),
+        ("goodbye = [1, 2]", "The wordings for goodbye (en) must be a list of texts."),
+    ],
+)
+def test_wordings_that_are_missing_or_no_texts_are_from_the_default_theme(
+    mine: Path, calm: Theme, value: str, repair: str
+) -> None:
     without(mine, "goodbye", "en")
+    file = mine / "phrases.en.toml"
+    write(file, f"{value}\n" + file.read_text(encoding="utf-8"))
     theme = applied(mine)
     assert theme.phrases["goodbye"] == calm.phrases["goodbye"]
-    assert theme.repairs == ("There is no wording for goodbye (en).",)
+    assert theme.repairs[0] == repair
 
 
 def test_a_phrase_missing_in_spanish_is_from_english(mine: Path, catalogue: Catalogue) -> None:
@@ -103,37 +119,28 @@ def test_an_english_substitute_is_checked_for_english_numbers(mine: Path, change
     assert any("Par for" in wording for wording in applied(mine, "es").phrases["goodbye"])
 
 
-def test_an_invalid_wording_is_left_out_and_the_others_are_used(mine: Path, change: Change) -> None:
+def test_an_invalid_wording_or_phrase_key_is_left_out(mine: Path, change: Change) -> None:
     change("phrases.en.toml", '"Hi there! Let us play together."', '"Hi {name}!", "We play twice."')
+    change("phrases.en.toml", "\ngoodbye = [", "\nfarewell = ['Bye.']\ngoodbye = [")
     theme = applied(mine)
     assert len(theme.phrases["greeting"]) == 2
-    assert theme.repairs == (
+    assert set(theme.repairs) == {
         "A wording for greeting (en) uses the unknown slot {name}.",
         "A wording for greeting (en) holds a number: 'We play twice.'.",
-    )
-
-
-@pytest.mark.parametrize("value", ['"Hello!"', "[1, 2]"])
-def test_wordings_that_are_no_list_of_texts_are_replaced(
-    mine: Path, calm: Theme, value: str
-) -> None:
-    without(mine, "goodbye", "en")
-    file = mine / "phrases.en.toml"
-    file.write_text(f"goodbye = {value}\n" + file.read_text(encoding="utf-8"), encoding="utf-8")
-    theme = applied(mine)
-    assert theme.phrases["goodbye"] == calm.phrases["goodbye"]
-    assert theme.repairs[0] == "The wordings for goodbye (en) must be a list of texts."
-
-
-def test_an_unknown_phrase_key_is_named(mine: Path, change: Change) -> None:
-    change("phrases.en.toml", "\ngoodbye = [", "\nfarewell = ['Bye.']\ngoodbye = [")
-    assert applied(mine).repairs == ("farewell is not a situation (en).",)
+        "farewell is not a situation (en).",
+    }
 
 
 def test_vocabulary_falls_back_too(mine: Path, change: Change, calm: Theme) -> None:
     change("phrases.es.toml", 'goal = "la meta"\n', "")
-    assert applied(mine, "es").vocabulary["goal"] == "the goal"
-    assert applied(mine, "es").repairs == ("The vocabulary lacks goal (es).",)
+    change("phrases.es.toml", "tu promedio de hoy", "tu media de hoy")
+    spanish = applied(mine, "es")
+    assert spanish.vocabulary["goal"] == "the goal"
+    assert spanish.vocabulary["session_mean"] == applied(mine).vocabulary["session_mean"]
+    assert set(spanish.repairs) == {
+        "The vocabulary lacks goal (es).",
+        "session_mean in vocabulary (es) holds a number.",
+    }
     change("phrases.en.toml", 'goal = "the goal"', 'goal = " "\nrecord = "the record"\nlast = 3')
     theme = applied(mine)
     assert theme.vocabulary["goal"] == calm.vocabulary["goal"]
@@ -142,15 +149,6 @@ def test_vocabulary_falls_back_too(mine: Path, change: Change, calm: Theme) -> N
         "last in vocabulary (en) must be a text.",
         "record is not a word of the vocabulary (en).",
     )
-    change("phrases.en.toml", 'goal = " "', 'goal = "half the goal"')
-    assert applied(mine).vocabulary["goal"] == calm.vocabulary["goal"], "no number"
-
-
-def test_the_vocabulary_contains_no_number(mine: Path, change: Change) -> None:
-    change("phrases.es.toml", "tu promedio de hoy", "tu media de hoy")
-    theme = applied(mine, "es")
-    assert theme.repairs == ("session_mean in vocabulary (es) holds a number.",)
-    assert theme.vocabulary["session_mean"] == applied(mine).vocabulary["session_mean"]
 
 
 _ONE_OR_TWO = "kg in units (en) must be one text, or two: singular | plural."
@@ -159,11 +157,9 @@ _ONE_OR_TWO = "kg in units (en) must be one text, or two: singular | plural."
 @pytest.mark.parametrize(
     ("unit", "expected"),
     [
-        *(
-            (f'"{name}" = "things"', "A unit in units (en) has an empty name.")
-            for name in ("", " ")
-        ),
-        *((f'kg = "{words}"', _ONE_OR_TWO) for words in ("a | b | c", "kilogram |")),
+        ('" " = "things"', "A unit in units (en) has an empty name."),
+        ('kg = "a | b | c"', _ONE_OR_TWO),
+        ('kg = "kilogram |"', _ONE_OR_TWO),
     ],
 )
 def test_an_unspeakable_unit_is_left_out(
@@ -183,20 +179,18 @@ def test_a_vocabulary_that_is_not_a_table_is_reported(mine: Path, change: Change
     assert set(theme.repairs) == {"units (en) must be a table.", "other is not a situation (en)."}
 
 
-def test_a_theme_without_a_language_speaks_english(mine: Path) -> None:
-    theme = applied(mine, "fr")
-    assert theme.language == "en"
-    assert theme.phrases == applied(mine).phrases
-    assert theme.repairs == ("There is no phrases.fr.toml; the agent speaks English.",)
-
-
-def test_a_regional_language_falls_back_to_its_base_language(mine: Path, change: Change) -> None:
+def test_a_regional_language_falls_back_to_its_base_language_and_others_to_english(
+    mine: Path,
+) -> None:
     assert applied(mine, "es-mx").phrases == applied(mine, "es").phrases
     assert applied(mine, "es-mx").language == "es-mx"
     assert applied(mine, "en-gb").repairs == ()
-    (mine / "phrases.es-mx.toml").write_text('greeting = ["¡Qué onda!"]', encoding="utf-8")
+    write(mine / "phrases.es-mx.toml", 'greeting = ["¡Qué onda!"]')
     assert applied(mine, "es-mx").phrases["greeting"] == ("¡Qué onda!",)
     assert languages(mine) == ("en", "es", "es-mx")
+    french = applied(mine, "fr")
+    assert (french.language, french.phrases) == ("en", applied(mine).phrases)
+    assert french.repairs == ("There is no phrases.fr.toml; the agent speaks English.",)
 
 
 def test_a_theme_without_english_is_reported_and_completed(mine: Path) -> None:
@@ -206,10 +200,6 @@ def test_a_theme_without_english_is_reported_and_completed(mine: Path) -> None:
     assert theme.repairs == ("There is no phrases.en.toml, which every theme has.",)
     with pytest.raises(PluginError, match=r"cannot be read: There is no phrases\.en\.toml\.$"):
         load_theme(mine)
-
-
-def write(file: Path, text: str) -> None:
-    file.write_text(text, encoding="utf-8")
 
 
 def test_a_theme_may_replace_screen_texts_that_keep_their_slots(mine: Path) -> None:
@@ -233,22 +223,21 @@ def test_an_invalid_colour_is_replaced_legibly(mine: Path, change: Change, value
     assert min(theme.colors.contrasts().values()) >= 4.5
 
 
-def test_missing_and_unknown_colours_are_reported(mine: Path, change: Change, calm: Theme) -> None:
+def test_missing_and_unknown_colours_and_faces_are_reported(
+    mine: Path, change: Change, calm: Theme
+) -> None:
     change("theme.toml", "background = ", "backdrop = ")
+    change("theme.toml", "sleeping = '''", "asleep = '''")
     theme = applied(mine)
     assert theme.colors.background == calm.colors.background
-    assert theme.repairs[0].startswith("backdrop is not a colour of a theme; these are: background")
-    assert theme.repairs[1] == "background is not a colour like #a0b1c2: nothing."
-
-
-def test_a_text_colour_of_low_contrast_is_replaced_and_reported(mine: Path, change: Change) -> None:
-    change("theme.toml", 'muted = "#6b5138"', 'muted = "#d0c0a0"')
-    theme = applied(mine)
-    assert theme.colors.muted == "#000000"
-    assert theme.repairs == (
-        "muted on background has a contrast of 1.63, less than 4.5.",
-        "muted on surface has a contrast of 1.49, less than 4.5.",
-    )
+    assert theme.faces["sleeping"] == calm.faces["sleeping"]
+    assert "background is not a colour like #a0b1c2: nothing." in theme.repairs
+    assert "There is no face for sleeping." in theme.repairs
+    for unknown in (
+        "backdrop is not a colour of a theme; these are: background",
+        "asleep is not an expression; these are: neutral, listening",
+    ):
+        assert any(said.startswith(unknown) for said in theme.repairs)
 
 
 @given(st.lists(st.integers(0, 0xFFFFFF), min_size=8, max_size=8))
@@ -261,32 +250,13 @@ def test_text_has_enough_contrast_in_any_case(mine: Path, calm: Theme, values: l
     assert min(applied(mine).colors.contrasts().values()) >= 4.5
 
 
-def test_missing_and_unknown_faces_are_reported(mine: Path, change: Change, calm: Theme) -> None:
-    change("theme.toml", "sleeping = '''", "asleep = '''")
-    theme = applied(mine)
-    assert theme.faces["sleeping"] == calm.faces["sleeping"]
-    assert theme.repairs[0].startswith("asleep is not an expression; these are: neutral, listening")
-    assert theme.repairs[1] == "There is no face for sleeping."
-
-
-@pytest.mark.parametrize(
-    "drawing", ['"(o_o)"', "'''\nx\n'''", "'''\n😀\n😀\n😀\n'''", "'''\n123456789012\n.\n.\n'''"]
-)
-def test_an_unfit_face_is_replaced(mine: Path, change: Change, calm: Theme, drawing: str) -> None:
-    text = (mine / "theme.toml").read_text(encoding="utf-8")
-    begin = text.index("sleeping = '''")
-    end = text.index("'''", begin + 15) + 3
-    change("theme.toml", text[begin:end], f"sleeping = {drawing}")
+def test_an_unfit_face_is_replaced(mine: Path, change: Change, calm: Theme) -> None:
+    change(
+        "theme.toml", f"sleeping = '''\n{applied(mine).faces['sleeping']}", "sleeping = '''\n(o_o)"
+    )
     theme = applied(mine)
     assert theme.faces["sleeping"] == calm.faces["sleeping"]
     assert "face sleeping" in theme.repairs[0]
-
-
-def test_trailing_spaces_stripped_by_an_editor_are_restored(mine: Path) -> None:
-    whole = applied(mine).faces
-    lines = (mine / "theme.toml").read_text(encoding="utf-8").split("\n")
-    write(mine / "theme.toml", "\n".join(map(str.rstrip, lines)))
-    assert (applied(mine).faces, applied(mine).repairs) == (whole, ())
 
 
 def test_faces_of_different_height_are_reported(mine: Path, change: Change) -> None:
@@ -330,9 +300,6 @@ def test_a_theme_may_define_gestures(mine: Path, change: Change) -> None:
     assert theme.repairs == ()
 
 
-_UNUSABLE = "manner.positive in theme.toml cannot be used:"
-
-
 @pytest.mark.parametrize(
     ("manner", "repair"),
     [
@@ -340,8 +307,7 @@ _UNUSABLE = "manner.positive in theme.toml cannot be used:"
         ('face = "angry"', "The manner of positive has the face angry, which does not exist."),
         ('gaze = "away"', "The manner of positive has the gaze away, which does not exist."),
         ('tone = "boo"', "The manner of positive has the tone boo, which does not exist."),
-        ("gesture = 3", f"{_UNUSABLE} Expected `str`, got `int`"),
-        ('smell = "nice"', f"{_UNUSABLE} Object contains unknown field `smell`"),
+        ('smell = "nice"', "manner.positive in theme.toml cannot be used: Object contains unknown"),
     ],
 )
 def test_an_unknown_manner_falls_back(mine: Path, change: Change, manner: str, repair: str) -> None:
@@ -365,7 +331,6 @@ def test_an_unknown_manner_falls_back(mine: Path, change: Change, manner: str, r
         ("dark = false\n", "", "theme.toml does not say its dark."),
         ("minimum_contrast = 4.5", "minimum_contrast = nan", "minimum_contrast in theme.toml cannot be used"),
         ("minimum_contrast = 4.5", "minimum_contrast = 22", "minimum_contrast in theme.toml cannot be used"),
-        ("minimum_contrast = 4.5", "minimum_contrast = true", "minimum_contrast in theme.toml cannot be used"),
         ("title = ", "label = ", "theme.toml has no use for label."),
         ("mouth_line = 2", "mouth_line = 'two'", "mouth_line in theme.toml cannot be used: Expected `int`"),
     ],
@@ -380,23 +345,19 @@ def test_other_faults_are_reported_and_harmless(
     assert theme.title
 
 
-def test_an_invalid_voice_is_replaced(mine: Path, change: Change) -> None:
-    change("theme.toml", "[voice]\nrate = 160", "[other]")
-    change("theme.toml", "dark = false", "dark = false\nvoice = 160")
-    assert applied(mine).voice == Voice()
-    said = "voice in theme.toml cannot be used: Expected `object`, got `int`."
-    assert said in applied(mine).repairs
-
-
 def test_a_value_in_place_of_a_table_is_reported(mine: Path, calm: Theme) -> None:
     tables = ("colors", "faces", "gestures", "manner", "tones", "images")
-    write(mine / "theme.toml", "".join(f"{table} = 3\n" for table in tables))
+    write(mine / "theme.toml", "voice = 3\n" + "".join(f"{table} = 3\n" for table in tables))
     theme = applied(mine)
     assert (theme.colors, theme.faces, theme.gestures) == (calm.colors, calm.faces, calm.gestures)
-    assert {f"{table} in theme.toml must be a table." for table in tables} < set(theme.repairs)
+    assert theme.voice == Voice()
+    said = {f"{table} in theme.toml must be a table." for table in tables}
+    said.add("voice in theme.toml cannot be used: Expected `object`, got `int`.")
+    assert said < set(theme.repairs)
 
 
 def test_images_must_be_in_the_themes_folder(mine: Path, change: Change) -> None:
+    assert not may_have_images(mine)
     for image in (mine / "happy.png", mine.parent / "outside.png"):
         image.write_bytes(b"\x89PNG")
     (mine / "loop.png").symlink_to(mine / "loop.png")
@@ -417,6 +378,9 @@ listening = "loop.png"
         "There is no image 3 for sleeping.",
         "There is no image loop.png for listening.",
     }
+    assert may_have_images(mine), "seen without reading the theme"
+    (mine / "theme.toml").unlink()
+    assert not may_have_images(mine)
 
 
 @pytest.mark.parametrize("name", ["a\\u0000b.png", "a" * 300 + ".png", "a/" * 3000])
@@ -430,38 +394,32 @@ def test_an_impossible_image_name_is_told_briefly(mine: Path, change: Change, na
     assert len(expected) < 100
 
 
-@pytest.mark.parametrize(
-    "fault", [OSError("gone"), ValueError("embedded null byte"), OverflowError("too large")]
-)
+@pytest.mark.parametrize("fault", [OSError("gone"), ValueError("odd"), OverflowError("large")])
 def test_any_error_reading_a_theme_is_one_sentence(
     mine: Path, monkeypatch: pytest.MonkeyPatch, fault: Exception
 ) -> None:
-    def fail(*_: object) -> None:
-        raise fault
-
-    monkeypatch.setattr("sar_tui.theme_folder.read_look", fail)
+    monkeypatch.setattr("sar_tui.theme_folder.read_look", Mock(side_effect=fault))
     said = rf"^The theme mine cannot be read: {type(fault).__name__}: {fault}\.$"
     with pytest.raises(PluginError, match=said):
         load_theme(mine)
 
 
 @pytest.mark.parametrize("asked", ["4.49", "-inf", "-1" + "0" * 400])
-def test_a_theme_cannot_lower_the_required_contrast(mine: Path, change: Change, asked: str) -> None:
+def test_a_text_colour_of_low_contrast_is_replaced_whatever_a_theme_requires(
+    mine: Path, change: Change, asked: str
+) -> None:
     change("theme.toml", 'muted = "#6b5138"', 'muted = "#d0c0a0"')
     change("theme.toml", "minimum_contrast = 4.5", f"minimum_contrast = {asked}")
     theme = applied(mine)
     assert theme.minimum_contrast == 4.5
-    assert min(theme.colors.contrasts().values()) >= 4.5
-    assert theme.repairs[0].startswith(f"minimum_contrast is {asked[:3]}")
-    assert theme.repairs[0].endswith("; it must be at least 4.5, below which text is hard to read.")
-
-
-def test_images_are_known_without_reading_the_theme(mine: Path, change: Change) -> None:
-    assert not may_have_images(mine)
-    change("theme.toml", "[tones]", '[images]\nhappy = "happy.png"\n[tones]')
-    assert may_have_images(mine)
-    (mine / "theme.toml").unlink()
-    assert not may_have_images(mine)
+    assert theme.colors.muted == "#000000"
+    required, *low = theme.repairs
+    assert required.startswith(f"minimum_contrast is {asked[:3]}")
+    assert required.endswith("; it must be at least 4.5, below which text is hard to read.")
+    assert low == [
+        "muted on background has a contrast of 1.63, less than 4.5.",
+        "muted on surface has a contrast of 1.49, less than 4.5.",
+    ]
 
 
 def test_a_theme_needs_no_wordings_of_its_own_before_a_new_level(mine: Path) -> None:
@@ -474,6 +432,8 @@ def test_a_theme_needs_no_wordings_of_its_own_before_a_new_level(mine: Path) -> 
 def test_an_empty_theme_equals_the_default_under_its_own_name(tmp_path: Path, calm: Theme) -> None:
     folder = tmp_path / "bare"
     folder.mkdir()
+    with pytest.raises(ThemeError, match=r"^There is no theme\.toml\.$"):
+        read_theme(folder)
     for name in ("theme.toml", "phrases.en.toml"):
         (folder / name).touch()
     theme = applied(folder)
@@ -482,40 +442,43 @@ def test_an_empty_theme_equals_the_default_under_its_own_name(tmp_path: Path, ca
     assert len(theme.repairs) > len(PHRASE_KEYS)
 
 
-def test_an_empty_folder_is_not_a_theme(tmp_path: Path) -> None:
-    with pytest.raises(ThemeError, match=r"^There is no theme\.toml\.$"):
-        read_theme(tmp_path)
-
-
-@pytest.mark.parametrize("name", ["theme.toml", "phrases.en.toml"])
-def test_invalid_toml_is_reported_with_its_position(mine: Path, name: str) -> None:
-    for text in ('title = "Mine"\ngreeting = [\n', "a = " + "[" * 5000):
-        write(mine / name, text)
-        said = rf"^The theme mine cannot be read: {name} is not TOML"
-        with pytest.raises(PluginError, match=said):
-            load_theme(mine)
-
-
-def test_another_encoding_is_reported_with_the_line(mine: Path) -> None:
-    (mine / "phrases.es.toml").write_bytes('greeting = [\n"¡Hola!"]\n'.encode("latin-1"))
-    said = r"phrases\.es\.toml is not UTF-8 text from line 2 on; save it as UTF-8\.$"
-    with pytest.raises(PluginError, match=said):
+@pytest.mark.parametrize(
+    ("name", "content", "said"),
+    [
+        ("theme.toml", b'title = "Mine"\ngreeting = [\n', r"theme\.toml is not TOML"),
+        ("theme.toml", b"a = " + b"[" * 5000, r"theme\.toml is not TOML"),
+        ("phrases.es.toml", b"greeting = [\n", r"phrases\.es\.toml is not TOML"),
+        (
+            "phrases.es.toml",
+            b"a = [\n'\xa1Hola!']\n",
+            r"phrases\.es\.toml is not UTF-8 text from line 2 on;",
+        ),
+        ("theme.toml", None, r"theme\.toml cannot be read: Is a directory\.$"),
+    ],
+    ids=["a list without end", "nested too deeply", "phrases", "another encoding", "a folder"],
+)
+def test_an_unreadable_file_is_reported(
+    mine: Path, name: str, content: bytes | None, said: str
+) -> None:
+    if content is None:
+        (mine / name).unlink()
+        (mine / name).mkdir()
+    else:
+        (mine / name).write_bytes(content)
+    with pytest.raises(PluginError, match=rf"^The theme mine cannot be read: {said}"):
         load_theme(mine, "es")
-    assert applied(mine, "en").repairs == ()
+    if name.startswith("phrases"):
+        assert applied(mine, "en").repairs == (), "its other language can be used"
 
 
-def test_a_byte_order_mark_is_ignored(mine: Path) -> None:
+def test_what_an_editor_adds_or_strips_changes_nothing(mine: Path) -> None:
+    whole = applied(mine).faces
     for file in files(mine):
-        file.write_bytes(b"\xef\xbb\xbf" + file.read_bytes().replace(b"\n", b"\r\n"))
-    assert applied(mine).repairs == ()
-    assert applied(mine).faces == load_theme(mine, "es").faces
-
-
-def test_a_folder_in_place_of_a_file_is_reported(mine: Path) -> None:
-    (mine / "theme.toml").unlink()
-    (mine / "theme.toml").mkdir()
-    with pytest.raises(PluginError, match=r"theme\.toml cannot be read: Is a directory\."):
-        load_theme(mine)
+        lines = file.read_text(encoding="utf-8").split("\n")
+        stripped = "\r\n".join(map(str.rstrip, lines))
+        file.write_bytes(b"\xef\xbb\xbf" + stripped.encode())
+    assert (applied(mine).faces, applied(mine).repairs) == (whole, ())
+    assert applied(mine, "es").repairs == ()
 
 
 JUNK = st.recursive(
