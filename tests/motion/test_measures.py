@@ -92,18 +92,17 @@ def test_about_one_axis_the_norm_measures_what_the_axis_does() -> None:
     assert by_norm.movement_units_out == by_norm.movement_units_back == 1
 
 
-def test_a_turn_about_one_axis_is_straight() -> None:
+def test_a_turn_about_one_axis_is_straight_and_without_a_way_back_has_no_error_of_return() -> None:
     reach = measured(simulate([ONE_AXIS], PROFILES["biased"]).recording)
     assert reach.straightness == pytest.approx(1.0, abs=1e-3)
     assert reach.excursion_deg == pytest.approx(math.degrees(1.5 * 8 / 15), abs=0.2)
     assert reach.return_error_deg == pytest.approx(0.0, abs=0.2)
-
-
-def test_without_a_way_back_there_is_no_error_of_return() -> None:
     one_way = msgspec.structs.replace(bounds_of(ONE_AXIS), departure_s=3.0, end_s=3.0)
     reach = measured(simulate([ONE_AXIS]).recording, one_way)
     assert (reach.return_error_deg, reach.sparc_back, reach.ldlj_back) == (None, None, None)
     assert reach.excursion_deg == pytest.approx(math.degrees(0.8), abs=0.3)
+    assert reach.peak_return_rad_s == pytest.approx(0.0, abs=1e-6)
+    assert (reach.turn_s, reach.movement_units_back) == (reach.end_s, 0)
 
 
 def test_inclination_needs_an_accelerometer_and_a_rest_before_the_reach() -> None:

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from sar_tui.motion.detection import detect_long, detect_one_way
-from sar_tui.motion.samples import SAMPLE, Recording, Samples
+from sar_tui.motion.samples import Recording
 from tests.examples import first
+from tests.motion.test_faults import samples_of
 
 RATE_HZ = 100.0
 OBLIQUE, ACROSS = (0.6, 0.0, 0.8), (0.0, 1.0, 0.0)
@@ -57,11 +58,3 @@ def test_a_recording_of_any_length_has_each_movement_once() -> None:
     ways = [(2.0 + 6.0 * number, 0.9, (-1) ** number * 0.8, OBLIQUE) for number in range(80)]
     found = detect_long([samples_of(moved(*ways))], window=100, one_way=True).reaches
     assert [reach.onset_s for reach in found] == pytest.approx([way[0] for way in ways], abs=0.08)
-
-
-def samples_of(recording: Recording) -> Samples:
-    samples = np.zeros(len(recording.time_s), SAMPLE)
-    samples["at"] = np.rint(recording.time_s * 1e9)
-    samples["rate"] = recording.rate
-    samples["acceleration"] = samples["field"] = np.nan
-    return samples

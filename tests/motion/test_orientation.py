@@ -108,7 +108,9 @@ def test_the_onset_is_that_of_the_axis_that_moves_first() -> None:
     assert found.end_s == pytest.approx(3.9, abs=0.03)
 
 
-def test_a_movement_to_another_posture_is_no_reach() -> None:
+def test_neither_a_twitch_nor_a_movement_to_another_posture_is_a_reach() -> None:
+    twitch = ReachShape(out_s=0.15, back_s=0.15, peak_out=3.0, peak_back=-3.0)
+    assert reaches_in(simulate([twitch]).recording) == ()
     time_s = np.arange(0.0, 20.0, 0.01)
     shifted = 0.8 * stroke(time_s, 2.0, 0.8) + 0.5 * stroke(time_s, 9.0, 0.8)
     reach = 0.7 * (stroke(time_s, 14.0, 0.6) - stroke(time_s, 14.7, 0.6))
@@ -146,15 +148,6 @@ def test_the_way_out_ends_before_the_way_back_begins(kind: str, seed: int) -> No
     made = simulate_reaches(kind, seed, placement=seed % 4)
     (found,) = reaches_in(made.recording)
     assert min(found.arrival_s - found.onset_s, found.end_s - found.departure_s) > 0.2
-
-
-def test_a_twitch_is_no_reach() -> None:
-    assert (
-        reaches_in(
-            simulate([ReachShape(out_s=0.15, back_s=0.15, peak_out=3.0, peak_back=-3.0)]).recording
-        )
-        == ()
-    )
 
 
 def test_a_reach_longer_than_the_longest_is_cut_off() -> None:
