@@ -270,30 +270,10 @@ async def test_while_the_panel_is_hidden_only_the_stop_key_acts(driver: PanelDri
     assert "This window is too small: it has 60 by 16 characters" in driver.text
     await driver.press("space", "f2")
     assert [act.command for act in driver.sent(t.COMMAND)] == ["stop", "stop"]
-    await driver.pilot.resize_terminal(80, 24)
-    await settle(driver.app)
-    assert "too small" not in driver.text
-
-
-@pytest.mark.slow
-async def test_the_panel_survives_any_size_of_its_window(driver: PanelDriver) -> None:
-    await driver.propose(b.approval())
-    await driver.press("e")
-    before, full = driver.text, driver.app.size
-    for size in [(60, 20), (30, 5), (13, 24), (5, 3), (1, 1), (20, 200), (200, 1), full]:
+    for size in [(30, 5), (13, 24), (1, 1), (20, 200), (200, 1), (80, 24)]:
         await driver.pilot.resize_terminal(*size)
         await settle(driver.app)
-    assert driver.text == before
-
-
-async def test_a_text_that_the_session_refuses_is_offered_again(driver: PanelDriver) -> None:
-    await driver.burst("t", *"Well held.", "enter")
-    await driver.answer("refused", "It comes too fast.")
-    assert "not done, it comes too fast; the text is kept" in driver.text
-    await driver.burst("t", "enter")
-    assert [remark.text for remark in driver.sent(t.REMARK)] == ["Well held.", "Well held."]
-    await driver.press("t")
-    assert driver.panel.strip.typed == ""
+    assert "too small" not in driver.text
 
 
 # --- palette, speech, notes
@@ -330,10 +310,15 @@ async def test_numbers_choose_items_tab_turns_the_page_and_escape_goes_back(
 async def test_speech_notes_and_events_are_sent_and_a_note_has_the_time_of_its_key(
     driver: PanelDriver,
 ) -> None:
-    await driver.press("t", *"Hi", "enter", "n")
+    await driver.press("t", *"Hi", "enter")
+    await driver.answer("refused", "It comes too fast.")
+    await driver.burst("t", "enter")
+    await driver.press("t")
+    assert driver.panel.strip.typed == "", "a text is offered again only if it was refused"
+    await driver.press("escape", "n")
     await driver.advance(20_000)
     await driver.press(*"tired", "enter", "f5")
-    assert driver.sent(t.REMARK) == [m.Remark(text="Hi", source="free text", actor=ANNA)]
+    assert driver.sent(t.REMARK) == [m.Remark(text="Hi", source="free text", actor=ANNA)] * 2
     assert driver.sent(t.NOTE_ADDED) == [
         m.NoteAdded(text="tired", actor=ANNA),
         m.NoteAdded(label="distracted", actor=ANNA),

@@ -120,13 +120,10 @@ def test_a_repeated_trial_or_attempt_counts_once_and_old_ones_are_dropped() -> N
     ).seat("A")
     assert (len(many.trials), len(many.attempts)) == (MAX_TRIALS, MAX_ATTEMPTS)
     assert many.trials[-1].trial == MAX_TRIALS + 8
-
-
-def test_only_some_seconds_of_motion_are_stored() -> None:
     state = SessionState()
     for _ in range(20):
         state = state.receive(MotionTrace("A", SECOND, 10.0, (0.5,) * 10))
-    assert len(state.seat("A").rates) == 80
+    assert len(state.seat("A").rates) == 80, "only some seconds of motion are stored"
 
 
 def test_a_mark_changes_its_trial_and_after_an_aborted_one_is_put_on_the_last_again() -> None:
