@@ -261,19 +261,8 @@ def test_an_address_is_parsed(text: str, expected: Address) -> None:
     assert parse(text, "ros://HOST") == expected
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "",
-        "robot",
-        "http://robot",
-        "ros://",
-        "ros://robot:99999",
-        "ros://me:secret@robot",
-        "ros://robot?a",
-        "ros://a b",
-    ],
-)
-def test_an_invalid_address_is_refused_with_an_example(text: str) -> None:
-    with pytest.raises(AddressError, match="Use ros://HOST"):
-        parse(text, "ros://HOST")
+def test_an_invalid_address_is_refused_with_an_example() -> None:
+    of_no_host = ["", "robot", "http://robot", "ros://", "ros://a b"]
+    for text in [*of_no_host, "ros://robot:99999", "ros://me:secret@robot", "ros://robot?a"]:
+        with pytest.raises(AddressError, match="Use ros://HOST"):
+            parse(text, "ros://HOST")
