@@ -30,15 +30,10 @@ async def panel(
 
 
 @pytest.fixture
-async def driver(catalogue: Catalogue, folder: Path) -> AsyncIterator[PanelDriver]:
+async def driver(catalogue: Catalogue, tmp_path: Path) -> AsyncIterator[PanelDriver]:
     """An operator's panel at a running session."""
-    async with panel(catalogue, folder) as driver:
+    async with panel(catalogue, tmp_path) as driver:
         yield driver
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    return tmp_path
 
 
 # --- proposals
@@ -280,9 +275,9 @@ async def test_while_the_panel_is_hidden_only_the_stop_key_acts(driver: PanelDri
 
 
 async def test_numbers_choose_items_tab_turns_the_page_and_escape_goes_back(
-    catalogue: Catalogue, folder: Path
+    catalogue: Catalogue, tmp_path: Path
 ) -> None:
-    async with panel(catalogue, folder) as driver:
+    async with panel(catalogue, tmp_path) as driver:
         await driver.join(marks=b.MARKS)
         await driver.publish(
             t.ARBITER_STATE, b.arbiter_state(queued=(b.action("a9", text="Next."),))
@@ -351,19 +346,19 @@ async def test_with_two_participants_remarks_go_to_the_chosen_one_and_proposals_
 
 
 async def test_keys_and_phrases_of_the_operators_file_are_used_unless_it_is_invalid(
-    catalogue: Catalogue, folder: Path
+    catalogue: Catalogue, tmp_path: Path
 ) -> None:
     file = 'phrases = ["Go on, {participant}."]\n[keys]\napprove = "y"\n'
-    (folder / FILE).write_text(file)
-    async with panel(catalogue, folder) as driver:
+    (tmp_path / FILE).write_text(file)
+    async with panel(catalogue, tmp_path) as driver:
         await driver.propose(b.approval())
         await driver.press("enter")
         assert driver.sent(t.DECISION) == []
         await driver.press("y", "1")
         assert [decision.verdict for decision in driver.sent(t.DECISION)] == ["accept"]
         assert [remark.text for remark in driver.sent(t.REMARK)] == ["Go on, P01."]
-    (folder / FILE).write_text("[keys]\nstpo = 'y'\n")
-    async with panel(catalogue, folder) as driver:
+    (tmp_path / FILE).write_text("[keys]\nstpo = 'y'\n")
+    async with panel(catalogue, tmp_path) as driver:
         assert "is ignored" in driver.text
         await driver.press("f2")
         assert [act.command for act in driver.sent(t.COMMAND)] == ["stop"]
@@ -373,9 +368,9 @@ async def test_keys_and_phrases_of_the_operators_file_are_used_unless_it_is_inva
 
 
 async def test_an_observer_sees_the_same_but_can_only_stop_the_agent(
-    catalogue: Catalogue, folder: Path
+    catalogue: Catalogue, tmp_path: Path
 ) -> None:
-    async with panel(catalogue, folder, "observer") as driver:
+    async with panel(catalogue, tmp_path, "observer") as driver:
         await driver.propose(b.approval())
         assert "Well done." in driver.text
         assert "Encourage" not in driver.text
@@ -443,9 +438,9 @@ async def test_the_panel_shows_the_agent_as_the_participant_sees_it(driver: Pane
 
 
 async def test_at_80_by_24_all_keys_are_listed_stop_works_anywhere_and_other_proposals_are_named(
-    catalogue: Catalogue, folder: Path
+    catalogue: Catalogue, tmp_path: Path
 ) -> None:
-    async with b.open_panel(catalogue, folder) as driver:
+    async with b.open_panel(catalogue, tmp_path) as driver:
         await driver.press("t", "a", "f2", "escape", "f1")
         for first_or_last in ("Approve", "Take control", "Close what"):
             assert first_or_last in driver.text
@@ -458,9 +453,9 @@ async def test_at_80_by_24_all_keys_are_listed_stop_works_anywhere_and_other_pro
 
 
 async def test_leaving_asks_once_until_the_session_is_over(
-    catalogue: Catalogue, folder: Path
+    catalogue: Catalogue, tmp_path: Path
 ) -> None:
-    async with b.open_panel(catalogue, folder, joins=False) as driver:
+    async with b.open_panel(catalogue, tmp_path, joins=False) as driver:
         await driver.receive(Connection("connecting", "The other side refuses."))
         assert "There is no connection yet: The other side refuses." in driver.text
         await driver.press("q", "escape", "ctrl+q")
@@ -468,7 +463,7 @@ async def test_leaving_asks_once_until_the_session_is_over(
         assert not driver.peer.is_closed
         await driver.press("ctrl+q")
         assert not driver.app.is_running
-    async with panel(catalogue, folder) as driver:
+    async with panel(catalogue, tmp_path) as driver:
         await driver.publish(t.SESSION_ENDED, m.SessionEnded(status="completed"))
         await driver.receive(Connection("ended", "The session is over."))
         assert "The session is over. q leaves." in driver.text
