@@ -147,13 +147,10 @@ def test_a_reach_without_a_rest_at_its_target_turns_where_it_turns(
     assert reach.turn_s == pytest.approx(2.0 + row.shape.out_s, abs=0.02)
 
 
-def test_the_peak_is_sought_on_the_way_out() -> None:
+def test_the_peak_is_sought_on_the_way_out_and_a_way_too_short_has_no_smoothness() -> None:
     early = msgspec.structs.replace(bounds_of(ONE_AXIS), arrival_s=2.3)
     reach = measured(simulate([ONE_AXIS]).recording, early, by_norm=False)
     assert reach.time_to_peak_s / reach.out_s == pytest.approx(1.0, abs=0.02)
-
-
-def test_a_way_too_short_for_its_spectrum_has_no_smoothness() -> None:
     short = ReachShape(out_s=0.12, back_s=0.5, peak_out=8.0, peak_back=-2.0)
     reach = measured(simulate([short]).recording, bounds_of(short), by_norm=False)
     assert (reach.sparc_out, reach.ldlj_out) == (None, None)
