@@ -103,14 +103,20 @@ def test_an_attached_sensor_is_described_and_runs_at_its_highest_rate_each_time(
     channel.pull_out()
     assert bench.source.info is None
     channel.facts["MinDataInterval"] = 1
+    for name in ("getMaxAngularRate", "getMaxAcceleration", "getMaxMagneticField"):
+        bench.failing[name] = PhidgetError(20, "Unsupported")
     channel.plug_in()
     assert bench.states == ["detached", "attached", "detached", "attached"]
-    assert bench.source.info is not None
-    assert bench.source.info.rate_hz == 1000.0
+    info = bench.source.info
+    assert info is not None
+    assert (info.rate_hz, info.has_field) == (1000.0, False)
+    assert (info.rate_range_rad_s, info.acceleration_range_m_s2) == (0.0, 0.0)
     assert channel.facts["DataInterval"] == 1
 
 
-def test_samples_are_in_metres_radians_and_gauss(bench: Bench) -> None:
+def test_samples_are_in_metres_radians_and_gauss_and_broken_ones_are_reported_once(
+    bench: Bench,
+) -> None:
     channel = bench.start()
     channel.plug_in()
     channel.send([1.0, 0.0, -0.5], [180.0, -90.0, 0.0], [0.1, 0.2, 1e300], 12.0)
@@ -121,6 +127,10 @@ def test_samples_are_in_metres_radians_and_gauss(bench: Bench) -> None:
     assert math.isnan(sample.field[2])
     assert sample.device_ms == 12.0
     assert sample.host_ns >= bench.statuses[-1].at
+    for stamp in (16.0, 20.0, 24.0):
+        channel.send([0.0], [0.0], [0.0], stamp)
+    assert bench.states == ["detached", "attached", "error"]
+    assert "ValueError" in bench.statuses[-1].detail
 
 
 @pytest.mark.parametrize("sku", ["1041_0B", "1043_1B", "1049_0B"])
@@ -135,48 +145,19 @@ def test_a_model_without_a_gyroscope_is_refused_and_released(bench: Bench, sku: 
     assert bench.source.info is None
 
 
-def test_unavailable_ranges_are_unknown(bench: Bench) -> None:
-    for name in ("getMaxAngularRate", "getMaxAcceleration", "getMaxMagneticField"):
-        bench.failing[name] = PhidgetError(20, "Unsupported")
-    bench.start().plug_in()
-    info = bench.source.info
-    assert info is not None
-    assert (info.rate_range_rad_s, info.acceleration_range_m_s2, info.has_field) == (
-        0.0,
-        0.0,
-        False,
-    )
-
-
-@pytest.mark.parametrize(
-    ("code", "advice"),
-    [(2, "Close the other program"), (3, "network server"), (1, "same version"), (4099, "lost")],
-)
-def test_an_error_is_reported_with_what_to_do(bench: Bench, code: int, advice: str) -> None:
-    bench.start().err(code, "A packet was lost.")
-    assert bench.statuses[-1].state == "error"
-    assert bench.statuses[-1].detail.startswith("The sensor reports: A packet was lost.")
-    assert advice in bench.statuses[-1].detail
-
-
-def test_saturation_is_reported_and_a_cleared_error_is_not(bench: Bench) -> None:
+def test_errors_are_reported_with_what_to_do_and_saturation_with_its_count(bench: Bench) -> None:
     channel = bench.start()
     channel.err(4096, "All is well.")
     channel.err(4105, "Gyroscope Saturation Detected.")
     assert bench.states == ["detached", "saturated"]
-    assert (bench.statuses[1].count, bench.statuses[1].detail) == (
-        1,
-        "Gyroscope Saturation Detected.",
-    )
-
-
-def test_a_handler_that_fails_is_reported_once(bench: Bench) -> None:
-    channel = bench.start()
-    channel.plug_in()
-    for stamp in (0.0, 4.0, 8.0):
-        channel.send([0.0], [0.0], [0.0], stamp)
-    assert bench.states == ["detached", "attached", "error"]
-    assert "ValueError" in bench.statuses[-1].detail
+    saturated = bench.statuses[1]
+    assert (saturated.count, saturated.detail) == (1, "Gyroscope Saturation Detected.")
+    advice = {2: "Close the other program", 3: "network server", 1: "same version", 4099: "lost"}
+    for code, what_to_do in advice.items():
+        channel.err(code, "A packet was lost.")
+        assert bench.statuses[-1].state == "error"
+        assert bench.statuses[-1].detail.startswith("The sensor reports: A packet was lost.")
+        assert what_to_do in bench.statuses[-1].detail
 
 
 @pytest.mark.parametrize(

@@ -161,17 +161,29 @@ async def test_missing_batch_stops_messages_until_a_snapshot(panel: Panel, is_la
     assert panel.levels() == [6, 7]
 
 
-async def test_act_is_sent_only_while_connected(panel: Panel) -> None:
+async def test_act_is_sent_only_while_connected_and_with_the_silence_of_the_terminal(
+    panel: Panel,
+) -> None:
     note = m.NoteAdded(text="well", at=panel.peer.now())
     panel.peer.send(NOTE_ADDED, note)
     assert panel.transport.acts == []
+    assert panel.transport.pings[-1].silence is None
+    panel.peer.watch_terminal(lambda: TerminalState(7, is_relayed=True))
     await panel.connect()
+    await panel.receive(Connection("connected"))
+    ping = panel.transport.pings[-1]
+    assert (ping.silence, ping.is_relayed) == (7, True)
     panel.peer.send(NOTE_ADDED, note)
     panel.peer.take_control()
     sent = panel.transport.acts
-    assert [act.topic for act in sent] == [NOTE_ADDED.name, protocol.TAKE_CONTROL]
+    assert [(act.topic, act.silence) for act in sent] == [
+        (NOTE_ADDED.name, 7),
+        (protocol.TAKE_CONTROL, 7),
+    ]
     assert {act.client_id for act in sent} == {panel.transport.pings[0].client_id}
     assert protocol.decode_act(sent[0].topic, sent[0].message) == note
+    with pytest.raises(ValueError, match="input/key"):
+        panel.peer.send(KEY, m.KeyPressed(key="f", at=1))
 
 
 # --- answers
@@ -225,53 +237,41 @@ async def test_after_a_loss_answers_are_asked_for_unless_the_program_was_started
     assert panel.transport.pings[-1].unanswered == asked
 
 
-async def test_heartbeats_and_acts_say_how_long_the_terminal_has_been_silent(panel: Panel) -> None:
-    assert panel.transport.pings[-1].silence is None
-    panel.peer.watch_terminal(lambda: TerminalState(7, is_relayed=True))
-    await panel.connect()
-    await panel.receive(Connection("connected"))
-    panel.peer.take_control()
-    ping, act = panel.transport.pings[-1], panel.transport.acts[-1]
-    assert (ping.silence, ping.is_relayed, act.silence) == (7, True, 7)
-
-
-async def test_a_panel_whose_terminal_was_silent_shows_the_present_state_when_it_is_back(
-    panel: Panel,
+@pytest.mark.parametrize("end", ["terminal silent", "link lost", "session over"])
+async def test_a_panel_on_this_machine_shows_the_present_state_when_it_is_back(
+    panel: Panel, end: str
 ) -> None:
     await panel.connect()
-    await panel.receive(panel.pong(refusal="The terminal of this panel does not answer."), batch(4))
-    assert panel.events == [Connection("connecting", "The terminal of this panel does not answer.")]
+    if end == "terminal silent":
+        await panel.receive(panel.pong(refusal="The terminal does not answer."), batch(4))
+        assert panel.events == [Connection("connecting", "The terminal does not answer.")]
+    elif end == "link lost":
+        await panel.receive(Connection("lost", "The connection broke."), batch(4))
+        assert panel.events == [Connection("lost", "The connection broke.")]
+    else:
+        await panel.receive(LinkClosed(), batch(4), Connection("lost", "The connection broke."))
+        assert panel.states() == ["ended"]
+        assert panel.levels() == []
+        assert not panel.transport.is_closed
+    if end != "terminal silent":
+        await panel.receive(Connection("connected"))
+        assert panel.wants_snapshot()
     await panel.receive(panel.pong(), Snapshot(9, WELCOME, protocol.encode_frames([level(9)])))
     assert panel.events[1:3] == [Connection("connected"), WELCOME]
     assert panel.levels() == [9]
 
 
-async def test_other_topics_cannot_be_sent(panel: Panel) -> None:
-    with pytest.raises(ValueError, match="input/key"):
-        panel.peer.send(KEY, m.KeyPressed(key="f", at=1))
-
-
-async def test_lost_link_reconnects_with_a_snapshot(panel: Panel) -> None:
-    await panel.connect()
-    await panel.receive(Connection("lost", "The connection broke."), batch(4))
-    assert panel.events == [Connection("lost", "The connection broke.")]
-    await panel.receive(Connection("connected"))
-    assert panel.wants_snapshot()
-    await panel.receive(panel.pong(), Snapshot(9, WELCOME, []))
-    assert panel.events[1:3] == [Connection("connected"), WELCOME]
-
-
-async def test_reason_for_no_connection_is_reported_once(panel: Panel) -> None:
-    await panel.receive(*[Connection("connecting", "Nothing listens there.")] * 3)
-    assert panel.events[1:] == [Connection("connecting", "Nothing listens there.")]
-
-
-async def test_refusal_is_reported_only_to_the_program_it_is_for(panel: Panel) -> None:
+async def test_reason_for_no_connection_is_reported_once_and_to_the_program_it_is_for(
+    panel: Panel,
+) -> None:
     await panel.receive(Pong(0, 0, "h", 0, "another", "The name is taken."))
     assert panel.events == [Connection("connecting")]
-    # for the other program
+    await panel.receive(*[Connection("connecting", "Nothing listens there.")] * 3)
     await panel.receive(panel.pong(refusal="The name is taken."), Snapshot(1, WELCOME, []))
-    assert panel.events[1:] == [Connection("connecting", "The name is taken.")]
+    assert panel.events[1:] == [
+        Connection("connecting", "Nothing listens there."),
+        Connection("connecting", "The name is taken."),
+    ]
 
 
 async def test_traces_are_delivered_one_by_one(panel: Panel) -> None:
@@ -279,21 +279,6 @@ async def test_traces_are_delivered_one_by_one(panel: Panel) -> None:
     traces = [MotionTrace("A", 5, 50.0, (0.1, 0.2)), MotionTrace("B", 6, 50.0, (0.3,))]
     await panel.receive(MotionTraces(traces))
     assert panel.events == traces
-
-
-async def test_resumed_session_on_this_machine_is_rejoined(panel: Panel) -> None:
-    await panel.connect()
-    await panel.receive(LinkClosed(), batch(4), Connection("lost", "The connection broke."))
-    assert panel.states() == ["ended"]
-    assert panel.levels() == []
-    assert not panel.transport.is_closed
-    await panel.receive(Connection("connected"))
-    assert panel.wants_snapshot()
-    await panel.receive(panel.pong(), Snapshot(1, WELCOME, protocol.encode_frames([level(1)])))
-    assert panel.states() == [
-        "ended",
-        "connected",
-    ]
 
 
 async def test_by_invitation_a_session_that_is_over_is_not_rejoined(
@@ -378,19 +363,17 @@ def exchange_ping(
     clock.update(Pong(sent, sent + outward + AHEAD, clock_id, 0, "1"))
 
 
-def test_on_the_same_host_it_is_the_same_clock_whatever_pings_say() -> None:
+def test_it_is_the_clock_of_this_host_or_that_of_another_by_half_of_the_shortest_round_trip() -> (
+    None
+):
     watch = Watch()
     clock = RemoteClock(watch, "here")
     exchange_ping(clock, watch, 100 * MS, 1 * MS, clock_id="here")
     assert clock.now() == watch.now
-
-
-def test_elsewhere_it_is_off_by_no_more_than_half_of_the_shortest_round_trip() -> None:
-    watch = Watch()
-    clock = RemoteClock(watch, "here")
+    elsewhere = RemoteClock(watch, "here")
     for there, back in ((40, 2), (3, 1), (90, 5)):
-        exchange_ping(clock, watch, there * MS, back * MS)
-    assert abs(clock.now() - (watch.now + AHEAD)) <= 2 * MS
+        exchange_ping(elsewhere, watch, there * MS, back * MS)
+    assert abs(elsewhere.now() - (watch.now + AHEAD)) <= 2 * MS
 
 
 def test_pings_from_before_a_restart_of_the_sessions_machine_do_not_count() -> None:

@@ -49,6 +49,7 @@ from sar_tui.model.units import MS
 from sar_tui.rules.parameters import TaskParameters
 from tests.link.test_node import STARTED, WELCOME
 from tests.link.tls_fixtures import eventually, invite_guests, visiting, without_certificate
+from tests.outputs.voice_fixtures import is_alive
 
 LOST_MS = 800
 ANNA = "operator.anna"
@@ -199,6 +200,9 @@ async def test_a_peer_gets_welcome_and_snapshot_and_its_act_returns_until_it_lea
     session: LinkSession,
 ) -> None:
     panel = await session.panel("anna")
+    files = list(session.live.socket.parent.iterdir())
+    assert session.live.socket in files
+    assert {stat.S_IMODE(each.stat().st_mode) & 0o177 for each in files} == {0}, "private"
     welcomes = [each for each in panel.events if isinstance(each, Welcome)]
     distinct = {(welcome.name, welcome.role, welcome.session) for welcome in welcomes}
     assert distinct == {(ANNA, "operator", session.live.session)}, (
@@ -212,14 +216,6 @@ async def test_a_peer_gets_welcome_and_snapshot_and_its_act_returns_until_it_lea
     assert session.of(NOTE_ADDED) == [expected]
     panel.peer.close()
     await until(lambda: session.states(ANNA) == ["joined", "baton", "left"])
-
-
-async def test_files_beside_the_socket_are_private_whatever_the_folder_is(
-    session: LinkSession,
-) -> None:
-    files = list(session.live.socket.parent.iterdir())
-    assert session.live.socket in files
-    assert {stat.S_IMODE(each.stat().st_mode) & 0o177 for each in files} == {0}
 
 
 @pytest.mark.parametrize(
@@ -450,25 +446,15 @@ def test_broker_ends_when_the_program_is_killed(tmp_path: Path) -> None:
             os.kill(child, 0)
         finally:
             parent.kill()
-    assert eventually(lambda: not _is_running(child))
+    assert eventually(lambda: not is_alive(child))
 
 
-def _is_running(pid: int) -> bool:
-    """Return whether a process runs and is not a zombie."""
-    try:
-        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
-    except OSError:
-        return False
-    return state != "Z"
-
-
-def test_link_that_cannot_listen_is_reported_on_open(tmp_path: Path) -> None:
+def test_a_link_that_cannot_listen_a_taken_port_and_a_missing_authority_are_reported(
+    tmp_path: Path,
+) -> None:
     program = (sys.executable, "-c", "raise SystemExit(3)")
     with pytest.raises(LinkError, match="ended at once"):
         BrokerProcess(protocol.Setup("{}", "link", LOST_MS * MS), program).open()
-
-
-def test_taken_port_and_missing_authority_are_reported(tmp_path: Path) -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()

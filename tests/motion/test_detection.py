@@ -95,16 +95,6 @@ def test_faults_of_the_recording_are_flagged_on_its_reaches() -> None:
 
 
 @pytest.mark.parametrize("detector", NAMES)
-def test_a_movement_without_a_return_is_measured_up_to_its_end(detector: str) -> None:
-    recording = simulate([ReachShape(out_s=0.6, back_s=0.5, peak_back=-1e-9)]).recording
-    for reach in detect(recording, detector):
-        assert reach.peak_return_rad_s == pytest.approx(0.0, abs=1e-6)
-        assert reach.sparc_back is None
-        assert reach.turn_s == reach.end_s
-        assert reach.movement_units_back == 0
-
-
-@pytest.mark.parametrize("detector", NAMES)
 def test_an_empty_or_very_short_recording_has_no_reach(detector: str) -> None:
     for count in (0, 1, 2, 5):
         assert detect(Recording(np.arange(count) / 250, np.zeros((count, 3))), detector) == ()

@@ -57,17 +57,13 @@ def test_a_clipped_reach_has_its_times_alone() -> None:
     assert found.details["peak_extension_rad_s"] is None
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_reach_in_degrees_turns_too_far_and_one_in_radians_does_not(kind: str) -> None:
-    recording = simulate_reaches(kind, 3).recording
-    assert not turns_too_far(recording.time_s, recording.rate)
-    assert turns_too_far(recording.time_s, np.degrees(recording.rate))
-
-
-@pytest.mark.parametrize("kind", DAILY_LIFE)
-def test_daily_life_does_not_turn_too_far(kind: str) -> None:
-    recording = simulate_daily_life(kind, 1, minutes=1).recording
-    assert not turns_too_far(recording.time_s, recording.rate)
+def test_a_reach_in_degrees_turns_too_far_and_neither_one_in_radians_nor_daily_life_does() -> None:
+    reaches = [simulate_reaches(kind, 3).recording for kind in KINDS]
+    lives = [simulate_daily_life(kind, 1, minutes=1).recording for kind in DAILY_LIFE]
+    for recording in (*reaches, *lives):
+        assert not turns_too_far(recording.time_s, recording.rate)
+    for recording in reaches:
+        assert turns_too_far(recording.time_s, np.degrees(recording.rate))
 
 
 def test_a_window_in_degrees_says_so_whether_or_not_a_reach_is_found() -> None:

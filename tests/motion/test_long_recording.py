@@ -74,7 +74,9 @@ def test_in_windows_the_same_reaches_are_found(detector: str, profile: str) -> N
     assert found[1:] == pytest.approx(whole[1:])
 
 
-def test_the_result_does_not_depend_on_the_blocks() -> None:
+def test_the_result_does_not_depend_on_the_blocks_unless_there_are_none() -> None:
+    with pytest.raises(ValueError, match="There are no samples"):
+        detect_long([])
     whole = np.concatenate(list(reaches(80)))
     parts = np.split(whole, [500, 501, 3000, 9000, 9100])
     assert detect_long([whole], window=SMALL).reaches == detect_long(parts, window=SMALL).reaches
@@ -111,11 +113,6 @@ def test_a_movement_without_a_rest_does_not_fill_the_memory() -> None:
     (endless,) = found.reaches
     assert "endless" in endless.flags
     assert endless.reach_time_s == pytest.approx(SHORTEST_WINDOW_S, abs=1.0)
-
-
-def test_nothing_is_refused() -> None:
-    with pytest.raises(ValueError, match="There are no samples"):
-        detect_long([])
 
 
 def restless(seed: int, lasts_s: float = 400.0, rate_hz: float = 50.0) -> Samples:

@@ -92,18 +92,17 @@ def test_about_one_axis_the_norm_measures_what_the_axis_does() -> None:
     assert by_norm.movement_units_out == by_norm.movement_units_back == 1
 
 
-def test_a_turn_about_one_axis_is_straight() -> None:
+def test_a_turn_about_one_axis_is_straight_and_without_a_way_back_has_no_error_of_return() -> None:
     reach = measured(simulate([ONE_AXIS], PROFILES["biased"]).recording)
     assert reach.straightness == pytest.approx(1.0, abs=1e-3)
     assert reach.excursion_deg == pytest.approx(math.degrees(1.5 * 8 / 15), abs=0.2)
     assert reach.return_error_deg == pytest.approx(0.0, abs=0.2)
-
-
-def test_without_a_way_back_there_is_no_error_of_return() -> None:
     one_way = msgspec.structs.replace(bounds_of(ONE_AXIS), departure_s=3.0, end_s=3.0)
     reach = measured(simulate([ONE_AXIS]).recording, one_way)
     assert (reach.return_error_deg, reach.sparc_back, reach.ldlj_back) == (None, None, None)
     assert reach.excursion_deg == pytest.approx(math.degrees(0.8), abs=0.3)
+    assert reach.peak_return_rad_s == pytest.approx(0.0, abs=1e-6)
+    assert (reach.turn_s, reach.movement_units_back) == (reach.end_s, 0)
 
 
 def test_inclination_needs_an_accelerometer_and_a_rest_before_the_reach() -> None:
@@ -148,13 +147,10 @@ def test_a_reach_without_a_rest_at_its_target_turns_where_it_turns(
     assert reach.turn_s == pytest.approx(2.0 + row.shape.out_s, abs=0.02)
 
 
-def test_the_peak_is_sought_on_the_way_out() -> None:
+def test_the_peak_is_sought_on_the_way_out_and_a_way_too_short_has_no_smoothness() -> None:
     early = msgspec.structs.replace(bounds_of(ONE_AXIS), arrival_s=2.3)
     reach = measured(simulate([ONE_AXIS]).recording, early, by_norm=False)
     assert reach.time_to_peak_s / reach.out_s == pytest.approx(1.0, abs=0.02)
-
-
-def test_a_way_too_short_for_its_spectrum_has_no_smoothness() -> None:
     short = ReachShape(out_s=0.12, back_s=0.5, peak_out=8.0, peak_back=-2.0)
     reach = measured(simulate([short]).recording, bounds_of(short), by_norm=False)
     assert (reach.sparc_out, reach.ldlj_out) == (None, None)

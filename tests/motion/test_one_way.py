@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from sar_tui.motion.detection import detect_long, detect_one_way
-from sar_tui.motion.samples import SAMPLE, Recording, Samples
+from sar_tui.motion.samples import Recording
 from tests.examples import first
+from tests.motion.test_faults import samples_of
 
 RATE_HZ = 100.0
 OBLIQUE, ACROSS = (0.6, 0.0, 0.8), (0.0, 1.0, 0.0)
@@ -39,29 +40,18 @@ def test_a_movement_is_found_from_rest_to_rest(seed: int) -> None:
     assert found.flags == ()
 
 
-def test_each_of_several_movements_in_a_row_is_found_about_whatever_axes() -> None:
-    found = detect_one_way(
-        moved((2.0, 0.8, 0.8, OBLIQUE), (2.5, 0.8, 0.6, ACROSS), (5.0, 1.0, -0.9, OBLIQUE))
-    )
-    assert [reach.onset_s for reach in found] == pytest.approx([2.0, 5.0], abs=0.08)
-    assert found[0].end_s == pytest.approx(3.3, abs=0.08)
-
-
 def test_a_movement_that_comes_back_without_a_rest_and_a_twitch_are_left_out() -> None:
     assert detect_one_way(moved((2.0, 0.8, 0.8, OBLIQUE), (2.8, 0.8, -0.8, OBLIQUE))) == ()
     assert detect_one_way(moved((2.0, 0.5, 0.05, OBLIQUE))) == ()
     assert detect_one_way(Recording(np.empty(0), np.empty((0, 3)))) == ()
 
 
-def test_a_recording_of_any_length_has_each_movement_once() -> None:
+def test_each_movement_in_a_recording_of_any_length_is_found_once_about_whatever_axes() -> None:
+    found = detect_one_way(
+        moved((2.0, 0.8, 0.8, OBLIQUE), (2.5, 0.8, 0.6, ACROSS), (5.0, 1.0, -0.9, OBLIQUE))
+    )
+    assert [reach.onset_s for reach in found] == pytest.approx([2.0, 5.0], abs=0.08)
+    assert found[0].end_s == pytest.approx(3.3, abs=0.08)
     ways = [(2.0 + 6.0 * number, 0.9, (-1) ** number * 0.8, OBLIQUE) for number in range(80)]
-    found = detect_long([samples_of(moved(*ways))], window=100, one_way=True).reaches
-    assert [reach.onset_s for reach in found] == pytest.approx([way[0] for way in ways], abs=0.08)
-
-
-def samples_of(recording: Recording) -> Samples:
-    samples = np.zeros(len(recording.time_s), SAMPLE)
-    samples["at"] = np.rint(recording.time_s * 1e9)
-    samples["rate"] = recording.rate
-    samples["acceleration"] = samples["field"] = np.nan
-    return samples
+    every = detect_long([samples_of(moved(*ways))], window=100, one_way=True).reaches
+    assert [reach.onset_s for reach in every] == pytest.approx([way[0] for way in ways], abs=0.08)

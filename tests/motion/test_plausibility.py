@@ -61,41 +61,40 @@ def motion() -> WristMotion:
     return WristMotion(12.0, 100.0, np.random.default_rng(7))
 
 
-def test_a_movement_that_does_not_return_is_none(motion: WristMotion) -> None:
-    motion.shift(4.0, (40.0, 0.0, 0.0), 1.0)
-    motion.shift(5.5, (-15.0, 0.0, 0.0), 1.0)
-    assert _kept(motion.measured(), [(4.0, 6.5)]) == 0
+SMALL = [(4.0, 8.0, 1.0), (5.0, -8.0, 1.0)]
+LARGER = [(4.0, 12.0, 1.0), (5.0, -12.0, 1.0)]
+NO_RETURN = [(4.0, 40.0, 1.0), (5.5, -15.0, 1.0)]
+SOON_BACK = [(3.0, 60.0, 1.0), (4.0, -35.0, 1.0), (5.8, -25.0, 0.8)]
+LATE_BACK = [(3.0, 60.0, 1.0), (4.0, -35.0, 1.0), (8.0, -25.0, 0.8)]
+TWO_WAYS = [(4.0, 40.0, 1.0), (5.0, -28.0, 0.8), (5.8, 28.0, 0.8), (6.6, -40.0, 1.0)]
+ONE_WAY = [(4.0, 40.0, 1.0), (5.0, -12.0, 0.8), (5.8, 12.0, 0.8), (6.6, -40.0, 1.0)]
+
+
+@pytest.mark.parametrize(
+    ("shifts", "found", "kept"),
+    [
+        pytest.param(SMALL, (4.0, 6.0), 0, id="a small gesture"),
+        pytest.param(LARGER, (4.0, 6.0), 1, id="a larger one"),
+        pytest.param(NO_RETURN, (4.0, 6.5), 0, id="no return"),
+        pytest.param(SOON_BACK, (3.0, 5.0), 1, id="back once something is set down"),
+        pytest.param(LATE_BACK, (3.0, 5.0), 0, id="back much later"),
+        pytest.param(TWO_WAYS, (4.0, 7.6), 0, id="two excursions"),
+        pytest.param(ONE_WAY, (4.0, 7.6), 1, id="one that falters"),
+    ],
+)
+def test_an_excursion_is_kept_if_it_is_one_large_enough_and_comes_back_soon(
+    motion: WristMotion, shifts: list[Angles], found: tuple[float, float], kept: int
+) -> None:
+    """Each shift is its time (s), its turn (degrees) and its duration (s)."""
+    for at_s, turn, takes_s in shifts:
+        motion.shift(at_s, (turn, 0.0, 0.0), takes_s)
+    assert _kept(motion.measured(), [found]) == kept
 
 
 def test_a_reach_whose_onset_was_found_too_early_is_kept(motion: WristMotion) -> None:
-    _out_and_back(motion, 3.0, (0.0, 40.0, 0.0))
-    _out_and_back(motion, 6.0, (0.0, 40.0, 0.0))
+    for at_s, elevation in ((3.0, 40.0), (4.0, -40.0), (6.0, 40.0), (7.0, -40.0)):
+        motion.shift(at_s, (0.0, elevation, 0.0), 1.0)
     assert _kept(motion.measured(), [(3.0, 5.0), (5.0, 8.0)]) == 2
-
-
-@pytest.mark.parametrize(("pause_s", "kept"), [(0.8, 1), (3.0, 0)])
-def test_a_hand_may_set_something_down_before_it_comes_back(
-    motion: WristMotion, pause_s: float, kept: int
-) -> None:
-    motion.shift(3.0, (60.0, 0.0, 0.0), 1.0)
-    motion.shift(4.0, (-35.0, 0.0, 0.0), 1.0)
-    motion.shift(5.0 + pause_s, (-25.0, 0.0, 0.0), 0.8)
-    assert _kept(motion.measured(), [(3.0, 5.0)]) == kept
-
-
-@pytest.mark.parametrize(("degrees", "kept"), [(8.0, 0), (12.0, 1)])
-def test_a_small_gesture_is_none(motion: WristMotion, degrees: float, kept: int) -> None:
-    _out_and_back(motion, 4.0, (0.0, degrees, 0.0))
-    assert _kept(motion.measured(), [(4.0, 6.0)]) == kept
-
-
-@pytest.mark.parametrize(("between", "kept"), [(0.7, 0), (0.3, 1)])
-def test_two_excursions_are_not_one(motion: WristMotion, between: float, kept: int) -> None:
-    motion.shift(4.0, (40.0, 0.0, 0.0), 1.0)
-    motion.shift(5.0, (-40.0 * between, 0.0, 0.0), 0.8)
-    motion.shift(5.8, (40.0 * between, 0.0, 0.0), 0.8)
-    motion.shift(6.6, (-40.0, 0.0, 0.0), 1.0)
-    assert _kept(motion.measured(), [(4.0, 7.6)]) == kept
 
 
 def test_a_bout_of_a_rhythm_somewhere_else_and_a_swing_of_it_are_none(motion: WristMotion) -> None:
@@ -119,9 +118,3 @@ def test_a_reach_that_was_not_measured_whole_is_not_judged(motion: WristMotion, 
     assert plausible(flagged) == flagged
     nothing = found._replace(reaches=())
     assert plausible(nothing) == nothing
-
-
-def _out_and_back(motion: WristMotion, at_s: float, by: Angles) -> None:
-    turn, elevation, rotation = by
-    motion.shift(at_s, by, 1.0)
-    motion.shift(at_s + 1.0, (-turn, -elevation, -rotation), 1.0)

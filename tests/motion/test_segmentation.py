@@ -71,9 +71,11 @@ def test_a_simulated_hand_is_segmented_as_sample_by_sample(
     )
 
 
-def test_a_recording_is_segmented_as_sample_by_sample() -> None:
-    samples = read_recording(RECORDING)
+def test_a_recording_is_segmented_as_sample_by_sample_without_what_is_no_number() -> None:
+    samples = read_recording(RECORDING).copy()
     assert_same(samples, 1e9 / float(np.median(np.diff(samples["at"]))))
+    samples["rate"][100:120] = np.nan
+    assert_same(samples[:700], 125.0)
 
 
 @pytest.mark.parametrize("number", [1, 2, 24, 25, 299, 300, 301])
@@ -81,12 +83,6 @@ def test_a_few_samples_are_segmented_as_sample_by_sample(number: int) -> None:
     hand = SimulatedHand(PROFILES["patient"], 250.0, seed=1)
     hand.move(300_000_000, ReachShape(out_s=0.4, back_s=0.4))
     assert_same(hand.samples(0, 2_000_000_000)[:number], 250.0)
-
-
-def test_samples_that_are_no_numbers_are_skipped() -> None:
-    samples = read_recording(RECORDING).copy()
-    samples["rate"][100:120] = np.nan
-    assert_same(samples[:700], 125.0)
 
 
 def test_a_comparison_that_rounding_may_decide_is_left_to_the_segmenter() -> None:

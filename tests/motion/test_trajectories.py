@@ -141,7 +141,7 @@ def test_a_reach_turns_the_hand_away_and_back_within_the_times_and_speeds_of_peo
         assert peak < 1.7
 
 
-def test_a_person_repeats_a_reach_with_differences() -> None:
+def test_a_person_repeats_a_reach_with_differences_and_each_seed_is_a_person() -> None:
     made = simulate_reaches("from-the-side", SEED, count=4, imperfections=PERFECT)
     durations = [end - onset for onset, end in made.truth]
     assert len(made.truth) == 4
@@ -149,8 +149,6 @@ def test_a_person_repeats_a_reach_with_differences() -> None:
     for (_, end), (onset, _) in zip(made.truth, made.truth[1:], strict=False):
         assert onset - end == pytest.approx(2.0, abs=0.3)
 
-
-def test_the_same_seed_is_the_same_person_with_any_sensor_and_another_one_another() -> None:
     one, other = (simulate_reaches("drinking", seed) for seed in (1, 2))
     same = simulate_reaches("drinking", 1, accelerometer=False)
     assert one.recording.rate.tobytes() == same.recording.rate.tobytes()

@@ -21,14 +21,13 @@ def vectors() -> Floats:
     return np.random.default_rng(1).normal(size=(700, 3))
 
 
-def test_lengths_and_means_are_those_of_numpy(vectors: Floats) -> None:
+def test_lengths_and_means_are_those_of_numpy_and_rows_that_are_not_finite_are_left_out(
+    vectors: Floats,
+) -> None:
     assert np.array_equal(lengths(vectors), np.linalg.norm(vectors, axis=1))
     apart = vectors[:, None] - vectors[None, :9]
     assert np.array_equal(lengths(apart), np.linalg.norm(apart, axis=2))
     assert np.array_equal(mean_of(vectors), vectors.mean(axis=0))
-
-
-def test_rows_with_a_number_that_is_not_finite_are_left_out(vectors: Floats) -> None:
     time_s = np.arange(700.0)
     assert finite_only(time_s, vectors)[1] is vectors
     vectors[3, 1], vectors[9, 2] = np.nan, np.inf

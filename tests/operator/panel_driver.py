@@ -252,19 +252,11 @@ def session_frames(theme: Theme) -> list[Frame]:
         frame(t.WAITING, waiting("enter", "attempt")),
         frame(t.ACTING, m.AgentActing(acting=False)),
         frame(t.ARBITER_STATE, arbiter_state()),
-        *(
-            frame(t.TRIAL, trial(number, stimulus, ms, correct=correct))
-            for number, (stimulus, ms, correct) in enumerate(
-                (
-                    ("f", 512, True),
-                    ("j", 430, True),
-                    ("f", 377, False),
-                    ("d", None, False),
-                    ("k", 455, True),
-                ),
-                1,
-            )
-        ),
+        frame(t.TRIAL, trial(1, "f", 512)),
+        frame(t.TRIAL, trial(2, "j", 430)),
+        frame(t.TRIAL, trial(3, "f", 377, correct=False)),
+        frame(t.TRIAL, trial(4, "d", None)),
+        frame(t.TRIAL, trial(5, "k", 455)),
     ]
 
 

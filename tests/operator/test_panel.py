@@ -30,15 +30,10 @@ async def panel(
 
 
 @pytest.fixture
-async def driver(catalogue: Catalogue, folder: Path) -> AsyncIterator[PanelDriver]:
+async def driver(catalogue: Catalogue, tmp_path: Path) -> AsyncIterator[PanelDriver]:
     """An operator's panel at a running session."""
-    async with panel(catalogue, folder) as driver:
+    async with panel(catalogue, tmp_path) as driver:
         yield driver
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    return tmp_path
 
 
 # --- proposals
@@ -104,22 +99,16 @@ async def test_a_level_has_no_valence_and_is_typed_again_until_the_session_can_h
     driver: PanelDriver,
 ) -> None:
     await driver.propose(b.approval("d1", level=5, text="Level 4 → 5"))
-    assert "Level 4 → 5, from the next attempt on" in driver.text
-    assert "positive" not in driver.text
     await driver.press("plus", "e", "backspace", "x", "enter")
     assert driver.sent(t.DECISION) == []
     await driver.press("backspace", "3", "enter")
     assert driver.sent(t.DECISION) == [m.Decision(action="d1", verdict="edit", level=3, actor=ANNA)]
-
-
-async def test_only_late_words_can_be_said_anyway(driver: PanelDriver) -> None:
-    await driver.propose(b.approval("p1", 2000, level=5))
+    await driver.propose(b.approval("d2", 2000, level=5))
     await driver.press("e", "8")
     await driver.advance(2000)
     await driver.publish(t.ARBITER_STATE, b.arbiter_state(b.approval("p2", 9000)))
-    await driver.press("enter")
-    assert "Too late: it was already decided. Nothing was sent." in driver.text
-    assert "says it anyway" not in driver.text
+    await driver.press("enter", "enter")
+    assert driver.sent(t.REMARK) == [], "only late words can be said anyway"
 
 
 async def test_the_shown_proposal_stays_until_it_is_decided_and_a_key_right_after_is_not_for_the_next(
@@ -162,7 +151,9 @@ async def test_a_decided_proposal_makes_room_for_the_next_until_it_is_refused(
     ]
 
 
-async def test_the_time_left_is_counted_down_for_each_proposal(driver: PanelDriver) -> None:
+async def test_the_time_left_is_counted_down_for_each_proposal_and_for_what_is_approved(
+    driver: PanelDriver,
+) -> None:
     await driver.publish(
         t.ARBITER_STATE, b.arbiter_state(b.approval(ms=4000), b.approval("p2", ms=4000))
     )
@@ -174,6 +165,10 @@ async def test_the_time_left_is_counted_down_for_each_proposal(driver: PanelDriv
     assert left < full
     await driver.press("right")
     assert driver.text.count("█") == left  # it has been counting down all the time
+    due = b.action("a9", text="Well done", due=driver.peer.now() + 1900 * MS)
+    await driver.publish(t.ARBITER_STATE, b.arbiter_state(queued=(due,)))
+    await driver.advance(1000)
+    assert "goes out in 0.9 s" in driver.text
 
 
 # --- the session
@@ -198,9 +193,7 @@ async def test_pause_and_hold_toggle_and_end_asks_once(driver: PanelDriver) -> N
     await driver.publish(t.COMMAND, m.SessionCommand(command="pause", actor="operator.ben"))
     await driver.publish(t.WAITING, b.waiting("resume", "paused"))
     assert "ben paused" in driver.text
-    await driver.press("space", "end")
-    assert "End the session? Press End again to end it" in driver.text
-    await driver.press("escape", "end")
+    await driver.press("space", "end", "escape", "end")
     assert [act.command for act in driver.sent(t.COMMAND)] == ["resume"]
     await driver.press("end", "h")
     assert [act.command for act in driver.sent(t.COMMAND)] == ["resume", "end"]
@@ -217,16 +210,13 @@ async def test_a_participants_pause_is_highlighted_and_ended_only_by_a_second_ke
     await driver.publish(t.WAITING, b.waiting("resume", "paused", reason="pain"))
     assert driver.text.count("P01 paused: in pain") == 2, "in the activity and in the log"
     await driver.press("space")
-    assert "P01 paused: in pain. Press Space again within 3 s to resume." in driver.text
     await driver.advance(3200)
     driver.panel._clock.advance(3200 * MS)  # type: ignore[attr-defined]
-    assert "Space again" not in driver.text
     await driver.press("space")
     assert driver.sent(t.COMMAND) == []
     await driver.advance(1000)
     await driver.press("space")
     assert [act.command for act in driver.sent(t.COMMAND)] == ["resume"]
-    assert "Space again" not in driver.text
 
 
 async def test_in_a_burst_of_keys_each_key_goes_to_what_the_one_before_opened(
@@ -254,12 +244,9 @@ async def test_an_edit_whose_time_runs_out_says_so_and_is_not_shown_with_the_nex
 ) -> None:
     await driver.propose(b.approval("p1", 2000, text="Well done"))
     await driver.press("e", "!")
-    assert "Enter sends, Esc cancels" in driver.text
     await driver.advance(2000)
     await driver.publish(t.ARBITER_STATE, b.arbiter_state(b.approval("p2", 9000, text="The next")))
     assert "Time is up: Well done!" in driver.text
-    assert "FEEDBACK · time is up" in driver.text
-    assert "Enter twice says it anyway" in driver.text
     assert "Also pending: 6 s feedback “The next”" in driver.text
     assert "┃ “The next”" not in driver.text
     await driver.press("enter")
@@ -278,47 +265,19 @@ async def test_while_the_panel_is_hidden_only_the_stop_key_acts(driver: PanelDri
     assert "This window is too small: it has 60 by 16 characters" in driver.text
     await driver.press("space", "f2")
     assert [act.command for act in driver.sent(t.COMMAND)] == ["stop", "stop"]
-    await driver.pilot.resize_terminal(80, 24)
-    await settle(driver.app)
-    assert "too small" not in driver.text
-
-
-@pytest.mark.slow
-async def test_the_panel_survives_any_size_of_its_window(driver: PanelDriver) -> None:
-    await driver.propose(b.approval())
-    await driver.press("e")
-    before, full = driver.text, driver.app.size
-    for size in [(60, 20), (30, 5), (13, 24), (5, 3), (1, 1), (20, 200), (200, 1), full]:
+    for size in [(30, 5), (13, 24), (1, 1), (20, 200), (200, 1), (80, 24)]:
         await driver.pilot.resize_terminal(*size)
         await settle(driver.app)
-    assert driver.text == before
-
-
-async def test_a_text_that_the_session_refuses_is_offered_again(driver: PanelDriver) -> None:
-    await driver.burst("t", *"Well held.", "enter")
-    await driver.answer("refused", "It comes too fast.")
-    assert "not done, it comes too fast; the text is kept" in driver.text
-    await driver.burst("t", "enter")
-    assert [remark.text for remark in driver.sent(t.REMARK)] == ["Well held.", "Well held."]
-    await driver.press("t")
-    assert driver.panel.strip.typed == ""
-
-
-async def test_an_approved_action_that_is_due_later_is_counted_down(driver: PanelDriver) -> None:
-    due = b.action("a9", text="Well done", due=b.START + 1900 * MS)
-    await driver.publish(t.ARBITER_STATE, b.arbiter_state(queued=(due,)))
-    assert "goes out in 1.9 s" in driver.text
-    await driver.advance(1000)
-    assert "goes out in 0.9 s" in driver.text
+    assert "too small" not in driver.text
 
 
 # --- palette, speech, notes
 
 
 async def test_numbers_choose_items_tab_turns_the_page_and_escape_goes_back(
-    catalogue: Catalogue, folder: Path
+    catalogue: Catalogue, tmp_path: Path
 ) -> None:
-    async with panel(catalogue, folder) as driver:
+    async with panel(catalogue, tmp_path) as driver:
         await driver.join(marks=b.MARKS)
         await driver.publish(
             t.ARBITER_STATE, b.arbiter_state(queued=(b.action("a9", text="Next."),))
@@ -336,22 +295,25 @@ async def test_numbers_choose_items_tab_turns_the_page_and_escape_goes_back(
         assert driver.sent(t.MODE) == [m.ModeChanged(kind="difficulty", mode="approve", actor=ANNA)]
         assert driver.sent(t.DECISION) == [m.Decision(action="a9", verdict="veto", actor=ANNA)]
         await driver.press("escape")
-        assert "Encourage 1/10" in driver.text
-        await driver.press("tab")
-        assert "Praise 2/10" in driver.text
-        await driver.press("shift+tab", "shift+tab")
-        assert "Queue: a number cancels one 10/10" in driver.text
+        for key, page in (("tab", " 2/10"), ("shift+tab", " 1/10"), ("shift+tab", " 10/10")):
+            await driver.press(key)
+            assert page in driver.text
         await driver.press("escape")
-        assert "Encourage 1/10" in driver.text
+        assert " 1/10" in driver.text
 
 
 async def test_speech_notes_and_events_are_sent_and_a_note_has_the_time_of_its_key(
     driver: PanelDriver,
 ) -> None:
-    await driver.press("t", *"Hi", "enter", "n")
+    await driver.press("t", *"Hi", "enter")
+    await driver.answer("refused", "It comes too fast.")
+    await driver.burst("t", "enter")
+    await driver.press("t")
+    assert driver.panel.strip.typed == "", "a text is offered again only if it was refused"
+    await driver.press("escape", "n")
     await driver.advance(20_000)
     await driver.press(*"tired", "enter", "f5")
-    assert driver.sent(t.REMARK) == [m.Remark(text="Hi", source="free text", actor=ANNA)]
+    assert driver.sent(t.REMARK) == [m.Remark(text="Hi", source="free text", actor=ANNA)] * 2
     assert driver.sent(t.NOTE_ADDED) == [
         m.NoteAdded(text="tired", actor=ANNA),
         m.NoteAdded(label="distracted", actor=ANNA),
@@ -384,20 +346,19 @@ async def test_with_two_participants_remarks_go_to_the_chosen_one_and_proposals_
 
 
 async def test_keys_and_phrases_of_the_operators_file_are_used_unless_it_is_invalid(
-    catalogue: Catalogue, folder: Path
+    catalogue: Catalogue, tmp_path: Path
 ) -> None:
     file = 'phrases = ["Go on, {participant}."]\n[keys]\napprove = "y"\n'
-    (folder / FILE).write_text(file)
-    async with panel(catalogue, folder) as driver:
+    (tmp_path / FILE).write_text(file)
+    async with panel(catalogue, tmp_path) as driver:
         await driver.propose(b.approval())
-        assert " y  approve" in driver.text
         await driver.press("enter")
         assert driver.sent(t.DECISION) == []
         await driver.press("y", "1")
         assert [decision.verdict for decision in driver.sent(t.DECISION)] == ["accept"]
         assert [remark.text for remark in driver.sent(t.REMARK)] == ["Go on, P01."]
-    (folder / FILE).write_text("[keys]\nstpo = 'y'\n")
-    async with panel(catalogue, folder) as driver:
+    (tmp_path / FILE).write_text("[keys]\nstpo = 'y'\n")
+    async with panel(catalogue, tmp_path) as driver:
         assert "is ignored" in driver.text
         await driver.press("f2")
         assert [act.command for act in driver.sent(t.COMMAND)] == ["stop"]
@@ -407,30 +368,24 @@ async def test_keys_and_phrases_of_the_operators_file_are_used_unless_it_is_inva
 
 
 async def test_an_observer_sees_the_same_but_can_only_stop_the_agent(
-    catalogue: Catalogue, folder: Path
+    catalogue: Catalogue, tmp_path: Path
 ) -> None:
-    async with panel(catalogue, folder, "observer") as driver:
+    async with panel(catalogue, tmp_path, "observer") as driver:
         await driver.propose(b.approval())
-        for text in ("Well done.", "you are observing", "You are an observer.", "F2 Stop"):
-            assert text in driver.text
-        assert "approve " not in driver.text.replace("· approve", "")
+        assert "Well done." in driver.text
         assert "Encourage" not in driver.text
         await driver.press("enter", "x", "e", "plus", "space", "s", "u", "h", "1", "t", "n", "f5")
         await driver.press("b", "end", "end")
         assert driver.peer.sent == []
         assert driver.peer.control_requests == 0
         await driver.press("f1")
-        assert "All keys" in driver.text
         assert "Skip prompt" not in driver.text
-        assert "Stop the agent at once" in driver.text
         await driver.press("f2")
         assert [act.command for act in driver.sent(t.COMMAND)] == ["stop"]
 
 
 async def test_without_control_nothing_is_sent_until_it_is_taken(driver: PanelDriver) -> None:
     await driver.publish(t.PRESENCE, b.presence("baton", "operator.ben", ben="operator"))
-    assert "ben in control" in driver.text
-    assert "Nothing is pending for ben." in driver.text
     await driver.propose(b.approval())
     assert "ben decides; b takes control." in driver.text
     await driver.publish(t.WAITING, b.waiting())
@@ -444,22 +399,19 @@ async def test_without_control_nothing_is_sent_until_it_is_taken(driver: PanelDr
     assert [act.command for act in driver.sent(t.COMMAND)] == ["skip"]
 
 
-async def test_a_lost_link_is_shown_until_it_is_back(driver: PanelDriver) -> None:
+async def test_a_lost_link_is_shown_until_it_is_back_and_the_session_says_which_theme_to_take(
+    driver: PanelDriver, catalogue: Catalogue
+) -> None:
     await driver.propose(b.approval())
     await driver.receive(Connection("lost", "Nothing is heard from the session."))
     assert "connection lost" in driver.text
-    assert "the session goes on by" in driver.text
     await driver.press("enter")
     assert driver.sent(t.DECISION) == []
+    assert "calm" in driver.app.theme
     await driver.join()
     assert "● in control" in driver.text
-
-
-async def test_the_panel_takes_the_theme_of_the_session(catalogue: Catalogue, folder: Path) -> None:
-    async with panel(catalogue, folder) as driver:
-        assert "calm" in driver.app.theme
-        await driver.publish(t.THEME, m.ThemeApplied(theme=catalogue.theme("playful")))
-        assert "playful" in driver.app.theme
+    await driver.publish(t.THEME, m.ThemeApplied(theme=catalogue.theme("playful")))
+    assert "playful" in driver.app.theme
 
 
 async def test_the_panel_shows_the_agent_as_the_participant_sees_it(driver: PanelDriver) -> None:
@@ -486,19 +438,12 @@ async def test_the_panel_shows_the_agent_as_the_participant_sees_it(driver: Pane
 
 
 async def test_at_80_by_24_all_keys_are_listed_stop_works_anywhere_and_other_proposals_are_named(
-    catalogue: Catalogue, folder: Path
+    catalogue: Catalogue, tmp_path: Path
 ) -> None:
-    async with b.open_panel(catalogue, folder) as driver:
+    async with b.open_panel(catalogue, tmp_path) as driver:
         await driver.press("t", "a", "f2", "escape", "f1")
-        for words in (
-            "Approve",
-            "Hold or release the level",
-            "Event: something else",
-            "Take control",
-            "All keys",
-            "Close what",
-        ):
-            assert words in driver.text
+        for first_or_last in ("Approve", "Take control", "Close what"):
+            assert first_or_last in driver.text
         await driver.press("f2", "f1")
         assert [act.command for act in driver.sent(t.COMMAND)] == ["stop", "stop"]
         assert "Take control" not in driver.text
@@ -508,21 +453,17 @@ async def test_at_80_by_24_all_keys_are_listed_stop_works_anywhere_and_other_pro
 
 
 async def test_leaving_asks_once_until_the_session_is_over(
-    catalogue: Catalogue, folder: Path
+    catalogue: Catalogue, tmp_path: Path
 ) -> None:
-    async with b.open_panel(catalogue, folder, joins=False) as driver:
+    async with b.open_panel(catalogue, tmp_path, joins=False) as driver:
         await driver.receive(Connection("connecting", "The other side refuses."))
         assert "There is no connection yet: The other side refuses." in driver.text
-        await driver.press("q")
-        assert "Leave the panel? Press q again to leave" in driver.text
-        await driver.press("escape")
-        assert "Leave the panel?" not in driver.text
-        await driver.press("ctrl+q")
+        await driver.press("q", "escape", "ctrl+q")
         assert "Leave the panel?" in driver.text
         assert not driver.peer.is_closed
         await driver.press("ctrl+q")
         assert not driver.app.is_running
-    async with panel(catalogue, folder) as driver:
+    async with panel(catalogue, tmp_path) as driver:
         await driver.publish(t.SESSION_ENDED, m.SessionEnded(status="completed"))
         await driver.receive(Connection("ended", "The session is over."))
         assert "The session is over. q leaves." in driver.text

@@ -41,13 +41,6 @@ def activity(state: SessionState, width: int = 60) -> str:
     return status_view.activity(state, width).plain
 
 
-def test_at_first_everything_is_unknown() -> None:
-    state = SessionState()
-    assert not state.is_connected
-    assert activity(state) == "Not known yet"
-    assert status_view.session_line(state) == "Operator"
-
-
 # --- what the participant does
 
 
@@ -87,15 +80,11 @@ def test_what_the_session_waits_for_is_named_without_what_is_typed(
     assert status_view.waiting_text(after((t.WAITING, waiting))) == text
 
 
-def test_an_attempt_without_a_goal_has_neither_tick_nor_cross() -> None:
-    free = after((t.ATTEMPT_ENDED, b.attempt(goal=None, outcome="none")), (t.WAITING, BETWEEN))
-    assert "Attempt 2 · 498, 95%" in activity(free)
-    assert not {"✓", "✗"} & set(activity(free))
-
-
 def test_two_participants_have_rows_of_their_own_with_results_between_attempts_and_times_in_trials() -> (
     None
 ):
+    free = after((t.ATTEMPT_ENDED, b.attempt(goal=None, outcome="none")), (t.WAITING, BETWEEN))
+    assert not {"✓", "✗"} & set(activity(free)), "there is no goal"
     state = after(
         (t.TRIAL, b.trial(1, "f", 400)),
         (t.TRIAL, b.trial(1, "k", 430, correct=False, seat="B")),
@@ -131,13 +120,10 @@ def test_a_repeated_trial_or_attempt_counts_once_and_old_ones_are_dropped() -> N
     ).seat("A")
     assert (len(many.trials), len(many.attempts)) == (MAX_TRIALS, MAX_ATTEMPTS)
     assert many.trials[-1].trial == MAX_TRIALS + 8
-
-
-def test_only_some_seconds_of_motion_are_stored() -> None:
     state = SessionState()
     for _ in range(20):
         state = state.receive(MotionTrace("A", SECOND, 10.0, (0.5,) * 10))
-    assert len(state.seat("A").rates) == 80
+    assert len(state.seat("A").rates) == 80, "only some seconds of motion are stored"
 
 
 def test_a_mark_changes_its_trial_and_after_an_aborted_one_is_put_on_the_last_again() -> None:
@@ -191,12 +177,7 @@ def test_the_session_says_who_has_control_and_who_watches(
     assert state.holder == presence.holder
     assert state.has_control is has_control
     assert status_view.link_status(state).plain == status
-
-
-def test_an_observer_never_has_control() -> None:
-    state = after((t.PRESENCE, NOBODY), state=joined(role="observer"))
-    assert not state.has_control
-    assert status_view.link_status(state).plain == "● you are observing · anna"
+    assert not after((t.PRESENCE, presence), state=joined(role="observer")).has_control
 
 
 def test_a_lost_link_keeps_the_last_state_until_another_welcome() -> None:
@@ -220,23 +201,19 @@ def test_a_failed_voice_is_shown_until_it_works_again() -> None:
     assert after((t.REPORT, replace(failed, state="started")), state=state).voice == ""
 
 
-@pytest.mark.parametrize(
-    ("acting", "current", "text"),
-    [
-        (True, b.action("a1"), "▶ The agent speaks"),
-        (True, b.action("a1", spoken=""), "▶ The agent moves"),
-        (False, None, "The agent is idle"),
-    ],
-)
-def test_what_the_agent_does_is_shown(acting: bool, current: m.Action | None, text: str) -> None:
-    halted = m.Halt(reason="stopped", asked=0)  # before this panel joined
-    state = after(
-        (t.ARBITER_STATE, b.arbiter_state(current=current)),
-        (t.HALT, halted),
-        (t.ACTING, m.AgentActing(acting=acting)),
-    )
-    assert activity(state).endswith(text)
-    assert state.stops == ()
+def test_what_the_agent_does_is_shown_and_no_stop_from_before_this_panel_joined() -> None:
+    for current, text in (
+        (b.action("a1"), "▶ The agent speaks"),
+        (b.action("a1", spoken=""), "▶ The agent moves"),
+        (None, "The agent is idle"),
+    ):
+        state = after(
+            (t.ARBITER_STATE, b.arbiter_state(current=current)),
+            (t.HALT, m.Halt(reason="stopped", asked=0)),
+            (t.ACTING, m.AgentActing(acting=current is not None)),
+        )
+        assert activity(state).endswith(text)
+        assert state.stops == ()
 
 
 # --- the header and the log

@@ -152,15 +152,12 @@ def test_gaze_and_tone_are_the_first_parts_of_an_action() -> None:
 def test_an_output_is_asked_only_for_parts_that_it_can_do_and_an_action_has() -> None:
     for part in EVERYTHING:
         assert [what[0] for what in Stage(can=frozenset({part})).act(**EVERY_PART).asked] == [part]
-    stage = Stage().act(spoken="Reach out.").act("a2", face="happy")
-    assert stage.asked == [("say", "a1", "Reach out."), ("show", "a2", "", "happy")]
-
-
-def test_an_edited_theme_is_applied() -> None:
     stage = Stage()
     edited = msgspec.structs.replace(PLAIN_THEME, name="edited")
     stage.bus.publish(t.THEME, m.ThemeApplied(theme=edited))
     assert stage.output.asked == [("apply_theme", "bench"), ("apply_theme", "edited")]
+    stage.act(spoken="Reach out.").act("a2", face="happy")
+    assert stage.asked == [("say", "a1", "Reach out."), ("show", "a2", "", "happy")]
 
 
 # --- what it reports
@@ -306,23 +303,18 @@ class Cancelled(BaseException):
 
 
 @pytest.mark.parametrize("error", [RuntimeError, SystemExit, Cancelled])
-def test_an_output_that_cannot_be_opened_fails_every_part_with_the_reason(
+def test_an_output_that_raises_or_ends_the_program_fails_with_the_reason_and_the_exit_goes_on(
     error: type[BaseException],
 ) -> None:
-    stage = Stage(breaks=("apply_theme",), error=error).act(**EVERY_PART)
-    assert len(stage.opened) == 1
+    unopened = Stage(breaks=("apply_theme",), error=error).act(**EVERY_PART)
+    assert len(unopened.opened) == 1
     for part in EVERYTHING:
-        assert stage.states(part=part) == ["queued", "failed"]
-    assert {report.detail for report in stage.reports if report.state == "failed"} == {
+        assert unopened.states(part=part) == ["queued", "failed"]
+    assert {report.detail for report in unopened.reports if report.state == "failed"} == {
         f"It could not be opened ({error.__name__}: no apply_theme today)."
     }
-    assert stage.asked == [], "nothing is asked of it"
+    assert unopened.asked == [], "nothing is asked of it"
 
-
-@pytest.mark.parametrize("error", [RuntimeError, SystemExit, Cancelled])
-def test_an_output_that_raises_or_ends_the_program_fails_and_does_not_block_the_exit(
-    error: type[BaseException],
-) -> None:
     stage = Stage(breaks=("say", "stop", "close"), error=error).act(spoken="Well done!")
     stage.halt()
     stage.node.detach()
@@ -497,22 +489,18 @@ def test_a_stop_reports_each_failure_and_each_output_that_may_still_move_once() 
         (RuntimeError, "It could not be stopped (RuntimeError: no stop today)."),
     ],
 )
-def test_an_output_that_raises_on_stop_is_reported_as_possibly_moving(
+def test_an_output_that_raises_on_stop_of_one_action_or_all_is_reported_as_possibly_moving(
     error: type[Exception], why: str
 ) -> None:
-    stage = Stage(breaks=("stop",), error=error).act(gesture="wave", spoken="Well done.")
-    stage.halt()
-    assert stage.states(part="gesture") == stage.states() == ["queued", "failed"]
-    stage.wait(3600 * SECOND)
-    assert stage.stops == [why]
-
-
-def test_one_action_is_stopped_without_the_others() -> None:
-    stage = Stage(breaks=("stop",)).act("a1", spoken="Welcome.").act("a2", gesture="wave")
+    stage = Stage(breaks=("stop",), error=error).act(spoken="Well done.").act("a2", gesture="wave")
     stage.halt("a1", "interrupted")
     assert stage.asked[-1] == ("stop", "a1")
-    assert (stage.states("a1"), stage.states("a2", "gesture")) == (["queued", "failed"], ["queued"])
+    assert (stage.states(), stage.states("a2", "gesture")) == (["queued", "failed"], ["queued"])
     assert stage.stopped == []
+    stage.halt()
+    assert stage.states("a2", "gesture") == ["queued", "failed"]
+    stage.wait(3600 * SECOND)
+    assert stage.stops == [why]
 
 
 # --- cues
@@ -528,12 +516,13 @@ replace = msgspec.structs.replace
 
 
 def play(stage: Stage) -> None:
-    """Two trials, the first of which is shown twice; praise; and the attempt is scored once
-    more.
+    """Two trials, the first of which is shown twice; the attempt of two ends; praise; and it is
+    scored once more.
     """
     for trial, presentation in ((1, 1), (1, 2), (2, 1)):
         stage.publish(replace(_PROMPT, trial=trial, presentation=presentation))
-    stage.publish(_ENDED)
+    for seat in "AB":
+        stage.publish(replace(_ENDED, seat=seat))
     stage.act(text="Well done.", tone="success")
     stage.wait(SECOND)
     stage.publish(replace(_ENDED, metric=700.0))
@@ -558,13 +547,6 @@ def test_each_cue_sounds_once_per_event_and_not_again_for_an_amended_attempt(
     assert [what[2] for what in stage.asked] == sounds.split()
     names = [what[1] for what in stage.asked]
     assert len(set(names)) == len(names), "each has a name of its own"
-
-
-def test_the_attempt_of_two_ends_once() -> None:
-    stage = Stage(cues=("end",), can=frozenset({"tone"}))
-    for seat in "AB":
-        stage.publish(replace(_ENDED, seat=seat))
-    assert [what[2] for what in stage.asked] == ["end"]
 
 
 @pytest.mark.parametrize(

@@ -80,28 +80,21 @@ def test_the_robot_receives_speech_gesture_and_gaze() -> None:
         assert types == {"std_msgs/String"}
 
 
-def test_the_topics_are_those_of_the_address() -> None:
-    with robot_bench(options="?speech=/tts/say&stop=/halt") as (rig, robot):
-        rig.ask("say", "a", "Hello.")
-        rig.wait_for("say", "a")
-        rig.output.stop()
-        wait_until(lambda: robot.data("/halt"))
-        assert json.loads(robot.data("/tts/say")[0])["text"] == "Hello."
-        others = {"/sar_tui/gesture", "/sar_tui/gaze"}
-        assert set(robot.ops("advertise")) == {"/tts/say", "/halt", *others}
-
-
-def test_in_text_mode_a_robot_receives_plain_text_and_its_reports_are_in_order() -> None:
-    with robot_bench("terse", 0, "?form=text") as (rig, robot):
+def test_the_topics_are_those_of_the_address_and_plain_text_is_sent_in_order_if_it_says_so() -> (
+    None
+):
+    with robot_bench("terse", 0, "?form=text&speech=/tts/say&stop=/halt") as (rig, robot):
         rig.ask("say", "a", "Hello.")
         rig.ask("say", "b", "Well done.")
         rig.wait_for("say", "a", "b")
         end(rig, "gesture", "b")
         assert [state for _, _, state in reported(rig)] == ["started", "done"] * 3
-        assert robot.data("/sar_tui/speech") == ["Hello.", "Well done."]
+        assert robot.data("/tts/say") == ["Hello.", "Well done."]
         assert robot.data("/sar_tui/gesture") == ["wave"]
         rig.output.stop()
-        wait_until(lambda: robot.data("/sar_tui/stop") == ["stop"])
+        wait_until(lambda: robot.data("/halt") == ["stop"])
+        others = {"/sar_tui/gesture", "/sar_tui/gaze"}
+        assert set(robot.ops("advertise")) == {"/tts/say", "/halt", *others}
 
 
 def test_a_robot_that_never_reports_the_end_fails_after_a_time_that_grows_with_the_text() -> None:
@@ -115,19 +108,13 @@ def test_a_robot_that_never_reports_the_end_fails_after_a_time_that_grows_with_t
         assert "did not report that it was done" in rig.detail("short", "say")
 
 
-@pytest.mark.parametrize(
-    ("manner", "states", "detail"),
-    [
-        ("failing", ["failed"], "My arm is␛[2J stuck."),
-        ("breaking off", ["started", "aborted"], "Somebody came too near."),
-    ],
-)
-def test_an_end_of_the_robots_own_accord_is_quoted_in_one_line(
-    manner: Manner, states: list[str], detail: str
-) -> None:
-    with robot_bench(manner) as (rig, _):
-        assert end(rig, "gesture", "a") == states
-        assert rig.detail("a", "gesture") == detail
+def test_an_end_of_the_robots_own_accord_is_quoted_in_one_line() -> None:
+    with robot_bench("failing") as (rig, robot):
+        assert end(rig, "gesture", "a") == ["failed"]
+        assert rig.detail("a", "gesture") == "My arm is␛[2J stuck."
+        robot.manner = "breaking off"
+        assert end(rig, "gesture", "b") == ["started", "aborted"]
+        assert rig.detail("b", "gesture") == "Somebody came too near."
 
 
 def test_invalid_reports_are_ignored_and_reported() -> None:
@@ -202,7 +189,9 @@ def test_a_part_that_ends_during_a_stop_is_aborted_or_failed() -> None:
         assert rig.detail("b", "gesture") == "My arm is stuck."
 
 
-def test_a_stop_of_one_action_names_it_and_waiting_parts_follow() -> None:
+def test_a_stop_of_one_action_names_it_and_waiting_parts_follow_until_the_output_is_closed() -> (
+    None
+):
     with robot_bench("slow") as (rig, robot):
         rig.ask("say", "a", "Hello.")
         rig.ask("say", "b", "Well done.")
@@ -212,6 +201,11 @@ def test_a_stop_of_one_action_names_it_and_waiting_parts_follow() -> None:
         first, second = asked(robot, "speech")
         assert asked(robot, "stop") == [{"id": first["id"]}]
         assert second["text"] == "Well done."
+        before = reported(rig)
+        rig.output.close()
+        rig.output.say("c", "Hello.")
+        assert reported(rig) == before
+        wait_until(lambda: asked(robot, "stop")[1:] == [{"id": ""}])
 
 
 def test_an_unconfirmed_stop_is_reported_and_the_next_part_is_sent() -> None:
@@ -306,18 +300,14 @@ def test_an_unacknowledged_part_fails_and_a_stop_is_unconfirmed_while_the_robot_
         rig.clock.advance(LONGEST)
         rig.output.stop()
 
-
-def test_a_robot_that_confirms_a_stop_has_stopped_altogether() -> None:
-    with robot_bench("slow") as (rig, robot):
-        robot.manner = "silent"
-        rig.ask("gaze", "a")
+        rig.ask("gaze", "b")
         rig.wait(lambda: len(asked(robot, "gaze")) == 1)
         rig.clock.advance(ANSWER)
         robot.manner = "slow"
-        begin(rig, "b")
+        begin(rig, "c")
         rig.output.stop()
-        assert end(rig, "gesture", "b") == ["started", "aborted"]
-        rig.output.stop()
+        assert end(rig, "gesture", "c") == ["started", "aborted"]
+        rig.output.stop()  # a robot that confirms a stop has stopped altogether
 
 
 @pytest.mark.parametrize(("manner", "form"), [("obliging", "json"), ("terse", "text")])
@@ -338,7 +328,9 @@ def test_a_confirmed_stop_is_forgotten(manner: Manner, form: str) -> None:
         assert not any("confirm" in report.detail for report in rig.reports)
 
 
-def test_without_a_bridge_early_requests_fail_after_a_time() -> None:
+def test_without_a_bridge_requests_fail_after_a_time_and_without_the_package_with_what_to_install(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     rig = RosRig(Ros("ros://127.0.0.1:9"), BenchClock(), ("say",))
     rig.ask("say", "greeting", "Hello.")
     rig.clock.advance(PATIENCE - 1)
@@ -346,11 +338,6 @@ def test_without_a_bridge_early_requests_fail_after_a_time() -> None:
     rig.clock.advance(1)
     assert rig.states("greeting", "say") == ["failed"]
     rig.output.close()
-
-
-def test_without_the_package_parts_fail_with_what_to_install(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
     hide_roslibpy(monkeypatch)
     rig = RosRig(Ros("ros://127.0.0.1"), BenchClock(), ("say",))
     rig.ask("say", "greeting", "Hello.")
@@ -374,15 +361,6 @@ def test_an_output_serves_several_sessions_across_a_restart_of_the_server() -> N
         said = asked(robot, "speech")
         assert [each["text"] for each in said] == ["first", "second", "third"]
         assert len({each["id"] for each in said}) == 3
-
-
-def test_closing_stops_the_robot() -> None:
-    with robot_bench("slow") as (rig, robot):
-        begin(rig)
-        rig.output.close()
-        rig.output.say("b", "Hello.")
-        assert reported(rig) == [("a", "gesture", "started")]
-        wait_until(lambda: asked(robot, "stop") == [{"id": ""}])
 
 
 @pytest.mark.parametrize(

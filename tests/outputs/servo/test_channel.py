@@ -1,14 +1,12 @@
 """Phidget22's own ``RCServo``: it behaves like the fake one, with callbacks from another thread."""
 
 import threading
-from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
 from benchmarks.fake_phidget import SERVO_LIMITS
 from sar_tui.drivers.phidget import new_channel
-from sar_tui.loop.clock import LiveClock
 from sar_tui.outputs.servo.servo import Servo
 from tests.outputs.contract import Rig, host_clock
 
@@ -45,17 +43,18 @@ def _elsewhere(callback: Any, *arguments: Any) -> None:
     driver.join()
 
 
-@pytest.fixture
-def clock() -> Iterator[LiveClock]:
-    with host_clock() as clock:
-        yield clock
-
-
 def test_a_motor_is_set_up_moved_detached_reattached_and_released(
-    clock: LiveClock, capfd: pytest.CaptureFixture[str]
+    capfd: pytest.CaptureFixture[str],
 ) -> None:
     fake = FakeServo()
-    rig = Rig(Servo(make=lambda: fake.servo, denied=lambda: False), clock, ["gesture"])
+    with host_clock() as clock:
+        use(fake, Rig(Servo(make=lambda: fake.servo, denied=lambda: False), clock, ["gesture"]))
+    assert not fake.servo.getIsOpen()
+    assert capfd.readouterr().err == ""
+
+
+def use(fake: FakeServo, rig: Rig) -> None:
+    """Move a motor to the end, lose it, find it in use, find it again, stop it and close it."""
     rig.wait(lambda: fake.servo._onError is not None)
     fake.attach()
     rig.wait(lambda: ("enableFailsafe", 1000) in fake.calls)
@@ -88,17 +87,3 @@ def test_a_motor_is_set_up_moved_detached_reattached_and_released(
     assert next(value for name, value in reversed(fake.calls) if name == "Engaged") is False
 
     rig.output.close()
-    assert not fake.servo.getIsOpen()
-    assert capfd.readouterr().err == ""
-
-
-def test_with_no_device_it_waits_in_silence_and_a_gesture_fails(
-    clock: LiveClock, capfd: pytest.CaptureFixture[str]
-) -> None:
-    rig = Rig(Servo("1?right_arm=3&nod=0", denied=lambda: False), clock, ["gesture"])
-    rig.ask("gesture", "a")
-    rig.wait_for("gesture", "a")
-    assert rig.states("a", "gesture") == ["failed"]
-    assert "right_arm on channel 3" in rig.detail("a", "gesture")
-    rig.output.close()
-    assert capfd.readouterr().err == ""

@@ -98,6 +98,8 @@ def test_a_gesture_goes_from_the_middle_through_its_keyframes_and_back_in_fifty_
     assert (on, off) == ((True,), (False,)), "it is limp before and after"
     assert ended - began == pytest.approx(700 * MS, abs=20 * MS)
     assert bench.rig.reports[-1].at == ended
+    assert bench.channels[0].sent("enableFailsafe") == [], "the clock is virtual"
+    assert not bench.rig.clock.step(), "no timer remains"
 
 
 def test_only_the_joints_that_take_part_are_engaged_and_a_reversed_one_moves_the_other_way() -> (
@@ -136,27 +138,23 @@ def test_a_motor_with_a_small_range_stays_within_it() -> None:
     assert max(target for _, target in motor.targets) == pytest.approx(116, abs=0.5)
 
 
-def test_a_controller_without_limits_or_failsafe_is_used_anyway() -> None:
+def test_a_controller_without_limits_is_used_anyway_unless_no_joint_takes_part() -> None:
     bench = ServoBench(plug=False)
     for name in ("setSpeedRampingState", "setVelocityLimit", "setAcceleration"):
         bench.failing[name] = UNSUPPORTED
     bench.channels[0].plug_in()
-    assert make(bench) == "done"
-
-
-def test_a_gesture_that_none_of_the_joints_takes_part_in_is_done_at_once_and_says_so(
-    bench: ServoBench,
-) -> None:
     assert make(bench, "nod") == "done"
     assert over(bench) == ["started", "done"]
     assert "none of the joints" in why(bench)
     assert bench.channels[0].sent("setEngaged") == []
+    assert make(bench, action="b") == "done"
+    assert bench.channels[0].sent("setEngaged") == [True, False]
 
 
 # --- stop
 
 
-def test_stop_makes_every_motor_limp_before_any_time_has_passed() -> None:
+def test_stop_makes_every_motor_limp_before_any_time_has_passed_as_does_the_loss_of_one() -> None:
     bench = two_arms()
     begin(bench)
     asked = bench.rig.clock.now()
@@ -165,6 +163,14 @@ def test_stop_makes_every_motor_limp_before_any_time_has_passed() -> None:
     for motor in bench.channels:
         assert motor.calls[-1] == (asked, "setEngaged", (False,))
     assert bench.rig.reports[-1][1:4] == ("gesture", "aborted", asked)
+
+    begin(bench, "b")
+    left, right = bench.channels
+    left.failing = {}
+    left.pull_out()
+    over(bench, "b")
+    assert right.facts["Engaged"] is False
+    assert "left_arm" in why(bench, "b")
 
 
 def test_after_a_stop_the_next_gesture_begins_where_the_motor_was_left_and_brings_it_to_rest(
@@ -297,34 +303,19 @@ def test_a_motor_that_is_pulled_out_in_mid_gesture_fails_it_and_works_again_when
     assert (anew[0], anew[-1]) == (90, 90)
 
 
-@pytest.mark.parametrize("code", [52, 59])
-def test_a_motor_that_is_lost_as_it_is_stopped_is_limp_already(
-    bench: ServoBench, code: int
-) -> None:
-    begin(bench)
-    bench.failing["setEngaged"] = PhidgetError(code, "Gone")
-    bench.servo.stop()
-    assert over(bench) == ["started", "aborted"]
-
-
-def test_one_motor_that_is_pulled_out_leaves_no_other_engaged() -> None:
-    bench = two_arms()
-    begin(bench)
-    left, right = bench.channels
-    left.failing = {}
-    left.pull_out()
-    over(bench)
-    assert right.facts["Engaged"] is False
-    assert "left_arm" in why(bench)
-
-
-def test_a_motor_that_is_lost_before_its_detachment_is_reported_fails_the_gesture(
+def test_a_motor_that_is_lost_before_its_detachment_is_reported_fails_the_gesture_and_is_limp(
     bench: ServoBench,
 ) -> None:
     begin(bench)
     bench.failing["setTargetPosition"] = bench.failing["setEngaged"] = NOT_ATTACHED
     assert over(bench) == ["started", "failed"]
     assert "lost while it moved" in why(bench)
+    for code in (52, 59):
+        other = ServoBench()
+        begin(other)
+        other.failing["setEngaged"] = PhidgetError(code, "Gone")
+        other.servo.stop()
+        assert over(other) == ["started", "aborted"]
 
 
 @pytest.mark.parametrize("name", ["setEngaged", "setTargetPosition"])
@@ -368,11 +359,16 @@ def test_without_a_controller_a_gesture_fails_with_what_to_do_after_a_second_and
     assert over(bench, "b") == ["failed"]
 
 
-def test_the_first_gesture_is_made_if_the_controller_attaches_just_after_opening() -> None:
-    bench = ServoBench(plug=False)
+@pytest.mark.parametrize("opened", ["first", "again"])
+def test_a_gesture_waits_for_a_motor_that_is_being_opened(opened: str) -> None:
+    bench = ServoBench(plug=opened == "again")
+    [motor] = bench.channels
+    if opened == "again":
+        bench.rig.clock.advance(5 * SECOND)
+        motor.err(4108, "Failsafe condition detected.")
     bench.rig.ask("gesture", "a")
     bench.rig.clock.advance(300 * MS)
-    bench.channels[0].plug_in()
+    motor.plug_in()
     assert over(bench) == ["started", "done"]
 
 
@@ -382,17 +378,21 @@ def test_the_first_gesture_is_made_if_the_controller_attaches_just_after_opening
         ("in use", "Close the other program"),
         ("not set up", "cannot be set up: Input/Output Error"),
         ("denied", "/etc/udev/rules.d/70-phidget.rules"),
+        ("not opened again", "cannot be opened again: Input/Output Error"),
     ],
 )
 def test_a_controller_that_cannot_be_used_is_reported_with_what_to_do(
     reason: str, says: str
 ) -> None:
-    bench = ServoBench(plug=False, denied=reason == "denied")
+    bench = ServoBench(plug=reason == "not opened again", denied=reason == "denied")
     if reason == "in use":
         bench.channels[0].err(2, "Channel is in use.")
     elif reason == "not set up":
         bench.failing["setTargetPosition"] = IO_ERROR
         bench.channels[0].plug_in()
+    elif reason == "not opened again":
+        bench.failing["open"] = IO_ERROR
+        bench.channels[0].err(4108, "Failsafe condition detected.")
     assert make(bench) == "failed"
     assert says in why(bench)
 
@@ -439,12 +439,6 @@ def test_the_failsafe_is_fed_three_times_as_often_as_it_needs_also_while_nothing
     assert motor.sent("setEngaged") == []
 
 
-def test_on_a_virtual_clock_no_failsafe_is_set_and_no_timer_remains(bench: ServoBench) -> None:
-    make(bench)
-    assert bench.channels[0].sent("enableFailsafe") == []
-    assert not bench.rig.clock.step()
-
-
 @pytest.mark.parametrize("trip", ["event", "refusal"])
 def test_a_motor_released_by_its_failsafe_is_reopened_and_works_again(
     bench: ServoBench, trip: str
@@ -460,24 +454,6 @@ def test_a_motor_released_by_its_failsafe_is_reopened_and_works_again(
     assert "failsafe released it" in why(bench)
     assert make(bench, action="b") == "done"
     assert [name for _, name, _ in motor.calls].count("open") == 2
-
-
-def test_a_gesture_waits_for_a_motor_that_is_being_reopened(bench: ServoBench) -> None:
-    bench.rig.clock.advance(5 * SECOND)
-    [motor] = bench.channels
-    motor.err(4108, "Failsafe condition detected.")
-    bench.rig.ask("gesture", "a")
-    bench.rig.clock.advance(300 * MS)
-    motor.plug_in()
-    assert over(bench) == ["started", "done"]
-
-
-def test_a_motor_that_cannot_be_reopened_is_reported(bench: ServoBench) -> None:
-    [motor] = bench.channels
-    motor.failing["open"] = PhidgetError(28, "Unexpected Error")
-    motor.err(4108, "Failsafe condition detected.")
-    assert make(bench) == "failed"
-    assert "cannot be opened again: Unexpected Error" in why(bench)
 
 
 def _with(**gestures: Gesture) -> Theme:
@@ -553,10 +529,11 @@ def test_it_is_never_faster_than_it_may_be_stays_in_range_and_comes_to_rest(
     assert motion.pose == REST
 
 
-def test_a_gesture_that_is_slow_enough_is_followed_exactly() -> None:
-    gesture = Gesture((Keyframe(at_ms=1000, nod=1), Keyframe(at_ms=2000)))
+def test_a_gesture_that_is_slow_enough_is_followed_exactly_to_its_end() -> None:
+    gesture = Gesture((Keyframe(at_ms=200), Keyframe(at_ms=1000, nod=1), Keyframe(at_ms=2000)))
     motion = Motion(gesture, REST, speed=4)
     for ms in range(STEP_MS, 2001, STEP_MS):
+        assert not motion.over, "nor before it has moved"
         assert motion.step(ms) == gesture.pose_at(ms)
     assert motion.over
 
@@ -565,15 +542,6 @@ def test_the_joints_it_moves_are_those_of_its_keyframes_and_those_that_are_not_a
     gesture = Gesture((Keyframe(at_ms=100, nod=1), Keyframe(at_ms=200)))
     assert Motion(gesture, REST, 4).joints == {"nod"}
     assert Motion(gesture, Pose(left_arm=0.2), 4).joints == {"nod", "left_arm"}
-
-
-def test_a_gesture_that_begins_with_a_pause_is_not_over_before_it_moved() -> None:
-    motion = Motion(
-        Gesture((Keyframe(at_ms=200), Keyframe(at_ms=500, nod=1), Keyframe(at_ms=900))), REST, 4
-    )
-    assert not any((motion.step(ms), motion.over)[1] for ms in range(STEP_MS, 900, STEP_MS))
-    motion.step(900)
-    assert motion.over
 
 
 # --- its steps

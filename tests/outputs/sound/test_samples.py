@@ -68,14 +68,11 @@ def rises_through_zero(samples: "array[int]") -> int:
     return sum(a < 0 <= b for a, b in itertools.pairwise(samples))
 
 
-def test_a_tone_lasts_as_long_as_its_notes() -> None:
+def test_a_tone_lasts_as_long_as_its_notes_which_have_their_frequency() -> None:
     assert seconds(tone((Note(660, 110), Note(880, 170)))) == pytest.approx(0.28, abs=0.001)
     assert peak(tone((Note(0, 100),))) == 0, "no frequency is silence"
-
-
-@pytest.mark.parametrize("hz", [100, 440, 880, 3000])
-def test_a_note_has_its_frequency(hz: int) -> None:
-    assert rises_through_zero(tone((Note(hz, 1000),))) == pytest.approx(hz, abs=1)
+    for hz in (100, 440, 880, 3000):
+        assert rises_through_zero(tone((Note(hz, 1000),))) == pytest.approx(hz, abs=1)
 
 
 _NOTES = st.builds(Note, hz=st.floats(50, 2000), ms=st.integers(10, 300))
@@ -100,10 +97,6 @@ def test_half_the_volume_is_half_the_samples_and_the_peak_is_farthest_from_silen
     assert peak(array("h")) == 0.0
 
 
-def test_a_wav_file_comes_out_as_it_went_in(tmp_path: Path) -> None:
-    assert read(wav(tmp_path / "a.wav", in_order(HUM, "little"))) == HUM
-
-
 @pytest.mark.parametrize(("rate", "channels"), [(16_000, 1), (44_100, 2), (48_000, 1)])
 def test_a_wav_file_of_another_rate_sounds_the_same_for_as_long(
     tmp_path: Path, rate: int, channels: int
@@ -121,16 +114,13 @@ def test_a_wav_file_of_8_bits_is_read(tmp_path: Path) -> None:
     assert peak(samples) == pytest.approx(100 / 128, abs=0.05)
 
 
-@pytest.mark.parametrize(
-    ("encoding", "order"), [(b"", "big"), (b"NONE", "big"), (b"twos", "big"), (b"sowt", "little")]
-)
-def test_aiff_files_as_written_by_macos_are_read(
-    tmp_path: Path, encoding: bytes, order: str
+def test_wav_files_and_aiff_files_as_written_by_macos_come_out_as_they_went_in(
+    tmp_path: Path,
 ) -> None:
-    assert read(aiff(tmp_path / "a.wav", in_order(HUM, order), encoding)) == HUM
-
-
-def test_an_aiff_file_of_another_rate_is_read(tmp_path: Path) -> None:
+    assert read(wav(tmp_path / "a.wav", in_order(HUM, "little"))) == HUM
+    orders = {b"": "big", b"NONE": "big", b"twos": "big", b"sowt": "little"}
+    for encoding, order in orders.items():
+        assert read(aiff(tmp_path / "a.wav", in_order(HUM, order), encoding)) == HUM
     samples = read(aiff(tmp_path / "a.wav", in_order(HUM, "big"), rate=2 * RATE))
     assert len(samples) == pytest.approx(len(HUM) / 2, abs=10)
 

@@ -29,6 +29,8 @@ def running_clock(lags_ms: tuple[float, ...] = (0.0,) * 10) -> DeviceClock:
 
 
 def test_the_first_sample_is_heard_when_the_card_starts_and_late_requests_do_not_move_it() -> None:
+    assert not running_clock(()).is_known
+    assert running_clock((0.0,)).is_known
     clock = running_clock()
     assert clock.heard_at(0) == pytest.approx(START, abs=10)
     assert clock.heard_at(RATE) == pytest.approx(START + SECOND, abs=10)
@@ -36,11 +38,6 @@ def test_the_first_sample_is_heard_when_the_card_starts_and_late_requests_do_not
     assert clock.sample_at(clock.heard_at(12_345)) == 12_345
     late = running_clock((3.0, 8.0, 0.0, 5.0, 1.0, 9.0))
     assert late.heard_at(0) == pytest.approx(START, abs=10)
-
-
-def test_the_clock_is_not_known_before_the_card_plays() -> None:
-    assert not running_clock(()).is_known
-    assert running_clock((0.0,)).is_known
 
 
 class Card(SoundCard):
