@@ -25,13 +25,6 @@ def begun(queue: ActionQueue, one: Proposal) -> ActionQueue:
     return queue
 
 
-def test_actions_wait_by_priority_then_by_age() -> None:
-    queue = ActionQueue()
-    for name, priority in (("a", 1), ("b", 3), ("c", 3), ("d", 2)):
-        queue.add(proposal(name, priority))
-    assert [waiting.id for waiting in queue.waiting] == ["b", "c", "d", "a"]
-
-
 @given(st.integers(0, 9), st.integers(0, 9), st.sampled_from(POLICIES))
 def test_only_an_interrupting_action_of_at_least_equal_priority_replaces_the_current_one(
     under_way: int, priority: int, policy: Policy
@@ -56,53 +49,6 @@ def test_feedback_for_either_seat_interrupts_less_important_actions() -> None:
     queue = begun(ActionQueue(), Proposal(id="hello", kind="greeting", text="Hello.", priority=30))
     queue.add(proposal("to B", 40, "interrupt", seat="B"))
     assert queue.next(0) in queue.waiting
-
-
-def test_an_action_that_is_not_due_does_not_hold_up_others() -> None:
-    queue = ActionQueue()
-    late, soon = proposal("late", 9, due=100), proposal("soon", 1)
-    queue.add(late)
-    queue.add(soon)
-    assert (queue.next(99), queue.next(100)) == (soon, late)
-
-
-def test_the_next_due_time_is_known_while_an_action_is_under_way() -> None:
-    queue = begun(ActionQueue(), proposal("first"))
-    queue.add(proposal("behind"))
-    assert queue.next_due(5) is None
-    for due in (300, 200):
-        queue.add(proposal(f"at {due}", 9, "interrupt", due))
-    assert [queue.next_due(now) for now in (5, 199, 200, 299, 300)] == [200, 200, 300, 300, None]
-
-
-def test_an_action_without_lasting_parts_is_over_at_once() -> None:
-    queue = ActionQueue()
-    shown = proposal("shown")
-    queue.add(shown)
-    queue.begin(shown, [])
-    assert (queue.is_acting, queue.waiting) == (False, ())
-
-
-def test_an_action_is_over_when_every_output_has_finished() -> None:
-    queue = begun(ActionQueue(), proposal("a"))
-    assert not queue.finish_part("a", "speech", "say")
-    assert not queue.finish_part("a", "speech", "say"), "a second report changes nothing"
-    assert not queue.finish_part("b", "robot", "say"), "another action"
-    assert not queue.finish_part("a", "robot", "gesture")
-    assert queue.is_acting
-    assert queue.finish_part("a", "robot", "say")
-    assert not queue.is_acting
-
-
-def test_removing_some_actions_leaves_the_rest() -> None:
-    queue = begun(ActionQueue(), proposal("under way", policy="drop"))
-    kept, helps = proposal("kept"), proposal("helps", policy="drop")
-    queue.add(kept)
-    queue.add(helps)
-    assert queue.remove(lambda proposal: proposal.policy == "drop") == (helps,)
-    assert queue.waiting == (kept,)
-    assert queue.is_acting, "the current action is not removed"
-    assert queue.remove() == (kept,)
 
 
 class QueueMachine(RuleBasedStateMachine):
@@ -139,8 +85,7 @@ class QueueMachine(RuleBasedStateMachine):
         if chosen is None:
             assert self.current is not None or not ready, "nothing waits that could begin"
             return
-        assert chosen in ready
-        assert chosen.priority == max(waiting.priority for waiting in ready)
+        assert chosen is max(ready, key=lambda waiting: waiting.priority), "the oldest of them"
         if self.current is not None:
             assert chosen.policy == "interrupt"
             assert chosen.priority >= self.current.priority
@@ -180,7 +125,8 @@ class QueueMachine(RuleBasedStateMachine):
     def one_thing_at_most_is_under_way_and_nothing_is_lost(self) -> None:
         assert self.queue.current == self.current
         assert self.queue.is_acting == bool(self.open)
-        assert {waiting.id for waiting in self.queue.waiting} == set(self.waiting)
+        by_priority = sorted(self.waiting.values(), key=lambda waiting: -waiting.priority)
+        assert self.queue.waiting == tuple(by_priority)
 
     @invariant()
     def it_knows_when_to_look_again(self) -> None:
