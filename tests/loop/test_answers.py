@@ -64,7 +64,6 @@ def remark(id: str, text: str = "Well held.") -> m.Remark:
 
 
 # --- commands
-# ------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -124,7 +123,6 @@ def test_a_mark_says_whether_it_was_removed(calm: Theme) -> None:
 
 
 # --- other acts
-# ----------------------------------------------------------------------------------------------------
 
 
 def test_modes_notes_and_settings_are_answered(calm: Theme) -> None:
@@ -151,7 +149,6 @@ def test_a_decision_is_answered_and_a_second_one_is_late(calm: Theme, verdict: s
 
 
 # --- what outputs carry out
-# ----------------------------------------------------------------------------------------
 
 
 def test_a_remark_is_done_when_it_was_said(calm: Theme) -> None:
@@ -255,7 +252,6 @@ def test_a_cancellation_is_answered_when_the_output_is_still(
 
 
 # --- acts without an id
-# --------------------------------------------------------------------------------------------
 
 
 def test_an_act_without_an_id_is_not_answered(calm: Theme) -> None:

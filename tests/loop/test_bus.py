@@ -7,7 +7,7 @@ import pytest
 from sar_tui.loop.bus import FAULT, Bus, Record, Service, Topic
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.node import Node, TimedNode, on, serves
-from sar_tui.model.messages import Fault, FocusChanged, Message
+from sar_tui.model.messages import Fault, Message
 from tests.facts import each, facts
 
 
@@ -52,30 +52,14 @@ def words(cascade: list[Record]) -> list[str]:
     return [record.message.word for record in cascade if isinstance(record.message, Said)]
 
 
-def test_a_topic_refuses_another_type(bus: Bus) -> None:
-    with pytest.raises(TypeError, match="test/in carries Said, not Asked"):
-        bus.publish(IN, Asked(number=1))  # type: ignore[misc]
-
-
-def test_a_topic_refuses_a_subclass_of_its_type(bus: Bus) -> None:
+def test_a_topic_refuses_another_type_and_a_subclass_of_its_own(bus: Bus) -> None:
     class Shouted(Said, frozen=True, kw_only=True):
         pass
 
+    with pytest.raises(TypeError, match="test/in carries Said, not Asked"):
+        bus.publish(IN, Asked(number=1))  # type: ignore[misc]
     with pytest.raises(TypeError):
         bus.publish(IN, Shouted(word="hey"))
-
-
-def test_messages_cannot_be_changed() -> None:
-    with pytest.raises(AttributeError):
-        said("a").word = "b"  # type: ignore[misc]
-
-
-def test_handlers_run_in_the_order_of_their_subscription(bus: Bus) -> None:
-    order: list[str] = []
-    for name in ("first", "second", "third"):
-        bus.subscribe(IN, lambda _, name=name: order.append(name))
-    bus.publish(IN, said("go"))
-    assert order == ["first", "second", "third"]
 
 
 def test_a_publish_inside_a_handler_waits_until_the_handler_and_its_peers_are_done(
@@ -327,11 +311,3 @@ def test_a_timer_that_was_cancelled_while_its_message_waited_is_ignored(
     alarm.set_timer("tea", 100)
     bus.publish(IN, said("go"))
     assert alarm.fired == []
-
-
-def test_a_topic_of_another_domain_is_an_ordinary_message(bus: Bus) -> None:
-    focus = Topic("test/focus", FocusChanged, origin="input")
-    seen: list[FocusChanged] = []
-    bus.subscribe(focus, seen.append)
-    bus.publish(focus, FocusChanged(seat="B", focused=True, at=3))
-    assert seen == [FocusChanged(seat="B", focused=True, at=3)]

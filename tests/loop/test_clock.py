@@ -10,13 +10,6 @@ from sar_tui.loop.clock import LiveClock, PacedClock, VirtualClock, host_now
 from sar_tui.model.units import SECOND
 
 
-def test_the_virtual_clock_stands_still_until_stepped() -> None:
-    clock = VirtualClock(5)
-    ran: list[str] = []
-    clock.call_at(5, lambda: ran.append("due at once"))
-    assert (clock.now(), ran) == (5, [])
-
-
 @given(st.lists(st.integers(0, 50)))
 def test_callbacks_run_by_time_then_in_the_order_of_request(times: list[int]) -> None:
     clock = VirtualClock()
@@ -38,14 +31,6 @@ def test_a_callback_in_the_past_runs_now() -> None:
     clock.call_at(20, lambda: at.append(clock.now()))
     assert clock.step()
     assert at == [100]
-
-
-def test_a_callback_may_schedule_another() -> None:
-    clock = VirtualClock()
-    at: list[int] = []
-    clock.call_at(10, lambda: clock.call_at(clock.now() + 5, lambda: at.append(clock.now())))
-    clock.advance(20)
-    assert (at, clock.now()) == ([15], 20)
 
 
 def test_advance_runs_what_falls_due_and_leaves_the_rest() -> None:

@@ -66,17 +66,6 @@ def test_delayed_feedback_comes_exactly_on_time() -> None:
     assert driver.last(t.FEEDBACK).due == due
 
 
-def test_no_attempt_begins_before_the_feedback() -> None:
-    driver = lifted(**DELAYED)
-    for _ in range(24):
-        driver.press("enter")
-        driver.wait(100)
-    assert (len(driver.all(t.ATTEMPT_STARTED)), feedback(driver)) == (1, [])
-    driver.wait(200)
-    driver.press("enter")
-    assert (len(driver.all(t.ATTEMPT_STARTED)), len(feedback(driver))) == (2, 1)
-
-
 def test_the_review_waits_for_the_last_feedback() -> None:
     driver = lifted(attempts=1, **DELAYED)
     driver.press("enter")
@@ -102,16 +91,6 @@ def test_a_pause_in_the_delay_does_not_delay_the_feedback() -> None:
     driver.wait(1000)
     assert driver.waiting.what == "enter"
     assert feedback_times(driver) == [ended + DELAY_MS * MS]
-
-
-def test_feedback_due_in_a_pause_comes_after_it() -> None:
-    driver = lifted(**DELAYED)
-    driver.operate("pause", reason="pain")
-    driver.wait(10_000)
-    assert (driver.waiting.stage, feedback(driver)) == ("paused", [])
-    driver.operate("resume")
-    assert now(driver) == ("enter", "attempt")
-    assert len(feedback(driver)) == 1
 
 
 def test_a_session_ended_in_the_delay_gives_no_feedback_after_the_goodbye() -> None:
@@ -218,27 +197,6 @@ def test_feedback_on_the_last_attempt_can_be_requested() -> None:
     assert now(driver, "stage ask") == ("review", "tab")
     driver.press("tab")
     assert (len(feedback(driver)), driver.waiting.stage) == (1, "review")
-
-
-@pytest.mark.parametrize("schedule", ["every", "faded", "bandwidth", "summary", "none"])
-def test_under_other_schedules_a_request_is_ignored(schedule: str) -> None:
-    driver = lifted(feedback_schedule=schedule, feedback_every=3)
-    before = len(feedback(driver))
-    driver.press("tab")
-    driver.wait(5000)
-    assert (len(feedback(driver)), asks(driver)) == (before, {""})
-
-
-def test_requested_feedback_is_kept_when_the_attempt_is_amended() -> None:
-    driver = lifted(**ON_REQUEST)
-    driver.press("tab")
-    driver.operate("mark", reason="caught")
-    ended = driver.all(t.ATTEMPT_ENDED)
-    amended = [("none", "success"), ("positive", "success"), ("positive", "failure")]
-    assert each(ended, "feedback outcome") == amended
-    assert ended[1].choice == ended[2].choice
-    driver.press("tab")
-    assert len(feedback(driver)) == 1
 
 
 def test_a_request_after_an_amendment_gives_the_amended_feedback() -> None:

@@ -175,13 +175,6 @@ def test_a_change_of_level_waits_for_an_operator_who_decides_on_it(
     assert driver.to_prompt().level == level
 
 
-@pytest.mark.parametrize(("asked", "level"), [(99, 5), (0, 2)])
-def test_an_edited_level_stays_within_its_bounds(asked: int, level: int) -> None:
-    driver = operated(start_level=3, min_level=2, max_level=5, **LEVEL)
-    decide(driver, "l1", "edit", level=asked)
-    assert driver.waiting.level == level
-
-
 def test_after_the_last_attempt_no_level_is_proposed() -> None:
     driver = lifted(attempts=1, **LEVEL)
     assert driver.waiting.stage == "review"

@@ -6,7 +6,6 @@ import pytest
 
 from sar_tui.loop.task import Task
 from sar_tui.loop.topics import FEEDBACK, PROPOSED, WAITING
-from sar_tui.model import messages as m
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import SECOND
 from sar_tui.rules.limits import is_rest_due
@@ -132,11 +131,3 @@ def test_a_rest_begins_anew_after_an_interruption(
     later.press("enter")
     assert later.waiting.stage == "rest"
     assert later.waiting.until - began == 40 * SECOND
-
-
-def test_without_the_setting_no_session_rests(new_session: NewSession) -> None:
-    driver = new_session(attempts=3)
-    driver.enter()
-    driver.attempt()
-    assert isinstance(driver.waiting, m.Waiting)
-    assert (driver.waiting.stage, driver.waiting.until) == ("attempt", 0)

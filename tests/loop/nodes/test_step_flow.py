@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from sar_tui.loop.task import Task
 from sar_tui.loop.topics import PROPOSED, SESSION_ENDED, STEP_ENDED
 from sar_tui.model import messages as m
-from sar_tui.model.step import Entry, Step, points, problem
+from sar_tui.model.step import Entry, Step, problem
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.keys import UNREAD
@@ -205,17 +205,6 @@ def test_therapists_choose_questions_by_name(every: int) -> None:
         while driver.waiting.step:
             answer(driver, "2")
     assert each(driver.all(STEP_ENDED), "name") == ["pain", "effort"] * (1 + every)
-
-
-def test_questions_are_in_the_language_of_the_session() -> None:
-    spanish = {**TWO, "attempts": 1, "questions": ("pain", "effort"), "language": "es"}
-    driver = LoopDriver(KEYBOARD, CATALOGUE.theme("calm", "es"), **spanish)
-    driver.enter()
-    driver.attempt()
-    assert "dolor" in asked(driver).step.text
-    assert "ningún dolor" in asked(driver).step.labels
-    answer(driver, "1")
-    assert points(asked(driver).step)[0].label == "nada"
 
 
 # --- a required answer

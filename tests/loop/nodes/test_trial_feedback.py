@@ -170,13 +170,6 @@ def test_a_tick_or_a_cross_can_be_shown_for_tasks_that_show_nothing() -> None:
     assert driver.last(t.TRIAL).response is None
 
 
-def test_by_default_no_task_shows_it() -> None:
-    driver = answered(1, KEYBOARD)
-    assert driver.all(t.TRIAL_FEEDBACK) == []
-    assert "result" not in each(driver.all(t.WAITING), "what")
-    assert driver.all(t.PROMPT)
-
-
 def test_a_task_that_shows_something_keeps_its_own() -> None:
     driver = answered(trial_feedback_ms=500)
     driver.answer(key="x")
