@@ -125,6 +125,7 @@ def driver() -> ArbiterDriver:
 
 def test_outside_a_trial_proposals_are_passed_on_unchanged() -> None:
     driver = ArbiterDriver()
+    driver.wait_for("storage", "ended")
     looks = {"face": "happy", "gesture": "wave", "gaze": "left", "tone": "success"}
     sense = {"kind": "encouragement", "seat": "B", "valence": "positive", "degree": "strong"}
     whole: dict[str, Any] = {**looks, **sense, "attempt": 3, "joins": True, "priority": 7}
@@ -148,13 +149,6 @@ def test_proposals_in_a_trial_are_passed_on_in_order_after_it(what: str) -> None
     assert driver.acted == ["a", "b"]
     driver.wait_for("quiet")
     assert driver.acted == ["a", "b"], "not again"
-
-
-def test_waiting_for_storage_at_the_end_is_not_a_trial() -> None:
-    driver = ArbiterDriver()
-    driver.wait_for("storage", "ended")
-    driver.propose("bye")
-    assert driver.acted == ["bye"]
 
 
 # --- one at a time
@@ -300,23 +294,25 @@ def test_no_session_hangs_on_an_output_that_never_answers(driver: ArbiterDriver)
     assert driver.acting == [True, False]
 
 
-def test_the_time_limit_grows_with_the_text(driver: ArbiterDriver) -> None:
+def test_each_action_has_its_own_time_limit_which_grows_with_its_text(
+    driver: ArbiterDriver,
+) -> None:
     driver.propose("a", spoken="a" * 800)
+    driver.propose("b")
     driver.clock.advance(ACTION_TIMEOUT + 799 * PER_CHARACTER)
-    assert driver.acting == [True]
+    assert driver.acted == ["a"]
+    driver.report("a")
+    driver.clock.advance(ACTION_TIMEOUT)
+    assert (driver.acted, driver.acting) == (["a", "b"], [True])
 
 
-def test_nothing_begins_in_a_pause(driver: ArbiterDriver) -> None:
+def test_nothing_begins_in_a_pause_but_the_greeting_of_a_resumed_session(
+    driver: ArbiterDriver,
+) -> None:
     driver.wait_for("resume", "paused", reason="pain")
     driver.propose("a")
     assert driver.acted == []
-    driver.wait_for("enter", "attempt")
-    assert driver.acted == ["a"]
-
-
-def test_a_resumed_session_greets_in_its_pause(driver: ArbiterDriver) -> None:
     driver.wait_for("enter", "paused", reason="interrupted")
-    driver.propose("a", kind="greeting")
     assert driver.acted == ["a"]
 
 
@@ -327,14 +323,6 @@ def test_waiting_instructions_are_dropped_on_the_next_screen(driver: ArbiterDriv
     driver.wait_for("enter", "attempt")
     driver.report("hello")
     assert (driver.acted, driver.dropped) == (["hello"], [("a", "late")])
-
-
-def test_each_action_has_its_own_time_limit(driver: ArbiterDriver) -> None:
-    driver.propose("a", "b")
-    driver.clock.advance(ACTION_TIMEOUT - 1)
-    driver.report("a")
-    driver.clock.advance(ACTION_TIMEOUT - 1)
-    assert driver.acting == [True]
 
 
 def test_a_new_run_starts_with_an_empty_queue_and_its_own_outputs(driver: ArbiterDriver) -> None:

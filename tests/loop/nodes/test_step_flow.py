@@ -92,15 +92,6 @@ def test_the_next_attempt_does_not_begin_before_the_answer() -> None:
     assert driver.all(STEP_ENDED) == []
 
 
-def test_enter_that_was_meant_for_what_stood_there_before_answers_nothing() -> None:
-    driver = questioned(READ)
-    driver.wait(290)
-    driver.strike("enter")
-    assert driver.all(STEP_ENDED) == []
-    driver.press("enter")
-    assert driver.last(STEP_ENDED).status == "done"
-
-
 def test_a_number_that_was_meant_for_the_question_before_answers_nothing() -> None:
     driver = questioned(PAIN)
     driver.begin_attempt()
@@ -128,13 +119,6 @@ def test_a_calibration_lasts_its_time_and_ends_by_itself() -> None:
 def test_tab_declines_and_is_no_request_for_feedback() -> None:
     driver = asked_after_one(PAIN, feedback_schedule="request")
     assert facts(answer(driver, end="tab"), "status answer") == ("declined", None)
-
-
-def test_an_operator_can_skip_a_step() -> None:
-    driver = asked_after_one(PAIN)
-    driver.operate("skip")
-    assert driver.last(STEP_ENDED).status == "skipped"
-    assert driver.waiting.stage == "attempt"
 
 
 def test_a_skip_ends_the_step_that_the_operator_saw_and_not_the_next() -> None:
