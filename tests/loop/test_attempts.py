@@ -2,15 +2,12 @@
 
 from typing import Any
 
-import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.loop import attempt_state as steps
 from sar_tui.loop.attempts import Attempts
 from sar_tui.model.trial_types import Result, Results, Target
-from sar_tui.model.units import MS
 from sar_tui.rules.judgement import degree
 from sar_tui.rules.parameters import build
 from tests.facts import facts
@@ -234,11 +231,6 @@ def test_a_summary_uses_the_amended_result() -> None:
     assert attempt(under_way, lift(400)).first.feedback.metric == 600.0
 
 
-def test_feedback_is_due_after_the_configured_delay() -> None:
-    scored = attempt(session_attempts(feedback_delay_ms=1500), lift(400))
-    assert scored.first.feedback.due == scored.first.ended.ended + 1500 * MS
-
-
 def test_a_level_settled_during_an_attempt_applies_to_the_next_with_its_original_reason() -> None:
     under_way = session_attempts()
     changed = attempt(under_way, lift(400.0)).level
@@ -253,22 +245,3 @@ def test_a_level_settled_during_an_attempt_applies_to_the_next_with_its_original
     under_way.add(lift(5000.0))
     under_way.score(now=4000)
     assert under_way.level == 1, "the failure lowers the level that was settled"
-
-
-@given(st.booleans(), st.booleans(), st.integers(0, 1))
-def test_steps_do_not_change_the_state_they_are_given(
-    first: bool, second: bool, practice: int
-) -> None:
-    under_way = session_attempts(
-        practice_attempts=practice, feedback_schedule="request", start_level=3
-    )
-    attempt(under_way, lift(500, correct=first))
-    before = under_way.state
-    copy = msgspec.msgpack.encode(before)
-    again = [
-        steps.amend(Lift(build(Lift.Parameters, {})), before, lift(400, correct=second))
-        for _ in range(2)
-    ]
-    steps.request_feedback(before, now=3000)
-    assert again[0] == again[1]
-    assert msgspec.msgpack.encode(before) == copy

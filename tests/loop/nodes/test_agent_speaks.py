@@ -95,17 +95,6 @@ def test_the_first_foreperiod_waits_for_the_end_of_the_greeting() -> None:
     assert each(driver.all(t.WAITING), "what")[-4:] == waits
 
 
-def test_spoken_instructions_stop_when_the_participant_continues() -> None:
-    driver = session("instructions", wait_ms=4000)
-    assert driver.last(t.ACTION).kind == "instruction"
-    driver.enter()
-    assert driver.last(t.HALT).reason == "left"
-    assert not is_acting(driver)
-    hurried = session()
-    hurried.to_prompt()
-    assert each(hurried.all(t.DROPPED), "reason") == ["late"]
-
-
 def test_keys_while_the_agent_speaks_are_no_false_starts_but_delay_the_foreperiod() -> None:
     driver = session()
     driver.wait((GREETED - driver.clock.now()) / MS - 100)
@@ -158,14 +147,6 @@ def test_the_stop_key_lets_the_trial_come_at_once() -> None:
     assert last_time(driver, t.PROMPT) - stopped_at == 900 * MS
     stopped = [("speech", stopped_at, stopped_at, "")]
     assert each(driver.all(t.STOPPED), "output asked at detail") == stopped
-
-
-def test_a_stop_in_a_trial_changes_nothing_in_it() -> None:
-    driver = session(wait_ms=10_000)
-    driver.to_prompt()
-    driver.wait(200)
-    driver.operate("stop")
-    assert driver.answer(100).reaction_time_ms == 300.0
 
 
 def test_a_pause_silences_the_agent_at_once() -> None:

@@ -751,7 +751,7 @@ def test_a_task_with_few_levels_stays_within_them() -> None:
 
 # --- arbitrary input
 
-COMMANDS = ["pause", "resume", "skip", "repeat", "level"]
+COMMANDS = ["pause", "resume", "skip", "repeat", "level", "stop"]
 ACTS = st.lists(
     st.one_of(
         st.tuples(st.just("press"), st.sampled_from(["enter", "f", "j", "space", "left"])),

@@ -230,9 +230,12 @@ def test_figures_are_written_as_the_language_writes_them(
 # --- where there is nothing to compare
 
 
-@pytest.mark.parametrize(
+WITHOUT_RESULT = pytest.mark.parametrize(
     ("metric", "correct", "situation"), [(500.0, 12, "accuracy"), (None, 18, "empty")]
 )
+
+
+@WITHOUT_RESULT
 def test_an_attempt_without_a_result_reports_the_correct_trials(
     metric: float | None, correct: int, situation: str
 ) -> None:
@@ -243,9 +246,7 @@ def test_an_attempt_without_a_result_reports_the_correct_trials(
     assert found == (f"{situation}_figures", {"correct": str(correct), "trials": "20"})
 
 
-@pytest.mark.parametrize(
-    ("metric", "correct", "situation"), [(500.0, 12, "accuracy"), (None, 18, "empty")]
-)
+@WITHOUT_RESULT
 def test_the_tasks_remark_replaces_the_words_but_not_the_figures(
     metric: float | None, correct: int, situation: str
 ) -> None:
@@ -260,18 +261,13 @@ def test_the_tasks_remark_replaces_the_words_but_not_the_figures(
     assert said["both"] == f"{REMARK} {said['quantitative']}"
 
 
-@pytest.mark.parametrize(("metric", "correct"), [(500.0, 12), (None, 18)])
-def test_unanswered_prompts_are_answered_with_the_tasks_advice_alone(
-    metric: float | None, correct: int
-) -> None:
+def test_unanswered_prompts_are_answered_with_the_tasks_advice_alone() -> None:
     advice = "Lift your arm as soon as you hear the signal."
-    (words,) = spelled(
-        Agent(Lift, spelling(VOICES[0]), "both").feedback_on(metric, correct=correct, advice=advice)
-    )
+    agent = Agent(Lift, spelling(VOICES[0]), "both")
+    (words,) = spelled(agent.feedback_on(None, correct=18, advice=advice))
     assert words == ("unanswered", {"advice": advice})
-    both = Agent(Lift, VOICES[0], "qualitative").feedback_on(
-        metric, correct=correct, advice=advice, remark=REMARK
-    )
+    remarked = Agent(Lift, VOICES[0], "qualitative")
+    both = remarked.feedback_on(None, correct=18, advice=advice, remark=REMARK)
     assert both == REMARK, "the task's own remark on what went wrong says more"
 
 
