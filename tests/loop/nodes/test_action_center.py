@@ -182,10 +182,4 @@ def test_every_phrase_is_used(form: str, situation: str) -> None:
     assert said == {wording.format(**slots) for wording in CALM.phrases[situation]}
 
 
-def test_the_same_seed_says_the_same() -> None:
-    one, other = (Agent(KEYBOARD, CALM, "both", seed=9) for _ in range(2))
-    for metric in range(700, 800, 10):
-        assert one.feedback_on(metric) == other.feedback_on(metric)
-
-
 # --- another theme

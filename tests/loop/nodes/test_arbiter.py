@@ -242,14 +242,6 @@ def test_an_action_of_policy_drop_is_done_while_the_trial_waits_for_the_agent(
     assert driver.acting == [True, False], "the trial begins when both are over"
 
 
-def test_an_action_begins_exactly_when_it_is_due(driver: ArbiterDriver) -> None:
-    driver.propose("a", due=driver.clock.now() + 2500 * MS)
-    driver.clock.advance(2500 * MS - 1)
-    assert driver.acted == []
-    driver.clock.advance(1)
-    assert driver.acted == ["a"]
-
-
 # --- the stop key
 
 

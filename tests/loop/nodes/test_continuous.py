@@ -108,11 +108,3 @@ def test_it_is_replayed_and_resumed(calm: Theme, wait_ms: int) -> None:
         assert (resumed.waiting.stage, resumed.waiting.until) == ("attempt", 0)
         resumed.press("enter")
     assert resumed.to_prompt().attempt == 2
-
-
-def test_other_tasks_wait_for_enter(calm: Theme) -> None:
-    driver = LoopDriver(Contrast, calm, attempts=3, **SILENT)
-    driver.enter()
-    driver.attempt()
-    driver.wait(60_000)
-    assert (driver.waiting.stage, driver.waiting.until) == ("attempt", 0)

@@ -124,14 +124,6 @@ def test_between_trials_the_last_one_is_marked() -> None:
     assert driver.last(t.FEEDBACK).reason == "accuracy"
 
 
-def test_before_the_first_trial_of_a_session_there_is_nothing_to_mark() -> None:
-    driver = session()
-    mark(driver, "caught")
-    assert marked(driver) == []
-    driver.lift()
-    assert "mark" not in driver.last(t.TRIAL).details
-
-
 def test_a_mark_after_an_attempt_corrects_its_score_and_the_level() -> None:
     driver = lifted(400, 500)
     before = driver.last(t.ATTEMPT_ENDED)

@@ -92,13 +92,15 @@ def test_an_undecided_proposal_is_made_or_dropped_at_the_deadline(
     assert each(driver.all(t.DROPPED), "reason") == ["expired"] * (not is_made)
 
 
-def test_a_vetoed_proposal_is_not_made() -> None:
+def test_a_proposal_that_is_vetoed_or_stopped_by_the_participant_is_not_made() -> None:
     driver = OperatedDriver("veto")
-    driver.propose("a1")
+    driver.propose("a1", "a2")
     driver.decide("a1", "veto")
+    driver.stop()
     driver.pass_seconds(60)
     assert driver.said == []
-    assert each(driver.all(t.DROPPED), "id reason actor") == [("a1", "vetoed", ANA)]
+    dropped = [("a1", "vetoed", ANA), ("a2", "stopped", "agent")]
+    assert each(driver.all(t.DROPPED), "id reason actor") == dropped
 
 
 def test_an_accepted_proposal_is_made_at_once_unchanged() -> None:
@@ -342,16 +344,21 @@ def test_a_delay_is_covered_as_the_filler_setting_says(
     assert len(driver.all(t.FILLER_DUE)) == covered
 
 
-@pytest.mark.parametrize(("status", "said"), [("completed", ["a1", "a2"]), ("aborted", ["a1"])])
+@pytest.mark.parametrize(
+    ("status", "said", "dropped"),
+    [("completed", ["a1", "a2"], ["o1"]), ("aborted", ["a1"], ["a2", "o1"])],
+)
 def test_the_last_feedback_precedes_the_goodbye_unless_the_session_was_aborted(
-    status: Any, said: list[str]
+    status: Any, said: list[str], dropped: list[str]
 ) -> None:
     """Feedback for two seats comes in turn; ending the session does not drop the second."""
     driver = OperatedDriver()
     driver.propose("a1", "a2")
+    driver.remark("Bye.")
     driver.end(status)
     driver.report("a1")
     assert driver.acted == said
+    assert driver.dropped == [(name, "late") for name in dropped]
 
 
 # --- without an operator
@@ -389,18 +396,15 @@ def test_when_the_operator_is_lost_pending_proposals_are_decided_at_once(
 def test_a_new_mode_applies_to_pending_proposals_of_its_kind() -> None:
     driver = OperatedDriver("manual")
     driver.propose("a1")
-    driver.change_mode("encouragement", "veto")
+    driver.change_mode("encouragement", "autonomous")
     assert each(driver.all(t.PENDING_APPROVAL), "proposal.id") == ["a1"]
     driver.change_mode("feedback", "veto")
     driver.pass_seconds(10)
-    assert driver.acted == ["a1"]
-
-
-def test_switching_to_autonomous_makes_pending_proposals() -> None:
-    driver = OperatedDriver("approve")
-    driver.propose("a1")
+    driver.change_mode("feedback", "approve")
+    driver.propose("a2")
+    driver.report("a1")
     driver.change_mode("feedback", "autonomous")
-    assert each(driver.said, "actor") == [ANA]
+    assert each(driver.said, "id actor") == [("a1", "agent"), ("a2", ANA)]
 
 
 def test_the_complete_state_is_published_for_operators_when_it_changes() -> None:
@@ -452,22 +456,6 @@ def test_a_remark_has_the_manner_of_its_valence_unless_given(
     driver.remark(**how)
     manner = (face, gesture, "success" if how else "")
     assert each(driver.said, "face gesture tone") == [manner]
-
-
-def test_at_the_end_feedback_is_given_and_remarks_are_dropped() -> None:
-    driver = OperatedDriver()
-    driver.propose("a1")
-    driver.remark("Bye.")
-    driver.propose("a2", policy="queue")
-    driver.end()
-    assert driver.dropped == [("o1", "late")]
-
-
-def test_the_participants_stop_key_is_recorded_without_an_actor() -> None:
-    driver = OperatedDriver("manual")
-    driver.propose("a1")
-    driver.stop()
-    assert each(driver.all(t.DROPPED), "reason actor") == [("stopped", "agent")]
 
 
 # --- gestures

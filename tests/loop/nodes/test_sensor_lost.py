@@ -127,17 +127,6 @@ def test_a_sensor_lost_in_the_instructions_pauses_after_them() -> None:
     assert (place(driver), driver.waiting.detail) == (LOST, "Gone.")
 
 
-def test_a_persons_pause_is_not_ended_by_the_sensor() -> None:
-    driver = sensed()
-    driver.operate("pause", reason="tired")
-    paused = place(driver)
-    for state in ("detached", "attached"):
-        sensor(driver, state)  # type: ignore[arg-type]
-        assert place(driver) == paused
-    driver.operate("resume")
-    assert place(driver) == AT_START
-
-
 def test_resuming_with_a_lost_sensor_waits_for_the_sensor() -> None:
     driver = sensed()
     driver.operate("pause")

@@ -92,18 +92,6 @@ def test_a_started_trial_waits_for_storage_undisturbed_by_keys() -> None:
     assert facts(driver.last(t.PROMPT), "trial started") == (2, pressed)
 
 
-def test_a_pause_before_the_start_returns_there() -> None:
-    driver = lifting()
-    driver.operate("pause")
-    driver.press("space")
-    assert (driver.waiting.stage, driver.all(t.PROMPT)) == ("paused", [])
-    driver.wait(1000)
-    driver.operate("resume")
-    assert now(driver) == ("start", 1)
-    driver.lift()
-    assert numbers(driver) == [(1, 1)]
-
-
 def test_after_a_pause_a_trial_must_be_started_again() -> None:
     driver = lifting("prompt")
     driver.press("k")
