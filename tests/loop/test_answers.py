@@ -162,16 +162,6 @@ def test_a_remark_is_done_when_it_was_said(calm: Theme) -> None:
     assert session.answer("1") == DONE
 
 
-def test_each_of_several_remarks_is_answered(calm: Theme) -> None:
-    session = Answers(calm, Speaker(500))
-    for id in "123":
-        session.act(t.REMARK, remark(id))
-    session.driver.wait(600)
-    assert [session.answer(id) for id in "123"] == [DONE, None, None]
-    session.driver.wait(5000)
-    assert [session.answer(id) for id in "123"] == [DONE] * 3
-
-
 def test_text_on_a_screen_is_done_when_it_is_shown(calm: Theme) -> None:
     screen = FakeOutput("display", frozenset({"show"}))
     session = Answers(calm, screen)

@@ -65,13 +65,17 @@ def test_a_quality_is_the_mean_over_correct_trials_that_have_it() -> None:
 # --- amending
 
 
-def test_nothing_is_amendable_before_the_first_trial_and_after_the_next_attempt_has_begun() -> None:
+def test_nothing_is_amendable_before_a_trial_or_after_what_follows_has_begun() -> None:
     under_way = session_attempts()
     assert under_way.amendable_trial is None
     attempt(under_way, lift(500))
     assert under_way.amendable_trial == (1, 1)
     under_way.begin(now=3000)
     assert under_way.amendable_trial is None
+    by_hand = session_attempts()
+    attempt(by_hand, lift(500))
+    by_hand.set_level(8, under_way=False)
+    assert (by_hand.amendable_trial, by_hand.level) == (None, 8)
 
 
 def test_amending_within_an_attempt_replaces_the_last_trial_and_scores_nothing() -> None:
@@ -130,14 +134,6 @@ def test_after_repeated_amendments_only_the_last_counts(
         assert (under_way.attempt, under_way.level) == (at_once.attempt, at_once.level)
         attempt(under_way, lift(500, correct=False))
         attempt(at_once, lift(500, correct=False))
-
-
-def test_an_attempt_cannot_be_amended_after_the_next_level_was_set_by_hand() -> None:
-    under_way = session_attempts()
-    attempt(under_way, lift(500))
-    under_way.set_level(8, under_way=False)
-    assert under_way.amendable_trial is None
-    assert under_way.level == 8
 
 
 def test_a_level_set_by_hand_in_an_attempt_survives_its_amendment() -> None:
