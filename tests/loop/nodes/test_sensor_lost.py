@@ -4,6 +4,7 @@ from typing import Any
 
 import pytest
 
+from sar_tui.app.screens.waiting_text import waiting_text
 from sar_tui.loop import topics as t
 from sar_tui.model.messages import SensorChanged, SensorState
 from tests.facts import each, facts
@@ -63,7 +64,6 @@ def test_a_lost_sensor_voids_the_trial(loss: SensorState, cure: SensorState) -> 
     driver.press("k")
     sensor(driver, loss, "It is loose.")
     assert (place(driver), driver.waiting.detail) == (LOST, "It is loose.")
-    assert driver.session.is_recording_over is (loss == "ended")
     assert facts(driver.last(t.VOIDED), "trial reason") == (1, "sensor")
     driver.wait(60_000)
     driver.press("enter")
@@ -75,6 +75,16 @@ def test_a_lost_sensor_voids_the_trial(loss: SensorState, cure: SensorState) -> 
     driver.wait(1000)
     driver.lift()
     assert each(driver.all(t.TRIAL), "trial correct timing.presentation") == [(1, True, 2)]
+
+
+@pytest.mark.parametrize(("loss", "says"), [("stalled", "by itself"), ("ended", "cannot go on")])
+def test_the_screen_says_whether_the_sensor_can_come_back(loss: SensorState, says: str) -> None:
+    driver = sensed()
+    sensor(driver, loss)
+    over = driver.session.is_recording_over
+    shown = waiting_text(driver.waiting, driver.session.task, is_recording_over=over)
+    assert shown is not None
+    assert says in shown.text
 
 
 def test_a_new_reason_of_the_loss_is_published() -> None:
