@@ -558,6 +558,13 @@ def test_a_disk_failure_in_a_pause_is_reported_first() -> None:
     assert driver.waiting.reason == "tired", "the reason a person gave is not forgotten"
 
 
+def test_a_working_disk_changes_nothing() -> None:
+    driver = session("prompt")
+    said = len(driver.all(t.WAITING))
+    driver.disk(True)
+    assert len(driver.all(t.WAITING)) == said
+
+
 # --- faults of the machine, keys held, results that cannot be stored
 
 

@@ -92,6 +92,12 @@ def test_a_started_trial_waits_for_storage_undisturbed_by_keys() -> None:
     assert facts(driver.last(t.PROMPT), "trial started") == (2, pressed)
 
 
+def test_a_trial_that_is_not_done_in_time_is_missed() -> None:
+    driver = lifting("prompt", response_timeout_ms=2000)
+    driver.wait(2050)
+    assert facts(driver.last(t.TRIAL), "response correct") == (None, False)
+
+
 def test_after_a_pause_a_trial_must_be_started_again() -> None:
     driver = lifting("prompt")
     driver.press("k")
