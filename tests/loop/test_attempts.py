@@ -218,15 +218,6 @@ def test_a_summary_reports_the_means_of_its_attempts(values: list[float], every:
             assert scored.first.ended.feedback == scored.first.feedback.valence
 
 
-def test_a_summary_uses_the_amended_result() -> None:
-    under_way = session_attempts(
-        feedback_schedule="summary", feedback_every=2, difficulty_policy="fixed"
-    )
-    attempt(under_way, lift(400))
-    under_way.amend(lift(800))
-    assert attempt(under_way, lift(400)).first.feedback.metric == 600.0
-
-
 def test_a_level_settled_during_an_attempt_applies_to_the_next_with_its_original_reason() -> None:
     under_way = session_attempts()
     changed = attempt(under_way, lift(400.0)).level

@@ -284,23 +284,3 @@ def test_a_timer_fires_when_due_unless_cancelled_or_set_again(
     alarm.cancel_timer("bread")
     clock.advance(300)
     assert alarm.fired == [("tea", 200)]
-
-
-def test_a_timer_that_was_cancelled_while_its_message_waited_is_ignored(
-    bus: Bus, clock: VirtualClock
-) -> None:
-    alarm = Alarm()
-    alarm.attach(bus)
-
-    class Meddler(Node):
-        name = "meddler"
-
-        @on(IN)
-        def received(self, _: Said) -> None:
-            clock.advance(100)
-            alarm.cancel_timers()
-
-    Meddler().attach(bus)
-    alarm.set_timer("tea", 100)
-    bus.publish(IN, said("go"))
-    assert alarm.fired == []

@@ -52,22 +52,6 @@ def test_a_cancelled_callback_does_not_run_or_move_the_clock() -> None:
     assert (ran, clock.now()) == ([], 0)
 
 
-def test_set_moves_the_clock_and_runs_nothing() -> None:
-    clock = VirtualClock()
-    ran: list[str] = []
-    clock.call_at(10, lambda: ran.append("skipped over"))
-    clock.set(10)
-    assert (ran, clock.now()) == ([], 10)
-
-
-def test_call_soon_runs_before_any_time_passes() -> None:
-    clock = VirtualClock(7)
-    at: list[int] = []
-    clock.call_soon(lambda: at.append(clock.now()))
-    clock.advance(0)
-    assert at == [7]
-
-
 async def test_a_live_clock_runs_callbacks_where_its_run_is_awaited_and_not_before_they_are_due() -> (
     None
 ):

@@ -9,7 +9,7 @@ import pytest
 
 from sar_tui.loop.attempts import adjustable, with_setting
 from sar_tui.loop.task import Task
-from sar_tui.loop.topics import ATTEMPT_ENDED, FEEDBACK, LEVEL, SETTING
+from sar_tui.loop.topics import ATTEMPT_ENDED, LEVEL, SETTING
 from sar_tui.model import messages as m
 from sar_tui.model.theme import Theme
 from sar_tui.plugins import Catalogue
@@ -48,15 +48,6 @@ def test_the_goal_applies_to_the_next_attempt_and_is_announced_before_it(new: Ne
     assert "0.3 seconds" in driver.waiting.goal
     driver.attempt(after_ms=400)
     assert goals(driver) == [(300, "failure")]
-
-
-def test_feedback_becomes_less_frequent(new: New) -> None:
-    driver = new()
-    driver.attempt()
-    set_live(driver, "feedback_every", 3)
-    for _ in range(4):
-        driver.attempt()
-    assert [feedback.attempt for feedback in driver.all(FEEDBACK)] == [1, 4]
 
 
 def test_a_held_level_stays_until_it_is_released(new: New) -> None:

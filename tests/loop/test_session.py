@@ -252,12 +252,6 @@ def test_a_record_that_ends_in_the_middle_of_a_cascade_is_noticed() -> None:
             replay(joined([*whole_cascades, last[:-1]]))
 
 
-def test_a_response_that_was_changed_is_noticed() -> None:
-    third = places(lambda record: record.topic is t.KEY)[2]
-    with pytest.raises(ReplayError):
-        replay(with_change(third, key="#"))
-
-
 @pytest.mark.parametrize(
     ("name", "value"),
     [

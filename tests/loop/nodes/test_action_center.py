@@ -54,14 +54,6 @@ def test_the_agent_greets_gives_instructions_and_says_goodbye() -> None:
     assert goodbye.text in CALM.phrases["goodbye"]
 
 
-def test_instructions_are_given_once_per_run() -> None:
-    driver = session()
-    driver.operate("pause")
-    driver.operate("resume")
-    assert driver.waiting.stage == "instructions"
-    assert len(proposed(driver, "instruction")) == 1
-
-
 def test_after_an_interruption_instructions_are_given_again_or_the_participant_is_welcomed() -> (
     None
 ):

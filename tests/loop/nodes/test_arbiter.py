@@ -178,12 +178,6 @@ def test_an_action_is_over_when_every_output_has_done_its_part_of_it() -> None:
     assert driver.acting == [True, False]
 
 
-def test_text_on_the_screen_is_not_waited_for() -> None:
-    driver = ArbiterDriver({"screen": ("show",)})
-    driver.propose("a", "b")
-    assert (driver.acted, driver.acting) == (["a", "b"], [])
-
-
 # --- interrupting
 
 

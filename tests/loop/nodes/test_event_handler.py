@@ -257,13 +257,6 @@ def test_faster_than_a_tenth_of_a_second_is_an_anticipation(reaction: float, fla
     assert trial.value == (None if flagged else reaction)
 
 
-def test_anticipations_are_correct_but_not_in_the_mean() -> None:
-    driver = session("quiet")
-    for reaction in (50, 400, 600):
-        driver.answer(reaction)
-    assert facts(driver.last(t.ATTEMPT_ENDED), "metric accuracy") == (500.0, 1.0)
-
-
 def test_a_key_stamped_in_time_counts_even_if_handled_late() -> None:
     driver = session("prompt", response_timeout_ms=2000)
     onset = driver.clock.now()
@@ -500,18 +493,6 @@ def test_a_key_while_the_trial_is_stored_restarts_the_foreperiod() -> None:
     assert len(driver.all(t.PROMPT)) == 2
 
 
-def test_the_first_prompt_of_an_attempt_waits_for_the_last_trial_of_the_one_before() -> None:
-    driver = session("prompt", prompts_per_attempt=1)
-    driver.screen.stores = False
-    driver.answer()
-    driver.wait(1000)
-    driver.press("enter")
-    driver.wait(60_000)
-    assert now(driver, "what attempt") == ("storage", 2)
-    driver.screen.store(1, 1)
-    assert driver.last(t.PROMPT).attempt == 2
-
-
 def test_a_session_is_complete_only_when_its_last_trial_is_stored() -> None:
     driver = session("prompt", attempts=1, prompts_per_attempt=2)
     driver.screen.stores = False
@@ -669,16 +650,6 @@ class Taps(Task):
 def tapping(task: type[Task] = Taps, **settings: Any) -> LoopDriver:
     some = {"attempts": 1, "threshold": 3, "neutral_band": 0, "response_timeout_ms": 3000}
     return LoopDriver(task, CALM, **{**some, **settings})
-
-
-def test_a_task_may_judge_all_its_keys_at_the_end() -> None:
-    driver = tapping()
-    driver.start()
-    for _ in range(5):
-        driver.wait(200)
-        driver.press("space")
-    driver.until(lambda: driver.all(t.TRIAL))
-    assert (driver.last(t.TRIAL).value, driver.last(t.ATTEMPT_ENDED).outcome) == (5.0, "success")
 
 
 class Counted(Taps):

@@ -66,16 +66,6 @@ def test_delayed_feedback_comes_exactly_on_time() -> None:
     assert driver.last(t.FEEDBACK).due == due
 
 
-def test_the_review_waits_for_the_last_feedback() -> None:
-    driver = lifted(attempts=1, **DELAYED)
-    driver.press("enter")
-    assert driver.waiting.what == "answer"
-    driver.wait(DELAY_MS)
-    assert (len(feedback(driver)), driver.waiting.stage) == (1, "review")
-    driver.press("enter")
-    assert driver.all(t.SESSION_ENDED)
-
-
 def test_without_feedback_there_is_no_wait() -> None:
     assert now(lifted(feedback_every=2, **DELAYED)) == ("enter", "attempt")
 
@@ -214,13 +204,3 @@ def test_feedback_can_be_requested_after_a_resume() -> None:
     assert resumed.waiting.ask == "tab"
     resumed.press("tab")
     assert len(feedback(resumed)) == 1
-
-
-def test_a_request_in_a_pause_is_ignored() -> None:
-    driver = lifted(**ON_REQUEST)
-    driver.operate("pause")
-    driver.press("tab")
-    assert feedback(driver) == []
-    driver.operate("resume")
-    assert driver.waiting.ask == "tab"
-    assert len(driver.all(t.COMMAND)) == 2

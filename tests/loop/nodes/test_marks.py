@@ -84,13 +84,6 @@ def test_a_counting_mark_leaves_the_trial_correct_and_the_last_of_two_counts(
     assert (trial.correct, trial.value, trial.details["mark"]) == (True, 400.0, "leaned")
 
 
-def test_a_counting_mark_does_not_make_a_failed_trial_correct() -> None:
-    driver = session()
-    driver.lift(end="d")
-    mark(driver, "leaned")
-    assert marked(driver) == [(1, 1, "leaned", False)]
-
-
 @pytest.mark.parametrize("broken_off", ["?", "pause"])
 def test_a_mark_on_a_voided_trial_is_not_on_its_repetition(broken_off: str) -> None:
     driver = session()
@@ -154,13 +147,6 @@ def test_another_mark_replaces_the_first(attempts: int, stage: str) -> None:
     assert marked(driver) == [(1, 2, "caught", False), (1, 2, "leaned", True)]
     assert driver.last(t.ATTEMPT_ENDED) == original
     assert facts(driver.waiting, "stage level") == (stage, level)
-
-
-def test_a_mark_in_practice_does_not_change_the_level() -> None:
-    driver = lifted(400, 400, practice_attempts=1)
-    mark(driver, "caught")
-    assert facts(driver.last(t.ATTEMPT_ENDED), "practice outcome") == (True, "failure")
-    assert (driver.waiting.level, driver.all(t.LEVEL)) == (3, [])
 
 
 def test_the_same_mark_again_removes_it() -> None:

@@ -129,16 +129,6 @@ def test_after_a_pause_the_wait_continues_or_what_was_decided_in_it_is_said(
     assert len(feedback(driver)) == decided_in_pause
 
 
-def test_feedback_that_becomes_pending_in_a_pause_is_waited_for_after_it() -> None:
-    driver = operated(operator_feedback="manual")
-    driver.operate("pause")
-    driver.session.bus.publish(t.MODE, m.ModeChanged(kind="feedback", mode="approve", actor=ANA))
-    driver.operate("resume")
-    assert driver.waiting.stage == "answer"
-    decide_feedback(driver, "accept")
-    assert (driver.waiting.stage, len(feedback(driver))) == ("attempt", 1)
-
-
 def test_an_operator_of_an_earlier_run_decides_nothing_in_the_next() -> None:
     killed = operated(operator_feedback="approve")
     decide_feedback(killed, "veto")
@@ -190,21 +180,6 @@ def test_a_manual_level_stays_until_it_is_accepted_for_the_next_attempt() -> Non
     assert now(driver) == ("attempt", 2)
 
 
-def test_no_level_changes_once_the_session_is_being_ended() -> None:
-    driver = keys(operator_difficulty="approve")
-    join(driver)
-    driver.start()
-    driver.answer()
-    driver.to_prompt()
-    driver.screen.stores = False
-    driver.answer()
-    driver.operate("end")
-    assert now(driver, "what stage") == ("storage", "ended")
-    decide(driver, "l1", "accept")
-    assert each(driver.all(t.LEVEL_DECIDED), "decision") == ["accepted"]
-    assert driver.all(t.LEVEL) == []
-
-
 def test_a_level_set_by_hand_overrides_a_pending_one() -> None:
     driver = operated(operator_difficulty="veto", operator_time_ms=5000)
     driver.operate("level", value=4)
@@ -242,17 +217,6 @@ def test_a_mark_withdraws_a_pending_level_that_no_longer_follows() -> None:
     assert driver.waiting.level == 2
 
 
-@pytest.mark.parametrize("attempts", [2, 3])
-def test_a_level_that_follows_from_a_mark_is_pending_before_the_last_attempt_too(
-    attempts: int,
-) -> None:
-    driver = lifted(attempts=attempts, **LEVEL)
-    decide(driver, "l1", "veto")
-    driver.operate("mark", reason="caught")
-    driver.operate("mark", reason="caught")
-    assert (driver.all(t.LEVEL), pending(driver)) == ([], ["l2"])
-
-
 @pytest.mark.parametrize(
     ("how", "level"),
     [({"verdict": "veto"}, 1), ({"verdict": "accept"}, 2), ({"verdict": "edit", "level": 4}, 4)],
@@ -272,18 +236,6 @@ def test_a_mark_that_changes_no_outcome_keeps_the_operators_level(
     assert pending(driver, "level") == [level + 1], "the next step is from there"
 
 
-def test_a_mark_withdraws_a_pending_level_regardless_of_the_previous_outcome() -> None:
-    driver = lifted(took_ms=3000, **LEVEL)
-    driver.press("enter")
-    driver.wait(300)
-    driver.lift()
-    driver.lift()
-    assert each(driver.all(t.ATTEMPT_ENDED), "outcome") == ["failure", "success"]
-    assert pending(driver) == ["l1"]
-    driver.operate("mark", reason="caught")
-    assert pending(driver) == []
-
-
 def test_pending_feedback_is_replaced_when_the_attempt_is_scored_again() -> None:
     driver = lifted(**FEEDBACK)
     driver.operate("mark", reason="caught")
@@ -291,13 +243,6 @@ def test_pending_feedback_is_replaced_when_the_attempt_is_scored_again() -> None
     decide_feedback(driver, "accept")
     assert each(feedback(driver), "valence") == ["negative"]
     assert driver.last(t.ATTEMPT_ENDED).feedback == "negative"
-
-
-def test_given_feedback_is_not_repeated_while_the_level_is_pending() -> None:
-    driver = lifted(**LEVEL)
-    driver.operate("mark", reason="caught")
-    decide(driver, "l1", "accept")
-    assert each(feedback(driver), "valence") == ["positive"]
 
 
 # --- two seats
@@ -349,13 +294,6 @@ def test_with_two_seats_the_feedback_that_is_decided_on_second_joins_the_first(o
     for seat in order:
         decide(driver, waits[seat], "accept")
     assert each(feedback(driver), "seat joins") == [(order[0], False), (order[1], True)]
-
-
-def test_with_two_seats_no_filler_replaces_the_feedback_that_was_given_first() -> None:
-    driver = lifted(Couple, filler="operator", **FEEDBACK)
-    decide_feedback(driver, "accept")
-    driver.wait(5000)
-    assert (kinds(driver)[-1], driver.waiting.stage) == ("feedback", "answer")
 
 
 def test_with_two_seats_a_level_stays_pending_if_a_mark_changes_one_outcome_only() -> None:
@@ -430,16 +368,6 @@ def test_a_hurried_participant_sees_the_same_gestures_in_every_mode() -> None:
     alone = [gesture for _, _, gesture in hurried("gesture", "autonomous") if gesture]
     assert alone
     assert [gesture for _, _, gesture in hurried("gesture", "veto") if gesture] == alone
-
-
-def test_encouragement_is_said_before_the_next_attempt_begins() -> None:
-    driver = operated(encouragement=True, operator_encouragement="approve")
-    driver.press("enter")
-    assert now(driver, "stage attempt") == ("answer", 2)
-    driver.wait(10_000)
-    assert kinds(driver)[-1] == "encouragement"
-    assert now(driver, "stage attempt") == ("attempt", 2)
-    assert driver.all(t.DROPPED) == []
 
 
 @pytest.mark.parametrize(("verdict", "encouraged"), [("accept", 1), ("veto", 0)])

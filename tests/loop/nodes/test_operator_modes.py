@@ -167,16 +167,6 @@ def test_with_delayed_feedback_the_timing_does_not_reveal_who_decided(
     assert [record.at for record in driver.records if record.topic is t.ACTION] == [due]
 
 
-@pytest.mark.parametrize("kind", ["feedback", "encouragement", "greeting"])
-def test_the_session_waits_for_whatever_has_a_deadline(kind: Any) -> None:
-    modes = {"operator_encouragement": "approve", "operator_instruction": "veto"}
-    driver = OperatedDriver("approve", **modes)
-    driver.propose("a1", kind=kind)
-    assert driver.awaits_operator
-    driver.decide("a1", "accept")
-    assert (driver.acted, driver.awaits_operator) == (["a1"], False)
-
-
 @pytest.mark.parametrize(
     ("mode", "timeout", "said"),
     [("veto", "drop", 1), ("approve", "act", 1), ("approve", "drop", 0)],
@@ -236,16 +226,6 @@ def test_unsaid_feedback_can_be_requested() -> None:
     driver.wait_for("enter", "attempt")
     assert driver.acted[-1] == "a1"
     assert driver.ask_unsaid(3) == ()
-
-
-def test_encouragement_waits_for_pending_feedback() -> None:
-    driver = OperatedDriver("approve")
-    driver.propose("a1", priority=40)
-    driver.propose("a2", kind="encouragement", policy="drop", priority=20)
-    assert driver.acted == []
-    driver.decide("a1", "accept")
-    driver.report("a1")
-    assert driver.acted == ["a1", "a2"]
 
 
 @pytest.mark.parametrize("verdict", ["accept", "veto"])

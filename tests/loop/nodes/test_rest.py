@@ -5,7 +5,7 @@ from collections.abc import Callable
 import pytest
 
 from sar_tui.loop.task import Task
-from sar_tui.loop.topics import FEEDBACK, PROPOSED, WAITING
+from sar_tui.loop.topics import PROPOSED, WAITING
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import SECOND
 from sar_tui.rules.limits import is_rest_due
@@ -109,16 +109,6 @@ def test_the_agent_speaks_of_the_rest_and_of_its_end_but_reminds_of_no_other(
     said = [(each.text, each.face) for each in driver.all(PROPOSED) if each.kind == "rest"]
     assert [face for _, face in said] == ["sleeping", "happy"]
     assert "rest" in said[0][0]
-
-
-def test_feedback_can_be_requested_in_a_rest(new_session: NewSession) -> None:
-    driver = new_session(rest_after_attempts=1, feedback_schedule="request")
-    driver.enter()
-    driver.attempt()
-    assert (driver.waiting.stage, driver.waiting.ask) == ("rest", "tab")
-    driver.press("tab")
-    assert len(driver.all(FEEDBACK)) == 1
-    assert driver.waiting.stage == "rest"
 
 
 def test_a_rest_begins_anew_after_an_interruption(

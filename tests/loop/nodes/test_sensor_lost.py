@@ -157,15 +157,6 @@ def test_a_pause_during_sensor_loss_outlasts_its_return() -> None:
     assert place(driver) == ("resume", "paused", "pain")
 
 
-def test_a_session_that_waits_for_a_sensor_can_be_ended() -> None:
-    driver = sensed()
-    sensor(driver, "detached")
-    driver.operate("end")
-    assert each(driver.all(t.SESSION_ENDED), "status") == ["aborted"]
-    sensor(driver, "attached")
-    assert driver.waiting.stage == "ended"
-
-
 # --- with a disk that fails, too
 
 
@@ -191,17 +182,6 @@ def test_after_a_disk_failure_the_session_waits_for_a_lost_sensor() -> None:
     assert place(driver) == LOST
     sensor(driver, "attached")
     assert place(driver) == AT_START
-
-
-def test_a_sensor_lost_during_a_disk_failure_is_waited_for_afterwards() -> None:
-    driver = sensed()
-    driver.disk(False)
-    sensor(driver, "detached")
-    assert driver.waiting.reason == "storage"
-    driver.disk(True)
-    assert place(driver) == RESTORED
-    driver.press("enter")
-    assert place(driver) == LOST
 
 
 # --- after a resume

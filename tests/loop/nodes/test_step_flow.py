@@ -13,7 +13,6 @@ from sar_tui.model import messages as m
 from sar_tui.model.step import Entry, Step, problem
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
-from sar_tui.rules.keys import UNREAD
 from tests.facts import each, facts
 from tests.loop_driver import LoopDriver
 
@@ -90,19 +89,6 @@ def test_the_next_attempt_does_not_begin_before_the_answer() -> None:
     driver.press("enter")
     assert asked(driver).entry.is_missing
     assert driver.all(STEP_ENDED) == []
-
-
-def test_a_number_that_was_meant_for_the_question_before_answers_nothing() -> None:
-    driver = questioned(PAIN)
-    driver.begin_attempt()
-    driver.answer()
-    driver.until(lambda: driver.waiting.what == "step")
-    driver.clock.advance(driver.screen.waiting_since + UNREAD - 1 - driver.clock.now())
-    before = driver.waiting
-    driver.strike("3")
-    assert driver.waiting == before
-    driver.press("4")
-    assert driver.waiting != before
 
 
 def test_a_calibration_lasts_its_time_and_ends_by_itself() -> None:

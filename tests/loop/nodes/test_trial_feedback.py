@@ -80,13 +80,6 @@ def test_keys_meanwhile_are_no_responses_and_lengthen_the_quiet() -> None:
     assert each(driver.all(t.TRIAL), "timing.false_starts") == [0]
 
 
-def test_after_the_last_trial_the_attempt_ends_when_it_was_seen() -> None:
-    driver = answered(6)
-    assert driver.all(t.ATTEMPT_ENDED) == []
-    driver.wait(800)
-    assert len(driver.all(t.ATTEMPT_ENDED)) == 1
-
-
 @pytest.mark.parametrize("trials", [1, 6])
 def test_a_pause_ends_it_and_repeats_nothing_that_was_done(trials: int) -> None:
     driver = answered(trials)
@@ -131,12 +124,6 @@ def test_a_mark_meanwhile_is_put_on_the_trial_that_is_over() -> None:
         driver.answer()
     driver.wait(1000)
     assert driver.last(t.ATTEMPT_ENDED).correct == 5
-
-
-def test_a_level_set_meanwhile_holds_from_the_next_attempt() -> None:
-    driver = answered()
-    driver.operate("level", value=4)
-    assert driver.to_prompt().level == 1
 
 
 @pytest.mark.parametrize(("trials", "place"), [(1, (1, 2)), (6, (2, 1))])

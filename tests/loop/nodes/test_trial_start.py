@@ -232,15 +232,6 @@ def test_an_unmeasurable_trial_is_repeated_with_a_notice() -> None:
     assert driver.waiting.notice == "", "the next trial is no repetition"
 
 
-def test_a_trial_may_be_repeated_right_after_its_prompt() -> None:
-    driver = lifting()
-    for key in ("space", "?", "u"):
-        driver.press(key)
-    driver.wait(4)
-    assert now(driver, "what notice") == ("start", SLIPPED)
-    assert driver.all(t.TRIAL) == driver.session.faults == []
-
-
 def test_an_unmeasurable_trial_is_repeated_a_limited_number_of_times() -> None:
     driver = lifting()
     for _ in range(MAX_PRESENTATIONS):
