@@ -162,15 +162,6 @@ def test_a_remark_is_done_when_it_was_said(calm: Theme) -> None:
     assert session.answer("1") == DONE
 
 
-def test_text_on_a_screen_is_done_when_it_is_shown(calm: Theme) -> None:
-    screen = FakeOutput("display", frozenset({"show"}))
-    session = Answers(calm, screen)
-    assert session.act(t.REMARK, remark("1")) is None
-    screen.report(screen.asked[-1][1], "show", "started")
-    session.driver.wait(0)
-    assert session.answer("1") == DONE
-
-
 def test_without_outputs_a_remark_is_done_at_once(calm: Theme) -> None:
     assert Answers(calm).act(t.REMARK, remark("1")) == DONE
 

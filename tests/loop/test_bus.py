@@ -228,15 +228,6 @@ def test_messages_of_a_stream_are_not_numbered(bus: Bus, cascades: list[list[Rec
     assert during == [0, 0, 1]
 
 
-def test_a_removed_tap_receives_nothing_more(bus: Bus) -> None:
-    cascades: list[list[Record]] = []
-    bus.tap(cascades.append)
-    bus.publish(IN, said("one"))
-    bus.untap(cascades.append)
-    bus.publish(IN, said("two"))
-    assert [words(cascade) for cascade in cascades] == [["one"]]
-
-
 def test_a_node_may_only_use_what_it_declares(bus: Bus) -> None:
     class Shy(Node):
         name = "shy"

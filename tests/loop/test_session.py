@@ -154,16 +154,6 @@ def test_an_unanswered_prompt_is_shown_again_under_its_number() -> None:
     assert again == msgspec.structs.replace(unanswered, presentation=presentation)
 
 
-def test_a_session_cut_off_before_its_last_trial_was_acknowledged_is_completed_by_enter() -> None:
-    cascades = enumerate(whole().cascades, 1)
-    last = max(number for number, cascade in cascades if said(cascade, t.TRIAL))
-    resumed = Simulated(cut(last))
-    assert each(said(resumed.records, t.WAITING), "what stage") == [("enter", "review")]
-    records = resumed.finish().records
-    assert each(said(records, t.SESSION_ENDED), "status") == ["completed"]
-    assert said(records, t.TRIAL) == []
-
-
 # --- a record that was changed
 
 
@@ -264,13 +254,6 @@ def test_a_record_that_ends_in_the_middle_of_a_cascade_is_noticed() -> None:
 def test_a_task_that_was_changed_since_is_noticed(name: str, value: Any) -> None:
     with pytest.raises(ReplayError, match="has changed since"):
         replay(whole().records, **{name: value})
-
-
-def test_a_replay_uses_the_recorded_theme() -> None:
-    edited = CATALOGUE.theme("high-contrast")
-    again = Session(whole().session.task, edited, VirtualClock(), 3)
-    again.replay(whole().records)
-    assert again.ended
 
 
 # --- resuming

@@ -100,12 +100,6 @@ def test_a_rest_is_suggested_every_n_scored_attempts_but_not_after_the_last(
     assert each(proposed(driver, "rest"), "attempt") == before
 
 
-def test_rest_and_encouragement_are_not_both_given() -> None:
-    driver = session("attempt", *[GOOD] * 4, rest_every=1)
-    assert proposed(driver, "encouragement") == [], "each was harder, with a rest before it"
-    assert len(proposed(driver, "rest")) == 4
-
-
 def test_encouragement_is_given_once_per_attempt() -> None:
     driver = session("attempt", GOOD)
     for level in (7, 8):
@@ -163,15 +157,6 @@ def test_a_phrase_is_not_used_twice_in_a_row(
     for wordings in theme.phrases.values():
         spoken = [words for words in said if words in wordings]
         assert all(one != other for one, other in pairwise(spoken))
-
-
-@pytest.mark.parametrize(
-    ("form", "situation"), [("qualitative", "positive_strong"), ("quantitative", "positive_first")]
-)
-def test_every_phrase_is_used(form: str, situation: str) -> None:
-    said = {Agent(KEYBOARD, CALM, form, seed).feedback_on(700) for seed in range(30)}
-    slots = {"value": "0.70 seconds", "goal": "1 second"}
-    assert said == {wording.format(**slots) for wording in CALM.phrases[situation]}
 
 
 # --- another theme

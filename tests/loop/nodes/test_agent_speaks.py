@@ -123,20 +123,6 @@ def test_feedback_and_encouragement_are_spoken_to_their_end_before_the_next_tria
     assert last_time(driver, t.PROMPT) - when_still(driver) == 900 * MS
 
 
-def test_feedback_interrupts_a_greeting() -> None:
-    """The trials held the greeting back; it is spoken between them."""
-    driver = session("instructions", Speaker(60_000), prompts_per_attempt=1, attempts=1)
-    driver.operate("stop")
-    driver.enter()
-    driver.attempt()
-    assert driver.last(t.ACTION).kind == "feedback"
-    driver.press("enter")
-    driver.wait(0)
-    assert driver.last(t.ACTION).kind == "feedback", "the goodbye waits until it has been heard"
-    driver.wait(60_000)
-    assert driver.last(t.ACTION).kind == "goodbye"
-
-
 def test_the_stop_key_lets_the_trial_come_at_once() -> None:
     driver = session(output=Speaker(60_000))
     driver.wait(2000)

@@ -225,17 +225,6 @@ def test_an_action_of_policy_drop_is_dropped_by_a_trial(driver: ArbiterDriver) -
     assert driver.acted == ["a", "c"]
 
 
-def test_an_action_of_policy_drop_is_done_while_the_trial_waits_for_the_agent(
-    driver: ArbiterDriver,
-) -> None:
-    driver.propose("a", "b", policy="drop")
-    driver.wait_for("agent")
-    driver.report("a")
-    driver.report("b")
-    assert (driver.acted, driver.dropped, driver.halted) == (["a", "b"], [], [])
-    assert driver.acting == [True, False], "the trial begins when both are over"
-
-
 # --- the stop key
 
 
@@ -300,15 +289,6 @@ def test_nothing_begins_in_a_pause_but_the_greeting_of_a_resumed_session(
     assert driver.acted == []
     driver.wait_for("enter", "paused", reason="interrupted")
     assert driver.acted == ["a"]
-
-
-def test_waiting_instructions_are_dropped_on_the_next_screen(driver: ArbiterDriver) -> None:
-    driver.wait_for("enter", "instructions")
-    driver.propose("hello")
-    driver.propose("a", kind="instruction")
-    driver.wait_for("enter", "attempt")
-    driver.report("hello")
-    assert (driver.acted, driver.dropped) == (["hello"], [("a", "late")])
 
 
 def test_a_new_run_starts_with_an_empty_queue_and_its_own_outputs(driver: ArbiterDriver) -> None:

@@ -65,14 +65,6 @@ def test_feedback_can_be_read_first(calm: Theme, schedule: str) -> None:
     assert len(driver.all(ATTEMPT_STARTED)) == 2
 
 
-def test_enter_begins_it_at_once_and_only_once(calm: Theme) -> None:
-    driver = answered(begun(calm))
-    driver.wait(300)
-    driver.press("enter")
-    driver.wait(10_000)
-    assert len(driver.all(ATTEMPT_STARTED)) == 2
-
-
 @pytest.mark.parametrize(
     "settings",
     [{"practice_attempts": 1}, {"rest_after_attempts": 1, "rest_seconds": 10}],

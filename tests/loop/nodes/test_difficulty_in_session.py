@@ -64,17 +64,6 @@ def test_each_change_of_the_goal_is_a_message_with_its_reason_and_is_shown() -> 
     assert last.why == "The goal is number 2 of the last 3 results at this level."
 
 
-def test_an_attempt_with_too_few_right_responses_makes_no_goal() -> None:
-    driver = done(500, wrong=2, **PERCENTILE)
-    driver.attempt(500)
-    assert goals(driver) == [1000, 1000]
-
-
-def test_practice_makes_no_goal() -> None:
-    driver = done(500, 600, 600, practice_attempts=1, **PERCENTILE)
-    assert goals(driver) == [1000, 1000, 600]
-
-
 def test_each_level_has_a_goal_from_its_own_results() -> None:
     driver = done(800, **PERCENTILE)
     driver.operate("level", value=3)
@@ -85,18 +74,6 @@ def test_each_level_has_a_goal_from_its_own_results() -> None:
     assert "0.8 seconds" in driver.waiting.goal
     driver.attempt(700)
     assert goals(driver) == [1000, 1000, 800]
-
-
-def test_an_attempt_under_way_keeps_its_goal_when_the_level_is_set() -> None:
-    driver = done(800, **{**PERCENTILE, "percentile_rank": 1, "percentile_results": 1})
-    driver.begin_attempt()
-    driver.operate("level", value=3)
-    driver.answer(700)
-    driver.answer(700)
-    driver.wait(1000)
-    assert goals(driver) == [1000, 800]
-    driver.operate("level", value=1)
-    assert "0.7 seconds" in driver.waiting.goal, "its result counts at its own level"
 
 
 def test_a_goal_of_a_task_with_goals_by_level_is_the_persons_own() -> None:
@@ -141,17 +118,6 @@ def test_a_target_moves_the_level_by_the_share_of_prompts_and_says_why() -> None
     assert "harder" in driver.waiting.why
     driver.attempt(400, wrong=10)
     assert "easier" in driver.waiting.why
-
-
-def test_prompts_right_but_slower_than_the_goal_do_not_reach_it() -> None:
-    driver = done(1200, start_level=3, **TARGET)
-    assert driver.last(LEVEL).why == "0 of 2 prompts reached the goal; the target is 70 %."
-
-
-def test_by_default_the_participant_is_told_nothing_more() -> None:
-    driver = done(400)
-    assert facts(driver.last(LEVEL), "reason why") == ("success", "Goal reached.")
-    assert (driver.waiting.why, driver.all(GOAL)) == ("", [])
 
 
 def test_a_list_begins_with_its_first_level_in_practice_too() -> None:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from sar_tui.loop import topics as t
 from sar_tui.loop.task import Task
-from sar_tui.model.trial_types import Details, Metric, Result, Situation, Stimulus, Trial
+from sar_tui.model.trial_types import Metric, Result, Situation, Stimulus, Trial
 from sar_tui.model.units import MS
 from sar_tui.plugins import Catalogue
 from tests.facts import each, facts
@@ -126,16 +126,6 @@ def test_success_raises_and_failure_lowers_the_level_of_the_next_attempt() -> No
     assert each(driver.all(t.ATTEMPT_ENDED), "level") == [4, 5, 4]
     changes = [(4, 5, "success"), (5, 4, "failure"), (4, 5, "success")]
     assert each(driver.all(t.LEVEL), "previous level reason") == changes
-
-
-def test_an_attempt_is_in_memory_before_its_feedback() -> None:
-    settings = {"difficulty_policy": "fixed", "feedback_form": "quantitative"}
-    driver = session("attempt", attempts=5, **settings)
-    for time_ms in (700, 700, 700, 650):
-        driver.attempt(time_ms)
-    assert "0.05 seconds faster than last time" in driver.last(t.ACTION).text
-    order = [t.TRIAL, t.ATTEMPT_ENDED, t.FEEDBACK, t.ACTION]
-    assert [one.topic for one in driver.records if one.topic in order][-4:] == order
 
 
 def test_practice_gets_feedback_but_changes_neither_level_nor_count() -> None:
@@ -373,24 +363,6 @@ def test_after_a_pause_come_a_quiet_time_and_a_whole_foreperiod() -> None:
     assert ms_since(driver, resumed) == 500 + 700 + 4
 
 
-@pytest.mark.parametrize("stage", ["instructions", "attempt"])
-@pytest.mark.parametrize("storage", [False, True])
-def test_a_pause_outside_an_attempt_voids_nothing_and_returns_there(
-    stage: str, storage: bool
-) -> None:
-    driver = session(stage)
-    if storage:
-        driver.disk(False)
-        driver.disk(True)
-        driver.press("enter")
-    else:
-        driver.operate("pause")
-        assert driver.waiting.stage == "paused"
-        driver.operate("resume")
-    assert now(driver, "what stage attempt") == ("enter", stage, 1)
-    assert driver.all(t.VOIDED) == []
-
-
 def test_the_reason_of_a_pause_is_reported_and_only_a_command_resumes() -> None:
     driver = session("prompt")
     driver.operate("pause")
@@ -432,15 +404,6 @@ def test_a_skipped_prompt_is_stored_and_the_next_follows(moment: str) -> None:
     skipped = facts(driver.last(t.TRIAL), "trial correct response timing.flags")
     assert skipped == (done + 1, False, None, ("skipped",))
     assert driver.answer().trial == done + 2
-
-
-def test_a_repeat_shows_the_prompt_again_under_its_number() -> None:
-    driver = session("prompt")
-    first = driver.last(t.PROMPT)
-    driver.operate("repeat")
-    assert driver.last(t.VOIDED).reason == "repeat"
-    again = facts(driver.to_prompt(), "trial stimulus presentation")
-    assert again == (first.trial, first.stimulus, 2)
 
 
 def test_a_level_set_between_attempts_applies_to_the_next_at_once_within_its_bounds() -> None:
@@ -650,31 +613,6 @@ class Taps(Task):
 def tapping(task: type[Task] = Taps, **settings: Any) -> LoopDriver:
     some = {"attempts": 1, "threshold": 3, "neutral_band": 0, "response_timeout_ms": 3000}
     return LoopDriver(task, CALM, **{**some, **settings})
-
-
-class Counted(Taps):
-    name = "counted"
-
-    class Details(Details, frozen=True):
-        taps: int
-        hand: str = "left"
-
-    def timed_out(self, trial: Trial) -> Result:
-        taps = len(trial.percepts)
-        details = {"taps": taps, "hand": "right"} if taps else {}
-        return Result(correct=bool(taps), response="j" * taps, details=details)
-
-
-def test_a_trial_without_a_response_stores_the_details_of_others_and_no_empty_response() -> None:
-    driver = tapping(Counted, attempts=2)
-    driver.start()
-    driver.until(lambda: driver.all(t.TRIAL))
-    driver.begin_attempt()
-    driver.wait(200)
-    driver.press("j")
-    driver.until(lambda: len(driver.all(t.TRIAL)) == 2)
-    stored = [(None, {"taps": None, "hand": "left"}), ("j", {"taps": 1, "hand": "right"})]
-    assert each(driver.all(t.TRIAL), "response details") == stored
 
 
 def test_repeats_of_a_held_key_are_not_passed_to_the_task() -> None:

@@ -115,17 +115,6 @@ def test_a_session_cut_off_in_the_delay_does_not_wait_for_feedback(starts_at: in
     assert [dropped.id for dropped in resumed.all(t.DROPPED) if dropped.reason == "late"] == late
 
 
-def test_an_attempt_amended_in_the_delay_gets_the_amended_feedback_once() -> None:
-    driver = lifted(**DELAYED)
-    driver.operate("mark", reason="caught")
-    assert driver.waiting.what == "answer"
-    driver.wait(10_000)
-    amended = [("success", "positive"), ("failure", "negative")]
-    assert each(driver.all(t.ATTEMPT_ENDED), "outcome feedback") == amended
-    assert [action.valence for _, action in feedback(driver)] == ["negative"]
-    assert each(driver.all(t.DROPPED), "reason").count("amended") == 1
-
-
 @given(st.lists(st.integers(0, 1500), max_size=6), st.integers(0, 6000))
 def test_with_any_pauses_feedback_comes_once_and_on_time(waits: list[int], delay_ms: int) -> None:
     driver = lifted(feedback_delay_ms=delay_ms)
@@ -187,20 +176,3 @@ def test_feedback_on_the_last_attempt_can_be_requested() -> None:
     assert now(driver, "stage ask") == ("review", "tab")
     driver.press("tab")
     assert (len(feedback(driver)), driver.waiting.stage) == (1, "review")
-
-
-def test_a_request_after_an_amendment_gives_the_amended_feedback() -> None:
-    driver = lifted(**ON_REQUEST)
-    driver.operate("mark", reason="caught")
-    assert driver.waiting.ask == "tab"
-    driver.press("tab")
-    assert driver.last(t.FEEDBACK).valence == driver.last(t.ATTEMPT_ENDED).feedback == "negative"
-
-
-def test_feedback_can_be_requested_after_a_resume() -> None:
-    driver = lifted(**ON_REQUEST)
-    resumed = session("instructions", history=driver.records, **ON_REQUEST)
-    resumed.press("enter")
-    assert resumed.waiting.ask == "tab"
-    resumed.press("tab")
-    assert len(feedback(resumed)) == 1

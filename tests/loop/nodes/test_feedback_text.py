@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from sar_tui.loop.phrase_keys import QUALITATIVE, QUANTITATIVE, holds_number
 from sar_tui.loop.task import Task
-from sar_tui.model.messages import Spread
 from sar_tui.model.theme import Theme
 from sar_tui.model.trial_types import Metric
 from sar_tui.plugins import Catalogue
@@ -202,20 +201,6 @@ def test_an_attempt_is_compared_with_the_configured_reference_at_its_level(
         known.append(value)
 
 
-def test_practice_is_compared_with_the_goal_only() -> None:
-    agent = Agent(Lift, spelling(VOICES[0]))
-    agent.feedback_on(600, practice=True)
-    assert spelled(agent.feedback_on(700))[0].situation == "positive_first"
-
-
-def test_attempts_without_a_result_are_skipped_in_comparisons() -> None:
-    agent = Agent(Lift, spelling(VOICES[0]))
-    for metric in (800, 800, None, 800, 800, None):
-        agent.feedback_on(metric, spreads={"lift_time": Spread(5, 5.0)})
-    told = spelled(agent.feedback_on(700, spreads={"lift_time": Spread(5, 5.0)}))[0]
-    assert told.slots["difference"] == "0.10 seconds"
-
-
 @pytest.mark.parametrize(
     ("task", "metric", "text"), [(Reps, 1234.5, "1234,5 reps"), (Lift, 412.0, "0,41 segundos")]
 )
@@ -280,10 +265,6 @@ def test_times_are_in_seconds_and_never_look_like_a_goal_that_they_are_not(
 ) -> None:
     (found,) = spelled(Agent(Lift, spelling(VOICES[0])).feedback_on(metric))
     assert (found.slots["value"], found.slots["goal"]) == (text, "1 second")
-
-
-def test_a_remark_on_an_attempt_that_has_a_result_is_left_out() -> None:
-    assert REMARK not in Agent(Lift, VOICES[0], "both").feedback_on(500, remark=REMARK)
 
 
 # --- a summary

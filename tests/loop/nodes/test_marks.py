@@ -105,18 +105,6 @@ def test_a_mark_on_a_voided_trial_is_not_on_its_repetition(broken_off: str) -> N
 # --- the last trial
 
 
-def test_between_trials_the_last_one_is_marked() -> None:
-    driver = lifted(400)
-    assert driver.waiting.what == "start"
-    mark(driver, "caught")
-    assert marked(driver) == [(1, 1, "caught", False)]
-    assert driver.all(t.ATTEMPT_ENDED) == []
-    driver.lift(600)
-    ended = driver.last(t.ATTEMPT_ENDED)
-    assert facts(ended, "metric correct outcome") == (600.0, 1, "failure")
-    assert driver.last(t.FEEDBACK).reason == "accuracy"
-
-
 def test_a_mark_after_an_attempt_corrects_its_score_and_the_level() -> None:
     driver = lifted(400, 500)
     before = driver.last(t.ATTEMPT_ENDED)
@@ -133,20 +121,6 @@ def test_a_mark_after_an_attempt_corrects_its_score_and_the_level() -> None:
     assert facts(driver.waiting, "stage attempt level") == ("attempt", 2, 2)
     assert "1.1 seconds" in driver.waiting.goal
     assert len(driver.all(t.ACTION)) == said, "no further feedback is given"
-
-
-@pytest.mark.parametrize(("attempts", "stage"), [(3, "attempt"), (1, "review")])
-def test_another_mark_replaces_the_first(attempts: int, stage: str) -> None:
-    driver = lifted(400, 500, attempts=attempts)
-    original, level = driver.last(t.ATTEMPT_ENDED), driver.waiting.level
-    assert driver.waiting.stage == stage
-    mark(driver, "caught")
-    again = driver.last(t.ATTEMPT_ENDED)
-    assert facts(again, "metric correct outcome feedback") == (400.0, 1, "failure", "positive")
-    mark(driver, "leaned")
-    assert marked(driver) == [(1, 2, "caught", False), (1, 2, "leaned", True)]
-    assert driver.last(t.ATTEMPT_ENDED) == original
-    assert facts(driver.waiting, "stage level") == (stage, level)
 
 
 def test_the_same_mark_again_removes_it() -> None:

@@ -129,15 +129,6 @@ def test_after_a_pause_the_wait_continues_or_what_was_decided_in_it_is_said(
     assert len(feedback(driver)) == decided_in_pause
 
 
-def test_an_operator_of_an_earlier_run_decides_nothing_in_the_next() -> None:
-    killed = operated(operator_feedback="approve")
-    decide_feedback(killed, "veto")
-    driver = keys(history=killed.records, operator_feedback="approve")
-    driver.enter()
-    driver.attempt()
-    assert each(feedback(driver), "actor ground") == [("agent", "no operator")]
-
-
 # --- the level
 
 
@@ -163,12 +154,6 @@ def test_a_change_of_level_waits_for_an_operator_who_decides_on_it(
     assert now(driver) == ("attempt", level)
     driver.press("enter")
     assert driver.to_prompt().level == level
-
-
-def test_after_the_last_attempt_no_level_is_proposed() -> None:
-    driver = lifted(attempts=1, **LEVEL)
-    assert driver.waiting.stage == "review"
-    assert pending(driver) == driver.all(t.LEVEL) == []
 
 
 def test_a_manual_level_stays_until_it_is_accepted_for_the_next_attempt() -> None:
@@ -270,16 +255,6 @@ class UnevenCouple(Couple):
     b_ms = 5000.0
 
 
-def test_with_two_seats_the_session_waits_for_the_only_feedback() -> None:
-    bandwidth = {"feedback_schedule": "bandwidth", "feedback_tolerance": 70.0}
-    driver = lifted(UnevenCouple, feedback_delay_ms=5000, **bandwidth)
-    assert each(driver.all(t.ATTEMPT_ENDED), "feedback") == ["none", "negative"]
-    assert driver.waiting.stage == "answer"
-    driver.wait(5000)
-    assert driver.waiting.stage == "attempt"
-    assert each(feedback(driver), "seat joins policy") == [("B", False, "interrupt")]
-
-
 def test_with_two_seats_feedback_is_given_in_turn_with_gaze_to_each() -> None:
     driver = lifted(Couple)
     in_turn = [("A", False, "interrupt", "left"), ("B", True, "queue", "right")]
@@ -303,15 +278,6 @@ def test_with_two_seats_a_level_stays_pending_if_a_mark_changes_one_outcome_only
     assert pending(driver) == ["l1"]
     decide(driver, "l1", "accept")
     assert driver.waiting.level == 2
-
-
-def test_with_two_seats_a_mark_that_changes_the_shared_outcome_proposes_one_level() -> None:
-    driver = lifted(Couple, start_level=3, **LEVEL)
-    levels = []
-    for _ in range(3):
-        levels += pending(driver, "proposal.id level")
-        driver.operate("mark", reason="caught")
-    assert levels == [("l1", 4), ("l2", 2), ("l3", 4)]
 
 
 def test_with_two_seats_only_unsaid_feedback_is_replaced() -> None:

@@ -68,14 +68,6 @@ class OperatedDriver(ArbiterDriver):
 # --- the four modes
 
 
-def test_autonomous_feedback_is_given_at_once() -> None:
-    driver = OperatedDriver()
-    driver.propose("a1")
-    by_itself = [("accepted", "agent", "autonomous", "mode")]
-    assert each(driver.said, "decision actor mode ground") == by_itself
-    assert driver.all(t.PENDING_APPROVAL) == []
-
-
 @pytest.mark.parametrize(
     ("mode", "afterwards", "is_made"),
     [("veto", "drop", True), ("approve", "act", True), ("approve", "drop", False)],
@@ -441,13 +433,6 @@ def test_a_remark_has_the_manner_of_its_valence_unless_given(
 # --- gestures
 
 
-def test_a_pending_gesture_is_dropped_by_a_trial() -> None:
-    driver = OperatedDriver(operator_gesture="approve", operator_time_ms=60_000)
-    driver.propose("a1", gesture="nod")
-    driver.wait_for("quiet")
-    assert driver.dropped == [("a1.gesture", "late")]
-
-
 def test_a_gesture_with_its_own_mode_is_pending_alone() -> None:
     driver = OperatedDriver(operator_gesture="approve")
     driver.propose("a1", gesture="nod")
@@ -467,10 +452,3 @@ def test_without_an_operator_a_controlled_gesture_is_dropped_or_made_with_its_wo
     driver.propose("a1", gesture="nod")
     assert each(driver.said, "id gesture") == [("a1", gesture)]
     assert driver.all(t.PENDING_APPROVAL) == driver.all(t.DROPPED) == []
-
-
-def test_a_filler_keeps_its_gesture_in_any_mode() -> None:
-    driver = OperatedDriver(operator_gesture="approve")
-    driver.propose("a1", kind="filler", gesture="nod")
-    assert each(driver.said, "gesture") == ["nod"]
-    assert driver.all(t.PENDING_APPROVAL) == []

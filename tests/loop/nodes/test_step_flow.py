@@ -83,14 +83,6 @@ def test_a_question_after_each_attempt_is_answered_with_the_keyboard() -> None:
     assert driver.waiting.stage == "review"
 
 
-def test_the_next_attempt_does_not_begin_before_the_answer() -> None:
-    driver = asked_after_one(PAIN)
-    settle(driver)
-    driver.press("enter")
-    assert asked(driver).entry.is_missing
-    assert driver.all(STEP_ENDED) == []
-
-
 def test_a_calibration_lasts_its_time_and_ends_by_itself() -> None:
     driver = asked_after_one(STILL)
     settle(driver)
@@ -126,13 +118,6 @@ def test_a_pause_keeps_what_was_typed() -> None:
     driver.operate("resume")
     assert answer(driver, "!").answer == "ok!"
     assert driver.waiting.stage == "review"
-
-
-def test_a_session_that_is_ended_while_its_last_question_stands_is_complete() -> None:
-    driver = asked_after_one(LAST, attempts=1)
-    driver.operate("end")
-    assert driver.last(SESSION_ENDED).status == "completed"
-    assert driver.all(STEP_ENDED) == []
 
 
 def test_a_resumed_session_asks_again_and_does_not_repeat_what_was_answered() -> None:

@@ -66,20 +66,6 @@ def test_its_time_counts_from_when_it_was_on_the_screen() -> None:
     assert [waits_after(driver, ms) for ms in (799, 1)] == ["result", "foreperiod"]
 
 
-def test_a_trial_without_an_answer_goes_on_at_once() -> None:
-    driver = answered(0)
-    driver.answer(key="x")
-    assert (driver.all(t.TRIAL_FEEDBACK), driver.waiting.what) == ([], "quiet")
-
-
-def test_keys_meanwhile_are_no_responses_and_lengthen_the_quiet() -> None:
-    driver = answered()
-    driver.wait(700)
-    driver.press("f")
-    assert [waits_after(driver, ms) for ms in (100, 399, 1)] == ["quiet", "quiet", "foreperiod"]
-    assert each(driver.all(t.TRIAL), "timing.false_starts") == [0]
-
-
 @pytest.mark.parametrize("trials", [1, 6])
 def test_a_pause_ends_it_and_repeats_nothing_that_was_done(trials: int) -> None:
     driver = answered(trials)
@@ -105,15 +91,6 @@ def test_a_session_ended_meanwhile_keeps_the_attempt_that_is_over(
     driver.operate("end")
     assert len(driver.all(t.ATTEMPT_ENDED)) == trials // 6
     assert driver.last(t.SESSION_ENDED).status == status
-
-
-def test_the_attempt_can_be_left_out_meanwhile() -> None:
-    driver = answered()
-    assert driver.session.can_skip_attempt
-    driver.operate("skip", reason="attempt")
-    driver.wait(5000)
-    assert facts(driver.waiting, "stage attempt") == ("attempt", 2)
-    assert driver.all(t.ATTEMPT_ENDED) == []
 
 
 def test_a_mark_meanwhile_is_put_on_the_trial_that_is_over() -> None:

@@ -21,10 +21,6 @@ def now(driver: LiftDriver, names: str = "what trial") -> tuple[Any, ...]:
     return facts(driver.waiting, names)
 
 
-def numbers(driver: LiftDriver) -> list[tuple[int, int]]:
-    return each(driver.all(t.TRIAL), "attempt trial")
-
-
 # --- the key that starts a trial
 
 
@@ -62,22 +58,6 @@ def test_a_held_start_key_starts_only_one_trial() -> None:
     assert len(driver.all(t.PROMPT)) == 2
 
 
-def test_each_trial_needs_a_start_and_each_attempt_enter() -> None:
-    driver = lifting()
-    driver.lift()
-    assert now(driver) == ("start", 2)
-    driver.lift()
-    assert now(driver, "what stage attempt") == ("enter", "attempt", 2)
-    driver.press("space")
-    assert driver.waiting.stage == "attempt"
-    driver.press("enter")
-    driver.wait(700)
-    driver.lift()
-    driver.lift()
-    assert numbers(driver) == [(1, 1), (1, 2), (2, 1), (2, 2)]
-    assert driver.waiting.stage == "review"
-
-
 def test_a_started_trial_waits_for_storage_undisturbed_by_keys() -> None:
     driver = lifting()
     driver.screen.stores = False
@@ -111,28 +91,6 @@ def test_after_a_pause_a_trial_must_be_started_again() -> None:
     driver.wait(300)
     driver.press("u")
     assert driver.all(t.TRIAL) == [], "what was lifted before the pause is forgotten"
-
-
-def test_a_trial_that_was_not_started_can_be_skipped() -> None:
-    driver = lifting()
-    driver.operate("skip")
-    skipped = facts(driver.last(t.TRIAL), "trial correct onset timing.flags")
-    assert skipped == (1, False, None, ("skipped",))
-    assert now(driver) == ("start", 2)
-
-
-def test_after_a_resume_a_trial_must_be_started_again() -> None:
-    driver = lifting()
-    driver.lift()
-    for key in ("space", "k"):
-        driver.press(key)
-        driver.wait(100)
-    resumed = lifting("instructions", history=driver.records)
-    assert now(resumed, "what reason") == ("enter", "interrupted")
-    resumed.press("enter")
-    assert now(resumed) == ("start", 2)
-    resumed.lift()
-    assert facts(resumed.last(t.TRIAL), "attempt trial correct") == (1, 2, True)
 
 
 # --- with a signal, or without

@@ -9,10 +9,8 @@ from sar_tui.loop.topics import (
     ATTEMPT_ENDED,
     ATTEMPT_STARTED,
     FEEDBACK,
-    LEVEL,
     PROMPT,
     TRIAL,
-    VOIDED,
 )
 from sar_tui.model import messages as m
 from sar_tui.model.theme import Theme
@@ -47,17 +45,6 @@ def test_a_prompt_follows_from_the_results_of_its_attempt_and_the_scores_before(
     ]
 
 
-def test_a_prompt_repeated_after_a_pause_has_the_same_results(calm: Theme) -> None:
-    driver = played(calm, "ff")
-    before = driver.to_prompt()
-    driver.operate("pause")
-    driver.operate("resume")
-    again = driver.to_prompt()
-    assert driver.last(VOIDED).trial == 3
-    assert before.text == "Contrast:12:"
-    assert facts(again, "text presentation") == ("Contrast:12:", 2)
-
-
 @pytest.mark.parametrize("cut", [1, 6, 8])
 def test_prompts_are_the_same_in_a_resumed_session(calm: Theme, cut: int) -> None:
     whole = played(calm, "ffxfxf", "xfffff", "ffx")
@@ -82,14 +69,6 @@ def test_a_mark_after_the_attempt_changes_its_score_for_the_next(calm: Theme) ->
     driver.operate("mark", "slip")
     driver.press("enter")
     assert driver.to_prompt().text == "Contrast:10:5"
-
-
-def test_practice_is_in_the_history_too(calm: Theme) -> None:
-    driver = LoopDriver(Contrast, calm, attempts=2, practice_attempts=1)
-    driver.enter()
-    driver.attempt()
-    driver.press("enter")
-    assert driver.to_prompt().text == "Contrast:10:6"
 
 
 def test_a_learning_score_compares_an_attempt_with_those_before(calm: Theme) -> None:
@@ -179,14 +158,6 @@ def test_each_attempt_has_the_trials_of_its_level_and_a_day_counts_those_done(ca
         "review",
         "That is enough for today. Well done.",
     )
-
-
-def test_the_last_attempt_is_over_although_the_level_after_it_has_more_trials(calm: Theme) -> None:
-    driver = LoopDriver(Longer, calm, attempts=1, threshold=1)
-    driver.enter()
-    driver.attempt()
-    assert driver.last(LEVEL).level == 2
-    assert facts(driver.waiting, "stage trial trials") == ("review", 3, 2)
 
 
 def test_a_level_set_in_an_attempt_leaves_its_trials_as_they_are(calm: Theme) -> None:
