@@ -1,11 +1,27 @@
-"""The action queue begins one action at a time, by priority."""
+"""The action queue begins one action at a time, by priority; an edit changes only what the operator
+changed.
+"""
 
+from typing import Any
+
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
-from sar_tui.loop.action_queue import ActionQueue
-from sar_tui.model.messages import ActionPart, Policy, Proposal
+from sar_tui.loop.action_queue import ActionQueue, accepted, edited
+from sar_tui.loop.approvals import PendingApprovals
+from sar_tui.model.messages import (
+    Action,
+    ActionPart,
+    Decision,
+    PendingApproval,
+    Policy,
+    Proposal,
+)
+from sar_tui.model.theme import Theme
+from sar_tui.model.units import SECOND
+from tests.facts import facts
 
 POLICIES: tuple[Policy, ...] = ("queue", "interrupt", "drop")
 OPEN: set[tuple[str, ActionPart]] = {("speech", "say"), ("robot", "gesture"), ("robot", "say")}
@@ -23,13 +39,6 @@ def begun(queue: ActionQueue, one: Proposal) -> ActionQueue:
     queue.add(one)
     queue.begin(one, OPEN)
     return queue
-
-
-def test_actions_wait_by_priority_then_by_age() -> None:
-    queue = ActionQueue()
-    for name, priority in (("a", 1), ("b", 3), ("c", 3), ("d", 2)):
-        queue.add(proposal(name, priority))
-    assert [waiting.id for waiting in queue.waiting] == ["b", "c", "d", "a"]
 
 
 @given(st.integers(0, 9), st.integers(0, 9), st.sampled_from(POLICIES))
@@ -56,53 +65,6 @@ def test_feedback_for_either_seat_interrupts_less_important_actions() -> None:
     queue = begun(ActionQueue(), Proposal(id="hello", kind="greeting", text="Hello.", priority=30))
     queue.add(proposal("to B", 40, "interrupt", seat="B"))
     assert queue.next(0) in queue.waiting
-
-
-def test_an_action_that_is_not_due_does_not_hold_up_others() -> None:
-    queue = ActionQueue()
-    late, soon = proposal("late", 9, due=100), proposal("soon", 1)
-    queue.add(late)
-    queue.add(soon)
-    assert (queue.next(99), queue.next(100)) == (soon, late)
-
-
-def test_the_next_due_time_is_known_while_an_action_is_under_way() -> None:
-    queue = begun(ActionQueue(), proposal("first"))
-    queue.add(proposal("behind"))
-    assert queue.next_due(5) is None
-    for due in (300, 200):
-        queue.add(proposal(f"at {due}", 9, "interrupt", due))
-    assert [queue.next_due(now) for now in (5, 199, 200, 299, 300)] == [200, 200, 300, 300, None]
-
-
-def test_an_action_without_lasting_parts_is_over_at_once() -> None:
-    queue = ActionQueue()
-    shown = proposal("shown")
-    queue.add(shown)
-    queue.begin(shown, [])
-    assert (queue.is_acting, queue.waiting) == (False, ())
-
-
-def test_an_action_is_over_when_every_output_has_finished() -> None:
-    queue = begun(ActionQueue(), proposal("a"))
-    assert not queue.finish_part("a", "speech", "say")
-    assert not queue.finish_part("a", "speech", "say"), "a second report changes nothing"
-    assert not queue.finish_part("b", "robot", "say"), "another action"
-    assert not queue.finish_part("a", "robot", "gesture")
-    assert queue.is_acting
-    assert queue.finish_part("a", "robot", "say")
-    assert not queue.is_acting
-
-
-def test_removing_some_actions_leaves_the_rest() -> None:
-    queue = begun(ActionQueue(), proposal("under way", policy="drop"))
-    kept, helps = proposal("kept"), proposal("helps", policy="drop")
-    queue.add(kept)
-    queue.add(helps)
-    assert queue.remove(lambda proposal: proposal.policy == "drop") == (helps,)
-    assert queue.waiting == (kept,)
-    assert queue.is_acting, "the current action is not removed"
-    assert queue.remove() == (kept,)
 
 
 class QueueMachine(RuleBasedStateMachine):
@@ -139,8 +101,7 @@ class QueueMachine(RuleBasedStateMachine):
         if chosen is None:
             assert self.current is not None or not ready, "nothing waits that could begin"
             return
-        assert chosen in ready
-        assert chosen.priority == max(waiting.priority for waiting in ready)
+        assert chosen is max(ready, key=lambda waiting: waiting.priority), "the oldest of them"
         if self.current is not None:
             assert chosen.policy == "interrupt"
             assert chosen.priority >= self.current.priority
@@ -180,7 +141,8 @@ class QueueMachine(RuleBasedStateMachine):
     def one_thing_at_most_is_under_way_and_nothing_is_lost(self) -> None:
         assert self.queue.current == self.current
         assert self.queue.is_acting == bool(self.open)
-        assert {waiting.id for waiting in self.queue.waiting} == set(self.waiting)
+        by_priority = sorted(self.waiting.values(), key=lambda waiting: -waiting.priority)
+        assert self.queue.waiting == tuple(by_priority)
 
     @invariant()
     def it_knows_when_to_look_again(self) -> None:
@@ -189,3 +151,63 @@ class QueueMachine(RuleBasedStateMachine):
 
 
 TestQueue = QueueMachine.TestCase
+
+
+# --- actions as an operator edited them
+
+LOOKS: Any = {"face": "happy", "gesture": "nod", "tone": "success", "degree": "strong"}
+SAID: Any = {"text": "Well done.", "spoken": "Well done.", "valence": "positive"}
+PRAISE = Proposal(id="a1", kind="feedback", **SAID, **LOOKS)
+
+
+def edit(theme: Theme, proposal: Proposal = PRAISE, **changes: Any) -> Action:
+    decision = Decision(action="a1", verdict="edit", actor="operator.ana", **changes)
+    return edited(accepted(proposal), decision, theme, at=7)
+
+
+def pending(name: str, deadline: int | None) -> PendingApproval:
+    return PendingApproval(
+        proposal=Proposal(id=name, kind="feedback", text=name), mode="veto", deadline=deadline
+    )
+
+
+def test_an_edited_valence_replaces_face_gesture_tone_and_degree(calm: Theme) -> None:
+    action = edit(calm, valence="negative")
+    assert facts(action, "face gesture tone degree") == ("encouraging", "lean_in", "", "clear")
+    expected = ("Well done.", "edited", "operator.ana", 7)
+    assert facts(action, "text decision actor decided") == expected
+
+
+def test_an_edited_valence_adds_no_gesture_to_a_proposal_without_one(calm: Theme) -> None:
+    still = Proposal(id="a1", kind="feedback", text="Well done.", valence="positive")
+    assert edit(calm, still, valence="negative").gesture == ""
+
+
+def test_edited_text_is_spoken_as_the_theme_does(calm: Theme) -> None:
+    action = edit(calm, text="412 ms.")
+    assert (action.text, action.spoken) == ("412 ms.", "412 milliseconds.")
+    assert (action.face, action.degree) == ("happy", "strong")
+
+
+def test_an_edited_gesture_overrides_that_of_the_valence(calm: Theme) -> None:
+    assert edit(calm, valence="negative", gesture="wave").gesture == "wave"
+    assert edit(calm, gesture="").gesture == ""
+
+
+@pytest.mark.parametrize(
+    "same", [{"text": "Well done."}, {"valence": "positive"}, {"gesture": "nod"}]
+)
+def test_an_edit_with_the_same_values_is_an_acceptance(calm: Theme, same: dict[str, str]) -> None:
+    action = edit(calm, **same)
+    assert (action.decision, action.degree, action.actor) == ("accepted", "strong", "operator.ana")
+
+
+def test_proposals_are_due_by_deadline_and_those_without_one_stay() -> None:
+    approvals = PendingApprovals()
+    for name, deadline in (("late", 3 * SECOND), ("soon", SECOND), ("never", None)):
+        approvals.add(pending(name, deadline))
+    assert approvals.next_deadline == SECOND
+    assert [due.proposal.id for due in approvals.take_due(SECOND)] == ["soon"]
+    assert [due.proposal.id for due in approvals.take_due(10 * SECOND)] == ["late"]
+    assert approvals.next_deadline is None
+    assert [waiting.proposal.id for waiting in approvals.waiting] == ["never"]

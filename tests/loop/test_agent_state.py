@@ -114,10 +114,3 @@ def test_the_face_is_kind_in_a_pause_and_rests_with_somebody_tired() -> None:
     assert after(BETWEEN, state=state).face == "happy"
     assert after(FOREPERIOD, state=state).face == "listening"
     assert after(paused("pain"), state=state).face == "encouraging"
-
-
-def test_words_said_in_a_pause_keep_their_face_after_it() -> None:
-    state = after(
-        Waiting(what="resume", stage="paused"), action("Shall we go on?", face="speaking"), BETWEEN
-    )
-    assert state.face == "speaking"

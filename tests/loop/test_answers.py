@@ -64,7 +64,6 @@ def remark(id: str, text: str = "Well held.") -> m.Remark:
 
 
 # --- commands
-# ------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -124,7 +123,6 @@ def test_a_mark_says_whether_it_was_removed(calm: Theme) -> None:
 
 
 # --- other acts
-# ----------------------------------------------------------------------------------------------------
 
 
 def test_modes_notes_and_settings_are_answered(calm: Theme) -> None:
@@ -151,7 +149,6 @@ def test_a_decision_is_answered_and_a_second_one_is_late(calm: Theme, verdict: s
 
 
 # --- what outputs carry out
-# ----------------------------------------------------------------------------------------
 
 
 def test_a_remark_is_done_when_it_was_said(calm: Theme) -> None:
@@ -162,25 +159,6 @@ def test_a_remark_is_done_when_it_was_said(calm: Theme) -> None:
     session.driver.wait(1000)
     assert session.answer("1") is None
     session.driver.wait(1500)
-    assert session.answer("1") == DONE
-
-
-def test_each_of_several_remarks_is_answered(calm: Theme) -> None:
-    session = Answers(calm, Speaker(500))
-    for id in "123":
-        session.act(t.REMARK, remark(id))
-    session.driver.wait(600)
-    assert [session.answer(id) for id in "123"] == [DONE, None, None]
-    session.driver.wait(5000)
-    assert [session.answer(id) for id in "123"] == [DONE] * 3
-
-
-def test_text_on_a_screen_is_done_when_it_is_shown(calm: Theme) -> None:
-    screen = FakeOutput("display", frozenset({"show"}))
-    session = Answers(calm, screen)
-    assert session.act(t.REMARK, remark("1")) is None
-    screen.report(screen.asked[-1][1], "show", "started")
-    session.driver.wait(0)
     assert session.answer("1") == DONE
 
 
@@ -255,7 +233,6 @@ def test_a_cancellation_is_answered_when_the_output_is_still(
 
 
 # --- acts without an id
-# --------------------------------------------------------------------------------------------
 
 
 def test_an_act_without_an_id_is_not_answered(calm: Theme) -> None:

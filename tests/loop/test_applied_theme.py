@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.loop.topics import ACTION, ATTEMPT_ENDED, THEME, TRIAL, WAITING
+from sar_tui.loop.topics import ACTION, TRIAL, WAITING
 from sar_tui.model.theme import Manner, Theme
 from sar_tui.outputs.node import OutputNode
 from sar_tui.plugins import Catalogue
@@ -75,22 +75,6 @@ def test_texts_of_the_theme_replace_those_of_the_task(driver: LoopDriver) -> Non
     assert driver.waiting.attempt_name == "attempt 4 of 4"
 
 
-def test_a_session_with_several_themes_is_resumed_with_the_present_theme(
-    driver: LoopDriver,
-) -> None:
-    driver.session.apply_theme(edited(CALM, "Splendid", texts=ROUNDS))
-    driver.attempt()
-    driver.session.apply_theme(edited(CALM, "Great"))
-    driver.attempt()
-    resumed = new_session(edited(CALM, "Bravo", name="calm"), driver)
-    assert resumed.waiting.reason == "interrupted"
-    resumed.press("enter")
-    resumed.wait(300)
-    resumed.attempt()
-    assert [*said(driver)[1:], *said(resumed)] == ["Splendid.", "Great.", "Bravo."]
-    assert [attempt.attempt for attempt in resumed.all(ATTEMPT_ENDED)] == [4]
-
-
 def test_a_session_is_resumed_although_the_texts_of_its_theme_have_changed() -> None:
     driver = new_session(edited(CALM, "Splendid", texts=ROUNDS))
     driver.enter()
@@ -99,16 +83,6 @@ def test_a_session_is_resumed_although_the_texts_of_its_theme_have_changed() -> 
     resumed = new_session(edited(CALM, "Splendid", texts=texts), driver)
     resumed.press("enter")
     assert resumed.waiting.attempt_name == "next round 1 of 4"
-
-
-def test_the_record_holds_the_theme_as_it_was_applied(driver: LoopDriver) -> None:
-    applied = edited(CALM, "Splendid", texts=ROUNDS)
-    driver.session.apply_theme(applied)
-    for record in driver.records:
-        if record.topic is THEME:
-            text = msgspec.json.encode(record.message)
-            assert msgspec.json.decode(text, type=THEME.type) == record.message
-    assert [message.theme for message in driver.all(THEME)] == [CALM, applied]
 
 
 @given(st.lists(st.sampled_from(["attempt", "apply", "wait", "cut"]), max_size=12))

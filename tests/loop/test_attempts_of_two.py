@@ -57,42 +57,10 @@ def test_the_level_falls_if_one_seat_misses_the_goal() -> None:
     assert under_way.level == 2
 
 
-def test_a_seat_without_trials_has_no_row() -> None:
-    under_way = attempts(lifts=2)
-    scored = attempt(under_way, {"B": lift(500)}, {"B": lift(700)})
-    assert each(scored) == {"B": (600, "success", "positive")}
-    assert under_way.level == 2
-
-
 def test_feedback_schedules_are_counted_per_seat() -> None:
     under_way = attempts(feedback_schedule="bandwidth", feedback_tolerance=10.0, max_level=1)
     scored = attempt(under_way, {"A": lift(950), "B": lift(400)})
     assert [one.is_feedback_due for one in scored.seats] == [False, True]
-
-
-def test_requested_feedback_is_given_to_both_seats_once() -> None:
-    under_way = attempts(feedback_schedule="request")
-    scored = attempt(under_way, {"A": lift(500), "B": lift(1500)})
-    assert [one.is_feedback_due for one in scored.seats] == [False, False]
-    asked = under_way.request_feedback(now=3000)
-    assert asked is not None
-    assert {seat: expected[2] for seat, expected in each(asked).items()} == {
-        "A": "positive",
-        "B": "negative",
-    }
-    assert not under_way.can_request_feedback
-    assert under_way.request_feedback(now=4000) is None
-
-
-def test_amending_keeps_the_given_feedback_and_corrects_the_level() -> None:
-    under_way = attempts()
-    attempt(under_way, {"A": lift(500), "B": lift(500)})
-    assert under_way.level == 2
-    again = under_way.amend({"A": lift(500), "B": lift(500, correct=False)})
-    assert again is not None
-    assert each(again) == {"A": (500, "success", "positive"), "B": (None, "failure", "positive")}
-    assert again.level is not None
-    assert (again.level.reason, under_way.level) == ("mark", 1)
 
 
 REACHED, MISSED = (

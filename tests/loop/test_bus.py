@@ -7,7 +7,7 @@ import pytest
 from sar_tui.loop.bus import FAULT, Bus, Record, Service, Topic
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.node import Node, TimedNode, on, serves
-from sar_tui.model.messages import Fault, FocusChanged, Message
+from sar_tui.model.messages import Fault, Message
 from tests.facts import each, facts
 
 
@@ -52,30 +52,14 @@ def words(cascade: list[Record]) -> list[str]:
     return [record.message.word for record in cascade if isinstance(record.message, Said)]
 
 
-def test_a_topic_refuses_another_type(bus: Bus) -> None:
-    with pytest.raises(TypeError, match="test/in carries Said, not Asked"):
-        bus.publish(IN, Asked(number=1))  # type: ignore[misc]
-
-
-def test_a_topic_refuses_a_subclass_of_its_type(bus: Bus) -> None:
+def test_a_topic_refuses_another_type_and_a_subclass_of_its_own(bus: Bus) -> None:
     class Shouted(Said, frozen=True, kw_only=True):
         pass
 
+    with pytest.raises(TypeError, match="test/in carries Said, not Asked"):
+        bus.publish(IN, Asked(number=1))  # type: ignore[misc]
     with pytest.raises(TypeError):
         bus.publish(IN, Shouted(word="hey"))
-
-
-def test_messages_cannot_be_changed() -> None:
-    with pytest.raises(AttributeError):
-        said("a").word = "b"  # type: ignore[misc]
-
-
-def test_handlers_run_in_the_order_of_their_subscription(bus: Bus) -> None:
-    order: list[str] = []
-    for name in ("first", "second", "third"):
-        bus.subscribe(IN, lambda _, name=name: order.append(name))
-    bus.publish(IN, said("go"))
-    assert order == ["first", "second", "third"]
 
 
 def test_a_publish_inside_a_handler_waits_until_the_handler_and_its_peers_are_done(
@@ -123,11 +107,15 @@ def test_a_cascade_has_one_time_and_its_messages_count_up(
     assert [(record.seq, record.at) for cascade in cascades for record in cascade] == expected
 
 
-def test_a_derived_message_without_a_cause_is_refused(
+def test_a_derived_message_without_a_cause_is_neither_published_nor_posted(
     bus: Bus, cascades: list[list[Record]]
 ) -> None:
     with pytest.raises(RuntimeError, match="test/out is derived"):
         bus.publish(OUT, said("from nowhere"))
+    with pytest.raises(TypeError):
+        bus.post(OUT, said("derived"))
+    with pytest.raises(TypeError):
+        bus.post(IN, Asked(number=1))  # type: ignore[misc]
     assert cascades == []
 
 
@@ -159,13 +147,6 @@ def test_another_thread_may_post_and_the_owner_delivers(
     clock.advance(0)
     assert [words(cascade) for cascade in cascades] == [["by post"]]
     assert served_on == [threading.get_ident()]
-
-
-def test_only_inputs_of_the_right_type_can_be_posted(bus: Bus) -> None:
-    with pytest.raises(TypeError):
-        bus.post(OUT, said("derived"))
-    with pytest.raises(TypeError):
-        bus.post(IN, Asked(number=1))  # type: ignore[misc]
 
 
 def test_a_handler_that_raises_publishes_a_fault_and_the_others_still_run(
@@ -211,12 +192,8 @@ def test_a_service_answers_at_once_and_its_exception_is_the_callers(bus: Bus) ->
         bus.call(DOUBLE, Asked(number=-1))
     with pytest.raises(TypeError, match="test/double takes Asked"):
         bus.call(DOUBLE, said("two"))  # type: ignore[misc]
-
-
-def test_a_service_can_be_served_only_once(bus: Bus) -> None:
-    bus.serve(DOUBLE, lambda asked: asked)
     with pytest.raises(ValueError, match="served already"):
-        bus.serve(DOUBLE, lambda asked: asked)
+        bus.serve(DOUBLE, double)
 
 
 def test_a_late_subscriber_gets_the_last_value_of_a_kept_topic_only(bus: Bus) -> None:
@@ -249,15 +226,6 @@ def test_messages_of_a_stream_are_not_numbered(bus: Bus, cascades: list[list[Rec
     assert [words(cascade) for cascade in cascades] == expected
     assert [record.seq for cascade in cascades for record in cascade] == [1, 1, 2]
     assert during == [0, 0, 1]
-
-
-def test_a_removed_tap_receives_nothing_more(bus: Bus) -> None:
-    cascades: list[list[Record]] = []
-    bus.tap(cascades.append)
-    bus.publish(IN, said("one"))
-    bus.untap(cascades.append)
-    bus.publish(IN, said("two"))
-    assert [words(cascade) for cascade in cascades] == [["one"]]
 
 
 def test_a_node_may_only_use_what_it_declares(bus: Bus) -> None:
@@ -307,31 +275,3 @@ def test_a_timer_fires_when_due_unless_cancelled_or_set_again(
     alarm.cancel_timer("bread")
     clock.advance(300)
     assert alarm.fired == [("tea", 200)]
-
-
-def test_a_timer_that_was_cancelled_while_its_message_waited_is_ignored(
-    bus: Bus, clock: VirtualClock
-) -> None:
-    alarm = Alarm()
-    alarm.attach(bus)
-
-    class Meddler(Node):
-        name = "meddler"
-
-        @on(IN)
-        def received(self, _: Said) -> None:
-            clock.advance(100)
-            alarm.cancel_timers()
-
-    Meddler().attach(bus)
-    alarm.set_timer("tea", 100)
-    bus.publish(IN, said("go"))
-    assert alarm.fired == []
-
-
-def test_a_topic_of_another_domain_is_an_ordinary_message(bus: Bus) -> None:
-    focus = Topic("test/focus", FocusChanged, origin="input")
-    seen: list[FocusChanged] = []
-    bus.subscribe(focus, seen.append)
-    bus.publish(focus, FocusChanged(seat="B", focused=True, at=3))
-    assert seen == [FocusChanged(seat="B", focused=True, at=3)]

@@ -10,13 +10,6 @@ from sar_tui.loop.clock import LiveClock, PacedClock, VirtualClock, host_now
 from sar_tui.model.units import SECOND
 
 
-def test_the_virtual_clock_stands_still_until_stepped() -> None:
-    clock = VirtualClock(5)
-    ran: list[str] = []
-    clock.call_at(5, lambda: ran.append("due at once"))
-    assert (clock.now(), ran) == (5, [])
-
-
 @given(st.lists(st.integers(0, 50)))
 def test_callbacks_run_by_time_then_in_the_order_of_request(times: list[int]) -> None:
     clock = VirtualClock()
@@ -40,14 +33,6 @@ def test_a_callback_in_the_past_runs_now() -> None:
     assert at == [100]
 
 
-def test_a_callback_may_schedule_another() -> None:
-    clock = VirtualClock()
-    at: list[int] = []
-    clock.call_at(10, lambda: clock.call_at(clock.now() + 5, lambda: at.append(clock.now())))
-    clock.advance(20)
-    assert (at, clock.now()) == ([15], 20)
-
-
 def test_advance_runs_what_falls_due_and_leaves_the_rest() -> None:
     clock = VirtualClock()
     ran: list[int] = []
@@ -65,22 +50,6 @@ def test_a_cancelled_callback_does_not_run_or_move_the_clock() -> None:
     clock.call_at(10, lambda: ran.append("called off")).cancel()
     assert not clock.step()
     assert (ran, clock.now()) == ([], 0)
-
-
-def test_set_moves_the_clock_and_runs_nothing() -> None:
-    clock = VirtualClock()
-    ran: list[str] = []
-    clock.call_at(10, lambda: ran.append("skipped over"))
-    clock.set(10)
-    assert (ran, clock.now()) == ([], 10)
-
-
-def test_call_soon_runs_before_any_time_passes() -> None:
-    clock = VirtualClock(7)
-    at: list[int] = []
-    clock.call_soon(lambda: at.append(clock.now()))
-    clock.advance(0)
-    assert at == [7]
 
 
 async def test_a_live_clock_runs_callbacks_where_its_run_is_awaited_and_not_before_they_are_due() -> (

@@ -5,7 +5,6 @@ import shutil
 import sqlite3
 from contextlib import closing
 from pathlib import Path
-from typing import Any
 
 import msgspec
 import pytest
@@ -16,11 +15,11 @@ from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import resume, start
-from sar_tui.simulation.participant import SimulatedParticipant
-from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import locks, sessions
 from sar_tui.store.database import StoreError, connect
+from tests import played
 from tests.examples import first_rows
+from tests.played import somebody
 from tests.program import Call
 
 SIMULATED = [
@@ -42,28 +41,17 @@ def simulate(call: Call, task: str, user: str, seed: int, operated: object = Fal
     return str(made.json["session"])
 
 
-def make_participants(task: Any, theme: Any, seed: int) -> list[SimulatedParticipant]:
-    return [SimulatedParticipant(PEOPLE["average"], task, seed)]
-
-
 def play(data: Path, *cuts: int, seed: int = 4) -> str:
     """Play a live session on the virtual clock, cut off and resumed after each number of steps;
     return its id.
     """
-    clock = VirtualClock()
     plan = msgspec.structs.replace(PLAN, seed=seed)
-    run = start(plan, data, Catalogue(), clock, make_participants)
-    for number, steps in enumerate([*cuts, 10**6], 1):
-        run.begin()
-        for _ in range(steps):
-            if run.session.ended or not clock.step():
-                break
-        run.recorder.write()
-        run.close()
-        if number <= len(cuts):
-            clock = VirtualClock(number * 1000 * SECOND)
-            run = resume(run.id, data, Catalogue(), clock, make_participants)
-    return run.id
+    run = start(plan, data, Catalogue(), clock := VirtualClock(), somebody)
+    for number, steps in enumerate(cuts, 1):
+        played.play(run, clock, steps)
+        clock = VirtualClock(number * 1000 * SECOND)
+        run = resume(run.id, data, Catalogue(), clock, somebody)
+    return played.play(run, clock)
 
 
 def dump(data: Path) -> list[str]:
@@ -103,7 +91,7 @@ def test_a_session_by_other_rules_is_neither_replayed_nor_resumed(
         assert (called.code, called.err.startswith(told)) == (2, True)
     change(data, "UPDATE sessions SET status='interrupted'")
     with pytest.raises(StoreError, match="recorded by another version"):
-        resume(session, data, Catalogue(), VirtualClock(), make_participants)
+        resume(session, data, Catalogue(), VirtualClock(), somebody)
 
 
 def test_what_a_participant_does_later_does_not_change_an_earlier_session(

@@ -34,11 +34,9 @@ def scores(data: Path, session: str) -> list[dict[str, Any]]:
 @pytest.mark.parametrize(
     ("task", "settings", "changed"),
     [
-        ("keyboard", FIXED, ("threshold=700",)),
         ("keyboard", FIXED, ("threshold=1100", "min_accuracy=1", "neutral_band=0.2")),
         ("keyboard", FIXED, ("feedback_every=2",)),
         ("pairs", FIXED[:2], ("threshold=700",)),
-        ("reaching", FIXED, ("threshold=2000",)),
         ("reaching", FIXED, ("detector=fixed-threshold",)),
     ],
 )

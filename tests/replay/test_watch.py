@@ -2,22 +2,21 @@
 
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import pytest
 from textual.widgets import Static
 
 from sar_tui.app import watch
 from sar_tui.app.screens.summary import Summary
-from sar_tui.loop.bus import Record
+from sar_tui.loop.bus import Record, Topic
 from sar_tui.loop.topics import ATTEMPT_STARTED, FRAME, KEY, PROMPT, SESSION, THEME, TRIAL_FEEDBACK
 from sar_tui.model.messages import (
     AttemptStarted,
-    FrameDue,
     KeyPressed,
     Prompt,
     SessionStarted,
     ThemeApplied,
-    TrialFeedback,
 )
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import SECOND
@@ -85,13 +84,11 @@ def test_nodes_that_show_a_record_can_publish_nothing() -> None:
 
 @pytest.mark.slow
 async def test_a_session_is_shown_again_and_nothing_is_stored(
-    call: Call, data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+    call: Call, data: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(watch, "TICK_SECONDS", 10_000)  # only this test lets time pass
     call("simulate", "keyboard", "--user", "average", "--seed", 1, "--attempts", 3, "-p", "P01")
     before = dump(data)
-    with closing(connect(data)) as database:
-        shown = watch.Watch(data, catalogue, database, sessions.find(database, data, "last"), 1.0)
+    shown = watched(data, monkeypatch)
     prompts: list[Prompt] = []
     async with shown.app.run_test(size=(80, 24)) as pilot:
         await pilot.pause()
@@ -137,49 +134,51 @@ def test_what_cannot_be_watched_is_refused(
 async def test_the_frames_of_a_prompt_are_shown_at_their_times(
     call: Call, data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(watch, "TICK_SECONDS", 10_000)
     tasks = write_documented(tmp_path / "mytasks", "stopping").parent
-    brief = ("--user", "average", "--seed", 1, "--attempts", 1)
-    call("simulate", "stopping", *brief, "--tasks", str(tasks))
-    with closing(connect(data)) as database:
-        catalogue = Catalogue(tasks=(tasks,))
-        shown = watch.Watch(data, catalogue, database, sessions.find(database, data, "last"), 1.0)
-    due: list[FrameDue] = []
+    call("simulate", "stopping", *BRIEF, "--tasks", str(tasks))
+    shown = watched(data, monkeypatch, tasks)
     async with shown.app.run_test(size=(80, 24)) as pilot:
         await pilot.pause()
-        player = shown.watched.player
-        player.bus.subscribe(FRAME, due.append)
-        while not due:
-            player.advance(SECOND // 1000)
+        due = play_until(shown, FRAME)
         await pilot.pause()
         assert "Press: " in prompt_text(shown)
-        player.advance(due[0].at - player.clock.now())
+        shown.watched.player.advance(due.at - shown.watched.player.clock.now())
         assert "Do not press." in prompt_text(shown)
 
 
 @pytest.mark.slow
 async def test_the_answer_to_a_trial_is_shown_for_as_long_as_it_was(
-    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    call: Call, data: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(watch, "TICK_SECONDS", 10_000)
-    brief = ("--user", "average", "-p", "P01", "--seed", 1, "--attempts", 1)
-    shown_for = ("--set", "trial_feedback_ms=700", "--json")
-    session = call("simulate", "keyboard", *brief, *shown_for).json["session"]
-    data = tmp_path / "data"
-    with closing(connect(data)) as database:
-        row = sessions.find(database, data, session)
-        shown = watch.Watch(data, Catalogue(), database, row, 1.0)
-    due: list[TrialFeedback] = []
+    call("simulate", "keyboard", *BRIEF, "--set", "trial_feedback_ms=700")
+    shown = watched(data, monkeypatch)
     async with shown.app.run_test(size=(80, 24)) as pilot:
         await pilot.pause()
-        player = shown.watched.player
-        player.bus.subscribe(TRIAL_FEEDBACK, due.append)
-        while not due:
-            player.advance(SECOND // 1000)
+        answer = play_until(shown, TRIAL_FEEDBACK)
         await pilot.pause()
-        assert due[0].text in prompt_text(shown)
-        player.advance(SECOND)
-        assert due[0].text not in prompt_text(shown)
+        assert answer.text in prompt_text(shown)
+        shown.watched.player.advance(SECOND)
+        assert answer.text not in prompt_text(shown)
+
+
+BRIEF = ("--user", "average", "-p", "P01", "--seed", 1, "--attempts", 1)
+
+
+def watched(data: Path, monkeypatch: pytest.MonkeyPatch, *tasks: Path) -> watch.Watch:
+    """Show the last session; only the test lets time pass."""
+    monkeypatch.setattr(watch, "TICK_SECONDS", 10_000)
+    with closing(connect(data)) as database:
+        row = sessions.find(database, data, "last")
+        return watch.Watch(data, Catalogue(tasks=tasks), database, row, 1.0)
+
+
+def play_until(shown: watch.Watch, topic: Topic[Any]) -> Any:
+    """Let time pass until a message of a topic comes, and return it."""
+    found: list[Any] = []
+    shown.watched.player.bus.subscribe(topic, found.append)
+    while not found:
+        shown.watched.player.advance(SECOND // 1000)
+    return found[0]
 
 
 def prompt_text(shown: watch.Watch) -> str:

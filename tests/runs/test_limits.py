@@ -2,28 +2,26 @@
 sentence.
 """
 
+from contextlib import closing
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import pytest
 
 from sar_tui.loop.clock import VirtualClock
-from sar_tui.loop.node import Node
-from sar_tui.loop.task import Task
 from sar_tui.loop.topics import WAITING
 from sar_tui.model.messages import Waiting
-from sar_tui.model.theme import Theme
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.limits import Dose, is_session_over, reached_of_day
 from sar_tui.rules.parameters import TaskParameters
 from sar_tui.runs.plan import Failed, make_plan
 from sar_tui.runs.run import Run, start
-from sar_tui.simulation.participant import SimulatedParticipant
-from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
 from sar_tui.store.training_days import done_on_day
+from tests import played
+from tests.played import somebody
 
 NOON = datetime(2026, 11, 22, 12, tzinfo=UTC)
 ENOUGH = "That is enough for today. Well done."
@@ -40,11 +38,7 @@ def begin(data: Path, catalogue: Catalogue, **limits: object) -> tuple[Run, Virt
     settings = {"attempts": 6, "prompts_per_attempt": 3, "practice_attempts": 1, **limits}
     plan = make_plan(catalogue, "keyboard", ["P07"], settings, seed=3)
     clock = VirtualClock(10 * SECOND)
-
-    def nodes(task: Task, theme: Theme, seed: int) -> list[Node]:
-        return [SimulatedParticipant(PEOPLE["average"], task, 7)]
-
-    return start(plan, data, catalogue, clock, nodes), clock
+    return start(plan, data, catalogue, clock, somebody), clock
 
 
 def play(data: Path, catalogue: Catalogue, **limits: object) -> tuple[int, str]:
@@ -59,15 +53,10 @@ def play(data: Path, catalogue: Catalogue, **limits: object) -> tuple[int, str]:
             told.append(waiting.notice)
 
     run.session.bus.subscribe(WAITING, listen)
-    run.begin()
-    while not run.session.ended:
-        assert clock.step()
-    run.recorder.write()
-    run.close()
-    database = connect(data)
-    done = len(sessions.rows(database, "attempts", run.id))
-    assert sessions.find(database, data, run.id)["status"] == "completed"
-    database.close()
+    played.play(run, clock)
+    with closing(connect(data)) as database:
+        done = len(sessions.rows(database, "attempts", run.id))
+        assert sessions.find(database, data, run.id)["status"] == "completed"
     return done, told[-1]
 
 
@@ -105,15 +94,14 @@ def test_what_was_done_earlier_today_counts_and_another_session_is_refused_kindl
 
 def test_the_dose_of_a_day_is_that_of_its_attempts(data: Path, catalogue: Catalogue) -> None:
     play(data, catalogue, attempts=2)
-    database = connect(data)
-    today = done_on_day(database, "P07", "keyboard", NOON)
-    assert (today.attempts, today.repetitions) == (2, 9)
-    assert 0.1 < today.minutes < 2
-    for other in (NOON - timedelta(days=1), NOON + timedelta(days=1)):
-        assert done_on_day(database, "P07", "keyboard", other) == Dose()
-    for code, task in (("P07", "reaching"), ("P08", "keyboard")):
-        assert done_on_day(database, code, task, NOON) == Dose()
-    database.close()
+    with closing(connect(data)) as database:
+        today = done_on_day(database, "P07", "keyboard", NOON)
+        assert (today.attempts, today.repetitions) == (2, 9)
+        assert 0.1 < today.minutes < 2
+        for other in (NOON - timedelta(days=1), NOON + timedelta(days=1)):
+            assert done_on_day(database, "P07", "keyboard", other) == Dose()
+        for code, task in (("P07", "reaching"), ("P08", "keyboard")):
+            assert done_on_day(database, code, task, NOON) == Dose()
 
 
 def test_a_limit_of_0_is_none() -> None:

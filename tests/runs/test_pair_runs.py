@@ -22,7 +22,7 @@ from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import locks, sessions
 from sar_tui.store.database import StoreError, connect
 from tests.examples import examples
-from tests.runs.test_runs import play, undisturbed
+from tests.played import play
 
 CATALOGUE = Catalogue()
 KIND = CATALOGUE.task("pairs")
@@ -146,24 +146,19 @@ def test_a_simulated_task_for_two_has_a_partner_even_if_none_is_named(data: Path
     assert sorted(rows(data, "seats", session, "participant")) == [("SIM",), ("SIM-B",)]
 
 
-def test_a_session_of_one_has_no_partner(data: Path) -> None:
-    session = undisturbed(data)
-    row = found(data, session)
-    assert (row["partner"], sessions.participant_codes(row)) == (None, "P01")
-
-
 # --- interrupted and resumed
 
 
 @pytest.mark.parametrize("policy", POLICIES)
 @examples(6)
 @given(steps=st.lists(st.integers(0, 30), min_size=1, max_size=3))
-def test_each_trial_of_both_is_stored_once_after_a_kill_in_mid_trial_and_a_resume(
+def test_each_trial_of_both_is_stored_once_after_kills_in_mid_trial_and_replays_identically(
     policy: str, steps: list[int], tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     data = tmp_path_factory.mktemp("data") / "data"
     clock = VirtualClock()
-    run: Run = start(plan(policy=policy), data, CATALOGUE, clock, make_participants)
+    named = {"policy": policy, "address": "code"}
+    run: Run = start(plan(**named), data, CATALOGUE, clock, make_participants)
     session = run.id
     for count in steps:
         play(run, clock, count)
@@ -185,12 +180,8 @@ def test_each_trial_of_both_is_stored_once_after_a_kill_in_mid_trial_and_a_resum
     other = data.parent / "whole"
     asked = rows(other, "trials", whole(other, policy=policy), *ASKED)
     assert rows(data, "trials", session, *ASKED) == asked
-
-
-@pytest.mark.parametrize("policy", POLICIES)
-def test_a_session_of_two_replays_identically(data: Path, policy: str) -> None:
-    session = whole(data, policy=policy, address="code")
-    parameters = build(KIND.Parameters, SHORT | {"policy": policy, "address": "code"})
-    replayed = Session(KIND(parameters), CATALOGUE.theme("calm"), VirtualClock(), 4)
+    replayed = Session(
+        KIND(build(KIND.Parameters, SHORT | named)), CATALOGUE.theme("calm"), VirtualClock(), 4
+    )
     replayed.replay(recorded(data, session))
     assert replayed.ended

@@ -11,6 +11,8 @@ import pytest
 
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.node import Node
+from sar_tui.loop.topics import STEP_ENDED, WAITING
+from sar_tui.model.step import Entry
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.replay.replay import replay
@@ -21,6 +23,8 @@ from sar_tui.simulation.participant import SimulatedParticipant, SimulatedPartne
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
+from tests.facts import each
+from tests.played import play
 
 CATALOGUE = Catalogue()
 SHORT: dict[str, Any] = {"attempts": 12, "prompts_per_attempt": 3}
@@ -39,6 +43,11 @@ PLANS: dict[str, tuple[str, list[str], dict[str, Any]]] = {
     ),
     "pairs": ("pairs", ["P01", "P02"], {"attempts": 4}),
     "long": ("keyboard", ["P01"], {"attempts": 24, "prompts_per_attempt": 20}),
+    "questions": (
+        "keyboard",
+        ["P01"],
+        {"attempts": 1, "prompts_per_attempt": 1, "questions": "effort remark enjoyment"},
+    ),
 }
 
 
@@ -58,17 +67,6 @@ def nodes(name: str) -> Callable[[Any, Any, int], list[Node]]:
     return make
 
 
-def play(run: Run, clock: VirtualClock, steps: int | None = None) -> None:
-    """Do a number of steps of a run, or all of them, and close it."""
-    run.begin()
-    while not run.session.ended and (steps is None or steps > 0):
-        assert clock.step()
-        steps = None if steps is None else steps - 1
-    assert run.session.faults == []
-    run.recorder.write()
-    run.close()
-
-
 def interrupted(data: Path, name: str = "keyboard", steps: int = 100) -> str:
     """Play a session for some steps, and return its id."""
     run = start(a_plan(name), data, CATALOGUE, clock := VirtualClock(), nodes(name))
@@ -79,20 +77,52 @@ def interrupted(data: Path, name: str = "keyboard", steps: int = 100) -> str:
 
 def go_on(
     data: Path, session: str, name: str = "keyboard", run: int = 2, steps: int | None = None
-) -> None:
-    clock = VirtualClock(run * 1000 * SECOND)
-    play(resume(session, data, CATALOGUE, clock, nodes(name)), clock, steps)
+) -> Run:
+    again = resume(
+        session, data, CATALOGUE, clock := VirtualClock(run * 1000 * SECOND), nodes(name)
+    )
+    play(again, clock, steps)
+    assert again.session.faults == []
+    return again
 
 
-@pytest.mark.parametrize("name", PLANS)
+@pytest.mark.parametrize("name", [name for name in PLANS if name != "questions"])
 def test_a_session_that_was_resumed_twice_follows_from_its_inputs(name: str, data: Path) -> None:
     session = interrupted(data, name, 80)
     go_on(data, session, name, 2, 30)
-    go_on(data, session, name, 3)
+    assert go_on(data, session, name, 3).number == 3
     with closing(connect(data)) as database:
         row = sessions.find(database, data, session)
         assert row["status"] == "completed"
+        assert [one["run"] for one in sessions.rows(database, "runs", session)] == [1, 2, 3]
+        runs = [trial["run"] for trial in sessions.rows(database, "trials", session)]
+        assert runs == sorted(runs)
         assert replay(database, data, CATALOGUE, row).identical
+
+
+@pytest.mark.parametrize("name", ["effort", "remark", "enjoyment"])
+def test_a_question_that_was_half_answered_is_answered_after_the_resume(
+    data: Path, name: str
+) -> None:
+    run = start(a_plan("questions"), data, CATALOGUE, clock := VirtualClock(), nodes("questions"))
+    run.begin()
+    while chosen(run) != name:
+        assert clock.step()
+    run.recorder.write()
+    run.close()
+    go_on(data, run.id, "questions")
+    with closing(connect(data)) as database:
+        history = sessions.history(database, run.id)
+        ended = [one.message for one in history if one.topic is STEP_ENDED]
+    asked = ["effort", "remark", "enjoyment"]
+    assert each(ended, "name status") == [(question, "answered") for question in asked]
+
+
+def chosen(run: Run) -> str:
+    """The question that stands with something chosen or typed; empty if there is none."""
+    waiting = run.session.bus.last(WAITING)
+    asked = waiting.step if waiting else None
+    return asked.step.name if asked and asked.entry != Entry() else ""
 
 
 def test_the_progress_of_a_resume_is_told(data: Path) -> None:

@@ -1,15 +1,12 @@
 """A session that was cut off is completed by a later run."""
 
 import shutil
-import tempfile
 from contextlib import closing
 from pathlib import Path
 from typing import Any
 
 import msgspec
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.topics import SESSION, WAITING
@@ -20,11 +17,10 @@ from sar_tui.reports.logged_messages import read
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import Run, resume, start
 from sar_tui.runs.simulate import simulate
-from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
-from tests.examples import examples
+from tests.played import play, somebody
 
 CATALOGUE = Catalogue()
 KEYBOARD = CATALOGUE.task("keyboard")
@@ -32,37 +28,11 @@ SETTINGS = {"attempts": 3, "prompts_per_attempt": 4, "start_level": 5}
 PLAN = make_plan(CATALOGUE, KEYBOARD, ["P01"], SETTINGS, seed=4)
 
 
-def make_participants(task: Any, theme: Any, seed: int) -> list[SimulatedParticipant]:
-    return [SimulatedParticipant(PEOPLE["average"], task, seed)]
-
-
-def play(run: Run, clock: VirtualClock, steps: int | None = None) -> None:
-    """Do a number of steps of a run, or all of them, and close it."""
-    run.begin()
-    while not run.session.ended and (steps is None or steps > 0):
-        assert clock.step()
-        steps = None if steps is None else steps - 1
-    assert run.session.broken is None
-    run.recorder.write()
-    run.close()
-
-
-def table(data: Path, name: Any, session: str, *columns: str) -> list[tuple[Any, ...]]:
-    return [
-        tuple(row[column] for column in columns)
-        for row in sessions.rows(connect(data), name, session)
-    ]
-
-
-TRIALS = ("attempt", "trial", "stimulus", "response", "correct")
-ATTEMPTS = ("attempt", "level", "accuracy", "outcome", "feedback")
-
-
 def begun(data: Path, seed: int = 4, steps: int | None = None, **changed: Any) -> Run:
     """Start a session, and do a number of its steps, or all."""
     clock = VirtualClock()
     plan = msgspec.structs.replace(PLAN, seed=seed, **changed)
-    run = start(plan, data, CATALOGUE, clock, make_participants)
+    run = start(plan, data, CATALOGUE, clock, somebody)
     play(run, clock, steps)
     return run
 
@@ -71,40 +41,9 @@ def resumed(
     data: Path, run: Run, steps: int | None = None, catalogue: Catalogue = CATALOGUE
 ) -> Run:
     clock = VirtualClock((run.number + 1) * 1000 * SECOND)
-    again = resume(run.id, data, catalogue, clock, make_participants)
+    again = resume(run.id, data, catalogue, clock, somebody)
     play(again, clock, steps)
     return again
-
-
-def undisturbed(data: Path) -> str:
-    return begun(data).id
-
-
-@examples(25)
-@given(st.lists(st.integers(0, 40), min_size=1, max_size=4))
-def test_a_session_resumed_any_number_of_times_has_the_same_trials_as_an_uninterrupted_one(
-    cuts: list[int],
-) -> None:
-    data = Path(tempfile.mkdtemp())
-    try:
-        whole = undisturbed(data)
-        run = begun(data, steps=cuts[0])
-        for number, steps in enumerate([*cuts[1:], None], 2):
-            if run.session.ended:
-                break
-            assert sessions.find(connect(data), data, run.id)["status"] == "interrupted"
-            run = resumed(data, run, steps)
-            assert run.number == number
-        assert sessions.find(connect(data), data, run.id)["status"] == "completed"
-        for name, columns in (("trials", TRIALS), ("attempts", ATTEMPTS)):
-            assert table(data, name, run.id, *columns) == table(data, name, whole, *columns)
-        runs = table(data, "trials", run.id, "run")
-        assert runs == sorted(runs)
-        assert len(sessions.rows(connect(data), "runs", run.id)) == run.number
-        seqs = [record.seq for record in sessions.history(connect(data), run.id)]
-        assert seqs == list(range(1, len(seqs) + 1))
-    finally:
-        shutil.rmtree(data)
 
 
 def test_each_run_stores_its_software_and_machine(
@@ -123,9 +62,9 @@ def test_each_run_stores_its_software_and_machine(
 
 
 def test_a_session_that_has_ended_cannot_be_resumed(data: Path) -> None:
-    session = undisturbed(data)
+    session = begun(data).id
     with pytest.raises(StoreError, match="is completed; only a live one") as caught:
-        resume(session, data, CATALOGUE, VirtualClock(), make_participants)
+        resume(session, data, CATALOGUE, VirtualClock(), somebody)
     assert caught.value.bad_input
 
 
@@ -179,7 +118,7 @@ def begun_with_own_theme(data: Path, themes: Path, copied: str) -> tuple[Run, Ca
     say_in(themes, "round")
     catalogue, clock = Catalogue(themes=(themes,)), VirtualClock()
     plan = msgspec.structs.replace(PLAN, theme="mine")
-    run = start(plan, data, catalogue, clock, make_participants)
+    run = start(plan, data, catalogue, clock, somebody)
     assert run.theme_notice == ""
     play(run, clock, 12)
     return run, catalogue

@@ -9,17 +9,14 @@ from typing import Any
 import pytest
 
 from sar_tui.loop.clock import VirtualClock
-from sar_tui.loop.node import Node
-from sar_tui.loop.task import Task
-from sar_tui.model.theme import Theme
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import start
 from sar_tui.runs.simulate import simulate
-from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
+from tests import played
 
 FEW = {"attempts": 12, "prompts_per_attempt": 6}
 
@@ -30,23 +27,16 @@ def play(data: Path, catalogue: Catalogue) -> Any:
     start level.
     """
 
-    def nodes(task: Task, theme: Theme, seed: int) -> list[Node]:
-        return [SimulatedParticipant(PEOPLE["average"], task, seed)]
-
-    def played(seed: int = 1, **settings: object) -> tuple[list[int], int]:
+    def of_levels(seed: int = 1, **settings: object) -> tuple[list[int], int]:
         plan = make_plan(catalogue, "keyboard", ["P01"], {**FEW, **settings}, seed=seed)
         clock = VirtualClock()
-        run = start(plan, data, catalogue, clock, nodes)
-        run.begin()
-        while not run.session.ended and clock.step():
-            pass
-        run.close()
+        session = played.play(start(plan, data, catalogue, clock, played.somebody), clock)
         with closing(connect(data)) as database:
-            rows = sessions.rows(database, "attempts", run.id)
-            stored = sessions.find(database, data, run.id)["parameters"]["start_level"]
+            rows = sessions.rows(database, "attempts", session)
+            stored = sessions.find(database, data, session)["parameters"]["start_level"]
         return [row["level"] for row in rows], stored
 
-    return played
+    return of_levels
 
 
 def test_the_next_session_starts_at_the_hardest_level_whose_goal_is_expected_to_be_reached(

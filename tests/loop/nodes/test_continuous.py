@@ -52,8 +52,12 @@ def test_the_next_attempt_begins_by_itself(calm: Theme) -> None:
     assert driver.waiting.stage == "review"
 
 
-def test_feedback_can_be_read_first(calm: Theme) -> None:
-    driver = answered(begun(calm, feedback_schedule="every"))
+@pytest.mark.parametrize("schedule", ["every", "request"])
+def test_feedback_can_be_read_first(calm: Theme, schedule: str) -> None:
+    driver = answered(begun(calm, feedback_schedule=schedule))
+    if schedule == "request":
+        driver.wait(1000)
+        driver.press("tab")
     assert len(driver.all(FEEDBACK)) == 1
     driver.wait(READING_MS - 1)
     assert len(driver.all(ATTEMPT_STARTED)) == 1
@@ -61,35 +65,15 @@ def test_feedback_can_be_read_first(calm: Theme) -> None:
     assert len(driver.all(ATTEMPT_STARTED)) == 2
 
 
-def test_feedback_on_request_can_be_read_first(calm: Theme) -> None:
-    driver = answered(begun(calm, feedback_schedule="request"))
-    driver.wait(1000)
-    driver.press("tab")
-    driver.wait(READING_MS - 1)
-    assert len(driver.all(ATTEMPT_STARTED)) == 1
-    driver.wait(1)
-    assert len(driver.all(ATTEMPT_STARTED)) == 2
-
-
-def test_enter_begins_it_at_once_and_only_once(calm: Theme) -> None:
-    driver = answered(begun(calm))
-    driver.wait(300)
-    driver.press("enter")
-    driver.wait(10_000)
-    assert len(driver.all(ATTEMPT_STARTED)) == 2
-
-
-def test_enter_is_needed_after_practice(calm: Theme) -> None:
-    driver = answered(begun(calm, practice_attempts=1))
+@pytest.mark.parametrize(
+    "settings",
+    [{"practice_attempts": 1}, {"rest_after_attempts": 1, "rest_seconds": 10}],
+    ids=["practice", "a rest"],
+)
+def test_enter_is_needed_after_practice_or_a_rest(calm: Theme, settings: dict[str, int]) -> None:
+    driver = answered(begun(calm, **settings))
     driver.wait(60_000)
-    assert (driver.waiting.attempt, driver.waiting.until) == (2, 0)
-    assert len(driver.all(ATTEMPT_STARTED)) == 1
-
-
-def test_enter_is_needed_after_a_rest(calm: Theme) -> None:
-    driver = answered(begun(calm, rest_after_attempts=1, rest_seconds=10))
-    driver.wait(60_000)
-    assert (driver.waiting.stage, driver.waiting.until) == ("attempt", 0)
+    assert (driver.waiting.stage, driver.waiting.attempt, driver.waiting.until) == ("attempt", 2, 0)
     assert len(driver.all(ATTEMPT_STARTED)) == 1
 
 
@@ -104,12 +88,6 @@ def test_enter_is_needed_after_a_pause_between_attempts(calm: Theme) -> None:
     assert len(driver.all(ATTEMPT_STARTED)) == 2
 
 
-def test_a_limit_of_the_session_holds(calm: Theme) -> None:
-    driver = answered(begun(calm, attempts_a_day=1))
-    driver.wait(60_000)
-    assert driver.waiting.stage == "review"
-
-
 @pytest.mark.parametrize("wait_ms", [0, 1000, PAUSE_MS + 100])
 def test_it_is_replayed_and_resumed(calm: Theme, wait_ms: int) -> None:
     driver = answered(begun(calm))
@@ -122,11 +100,3 @@ def test_it_is_replayed_and_resumed(calm: Theme, wait_ms: int) -> None:
         assert (resumed.waiting.stage, resumed.waiting.until) == ("attempt", 0)
         resumed.press("enter")
     assert resumed.to_prompt().attempt == 2
-
-
-def test_other_tasks_wait_for_enter(calm: Theme) -> None:
-    driver = LoopDriver(Contrast, calm, attempts=3, **SILENT)
-    driver.enter()
-    driver.attempt()
-    driver.wait(60_000)
-    assert (driver.waiting.stage, driver.waiting.until) == ("attempt", 0)

@@ -66,27 +66,6 @@ def test_delayed_feedback_comes_exactly_on_time() -> None:
     assert driver.last(t.FEEDBACK).due == due
 
 
-def test_no_attempt_begins_before_the_feedback() -> None:
-    driver = lifted(**DELAYED)
-    for _ in range(24):
-        driver.press("enter")
-        driver.wait(100)
-    assert (len(driver.all(t.ATTEMPT_STARTED)), feedback(driver)) == (1, [])
-    driver.wait(200)
-    driver.press("enter")
-    assert (len(driver.all(t.ATTEMPT_STARTED)), len(feedback(driver))) == (2, 1)
-
-
-def test_the_review_waits_for_the_last_feedback() -> None:
-    driver = lifted(attempts=1, **DELAYED)
-    driver.press("enter")
-    assert driver.waiting.what == "answer"
-    driver.wait(DELAY_MS)
-    assert (len(feedback(driver)), driver.waiting.stage) == (1, "review")
-    driver.press("enter")
-    assert driver.all(t.SESSION_ENDED)
-
-
 def test_without_feedback_there_is_no_wait() -> None:
     assert now(lifted(feedback_every=2, **DELAYED)) == ("enter", "attempt")
 
@@ -102,16 +81,6 @@ def test_a_pause_in_the_delay_does_not_delay_the_feedback() -> None:
     driver.wait(1000)
     assert driver.waiting.what == "enter"
     assert feedback_times(driver) == [ended + DELAY_MS * MS]
-
-
-def test_feedback_due_in_a_pause_comes_after_it() -> None:
-    driver = lifted(**DELAYED)
-    driver.operate("pause", reason="pain")
-    driver.wait(10_000)
-    assert (driver.waiting.stage, feedback(driver)) == ("paused", [])
-    driver.operate("resume")
-    assert now(driver) == ("enter", "attempt")
-    assert len(feedback(driver)) == 1
 
 
 def test_a_session_ended_in_the_delay_gives_no_feedback_after_the_goodbye() -> None:
@@ -144,17 +113,6 @@ def test_a_session_cut_off_in_the_delay_does_not_wait_for_feedback(starts_at: in
     assert feedback_times(resumed) == [resumed.last(t.ATTEMPT_ENDED).ended + DELAY_MS * MS]
     late = [proposal.id for proposal in driver.all(t.PROPOSED) if proposal.kind == "feedback"]
     assert [dropped.id for dropped in resumed.all(t.DROPPED) if dropped.reason == "late"] == late
-
-
-def test_an_attempt_amended_in_the_delay_gets_the_amended_feedback_once() -> None:
-    driver = lifted(**DELAYED)
-    driver.operate("mark", reason="caught")
-    assert driver.waiting.what == "answer"
-    driver.wait(10_000)
-    amended = [("success", "positive"), ("failure", "negative")]
-    assert each(driver.all(t.ATTEMPT_ENDED), "outcome feedback") == amended
-    assert [action.valence for _, action in feedback(driver)] == ["negative"]
-    assert each(driver.all(t.DROPPED), "reason").count("amended") == 1
 
 
 @given(st.lists(st.integers(0, 1500), max_size=6), st.integers(0, 6000))
@@ -218,51 +176,3 @@ def test_feedback_on_the_last_attempt_can_be_requested() -> None:
     assert now(driver, "stage ask") == ("review", "tab")
     driver.press("tab")
     assert (len(feedback(driver)), driver.waiting.stage) == (1, "review")
-
-
-@pytest.mark.parametrize("schedule", ["every", "faded", "bandwidth", "summary", "none"])
-def test_under_other_schedules_a_request_is_ignored(schedule: str) -> None:
-    driver = lifted(feedback_schedule=schedule, feedback_every=3)
-    before = len(feedback(driver))
-    driver.press("tab")
-    driver.wait(5000)
-    assert (len(feedback(driver)), asks(driver)) == (before, {""})
-
-
-def test_requested_feedback_is_kept_when_the_attempt_is_amended() -> None:
-    driver = lifted(**ON_REQUEST)
-    driver.press("tab")
-    driver.operate("mark", reason="caught")
-    ended = driver.all(t.ATTEMPT_ENDED)
-    amended = [("none", "success"), ("positive", "success"), ("positive", "failure")]
-    assert each(ended, "feedback outcome") == amended
-    assert ended[1].choice == ended[2].choice
-    driver.press("tab")
-    assert len(feedback(driver)) == 1
-
-
-def test_a_request_after_an_amendment_gives_the_amended_feedback() -> None:
-    driver = lifted(**ON_REQUEST)
-    driver.operate("mark", reason="caught")
-    assert driver.waiting.ask == "tab"
-    driver.press("tab")
-    assert driver.last(t.FEEDBACK).valence == driver.last(t.ATTEMPT_ENDED).feedback == "negative"
-
-
-def test_feedback_can_be_requested_after_a_resume() -> None:
-    driver = lifted(**ON_REQUEST)
-    resumed = session("instructions", history=driver.records, **ON_REQUEST)
-    resumed.press("enter")
-    assert resumed.waiting.ask == "tab"
-    resumed.press("tab")
-    assert len(feedback(resumed)) == 1
-
-
-def test_a_request_in_a_pause_is_ignored() -> None:
-    driver = lifted(**ON_REQUEST)
-    driver.operate("pause")
-    driver.press("tab")
-    assert feedback(driver) == []
-    driver.operate("resume")
-    assert driver.waiting.ask == "tab"
-    assert len(driver.all(t.COMMAND)) == 2

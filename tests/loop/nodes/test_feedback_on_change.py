@@ -2,14 +2,13 @@
 noise.
 """
 
-import random
-from statistics import fmean, stdev
 from typing import Any
 
 import pytest
 
 from sar_tui.model.messages import Spread
 from sar_tui.plugins import Catalogue
+from tests.facts import facts
 from tests.lifting_task import Lift
 from tests.loop.nodes.agent_driver import Agent, Spelled, spelled, spelling
 
@@ -67,20 +66,6 @@ def test_a_change_beyond_the_noise_is_reported(
     assert found.slots["change"] == word
 
 
-def test_a_change_is_not_reported_before_the_noise_is_known() -> None:
-    told = agent()
-    expected = ["positive_first", "positive_same", "positive_first"]
-    assert [result(told, metric).situation for metric in (900, 900, 400)] == expected
-
-
-def test_the_noise_of_another_level_tells_nothing_of_this_one() -> None:
-    told = agent()
-    for _ in range(5):
-        result(told, 900, level=2)
-    result(told, 900)
-    assert result(told, 500).situation == "positive_first"
-
-
 @pytest.mark.parametrize("compared_with", COMPARED)
 def test_an_attempt_is_compared_with_those_in_its_condition(compared_with: str) -> None:
     told = agent(compared_with)
@@ -92,41 +77,16 @@ def test_an_attempt_is_compared_with_those_in_its_condition(compared_with: str) 
     assert result(told, 500, sd=10.0, condition="other").situation == "positive_first"
 
 
-def test_the_distance_from_the_goal_is_no_change_and_is_always_reported() -> None:
-    found = result(agent("goal"), 900)
-    assert (found.situation, found.slots["difference"]) == ("positive_improved", "0.10 seconds")
-
-
-def test_success_and_failure_are_told_without_any_earlier_attempt() -> None:
-    agents = {metric: Agent(Lift, VOICE, "qualitative") for metric in (850, 1000, 1200)}
-    told = [spelled(each.feedback_on(metric))[0].situation for metric, each in agents.items()]
-    assert told == ["positive", "neutral", "negative"]
-
-
-def test_a_result_that_is_no_mean_of_trials_counts_as_one() -> None:
-    told = agent()
-    said = [
-        spelled(told.feedback_on(metric))[-1].situation for metric in (900, 920, 890, 910, 880, 500)
-    ]
-    assert said == [*["positive_first"] * 5, "positive_improved"]
-
-
 # --- how it was done
-
-
-def test_a_quality_is_not_praised_within_its_noise() -> None:
-    told = watcher()
-    found = [how(told, sway).situation for sway in (10.0, 6.0, 12.0, 8.0, 13.0, 7.0)]
-    assert set(found) == {"positive"}
 
 
 def test_a_quality_is_praised_beyond_its_noise() -> None:
     told = watcher()
     for sway in (20.0, 21.0, 19.0, 20.0):
-        how(told, sway)
+        assert how(told, sway).situation == "positive"
     found = how(told, 9.0)
     assert (found.situation, found.slots["change"]) == ("performance_improved", "steadier")
-    assert told.said[-1].valence == "positive"
+    assert facts(told.said[-1], "valence evidence") == ("positive", "sway -11 (MDC95 2.6)")
 
 
 BASELINE = (20.0, 20.6, 19.4, 20.0, 20.8, 19.2, 20.5, 19.5)
@@ -142,14 +102,6 @@ def test_a_quality_that_is_worse_than_its_noise_twice_gives_the_advice() -> None
     assert (found.situation, found.slots["aim"]) == ("performance_worsened", STEADY)
     assert told.said[-1].valence == "negative"
     assert told.said[-1].evidence == "sway +12 (MDC95 1.1)"
-
-
-def test_the_advice_goes_before_praise_for_another_quality() -> None:
-    told = watcher()
-    for sway in BASELINE:
-        how(told, sway)
-    how(told, 32.0)
-    assert how(told, 31.0, grip=80.0).situation == "performance_worsened"
 
 
 @pytest.mark.parametrize("form", ["qualitative", "quantitative", "both"])
@@ -170,13 +122,6 @@ def test_a_decline_in_figures_is_a_share_of_the_persons_mean() -> None:
     assert (found.situation, found.slots["percent"]) == ("performance_worsened_figures", "50 %")
 
 
-def test_nothing_is_said_of_better_or_worse_before_the_noise_is_known() -> None:
-    told = watcher()
-    assert [how(told, sway).situation for sway in (20.0, 10.0, 40.0, 45.0, 44.0)] == [
-        "positive"
-    ] * 5
-
-
 def test_a_change_less_than_the_margin_is_not_praised_however_steady_the_person_is() -> None:
     told = watcher()
     for _ in range(5):
@@ -194,20 +139,6 @@ def test_the_noise_is_that_of_attempts_with_a_similar_result() -> None:
     assert how(told, 10.0).situation == "performance_improved"
 
 
-def test_with_nothing_trained_better_is_seldom_said() -> None:
-    """By a fixed margin it would be said in more than a third of attempts."""
-    rng, said, count = random.Random(3), 0, 0
-    for _ in range(12):
-        told = watcher()
-        for attempt in range(12):
-            sways, grips = ([rng.gauss(mean, 8) for _ in range(4)] for mean in (40, 60))
-            spreads = {"sway": Spread(4, stdev(sways)), "grip": Spread(4, stdev(grips))}
-            text = told.feedback_on(900, sway=fmean(sways), grip=fmean(grips), spreads=spreads)
-            said += spelled(text)[0].situation == "performance_improved"
-            count += attempt > 0
-    assert said / count <= 0.1
-
-
 # --- the evidence, for the therapist
 
 
@@ -219,30 +150,6 @@ def test_a_reported_change_stands_beside_its_mdc95() -> None:
     result(told, 700, sd=10.0)
     assert told.said[-1].evidence == "lift time -0.170 s (MDC95 0.013 s)"
     assert "MDC95" not in told.said[-1].text
-
-
-def test_a_reported_change_of_a_quality_stands_beside_its_mdc95() -> None:
-    told = watcher()
-    for sway in (20.0, 21.0, 19.0, 20.0, 9.0):
-        how(told, sway)
-    assert told.said[-1].evidence == "sway -11 (MDC95 2.6)"
-
-
-@pytest.mark.parametrize(
-    "told", [Agent(Lift, VOICE, "qualitative"), agent("goal")], ids=["in words", "from the goal"]
-)
-def test_without_a_judged_change_in_the_text_there_is_no_evidence(told: Agent) -> None:
-    for metric in (900, 900, 900, 900, 900, 500):
-        result(told, metric)
-    assert told.said[-1].evidence == ""
-
-
-def test_too_many_wrong_responses_report_no_change() -> None:
-    told = agent()
-    for metric in (900, 900, 900, 900, 900):
-        result(told, metric)
-    assert result(told, 500, correct=3).situation == "accuracy_figures"
-    assert told.said[-1].evidence == ""
 
 
 # --- doubtful trials

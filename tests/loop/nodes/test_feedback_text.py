@@ -9,11 +9,10 @@ from hypothesis import strategies as st
 
 from sar_tui.loop.phrase_keys import QUALITATIVE, QUANTITATIVE, holds_number
 from sar_tui.loop.task import Task
-from sar_tui.model.messages import Spread
 from sar_tui.model.theme import Theme
 from sar_tui.model.trial_types import Metric
 from sar_tui.plugins import Catalogue
-from sar_tui.rules.parameters import TaskParameters, build
+from sar_tui.rules.parameters import build
 from sar_tui.rules.real_change import Change
 from tests.facts import each
 from tests.lifting_task import Lift
@@ -202,47 +201,26 @@ def test_an_attempt_is_compared_with_the_configured_reference_at_its_level(
         known.append(value)
 
 
-@pytest.mark.parametrize("reference", ["last attempt", "session's mean"])
-def test_the_best_of_earlier_sessions_is_used_only_as_best(reference: str) -> None:
-    ((situation, _),) = figures(Lift, [(800.0, 1)], reference, {"1": 500.0})
-    assert situation == "positive_first"
-
-
-def test_a_new_best_is_compared_with_the_previous_one() -> None:
-    first, second, third = figures(
-        Lift, [(520.0, 1), (480.0, 1), (470.0, 1)], "best attempt", {"1": 500.0}
-    )
-    assert (first.situation, first.slots["difference"]) == ("positive_worsened", "0.02 seconds")
-    assert (second.situation, second.slots["difference"]) == ("positive_improved", "0.02 seconds")
-    assert (third.situation, third.slots["difference"]) == ("positive_improved", "0.01 seconds")
-
-
-def test_practice_is_compared_with_the_goal_only() -> None:
-    agent = Agent(Lift, spelling(VOICES[0]))
-    agent.feedback_on(600, practice=True)
-    assert spelled(agent.feedback_on(700))[0].situation == "positive_first"
-
-
-def test_attempts_without_a_result_are_skipped_in_comparisons() -> None:
-    agent = Agent(Lift, spelling(VOICES[0]))
-    for metric in (800, 800, None, 800, 800, None):
-        agent.feedback_on(metric, spreads={"lift_time": Spread(5, 5.0)})
-    told = spelled(agent.feedback_on(700, spreads={"lift_time": Spread(5, 5.0)}))[0]
-    assert told.slots["difference"] == "0.10 seconds"
-
-
-def test_figures_are_written_as_the_language_writes_them() -> None:
+@pytest.mark.parametrize(
+    ("task", "metric", "text"), [(Reps, 1234.5, "1234,5 reps"), (Lift, 412.0, "0,41 segundos")]
+)
+def test_figures_are_written_as_the_language_writes_them(
+    task: type[Task], metric: float, text: str
+) -> None:
     theme = spelling(CATALOGUE.theme("calm", "es"))
-    (found,) = spelled(Agent(Reps, theme).feedback_on(1234.5))
-    assert found.slots["value"] == "1234,5 reps"
+    (found,) = spelled(Agent(task, theme).feedback_on(metric))
+    assert found.slots["value"] == text
 
 
 # --- where there is nothing to compare
 
 
-@pytest.mark.parametrize(
+WITHOUT_RESULT = pytest.mark.parametrize(
     ("metric", "correct", "situation"), [(500.0, 12, "accuracy"), (None, 18, "empty")]
 )
+
+
+@WITHOUT_RESULT
 def test_an_attempt_without_a_result_reports_the_correct_trials(
     metric: float | None, correct: int, situation: str
 ) -> None:
@@ -253,9 +231,7 @@ def test_an_attempt_without_a_result_reports_the_correct_trials(
     assert found == (f"{situation}_figures", {"correct": str(correct), "trials": "20"})
 
 
-@pytest.mark.parametrize(
-    ("metric", "correct", "situation"), [(500.0, 12, "accuracy"), (None, 18, "empty")]
-)
+@WITHOUT_RESULT
 def test_the_tasks_remark_replaces_the_words_but_not_the_figures(
     metric: float | None, correct: int, situation: str
 ) -> None:
@@ -270,18 +246,13 @@ def test_the_tasks_remark_replaces_the_words_but_not_the_figures(
     assert said["both"] == f"{REMARK} {said['quantitative']}"
 
 
-@pytest.mark.parametrize(("metric", "correct"), [(500.0, 12), (None, 18)])
-def test_unanswered_prompts_are_answered_with_the_tasks_advice_alone(
-    metric: float | None, correct: int
-) -> None:
+def test_unanswered_prompts_are_answered_with_the_tasks_advice_alone() -> None:
     advice = "Lift your arm as soon as you hear the signal."
-    (words,) = spelled(
-        Agent(Lift, spelling(VOICES[0]), "both").feedback_on(metric, correct=correct, advice=advice)
-    )
+    agent = Agent(Lift, spelling(VOICES[0]), "both")
+    (words,) = spelled(agent.feedback_on(None, correct=18, advice=advice))
     assert words == ("unanswered", {"advice": advice})
-    both = Agent(Lift, VOICES[0], "qualitative").feedback_on(
-        metric, correct=correct, advice=advice, remark=REMARK
-    )
+    remarked = Agent(Lift, VOICES[0], "qualitative")
+    both = remarked.feedback_on(None, correct=18, advice=advice, remark=REMARK)
     assert both == REMARK, "the task's own remark on what went wrong says more"
 
 
@@ -294,15 +265,6 @@ def test_times_are_in_seconds_and_never_look_like_a_goal_that_they_are_not(
 ) -> None:
     (found,) = spelled(Agent(Lift, spelling(VOICES[0])).feedback_on(metric))
     assert (found.slots["value"], found.slots["goal"]) == (text, "1 second")
-
-
-def test_times_in_spanish_have_a_decimal_comma() -> None:
-    (found,) = spelled(Agent(Lift, spelling(CATALOGUE.theme("calm", "es"))).feedback_on(412))
-    assert (found.slots["value"], found.slots["goal"]) == ("0,41 segundos", "1 segundo")
-
-
-def test_a_remark_on_an_attempt_that_has_a_result_is_left_out() -> None:
-    assert REMARK not in Agent(Lift, VOICES[0], "both").feedback_on(500, remark=REMARK)
 
 
 # --- a summary
@@ -332,20 +294,6 @@ def test_a_summary_without_times_gives_counts_only() -> None:
     words, found = spelled(agent.feedback_on(None, sums_up=5, reached=0))
     assert words.situation == "summary_negative"
     assert found == ("summary_empty_figures", {"reached": "0", "attempts": "5"})
-
-
-# --- the content
-
-
-@pytest.mark.parametrize("form", FORMS)
-def test_without_measured_qualities_the_result_is_reported(form: str) -> None:
-    about = [Agent(Lift, spelling(VOICES[0]), form, about=it) for it in ("performance", "results")]
-    assert about[0].feedback_on(900) == about[1].feedback_on(900)
-
-
-def test_the_parameters_decide_the_form(keyboard: type[Task]) -> None:
-    assert TaskParameters().feedback_form == "both"
-    assert len(spelled(Agent(keyboard, spelling(VOICES[0]), "both").feedback_on(700))) == 2
 
 
 # --- texts of tasks

@@ -58,26 +58,26 @@ def recall(
     return bus.call(RECALL, Recall(level=level, seat=seat, condition=condition))
 
 
-def test_a_recall_returns_scored_attempts_oldest_first(bus: Bus) -> None:
+@pytest.mark.parametrize(
+    ("asked", "attempts"),
+    [
+        ({}, [2, 3, 4]),
+        ({"level": 1}, [2, 4]),
+        ({"level": 4}, []),
+        ({"level": 1, "condition": "cued"}, [4]),
+        ({"level": 1, "condition": ""}, [2]),
+        ({"seat": "B"}, [5]),
+    ],
+)
+def test_a_recall_returns_scored_attempts_of_its_level_condition_and_seat_oldest_first(
+    bus: Bus, asked: dict[str, Any], attempts: list[int]
+) -> None:
     end(bus, 1, practice=True)
-    for attempt in (2, 3, 4):
-        end(bus, attempt)
-    assert [attempt.attempt for attempt in recall(bus).attempts] == [2, 3, 4]
-
-
-def test_a_recall_of_a_level_returns_that_level_only(bus: Bus) -> None:
-    for attempt, level in ((1, 1), (2, 2), (3, 1)):
-        end(bus, attempt, level)
-    assert [attempt.attempt for attempt in recall(bus, 1).attempts] == [1, 3]
-    assert recall(bus, 4).attempts == ()
-
-
-def test_a_recall_of_a_condition_returns_that_condition_only(bus: Bus) -> None:
-    for attempt, condition in ((1, "cued"), (2, ""), (3, "cued")):
-        end(bus, attempt, condition=condition)
-    assert [attempt.attempt for attempt in recall(bus, 1, condition="cued").attempts] == [1, 3]
-    assert [attempt.attempt for attempt in recall(bus, 1, condition="").attempts] == [2]
-    assert [attempt.attempt for attempt in recall(bus).attempts] == [1, 2, 3]
+    end(bus, 2)
+    end(bus, 3, level=2)
+    end(bus, 4, condition="cued")
+    end(bus, 5, seat="B")
+    assert each(recall(bus, **asked).attempts, "attempt") == attempts
 
 
 def test_an_attempt_scored_again_keeps_its_place(bus: Bus) -> None:
@@ -85,12 +85,6 @@ def test_an_attempt_scored_again_keeps_its_place(bus: Bus) -> None:
     end(bus, 2)
     end(bus, 1, metric=900.0)
     assert each(recall(bus).attempts, "attempt metric") == [(1, 900.0), (2, 600.0)]
-
-
-def test_each_seat_has_its_own_attempts(bus: Bus) -> None:
-    end(bus, 1)
-    end(bus, 1, seat="B")
-    assert [attempt.seat for attempt in recall(bus, seat="B").attempts] == ["B"]
 
 
 @pytest.mark.parametrize(("level", "best"), [(1, 500.0), (2, None), (3, 700.0), (None, None)])
@@ -101,16 +95,8 @@ def test_the_best_of_earlier_sessions_is_returned_for_a_level(
     assert recall(bus, level).earlier_best == best
 
 
-def test_a_new_run_updates_the_best_of_earlier_sessions(bus: Bus) -> None:
-    bus.publish(
-        SESSION, SessionStarted(run=2, task="lift", theme="calm", seed=1, best={"1": 450.0})
-    )
-    assert recall(bus, 1).earlier_best == 450.0
-
-
-def test_the_best_of_earlier_sessions_in_a_condition_is_its_own(bus: Bus) -> None:
+def test_the_best_of_a_new_run_replaces_it_and_each_condition_has_its_own(bus: Bus) -> None:
     best = {"1": 450.0, "1 cued": 400.0}
     bus.publish(SESSION, SessionStarted(run=2, task="lift", theme="calm", seed=1, best=best))
-    assert recall(bus, 1, condition="").earlier_best == 450.0
-    assert recall(bus, 1, condition="cued").earlier_best == 400.0
-    assert recall(bus, 1, condition="uncued").earlier_best is None
+    found = [recall(bus, 1, condition=name).earlier_best for name in (None, "", "cued", "uncued")]
+    assert found == [450.0, 450.0, 400.0, None]

@@ -33,17 +33,6 @@ def test_the_gap_is_the_time_since_the_previous_key() -> None:
     assert [percept.gap for percept in perceived(("f", 10), ("j", 260))] == [None, 250 * MS]
 
 
-def test_only_the_same_key_within_the_interval_is_a_repeat() -> None:
-    keys = perceived(("f", 0), ("f", 99), ("f", 199), ("j", 210), ("f", 220))
-    assert [percept.repeat for percept in keys] == [False, True, False, False, False]
-
-
-def test_a_held_key_remains_a_repeat_for_any_time() -> None:
-    assert [p.repeat for p in perceived(*[("f", at) for at in range(0, 3000, 30)])] == [False] + [
-        True
-    ] * 99
-
-
 def test_delay_from_stamp_to_handling_and_loop_lag_are_passed_on() -> None:
     (percept,) = perceived(("f", 10), delay=3)
     assert (percept.at, percept.delay, percept.loop_lag) == (10 * MS, 3 * MS, 7)

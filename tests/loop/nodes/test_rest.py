@@ -5,8 +5,7 @@ from collections.abc import Callable
 import pytest
 
 from sar_tui.loop.task import Task
-from sar_tui.loop.topics import FEEDBACK, PROPOSED, WAITING
-from sar_tui.model import messages as m
+from sar_tui.loop.topics import PROPOSED, WAITING
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import SECOND
 from sar_tui.rules.limits import is_rest_due
@@ -112,16 +111,6 @@ def test_the_agent_speaks_of_the_rest_and_of_its_end_but_reminds_of_no_other(
     assert "rest" in said[0][0]
 
 
-def test_feedback_can_be_requested_in_a_rest(new_session: NewSession) -> None:
-    driver = new_session(rest_after_attempts=1, feedback_schedule="request")
-    driver.enter()
-    driver.attempt()
-    assert (driver.waiting.stage, driver.waiting.ask) == ("rest", "tab")
-    driver.press("tab")
-    assert len(driver.all(FEEDBACK)) == 1
-    assert driver.waiting.stage == "rest"
-
-
 def test_a_rest_begins_anew_after_an_interruption(
     new_session: NewSession, resting: LoopDriver
 ) -> None:
@@ -132,11 +121,3 @@ def test_a_rest_begins_anew_after_an_interruption(
     later.press("enter")
     assert later.waiting.stage == "rest"
     assert later.waiting.until - began == 40 * SECOND
-
-
-def test_without_the_setting_no_session_rests(new_session: NewSession) -> None:
-    driver = new_session(attempts=3)
-    driver.enter()
-    driver.attempt()
-    assert isinstance(driver.waiting, m.Waiting)
-    assert (driver.waiting.stage, driver.waiting.until) == ("attempt", 0)

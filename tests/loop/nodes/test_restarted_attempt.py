@@ -2,6 +2,8 @@
 number.
 """
 
+from collections.abc import Callable
+
 import pytest
 
 from sar_tui.loop.topics import ATTEMPT_ENDED, ATTEMPT_STARTED, LEVEL, TRIAL
@@ -38,8 +40,9 @@ def test_it_begins_again_when_the_session_goes_on(calm: Theme) -> None:
     assert (waiting.attempt_name, waiting.restarts) == ("attempt 1 of 2", 1)
     assert waiting.notice == "This attempt begins again."
     driver.wait(300)
-    for _ in range(2):
-        driver.attempt()
+    driver.attempt()
+    assert driver.waiting.notice == "", "it is given once"
+    driver.attempt()
     expected = [(1, False), (2, False), (3, False)]
     assert each(driver.all(ATTEMPT_STARTED), "attempt practice") == expected
     assert each(driver.all(ATTEMPT_ENDED), "attempt trials") == [(2, 6), (3, 6)]
@@ -49,32 +52,24 @@ def test_it_begins_again_when_the_session_goes_on(calm: Theme) -> None:
     assert driver.waiting.stage == "review"
 
 
-def test_it_begins_again_when_the_operator_repeats_a_prompt(calm: Theme) -> None:
+@pytest.mark.parametrize(
+    "interrupt",
+    [lambda driver: driver.operate("repeat"), lambda driver: driver.press("f", stalled=True)],
+    ids=["repeated by the operator", "suspended"],
+)
+def test_it_begins_again_when_a_prompt_is_repeated(
+    calm: Theme, interrupt: Callable[[LoopDriver], None]
+) -> None:
     driver = LoopDriver(Remembered, calm, attempts=2)
     driver.start()
     for _ in range(3):
         driver.answer()
     driver.to_prompt()
-    driver.operate("repeat")
+    interrupt(driver)
     assert facts(driver.waiting, "stage attempt restarts") == ("attempt", 2, 1)
     driver.wait(300)
     driver.attempt()
-    assert [(ended.attempt, ended.trials) for ended in driver.all(ATTEMPT_ENDED)] == [(2, 6)]
-
-
-def test_its_prompts_do_not_know_of_the_interrupted_ones(calm: Theme) -> None:
-    driver = interrupted(calm)
-    driver.operate("resume")
-    driver.wait(300)
-    assert driver.begin_attempt().text == "Contrast:10:"
-
-
-def test_the_notice_is_given_once(calm: Theme) -> None:
-    driver = interrupted(calm)
-    driver.operate("resume")
-    driver.wait(300)
-    driver.attempt()
-    assert driver.waiting.notice == ""
+    assert each(driver.all(ATTEMPT_ENDED), "attempt trials") == [(2, 6)]
 
 
 def test_before_its_first_answer_there_is_nothing_to_begin_again(calm: Theme) -> None:
@@ -96,22 +91,13 @@ def test_an_interrupted_practice_stays_practice(calm: Theme) -> None:
     assert driver.waiting.stage == "review"
 
 
-def test_a_level_set_in_the_pause_holds_at_once(calm: Theme) -> None:
+def test_a_level_set_in_the_pause_holds_at_once_and_the_prompts_begin_anew(calm: Theme) -> None:
     driver = interrupted(calm)
     driver.operate("level", value=4)
     driver.operate("resume")
     assert (driver.waiting.level, driver.last(LEVEL).level) == (4, 4)
     driver.wait(300)
-    assert driver.begin_attempt().level == 4
-
-
-def test_a_program_that_was_suspended_in_a_trial_interrupts_it_too(calm: Theme) -> None:
-    driver = LoopDriver(Remembered, calm, attempts=2)
-    driver.start()
-    driver.answer()
-    driver.to_prompt()
-    driver.press("f", stalled=True)
-    assert (driver.waiting.stage, driver.waiting.attempt) == ("attempt", 2)
+    assert facts(driver.begin_attempt(), "level text") == (4, "Contrast:10:")
 
 
 @pytest.mark.parametrize("after", ["pause", "kill"])
@@ -128,12 +114,3 @@ def test_it_is_the_same_resumed_and_replayed(calm: Theme, after: str) -> None:
     restarts = 2 if after == "pause" else 1
     assert (resumed.waiting.attempt, resumed.waiting.restarts) == (1 + restarts, restarts)
     assert resumed.waiting.attempt_name == "attempt 1 of 2"
-
-
-def test_other_tasks_go_on_with_the_trial(calm: Theme) -> None:
-    driver = LoopDriver(Contrast, calm, attempts=2)
-    driver.start()
-    driver.answer()
-    driver.operate("pause")
-    driver.operate("resume")
-    assert (driver.to_prompt().trial, driver.waiting.attempt) == (2, 1)

@@ -46,12 +46,6 @@ def test_the_session_waits_for_the_sensor_after_the_instructions() -> None:
     assert place(driver) == ("enter", "attempt", "")
 
 
-def test_a_working_sensor_causes_no_pause() -> None:
-    driver = sensed()
-    driver.lift()
-    assert "sensor" not in each(driver.all(t.WAITING), "reason")
-
-
 def test_a_task_without_sensors_ignores_them() -> None:
     driver = lifting("start", Lift)
     sensor(driver, "detached")
@@ -77,6 +71,7 @@ def test_a_lost_sensor_voids_the_trial(loss: SensorState, cure: SensorState) -> 
     assert place(driver) == LOST
     sensor(driver, cure)
     assert (place(driver), driver.waiting.detail) == (AT_START, "")
+    assert not driver.session.is_recording_over
     driver.wait(1000)
     driver.lift()
     assert each(driver.all(t.TRIAL), "trial correct timing.presentation") == [(1, True, 2)]
@@ -134,25 +129,6 @@ def test_after_the_last_attempt_a_lost_sensor_is_ignored(delay_ms: int) -> None:
     assert each(driver.all(t.SESSION_ENDED), "status") == ["completed"]
 
 
-def test_a_sensor_lost_in_the_instructions_pauses_after_them() -> None:
-    driver = sensed("instructions")
-    sensor(driver, "detached", "Gone.")
-    assert place(driver) == ("enter", "instructions", "")
-    driver.enter()
-    assert (place(driver), driver.waiting.detail) == (LOST, "Gone.")
-
-
-def test_a_persons_pause_is_not_ended_by_the_sensor() -> None:
-    driver = sensed()
-    driver.operate("pause", reason="tired")
-    paused = place(driver)
-    for state in ("detached", "attached"):
-        sensor(driver, state)  # type: ignore[arg-type]
-        assert place(driver) == paused
-    driver.operate("resume")
-    assert place(driver) == AT_START
-
-
 def test_resuming_with_a_lost_sensor_waits_for_the_sensor() -> None:
     driver = sensed()
     driver.operate("pause")
@@ -171,15 +147,6 @@ def test_a_pause_during_sensor_loss_outlasts_its_return() -> None:
     assert place(driver) == ("resume", "paused", "pain")
     sensor(driver, "attached")
     assert place(driver) == ("resume", "paused", "pain")
-
-
-def test_a_session_that_waits_for_a_sensor_can_be_ended() -> None:
-    driver = sensed()
-    sensor(driver, "detached")
-    driver.operate("end")
-    assert each(driver.all(t.SESSION_ENDED), "status") == ["aborted"]
-    sensor(driver, "attached")
-    assert driver.waiting.stage == "ended"
 
 
 # --- with a disk that fails, too
@@ -207,17 +174,6 @@ def test_after_a_disk_failure_the_session_waits_for_a_lost_sensor() -> None:
     assert place(driver) == LOST
     sensor(driver, "attached")
     assert place(driver) == AT_START
-
-
-def test_a_sensor_lost_during_a_disk_failure_is_waited_for_afterwards() -> None:
-    driver = sensed()
-    driver.disk(False)
-    sensor(driver, "detached")
-    assert driver.waiting.reason == "storage"
-    driver.disk(True)
-    assert place(driver) == RESTORED
-    driver.press("enter")
-    assert place(driver) == LOST
 
 
 # --- after a resume

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from sar_tui.loop.topics import ACTION, ATTEMPT_ENDED, COMMAND, FEEDBACK, LEVEL, TRIAL, VOIDED
+from sar_tui.loop.topics import ATTEMPT_ENDED, COMMAND, FEEDBACK, LEVEL, TRIAL
 from sar_tui.model import messages as m
 from sar_tui.model.theme import Theme
 from tests.lifting_task import Lift, LiftDriver
@@ -65,36 +65,6 @@ def test_an_attempt_is_left_out_before_it_begins_and_the_one_before_it_keeps_its
     driver.operate("mark", reason="caught")
     assert (driver.waiting.attempt, driver.waiting.level) == (3, level)
     assert [ended.attempt for ended in driver.all(ATTEMPT_ENDED)] == [1]
-
-
-def test_nobody_is_encouraged_for_an_attempt_that_was_left_out(new_session: NewSession) -> None:
-    driver = new_session(attempts=5, lifts=1)
-    for _ in range(2):
-        driver.press("enter")
-        driver.lift(1900)
-        driver.wait(300)
-    said = [action for action in driver.all(ACTION) if action.kind == "encouragement"]
-    assert len(said) == 1
-    driver.operate("pause")
-    skip(driver)
-    assert [action for action in driver.all(ACTION) if action.kind == "encouragement"] == said
-
-
-def test_after_the_last_one_the_session_is_over_and_complete(new_session: NewSession) -> None:
-    driver = new_session(attempts=1)
-    driver.operate("pause")
-    skip(driver)
-    assert driver.waiting.stage == "review"
-    driver.press("enter")
-    assert driver.session.ended
-
-
-def test_without_a_pause_the_open_prompt_is_voided(new_session: NewSession) -> None:
-    driver = new_session()
-    driver.press("enter")
-    skip(driver)
-    assert [voided.reason for voided in driver.all(VOIDED)] == ["skipped"]
-    assert driver.waiting.attempt == 2
 
 
 def test_there_is_nothing_to_leave_out_in_the_instructions_and_at_the_end(calm: Theme) -> None:

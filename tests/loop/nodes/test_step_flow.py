@@ -10,10 +10,9 @@ from msgspec.structs import replace
 from sar_tui.loop.task import Task
 from sar_tui.loop.topics import PROPOSED, SESSION_ENDED, STEP_ENDED
 from sar_tui.model import messages as m
-from sar_tui.model.step import Entry, Step, points, problem
+from sar_tui.model.step import Entry, Step, problem
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
-from sar_tui.rules.keys import UNREAD
 from tests.facts import each, facts
 from tests.loop_driver import LoopDriver
 
@@ -84,36 +83,6 @@ def test_a_question_after_each_attempt_is_answered_with_the_keyboard() -> None:
     assert driver.waiting.stage == "review"
 
 
-def test_the_next_attempt_does_not_begin_before_the_answer() -> None:
-    driver = asked_after_one(PAIN)
-    settle(driver)
-    driver.press("enter")
-    assert asked(driver).entry.is_missing
-    assert driver.all(STEP_ENDED) == []
-
-
-def test_enter_that_was_meant_for_what_stood_there_before_answers_nothing() -> None:
-    driver = questioned(READ)
-    driver.wait(290)
-    driver.strike("enter")
-    assert driver.all(STEP_ENDED) == []
-    driver.press("enter")
-    assert driver.last(STEP_ENDED).status == "done"
-
-
-def test_a_number_that_was_meant_for_the_question_before_answers_nothing() -> None:
-    driver = questioned(PAIN)
-    driver.begin_attempt()
-    driver.answer()
-    driver.until(lambda: driver.waiting.what == "step")
-    driver.clock.advance(driver.screen.waiting_since + UNREAD - 1 - driver.clock.now())
-    before = driver.waiting
-    driver.strike("3")
-    assert driver.waiting == before
-    driver.press("4")
-    assert driver.waiting != before
-
-
 def test_a_calibration_lasts_its_time_and_ends_by_itself() -> None:
     driver = asked_after_one(STILL)
     settle(driver)
@@ -128,13 +97,6 @@ def test_a_calibration_lasts_its_time_and_ends_by_itself() -> None:
 def test_tab_declines_and_is_no_request_for_feedback() -> None:
     driver = asked_after_one(PAIN, feedback_schedule="request")
     assert facts(answer(driver, end="tab"), "status answer") == ("declined", None)
-
-
-def test_an_operator_can_skip_a_step() -> None:
-    driver = asked_after_one(PAIN)
-    driver.operate("skip")
-    assert driver.last(STEP_ENDED).status == "skipped"
-    assert driver.waiting.stage == "attempt"
 
 
 def test_a_skip_ends_the_step_that_the_operator_saw_and_not_the_next() -> None:
@@ -156,13 +118,6 @@ def test_a_pause_keeps_what_was_typed() -> None:
     driver.operate("resume")
     assert answer(driver, "!").answer == "ok!"
     assert driver.waiting.stage == "review"
-
-
-def test_a_session_that_is_ended_while_its_last_question_stands_is_complete() -> None:
-    driver = asked_after_one(LAST, attempts=1)
-    driver.operate("end")
-    assert driver.last(SESSION_ENDED).status == "completed"
-    assert driver.all(STEP_ENDED) == []
 
 
 def test_a_resumed_session_asks_again_and_does_not_repeat_what_was_answered() -> None:
@@ -205,17 +160,6 @@ def test_therapists_choose_questions_by_name(every: int) -> None:
         while driver.waiting.step:
             answer(driver, "2")
     assert each(driver.all(STEP_ENDED), "name") == ["pain", "effort"] * (1 + every)
-
-
-def test_questions_are_in_the_language_of_the_session() -> None:
-    spanish = {**TWO, "attempts": 1, "questions": ("pain", "effort"), "language": "es"}
-    driver = LoopDriver(KEYBOARD, CATALOGUE.theme("calm", "es"), **spanish)
-    driver.enter()
-    driver.attempt()
-    assert "dolor" in asked(driver).step.text
-    assert "ningún dolor" in asked(driver).step.labels
-    answer(driver, "1")
-    assert points(asked(driver).step)[0].label == "nada"
 
 
 # --- a required answer

@@ -66,27 +66,6 @@ def test_its_time_counts_from_when_it_was_on_the_screen() -> None:
     assert [waits_after(driver, ms) for ms in (799, 1)] == ["result", "foreperiod"]
 
 
-def test_a_trial_without_an_answer_goes_on_at_once() -> None:
-    driver = answered(0)
-    driver.answer(key="x")
-    assert (driver.all(t.TRIAL_FEEDBACK), driver.waiting.what) == ([], "quiet")
-
-
-def test_keys_meanwhile_are_no_responses_and_lengthen_the_quiet() -> None:
-    driver = answered()
-    driver.wait(700)
-    driver.press("f")
-    assert [waits_after(driver, ms) for ms in (100, 399, 1)] == ["quiet", "quiet", "foreperiod"]
-    assert each(driver.all(t.TRIAL), "timing.false_starts") == [0]
-
-
-def test_after_the_last_trial_the_attempt_ends_when_it_was_seen() -> None:
-    driver = answered(6)
-    assert driver.all(t.ATTEMPT_ENDED) == []
-    driver.wait(800)
-    assert len(driver.all(t.ATTEMPT_ENDED)) == 1
-
-
 @pytest.mark.parametrize("trials", [1, 6])
 def test_a_pause_ends_it_and_repeats_nothing_that_was_done(trials: int) -> None:
     driver = answered(trials)
@@ -114,15 +93,6 @@ def test_a_session_ended_meanwhile_keeps_the_attempt_that_is_over(
     assert driver.last(t.SESSION_ENDED).status == status
 
 
-def test_the_attempt_can_be_left_out_meanwhile() -> None:
-    driver = answered()
-    assert driver.session.can_skip_attempt
-    driver.operate("skip", reason="attempt")
-    driver.wait(5000)
-    assert facts(driver.waiting, "stage attempt") == ("attempt", 2)
-    assert driver.all(t.ATTEMPT_ENDED) == []
-
-
 def test_a_mark_meanwhile_is_put_on_the_trial_that_is_over() -> None:
     driver = answered()
     assert driver.session.trial_mark.trial == (1, 1)
@@ -131,12 +101,6 @@ def test_a_mark_meanwhile_is_put_on_the_trial_that_is_over() -> None:
         driver.answer()
     driver.wait(1000)
     assert driver.last(t.ATTEMPT_ENDED).correct == 5
-
-
-def test_a_level_set_meanwhile_holds_from_the_next_attempt() -> None:
-    driver = answered()
-    driver.operate("level", value=4)
-    assert driver.to_prompt().level == 1
 
 
 @pytest.mark.parametrize(("trials", "place"), [(1, (1, 2)), (6, (2, 1))])
@@ -168,13 +132,6 @@ def test_a_tick_or_a_cross_can_be_shown_for_tasks_that_show_nothing() -> None:
     driver.until(lambda: len(driver.all(t.TRIAL)) == 3)
     assert each(driver.all(t.TRIAL_FEEDBACK), "text") == ["✓", "✗", "✗"]
     assert driver.last(t.TRIAL).response is None
-
-
-def test_by_default_no_task_shows_it() -> None:
-    driver = answered(1, KEYBOARD)
-    assert driver.all(t.TRIAL_FEEDBACK) == []
-    assert "result" not in each(driver.all(t.WAITING), "what")
-    assert driver.all(t.PROMPT)
 
 
 def test_a_task_that_shows_something_keeps_its_own() -> None:

@@ -7,7 +7,7 @@ import pytest
 from sar_tui.loop.task import Task
 from sar_tui.loop.topics import ACTION, ATTEMPT_ENDED, FEEDBACK, GOAL, LEVEL
 from sar_tui.model.theme import Theme
-from sar_tui.model.trial_types import NO_METRIC, Target
+from sar_tui.model.trial_types import Target
 from tests.facts import each
 from tests.loop_driver import LoopDriver
 from tests.staircase_task import Contrast
@@ -35,12 +35,6 @@ def played(kind: type[Task], theme: Theme, attempts: int = 3, **settings: Any) -
     for _ in range(attempts):
         driver.attempt()
     return driver
-
-
-def test_none_is_kept_as_no_metric() -> None:
-    assert Free.metric is NO_METRIC
-    assert Free.metric.is_none
-    assert not Contrast.metric.is_none
 
 
 @pytest.mark.parametrize(("kind", "metric"), [(Free, None), (Aimless, 12.5)])
