@@ -129,6 +129,14 @@ def test_after_the_last_attempt_a_lost_sensor_is_ignored(delay_ms: int) -> None:
     assert each(driver.all(t.SESSION_ENDED), "status") == ["completed"]
 
 
+def test_a_sensor_lost_in_the_instructions_pauses_after_them() -> None:
+    driver = sensed("instructions")
+    sensor(driver, "detached", "Gone.")
+    assert place(driver) == ("enter", "instructions", "")
+    driver.enter()
+    assert (place(driver), driver.waiting.detail) == (LOST, "Gone.")
+
+
 def test_resuming_with_a_lost_sensor_waits_for_the_sensor() -> None:
     driver = sensed()
     driver.operate("pause")
