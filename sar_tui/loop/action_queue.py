@@ -113,7 +113,7 @@ class ActionQueue:
         self._open.clear()
         self.current = None
 
-    def remove(self, which: Callable[[Action], bool] = lambda _: True) -> tuple[Action, ...]:
+    def remove(self, which: Callable[[Action], bool]) -> tuple[Action, ...]:
         """Remove and return the waiting actions for which ``which`` is true."""
         gone = tuple(filter(which, self._waiting))
         self._waiting = [action for action in self._waiting if action not in gone]

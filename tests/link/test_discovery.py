@@ -6,8 +6,9 @@ import signal
 import stat
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 
@@ -34,11 +35,12 @@ with announce(JoinableSession("feedbeef00", "reaching", "feedbeef00", 1)) as pat
 
 
 @pytest.fixture(autouse=True)
-def runtime(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The user's runtime folder."""
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
-    monkeypatch.setattr(discovery, "_RUNTIME_FOLDERS", str(tmp_path / "run"))
-    return tmp_path
+def runtime(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """The user's runtime folder. Its path is short, as that of a socket must be."""
+    with TemporaryDirectory(prefix="sar-") as folder:
+        monkeypatch.setenv("XDG_RUNTIME_DIR", folder)
+        monkeypatch.setattr(discovery, "_RUNTIME_FOLDERS", f"{folder}/run")
+        yield Path(folder)
 
 
 def test_the_folder_is_made_for_this_user_alone(runtime: Path) -> None:
@@ -48,12 +50,12 @@ def test_the_folder_is_made_for_this_user_alone(runtime: Path) -> None:
 
 @pytest.mark.parametrize("configured", ["", "/there/is/none"])
 def test_without_a_runtime_folder_it_is_in_the_usual_one_or_else_the_temporary_folder(
-    configured: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    configured: str, runtime: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("XDG_RUNTIME_DIR", configured)
-    monkeypatch.setattr(discovery.tempfile, "gettempdir", lambda: str(tmp_path))
-    assert socket_folder() == tmp_path / f"sar-tui-{os.getuid()}"
-    usual = tmp_path / "run" / str(os.getuid())
+    monkeypatch.setattr(discovery.tempfile, "gettempdir", lambda: str(runtime))
+    assert socket_folder() == runtime / f"sar-tui-{os.getuid()}"
+    usual = runtime / "run" / str(os.getuid())
     usual.mkdir(parents=True, mode=0o700)
     monkeypatch.delenv("XDG_RUNTIME_DIR")
     assert socket_folder() == usual / "sar-tui"
