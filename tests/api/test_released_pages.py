@@ -211,14 +211,21 @@ def test_a_sensor_is_fed_by_the_sender_of_its_page(
 
 
 def wait_for_listener(port: int, pause: Any) -> None:
-    """Return as soon as something listens on a UDP port."""
+    """Return as soon as something listens on a UDP port.
+
+    A port without a listener refuses the second of two datagrams. To bind it as a trial would take
+    it from the sensor.
+    """
     for _ in range(10_000):
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+            other.connect(("127.0.0.1", port))
             try:
-                other.bind(("127.0.0.1", port))
-            except OSError:
+                other.send(b"")
+                other.send(b"")
+            except ConnectionRefusedError:
+                pause(0.001)
+            else:
                 return
-        pause(0.001)
     raise AssertionError("the sensor does not listen")
 
 
