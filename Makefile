@@ -35,9 +35,9 @@ run: $(PROGRAM)  ## the app, with its data in data/
 demo: $(PROGRAM)  ## a session by a simulated participant; needs no terminal
 	@folder=$$(mktemp -d) && $(BIN)/sar-tui simulate keyboard --user average --seed 1 --data $$folder && $(BIN)/sar-tui show last --data $$folder; status=$$?; rm -rf "$$folder"; exit $$status
 
-# Six workers keep two cores busy: many tests wait for a program that they have started.
+# Three workers keep two cores busy: many tests wait for a program that they have started.
 test: .venv/ready  ## every behaviour, in a few minutes on two cores
-	@SAR_TUI_TEST_EXAMPLES=few $(BIN)/python -m pytest -n 4 --dist worksteal -m "not slow"
+	@SAR_TUI_TEST_EXAMPLES=few $(BIN)/python -m pytest -n 3 --dist worksteal -m "not slow"
 
 test-all: .venv/ready  ## every test, the long ones in full
 	@$(BIN)/python -m pytest -n 2 --dist worksteal

@@ -90,6 +90,7 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Program:
     return run
 
 
+@pytest.mark.slow
 def test_each_is_listed(program: Program) -> None:
     tasks = json.loads(program("-m", "sar_tui", "tasks", "--json").stdout)["tasks"]
     assert "arrows" in {row["name"] for row in tasks}
@@ -105,6 +106,7 @@ def test_each_is_listed(program: Program) -> None:
     assert program("-c", source).stdout == "None\n"
 
 
+@pytest.mark.slow
 def test_a_session_uses_them_and_is_exported_and_replayed(program: Program, tmp_path: Path) -> None:
     line = tmp_path / "line"
     line.touch()

@@ -1,5 +1,7 @@
 """Screens in windows of several sizes; texts are larger where there is room."""
 
+import pytest
+
 from sar_tui.app.agent.app import AgentApp
 from sar_tui.app.screens.message_panel import large_message
 from sar_tui.app.screens.waiting_text import WaitingText
@@ -49,6 +51,7 @@ async def test_the_sensor_check_opens_in_any_size(opened: OpenApp, catalogue: Ca
         await shrink_and_grow(driver)
 
 
+@pytest.mark.slow
 async def test_every_stage_of_a_session_survives_any_size(open_session: OpenSession) -> None:
     async with open_session(rest_after_attempts=1, rest_seconds=600) as driver:
         await shrink_and_grow(driver)

@@ -94,6 +94,7 @@ def says_better(text: str, kind: type[Task]) -> bool:
     return any(re.search(rf"\b{re.escape(word)} than\b", text) for word in words)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("task", "seeds"), first_rows(1, [("keyboard", 2), ("reaching", 4)]))
 def test_an_attempt_is_called_better_mostly_after_a_true_change_and_seldom_without(
     play: Play, catalogue: Catalogue, task: str, seeds: int
@@ -140,6 +141,7 @@ def changed_by_two_mdc(
     return with_gain(min(gain * wanted / reached, MOST_GAIN))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("user", first(1, PEOPLE))
 def test_the_movements_of_steady_people_are_seldom_praised_or_corrected(
     play: Play, catalogue: Catalogue, user: str

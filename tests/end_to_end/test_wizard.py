@@ -5,6 +5,8 @@ stored.
 import json
 from pathlib import Path
 
+import pytest
+
 from tests.end_to_end.operator_terminal import Row, SessionTerminals, plain
 from tests.end_to_end.participant_terminal import replays_identically, rows
 
@@ -22,6 +24,7 @@ SETTINGS = {
 }
 
 
+@pytest.mark.slow
 def test_operator_decisions_reach_the_participant_and_are_stored(data: Path) -> None:
     with SessionTerminals(data) as terminals:
         participant, panel = terminals.both(**SETTINGS)

@@ -88,7 +88,7 @@ def test_stamps_in_a_recoded_export_count_from_the_start_of_each_session(
                     assert abs(number) < 3600 * unit, (path.stem, column, number)
 
 
-@pytest.mark.parametrize("format", BUNDLED)
+@pytest.mark.parametrize("format", first(2, BUNDLED))
 def test_no_file_of_a_recoded_export_holds_a_reading_of_the_clock_a_true_date_or_a_name(
     study: Study, tmp_path: Path, format: str
 ) -> None:

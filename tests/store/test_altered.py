@@ -26,6 +26,7 @@ from sar_tui.store.record_changes import change_status, erase_note, log
 from sar_tui.store.repair import repair
 from sar_tui.store.rescue import copy_session
 from sar_tui.store.tables import TABLES
+from tests.examples import first
 from tests.played import catalogue, play, simulated
 from tests.program import Call
 from tests.runs.test_resume import interrupted
@@ -182,7 +183,8 @@ def contents(data: Path) -> dict[str, list[Any]]:
 
 
 @pytest.mark.parametrize(
-    "text", ["{", "[]", "7", '["x"]', "[7, 7, 7, 7, 7, 7]", "null", "", '[{"a": [[["b"]]]}]']
+    "text",
+    first(3, ["{", "[]", "[7, 7, 7, 7, 7, 7]", "7", '["x"]', "null", "", '[{"a": [[["b"]]]}]']),
 )
 @pytest.mark.parametrize(
     "topic", ["event_handler/session_ended", "record/status", "event_handler/trial", "store/stored"]
