@@ -20,6 +20,7 @@ define install
 	@{ $(BIN)/python -u -m pip install --disable-pip-version-check --progress-bar off --editable '.[$(1)]'; echo $$? > .venv/status; } | \
 		awk '/^Collecting / { printf "%s ", $$2; fflush() } /^Installing collected/ { printf "\nAll downloaded; installing.\n"; fflush() }'
 	@test "$$(cat .venv/status)" = 0 || { echo "The libraries could not be installed; see the reason above. Try again with: make $(MAKECMDGOALS)"; exit 1; }
+	@$(BIN)/python -m compileall -q sar_tui tasks  # or the first start would
 	@touch $@
 endef
 
