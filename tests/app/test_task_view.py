@@ -79,7 +79,7 @@ FAULTS = [
 """Replacements in the view, and where each is noticed."""
 
 
-@pytest.mark.parametrize(("old", "new", "topic"), first_rows(4, FAULTS))
+@pytest.mark.parametrize(("old", "new", "topic"), first_rows(2, FAULTS))
 async def test_a_view_that_fails_is_recorded_and_the_session_goes_on(
     open_task: OpenSession, own_tasks: Path, old: str, new: str, topic: str
 ) -> None:

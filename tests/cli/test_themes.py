@@ -12,6 +12,7 @@ from sar_tui.cli.scaffold import new_theme
 from sar_tui.plugin_loader import user_folder
 from sar_tui.plugins import Catalogue
 from tests.edit import edit
+from tests.examples import first
 from tests.program import Call
 
 Change = Callable[[str, str, str], Path]
@@ -75,7 +76,7 @@ def test_a_theme_that_is_incomplete_or_cannot_be_read_is_listed_with_what_to_do(
 # --- created
 
 
-@pytest.mark.parametrize("model", ["calm", "high-contrast", "playful"])
+@pytest.mark.parametrize("model", first(1, ["calm", "high-contrast", "playful"]))
 def test_a_new_theme_is_a_copy_with_its_comments_and_passes_its_check(
     call: Call, catalogue: Catalogue, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, model: str
 ) -> None:

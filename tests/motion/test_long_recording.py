@@ -142,7 +142,7 @@ def restless(seed: int, lasts_s: float = 400.0, rate_hz: float = 50.0) -> Sample
 
 
 @pytest.mark.parametrize("detector", DETECTORS)
-@pytest.mark.parametrize("seed", first(2, range(12)))
+@pytest.mark.parametrize("seed", first(1, range(12)))
 def test_reaches_neither_overlap_nor_repeat_and_their_ways_are_in_order(
     detector: str, seed: int
 ) -> None:

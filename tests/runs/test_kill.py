@@ -135,7 +135,7 @@ def sessions_of(data: Path) -> str:
     return str(session)
 
 
-@pytest.mark.parametrize("kills", first(1, [3, 20]))
+@pytest.mark.parametrize("kills", first(1, [2, 20]))
 def test_kills_while_a_rescue_file_is_brought_back_lose_nothing(
     tmp_path: Path, killable: Killable, data: Path, kills: int
 ) -> None:
