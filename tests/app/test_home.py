@@ -21,7 +21,8 @@ from tests.store.merge.sites import change, merge, site
 async def test_a_code_leads_from_a_fresh_start_to_a_session(opened: OpenApp) -> None:
     async with opened() as driver:
         driver.see("+ New participant")
-        await driver.press("enter")
+        await driver.press("enter", "enter")
+        driver.see("Type a code first.")
         await driver.enter("Peter Maier")
         assert driver.screen_name == "NewParticipantScreen", "a name is refused"
         await driver.press("ctrl+u")

@@ -49,6 +49,9 @@ class NewParticipantScreen(DismissedOnce[str | None], ModalScreen[str | None]):
 
     @on(Input.Submitted)
     def _add(self, event: Input.Submitted) -> None:
+        if not event.value.strip():
+            self.query_one("#problem", Static).update("Type a code first.")
+            return
         if not self._is_valid(event.value):
             return
         try:
