@@ -8,6 +8,7 @@ import pytest
 from textual.geometry import Region
 
 from tests.app.app_driver import AppDriver, OpenSession
+from tests.caches import compose_frames
 
 _UNSTYLED = "c5c8c6"
 """Rich's name for no colour at all, in a picture."""
@@ -15,6 +16,7 @@ _UNSTYLED = "c5c8c6"
 
 def count_frames(driver: AppDriver, monkeypatch: pytest.MonkeyPatch) -> list[object]:
     """Return a list to which each further frame of the app is added."""
+    compose_frames(monkeypatch)
     frames: list[object] = []
     draw = driver.app._display
 
