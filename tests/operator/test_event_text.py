@@ -20,7 +20,7 @@ BEFORE = b.arbiter_state(
     replace(b.approval("l2", level=6), mode="veto"),
     queued=(b.action("s1", kind="filler"),),
 )
-"""What waited for a decision before."""
+"""The actions that waited for a decision before."""
 
 
 def level(level: int, reason: Any, why: str = "") -> m.LevelChanged:
