@@ -1,5 +1,5 @@
-"""What saves all tests time: caches of parsed style sheets and of the bundled themes; and, in a quick
-run, apps without a terminal compose no frames.
+"""Savings of time for all tests: caches of parsed style sheets and of the bundled themes; and, in a
+quick run, apps without a terminal compose no frames.
 """
 
 from collections.abc import Callable, Iterator

@@ -25,6 +25,7 @@ from sar_tui.replay.player import Player
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
 from sar_tui.widgets.big_prompt import BigPrompt
+from tests.caches import compose_frames
 from tests.documented import write_documented
 from tests.program import Call
 from tests.replay.test_replay import dump
@@ -134,6 +135,7 @@ def test_what_cannot_be_watched_is_refused(
 async def test_the_frames_of_a_prompt_are_shown_at_their_times(
     call: Call, data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    compose_frames(monkeypatch)
     tasks = write_documented(tmp_path / "mytasks", "stopping").parent
     call("simulate", "stopping", *BRIEF, "--tasks", str(tasks))
     shown = watched(data, monkeypatch, tasks)
