@@ -135,7 +135,6 @@ def test_what_cannot_be_watched_is_refused(
 async def test_the_frames_of_a_prompt_are_shown_at_their_times(
     call: Call, data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    compose_frames(monkeypatch)
     tasks = write_documented(tmp_path / "mytasks", "stopping").parent
     call("simulate", "stopping", *BRIEF, "--tasks", str(tasks))
     shown = watched(data, monkeypatch, tasks)
@@ -169,6 +168,7 @@ BRIEF = ("--user", "average", "-p", "P01", "--seed", 1, "--attempts", 1)
 def watched(data: Path, monkeypatch: pytest.MonkeyPatch, *tasks: Path) -> watch.Watch:
     """Show the last session; only the test lets time pass."""
     monkeypatch.setattr(watch, "TICK_SECONDS", 10_000)
+    compose_frames(monkeypatch)
     with closing(connect(data)) as database:
         row = sessions.find(database, data, "last")
         return watch.Watch(data, Catalogue(tasks=tasks), database, row, 1.0)
