@@ -2,11 +2,12 @@
 
 import getpass
 import sys
+from operator import attrgetter
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Home, console, is_interactive, print_json
+from sar_tui.cli.common import AsJson, Home, is_interactive, print_json
 from sar_tui.cli.errors import Refused
 
 if TYPE_CHECKING:
@@ -64,13 +65,22 @@ def _ask() -> str:
 
 
 def _list(stored: "Passphrase", *, as_json: bool) -> None:
+    from sar_tui.cli.tables import Column, Listing, print_listing
     from sar_tui.store.sessions import local_time
 
-    found = stored.tries()
-    if as_json:
-        print_json({"is_set": stored.is_set, "tries": found})
-        return
-    print("A passphrase is set." if stored.is_set else "There is no passphrase.")
-    out = console()
-    for each in found:
-        out.print(f"{local_time(each.at)}  {each.result:<5}  {each.where}")
+    if not as_json:
+        print("A passphrase is set." if stored.is_set else "There is no passphrase.")
+    print_listing(
+        Listing(
+            "tries",
+            empty="No try is recorded.",
+            columns=(
+                Column("when", lambda each: local_time(each.at)),
+                Column("result", attrgetter("result")),
+                Column("where", attrgetter("where")),
+            ),
+        ),
+        stored.tries(),
+        as_json,
+        is_set=stored.is_set,
+    )

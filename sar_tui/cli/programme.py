@@ -4,6 +4,7 @@ and presets.
 
 import sys
 from collections.abc import Mapping, Sequence
+from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -106,7 +107,7 @@ def _print(
         )
         return
     out.print(f"{code}, {kind.title}: version {saved.version}", soft_wrap=True)
-    out.print(f"Saved {_when_and_who(saved)}", soft_wrap=True)
+    out.print(f"Saved {_when_and_who(_facts(kind, code, saved))}", soft_wrap=True)
     if saved.reason:
         out.print(f"Why   {saved.reason}", soft_wrap=True)
     out.print(f"Theme {saved.theme}", end="\n\n")
@@ -140,47 +141,35 @@ def history(
     with home.database() as database:
         code, names = _tasks(database, participant, task)
         found = {name: programmes.versions(database, code, name) for name in names}
-    rows = []
+    rows: list[dict[str, Any]] = []
     for name, versions in found.items():
         kind = home.catalogue().task(name)
         for before, saved in zip([programmes.Programme(), *versions], versions, strict=False):
             made = changes(kind.Parameters, before.parameters, saved.parameters)
-            rows.append((kind, before, saved, made))
-    if as_json:
-        print_json(
-            {
-                "versions": [
-                    {**_facts(kind, code, saved), "changes": [*made]}
-                    for kind, _, saved, made in reversed(rows)
-                ]
-            }
-        )
-        return
-    if not rows:
+            facts = _facts(kind, code, saved)
+            rows.append({**facts, "theme_before": before.theme, "changes": made})
+    if not rows and not as_json:
         _print_none(code)
         return
+    from sar_tui.cli.tables import Column, Listing, print_listing
 
-    from sar_tui.cli.tables import add, table
-
-    several = ("task",) if len(found) > 1 else ()
-    made_table = table(
-        "version", *several, "saved", "what changed", "why", right=("version",), whole=("saved",)
+    print_listing(
+        Listing(
+            "versions",
+            empty="",
+            columns=(
+                Column("version", itemgetter("version"), is_number=True),
+                *((Column("task", itemgetter("task")),) if len(found) > 1 else ()),
+                Column("saved", _when_and_who),
+                Column("what changed", _changes_in_words),
+                Column("why", itemgetter("reason")),
+            ),
+            folds=True,
+            whole=("saved",),
+        ),
+        rows[::-1],
+        as_json,
     )
-    for kind, before, saved, made in reversed(rows):
-        theme = [f"theme {before.theme} → {saved.theme}"] if before.theme != saved.theme else []
-        words = (
-            "; ".join([*(change.text for change in made), *theme])
-            or "nothing differs from the defaults"
-        )
-        add(
-            made_table,
-            saved.version,
-            *(kind.name for _ in several),
-            _when_and_who(saved),
-            words,
-            saved.reason,
-        )
-    console().print(made_table)
 
 
 @app.command("export")
@@ -371,17 +360,24 @@ def presets(
             rows.append({"name": name, "error": str(error)})
         else:
             rows.append({"name": name, "summary": preset.summary, "parameters": preset.parameters})
-    if as_json:
-        print_json({"presets": rows})
-        return
-    out = console()
-    if not rows:
-        out.print(f"The task {task} has no presets.")
-    for row in rows:
-        out.print(
-            f"{row['name']:<12} {row.get('error') or row['summary'] or 'one of your own'}",
-            soft_wrap=True,
-        )
+    from sar_tui.cli.tables import Column, Listing, print_listing
+
+    print_listing(
+        Listing(
+            "presets",
+            empty=f"The task {task} has no presets.",
+            columns=(
+                Column("preset", itemgetter("name")),
+                Column(
+                    "summary", lambda row: row.get("error") or row["summary"] or "one of your own"
+                ),
+            ),
+            folds=True,
+            whole=("preset",),
+        ),
+        rows,
+        as_json,
+    )
 
 
 def _tasks(database: Any, participant: str, task: str | None) -> tuple[str, list[str]]:
@@ -407,10 +403,19 @@ def _facts(kind: "type[Task]", code: str, saved: "Programme") -> dict[str, Any]:
     }
 
 
-def _when_and_who(saved: "Programme") -> str:
+def _when_and_who(version: Mapping[str, Any]) -> str:
     from sar_tui.store.sessions import local_time
 
-    return f"{local_time(saved.created_at)}{f' by {saved.author}' if saved.author else ''}"
+    author = version["author"]
+    return f"{local_time(version['created_at'])}{f' by {author}' if author else ''}"
+
+
+def _changes_in_words(version: Mapping[str, Any]) -> str:
+    before, theme = version["theme_before"], version["theme"]
+    changed = [change.text for change in version["changes"]]
+    if before != theme:
+        changed.append(f"theme {before} → {theme}")
+    return "; ".join(changed) or "nothing differs from the defaults"
 
 
 def _print_none(code: str) -> None:

@@ -183,24 +183,30 @@ def list_records(
         if code and not found:
             participants.check_known(database, code)
         reasons = tell_therapist(wellbeing.history(database, code)) if code else ()
-    if as_json:
-        print_json({"records": found, "tell_therapist": reasons})
-        return
+    from sar_tui.cli.tables import Column, Listing, print_listing
     from sar_tui.reports.wellbeing import advice
 
-    out = console()
-    for text in advice(reasons):
-        out.print(f"! {text}", soft_wrap=True)
-    if not found:
-        of = "".join((f" of the kind {kind}" if kind else "", f" of {code}" if code else ""))
-        out.print(f"There are no records{of}.", soft_wrap=True)
-        return
-    from sar_tui.cli.tables import add, table
-
-    made = table("record", "date", "who", "kind", "contents", whole=("record", "date", "kind"))
-    for one in found:
-        add(made, one.id, _date(one), one.participant, one.kind, _in_words(one))
-    out.print(made)
+    for text in () if as_json else advice(reasons):
+        console().print(f"! {text}", soft_wrap=True)
+    of = "".join((f" of the kind {kind}" if kind else "", f" of {code}" if code else ""))
+    print_listing(
+        Listing(
+            "records",
+            empty=f"There are no records{of}.",
+            columns=(
+                Column("record", attrgetter("id")),
+                Column("date", _date),
+                Column("who", attrgetter("participant")),
+                Column("kind", attrgetter("kind")),
+                Column("contents", _in_words),
+            ),
+            folds=True,
+            whole=("record", "date", "kind"),
+        ),
+        found,
+        as_json,
+        tell_therapist=reasons,
+    )
 
 
 @app.command("show")
@@ -216,20 +222,28 @@ def show_record(
 
     with Home.of(context, data, tasks).database() as database:
         found = records.versions(database, id)
-    if as_json:
-        print_json({"versions": found})
-        return
-    from sar_tui.cli.tables import add, table
+    from sar_tui.cli.tables import Column, Listing, print_listing
     from sar_tui.store.sessions import local_time
 
-    made = table("version", "recorded", "by", "date", "contents", right=("version",))
-    for one in found:
-        recorded = (one.version, local_time(one.recorded_at), one.recorded_by)
-        add(made, *recorded, _date(one), _in_words(one))
-    out = console()
-    first = found[0]
-    out.print(f"{first.kind} {first.id} of {first.participant}", soft_wrap=True, end="\n\n")
-    out.print(made)
+    if not as_json:
+        title = f"{found[0].kind} {id} of {found[0].participant}"
+        console().print(title, soft_wrap=True, end="\n\n")
+    print_listing(
+        Listing(
+            "versions",
+            empty="There is no version of it.",
+            columns=(
+                Column("version", attrgetter("version"), is_number=True),
+                Column("recorded", lambda one: local_time(one.recorded_at)),
+                Column("by", attrgetter("recorded_by")),
+                Column("date", _date),
+                Column("contents", _in_words),
+            ),
+            folds=True,
+        ),
+        found,
+        as_json,
+    )
 
 
 def _read_values(given: Sequence[str] | None) -> dict[str, str | int | float | bool | None]:

@@ -204,10 +204,14 @@ class Listing(NamedTuple):
     whole: Sequence[str] = ()
 
 
-def print_listing(listing: Listing, rows: Sequence[Any], as_json: bool) -> None:
-    """Print rows, which JSON has as they are."""
+def print_listing(listing: Listing, rows: Sequence[Any], as_json: bool, **more: Any) -> None:
+    """Print rows, which JSON has as they are.
+
+    Args:
+        more: further keys of the JSON.
+    """
     if as_json:
-        print_json({listing.name: rows})
+        print_json({listing.name: rows, **more})
         return
     out = console()
     if not rows:

@@ -43,7 +43,7 @@ def test_the_tries_are_listed(call: Call, folder: Path) -> None:
     stored.check("wrong", "patient mode")
     stored.check("quiet river", "pause")
     called = call("passphrase --tries")
-    assert [line.split()[2:] for line in called.out.splitlines()[1:]] == [
+    assert [line.split()[2:] for line in called.out.splitlines()[3:]] == [
         ["wrong", "patient", "mode"],
         ["right", "pause"],
     ]
