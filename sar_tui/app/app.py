@@ -27,7 +27,7 @@ from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plugin_watchdog import PluginWatchdog
 from sar_tui.store.database import StoreError, connect
-from sar_tui.tui.base_app import BaseApp
+from sar_tui.tui.base_app import DESIGN, BaseApp
 from sar_tui.tui.gc_control import end_loading
 from sar_tui.tui.terminal_input import PasteDropped, UnreadableInput
 from sar_tui.tui.timestamps import OnsetWatch, watched
@@ -76,7 +76,7 @@ class SarTui(BaseApp):
     """
 
     picture_way: "Way | None" = None
-    CSS_PATH = "app.tcss"
+    CSS_PATH = [DESIGN, "app.tcss"]
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("f12", "end_patient_mode", show=False, priority=True, id="end-patient-mode"),
         Binding("f2", "stop", "Stop voice", priority=True, id="stop"),

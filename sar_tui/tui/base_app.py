@@ -10,6 +10,7 @@ import signal
 import sqlite3
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
 from rich.segment import Segment
@@ -115,6 +116,8 @@ def drawn(text: str) -> str:
     return text.translate(_TABLE)
 
 
+DESIGN = Path(__file__).with_name("design.tcss")
+"""The style sheet that all apps share; theirs come after it."""
 DEBUG = "SAR_TUI_DEBUG"
 """Environment variable: show the traceback of a fault."""
 
@@ -135,6 +138,7 @@ class BaseApp(App[int]):
     """
 
     TITLE = "sar-tui"
+    CSS_PATH: ClassVar[Any] = DESIGN
     CSS = "OptionList { min-width: 12; }"  # Textual fails on options that are left no column
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+q", "quit", "Quit", priority=True, id="quit"),

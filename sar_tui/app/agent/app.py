@@ -26,7 +26,7 @@ from sar_tui.model.messages import (
 )
 from sar_tui.model.theme import ENGLISH, Theme
 from sar_tui.model.units import SECOND
-from sar_tui.tui.base_app import BaseApp
+from sar_tui.tui.base_app import DESIGN, BaseApp
 from sar_tui.tui.language import app_language
 from sar_tui.tui.web_driver import BrowserVoice
 from sar_tui.widgets.agent import Agent
@@ -43,7 +43,7 @@ class AgentApp(BaseApp):
         join: joins the session.
     """
 
-    CSS_PATH = "agent.tcss"
+    CSS_PATH = [DESIGN, "agent.tcss"]
     ENABLE_COMMAND_PALETTE = False
 
     def __init__(self, theme: Theme, join: Join) -> None:

@@ -11,6 +11,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from sar_tui.app.screens.waiting_text import WaitingText
+from sar_tui.tui.heading import is_roomy
 from sar_tui.widgets.goal_bar import GoalBar, draw_bars
 from sar_tui.widgets.language import language_of
 from sar_tui.widgets.large_characters import bitmap, draw
@@ -97,8 +98,6 @@ def _centred(drawn: str, width: int) -> str:
     return "\n".join(f"{indent}{line}" for line in lines)
 
 
-ROOMY = (100, 30)
-"""Least columns and rows of a window in which texts are larger."""
 _LETTER, _HEIGHT = 8, 4
 """Columns and rows of a large letter, drawn in half blocks."""
 
@@ -112,11 +111,6 @@ class Message(NamedTuple):
     text: str
     key: str
     press: str
-
-
-def is_roomy(columns: int, rows: int) -> bool:
-    """Return True if texts are larger in a window of this size."""
-    return columns >= ROOMY[0] and rows >= ROOMY[1]
 
 
 def rows_of(text: WaitingText, width: int) -> int:

@@ -14,7 +14,7 @@ from sar_tui.app.agent.session_agent import SessionAgent
 from sar_tui.app.guarded_view import GuardedView
 from sar_tui.app.live import LiveSession
 from sar_tui.app.prompt_onset import Onset, report_onset, report_trial_feedback
-from sar_tui.app.screens.message_panel import MessagePanel, is_roomy
+from sar_tui.app.screens.message_panel import MessagePanel
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.summary import Summary
 from sar_tui.app.screens.waiting_text import (
@@ -44,6 +44,7 @@ from sar_tui.model.messages import (
 from sar_tui.model.trial_types import Mark
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import task_folder
+from sar_tui.tui.heading import is_roomy
 from sar_tui.tui.language import session_language
 from sar_tui.tui.timestamps import paint_now
 from sar_tui.widgets.big_prompt import BigPrompt

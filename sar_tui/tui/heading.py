@@ -1,0 +1,118 @@
+"""The sentence at the head of a screen, in the largest of four sizes that the window has room for
+(docs/design-language.md).
+"""
+
+from collections.abc import Iterator, Sequence
+
+from textual.content import Content
+from textual.geometry import Size
+from textual.widget import Widget
+
+from sar_tui.widgets.large_characters import bitmap, draw
+
+ROOMY = (100, 30)
+"""Least columns and rows of a window in which texts are larger."""
+_LETTER = 9
+"""Columns of a letter in half blocks, with the gap to the next one."""
+_HEIGHTS = (8, 4)
+"""Rows of a letter in whole blocks and in half blocks; a letter in whole blocks is twice as wide."""
+_MOST_LINES = 2
+
+
+def is_roomy(columns: int, rows: int) -> bool:
+    """Return True if texts are larger in a window of this size."""
+    return columns >= ROOMY[0] and rows >= ROOMY[1]
+
+
+def in_blocks(text: str, columns: int, rows: int) -> list[str]:
+    """Return the lines of a text drawn in block letters; none if there is no room for it.
+
+    It may be broken between words once.
+
+    Args:
+        text: the text; nothing is drawn of one with characters that have no large shape.
+        columns, rows: the most that the drawing may take.
+    """
+    if not text or any(not bitmap(letter) for letter in text if letter != " "):
+        return []
+    for height in _HEIGHTS:
+        gap = 2 if height == _HEIGHTS[0] else 1
+        lines = list(_wrapped(text, (columns + gap) // (_LETTER * gap)))
+        if lines and len(lines) <= _MOST_LINES and len(lines) * (height + 1) - 1 <= rows:
+            drawn = [draw(line, columns, height) for line in lines]
+            if all(len(letters) == height for letters in drawn):
+                rows_of_lines = (row for letters in drawn for row in (*_block(letters), ""))
+                return list(rows_of_lines)[:-1]
+    return []
+
+
+def spaced(text: str, columns: int) -> str:
+    """Return a text in spaced capitals, ``W E L L   D O N E``; as it is if there is no room."""
+    wide = "   ".join(" ".join(word) for word in text.upper().split(" "))
+    return wide if len(wide) <= columns else text
+
+
+def _wrapped(text: str, letters: int) -> Iterator[str]:
+    """Break a text between words into lines of so many letters; nothing if a word is longer."""
+    line = ""
+    words = text.split(" ")
+    if max(map(len, words)) > letters:
+        return
+    for word in words:
+        if line and len(line) + 1 + len(word) > letters:
+            yield line
+            line = word
+        else:
+            line = f"{line} {word}".strip()
+    yield line
+
+
+def _block(rows: Sequence[str]) -> list[str]:
+    """Return rows of one width that keep it where each line is centred."""
+    width = max(map(len, rows))
+    return [row.ljust(width).replace(" ", "\N{NO-BREAK SPACE}") for row in rows]
+
+
+class Heading(Widget):
+    """The one sentence of a screen. It changes only by ``show``, and with the window's size.
+
+    Args:
+        text: the sentence.
+        largest: the most rows that it may take; 1: it is never drawn in block letters.
+        capitals: in a small window it is written in spaced capitals, which is for a short praise.
+        classes: ``well-done`` for praise.
+    """
+
+    DEFAULT_CSS = "Heading { width: 100%; height: auto; }"
+
+    def __init__(
+        self,
+        text: str = "",
+        *,
+        largest: int = 1,
+        capitals: bool = False,
+        id: str | None = None,
+        classes: str = "sentence",
+    ) -> None:
+        super().__init__(id=id, classes=classes)
+        self._text, self._largest, self._capitals = text, largest, capitals
+
+    def show(self, text: str) -> None:
+        """Show a sentence; empty: nothing, and no room is taken."""
+        self._text = text
+        self.display = bool(text)
+        self.refresh(layout=True)
+
+    def _lines(self, columns: int) -> list[str]:
+        if is_roomy(*self.app.size) and (drawn := in_blocks(self._text, columns, self._largest)):
+            return drawn
+        return [spaced(self._text, columns) if self._capitals else self._text]
+
+    def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
+        return self._content(width).get_height({}, width)
+
+    def _content(self, columns: int) -> Content:
+        return Content("\n".join(self._lines(columns)))
+
+    def render(self) -> Content:
+        return self._content(self.content_size.width)
