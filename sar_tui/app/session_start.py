@@ -25,6 +25,7 @@ from sar_tui.rules.parameters import TaskParameters
 from sar_tui.runs.plan import EnoughToday, Failed, Plan, set_up
 from sar_tui.store import records, sessions
 from sar_tui.store.database import StoreError, explain
+from sar_tui.store.training_days import utc
 from sar_tui.tui.timestamps import paint_now
 from sar_tui.widgets.language import language_of
 
@@ -102,7 +103,7 @@ class SessionStart:
         except (PluginError, ParameterError, Failed) as error:
             self._refuse(str(error))
             return
-        self._asked_since, self.is_asking = records.now(), True
+        self._asked_since, self.is_asking = utc(), True
         app.themes.use(theme, plan.parameters.language)
         codes = list(plan.participants)
 

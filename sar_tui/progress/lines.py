@@ -12,6 +12,7 @@ from typing import Any, Literal
 import msgspec
 
 from sar_tui.loop.task import Task
+from sar_tui.model.session_mode import is_personal
 from sar_tui.model.trial_types import Metric
 from sar_tui.plugin_calls import PLUGIN_ERRORS
 from sar_tui.progress import change
@@ -230,8 +231,8 @@ def is_comparable(session: SessionResults, task: Task, settings: Mapping[str, An
     """
     kind = type(task)
     return (
-        (session.task, session.task_version, session.seat, session.mode)
-        == (kind.name, kind.version, "A", "live")
+        (session.task, session.task_version, session.seat) == (kind.name, kind.version, "A")
+        and is_personal(session.mode)
         and bool(session.results)
         and _compared(kind, session.parameters) == settings
     )

@@ -5,6 +5,7 @@ from datetime import date, timedelta
 
 import msgspec
 
+from sar_tui.model.session_mode import is_personal
 from sar_tui.progress.lines import SessionResults
 
 RECENT_DAYS = 28
@@ -48,7 +49,7 @@ def days_of(sessions: Iterable[SessionResults]) -> list[Day]:
     """Return the days with live sessions, first to last."""
     days: dict[str, list[SessionResults]] = {}
     for each in sessions:
-        if each.mode == "live":
+        if is_personal(each.mode):
             days.setdefault(each.began.date().isoformat(), []).append(each)
     return [
         Day(

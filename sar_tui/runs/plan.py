@@ -10,13 +10,13 @@ import msgspec
 
 from sar_tui.loop.session import problem_of_nodes
 from sar_tui.loop.task import Task
+from sar_tui.model.session_mode import SessionMode
 from sar_tui.model.step import Step
 from sar_tui.plugin_calls import PLUGIN_ERRORS, describe
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.declaration import ParameterError
 from sar_tui.rules.parameters import TaskParameters, build, usable
 from sar_tui.rules.questions import chosen, problem_of
-from sar_tui.store import sessions
 from sar_tui.store.database import StoreError
 from sar_tui.store.participants import check_own
 from sar_tui.store.programmes import Programme
@@ -40,7 +40,7 @@ class Plan(msgspec.Struct, frozen=True):
     theme: str
     participant: str
     seed: int
-    mode: sessions.Mode = "live"
+    mode: SessionMode = "live"
     partner: str = ""
     id: str = ""
     programme: int | None = None
@@ -71,7 +71,7 @@ def make_plan(
     theme: str | None = None,
     speech: str | None = None,
     seed: int | None = None,
-    mode: sessions.Mode = "live",
+    mode: SessionMode = "live",
     id: str = "",
     steps: tuple[Step, ...] = (),
 ) -> Plan:
@@ -89,7 +89,7 @@ def make_plan(
         theme: name of the theme; by default the saved one.
         speech: overrides the setting of that name, and adds speech to the outputs.
         seed: decides everything random; drawn by default.
-        mode: live or simulated.
+        mode: live, simulated, or of a demonstration.
         id: the session's id; drawn when the session starts by default.
         steps: between attempts, beside the task's own (see `rules.step_file.read_steps`).
 

@@ -3,7 +3,7 @@
 import sqlite3
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager
-from datetime import datetime
+from datetime import datetime, timedelta
 from pathlib import Path
 from typing import Any, TypedDict
 
@@ -15,6 +15,7 @@ from sar_tui.loop.node import Node
 from sar_tui.loop.session import RULES, Parts, ReplayError, Session
 from sar_tui.loop.task import Task
 from sar_tui.model.messages import SessionStarted
+from sar_tui.model.session_mode import SessionMode, is_personal
 from sar_tui.model.theme import Theme
 from sar_tui.plugins import DEFAULT_THEME, Catalogue, PluginError, task_code, task_source
 from sar_tui.rules.declaration import ParameterError
@@ -28,7 +29,7 @@ from sar_tui.store.provenance import machine, measured_timing, software
 from sar_tui.store.recorder import Recorder
 from sar_tui.store.rescue import rescue_files
 from sar_tui.store.safeguard import Safeguard, forget
-from sar_tui.store.training_days import done_on_day
+from sar_tui.store.training_days import done_on_day, utc
 
 _LAST_WAIT_MS = 1000
 """Longest wait for a database that another program keeps locked, while a session is written and
@@ -61,6 +62,7 @@ class Run:
         database: sqlite3.Connection,
         held: Sequence[BaseFileLock],
         folder: Path,
+        now: Callable[[], str],
     ) -> None:
         self.id = session_id
         self._folder = folder
@@ -70,6 +72,7 @@ class Run:
         self.recorder = recorder
         self._database = database
         self._locks = held
+        self._now = now
 
     @property
     def participants(self) -> dict[str, str]:
@@ -113,7 +116,7 @@ class Run:
 
     def _leave(self, database: sqlite3.Connection) -> None:
         if not self.session.ended:
-            sessions.interrupt(database, self.id)
+            sessions.interrupt(database, self.id, self._now())
 
     @property
     def rescue_file(self) -> Path | None:
@@ -128,6 +131,7 @@ def start(
     clock: Clock,
     make_nodes: NodeFactory,
     parts: Parts | None = None,
+    began: datetime | None = None,
 ) -> Run:
     """Store a new session, and build its run, ready to begin.
 
@@ -138,6 +142,8 @@ def start(
         clock: live or virtual.
         make_nodes: makes the input and output nodes.
         parts: the classes of the framework's nodes, if not its own.
+        began: when the session begins, of which all its times of day follow by the clock; None for
+            the present, and times of day as they are.
 
     Raises:
         StoreError: the database cannot be used, or a participant is in a live session.
@@ -150,14 +156,14 @@ def start(
     database = connect(folder)
     held: list[BaseFileLock] = []
     with _released_on_failure(database, held):
-        if plan.mode == "live":
+        if is_personal(plan.mode):
             task = set_up(plan.task, with_start_level(database, task, plan.participant))
         nodes = make_nodes(task, theme, plan.seed)
         codes = list(plan.participants)
-        if plan.mode == "live":
-            codes = [participants.add(database, code) for code in codes]
+        if is_personal(plan.mode):
+            codes = [participants.add(database, code, began) for code in codes]
             held += [locks.hold(folder, "participant", code) for code in codes]
-        facts = _participant_facts(database, task, codes, plan.mode)
+        facts = _participant_facts(database, task, codes, plan.mode, now=began)
         _check_day(task, codes[0], facts["done_today"])
         session = Session(
             task, theme, clock, plan.seed, nodes, **facts, steps=plan.steps, parts=parts
@@ -176,10 +182,14 @@ def start(
             mode=plan.mode,
             partner=codes[1] if len(codes) > 1 else "",
             programme=plan.programme,
+            now=began,
             **provenance,
         )
-        number = sessions.begin_run(database, session_id, clock_ns=clock.now(), **provenance)
-        return _with_recorder(session_id, number, session, folder, database, held)
+        number = sessions.begin_run(
+            database, session_id, clock_ns=clock.now(), now=began, **provenance
+        )
+        now = _time_of_day(clock, began) if began else utc
+        return _with_recorder(session_id, number, session, folder, database, held, now)
 
 
 def resume(
@@ -228,8 +238,10 @@ def resume(
             session.replay(told_history(database, row["id"], progress or (lambda done, of: None)))
         except (ParameterError, ReplayError) as error:
             raise Failed(f"The session {row['id']} cannot be resumed. {error}") from error
-        number = sessions.begin_run(database, row["id"], clock_ns=clock.now(), **provenance)
-        run = _with_recorder(row["id"], number, session, folder, database, held)
+        number = sessions.begin_run(
+            database, row["id"], clock_ns=clock.now(), now=None, **provenance
+        )
+        run = _with_recorder(row["id"], number, session, folder, database, held, utc)
         if theme.name != row["theme"]:
             run.theme_notice = (
                 f"The theme {row['theme']} of session {row['id']} cannot be loaded any more: it "
@@ -279,8 +291,8 @@ def find_resumable(database: sqlite3.Connection, folder: Path, name: str) -> ses
             f"The session {row['id']} is of {row['site']}: it can be resumed only there.",
             bad_input=True,
         )
-    if row["status"] != "interrupted" or row["mode"] != "live":
-        raise _not_resumable(row["id"], row["status"] if row["mode"] == "live" else row["mode"])
+    if row["status"] != "interrupted" or not is_personal(row["mode"]):
+        raise _not_resumable(row["id"], row["status"] if is_personal(row["mode"]) else row["mode"])
     return row
 
 
@@ -328,33 +340,43 @@ def _participant_facts(
     database: sqlite3.Connection,
     task: Task,
     codes: Sequence[str],
-    mode: sessions.Mode,
+    mode: SessionMode,
     without: str = "",
+    now: datetime | None = None,
 ) -> _ParticipantFacts:
     """Look up the best results of earlier live sessions, and the codes if the agent addresses
     participants by them.
     """
     best: list[dict[str, float]] = [{} for _ in codes]
-    if mode == "live":
+    is_of_people = is_personal(mode)
+    if is_of_people:
         best = [sessions.best(database, code, task, without=without) for code in codes]
     seats = "AB"[: len(codes)]
-    limited = mode == "live" and limits_day(task.parameters)
+    limited = is_of_people and limits_day(task.parameters)
     return {
         "best": best[0],
-        "others_best": dict(zip(seats[1:], best[1:], strict=True)) if mode == "live" else {},
+        "others_best": dict(zip(seats[1:], best[1:], strict=True)) if is_of_people else {},
         "names": dict(zip(seats, codes, strict=True))
         if len(codes) > 1 and task.address == "code"
         else {},
-        "done_today": _done_today(database, task, codes[0]).as_dict() if limited else {},
+        "done_today": _done_today(database, task, codes[0], now).as_dict() if limited else {},
     }
 
 
-def _done_today(database: sqlite3.Connection, task: Task, participant: str) -> Dose:
-    return done_on_day(database, participant, task.name, _now())
+def _done_today(
+    database: sqlite3.Connection, task: Task, participant: str, now: datetime | None
+) -> Dose:
+    return done_on_day(database, participant, task.name, now or _now())
 
 
 def _now() -> datetime:
     return datetime.now().astimezone()
+
+
+def _time_of_day(clock: Clock, began: datetime) -> Callable[[], str]:
+    """Return a function that returns the time of day by a clock, at which a session begins now."""
+    since = clock.now()
+    return lambda: utc(began + timedelta(microseconds=(clock.now() - since) / 1000))
 
 
 def _check_day(task: Task, participant: str, done: dict[str, float]) -> None:
@@ -390,6 +412,7 @@ def _with_recorder(
     folder: Path,
     database: sqlite3.Connection,
     held: Sequence[BaseFileLock],
+    now: Callable[[], str],
 ) -> Run:
     """Return the run of a session with a recorder. In a live session it has its own database
     connection and thread.
@@ -400,7 +423,7 @@ def _with_recorder(
 
     if isinstance(session.clock, VirtualClock):
         recorder = Recorder(
-            database, session_id, number, session.bus, withholds=withholds, inline=True
+            database, session_id, number, session.bus, withholds=withholds, inline=True, now=now
         )
     else:
         own = connect(folder)
@@ -409,7 +432,7 @@ def _with_recorder(
         recorder = Recorder(
             own, session_id, number, session.bus, withholds=withholds, safeguard=safeguard
         )
-    return Run(session_id, number, session, recorder, database, held, folder)
+    return Run(session_id, number, session, recorder, database, held, folder, now)
 
 
 @contextmanager

@@ -1,6 +1,7 @@
 """Run a whole session with a simulated participant on the virtual clock."""
 
 from collections.abc import Callable, Sequence
+from datetime import datetime
 from pathlib import Path
 
 from sar_tui.loop.clock import PacedClock, VirtualClock
@@ -8,7 +9,7 @@ from sar_tui.loop.node import Node
 from sar_tui.loop.session import Parts, Session
 from sar_tui.loop.task import Task
 from sar_tui.loop.topics import ATTEMPT_ENDED
-from sar_tui.model.messages import Fault
+from sar_tui.model.messages import AttemptEnded, Fault
 from sar_tui.model.theme import Theme
 from sar_tui.outputs.node import OutputNode
 from sar_tui.outputs.output import Output
@@ -30,6 +31,8 @@ def simulate(
     partner: Person | None = None,
     bodies: Sequence[Output] = (),
     parts: Parts | None = None,
+    began: datetime | None = None,
+    leave_after: int = 0,
 ) -> str:
     """Run a whole session into the database, and return its id.
 
@@ -46,6 +49,9 @@ def simulate(
         partner: at seat B of a task for two; by default, like ``person``.
         bodies: outputs besides those that the plan names; they report at once.
         parts: the classes of the framework's nodes, if not its own.
+        began: as for ``start``.
+        leave_after: leave it after so many attempts, practice included, as a program does that is
+            closed: it can be resumed. 0: go on to its end.
 
     Raises:
         StoreError, PluginError, ParameterError: as ``start``.
@@ -61,12 +67,19 @@ def simulate(
         others += [OutputNode(body, body.name, theme) for body in bodies]
         return [*people(person, task, seed, clock, partner), *others]
 
-    run = start(plan, folder, catalogue, clock, make_nodes, parts)
+    run = start(plan, folder, catalogue, clock, make_nodes, parts, began)
+    left = False
+
+    def attempt_ended(ended: AttemptEnded) -> None:
+        nonlocal left
+        progress(ended.attempt)
+        left = ended.attempt == leave_after
+
     try:
-        run.session.bus.subscribe(ATTEMPT_ENDED, lambda ended: progress(ended.attempt))
+        run.session.bus.subscribe(ATTEMPT_ENDED, attempt_ended)
         run.begin()
         session = run.session
-        play(session, clock)
+        play(session, clock, lambda: left)
         session.detach()
         session.bus.drain()
         run.check()
@@ -76,7 +89,7 @@ def simulate(
                 "method rehearse of the "
                 f"task {plan.task.name}. What was done so far is kept."
             )
-        if not session.ended:
+        if not session.ended and not left:
             raise Failed(
                 f"The session {run.id} stopped before its end: the task {plan.task.name} waits "
                 "for something that the "
@@ -104,9 +117,13 @@ def people(
     return [SimulatedParticipant(person, task, seed), *partners]
 
 
-def play(session: Session, clock: VirtualClock) -> None:
-    """Let the time of a session pass until it has ended or failed, or nothing is awaited."""
-    while _goes_on(session) and clock.step():
+def play(
+    session: Session, clock: VirtualClock, is_left: Callable[[], bool] = lambda: False
+) -> None:
+    """Let the time of a session pass until it has ended or failed or is left, or nothing is
+    awaited.
+    """
+    while not is_left() and _goes_on(session) and clock.step():
         pass
 
 

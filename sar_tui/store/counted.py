@@ -9,13 +9,15 @@ condition from here.
 from collections.abc import Mapping
 from typing import Any
 
+from sar_tui.model.session_mode import PERSONAL, is_personal
+
 SET_ASIDE = ("discarded", "refused")
 """Statuses of sessions that do not count."""
 KEPT = f"sessions.status NOT IN ({', '.join(map(repr, SET_ASIDE))})"
 """Condition: the session counts, if sessions of its mode are looked at."""
-LIVE = "sessions.mode='live'"
-"""Condition: a person sat there, whatever became of the session. For pain, adverse events, locks
-and checks.
+LIVE = f"sessions.mode IN ({', '.join(map(repr, PERSONAL))})"
+"""Condition: a person sat there, or one invented for a demonstration, whatever became of the
+session. For pain, adverse events, locks and checks.
 """
 COUNTS = f"{LIVE} AND {KEPT}"
 """Condition: the session is one of a person, and counts."""
@@ -28,4 +30,4 @@ def is_set_aside(session: Mapping[str, Any]) -> bool:
 
 def counts(session: Mapping[str, Any]) -> bool:
     """Return True if a listed session is one of a person, and counts."""
-    return session["mode"] == "live" and not is_set_aside(session)
+    return is_personal(session["mode"]) and not is_set_aside(session)

@@ -18,6 +18,7 @@ from sar_tui.store.merge.people import People, in_full, stored_pairs
 from sar_tui.store.record_changes import changes, ends_and_changes, erased_hashes, status_after
 from sar_tui.store.records import TOLD
 from sar_tui.store.tables import TABLES
+from sar_tui.store.training_days import utc
 
 DERIVED = ("trials", "attempts", "actions", "answers", "notes")
 """Tables whose rows follow from the messages."""
@@ -293,7 +294,7 @@ class Derivation:
     def _store(self, session: str, run: int, records: list[Record]) -> None:
         if not records:
             return
-        found = rows.rows_beside(session, run, records)
+        found = rows.rows_beside(session, run, records, utc())
         self._pauses = [] if found["refusals"] else self._pauses + found["pauses"]
         for kind, statement in _STATEMENTS.items():
             if found[kind]:

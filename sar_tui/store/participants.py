@@ -3,7 +3,7 @@
 import re
 import sqlite3
 from collections.abc import Collection, Sequence
-from datetime import UTC, datetime
+from datetime import datetime
 from difflib import get_close_matches
 from pathlib import Path
 
@@ -12,6 +12,7 @@ import msgspec
 from sar_tui.store.counted import COUNTS, LIVE
 from sar_tui.store.database import StoreError, transaction
 from sar_tui.store.locks import is_held
+from sar_tui.store.training_days import utc
 
 _CODE = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,31}(@[A-Za-z0-9][A-Za-z0-9-]{0,15})?")
 
@@ -48,14 +49,16 @@ def check_own(code: str) -> str:
     return code
 
 
-def add(db: sqlite3.Connection, code: str) -> str:
+def add(db: sqlite3.Connection, code: str, now: datetime | None = None) -> str:
     """Add a participant unless they are known, and return the code as it is stored.
+
+    ``now``: when that is; None for the present.
 
     Raises:
         StoreError: the code is not valid, or of another site, or the disk cannot write.
     """
     code = check_own(code)
-    row = (code, datetime.now(UTC).isoformat())
+    row = (code, utc(now))
     with transaction(db) as connection:
         connection.execute(
             "INSERT OR IGNORE INTO participants (code, created_at) VALUES (?, ?)", row

@@ -3,7 +3,7 @@ changed.
 """
 
 import sqlite3
-from datetime import UTC, datetime
+from datetime import datetime
 from typing import Any
 
 import msgspec
@@ -12,6 +12,7 @@ from sar_tui.store.database import StoreError, read_json, store, transaction
 from sar_tui.store.participants import check_own
 from sar_tui.store.tables import PROGRAMMES
 from sar_tui.store.texts import check_text
+from sar_tui.store.training_days import utc
 
 LONGEST_TEXT = 500
 """Largest number of characters of a reason or an author."""
@@ -100,6 +101,7 @@ def save(
     after: int,
     author: str = "",
     reason: str = "",
+    now: datetime | None = None,
 ) -> Programme:
     """Save the parameters and theme of ``changed`` as the next version, and return it.
 
@@ -108,6 +110,7 @@ def save(
     Args:
         after: the version that was changed; 0 if there was none.
         author, reason: who changed it, and why.
+        now: when; None for the present.
 
     Raises:
         Superseded: another version was saved since ``after``.
@@ -129,7 +132,7 @@ def save(
             parameters=as_stored,
             theme=changed.theme,
             version=after + 1,
-            created_at=datetime.now(UTC).isoformat(),
+            created_at=utc(now),
             author=author,
             reason=reason,
         )

@@ -5,7 +5,6 @@ change of its rows.
 import contextlib
 import sqlite3
 from collections.abc import Iterable, Iterator
-from datetime import UTC, datetime
 from pathlib import Path
 
 import msgspec
@@ -23,6 +22,7 @@ from sar_tui.model.messages import (
 from sar_tui.store import locks, log_hashes, messages
 from sar_tui.store.database import transaction
 from sar_tui.store.tables import MESSAGES
+from sar_tui.store.training_days import utc
 
 _FROM: dict[RecordChange, tuple[str, ...]] = {
     "dismissed": ("running", "interrupted"),
@@ -63,7 +63,7 @@ def change_status(
             log(
                 connection,
                 session,
-                RecordChanged(change=change, actor=actor, at=_utc(), reason=reason),
+                RecordChanged(change=change, actor=actor, at=utc(), reason=reason),
             )
             status = status_after(ends_and_changes(connection, session))
             connection.execute("UPDATE sessions SET status=? WHERE id=?", (status, session))
@@ -115,7 +115,7 @@ def erase_note(
             hashes = " ".join(log_hashes.message_hash(each).hex() for each in (row, rest))
             erased: Json = {str(seq): hashes}
             said = RecordChanged(
-                change="redacted", actor=actor, at=_utc(), reason=reason, details=erased
+                change="redacted", actor=actor, at=utc(), reason=reason, details=erased
             )
             log(connection, session, said)
         db.execute(
@@ -220,7 +220,3 @@ def ends_and_changes(db: sqlite3.Connection, session: str) -> list[str]:
         elif isinstance(one, SessionEnded):
             found.append(one.status)
     return found
-
-
-def _utc() -> str:
-    return datetime.now(UTC).isoformat()

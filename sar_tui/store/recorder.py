@@ -15,6 +15,7 @@ from sar_tui.store.database import StoreConnection, StoreError, transaction
 from sar_tui.store.messages import Numbers, StoredRow, layout, numbers
 from sar_tui.store.rows import SQL, Rows, rows_of
 from sar_tui.store.safeguard import Safeguard
+from sar_tui.store.training_days import utc
 
 BATCH_SECONDS = 0.1
 """Longest time until a message that is not a trial is written."""
@@ -51,6 +52,7 @@ class Recorder:
             at the end.
         withholds: returns True as long as no samples of sensors may be stored.
         safeguard: where the session goes on if the database is removed, or still locked at the end.
+        now: returns the time at which rows are stored, UTC.
     """
 
     name: ClassVar[str] = "recorder"
@@ -66,12 +68,14 @@ class Recorder:
         withholds: Callable[[], bool] = lambda: False,
         inline: bool = False,
         safeguard: Safeguard | None = None,
+        now: Callable[[], str] = utc,
     ) -> None:
         self._database = database
         self._session = session
         self._run = run
         self._bus = bus
         self._inline = inline
+        self._now = now
         self._withholds = withholds
         self._queue: deque[list[Record]] = deque()
         self._queued = 0
@@ -230,7 +234,8 @@ class Recorder:
         records = [record for cascade in list(self._queue)[:count] for record in cascade]
         try:
             messages = [record for record in records if not record.topic.stream]
-            rows = rows_of(self._session, self._run, messages, self._numbers_here())
+            numbers_here = self._numbers_here()
+            rows = rows_of(self._session, self._run, messages, numbers_here, self._now())
             rows["streams"], rows["chunks"], streams = self._streams.rows(records)
             group = self._hash(messages, rows) if records else self._last_group
             self._commit(rows)

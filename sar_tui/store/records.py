@@ -20,6 +20,7 @@ from sar_tui.store.counted import LIVE
 from sar_tui.store.database import StoreError, transaction
 from sar_tui.store.participants import add as add_participant
 from sar_tui.store.participants import admit, check_own
+from sar_tui.store.training_days import utc
 
 TOLD = "told in a pause"
 """Answer that follows from a key in a pause, and stands in the session's log."""
@@ -69,11 +70,6 @@ class Record(msgspec.Struct, frozen=True, kw_only=True):
 _FIELDS = Record.__struct_fields__
 
 
-def now() -> str:
-    """Return the present time as it is stored."""
-    return datetime.now(UTC).isoformat()
-
-
 PAUSES = (
     "WITH given (id, session, seat, kind, at) AS (VALUES (?, ?, ?, ?, ?))"
     " INSERT OR IGNORE INTO records (id, version, kind, participant, session, seat, moment, at,"
@@ -99,6 +95,7 @@ def add(
     moment: str = "",
     author: str = "",
     is_new: bool = False,
+    now: datetime | None = None,
 ) -> Record:
     """Check and store a record, and return it as it is stored.
 
@@ -108,16 +105,17 @@ def add(
         db: the database.
         kind: its kind.
         participant: code of the participant.
-        at: the local date, or date and time, that it is of; empty for now.
+        at: the local date, or date and time, that it is of; empty for ``now``.
         given: values or typed texts, by field.
         session, seat, moment: where it belongs.
         author: who records it.
         is_new: as in `participants.admit`.
+        now: when it is recorded; None for the present.
 
     Raises:
         StoreError: the participant is not known, a value is not valid, or the disk cannot write.
     """
-    date = check_date(kind, at) if at else _now_of(kind)
+    date = check_date(kind, at) if at else _now_of(kind, now)
     content = _checked(kind, given)
     if kind.entered_by == "therapist":
         (code,) = admit(db, [participant], is_new=is_new)
@@ -132,12 +130,12 @@ def add(
         seat=seat,
         moment=moment,
         content=content,
-        recorded_at=now(),
+        recorded_at=utc(now),
         recorded_by=author,
     )
     if kind.once_a_day and (earlier := _of_day(db, record)):
         record = msgspec.structs.replace(record, id=earlier.id, version=earlier.version + 1)
-    add_participant(db, code)
+    add_participant(db, code, now)
     return _insert(db, record)
 
 
@@ -197,7 +195,7 @@ def correct(
             f"Nothing would change. Give another date, or a new value of: {names}.", bad_input=True
         )
     changed = msgspec.structs.replace(
-        changed, version=last.version + 1, recorded_at=now(), recorded_by=author
+        changed, version=last.version + 1, recorded_at=utc(), recorded_by=author
     )
     return _insert(db, changed)
 
@@ -243,12 +241,12 @@ def _is_local(kind: Kind) -> bool:
     return kind.entered_by == "therapist"
 
 
-def _now_of(kind: Kind) -> str:
-    """Return the present time as records of a kind have it."""
+def _now_of(kind: Kind, now: datetime | None) -> str:
+    """Return a time, by default the present, as records of a kind have it."""
     if not _is_local(kind):
-        return now()
+        return utc(now)
     form = "%Y-%m-%d %H:%M" if kind.has_time else "%Y-%m-%d"
-    return datetime.now().strftime(form)
+    return (now or datetime.now()).astimezone().strftime(form)
 
 
 def session_at(db: sqlite3.Connection, participant: str, at: str) -> str | None:

@@ -5,7 +5,6 @@ its rows, and the examination of a log (`store.log_examination`) derives the sam
 """
 
 from collections.abc import Callable
-from datetime import UTC, datetime
 from operator import attrgetter
 from typing import Any, NamedTuple
 
@@ -55,9 +54,12 @@ class Projection(NamedTuple):
     row: Callable[[Origin, Any], Row | None]
 
 
-def rows_of(session: str, run: int, records: list[Record], numbers: Numbers) -> Rows:
-    """Return the rows of messages, by the names of the statements in ``SQL``."""
-    rows = rows_beside(session, run, records)
+def rows_of(session: str, run: int, records: list[Record], numbers: Numbers, now: str) -> Rows:
+    """Return the rows of messages, by the names of the statements in ``SQL``.
+
+    ``now``: the time at which they are stored, UTC.
+    """
+    rows = rows_beside(session, run, records, now)
     rows["messages"] = [
         (numbers.session, seq, run, at, numbers.topics[topic.name], encoder(topic)(message))
         for seq, at, topic, message in records
@@ -65,12 +67,11 @@ def rows_of(session: str, run: int, records: list[Record], numbers: Numbers) -> 
     return rows
 
 
-def rows_beside(session: str, run: int, records: list[Record]) -> Rows:
+def rows_beside(session: str, run: int, records: list[Record], now: str) -> Rows:
     """Return the rows of other tables that follow from messages, by the names of the statements in
-    ``SQL``.
+    ``SQL``. ``now`` as in `rows_of`.
     """
     rows: Rows = {name: [] for name in SQL}
-    now = datetime.now(UTC).isoformat()
     for _, at, _, message in records:
         for name, projection in _BY_KIND.get(type(message), ()):
             row = projection.row(Origin(session, run, at, now), message)

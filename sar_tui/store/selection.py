@@ -7,6 +7,7 @@ from typing import Any
 
 import msgspec
 
+from sar_tui.model.session_mode import is_personal
 from sar_tui.store.counted import is_set_aside
 from sar_tui.store.database import StoreError
 from sar_tui.store.merge.people import other_code
@@ -128,7 +129,7 @@ def _named(
     found = {row["id"]: row for row in rows}
     for row in found.values():
         if not _is_wanted(row, request):
-            live = row["mode"] == "live"
+            live = is_personal(row["mode"])
             raise StoreError(
                 f"Session {row['id']} is {row['mode']}: "
                 + ("leave out --simulated, " if live else "add --simulated for such sessions, ")
@@ -143,7 +144,7 @@ def _named(
 
 
 def _is_wanted(row: Row, request: Request) -> bool:
-    return request.mixed or (row["mode"] == "live") != request.simulated
+    return request.mixed or is_personal(row["mode"]) != request.simulated
 
 
 def _none(database: sqlite3.Connection, rows: Sequence[Row], request: Request, code: str) -> str:

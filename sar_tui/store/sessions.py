@@ -5,7 +5,7 @@ import os
 import secrets
 import sqlite3
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from datetime import UTC, datetime
+from datetime import datetime
 from functools import lru_cache
 from heapq import merge
 from pathlib import Path
@@ -18,15 +18,15 @@ from sar_tui.loop.clock import host_now
 from sar_tui.loop.nodes.memory import best_key
 from sar_tui.loop.task import Task
 from sar_tui.model.messages import AttemptEnded
+from sar_tui.model.session_mode import SessionMode
 from sar_tui.rules.parameters import TaskParameters, fields
 from sar_tui.store import imu, log_hashes, messages
 from sar_tui.store.counted import COUNTS
 from sar_tui.store.database import StoreError, read_json, store, transaction
 from sar_tui.store.locks import is_held
 from sar_tui.store.tables import RUNS, SEATS, SESSIONS, TABLES, Type
-from sar_tui.store.training_days import UTC_OFFSET, trained_at, utc_offset_s
+from sar_tui.store.training_days import UTC_OFFSET, trained_at, utc, utc_offset_s
 
-Mode = Literal["live", "simulated", "replayed"]
 Row = dict[str, Any]
 
 Table = Literal["attempts", "trials", "actions", "runs", "imu_streams", "seats", "answers"]
@@ -48,9 +48,10 @@ def create(
     parameters: object,
     software: object,
     machine: object,
-    mode: Mode,
+    mode: SessionMode,
     partner: str = "",
     programme: int | None = None,
+    now: datetime | None = None,
 ) -> None:
     """Store a new session and the seats of its participants.
 
@@ -60,6 +61,7 @@ def create(
         session: an id from ``new_id``.
         partner: the code of the participant at seat B, if there is one.
         programme: the version of the participant's programme; None if there is none.
+        now: when it begins; None for the present.
     """
     with transaction(db) as connection:
         store(
@@ -69,7 +71,7 @@ def create(
             task=task,
             theme=theme,
             status="running",
-            started_at=_utc(),
+            started_at=utc(now),
             seed=seed,
             parameters=parameters,
             software=software,
@@ -90,14 +92,16 @@ def begin_run(
     software: object,
     machine: object,
     clock_ns: int | None = None,
+    now: datetime | None = None,
 ) -> int:
     """Store a run of this program on a session, and return its number (1, 2, …).
 
     Args:
         clock_ns: the present time of the session's clock; None if it is the host's.
+        now: the time of day then; None for the present.
     """
     at = host_now() if clock_ns is None else clock_ns
-    anchor = {"clock_ns": at, "utc": _utc(), "utc_offset_s": utc_offset_s()}
+    anchor = {"clock_ns": at, "utc": utc(now), "utc_offset_s": utc_offset_s(now)}
     with transaction(db) as connection:
         (run,) = connection.execute(
             "SELECT coalesce(max(run), 0) + 1 FROM runs WHERE session=?", (session,)
@@ -164,19 +168,16 @@ def best(
     return {best_key(level, condition): value for level, condition, value in rows}
 
 
-def interrupt(db: sqlite3.Connection, session: str) -> None:
-    """Mark a session that was left before its end as interrupted, so that it can be resumed."""
-    ended = _utc()
+def interrupt(db: sqlite3.Connection, session: str, ended: str) -> None:
+    """Mark a session that was left before its end as interrupted at a time, so that it can be
+    resumed.
+    """
     with transaction(db) as connection:
         interrupted = (
             "UPDATE sessions SET status='interrupted', ended_at=? WHERE id=? AND status='running'"
         )
         if connection.execute(interrupted, (ended, session)).rowcount:
             log_hashes.extend(connection, session, ["ended", ended])
-
-
-def _utc() -> str:
-    return datetime.now(UTC).isoformat()
 
 
 def _dump(value: object) -> str:
@@ -377,6 +378,15 @@ def stored_status(db: sqlite3.Connection, session: str) -> str | None:
     """
     row = db.execute("SELECT status FROM sessions WHERE id=?", (session,)).fetchone()
     return row[0] if row else None
+
+
+def is_demonstration(db: sqlite3.Connection, schema: str = "main") -> bool:
+    """Return True if a database shows what the program does, with invented people: it was made for
+    that, and its first session is of one of them.
+    """
+    first = f"SELECT mode FROM {schema}.sessions ORDER BY rowid LIMIT 1"
+    row = db.execute(first).fetchone()
+    return row is not None and row[0] == "demonstration"
 
 
 def rows(db: sqlite3.Connection, table: Table, session: str) -> list[Row]:

@@ -229,9 +229,9 @@ SESSIONS = Table(
         Column(
             "mode",
             "string",
-            "The session was played by a person (live), by a simulated one, or again from a "
-            "record.",
-            levels=("live", "simulated", "replayed"),
+            "The session was played by a person (live), by a simulated one, again from a record, "
+            "or by an invented person for a demonstration.",
+            levels=("live", "simulated", "replayed", "demonstration"),
             required=True,
             form="word",
         ),

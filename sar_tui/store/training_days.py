@@ -4,7 +4,7 @@ other places, and seasons.
 
 import json
 import sqlite3
-from datetime import date, datetime, timedelta, timezone
+from datetime import UTC, date, datetime, timedelta, timezone
 
 import msgspec
 
@@ -23,9 +23,14 @@ recorded.
 """
 
 
-def utc_offset_s() -> int:
-    """Return the offset of the present local time from UTC, in s."""
-    offset = datetime.now().astimezone().utcoffset()
+def utc(now: datetime | None = None) -> str:
+    """Return a time as it is stored, in UTC; by default the present."""
+    return (now or datetime.now(UTC)).astimezone(UTC).isoformat()
+
+
+def utc_offset_s(now: datetime | None = None) -> int:
+    """Return the offset of local time from UTC at a time, by default the present, in s."""
+    offset = (now or datetime.now()).astimezone().utcoffset()
     return round(offset.total_seconds()) if offset else 0
 
 

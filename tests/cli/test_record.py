@@ -9,6 +9,7 @@ import pytest
 from sar_tui.records.kind import kinds
 from sar_tui.store import participants, records
 from sar_tui.store.database import connect
+from sar_tui.store.training_days import utc
 from sar_tui.store.wellbeing import NOT_SAID
 from tests.program import Call
 from tests.recorded import told
@@ -33,7 +34,7 @@ def data(tmp_path: Path, simulated: str) -> Path:
         ):
             told(database, "P01", moment, question, answer, session=simulated)
         with database:
-            pause = ("x-1", simulated, "A", "pain", records.now())
+            pause = ("x-1", simulated, "A", "pain", utc())
             database.execute(records.PAUSES, pause)
     return folder
 

@@ -30,7 +30,7 @@ ENOUGH = "That is enough for today. Well done."
 @pytest.fixture(autouse=True)
 def _at_noon(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let every run begin at noon."""
-    monkeypatch.setattr("sar_tui.store.sessions._utc", NOON.isoformat)
+    monkeypatch.setattr("sar_tui.store.sessions.utc", lambda now=None: NOON.isoformat())
     monkeypatch.setattr("sar_tui.runs.run._now", lambda: NOON)
 
 

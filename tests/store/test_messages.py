@@ -34,7 +34,7 @@ SESSION = "5e55100001"
 def store(database: Connection, topic: Topic[Any], *given: m.Message) -> None:
     """Store messages with the numbers 1, 2, …, at 7 ns."""
     records = [Record(seq, 7, topic, message) for seq, message in enumerate(given, 1)]
-    made = rows.rows_of(SESSION, 1, records, messages.numbers(database, SESSION))
+    made = rows.rows_of(SESSION, 1, records, messages.numbers(database, SESSION), "")
     with transaction(database) as connection:
         connection.executemany(rows.SQL["messages"], made["messages"])
 

@@ -370,4 +370,4 @@ def test_a_mark_before_its_trials_row_is_in_it_and_one_after_is_stored_apart() -
         records = [
             Record(seq, seq, topic, message) for seq, (topic, message) in enumerate(given, 1)
         ]
-        assert rows_of("s", 1, records, NUMBERS)["marks"] == marks
+        assert rows_of("s", 1, records, NUMBERS, "")["marks"] == marks

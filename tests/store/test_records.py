@@ -14,6 +14,7 @@ from sar_tui.store import participants, records, sessions, wellbeing
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.integrity import flaws
 from sar_tui.store.rescue import copy_session
+from sar_tui.store.training_days import utc
 from tests.recorded import event, score, told
 from tests.store.by_hand import sql
 
@@ -80,7 +81,7 @@ def test_the_last_score_of_a_day_counts_and_one_entered_by_mistake_can_be_entere
 def test_what_cannot_be_corrected_is_refused(database: Connection) -> None:
     entered = event(database, "P01", "2026-03-01", what="Fell", severity="mild")
     new_session(database, "abc")
-    database.execute(records.PAUSES, ("abc-7", "abc", "A", "pain", records.now()))
+    database.execute(records.PAUSES, ("abc-7", "abc", "A", "pain", utc()))
     for id, given, says in (
         ("ffffff", {"what": "x"}, "There is no record ffffff."),
         (f"{entered.id}@BERN", {"what": "x"}, "There is no record"),
@@ -128,7 +129,7 @@ def test_an_event_with_a_time_belongs_to_the_session_under_way(database: Connect
 
 def test_answers_before_a_session_belong_to_it_once_it_begins(database: Connection) -> None:
     told(database, "P01", "before", "pain", "8")
-    since = records.now()
+    since = utc()
     told(database, "P01", "before", "pain", "2")
     told(database, "P02", "before", "pain", "1")
     new_session(database, "abc")

@@ -14,6 +14,7 @@ from sar_tui.app.home.session_list import Line
 from sar_tui.app.home.words import Programme
 from sar_tui.loop.task import Task
 from sar_tui.model.results_for_people import short_goal
+from sar_tui.model.session_mode import is_personal
 from sar_tui.model.trial_types import Metric
 from sar_tui.plugin_calls import PLUGIN_ERRORS
 from sar_tui.plugins import Catalogue, PluginError
@@ -70,7 +71,7 @@ def read_card(
 ) -> CardContents:
     """Return what a participant's card says of a task."""
     every = results.sessions_of(database, participant, kind.name, folder=folder)
-    played = [each for each in every if each.mode == "live"]
+    played = [each for each in every if is_personal(each.mode)]
     found = progress(participant, played, {kind.name: kind}.get, today=today)
     line = found.lines[-1] if found.lines else None
     others = sum(bool(each.results) for each in played) - (len(line.sessions) if line else 0)
@@ -190,7 +191,7 @@ def read_sessions(
 
 def can_resume(row: sessions.Row) -> bool:
     """Return True if a listed session can be gone on with."""
-    return bool(row["status"] == "interrupted" and row["mode"] == "live" and not row["site"])
+    return bool(row["status"] == "interrupted" and is_personal(row["mode"]) and not row["site"])
 
 
 def _note(

@@ -12,6 +12,7 @@ import msgspec
 from sar_tui.export.columns import TO_SESSION, Table, Values, stored
 from sar_tui.export.damage import Damage
 from sar_tui.export.tables.sessions import TO_PARTICIPANT
+from sar_tui.model.session_mode import is_personal
 from sar_tui.records.kind import Kind
 
 _HEAD = (
@@ -37,7 +38,7 @@ def records(
     live = {
         code
         for row in sessions
-        if row["mode"] == "live"
+        if is_personal(row["mode"])
         for code in (row["participant"], row["partner"])
     }
     return Table(

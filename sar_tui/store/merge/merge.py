@@ -11,7 +11,7 @@ from pathlib import Path
 import msgspec
 
 from sar_tui.drivers.files import make_private, unused
-from sar_tui.store import sites
+from sar_tui.store import sessions, sites
 from sar_tui.store.backup import FOLDER, back_up
 from sar_tui.store.database import FILE, StoreError, connect, transaction
 from sar_tui.store.locks import Held, hold, is_held
@@ -108,6 +108,7 @@ def merge(
             try:
                 db.execute("PRAGMA other.journal_mode=OFF")
                 db.execute("PRAGMA other.synchronous=OFF")
+                _check_no_demonstration(db, other)
                 site = _site_of_other(db, own, other, site and sites.check_site(site), one_site)
                 result = _changed(
                     db,
@@ -147,6 +148,16 @@ def _check_nothing_runs(db: sqlite3.Connection, folder: Path) -> None:
             raise StoreError(
                 f"Session {id} is running here, and a merge would hold it up: merge when it has "
                 "ended."
+            )
+
+
+def _check_no_demonstration(db: sqlite3.Connection, other: Path) -> None:
+    """Raise StoreError if one of two databases holds a demonstration: its people are invented."""
+    for schema, which in (("other", str(other)), ("main", "This database")):
+        if sessions.is_demonstration(db, schema):
+            raise StoreError(
+                f"{which} holds a demonstration. Its people are invented: it is not merged.",
+                bad_input=True,
             )
 
 

@@ -242,3 +242,14 @@ def test_the_next_merge_removes_what_a_killed_one_left(zurich: Path, bern: Path)
     assert holds(zurich) == before
     assert merge(zurich, bern).added == ["b1"]
     assert not list(zurich.glob(".merge-*"))
+
+
+@pytest.mark.parametrize("which", ["zurich", "bern"])
+def test_invented_people_of_a_demonstration_are_not_merged(
+    zurich: Path, bern: Path, which: str
+) -> None:
+    change({"zurich": zurich, "bern": bern}[which], "UPDATE sessions SET mode='demonstration'")
+    before = holds(zurich)
+    with pytest.raises(StoreError, match="invented"):
+        merge(zurich, bern)
+    assert holds(zurich) == before
