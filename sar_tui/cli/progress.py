@@ -1,6 +1,6 @@
 """``sar-tui progress``: a participant over sessions."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -150,21 +150,28 @@ def _finder(home: Home) -> "Find":
 
 def _print(out: "Console", found: "Progress", find: "Find", language: str) -> None:
     from sar_tui.reports import progress_words
+    from sar_tui.reports.progress_headline import headline
 
-    for text in progress_words.warnings(found, progress_words.words(language, None)):
-        out.print(f"! {text}", soft_wrap=True, end="\n\n")
-    for line in found.lines:
+    warnings = progress_words.warnings(found, progress_words.words(language, None))
+    for line in reversed(found.lines):
         tr = progress_words.words(language, find(line.task))
-        out.print(
-            f"{found.participant} · {progress_words.heading(line, tr)}", soft_wrap=True, end="\n\n"
-        )
+        out.print(f"{found.participant} · {progress_words.heading(line, tr)}", soft_wrap=True)
+        out.print(headline(found, line, tr).text, soft_wrap=True, end="\n\n")
+        _print_warnings(out, warnings)
+        warnings = []
         _print_chart(out, line, tr)
         _print_sessions(out, line, tr)
         for sentence in progress_words.sentences(line, tr):
             out.print(sentence, soft_wrap=True)
         out.print()
+    _print_warnings(out, warnings)
     _print_instruments(out, found, language)
     _print_dose(out, found, progress_words.words(language, None))
+
+
+def _print_warnings(out: "Console", warnings: Sequence[str]) -> None:
+    for text in warnings:
+        out.print(f"! {text}", soft_wrap=True, end="\n\n")
 
 
 def _print_chart(out: "Console", line: "LineProgress", tr: "Language") -> None:

@@ -10,6 +10,7 @@ from sar_tui.model.language import Language
 from sar_tui.reports import dose_words, progress_charts, progress_words
 from sar_tui.reports.progress import LineProgress, Progress
 from sar_tui.reports.progress_charts import sessions_of_a_mark, span_of
+from sar_tui.reports.progress_headline import headline
 from sar_tui.reports.sections import document, figure, table
 from sar_tui.reports.wellbeing import dated_event
 from sar_tui.store.records import Record
@@ -29,12 +30,17 @@ def page(found: Progress, find_task: Callable[[str], type[Task] | None], code: s
     own = progress_words.words(code, None)
     title = f"{found.participant} · {own('Progress')}"
     body = [f"<h1>{escape(title)}</h1>"]
-    if said := progress_words.warnings(found, own):
-        body += [f"<p><strong>{escape(text)}</strong></p>" for text in said]
-    for line in found.lines:
-        body += _line(line, found.events, progress_words.words(code, find_task(line.task)))
+    warnings = [
+        f"<p><strong>{escape(text)}</strong></p>" for text in progress_words.warnings(found, own)
+    ]
     if not found.lines:
-        body.append(f"<p>{escape(own('There are no finished attempts yet.'))}</p>")
+        body += [f"<p>{escape(own('There are no finished attempts yet.'))}</p>", *warnings]
+    for line in reversed(found.lines):
+        tr = progress_words.words(code, find_task(line.task))
+        body.append(f"<h2>{escape(progress_words.heading(line, tr))}</h2>")
+        body.append(f"<p><strong>{escape(headline(found, line, tr).text)}</strong></p>")
+        body += [*warnings, *_line(line, found.events, tr)]
+        warnings = []
     if found.instruments:
         body.append(f"<h2>{escape(own('Other instruments'))}</h2>")
         body += [
@@ -50,7 +56,6 @@ def page(found: Progress, find_task: Callable[[str], type[Task] | None], code: s
 
 
 def _line(line: LineProgress, events: Sequence[Record], tr: Language) -> Iterator[str]:
-    yield f"<h2>{escape(progress_words.heading(line, tr))}</h2>"
     yield f"<p>{escape(' '.join(progress_words.sentences(line, tr)))}</p>"
     if (most := sessions_of_a_mark(len(line.sessions))) > 1:
         rule = tr(

@@ -273,7 +273,14 @@ def test_parts_fit_show_both_charts_at_a_tall_screen_and_mark_the_session_to_com
 
 def test_every_text_of_charts_parts_and_dose_has_a_translation_and_none_is_left() -> None:
     folder = Path(progress_words.__file__).parent
-    names = ("progress_parts", "progress_words", "progress_page", "progress_charts", "dose_words")
+    names = (
+        "progress_parts",
+        "progress_words",
+        "progress_headline",
+        "progress_page",
+        "progress_charts",
+        "dose_words",
+    )
     sources = [(folder / f"{name}.py").read_text(encoding="utf-8") for name in names]
     texts = set().union(*map(texts_in, sources))
     assert {text for text in texts if re.search("[a-z]", text)} - set(SPANISH) == set()
