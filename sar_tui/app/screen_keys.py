@@ -88,8 +88,9 @@ class ScreenKeys:
             return press.is_new or is_typed
         if event.key in _MOVES or getattr(screen, "judges_keys", False):
             return press.counts
-        completes = getattr(screen, "completes_answer", None)
-        passes = press.is_new and (press.counts or (completes is not None and completes(event.key)))
+        if (only_chooses := getattr(screen, "only_chooses", None)) and only_chooses(event.key):
+            return press.is_new and press.counts
+        passes = press.is_new and press.counts
         if passes:
             self._note()
         return passes

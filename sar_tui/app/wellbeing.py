@@ -27,9 +27,8 @@ def ask_before(app: "SarTui", task: Task, theme: Theme, codes: Sequence[str]) ->
     """Return the screen that asks before a session."""
     people = _people(task, dict(zip(task.seats, codes, strict=False)))
     tr = session_language(task).including(theme.texts)
-    return WellbeingScreen(
-        "before", people, pain_limits(task.parameters), _saving(app, "before"), tr
-    )
+    limits = pain_limits(task.parameters)
+    return WellbeingScreen("before", people, limits, _saving(app, "before"), tr, theme)
 
 
 def ask_after(app: "SarTui", live: "LiveSession", moment: Moment = "after") -> WellbeingScreen:
@@ -85,7 +84,8 @@ def _screen(
     session = live.session
     tr = session_language(session.task).including(session.theme.texts)
     limits = pain_limits(session.task.parameters)
-    return WellbeingScreen(moment, people, limits, _saving(app, moment, live.run.id), tr, told)
+    save = _saving(app, moment, live.run.id)
+    return WellbeingScreen(moment, people, limits, save, tr, session.theme, told)
 
 
 def warnings(app: "SarTui", codes: Sequence[str]) -> list[str]:

@@ -52,6 +52,11 @@ def plan(
     return make_plan(catalogue, task, [participant], SHORT | parameters, theme=theme, seed=7)
 
 
+def given(*answers: str) -> list[str]:
+    """Return the keys that give answers: each is chosen by its key, and said by Enter."""
+    return [key for answer in answers for key in (answer, "enter")]
+
+
 def known(
     data: Path,
     participant: str = "P01",

@@ -14,7 +14,7 @@ from sar_tui.app.app import SarTui
 from sar_tui.app.screens.sensor_check import SensorCheckScreen
 from sar_tui.app.screens.session import SessionScreen
 from sar_tui.app.screens.settings import SettingsScreen
-from sar_tui.app.screens.wellbeing import ENDS, PLACES, WellbeingScreen
+from sar_tui.app.screens.wellbeing import QUESTIONS, WellbeingScreen
 from sar_tui.checks.task_translations import texts_in
 from sar_tui.model.language import language, read_words, slot_problem
 from sar_tui.plugins import Catalogue, task_folder
@@ -57,7 +57,8 @@ def test_every_text_of_the_app_is_translated_and_no_translation_is_obsolete() ->
     labels = {
         binding.description for binding in bindings if isinstance(binding, Binding) and binding.show
     }
-    answers = {NOT_SAID, *PLACES.values(), *chain.from_iterable(ENDS.values())}
+    steps = QUESTIONS.values()
+    answers = {NOT_SAID, *chain.from_iterable((step.text, *step.labels) for step in steps)}
     texts = {"palette", *labels, *MARKERS, *answers}.union(
         *(texts_in(path.read_text("utf-8")) for path in code)
     )

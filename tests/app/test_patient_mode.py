@@ -13,7 +13,7 @@ from sar_tui.reports import session_facts
 from sar_tui.store import passphrase
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.passphrase import Passphrase
-from tests.app.app_driver import AppDriver, OpenApp, known, stored
+from tests.app.app_driver import AppDriver, OpenApp, given, known, stored
 
 RIGHT = "quiet river"
 REACHING = {"imu": "simulated", "attempts": 1, "reaches_per_attempt": 1}
@@ -74,7 +74,7 @@ async def test_in_severe_pain_one_enter_never_begins_and_later_nothing_invites_t
 ) -> None:
     known(data, "P01", ask_wellbeing=True)
     async with opened(patient="P01") as driver:
-        await driver.press("enter", "9", "3", "2")
+        await driver.press("enter", *given("9", "3", "2"))
         driver.see("Please do not train now")
         await driver.press("enter")
         driver.see("You can rest now.", "Rest, and tell your therapist about the pain now.")
@@ -87,9 +87,9 @@ async def test_in_severe_pain_one_enter_never_begins_and_later_nothing_invites_t
         assert advised in driver.app.patient_mode.troubles
         assert driver.stored("SELECT count(*) FROM sessions") == [(0,)]
 
-        await driver.press("3", "5", "1")
+        await driver.press(*given("3", "5", "1"))
         await driver.do_session()
-        await driver.press("enter", "6", "5", "4")
+        await driver.press("enter", *given("6", "5", "4"))
         driver.see("Please rest now")
         await driver.press("enter")
         driver.see("You can rest now. Rest, and tell your therapist about the pain now.")
@@ -139,7 +139,7 @@ async def test_neither_screens_nor_help_name_a_way_out(opened: OpenApp, data: Pa
     known(data, "P88", task="reaching", **REACHING, ask_wellbeing=True)
     others = ("Quit", "Ctrl-Q", "Settings", "F12", "F2 on the first screen", "F7")
     async with opened(patient="P88") as driver:
-        for keys in ((), ("enter",), ("0", "1"), ("enter",)):
+        for keys in ((), ("enter",), given("0", "1"), ("enter",)):
             await driver.press(*keys)
             driver.lacks(*others)
             await driver.press("f1")
@@ -277,7 +277,7 @@ async def test_therapists_keys_do_nothing(opened: OpenApp, data: Path) -> None:
             screens.append(f"{driver.screen_name} {waiting.stage if waiting else ''}".strip())
 
         await try_keys()
-        for key in ("enter", "0", "3", "enter", "enter", "enter", "space"):
+        for key in ("enter", *given("0", "3"), "enter", "enter", "enter", "space"):
             await driver.press(key)
             await driver.wait(800)
             await try_keys()

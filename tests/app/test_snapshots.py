@@ -76,3 +76,14 @@ async def test_snapshots_of_a_session(open_session: OpenSession, album: Album) -
         await driver.wait(8000)  # the last gestures end
         album.take("summary", driver)
     album.check()
+
+
+async def test_snapshots_of_the_questions_on_pain(open_session: OpenSession, album: Album) -> None:
+    async with open_session(ask_wellbeing=True) as driver:
+        await driver.press("6")
+        album.take("pain", driver)
+        await driver.press("enter")
+        album.take("pain-place", driver)
+        await driver.press("3", "enter", "tab")
+        album.take("pain-advice", driver)
+    album.check()

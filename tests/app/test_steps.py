@@ -1,5 +1,6 @@
 """A question between attempts on the participant's screen."""
 
+import re
 from contextlib import closing
 from pathlib import Path
 
@@ -40,7 +41,7 @@ async def test_a_question_is_answered_on_the_screen(open_session: OpenSession) -
         await driver.press("enter")
         driver.see("Please choose first")
         await driver.press("5")
-        driver.see("[5]")
+        driver.see("┃ 5 ┃")
         await driver.press("enter")
         driver.see("How hard was that for you?")
         await driver.wait(500)
@@ -88,7 +89,7 @@ async def test_without_consent_no_session_begins(
     settings = {"attempts": 1, "imu": "simulated", "ask_wellbeing": True}
     asked = make_plan(catalogue, "reaching", ["P01"], settings, seed=7, steps=(CONSENT,))
     async with opened(asked) as driver:
-        await driver.press("0", "1")
+        await driver.press("0", "enter", "1", "enter")
         await driver.wait(300)
         await driver.press("enter")
         await driver.wait(2000)
@@ -132,9 +133,10 @@ async def test_a_consent_that_was_interrupted_is_asked_again(
 
 
 def test_the_numbers_of_a_scale_stand_above_the_words_at_its_ends() -> None:
-    headline, row, ends, _ = shown(QUESTIONS["pain"], Entry(chosen=(3,)))
+    headline, above, row, _, ends, _ = shown(QUESTIONS["pain"], Entry(chosen=(3,)))
     assert headline == "How strong is your pain now?"
-    assert row.split() == ["0", "1", "2", "[3]", "4", "5", "6", "7", "8", "9", "10"]
+    assert re.findall(r"\d+", row) == [str(n) for n in range(11)]
+    assert above.index("┏") == row.index("┃ 3┃"), "the chosen one has a heavy border"
     assert ends.startswith("no pain")
     assert ends.endswith("worst pain imaginable")
 
@@ -161,7 +163,7 @@ def test_a_mark_stands_on_a_line_once_it_is_placed(place: int | None, at: int) -
 def test_a_screen_to_read_needs_no_answer() -> None:
     step = Step(name="a", text="Next comes the harder part.")
     assert shown(step) == ["", "Next comes the harder part.", "Press Enter to go on."]
-    assert decline_text(AskedStep(number=1, step=step), ENGLISH) == ""
+    assert decline_text(step, ENGLISH) == ""
 
 
 def test_a_calibration_tells_the_time_that_is_left() -> None:

@@ -58,6 +58,8 @@ _BEFORE = ("instructions", "attempt", "paused")
 """Stages in which the agent is in the middle too, if there is room."""
 _FULL_HEIGHT = 40
 """Least rows of a window in which a drawing, or the instructions, leave room above the agent."""
+_MARGINS = 12
+"""Columns beside a text, at both sides together."""
 
 
 class StagedSession(Protocol):
@@ -323,7 +325,7 @@ class SessionStage(Vertical):
     def _waiting_text(self, waiting: Waiting) -> WaitingText | None:
         left = max(0, waiting.until - self._staged.clock.now())
         if waiting.step:
-            return step_text(waiting.step, self.tr, left)
+            return step_text(waiting.step, self.tr, left, self.app.size.width - _MARGINS)
         session = self._staged.session
         return waiting_text(
             waiting,
@@ -342,7 +344,7 @@ class SessionStage(Vertical):
             self._show_trials(waiting.trial - 1)
         if stage == "trial" and waiting.what != "agent":
             self.agent.clear("listening")
-        ask = decline_text(waiting.step, self.tr)
+        ask = decline_text(waiting.step.step, self.tr) if waiting.step else ""
         if waiting.ask:
             key = key_name(waiting.ask, self.tr)
             ask = self.tr("Press {key} to hear how it went.", key=key)

@@ -1,4 +1,4 @@
-"""Questions about pain and tiredness: one at a time, one key each, nothing chosen beforehand."""
+"""Questions about pain and tiredness: one at a time, nothing chosen beforehand."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -11,49 +11,59 @@ from textual.containers import Vertical
 from textual.widgets import Static
 
 from sar_tui.app.patient_mode import keys_in_mode
+from sar_tui.app.screens.waiting_text import decline_text, how_to_answer
+from sar_tui.model.gesture import REST
 from sar_tui.model.language import Language
-from sar_tui.rules.wellbeing import HIGHEST, PAIN_ENDS, Advice, Moment, PainLimits, stop_now
+from sar_tui.model.step import Entry, Given, Step, points, press, translated
+from sar_tui.model.theme import Theme
+from sar_tui.rules.wellbeing import PAIN_ENDS, Advice, Moment, PainLimits, stop_now
 from sar_tui.store.wellbeing import NOT_SAID
 from sar_tui.tui.dismissed_once import DismissedOnce
-from sar_tui.tui.language import translated
+from sar_tui.tui.heading import ROOMY, Heading
+from sar_tui.tui.key_line import KeyLine
+from sar_tui.tui.language import translated as translated_keys
+from sar_tui.widgets.answer_options import options_text
 from sar_tui.widgets.key_footer import KeyFooter
+from sar_tui.widgets.robot import draw
 
 Question = Literal["pain", "place", "fatigue", "advice"]
 """A question, or the ``advice`` not to train."""
-_TEN_KEYS = ("t", "d", "x")
-"""Keys for 10: of ten, of Spanish diez, and the Roman number. The screen names that of its
-language.
-"""
-_NOT_SAID_KEY = "n"
 _GO_ON_KEY = "g"
 """Goes on in spite of the advice not to. It answers no question, so that nobody presses it by
 habit.
 """
 
-PLACES = {
-    "1": "left hand",
-    "2": "right hand",
-    "3": "left arm",
-    "4": "right arm",
-    "5": "left shoulder",
-    "6": "right shoulder",
-    "7": "neck or back",
-    "8": "head",
-    "9": "somewhere else",
+PLACES = (
+    "left hand",
+    "right hand",
+    "left arm",
+    "right arm",
+    "left shoulder",
+    "right shoulder",
+    "neck or back",
+    "head",
+    "somewhere else",
+)
+"""Places where it may hurt, numbered from 1; stored as they are here, in English."""
+QUESTIONS: dict[Question, Step] = {
+    "pain": Step(
+        name="pain", text="How much pain do you have now?", kind="number", labels=PAIN_ENDS
+    ),
+    "place": Step(name="place", text="Where does it hurt?", kind="choice", labels=PLACES),
+    "fatigue": Step(
+        name="fatigue",
+        text="How tired are you now?",
+        kind="number",
+        labels=("not tired", "exhausted"),
+    ),
 }
-"""Places where it may hurt, by their keys; stored as they are here, in English."""
-_QUESTIONS: dict[Question, str] = {
-    "pain": "How much pain do you have now?",
-    "place": "Where does it hurt?",
-    "fatigue": "How tired are you now?",
-}
-ENDS: dict[Question, tuple[str, str]] = {
-    "pain": PAIN_ENDS,
-    "fatigue": ("not tired", "exhausted"),
-}
-"""The two ends of a scale."""
-_STEP = 5
-"""Columns from one number of the scale to the next."""
+_CHOICE_KEYS = frozenset("0123456789")
+"""Keys that choose, as the arrows do, and answer nothing yet."""
+_FACE = "encouraging"
+_LARGEST = 9
+"""Most rows of the question in a large window."""
+_MARGINS = 12
+"""Columns beside the scale, at both sides together."""
 
 
 _ADVICE: dict[Moment, str] = {
@@ -109,6 +119,7 @@ class WellbeingScreen(DismissedOnce[bool]):
         limits: of pain, as the therapist set them.
         save: stores each answer as soon as it is given.
         tr: language of the session.
+        theme: its agent asks.
         told: pain above the limits that the first of them has told already: the screen begins with
             the advice.
     """
@@ -126,6 +137,7 @@ class WellbeingScreen(DismissedOnce[bool]):
         limits: PainLimits,
         save: Save,
         tr: Language,
+        theme: Theme,
         told: int | None = None,
     ) -> None:
         super().__init__()
@@ -136,6 +148,9 @@ class WellbeingScreen(DismissedOnce[bool]):
         self._save = save
         self._asked: list[tuple[Person, Question]] = [(people[0], "pain")]
         self._answers: dict[tuple[str, Question], str] = {}
+        self._entry = Entry()
+        face = theme.faces[_FACE] if _FACE in theme.faces else theme.faces["neutral"]
+        self._agent = "\n".join(draw(face.splitlines(), REST))
         self._is_advising = False
         if told is not None:
             self._answers[people[0].seat, "pain"] = str(told)
@@ -154,7 +169,7 @@ class WellbeingScreen(DismissedOnce[bool]):
                 binding=replace(active.binding, key_display=names.get(active.binding.id or ""))
             )
             for key, active in keys_in_mode(
-                self.app, translated(super().active_bindings, self.tr)
+                self.app, translated_keys(super().active_bindings, self.tr)
             ).items()
             if not (is_silent and active.binding.id == "stop")
             # Escape does as Enter there, and skips nothing
@@ -164,12 +179,18 @@ class WellbeingScreen(DismissedOnce[bool]):
     @property
     def help_text(self) -> str:
         """Keys of the questions."""
-        return f"{self._keys('pain')}\n{self.tr('Backspace goes back to the question before.')}\n"
+        how = how_to_answer(QUESTIONS["pain"], Entry(), self.tr)
+        return f"{how}\n{self.tr('Backspace goes back to the question before.')}\n"
 
     def compose(self) -> ComposeResult:
         with Vertical(id="questions"):
-            for name in ("who", "question", "scale", "keys", "given"):
-                yield Static("", id=name, markup=False)
+            yield Static(self._agent, id="asking", markup=False)
+            yield Static("", id="who", classes="small", markup=False)
+            yield Heading(id="question", largest=_LARGEST)
+            yield Static("", id="options", markup=False)
+            yield Static("", id="decline", classes="body", markup=False)
+            yield Static("", id="given", classes="small", markup=False)
+        yield KeyLine(id="do")
         yield KeyFooter()
 
     def on_mount(self) -> None:
@@ -178,59 +199,50 @@ class WellbeingScreen(DismissedOnce[bool]):
         else:
             self._show()
 
+    def on_resize(self) -> None:
+        self._show()
+
     # --- answers
 
-    def completes_answer(self, key: str) -> bool:
-        """Return True if a key makes 10 of the 1 before it: so the worst pain is often typed, and
-        would be taken for 1.
-
-        No place has the key 0, and the key may follow the 1 sooner than the screen can be read.
-        """
-        person, question = self._asked[-1]
-        is_one = self._answers.get((person.seat, "pain")) == "1"
-        return key == "0" and question == "place" and is_one and not self._is_advising
+    def only_chooses(self, key: str) -> bool:
+        """Return True if a key chooses an answer, which Enter gives."""
+        return key in _CHOICE_KEYS and not self._is_advising
 
     def on_key(self, event: events.Key) -> None:
         if event.key in ("backspace", "escape", "f1", "question_mark", "ctrl+p", "ctrl+q"):
             return
         event.stop()
+        event.prevent_default()
         if self._is_advising:
             if event.key == "enter":
                 self._close_advice(goes_on=False)
             elif (event.character or event.key).lower() == _GO_ON_KEY and self._moment != "after":
                 self._close_advice(goes_on=True)
             return
-        key = (event.character or event.key).lower()
-        if self.completes_answer(key):
-            self._asked.pop()
-            key = _TEN_KEYS[0]
         person, question = self._asked[-1]
-        answer = self._answer(question, key)
-        if answer is None:
-            self._show(hint=True)
-            return
-        self._answers[person.seat, question] = answer
-        self._save(person, question, answer)
-        self._ask_next(person, question, answer)
+        step = QUESTIONS[question]
+        pressed = press(step, self._entry, event.key)
+        if isinstance(pressed, Given):
+            answer = NOT_SAID if pressed.answer is None else str(pressed.answer)
+            self._answers[person.seat, question] = answer
+            self._save(person, question, answer)
+            self._ask_next(person, question, answer)
+        else:
+            self._entry = pressed
+            self._show()
 
-    def _answer(self, question: Question, key: str) -> str | None:
-        """Return the answer that a key gives; None if it gives none."""
-        if key == _NOT_SAID_KEY:
-            return NOT_SAID
-        if question == "place":
-            return PLACES.get(key)
-        if key in _TEN_KEYS:
-            return str(HIGHEST)
-        return key if len(key) == 1 and key.isascii() and key.isdigit() else None
+    def _ask(self, person: Person, question: Question) -> None:
+        self._asked.append((person, question))
+        self._entry = Entry()
 
     def _ask_next(self, person: Person, question: Question, answer: str) -> None:
         """Ask the next question, if there is one."""
         if question == "pain" and answer not in ("0", NOT_SAID):
-            self._asked.append((person, "place"))
+            self._ask(person, "place")
         elif question != "fatigue" and self._moment != "pause":
-            self._asked.append((person, "fatigue"))
+            self._ask(person, "fatigue")
         elif person != self._people[-1]:
-            self._asked.append((self._people[self._people.index(person) + 1], "pain"))
+            self._ask(self._people[self._people.index(person) + 1], "pain")
         else:
             self._finish()
             return
@@ -266,11 +278,15 @@ class WellbeingScreen(DismissedOnce[bool]):
             self._save(person, "advice", came_of_it)
 
     def action_back(self) -> None:
-        """Ask the question before again."""
+        """Ask the question before again, with what was said chosen."""
         if self._is_advising:
             self._is_advising = False
         elif len(self._asked) > 1:
             self._asked.pop()
+        person, question = self._asked[-1]
+        said = self._answers.get((person.seat, question))
+        values = [str(point.value) for point in points(QUESTIONS[question])]
+        self._entry = Entry(chosen=(values.index(said),)) if said in values else Entry()
         self._show()
 
     def action_leave(self) -> None:
@@ -282,54 +298,43 @@ class WellbeingScreen(DismissedOnce[bool]):
 
     # --- the screen
 
-    def _show(self, *, hint: bool = False) -> None:
-        person, question = self._asked[-1]
-        texts = self._advice() if self._is_advising else self._texts(person, question, hint=hint)
-        for name, text in texts.items():
-            self.query_one(f"#{name}", Static).update(text)
+    def _show(self) -> None:
+        if self._is_advising:
+            self._show_advice()
+        else:
+            self._show_question(*self._asked[-1])
         self.refresh_bindings()
 
-    def _texts(self, person: Person, question: Question, *, hint: bool) -> dict[str, str]:
+    def _show_question(self, person: Person, question: Question) -> None:
+        step, entry, tr = translated(QUESTIONS[question], self.tr), self._entry, self.tr
         given = ""
         if len(self._asked) > 1:
             before, asked = self._asked[-2]
             said = self._answers.get((before.seat, asked), NOT_SAID)
-            given = self.tr("You said: {answer}. Backspace goes back.", answer=self.tr(said))
-        return {
-            "who": person.name,
-            "question": self.tr(_QUESTIONS[question]),
-            "scale": self._places() if question == "place" else self._scale(question),
-            "keys": self._keys(question),
-            "given": self.tr("Nothing is chosen yet. Please press one of these keys.")
-            if hint
-            else given,
-        }
+            given = tr("You said: {answer}. Backspace goes back.", answer=tr(said))
+        columns, rows = self.app.size
+        self.query_one("#asking").display = step.kind == "number" or rows >= ROOMY[1]
+        self.query_one("#question", Heading).show(step.text)
+        self._put("who", person.name)
+        self._put("options", options_text(step, entry, columns - _MARGINS))
+        self._put("decline", decline_text(step, tr))
+        self._put("given", given)
+        how = tr("Press Enter to go on.") if entry.chosen else how_to_answer(step, entry, tr)
+        self.query_one(KeyLine).show(how, tr("Enter") if entry.chosen else "")
 
-    def _advice(self) -> dict[str, str]:
-        """Return the advice, kindly: to rest, whom to tell, and that nobody else does it."""
+    def _show_advice(self) -> None:
+        """Show the advice, kindly: to rest, whom to tell, and that nobody else does it."""
         tr, moment = self.tr, self._moment
-        return {
-            "who": ", ".join(person.name for person in self._in_pain),
-            "question": tr(_ADVICE[moment]),
-            "scale": f"{tr(TELL_OF_PAIN)}\n{tr(_CALLS_NOBODY[moment])}",
-            "keys": f"{tr(_STOP[moment])}\n{tr(_GO_ON[moment])}".rstrip(),
-            "given": tr("Backspace goes back to the question before."),
-        }
+        self.query_one("#asking").display = True
+        self.query_one("#question", Heading).show(tr(_ADVICE[moment]))
+        self._put("who", ", ".join(person.name for person in self._in_pain))
+        sentences = f"{tr(TELL_OF_PAIN)} {tr(_CALLS_NOBODY[moment])}"
+        self._put("options", sentences.replace(". ", ".\n"))
+        self._put("decline", tr(_GO_ON[moment]))
+        self._put("given", tr("Backspace goes back to the question before."))
+        self.query_one(KeyLine).show(tr(_STOP[moment]), tr("Enter"))
 
-    def _scale(self, question: Question) -> str:
-        """Return the numbers, with the names of both ends below them."""
-        low, high = (self.tr(end) for end in ENDS[question])
-        numbers = "".join(str(number).ljust(_STEP) for number in range(HIGHEST + 1)).rstrip()
-        return f"{numbers}\n{low}{high.rjust(len(numbers) - len(low))}"
-
-    def _places(self) -> str:
-        places = [f"{key}  {self.tr(place)}" for key, place in PLACES.items()]
-        width = max(map(len, places))
-        return "\n".join(place.ljust(width) for place in places)
-
-    def _keys(self, question: Question) -> str:
-        tr = self.tr
-        number = tr("Press a number from 0 to 9. For 10, press T.")
-        if question == "place":
-            number = tr("Press a number from 1 to 9.")
-        return f"{number}\n{tr('Press N if you would rather not say.')}"
+    def _put(self, name: str, text: str) -> None:
+        part = self.query_one(f"#{name}", Static)
+        part.update(text)
+        part.display = bool(text)

@@ -1,0 +1,129 @@
+"""The options of a question, drawn with characters: boxes of a scale, a line, a list, typed words."""
+
+from sar_tui.model.step import FULL, Entry, Step, points
+
+SMALLEST_SCALE = 44
+"""Columns of eleven boxes beside each other."""
+_BOXES = (4, 11)
+"""Least and most columns of a box of a scale."""
+_TALL_BOX = 9
+"""Columns from which on a box is five rows high."""
+_LINE = 51
+"""Columns of a line."""
+_TALL = 9
+"""Most points that are written one below the other."""
+_COLUMN_ROWS = 6
+_GAP = "\N{NO-BREAK SPACE}"
+"""A space that stays where lines are centred."""
+_WIDE = 60
+_LIGHT, _HEAVY = ("┌─┐", "│", "└─┘"), ("┏━┓", "┃", "┗━┛")
+"""Borders of a box, and of the chosen one: top, side, bottom."""
+
+
+def options_text(step: Step, entry: Entry, columns: int = SMALLEST_SCALE) -> str:
+    """Return the options of a question, with what is chosen or typed so far.
+
+    Args:
+        step: the question.
+        entry: what is chosen or typed.
+        columns: room for a scale; its boxes grow with it.
+    """
+    match step.kind:
+        case "text":
+            return _typed(entry.typed)
+        case "line":
+            return _line(step, entry)
+        case "number":
+            return _boxes(step, entry, columns)
+    return _list(step, entry)
+
+
+def _typed(text: str) -> str:
+    """Return typed words with a cursor, in lines of equal width."""
+    whole = f"{text}▏"
+    lines = [whole[start : start + _WIDE] for start in range(0, len(whole), _WIDE)]
+    return _block(lines, _WIDE)
+
+
+def _boxes(step: Step, entry: Entry, columns: int) -> str:
+    """Return a box for each number, the chosen one with a heavy border, above the words at both
+    ends.
+    """
+    scale = points(step)
+    least, most = _BOXES
+    width = min(max(columns // len(scale), least), most)
+    drawn = [
+        _box(point.typed, width, _HEAVY if index in entry.chosen else _LIGHT)
+        for index, point in enumerate(scale)
+    ]
+    rows = ["".join(parts) for parts in zip(*drawn, strict=True)]
+    return _with_ends(rows, step.labels)
+
+
+def _box(text: str, width: int, border: tuple[str, str, str]) -> list[str]:
+    top, side, bottom = border
+    inner = width - 2
+    digits = text.rjust(2)
+    air = [f"{side}{' ' * inner}{side}"] if width >= _TALL_BOX else []
+    return [
+        f"{top[0]}{top[1] * inner}{top[2]}",
+        *air,
+        f"{side}{digits.center(inner)}{side}",
+        *air,
+        f"{bottom[0]}{bottom[1] * inner}{bottom[2]}",
+    ]
+
+
+def _line(step: Step, entry: Entry) -> str:
+    place = entry.place
+    line = "─" * _LINE
+    if place is not None:
+        at = round(place / FULL * (_LINE - 1))
+        line = f"{line[:at]}●{line[at + 1 :]}"
+    return _with_ends([f"├{line}┤"], step.labels)
+
+
+def _with_ends(rows: list[str], labels: tuple[str, ...]) -> str:
+    """Return rows with words below their ends, on one line if they fit."""
+    width = len(rows[0])
+    ends = []
+    if labels:
+        low, high = labels
+        gap = width - len(low) - len(high)
+        ends = [f"{low}{' ' * gap}{high}"] if gap > 1 else [low, high.rjust(width)]
+    return _block([*rows, *ends], width)
+
+
+def _list(step: Step, entry: Entry) -> str:
+    """Return the options one below the other, or in columns, with an arrow before what is chosen or
+    pointed at.
+    """
+    several = step.kind == "choices"
+    digits = max(len(point.typed) for point in points(step))
+    lines = []
+    for index, point in enumerate(points(step)):
+        is_chosen = index in entry.chosen
+        box = ("[x] " if is_chosen else "[ ] ") if several else ""
+        is_at = index == entry.place if several else is_chosen
+        lines.append(
+            f"{'▶' if is_at else ' '} {box}{point.typed.rjust(digits)}  {point.label}".rstrip()
+        )
+    width = max(map(len, lines))
+    if len(lines) <= _TALL:
+        return _block(lines, width)
+    columns = [lines[start : start + _COLUMN_ROWS] for start in range(0, len(lines), _COLUMN_ROWS)]
+    widths = [max(map(len, column)) for column in columns]
+    rows = [
+        "  ".join(
+            column[row].ljust(width)
+            for column, width in zip(columns, widths, strict=True)
+            if row < len(column)
+        )
+        for row in range(_COLUMN_ROWS)
+    ]
+    return _block(rows, max(map(len, rows)))
+
+
+def _block(lines: list[str], width: int) -> str:
+    """Return lines of one width, so that centring keeps their beginnings below each other."""
+    return "\n".join(line.ljust(width).replace(" ", _GAP) for line in lines)
