@@ -46,11 +46,12 @@ test-all: .venv/ready  ## every test, the long ones in full
 coverage: .venv/ready  ## all tests, and which lines of the code they run
 	@$(BIN)/python -m pytest -n 2 --dist worksteal --cov --cov-report=term
 
-lint: .venv/ready  ## style, types, floors
+lint: .venv/ready  ## style, types, floors, translations
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports
+	@$(BIN)/python -m tests.translations
 
 bench: .venv/ready  ## timing, start-up and simulation, into benchmarks/results/
 	@$(BIN)/python -m benchmarks

@@ -160,7 +160,10 @@ Speech = Annotated[
 Language = Annotated[
     str | None,
     typer.Option(
-        "--language", metavar="CODE", show_default=False, help="Language of the session: en, es."
+        "--language",
+        metavar="CODE",
+        show_default=False,
+        help="Language of the session: en, de, es.",
     ),
 ]
 

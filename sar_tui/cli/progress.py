@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
     Find = Callable[[str], type[Task] | None]
 
-LANGUAGES = ("en", "es")
 _LISTED = 20
 """Sessions of a line that are printed; JSON has all."""
 _MONTHS = 3
@@ -71,19 +70,21 @@ def progress(
         bool, typer.Option("--note", help="Print a paragraph to paste into a record.")
     ] = False,
     language: Annotated[
-        str, typer.Option("--language", metavar="CODE", help="Language of the sentences: en, es.")
+        str,
+        typer.Option("--language", metavar="CODE", help="Language of the sentences: en, de, es."),
     ] = "en",
     as_json: AsJson = False,
 ) -> None:
     """Show a participant's progress over sessions: the level at goal, noise, practice and dose."""
+    from sar_tui.model.language import BUNDLED
     from sar_tui.reports.progress import progress as make_progress
     from sar_tui.store import records, wellbeing
     from sar_tui.store.participants import check_known
     from sar_tui.store.results import sessions_of
 
-    if language not in LANGUAGES:
+    if language not in BUNDLED:
         named = language or "an empty language"
-        raise Refused(f"There are no sentences in {named}. Choose one of: {', '.join(LANGUAGES)}.")
+        raise Refused(f"There are no sentences in {named}. Choose one of: {', '.join(BUNDLED)}.")
     watch_plugins(context)
     find = _finder(home)
     with home.database() as database, progress_line("Computing"):

@@ -100,8 +100,21 @@ _SPELLED = {
         miles millón millones mitad medio media tercio tercios cuarto cuarta cuartos primer primero primera segundo
         segunda tercer tercero tercera quinto quinta sexto sexta séptimo séptima octavo octava noveno novena décimo
         décima docena docenas par doble triple""",
+    "de": """null eins zwei drei vier fünf sechs sieben acht neun zehn elf zwölf dreizehn vierzehn fünfzehn sechzehn
+        siebzehn achtzehn neunzehn zwanzig dreißig vierzig fünfzig sechzig siebzig achtzig neunzig hundert hunderte
+        tausend tausende million millionen halb halbe halben halber halbes hälfte drittel viertel fünftel zehntel
+        zweimal dreimal viermal erste ersten erster erstes zweite zweiten zweiter zweites dritte dritten dritter drittes
+        vierte vierten fünfte fünften sechste sechsten siebte siebten neunte neunten zehnte zehnten dutzend doppelt
+        doppelte doppelten dreifach prozent """
+    + " ".join(
+        f"{one}und{ten}"
+        for one in "ein zwei drei vier fünf sechs sieben acht neun".split()
+        for ten in "zwanzig dreißig vierzig fünfzig sechzig siebzig achtzig neunzig".split()
+    ),
 }
-"""Number words by language. Spanish un and una are left out: they are articles, too."""
+"""Number words by language. Spanish un and una and German ein are left out, as they are articles,
+too; German paar (some), einmal (noch einmal: again) and achte (mind).
+"""
 
 
 def _folded(text: str) -> str:
@@ -117,7 +130,7 @@ _NUMBER_WORDS = {
 
 
 def holds_number(text: str, language: str = "en") -> bool:
-    """Return True if a text holds a number, in digits or, for English and Spanish, in words."""
+    """Return True if a text holds a number, in digits or, for the bundled languages, in words."""
     if any(unicodedata.category(character).startswith("N") for character in text):
         return True
     known = _NUMBER_WORDS.get(language.partition("-")[0], frozenset())

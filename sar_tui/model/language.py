@@ -8,6 +8,8 @@ from pathlib import Path
 
 import msgspec
 
+BUNDLED = {"en": "English", "de": "German", "es": "Spanish"}
+"""The languages that are included, by code. ``python -m tests.translations`` finds what one lacks."""
 _DECIMAL_POINT = frozenset(
     "en zh ja ko he th es-mx es-us es-pr es-do es-gt es-hn es-ni es-pa es-sv".split()
 )

@@ -75,8 +75,8 @@ class TaskParameters(Settings, frozen=True, kw_only=True):
         str,
         _session(
             "Language",
-            help="Language of all that the participant sees and hears: en, es, or another of the "
-            "theme.",
+            help="Language of all that the participant sees and hears: en, de, es, or another of "
+            "the theme.",
             takes="a code in lower case, such as en, es or es-mx",
             pattern="^[a-z]{2,3}(-[a-z]{2,4})?$",
             personal=True,

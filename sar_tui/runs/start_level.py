@@ -62,9 +62,9 @@ def start_after(task: Task, sessions: Iterable[SessionResults]) -> Start:
         return Start(given.start_level, "as set" if given.start_from == "fixed" else "")
     played = list(sessions)
     if line := comparable(played, task):
-        last, at = line.points[-1], "the last times"
+        last, why = line.points[-1], "from the last times"
     elif line := comparable(played, task, at_any_goal=True):
-        last, at = _around_goal(line.points, task), "earlier times and the new goal"
+        last, why = _around_goal(line.points, task), "from earlier times and the new goal"
         if last.side == "harder" and given.start_from == "estimate":
             return Start(given.start_level, "no result so far reaches the new goal")
     else:
@@ -74,7 +74,7 @@ def start_after(task: Task, sessions: Iterable[SessionResults]) -> Start:
         given.min_level,
         min(_level(last, task, by_estimate=by_estimate), given.max_level, task.levels),
     )
-    return Start(level, f"from {at}" if by_estimate else "as the last one ended")
+    return Start(level, why if by_estimate else "as the last one ended")
 
 
 def _around_goal(points: Sequence[Point], task: Task) -> Point:

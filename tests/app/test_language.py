@@ -1,9 +1,11 @@
-"""All screens of a session in Spanish are in Spanish only, and in the playful theme as tú."""
+"""All screens of a session in another language are in that language only; those of the playful theme
+address a child.
+"""
 
 import re
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 from textual.binding import Binding
@@ -16,11 +18,9 @@ from sar_tui.app.screens.session import SessionScreen
 from sar_tui.app.screens.settings import SettingsScreen
 from sar_tui.app.screens.wellbeing import QUESTIONS, WellbeingScreen
 from sar_tui.checks.task_translations import texts_in
-from sar_tui.model.language import language, read_words, slot_problem
+from sar_tui.model.language import BUNDLED, language, read_words
 from sar_tui.plugins import Catalogue, task_folder
 from sar_tui.reports.charts import MARKERS
-from sar_tui.rules.declaration import COMMON, texts
-from sar_tui.rules.parameters import fields
 from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.store.wellbeing import NOT_SAID
 from sar_tui.tui.base_app import BaseApp
@@ -32,8 +32,13 @@ APP = Path(sar_tui.app.__file__).parent
 _FRAMES = str.maketrans("│▌╭╮╰╯─━", "        ")
 
 
-def plan(catalogue: Catalogue, name: str, theme: str = "calm", **parameters: Any) -> Plan:
-    settings = {"language": "es", "attempts": 2, **parameters}
+LANGUAGES = tuple(code for code in BUNDLED if code != "en")
+
+
+def plan(
+    catalogue: Catalogue, name: str, theme: str = "calm", language: str = "es", **parameters: Any
+) -> Plan:
+    settings = {"language": language, "attempts": 2, **parameters}
     return make_plan(catalogue, name, ["P01"], settings, theme=theme, seed=7)
 
 
@@ -62,11 +67,8 @@ def test_every_text_of_the_app_is_translated_and_no_translation_is_obsolete() ->
     texts = {"palette", *labels, *MARKERS, *answers}.union(
         *(texts_in(path.read_text("utf-8")) for path in code)
     )
-    translations = read_words(APP / "words.es.toml")
-    assert set(translations) == texts
-    assert [
-        problem for text, own in translations.items() if (problem := slot_problem(text, own))
-    ] == []
+    for code in LANGUAGES:
+        assert set(read_words(APP / f"words.{code}.toml")) == texts
 
 
 async def test_texts_of_a_theme_precede_those_of_the_app_and_an_unknown_language_is_english(
@@ -74,7 +76,7 @@ async def test_texts_of_a_theme_precede_those_of_the_app_and_an_unknown_language
 ) -> None:
     tr = app_language("es", {"Welcome": "¡Hola!"})
     assert (tr("Welcome"), tr("Go on")) == ("¡Hola!", "Seguir")
-    assert app_language("de")("Press {key} to start.", key="Space") == "Press Space to start."
+    assert app_language("fr")("Press {key} to start.", key="Space") == "Press Space to start."
     async with opened(plan(catalogue, "keyboard", "playful")) as driver:
         driver.see("Púlsala lo más rápido que puedas", "Pulsa Enter para seguir.")
 
@@ -82,10 +84,48 @@ async def test_texts_of_a_theme_precede_those_of_the_app_and_an_unknown_language
 # --- sessions
 
 
-async def test_a_session_of_keys_is_in_spanish(opened: OpenApp, catalogue: Catalogue) -> None:
+class Seen(NamedTuple):
+    """Some texts on the screens of a session of keys."""
+
+    title: str
+    welcome: str
+    goal: str
+    progress: str
+    prompt: str
+    size: str
+    done: str
+
+
+SEEN = {
+    "es": Seen(
+        "Reacción con el teclado",
+        "Le damos la bienvenida",
+        "en menos de 0,85 segundos de media, y acertar 2 de 2.",
+        "Teclas 0 de 2",
+        "Pulse: {key}",
+        "Tiene 60 por 20 caracteres; hacen falta 80 por 24.",
+        "Ha hecho 2 intentos; meta alcanzada en 2.",
+    ),
+    "de": Seen(
+        "Reaktion an der Tastatur",
+        "Willkommen",
+        "in weniger als 0,85 Sekunden drücken, und 2 von 2 richtig.",
+        "Tasten 0 von 2",
+        "Drücken: {key}",
+        "Es hat 60 mal 20 Zeichen; 80 mal 24 sind nötig.",
+        "Sie haben 2 Durchgänge gemacht; Ziel erreicht in 2.",
+    ),
+}
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+async def test_a_session_of_keys_is_in_another_language(
+    opened: OpenApp, catalogue: Catalogue, code: str
+) -> None:
     settings = {"prompts_per_attempt": 2, "practice_attempts": 1, "threshold": 850.0}
     seen: list[str] = []
-    async with opened(plan(catalogue, "keyboard", **settings)) as driver:
+    words = SEEN[code]
+    async with opened(plan(catalogue, "keyboard", language=code, **settings)) as driver:
 
         def look(*words: str) -> None:
             """Collect the texts on the screen, and check that these are among them."""
@@ -99,14 +139,14 @@ async def test_a_session_of_keys_is_in_spanish(opened: OpenApp, catalogue: Catal
                 await driver.press(key)
                 look()
 
-        look("Reacción con el teclado", "Le damos la bienvenida")
+        look(words.title, words.welcome)
         await press("f1", "enter", "enter")
-        look("en menos de 0,85 segundos de media, y acertar 2 de 2.", "Teclas 0 de 2")
+        look(words.goal, words.progress)
         prompt = await driver.begin()
-        look(f"Pulse: {prompt.expected}")
+        look(words.prompt.format(key=prompt.expected))
         await press("ctrl+q", "escape", "escape", *["down", "enter"] * 3)
         await driver.resize(60, 20)
-        look("Tiene 60 por 20 caracteres; hacen falta 80 por 24.")
+        look(words.size)
         await driver.resize(80, 24)
         await press("enter", "escape", "up", "enter", "escape", "enter")
         await driver.do_attempt(await driver.to_prompt())
@@ -118,23 +158,9 @@ async def test_a_session_of_keys_is_in_spanish(opened: OpenApp, catalogue: Catal
             await driver.do_attempt(await driver.begin())
             look()
         await driver.see_the_summary()
-        look("Ha hecho 2 intentos; meta alcanzada en 2.")
-        said = phrases(catalogue.theme("calm"), catalogue.theme("calm", "es"))
+        look(words.done)
+        said = phrases(catalogue.theme("calm"), catalogue.theme("calm", code))
         assert english_in(seen, session_language(driver.session.task).texts | said) == []
-
-
-@pytest.mark.parametrize("name", Catalogue().task_names())
-def test_every_setting_is_in_spanish(catalogue: Catalogue, name: str) -> None:
-    kind = catalogue.task(name)
-    own = language("es", COMMON, task_folder(kind))
-    units = {"ms", "s", "min", "%", "cm", "rad/s"}
-    missing = (
-        {text for field in fields(kind.Parameters) for text in texts(field)}
-        - own.texts.keys()
-        - units
-    )
-    assert not missing
-    assert not [text for english, text in own.texts.items() if slot_problem(english, text)]
 
 
 async def test_settings_are_in_the_saved_language(opened: OpenApp, data: Path) -> None:
@@ -160,28 +186,33 @@ USTED = re.compile(
 )
 
 
-def spoken_to(texts: list[str]) -> list[str]:
-    """Return the texts that address the reader as usted."""
-    return [text for text in texts if USTED.search(text)]
+SIE = re.compile(r"\b(Sie|Ihr|Ihre[mnrs]?|Ihnen)\b")
+FORMAL = {"es": USTED, "de": SIE}
+"""Patterns of texts that address an adult, by language."""
 
 
-@pytest.fixture
-def shipped(catalogue: Catalogue) -> dict[str, str]:
-    """All Spanish texts of the screens, without those of themes."""
+def shipped(catalogue: Catalogue, code: str) -> dict[str, str]:
+    """Return the texts of participants' screens, without those of themes and of the settings."""
     modules = (sar_tui.loop, sar_tui.app)
     folders = [Path(str(module.__file__)).parent for module in modules]
-    return language("es", *folders, *(task_folder(catalogue.task(name)) for name in TASKS)).texts
+    own = language(code, *folders, *(task_folder(catalogue.task(name)) for name in TASKS)).texts
+    settings = (path.read_text("utf-8") for path in (APP / "screens").glob("settings*.py"))
+    for text in set[str]().union(*map(texts_in, settings)):
+        own.pop(text, None)
+    return own
 
 
-def test_each_usted_has_a_form_of_tu(catalogue: Catalogue, shipped: dict[str, str]) -> None:
-    own = catalogue.theme("playful", "es").texts
-    assert spoken_to(list({**shipped, **own}.values())) == []
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_a_child_is_never_addressed_as_an_adult(catalogue: Catalogue, code: str) -> None:
+    own = catalogue.theme("playful", code).texts
+    texts = {**shipped(catalogue, code), **own}.values()
+    assert [text for text in texts if FORMAL[code].search(text)] == []
 
 
-def test_each_tu_has_the_slots_of_usted(catalogue: Catalogue, shipped: dict[str, str]) -> None:
-    written = read_words(catalogue.theme_folder("playful") / "words.es.toml")
-    assert [
-        problem for english, own in written.items() if (problem := slot_problem(english, own))
-    ] == []
-    assert set(written) - set(shipped) == set()
-    assert [english for english, own in written.items() if own == shipped[english]] == []
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_each_text_for_a_child_differs_from_that_for_an_adult(
+    catalogue: Catalogue, code: str
+) -> None:
+    adult = shipped(catalogue, code)
+    written = read_words(catalogue.theme_folder("playful") / f"words.{code}.toml")
+    assert [english for english, own in written.items() if own == adult.get(english)] == []

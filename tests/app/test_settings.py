@@ -198,13 +198,13 @@ async def test_saved_settings_apply_to_the_next_session(opened: OpenApp, data: P
 
 
 async def test_a_language_that_the_theme_lacks_is_told(opened: OpenApp, data: Path) -> None:
-    known(data, "P01", language="de")
+    known(data, "P01", language="fr")
     async with opened() as driver:
         await driver.press("f2")
         await go_to(driver, "language")
         assert meaning(driver) == (
-            "The theme calm has no phrases in de; it has: en, es. "
-            "Choose one of these, or give the theme a file phrases.de.toml."
+            "The theme calm has no phrases in fr; it has: en, de, es. "
+            "Choose one of these, or give the theme a file phrases.fr.toml."
         )
         await driver.press("enter", "e", "e", "enter")
         driver.see("● Language es ▼")

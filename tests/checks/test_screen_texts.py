@@ -52,7 +52,7 @@ def test_the_page_lists_all_texts(catalogue: Catalogue) -> None:
     assert PAGE.read_text(encoding="utf-8") == made, "write it anew with SAR_TUI_UPDATE_SNAPSHOTS=1"
 
 
-def test_no_text_is_missing_in_spanish(catalogue: Catalogue) -> None:
+def test_no_text_is_missing_in_a_language_of_a_bundled_theme(catalogue: Catalogue) -> None:
     texts = all_texts(catalogue)
     for name in catalogue.theme_names():
         folder = catalogue.theme_folder(name)
@@ -60,15 +60,15 @@ def test_no_text_is_missing_in_spanish(catalogue: Catalogue) -> None:
 
 
 def test_a_new_language_of_a_theme_is_told_what_it_lacks(call: Call, tmp_path: Path) -> None:
-    assert call("themes new abend --to", tmp_path).out.count("!") == 0
-    folder = tmp_path / "abend"
-    (folder / "phrases.de.toml").write_text((folder / "phrases.en.toml").read_text())
-    words = '"Press {key} to start." = "{key} drücken."\n'
-    (folder / "words.de.toml").write_text(words, encoding="utf-8")
+    assert call("themes new soir --to", tmp_path).out.count("!") == 0
+    folder = tmp_path / "soir"
+    (folder / "phrases.fr.toml").write_text((folder / "phrases.en.toml").read_text())
+    words = '"Press {key} to start." = "Appuyez sur {key}."\n'
+    (folder / "words.fr.toml").write_text(words, encoding="utf-8")
     found = call("themes check", folder, "--json").json["missing"]
-    assert list(found) == ["de"]
+    assert list(found) == ["fr"]
     called = call("themes check", folder)
-    called.shows('    "1 minute" = ""\n', f"These {len(found['de'])} are shown")
-    called.shows("shown in English, unless words.de.toml translates them")
+    called.shows('    "1 minute" = ""\n', f"These {len(found['fr'])} are shown")
+    called.shows("shown in English, unless words.fr.toml translates them")
     assert '"Press {key} to start." = ""' not in called.out
-    assert "shown in English" not in call("themes new spaet --to", tmp_path).out
+    assert "shown in English" not in call("themes new tard --to", tmp_path).out

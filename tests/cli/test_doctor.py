@@ -327,13 +327,17 @@ def test_a_servo_controller_is_looked_for(
 
 @needs_speech
 def test_an_engine_with_voices_for_each_language_is_ok(here: Machine) -> None:
-    check(devices.speech_engine(here._replace(voice=examine_voice)), "ok", "English and Spanish")
+    check(
+        devices.speech_engine(here._replace(voice=examine_voice)),
+        "ok",
+        "English, German and Spanish",
+    )
 
 
 @pytest.mark.parametrize(
     ("look", "voice", "state", "says", "advice"),
     [
-        ("speech_engine", [program_with(ENGINE)], "care", "1 voice, but none for Spanish", "espeak-ng"),
+        ("speech_engine", [program_with(ENGINE)], "care", "1 voice, but none for German or Spanish", "espeak-ng"),
         ("speech_engine", [program_with("def init(): 1 / 0")], "care", "speech engine", "Install espeak-ng"),
         ("sound_card", {"backends": NOBODY}, "ok", "by Null", ""),
         ("sound_card", {"backends": ("WASAPI",)}, "care", "no sound card", "Connect loudspeakers"),

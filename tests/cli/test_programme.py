@@ -145,7 +145,7 @@ def test_a_file_exported_before_another_change_is_refused_unless_it_is_meant(
     [
         ('task = "keyboard"\n[parameters]\nattempts = 0', "Attempts is a whole number, 1 to 200, not 0."),
         ('task = "keyboard"\n[parameters]\nattemps = 3', "There is no parameter attemps. Did you mean attempts?"),
-        ('task = "keyboard"\n[parameters]\nlanguage = "de"', "has no phrases in de"),
+        ('task = "keyboard"\n[parameters]\nlanguage = "fr"', "has no phrases in fr"),
         ('task = "keyboard"\ntheme = "gone"', "There is no theme gone."),
         ('task = "keyboard"\nattempts = 3', "unknown entries: attempts. Settings belong under [parameters]."),
         ('task = "reaching"', "This programme is for the task reaching, not keyboard."),

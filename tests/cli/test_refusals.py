@@ -107,7 +107,7 @@ progress P1 -> There is no participant P1. Is it P01?
 progress P99 --json -> There is no participant P99.
 progress 'not a code' -> A participant code has 1 to 32 letters
 progress P01 --task reaching -> P01 has no finished attempts of the task reaching yet.
-progress P01 --language fr -> Choose one of: en, es.
+progress P01 --language fr -> Choose one of: en, de, es.
 progress P01 --compare last -> --compare takes two sessions
 progress P01 --compare last,zz -> No session with a finished attempt of P01 begins with zz.
 replay last --fork -> --fork needs --what-if

@@ -49,14 +49,14 @@ def own_themes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
 
 def test_themes_are_listed_with_title_languages_and_summary(call: Call) -> None:
     called = call("themes")
-    called.shows("high-contrast", "High contrast", "en, es", "White and yellow on black")
+    called.shows("high-contrast", "High contrast", "en, de, es", "White and yellow on black")
     assert "!" not in called.out
     rows = call("themes --json").json["themes"]
     assert [row["name"] for row in rows] == ["calm", "high-contrast", "playful"]
     assert set(rows[0]) == {"name", "title", "languages", "summary", "repairs"}
     assert (rows[0]["title"], rows[0]["languages"], rows[0]["repairs"]) == (
         "Calm",
-        ["en", "es"],
+        ["en", "de", "es"],
         [],
     )
 
@@ -155,7 +155,7 @@ def test_phrases_that_fall_back_to_english_are_named(
 ) -> None:
     printed = call("themes check", evening, "--json").json
     assert (printed["theme"], printed["passed"], printed["english"]) == ("evening", True, {})
-    assert printed["languages"] == ["en", "es"]
+    assert printed["languages"] == ["en", "de", "es"]
     assert {tuple(row) for row in printed["checks"]} == {("check", "ok", "problems", "found")}
     assert all(row["ok"] for row in printed["checks"])
     colors = {contrast["color"] for contrast in printed["contrasts"]}

@@ -11,6 +11,7 @@ from text_to_num import alpha2digit
 
 from sar_tui.loop.phrase_keys import FIGURES, PHRASE_KEYS, QUANTITATIVE, holds_number
 from sar_tui.model.gesture import GESTURES
+from sar_tui.model.language import BUNDLED
 from sar_tui.model.theme import FACES, MANNERS, Manner, Note, Theme
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.repetition import repeated
@@ -18,7 +19,7 @@ from sar_tui.theme_folder import languages, read_theme
 from tests.examples import examples
 
 NAMES = ("calm", "high-contrast", "playful")
-LANGUAGES = ("en", "es")
+LANGUAGES = tuple(BUNDLED)
 DEGREES = tuple(
     f"{valence}{degree}"
     for valence in ("positive", "negative")
@@ -34,6 +35,9 @@ UNKIND = {
     "es": r"""mal malo mala malos malas fallos? fallad\w+ fallar falló errores error equivoc\w+ culpas? torpes? vag[oa]
         perezos[oa] tont[oa] débil peor inútil triste vergüenza lástima pena decepci\w+ fracas\w+ desgraciadamente
         descuid\w+ nunca debe debes debería deberías lento lenta""",
+    "de": r"""falsch\w* fehler\w* schlecht\w* versag\w* misslung\w* faul\w* dumm\w* schwach\w* schlimm\w* nutzlos
+        traurig schade leider enttäusch\w* ungeschickt\w* unachtsam\w* nachlässig\w* schuld\w* nie niemals muss musst
+        müssen soll sollst sollen sollte\w* langsam\w* schäm\w*""",
 }
 """Pattern of words that blame, belittle or mock."""
 UNTRUE = {
@@ -41,26 +45,40 @@ UNTRUE = {
         recover\w* therapy doctor medicine pain hurts? exercises?""",
     "es": r"""perfect[oa]\w* increíble asombros[oa] genio campe\w+ siempre garantiz\w+ promet\w+ cur[aeo]r?\w* sana\w*
         recupera\w* terapia médic[oa] medicina dolor duele ejercicios?""",
+    "de": r"""perfekt\w* unglaublich\w* erstaunlich\w* fantastisch\w* genial\w* meister\w* immer garantier\w*
+        verspr[eio]ch\w* heil\w* geheilt gesund\w* genes\w* therap\w* arzt ärztin medizin\w* schmerz\w* weh
+        übung\w*""",
 }
 """Pattern of words that exaggerate, give medical advice or promise recovery."""
 
-CHANGES = {"en": ("faster", "slower", "smoother"), "es": ("más rápido", "más lento", "más suave")}
+CHANGES = {
+    "en": ("faster", "slower", "smoother"),
+    "es": ("más rápido", "más lento", "más suave"),
+    "de": ("schneller", "langsamer", "fließender"),
+}
 AIMS = {
     "en": ("as smoothly as you can", "with a steady hand"),
     "es": ("lo más suavemente posible", "con pulso firme"),
+    "de": ("so fließend wie möglich", "mit ruhiger Hand"),
 }
 COUNTS = ("correct", "trials", "reached", "attempts")
 UNITS = ("ms", "s", "cm", "%", "taps/s", "")
-ADVICE = {"en": "Press the key as soon as you see it.", "es": "Pulse la tecla en cuanto la vea."}
+ADVICE = {
+    "en": "Press the key as soon as you see it.",
+    "es": "Pulse la tecla en cuanto la vea.",
+    "de": "Drücken Sie die Taste, sobald Sie sie sehen.",
+}
 SLOW = {
     "en": r"slow(?:er|ly|down)?|your time|all the time|no hurry|no need to rush|calmer|calmly|a "
     r"moment",
     "es": r"despaci\w+|lent[oa]s?|tiempo|sin prisa|no hay prisa|con (?:más )?calma|un momento",
+    "de": r"langsam\w*|zeit|ohne eile|eilt nicht|gemach|in ruhe|einen moment",
 }
 """Pattern of words that ask somebody to be slower."""
 MORE = {
     "en": r"again|another (?:go|round|attempt)|have a go|more tries|on to the next",
     "es": r"otra|de nuevo|repetimos|más intentos|inténtal[oa]",
+    "de": r"noch (?:ein)?mal|erneut|nächste[nrs]?|weiterer|mehr anläufe|versuch(?:en|t|e)? (?:sie )?es",
 }
 """Pattern of words that announce another attempt."""
 
@@ -175,19 +193,32 @@ def test_every_wording_is_whole_sentences_short_enough_for_one_breath(theme: The
     for situation in PHRASE_KEYS:
         for text in said(theme, situation):
             assert len(text) <= BREATH, text
-            assert re.match(r"[¡¿]?[A-ZÁÉÍÓÚ\d]", text), text
+            assert re.match(r"[¡¿]?[A-ZÁÉÍÓÚÄÖÜ\d]", text), text
             assert text[-1] in ".!?", text
             assert text.count("¡") == (text.count("!") if theme.language == "es" else 0), text
             assert text.count("¿") == (text.count("?") if theme.language == "es" else 0), text
 
 
+FORMAL = {
+    "es": ({"su", "sus", "usted", "le", "pruebe", "tómese"}, {"tu", "tus", "te", "ti", "contigo", "prueba"}),
+    "de": ({"Sie", "Ihre", "Ihrem", "Ihnen"}, {"du", "dir", "dich", "dein", "deine"}),
+}  # fmt: skip
+"""Words that address adults, and those that address children."""
+
+
+@pytest.mark.parametrize("language", FORMAL)
 @pytest.mark.parametrize("name", NAMES)
-def test_spanish_addresses_adults_as_usted_and_children_as_tu(
-    name: str, catalogue: Catalogue
+def test_adults_are_addressed_formally_and_children_familiarly(
+    name: str, language: str, catalogue: Catalogue
 ) -> None:
-    words = set(re.findall(r"\w+", words_of(read_theme(catalogue.theme_folder(name), "es"))))
-    formal = {"su", "sus", "usted", "le", "pruebe", "tómese"}
-    familiar = {"tu", "tus", "te", "ti", "contigo", "prueba"}
+    theme = read_theme(catalogue.theme_folder(name), language)
+    wordings = [wording for wordings in theme.phrases.values() for wording in wordings]
+    words = {
+        word
+        for text in (*wordings, *theme.vocabulary.values())
+        for word in re.findall(r"\w+", text if language == "de" else text.lower())
+    }
+    formal, familiar = FORMAL[language]
     assert not words & (formal if name == "playful" else familiar)
     assert words & (familiar if name == "playful" else formal)
 
@@ -198,7 +229,7 @@ def fillings(draw: st.DrawFn, language: str) -> dict[str, str]:
     decimals = draw(st.integers(0, 3))
     unit = draw(st.sampled_from(UNITS))
     numbers = st.floats(0, 99_999).map(lambda number: f"{number:.{decimals}f} {unit}".rstrip())
-    if language == "es":
+    if language != "en":
         numbers = numbers.map(lambda text: text.replace(".", ","))
     counts = st.integers(0, 100).map(str)
     return {
@@ -212,11 +243,12 @@ def fillings(draw: st.DrawFn, language: str) -> dict[str, str]:
 
 
 def spells_a_number(text: str, language: str) -> bool:
-    """Return True if an independent parser finds a number. It takes the Spanish article un, una for
-    one.
+    """Return True if an independent parser finds a number. It takes Spanish un, una and German ein,
+    eine for one: they are articles.
     """
-    if language == "es":
-        text = re.sub(r"\b[Uu]na?\b", "·", text)
+    articles = {"es": r"\b[Uu]na?\b", "de": r"\b[Ee]in(?:e[mnrs]?)?\b"}
+    if language in articles:
+        text = re.sub(articles[language], "·", text)
     return any(character.isdigit() for character in alpha2digit(text, language, 0))
 
 
@@ -247,6 +279,8 @@ def test_verbal_wordings_contain_no_number_and_numeric_ones_always_do(
         ("en", "0.25 s; 12 % smoother", "0.25 seconds; 12 percent smoother"),
         ("en", "2.0 taps/s", "2.0 taps per second"),
         ("es", "0,25 s, un 12 % más suave", "0,25 segundos, un 12 por ciento más suave"),
+        ("de", "0,25 s, 12 % fließender", "0,25 Sekunden, 12 Prozent fließender"),
+        ("de", "1 s, 1 ms, 1 cm, 2 cm", "1 Sekunde, 1 Millisekunde, 1 Zentimeter, 2 Zentimeter"),
         ("en", "3 sheep, 4 msec, ms", "3 sheep, 4 msec, ms"),
         ("en", "15cm.", "15 centimetres."),
         ("en", "1 s, 3.5 s, 1.1 s, 0.1 s", "1 second, 3.5 seconds, 1.1 seconds, 0.1 seconds"),

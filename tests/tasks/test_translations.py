@@ -1,4 +1,4 @@
-"""A session of a bundled task in Spanish contains no English, and every text fits."""
+"""A session of a bundled task in another language contains no English, and every text fits."""
 
 from collections.abc import Iterator
 from contextlib import closing
@@ -6,29 +6,28 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.checks.task_translations import declared, texts_in
 from sar_tui.loop import task as module
 from sar_tui.loop.phrase_keys import holds_number
 from sar_tui.loop.task import Task
-from sar_tui.model.language import language, read_words
+from sar_tui.model.language import BUNDLED, language
 from sar_tui.model.messages import Action, Feedback, Message, Prompt, Waiting
 from sar_tui.model.random_streams import RandomStreams
 from sar_tui.model.trial_types import Situation, Stimulus
 from sar_tui.plugins import Catalogue, task_folder
-from sar_tui.rules.declaration import texts as setting_texts
-from sar_tui.rules.parameters import build, fields
+from sar_tui.rules.parameters import build
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
-from sar_tui.widgets.large_characters import draw
+from sar_tui.widgets.large_characters import is_large
 from tests.examples import first
 from tests.untranslated import english_in, phrases
 
 pytestmark = pytest.mark.usefixtures("fewer_blocks")
 
 TASKS = tuple(Catalogue().task_names())
+LANGUAGES = tuple(code for code in BUNDLED if code != "en")
 USUAL: dict[str, object] = {"attempts": 6, "practice_attempts": 1}
 SETTINGS: dict[str, dict[str, object]] = {
     "keyboard": {"prompts_per_attempt": 3, "start_level": 9},
@@ -37,21 +36,9 @@ SETTINGS: dict[str, dict[str, object]] = {
 }
 
 
-def make(name: str, **parameters: object) -> Task:
+def make(name: str, code: str, **parameters: object) -> Task:
     kind = Catalogue().task(name)
-    return kind(build(kind.Parameters, {"language": "es", **parameters}))
-
-
-@pytest.mark.parametrize("name", TASKS)
-def test_no_translation_of_a_task_is_obsolete(name: str) -> None:
-    kind = Catalogue().task(name)
-    folder = task_folder(kind)
-    used = declared(kind).union(
-        *(texts_in(path.read_text("utf-8")) for path in folder.glob("*.py"))
-    )
-    for field in fields(kind.Parameters):
-        used.update(setting_texts(field), field.choices)
-    assert set(read_words(folder / "words.es.toml")) <= used
+    return kind(build(kind.Parameters, {"language": code, **parameters}))
 
 
 # --- a session
@@ -79,19 +66,30 @@ def shown_in(messages: list[Message]) -> Iterator[str]:
                 yield from (text, spoken)
 
 
-def translations(name: str) -> dict[str, str]:
-    """Return all the Spanish of a task's session, but for the app's."""
-    return language("es", Path(module.__file__).parent, task_folder(Catalogue().task(name))).texts
+def translations(name: str, code: str = "es") -> dict[str, str]:
+    """Return all translations of a task's session, but for the app's."""
+    return language(code, Path(module.__file__).parent, task_folder(Catalogue().task(name))).texts
 
 
+NAMED = {
+    "es": ("meta: ", "intento de práctica 1 de 1", "intento 6 de 6"),
+    "de": ("Ziel: ", "Probedurchgang 1 von 1", "Durchgang 6 von 6"),
+}
+"""A goal and the names of two attempts, by language."""
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
 @pytest.mark.parametrize("name", first(4, TASKS))
-def test_a_session_in_spanish_contains_no_english(name: str, data: Path) -> None:
-    messages = played(name, data, language="es", feedback_form="both")
-    shown = [make(name).instructions(), *shown_in(messages)]
-    said = phrases(Catalogue().theme("calm"), Catalogue().theme("calm", "es"))
-    assert english_in(shown, translations(name) | said) == []
-    assert any("meta: " in text for text in shown)
-    assert {"intento de práctica 1 de 1", "intento 6 de 6"} <= set(shown)
+def test_a_session_in_another_language_contains_no_english(
+    name: str, code: str, data: Path
+) -> None:
+    messages = played(name, data, language=code, feedback_form="both")
+    shown = [make(name, code).instructions(), *shown_in(messages)]
+    said = phrases(Catalogue().theme("calm"), Catalogue().theme("calm", code))
+    assert english_in(shown, translations(name, code) | said) == []
+    goal, *attempts = NAMED[code]
+    assert any(goal in text for text in shown)
+    assert set(attempts) <= set(shown)
 
 
 def test_english_would_be_found_in_an_english_session(data: Path) -> None:
@@ -100,13 +98,14 @@ def test_english_would_be_found_in_an_english_session(data: Path) -> None:
     assert {"attempt {number} of {total}", "practice {number} of {total}"} <= found
 
 
+@pytest.mark.parametrize("code", LANGUAGES)
 @pytest.mark.parametrize("name", ["keyboard", "reaching"])
-def test_feedback_in_words_contains_no_number(name: str, data: Path) -> None:
-    messages = played(name, data, language="es", feedback_form="qualitative")
+def test_feedback_in_words_contains_no_number(name: str, code: str, data: Path) -> None:
+    messages = played(name, data, language=code, feedback_form="qualitative")
     said = [each.text for each in messages if isinstance(each, Action) and each.kind == "feedback"]
     remarks = [each.remark for each in messages if isinstance(each, Feedback) and each.remark]
     assert len(said) == 7
-    assert [text for text in (*said, *remarks) if holds_number(text, "es")] == []
+    assert [text for text in (*said, *remarks) if holds_number(text, code)] == []
 
 
 # --- on the screen
@@ -116,27 +115,53 @@ def stimulus(task: Task, level: int = 1, trial: int = 1) -> Stimulus:
     return task.stimulus(Situation(1, trial, level, RandomStreams(1, 1, trial), RandomStreams(1)))
 
 
-def test_an_arrow_key_is_named() -> None:
-    task = make("keyboard", choice_set="arrow keys")
-    shown = {stimulus(task, 3, trial).text for trial in range(40)}
-    assert shown == {"Pulse: izquierda", "Pulse: derecha", "Pulse: arriba", "Pulse: abajo"}
+@pytest.mark.parametrize(
+    ("code", "shown"),
+    [
+        ("es", {"Pulse: izquierda", "Pulse: derecha", "Pulse: arriba", "Pulse: abajo"}),
+        ("de", {"Drücken: links", "Drücken: rechts", "Drücken: oben", "Drücken: unten"}),
+    ],
+)
+def test_an_arrow_key_is_named(code: str, shown: set[str]) -> None:
+    task = make("keyboard", code, choice_set="arrow keys")
+    assert {stimulus(task, 3, trial).text for trial in range(40)} == shown
 
 
-@pytest.mark.parametrize(("go_signal", "glyph"), [(True, "YA"), (False, "ALCANCE")])
-def test_a_reach_prompt_fits_in_large_letters(go_signal: bool, glyph: str) -> None:
-    shown = stimulus(make("reaching", go_signal=go_signal, marker_distances_cm=[22.5]))
-    assert (shown.text, shown.glyph, shown.name) == ("Alcance: 22,5 cm", glyph, "22.5 cm")
-    assert len(draw(glyph, 78, 12)) > 1
+@pytest.mark.parametrize(
+    ("code", "go_signal", "text", "glyph"),
+    [
+        ("es", True, "Alcance: 22,5 cm", "YA"),
+        ("es", False, "Alcance: 22,5 cm", "ALCANCE"),
+        ("de", True, "Bewegung: 22,5 cm", "LOS"),
+        ("de", False, "Bewegung: 22,5 cm", "STRECKEN"),
+    ],
+)
+def test_a_reach_prompt_fits_in_large_letters(
+    code: str, go_signal: bool, text: str, glyph: str
+) -> None:
+    shown = stimulus(make("reaching", code, go_signal=go_signal, marker_distances_cm=[22.5]))
+    assert (shown.text, shown.glyph, shown.name) == (text, glyph, "22.5 cm")
+    assert is_large(glyph, 78, 12)
 
 
-def test_numbers_and_plurals_follow_spanish_rules() -> None:
-    assert "en menos de 1 segundo de media" in make("keyboard").goal(1)
-    assert "0,85 segundos" in make("keyboard", threshold=850).goal(1)
-    for prompts, asked in ((1, "1 tecla."), (20, "20 teclas.")):
-        assert asked in make("keyboard", prompts_per_attempt=prompts).instructions()
+@pytest.mark.parametrize(
+    ("code", "second", "less", "key", "keys"),
+    [
+        ("es", "en menos de 1 segundo de media", "0,85 segundos", "1 tecla.", "20 teclas."),
+        ("de", "in weniger als 1 Sekunde drücken", "0,85 Sekunden", "1 Taste.", "20 Tasten."),
+    ],
+)
+def test_numbers_and_plurals_follow_the_rules_of_the_language(
+    code: str, second: str, less: str, key: str, keys: str
+) -> None:
+    assert second in make("keyboard", code).goal(1)
+    assert less in make("keyboard", code, threshold=850).goal(1)
+    for prompts, asked in ((1, key), (20, keys)):
+        assert asked in make("keyboard", code, prompts_per_attempt=prompts).instructions()
 
 
+@pytest.mark.parametrize("code", LANGUAGES)
 @pytest.mark.parametrize("name", TASKS)
-def test_every_instruction_fits_on_the_screen(name: str) -> None:
-    lines = make(name).instructions().split("\n")
+def test_every_instruction_fits_on_the_screen(name: str, code: str) -> None:
+    lines = make(name, code).instructions().split("\n")
     assert sum(1 + len(line) // 72 for line in lines) <= 9

@@ -77,7 +77,7 @@ def applied(folder: Path, language: str = "en") -> Theme:
 def test_a_complete_theme_needs_no_repair(mine: Path) -> None:
     theme = applied(mine)
     assert (theme.repairs, theme.name, theme.title) == ((), "mine", "Playful")
-    assert (theme.language, theme.languages) == ("en", ("en", "es"))
+    assert (theme.language, theme.languages) == ("en", ("en", "de", "es"))
     names = {path.name for path in files(mine)}
     assert names >= {"phrases.en.toml", "phrases.es.toml", "theme.toml"}
 
@@ -187,7 +187,7 @@ def test_a_regional_language_falls_back_to_its_base_language_and_others_to_engli
     assert applied(mine, "en-gb").repairs == ()
     write(mine / "phrases.es-mx.toml", 'greeting = ["¡Qué onda!"]')
     assert applied(mine, "es-mx").phrases["greeting"] == ("¡Qué onda!",)
-    assert languages(mine) == ("en", "es", "es-mx")
+    assert languages(mine) == ("en", "de", "es", "es-mx")
     french = applied(mine, "fr")
     assert (french.language, french.phrases) == ("en", applied(mine).phrases)
     assert french.repairs == ("There is no phrases.fr.toml; the agent speaks English.",)

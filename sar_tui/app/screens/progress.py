@@ -15,6 +15,7 @@ from textual.widgets import Static
 from sar_tui.app.screens.record_form import RecordForm, RemoveRecord
 from sar_tui.drivers.login_name import login_name
 from sar_tui.loop.task import Task
+from sar_tui.model.language import BUNDLED
 from sar_tui.records.kind import Kind, kinds
 from sar_tui.reports import progress_parts as parts
 from sar_tui.reports import progress_words
@@ -455,9 +456,6 @@ def colored(lines: list[str]) -> Content:
 # --- the note
 
 
-_LANGUAGES = {"en": "English", "es": "Spanish"}
-
-
 class ProgressNoteScreen(DismissedOnce[None], ModalScreen[None]):
     """Shows the paragraph in a language, and puts it into the clipboard of terminals that allow it
     (OSC 52).
@@ -487,7 +485,7 @@ class ProgressNoteScreen(DismissedOnce[None], ModalScreen[None]):
                 "It is in the clipboard now, if your terminal allows that. If not, select it with "
                 "the mouse (often "
                 "with Shift), or use `sar-tui progress CODE --note`.\n\n"
-                "Tab: the other language. Up and Down scroll. Esc closes.",
+                "Tab: the next language. Up and Down scroll. Esc closes.",
                 classes="muted",
                 markup=False,
             )
@@ -497,12 +495,12 @@ class ProgressNoteScreen(DismissedOnce[None], ModalScreen[None]):
 
     def _show(self) -> None:
         text = self._text(self._language)
-        self.query_one("#headline", Static).update(f"Note in {_LANGUAGES[self._language]}")
+        self.query_one("#headline", Static).update(f"Note in {BUNDLED[self._language]}")
         self.query_one("#paragraph", Static).update(text)
         self.app.copy_to_clipboard(text)
 
     def action_language(self) -> None:
         """Show the note in the next language."""
-        codes = list(_LANGUAGES)
+        codes = list(BUNDLED)
         self._language = codes[(codes.index(self._language) + 1) % len(codes)]
         self._show()

@@ -26,6 +26,7 @@ from sar_tui.cli.doctor.finding import (
     ok,
 )
 from sar_tui.drivers.installation import pip_install_extra
+from sar_tui.model.language import BUNDLED
 
 if TYPE_CHECKING:
     from sar_tui.link.authority import IssuedInvitation
@@ -47,7 +48,6 @@ _SERVO_S = 0.5
 _NO_SERVO = "Only a robot that moves needs one; the screen draws each gesture."
 _PATIENCE_S = 2.0
 """Time to wait for the child process, which answers within half a second."""
-_LANGUAGES = {"en": "English", "es": "Spanish"}
 _NO_WORDS = "Without it, the agent's words are on the screen only."
 _NO_SOUND = (
     "Without it nothing is heard; `--speech file:FOLDER` writes what the agent says to WAV files."
@@ -172,14 +172,15 @@ def speech_engine(here: Machine) -> Finding:
         return advised(found.no_voices.split(": ", 1), _NO_WORDS)
     missing = [
         name
-        for code, name in _LANGUAGES.items()
+        for code, name in BUNDLED.items()
         if not any(voice.speaks(code) for voice in found.voices)
     ]
+    *most, last = BUNDLED.values()
     count = f"{len(found.voices)} voice{'' if len(found.voices) == 1 else 's'}"
     if missing:
         advice = "Add such a voice in the system's speech settings, or install espeak-ng."
         return care(f"{count}, but none for {' or '.join(missing)}", advice)
-    return ok(f"{count}, including {' and '.join(_LANGUAGES.values())}")
+    return ok(f"{count}, including {', '.join(most)} and {last}")
 
 
 def sound_card(here: Machine) -> Finding:

@@ -10,19 +10,22 @@
   const ANSWER = /^\x1b\[\d+;\d+R$/;  // the terminal's answer to the app's question whether it is there
   const RESET = new Uint8Array([0x1b, 0x63]);
 
-  const isSpanish = document.body.dataset.kind === "agent" && navigator.language.startsWith("es");
-  const TEXTS = isSpanish
-    ? { lost: "Un momento…", ended: "La vista se ha cerrado.", waiting: "Un momento…" }
-    : document.body.dataset.kind === "agent"
-      ? { lost: "One moment…", ended: "This view is closed.", waiting: "One moment…" }
-      : {
-          lost: "The connection is lost. What was shown here is out of date.\nConnecting again …",
-          ended: "You have left the session.",
-          waiting: "This view has ended.\nIt opens again by itself as soon as it can.",
-        };
+  const AGENT = {  // in the language of the participant's browser
+    en: { lost: "One moment…", ended: "This view is closed.", waiting: "One moment…", again: "Open it again" },
+    de: { lost: "Einen Moment…", ended: "Diese Ansicht ist geschlossen.", waiting: "Einen Moment…", again: "Wieder öffnen" },
+    es: { lost: "Un momento…", ended: "La vista se ha cerrado.", waiting: "Un momento…", again: "Abrir de nuevo" },
+  };
+  const OPERATOR = {
+    lost: "The connection is lost. What was shown here is out of date.\nConnecting again …",
+    ended: "You have left the session.",
+    waiting: "This view has ended.\nIt opens again by itself as soon as it can.",
+    again: "Open it again",
+  };
+  const isAgent = document.body.dataset.kind === "agent";
+  const TEXTS = isAgent ? AGENT[navigator.language.slice(0, 2)] ?? AGENT.en : OPERATOR;
   const REFUSED = "The server was started again with another token.\nOpen the address that it has printed now.";
 
-  if (isSpanish) document.getElementById("again").textContent = "Abrir de nuevo";
+  document.getElementById("again").textContent = TEXTS.again;
 
   const cover = (text) => {
     document.getElementById("why").textContent = text;
