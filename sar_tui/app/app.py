@@ -60,6 +60,7 @@ class SarTui(BaseApp):
         patient: begin in patient mode, with this participant.
         markers: addresses to which each session's markers are sent.
         sync_flash: begin each session with a flash and a tone for cameras.
+        is_kept: False if the data folder is removed after the app.
 
     Attributes:
         themes: those to choose from, and the one in use.
@@ -96,6 +97,7 @@ class SarTui(BaseApp):
         patient: str = "",
         markers: Sequence[str] = (),
         sync_flash: bool = False,
+        is_kept: bool = True,
     ) -> None:
         self.sync_flash = sync_flash
         self.onset_watch = OnsetWatch()
@@ -104,6 +106,7 @@ class SarTui(BaseApp):
         )
         super().__init__()
         self.folder = folder
+        self.is_kept = is_kept
         self.catalogue = catalogue
         self.themes = Themes(self, catalogue)
         self.database = connect(folder)
@@ -487,6 +490,7 @@ def run_app(
     patient: str = "",
     markers: Sequence[str] = (),
     sync_flash: bool = False,
+    is_kept: bool = True,
 ) -> int:
     """Run the app in this terminal; returns the exit code.
 
@@ -499,6 +503,7 @@ def run_app(
         patient: begin in patient mode, with this participant.
         markers: addresses to which each session's markers are sent.
         sync_flash: begin each session with a flash and a tone for cameras.
+        is_kept: False if the data folder is removed after the app.
 
     Raises:
         StoreError, PluginError: before the app opens.
@@ -511,6 +516,7 @@ def run_app(
         patient=patient,
         markers=markers,
         sync_flash=sync_flash,
+        is_kept=is_kept,
     )
     find_picture_way(app)
     if catalogue.may_have_faces():

@@ -145,6 +145,9 @@ class Leaving:
             yield self._app.failure
         if code == INTERRUPTED:
             yield "Stopped with Ctrl-C."
+        if not self._app.is_kept:
+            yield "The demonstration is over. Nothing of it was kept."
+            return
         if live and live.rescued:
             yield f"{live.rescued} Bring it back into the database: {self._command('rescue')}"
         if live and live.trouble:

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from sar_tui.plugins import Catalogue
 
 COMMANDS = {
+    "demo": "demo:demo",
     "run": "live:run",
     "resume": "live:resume",
     "wizard": "wizard:wizard",

@@ -65,10 +65,12 @@ class JoinableSession(msgspec.Struct, frozen=True):
         return socket_path(self.session)
 
 
-def socket_folder() -> Path:
-    """Return the folder, created if needed: ``sar-tui`` in the user's runtime folder, else
-    ``sar-tui-UID`` in the temporary folder. The runtime folder is ``$XDG_RUNTIME_DIR``, else its
-    usual place.
+def socket_folder(*, create: bool = True) -> Path:
+    """Return the folder: ``sar-tui`` in the user's runtime folder, else ``sar-tui-UID`` in the
+    temporary folder. The runtime folder is ``$XDG_RUNTIME_DIR``, else its usual place.
+
+    Args:
+        create: False if it may be missing.
 
     Raises:
         LinkError: this system has no Unix sockets, or the folder is not private to this user.
@@ -88,8 +90,11 @@ def socket_folder() -> Path:
         else Path(tempfile.gettempdir()) / f"sar-tui-{os.getuid()}"
     )
     try:
-        with contextlib.suppress(FileExistsError):
-            folder.mkdir(mode=0o700)
+        if create:
+            with contextlib.suppress(FileExistsError):
+                folder.mkdir(mode=0o700)
+        elif not os.path.lexists(folder):
+            return folder
         found = folder.lstat()
     except OSError as error:
         raise LinkError(
@@ -183,7 +188,7 @@ def live_sessions() -> list[JoinableSession]:
     Raises LinkError as ``socket_folder``.
     """
     found = []
-    for description in sorted(socket_folder().glob("*.json")):
+    for description in sorted(socket_folder(create=False).glob("*.json")):
         if _clear_if_over(description.with_suffix(".sock")):
             continue
         with contextlib.suppress(OSError, msgspec.MsgspecError):

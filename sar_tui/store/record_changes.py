@@ -5,6 +5,7 @@ change of its rows.
 import contextlib
 import sqlite3
 from collections.abc import Iterable, Iterator
+from datetime import datetime
 from pathlib import Path
 
 import msgspec
@@ -42,8 +43,11 @@ def change_status(
     *,
     actor: str,
     reason: str = "",
+    now: datetime | None = None,
 ) -> bool:
     """Dismiss, discard or restore a session of this site. Nothing of it is deleted.
+
+    ``now``: when that is; None for the present.
 
     Returns:
         False if the session cannot be changed in this way, such as one that has ended and cannot be
@@ -63,7 +67,7 @@ def change_status(
             log(
                 connection,
                 session,
-                RecordChanged(change=change, actor=actor, at=utc(), reason=reason),
+                RecordChanged(change=change, actor=actor, at=utc(now), reason=reason),
             )
             status = status_after(ends_and_changes(connection, session))
             connection.execute("UPDATE sessions SET status=? WHERE id=?", (status, session))

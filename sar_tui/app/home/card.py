@@ -20,7 +20,8 @@ _WELCOME = (
     "1. Press Enter, and give the first person a code, such as P01. Never a name.\n\n"
     "2. Choose their task and their theme. Settings (F2) are yours: what they train, how much, "
     "how hard.\n\n"
-    "3. START. From there on the screen tells the participant what to do."
+    "3. START. From there on the screen tells the participant what to do.\n\n"
+    "To look around with invented people first: leave with Ctrl+Q, then sar-tui demo."
 )
 _NEW = (
     "Press Enter to add a participant: a code, such as P01. Never a name.\n\nBelow are the "

@@ -201,7 +201,7 @@ def _note(
     part.
     """
     status = "interrupted: Enter resumes" if is_offered else words.status_words(row["status"])
-    mode = "" if row["mode"] == "live" else row["mode"]
+    mode = "" if is_personal(row["mode"]) else row["mode"]
     other = row["participant"] if participant == row["partner"] else row["partner"]
     together = f"with {other}" if participant and other else ""
     return ", ".join(filter(None, (status, mode, together, marks(felt))))

@@ -85,6 +85,7 @@ class HomeScreen(Screen[None]):
         """
         await self.query_one(ParticipantCard).open()
         self._is_filled = True
+        self._mark_demonstration()
         list_tasks(self._tasks, self.app.catalogue)
         self.app.themes.load()
         self._themes.add_options(
@@ -96,6 +97,14 @@ class HomeScreen(Screen[None]):
         self._look_for_sessions()
         self.set_interval(_LOOK_SECONDS, self._look_for_sessions)
         self.app.tell_troubles()
+
+    def _mark_demonstration(self) -> None:
+        """Say in the title if the people are invented."""
+        from sar_tui.store.sessions import is_demonstration
+
+        if is_demonstration(self.app.database):
+            lasts = "" if self.app.is_kept else " Nothing here is kept."
+            self.query_one("#title", Static).update(f"Demonstration: invented people.{lasts}")
 
     def on_screen_resume(self) -> None:
         if self._is_filled:
