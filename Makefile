@@ -33,8 +33,8 @@ endef
 run: $(PROGRAM)  ## the app, with its data in data/
 	@SAR_TUI_DATA=$${SAR_TUI_DATA:-data} $(BIN)/sar-tui
 
-demo: $(PROGRAM)  ## a session by a simulated participant; needs no terminal
-	@folder=$$(mktemp -d) && $(BIN)/sar-tui simulate keyboard --user average --seed 1 --data $$folder && $(BIN)/sar-tui show last --data $$folder; status=$$?; rm -rf "$$folder"; exit $$status
+demo: $(PROGRAM)  ## the app with invented people; nothing is kept
+	@$(BIN)/sar-tui demo
 
 # Three workers keep two cores busy: many tests wait for a program that they have started.
 test: .venv/ready  ## every behaviour, in a few minutes on two cores

@@ -34,7 +34,7 @@ _SAYS = (
     "are simulated: their mode is `demonstration`. Nothing of it is merged into other data.\n"
 )
 _BY = "therapist"
-"""Who made the programmes and the records."""
+"""Author of the programmes and the records."""
 _NOON = time(12)
 
 
@@ -113,7 +113,7 @@ class _Step(NamedTuple):
 
 
 class _Felt(NamedTuple):
-    """What somebody said of pain and tiredness, before and after a session; None: not asked."""
+    """Ratings of pain and tiredness, before and after a session; None: not asked."""
 
     pain: tuple[int, int] | None = None
     tiredness: tuple[int, int] | None = None

@@ -21,7 +21,7 @@ _WELCOME = (
     "2. Choose their task and their theme. Settings (F2) are yours: what they train, how much, "
     "how hard.\n\n"
     "3. START. From there on the screen tells the participant what to do.\n\n"
-    "To look around with invented people first: leave with Ctrl+Q, then sar-tui demo."
+    "To look around first: Ctrl-Q, then sar-tui demo."
 )
 _NEW = (
     "Press Enter to add a participant: a code, such as P01. Never a name.\n\nBelow are the "
