@@ -117,27 +117,29 @@ def _is_own(folder: Path) -> bool:
         return False
 
 
+class _Signalled(BaseException):
+    """A signal came that ends the program. No part of a session takes it for an error of its own."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(number)
+        self.number = number
+
+
 @contextmanager
 def _ended_by_signals() -> Iterator[None]:
     """Let signals that end the program raise, so that it ends in order. The app has its own way."""
-    ended_by = 0
 
     def stop(number: int, frame: FrameType | None) -> None:
-        nonlocal ended_by
-        ended_by = number
-        raise KeyboardInterrupt
+        raise _Signalled(number)
 
-    numbers = [
-        getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)
-    ]
+    names = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT")
+    numbers = [getattr(signal, name) for name in names if hasattr(signal, name)]
     before = {number: signal.signal(number, stop) for number in numbers}
     try:
         yield
-    except KeyboardInterrupt:
-        if not ended_by:
-            raise
+    except _Signalled as signalled:
         print("Stopped.", file=sys.stderr)
-        raise typer.Exit(after_signal(ended_by)) from None
+        raise typer.Exit(after_signal(signalled.number)) from None
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
