@@ -2,16 +2,15 @@
 
 import asyncio
 import re
-import sqlite3
 import tempfile
 from contextlib import closing
-from datetime import UTC, datetime, timedelta
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-import msgspec
 from textual.app import App
 
+from docs.cast import Cast
 from sar_tui.app.app import SarTui
 from sar_tui.app.screens.progress import ProgressScreen
 from sar_tui.link.broker_process import (
@@ -30,12 +29,10 @@ from sar_tui.model.units import MS, SECOND
 from sar_tui.operator.app import WizardApp
 from sar_tui.operator.screen import PanelScreen
 from sar_tui.plugins import Catalogue
-from sar_tui.records.kind import find
+from sar_tui.runs.demonstration import make_demonstration
 from sar_tui.runs.plan import make_plan
-from sar_tui.runs.simulate import simulate
-from sar_tui.simulation.participant_model import PEOPLE
-from sar_tui.store import participants, programmes, records, wellbeing
-from sar_tui.store.database import connect, transaction
+from sar_tui.store import programmes
+from sar_tui.store.database import connect
 from sar_tui.store.programmes import Programme
 
 IMAGES = Path(__file__).parent / "images"
@@ -51,61 +48,32 @@ def _save(app: App[Any], name: str) -> None:
 
 async def _draw() -> None:
     catalogue = Catalogue()
-    clock = VirtualClock(SECOND)
     with tempfile.TemporaryDirectory() as folder:
         data = Path(folder)
-        app = SarTui(data, catalogue, make_plan(catalogue, "keyboard", ["P01"], seed=3), clock)
-        async with app.run_test(size=(80, 24)) as pilot:
-            await _settle(pilot, clock)
-            await _enter(pilot, clock)
-            await _enter(pilot, clock)
-            await _settle(pilot, clock)
-            for _ in range(60):
-                clock.advance(50 * MS)
-                await pilot.pause()
-                if "Press:" in app.export_screenshot().replace("&#160;", " "):
-                    break
-            _save(app, "prompt")
-        await _draw_home(data / "home", catalogue)
+        make_demonstration(data / "demonstration", _TODAY)
+        await _draw_home(data / "demonstration", catalogue)
+        await _draw_progress(data / "demonstration", catalogue)
+        await _draw_cast(data / "demonstration", catalogue)
         # a data folder for each: an app that ends in run_test leaves its database open
         await _draw_agent(data / "agent", catalogue)
         await _draw_reaching(data / "reaching", catalogue)
         await _draw_pairs(data / "pairs", catalogue)
         await _draw_panel(data / "panel", catalogue)
-        await _draw_progress(data / "progress", catalogue)
 
 
-_HISTORY = (
-    ("P05", 30, "average", 21),
-    ("P02", 3, "poor", 22),
-    *(("P01", days, "poor", days) for days in (14, 12)),
-    *(("P01", days, "average", days) for days in (9, 7, 4, 2)),
-)
-"""Participant, days before the picture, how well they do, and the seed of a session."""
-_FELT = {22: ("pain", 6), 12: ("pain", 2), 2: ("tiredness", 3)}
-_TODAY = datetime(2026, 3, 20, 10, 15, tzinfo=UTC)
+_TODAY = datetime(2026, 3, 20, 14, 15).astimezone()
+
+
+def _demonstration(data: Path, catalogue: Catalogue, clock: VirtualClock) -> SarTui:
+    """Return the app on a demonstration folder, on the day for which it was made."""
+    app = SarTui(data, catalogue, clock=clock)
+    app.today = _TODAY.date
+    return app
 
 
 async def _draw_home(data: Path, catalogue: Catalogue) -> None:
-    """The first screen, with two weeks of sessions, at two sizes."""
-    database = connect(data)
-    for code in ("P05", "P02", "P01"):
-        participants.add(database, code)
-    settings = {"attempts": 10, "prompts_per_attempt": 10}
-    programmes.save(database, "P01", "keyboard", Programme(settings), after=0)
-    for code, days, person, seed in _HISTORY:
-        plan = make_plan(catalogue, "keyboard", [code], settings, seed=seed, mode="simulated")
-        session = simulate(plan, PEOPLE[person], data, catalogue)
-        began = (_TODAY - timedelta(days=days)).isoformat()
-        with transaction(database) as connection:
-            connection.execute(
-                "UPDATE sessions SET mode='live', started_at=? WHERE id=?", (began, session)
-            )
-        if felt := _FELT.get(seed):
-            _rate(database, code, session, *felt)
-    database.close()
-    app = SarTui(data, catalogue, clock=(clock := VirtualClock(SECOND)))
-    app.today = _TODAY.date
+    """The first screen."""
+    app = _demonstration(data, catalogue, clock := VirtualClock(SECOND))
     async with app.run_test(size=(80, 24)) as pilot:
         await _settle(pilot, clock)
         _save(app, "home")
@@ -281,44 +249,65 @@ async def _draw_panel(data: Path, catalogue: Catalogue) -> None:
         _save(panel, "panel")
 
 
-def _rate(database: sqlite3.Connection, code: str, session: str, kind: str, rating: int) -> None:
-    given: dict[str, Any] = {"answer": wellbeing.RATED, "rating": rating}
-    records.add(database, find(kind), code, "", given, session=session, moment="after")
-
-
 async def _draw_progress(data: Path, catalogue: Catalogue) -> None:
-    """The progress of a participant who gets a little faster from session to session."""
-    person = PEOPLE["average"]
-    began = datetime(2026, 3, 2, 10, tzinfo=UTC)
-    for number in range(12):
-        learner = msgspec.structs.replace(person, per_bit_ms=person.per_bit_ms * 0.97**number)
-        plan = make_plan(
-            catalogue, "keyboard", ["P05"], {"threshold": 850.0}, seed=number, mode="simulated"
-        )
-        session = simulate(plan, learner, data, catalogue)
-        at = began + timedelta(days=7 * number // 3)
-        with closing(connect(data)) as database:
-            database.execute(
-                "UPDATE sessions SET mode='live', started_at=? WHERE id=?",
-                (at.isoformat(), session),
-            )
-            for kind, rating in (
-                ("pain", (0, 1, 3, 2, 1, 0)[number % 6]),
-                ("tiredness", (2, 3, 4)[number % 3]),
-            ):
-                _rate(database, "P05", session, kind, rating)
-            database.execute(
-                "UPDATE records SET at=? WHERE session=?",
-                ((at + timedelta(hours=1)).isoformat(), session),
-            )
-    app = SarTui(data, catalogue, clock=VirtualClock(SECOND))
+    """The progress of a participant who gets better."""
+    app = _demonstration(data, catalogue, VirtualClock(SECOND))
     async with app.run_test(size=(100, 30)) as pilot:
         app.themes.load()
         app.themes.use_named("calm")
-        await app.push_screen(ProgressScreen("P05", catalogue.task("keyboard")))
+        await app.push_screen(ProgressScreen("P01", catalogue.task("keyboard")))
         for _ in range(10):
             await pilot.pause()
         _save(app, "progress")
+
+
+_SHORT = {
+    "attempts": 2,
+    "prompts_per_attempt": 3,
+    "start_from": "fixed",
+    "start_level": 5,
+    "ask_wellbeing": False,
+    "quiet_ms": 200,
+    "foreperiod_max_ms": 700,
+}
+"""Settings of a session that fits into a moving picture."""
+
+
+async def _draw_cast(data: Path, catalogue: Catalogue) -> None:
+    """A short session from the first screen to the summary, as a moving picture."""
+    with closing(connect(data)) as database:
+        last = programmes.newest(database, "P01", "keyboard")
+        programmes.save(
+            database, "P01", "keyboard", Programme({**last.parameters, **_SHORT}),
+            after=last.version, now=_TODAY,
+        )  # fmt: skip
+    app = _demonstration(data, catalogue, clock := VirtualClock(SECOND))
+    cast = Cast()
+    async with app.run_test(size=(80, 24)) as pilot:
+
+        async def show(ms: int) -> None:
+            """Let time pass, and add it to the picture."""
+            for _ in range(ms // 100):
+                clock.advance(100 * MS)
+                await pilot.pause()
+                cast.show(app, 0.1)
+
+        await _settle(pilot, clock)
+        await show(2500)
+        for _ in range(2):
+            await pilot.press("enter")
+            await show(900)
+        while "Enter to finish" not in (shown := _text(app)):
+            if asked := _ASKED.search(shown):
+                await show(500)
+                cast.keep_still()
+                await pilot.press(asked[1])
+            elif "Enter" in shown:
+                await show(1300)
+                await pilot.press("enter")
+            await show(100)
+        await show(3000)
+    (IMAGES / "session.svg").write_text(cast.svg(), encoding="utf-8")
 
 
 async def _until_asked(pilot: Any, clock: VirtualClock, app: SarTui) -> str:
@@ -326,10 +315,16 @@ async def _until_asked(pilot: Any, clock: VirtualClock, app: SarTui) -> str:
     for _ in range(200):
         clock.advance(50 * MS)
         await pilot.pause()
-        shown = app.export_screenshot().replace("&#160;", " ")
-        if found := re.search(r"(?:Press|Left|Right): (\S) *<", shown):
+        if found := _ASKED.search(_text(app)):
             return found[1]
     raise RuntimeError("no prompt appeared")
+
+
+_ASKED = re.compile(r"(?:Press|Left|Right): (\S) *<")
+
+
+def _text(app: SarTui) -> str:
+    return app.export_screenshot().replace("&#160;", " ")
 
 
 async def _enter(pilot: Any, clock: VirtualClock) -> None:
