@@ -1,6 +1,7 @@
 """``sar-tui demo``: the app with invented people, in a folder that is removed afterwards."""
 
 import os
+import shlex
 import shutil
 import signal
 import sys
@@ -49,7 +50,8 @@ def demo(
         )
     if keep is not None:
         _make(keep)
-        print(f"The demonstration is in {keep}. Look at it: sar-tui --data {keep}")
+        look = shlex.join(("sar-tui", "--data", str(keep)))
+        print(f"The demonstration is in {keep}. Look at it: {look}")
         return
     need_screen()
     catalogue = home.catalogue()

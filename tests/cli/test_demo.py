@@ -72,8 +72,17 @@ def everything(folder: Path) -> set[str]:
     return {str(path.relative_to(folder)) for path in folder.rglob("*")}
 
 
+@pytest.mark.parametrize(
+    ("end", "code"),
+    [
+        ("ctrl+q", 0),
+        pytest.param("ctrl+c", 130, marks=pytest.mark.slow),
+        pytest.param(signal.SIGTERM, 143, marks=pytest.mark.slow),
+        pytest.param(None, 129, marks=pytest.mark.slow),
+    ],
+)
 def test_it_opens_on_invented_people_and_leaves_nothing_in_the_file_system(
-    tmp_path: Path, temporary: Path
+    tmp_path: Path, temporary: Path, end: str | signal.Signals | None, code: int
 ) -> None:
     home = tmp_path / "home"
     home.mkdir()
@@ -86,9 +95,13 @@ def test_it_opens_on_invented_people_and_leaves_nothing_in_the_file_system(
         screen = ScreenReader(terminal).text()
         assert "Demonstration: invented people." in screen
         assert len(list(temporary.iterdir())) == 1
-        terminal.press("ctrl+q")
-        assert terminal.wait() == 0
-        assert b"Nothing of it was kept." in terminal.output
+        if end is None:
+            terminal.hang_up()
+            assert terminal.process.wait(60) == code
+        else:
+            terminal.press(end) if isinstance(end, str) else terminal.kill(end)
+            assert terminal.wait() == code
+            assert b"Nothing of it was kept." in terminal.output
     assert everything(temporary) | everything(home) == set()
 
 
