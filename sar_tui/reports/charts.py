@@ -63,7 +63,7 @@ _COLORS: dict[str, str] = {
 
 _ENGLISH = Language()
 _MARGIN = 7
-"""Columns for the numbers of the left axis and the name of the lower one."""
+"""Least columns for the numbers of the left axis and the names of the lower ones."""
 _SMALLEST = (30, 7)
 """Least width and height."""
 _FOR_BARS, _FOR_TALL_BARS = 9, 16
@@ -125,20 +125,22 @@ def attempts_figure(
     heading = _heading(
         metric, explained if has_legend else [], width, may_have_two=height >= _FOR_LEGEND
     )
+    attempt, level = tr("attempt"), tr("level")
+    margin = max(_MARGIN, len(attempt), len(level))
     plotext.clear_figure()
     try:
         size = width, height - len(heading) - has_empty - 1 - bar_lines
-        body = _body(plotext, metrics, goals, size, names, markers, beside, tr)
+        body = _body(plotext, metrics, goals, size, margin, names, markers, beside, tr)
     finally:
         plotext.clear_figure()
     lines = [line.rstrip() for line in body.rstrip("\n").split("\n")]
-    lines[-1] = tr("attempt")[:_MARGIN].ljust(_MARGIN) + lines[-1][_MARGIN:]
+    lines[-1] = attempt.ljust(margin) + lines[-1][margin:]
     columns = _Columns.of_axis(plotext.uncolorize(lines[-2]), len(levels))
     below = []
     if has_empty:
         marker = plotext.colorize(MARKERS["no result"], _COLORS["no result"], "bold")
         below.append(columns.line({n: marker for n, value in enumerate(metrics) if value is None}))
-    below.append(tr("level")[:_MARGIN].ljust(_MARGIN) + columns.numbers(levels)[_MARGIN:])
+    below.append(level.ljust(margin) + columns.numbers(levels)[margin:])
     below += [plotext.colorize(line, "blue") for line in columns.bars(levels, bar_lines)]
     text = "\n".join([*heading, *lines[:-1], *below, lines[-1]])
     return text if color else plotext.uncolorize(text)
@@ -149,6 +151,7 @@ def _body(
     metrics: Sequence[float | None],
     goals: Sequence[float | None],
     size: tuple[int, int],
+    margin: int,
     results: Sequence[str],
     markers: Mapping[str, str],
     beside: Sequence[float | None],
@@ -188,8 +191,8 @@ def _body(
             )
 
     ticks = _possible(round_numbers(low, high, max(2, rows // 2)), values)
-    plt.yticks(ticks, [tr.figures(f"{tick:g}").rjust(_MARGIN) for tick in ticks], yside="left")
-    room = count * (len(str(count)) + 1) / (size[0] - _MARGIN - 6)
+    plt.yticks(ticks, [tr.figures(f"{tick:g}").rjust(margin) for tick in ticks], yside="left")
+    room = count * (len(str(count)) + 1) / (size[0] - margin - 6)
     every = next(
         step
         for power in (1, 10, 100, 1000, 10_000)

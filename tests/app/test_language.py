@@ -109,7 +109,7 @@ SEEN = {
     "de": Seen(
         "Reaktion an der Tastatur",
         "Willkommen",
-        "in weniger als 0,85 Sekunden drücken, und 2 von 2 richtig.",
+        "im Durchschnitt schneller als 0,85 Sekunden, und 2 von 2 richtig.",
         "Tasten 0 von 2",
         "Drücken: {key}",
         "Es hat 60 mal 20 Zeichen; 80 mal 24 sind nötig.",
