@@ -32,6 +32,7 @@ from sar_tui.tui.gc_control import end_loading
 from sar_tui.tui.terminal_input import PasteDropped, UnreadableInput
 from sar_tui.tui.timestamps import OnsetWatch, watched
 from sar_tui.tui.too_small import cover_if_too_small
+from sar_tui.widgets.language import language_of
 
 if TYPE_CHECKING:  # loaded with a session, so that the first screen is there sooner
     from sar_tui.app.live import LiveSession
@@ -449,10 +450,14 @@ class SarTui(BaseApp):
     # --- help
 
     def get_key_display(self, binding: Binding) -> str:
-        """Return a key's name on the keyboard: "Ctrl-Q", "F1", "Esc"."""
-        parts = binding.key.split("+")
+        """Return a key's name on the keyboard, in the language of the screen: "Ctrl-Q", "F1",
+        "Esc".
+        """
+        tr = language_of(self)
+        names = {"ctrl": tr("Ctrl")}
         return binding.key_display or "-".join(
-            _KEY_NAMES.get(part, part.capitalize()) for part in parts
+            names.get(part) or _KEY_NAMES.get(part, part.capitalize())
+            for part in binding.key.split("+")
         )
 
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:

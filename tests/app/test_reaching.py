@@ -157,12 +157,12 @@ async def test_a_therapist_marks_a_reach(at_the_table: OpenSession) -> None:
         await driver.press("space")
         await driver.wait(500)
         await driver.press("f9")
-        driver.see("Marked: assisted")
+        driver.see("Marked: Assisted")
         assert "Reach: 15 cm" in driver.text, "the reach goes on"
         await come_back(driver)
         await reach(driver)
         await driver.press("f8")
-        driver.see("Marked: compensated")
+        driver.see("Marked: Compensated")
         await reach(driver)
         assert driver.waiting.stage == "review"
         await driver.press("f7")
@@ -195,13 +195,13 @@ async def test_a_mark_is_replaced_by_pressing_twice(at_the_table: OpenSession) -
         await driver.press("f7")
         await driver.wait(300)
         await driver.press("f8", "f8")
-        assert driver.sees("Marked: marker missed · F8 again: compensated instead"), (
+        assert driver.sees("Marked: Marker missed · F8 again: Compensated instead"), (
             "a held key does not count twice"
         )
         await come_back(driver)
         assert driver.stored("SELECT json_extract(details, '$.mark') FROM trials") == [("missed",)]
         await driver.press("f8")
-        driver.see("Marked: compensated · Attempt 1 of 1")
+        driver.see("Marked: Compensated · Attempt 1 of 1")
         assert driver.stored("SELECT json_extract(details, '$.mark') FROM trials") == [
             ("compensated",)
         ]
@@ -210,12 +210,12 @@ async def test_a_mark_is_replaced_by_pressing_twice(at_the_table: OpenSession) -
         driver.lacks("Marked")
         await driver.wait(300)
         await driver.press("f9")
-        assert driver.sees("Marked: assisted"), "the mark was removed, so nothing is replaced"
+        assert driver.sees("Marked: Assisted"), "the mark was removed, so nothing is replaced"
         await driver.press("space")
         await driver.wait(500)
         assert not driver.sees("Marked"), "this is another reach"
         await driver.press("f7")
-        driver.see("Marked: marker missed")
+        driver.see("Marked: Marker missed")
         await come_back(driver)
         rows = driver.stored("SELECT json_extract(details, '$.mark') FROM trials ORDER BY trial")
         assert rows == [("assisted",), ("missed",)]
@@ -227,7 +227,7 @@ async def test_a_mark_is_replaced_by_pressing_twice(at_the_table: OpenSession) -
 async def test_the_marks_are_in_the_help_and_the_changes_not_in_the_footer(
     table: AppDriver,
 ) -> None:
-    marks = "F7 marker missed, F8 compensated, F9 assisted."
+    marks = "F7 Marker missed, F8 Compensated, F9 Assisted."
     await table.press("enter")
     table.lacks("F7")
     await table.press("f1")

@@ -556,10 +556,10 @@ class MarkKeys:
         if not self._mark.present:
             return ""
         text = self.tr(
-            "Marked: {mark}", mark=self._titles.get(self._mark.present, self._mark.present).lower()
+            "Marked: {mark}", mark=self._titles.get(self._mark.present, self._mark.present)
         )
         if not self.asks:
             return text
         key = next(mark.key for mark in self._marks.values() if mark.name == self._replaces)
-        instead = self._titles[self._replaces].lower()
+        instead = self._titles[self._replaces]
         return f"{text} · {self.tr('{key} again: {mark} instead', key=key.upper(), mark=instead)}"

@@ -98,7 +98,7 @@ def help_text(task: Task, tr: Language, *, with_marks: bool = True) -> str:
 
 def marks_text(task: Task, tr: Language) -> str:
     """Return the keys that mark a trial, for the therapist; empty if the task has none."""
-    marks = ", ".join(f"{mark.key.upper()} {tr(mark.title).lower()}" for mark in task.marks)
+    marks = ", ".join(f"{mark.key.upper()} {tr(mark.title)}" for mark in task.marks)
     return tr("For the therapist, during or after a trial: {marks}.", marks=marks) if marks else ""
 
 
