@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 _LISTED = 20
 """Sessions of a line that are printed; JSON has all."""
 _MONTHS = 3
-_CHART = 90, 14
+_CHART = 90, 16
 """Columns and rows of a chart."""
 _ID = 6
 """Characters of a session's id that are printed."""
@@ -181,18 +181,12 @@ def _print_chart(out: "Console", line: "LineProgress", tr: "Language") -> None:
     """
     from rich.text import Text
 
-    from sar_tui.reports.progress_charts import (
-        has_levels,
-        has_results,
-        level_figure,
-        result_figure,
-    )
+    from sar_tui.reports.progress_timeline import charted, timeline
 
-    if len(line.sessions) < 2 or not has_results(line):
+    if len(line.sessions) < 2 or not charted(line):
         return
-    draw = level_figure if has_levels(line) else result_figure
-    for row in draw(line, min(out.width, _CHART[0]), _CHART[1], tr):
-        out.print(Text(row), soft_wrap=True)
+    for row in timeline(line, min(out.width, _CHART[0]), _CHART[1], tr):
+        out.print(Text(row.text), soft_wrap=True)
     out.print()
 
 

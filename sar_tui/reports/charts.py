@@ -453,6 +453,35 @@ class Columns(msgspec.Struct, frozen=True):
             )
         return "".join(line).rstrip()
 
+    def heights(self, values: Sequence[float], rows: int, form: str) -> list[str]:
+        """Return rows of bars from zero to the greatest value; ``·`` where it is zero.
+
+        Beside the foot of each bar stands its value, formatted by ``form``, if all have room.
+        """
+        means = {
+            column: statistics.fmean([values[session] for session in sessions])
+            for column, sessions in self.groups()
+        }
+        highest = max(means.values(), default=0.0) or 1.0
+        lines = []
+        for below in reversed(range(rows)):
+            line = [" "] * self.width
+            for column, mean in means.items():
+                eighths = math.ceil(mean / highest * len(BARS) * rows - _ROUNDING)
+                line[column] = _part_of_bar(eighths - below * len(BARS))
+            lines.append(line)
+        foot, texts = lines[-1], {column: form.format(mean) for column, mean in means.items()}
+        ends = [*list(means)[1:], self.width + 1]
+        has_room = all(
+            column + 1 + len(texts[column]) < end for column, end in zip(means, ends, strict=True)
+        )
+        for column, mean in means.items():
+            if mean <= 0:
+                foot[column] = "·"
+            elif has_room:
+                foot[column + 1 : column + 1 + len(texts[column])] = texts[column]
+        return ["".join(line).rstrip() for line in lines]
+
     def dates(self, days: Sequence[str], months: Sequence[str]) -> str:
         """Return a row of dates as far as there is room; the last one is always there.
 
@@ -555,11 +584,16 @@ def session_chart(
         lines.append(f"{label}{axis_line}{''.join(cells)}".rstrip())
     edge = f"{'│':>{margin}}"
     lines = [*([edge + above] if above else []), *lines, *([edge + below] if below else [])]
-    foot = ["─"] * columns.width
+    return [*lines, foot(columns, margin, chosen, marked)]
+
+
+def foot(columns: Columns, margin: int, chosen: int | None, marked: int | None) -> str:
+    """Return the lower axis, with signs of the chosen session and the one it is compared with."""
+    line = ["─"] * columns.width
     for session, sign in ((marked, MARKED), (chosen, CHOSEN)):
         if session is not None:
-            foot[columns.column(session)] = sign
-    return [*lines, f"{'└':>{margin}}{''.join(foot)}"]
+            line[columns.column(session)] = sign
+    return f"{'└':>{margin}}{''.join(line)}"
 
 
 def _draw(

@@ -8,6 +8,7 @@ import msgspec
 
 from sar_tui.model.language import Language
 from sar_tui.progress.change import BASELINE, FAMILIARISATION, Verdict
+from sar_tui.progress.lines import Side
 from sar_tui.progress.task_level import to_level
 from sar_tui.reports import dose_words, progress_words
 from sar_tui.reports.progress import LineProgress, Progress, SessionProgress
@@ -190,17 +191,26 @@ _JUDGED: dict[Verdict, tuple[str, str]] = {
 """The sentence of each verdict: if the last session is judged, and if it has no known value."""
 
 
+_SINCE: dict[Side, str] = {
+    "easier": "The last session was too easy to tell.",
+    "harder": "The last session was too hard to tell.",
+    "": "The last session does not tell.",
+}
+
+
 def _judged(line: LineProgress, known: Sequence[SessionProgress], tr: Language) -> str:
     judged = known[-1]
     assert line.baseline is not None
     assert judged.value is not None
     days = (_day(judged) - _day(known[_MIDDLE])).days
-    return tr(
-        _JUDGED[line.verdict][judged is not line.sessions[-1]],
+    last = line.sessions[-1]
+    text = tr(
+        _JUDGED[line.verdict][judged is not last],
         change=_change(line, line.baseline.mean, judged.value, tr),
         time=_time(days, tr),
         day=progress_words.day(judged.began),
     )
+    return text if judged is last else f"{text} {tr(_SINCE[last.side])}"
 
 
 def _change(line: LineProgress, first: float, last: float, tr: Language) -> str:

@@ -8,8 +8,10 @@ from html import escape
 from sar_tui.loop.task import Task
 from sar_tui.model.language import Language
 from sar_tui.reports import dose_words, progress_charts, progress_words
+from sar_tui.reports.charts import Spec
 from sar_tui.reports.progress import LineProgress, Progress
-from sar_tui.reports.progress_charts import sessions_of_a_mark, span_of
+from sar_tui.reports.progress_charts import needs_look, sessions_of_a_mark, span_of
+from sar_tui.reports.progress_glossary import GLOSSARY, explained
 from sar_tui.reports.progress_headline import headline
 from sar_tui.reports.sections import document, figure, table
 from sar_tui.reports.wellbeing import dated_event
@@ -48,6 +50,7 @@ def page(found: Progress, find_task: Callable[[str], type[Task] | None], code: s
             for each in found.instruments
         ]
     body += _dose(found, own)
+    body += _glossary(own) if found.lines else []
     foot = own(
         "A training measure of this program; no diagnosis, and no published important difference "
         "(MCID) applies."
@@ -56,14 +59,6 @@ def page(found: Progress, find_task: Callable[[str], type[Task] | None], code: s
 
 
 def _line(line: LineProgress, events: Sequence[Record], tr: Language) -> Iterator[str]:
-    yield f"<p>{escape(' '.join(progress_words.sentences(line, tr)))}</p>"
-    if (most := sessions_of_a_mark(len(line.sessions))) > 1:
-        rule = tr(
-            "In the charts a mark stands for up to {most} sessions, one after the other: for their "
-            "mean; of pain and tiredness, for the worst.",
-            most=str(most),
-        )
-        yield f"<p>{escape(rule)}</p>"
     if spec := progress_charts.level_picture(line, tr):
         yield figure(
             spec,
@@ -73,20 +68,26 @@ def _line(line: LineProgress, events: Sequence[Record], tr: Language) -> Iterato
             ),
             _range(line, tr),
         )
+    minutes = f"{sum(each.time_on_task_s for each in line.sessions) / 60:.0f}"
+    yield figure(
+        progress_charts.minutes_picture(line, tr),
+        tr("Minutes on task in each session."),
+        tr("{minutes} min", minutes=minutes),
+    )
+    if spec := progress_charts.felt_picture(line, tr):
+        yield _felt(spec, line, events, tr)
+    yield f"<p>{escape(' '.join(progress_words.sentences(line, tr)))}</p>"
+    if (most := sessions_of_a_mark(len(line.sessions))) > 1:
+        rule = tr(
+            "In the charts a mark stands for up to {most} sessions, one after the other: for their "
+            "mean; of pain and tiredness, for the worst.",
+            most=str(most),
+        )
+        yield f"<p>{escape(rule)}</p>"
     if spec := progress_charts.result_picture(line, tr):
         caption = tr("Mean result of each session, with the SD between its attempts.")
         yield figure(
             spec, caption if line.goal is None else f"{caption} {tr('Dashed: the goal.')}", ""
-        )
-    if spec := progress_charts.felt_picture(line, tr):
-        caption = tr(
-            "The worst pain (dots) and tiredness (squares, dashed) of each session, 0 to 10."
-        )
-        began_in = {event for each in line.sessions for event in each.events}
-        told = [dated_event(event, tr) for event in events if event.id in began_in]
-        more = [text for text in (progress_words.felt_range(line, tr), *told) if text]
-        yield figure(
-            spec, f"{caption} {tr('!: an adverse event.')}" if told else caption, " ".join(more)
         )
     for name, chart in progress_charts.quality_pictures(line, tr).items():
         yield figure(
@@ -95,6 +96,16 @@ def _line(line: LineProgress, events: Sequence[Record], tr: Language) -> Iterato
             "",
         )
     yield _table(line, tr)
+
+
+def _felt(spec: Spec, line: LineProgress, events: Sequence[Record], tr: Language) -> str:
+    caption = tr("The worst pain (dots) and tiredness (squares, dashed) of each session, 0 to 10.")
+    began_in = {event for each in line.sessions for event in each.events}
+    told = [dated_event(event, tr) for event in events if event.id in began_in]
+    more = [text for text in (progress_words.felt_range(line, tr), *told) if text]
+    if any(map(needs_look, line.sessions)):
+        caption = f"{caption} {tr('!: pain above the limits, or an adverse event.')}"
+    return figure(spec, caption, " ".join(more))
 
 
 def _range(line: LineProgress, tr: Language) -> str:
@@ -160,3 +171,11 @@ def _dose(found: Progress, tr: Language) -> Iterator[str]:
     lines = dose_words.calendar_lines(found, _MONTHS, tr)
     calendar, legend = "\n".join(lines[: lines.index("")]), "   ".join(lines[lines.index("") + 1 :])
     yield f"<pre>{escape(calendar)}</pre><p>{escape(legend)}</p>"
+
+
+def _glossary(tr: Language) -> Iterator[str]:
+    yield f"<h2>{escape(tr('What the figures mean'))}</h2><dl>"
+    for name, entry in GLOSSARY.items():
+        said = "<br>".join(escape(text) for text in explained(name, tr))
+        yield f"<dt>{escape(tr(entry.title))}</dt><dd>{said}</dd>"
+    yield "</dl>"

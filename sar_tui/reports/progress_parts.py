@@ -1,4 +1,4 @@
-"""The parts of the progress screen, as lines of text that fit a width and a height."""
+"""The parts of the progress screen, as rows of text that fit a width and a height."""
 
 import textwrap
 from collections.abc import Sequence
@@ -6,109 +6,199 @@ from collections.abc import Sequence
 from sar_tui.model.language import Language
 from sar_tui.progress.change import BASELINE, FAMILIARISATION, baseline
 from sar_tui.reports import dose_words, progress_words
-from sar_tui.reports.charts import MARKED
+from sar_tui.reports.charts import ABOVE, BELOW, MARKED
 from sar_tui.reports.progress import LineProgress, Progress, SessionProgress
-from sar_tui.reports.progress_charts import (
-    has_levels,
-    has_results,
-    level_figure,
-    qualities,
-    result_figure,
-)
+from sar_tui.reports.progress_charts import needs_look
+from sar_tui.reports.progress_glossary import GLOSSARY
+from sar_tui.reports.progress_timeline import TextRow, charted, qualities, timeline
 from sar_tui.reports.wellbeing import advice, dated_event
 from sar_tui.store.records import Record
 
 CURSOR = "▸"
-_FEWEST_OF_A_CHART = 10
-"""Rows below which the text has to be shortened instead of the chart."""
-_MOST_OF_A_CHART = 24
-_FOR_EACH_OF_TWO = 18
-"""Rows for each of two charts, one below the other."""
-_TALL = 26
-"""Rows from which each sentence has a line of its own."""
+OF_RESULTS = ("result", "correct", "quality")
+"""Figures that are shown with the chart of mean results."""
+LISTS = ("sessions", "days", "records")
+"""Figures that have a part of their own."""
+_FOR_TWO_CHARTS = 30
+"""Rows from which both charts are shown, one below the other."""
+_FEWEST_OF_A_TIMELINE = 16
+"""Rows below which sentences are left out beneath a timeline."""
 _MONTHS = 3
 
 
-def level_part(
+def figures(found: Progress, line: LineProgress | None) -> list[str]:
+    """Return the names of the figures of a line, in the order in which they are read."""
+    if line is None:
+        return [*(["days"] if found.days else []), "records"]
+    known = charted(line)
+    has_quality = any(each.qualities for each in line.sessions)
+    has = {
+        "level": "level" in known,
+        "result": "result" in known,
+        "correct": "result" in known,
+        "quality": "result" in known and has_quality,
+        "pain": any(each.pain is not None for each in line.sessions),
+        "tired": any(each.tiredness is not None for each in line.sessions),
+        "look": any(map(needs_look, line.sessions)),
+        "days": bool(found.days),
+    }
+    shown = ("verdict", "level", *OF_RESULTS, "dose", "pain", "tired", "look", *LISTS)
+    return [name for name in shown if has.get(name, True)]
+
+
+def picture(
     line: LineProgress,
     size: tuple[int, int],
+    figure: str,
     chosen: int,
     tr: Language,
     marked: str | None = None,
-    advice: Sequence[str] = (),
-) -> list[str]:
-    """Return the level at goal as a chart where it is known, and what can be said of the line.
-
-    The results are charted below where there is room for both, or where no level is known.
+) -> list[TextRow]:
+    """Return the sessions over their dates, and with enough room what can be said of the line.
 
     Args:
         line: the sessions.
         size: columns and rows.
+        figure: the chosen one. Results are charted instead of the level at goal if it is one of
+            theirs; with enough room, both are.
         chosen: number of the chosen session.
         tr: the language.
         marked: id of the session to compare it with.
-        advice: sentences that come first, such as on pain.
     """
     width, height = size
-    said = [*advice, *progress_words.sentences(line, tr)]
-    text = wrapped(said if height >= _TALL else [" ".join(said)], width)
-    room = height - len(text) - 1
-    charts = [
-        draw
-        for has, draw in ((has_levels, level_figure), (has_results, result_figure))
-        if has(line)
-    ]
-    if not charts:
-        return text[:height]
-    lines: list[str] = []
-    shown = charts[: max(1, room // _FOR_EACH_OF_TWO)]
-    for draw in shown:
-        rows = _chart_height(room // len(shown) - (len(shown) > 1))
-        lines += [*draw(line, width, rows, tr, chosen, _number(line, marked)), ""]
-    return [*lines, *text][:height]
+    said = wrapped(progress_words.sentences(line, tr), min(width, 72))
+    if height - len(said) - 1 < _FEWEST_OF_A_TIMELINE:
+        said = []
+    room = height - len(said) - 1 if said else height
+    shown: Sequence[str] = ("result",) if figure in OF_RESULTS else ()
+    if room >= _FOR_TWO_CHARTS:
+        shown = ("level", "result")
+    drawn = timeline(
+        line, width, room, tr, shown=shown, chosen=chosen, marked=_number(line, marked)
+    )
+    below = [TextRow(""), *map(TextRow, said)] if said else []
+    return [*drawn, *below][:height]
 
 
-def results_part(
-    line: LineProgress, size: tuple[int, int], chosen: int, tr: Language, marked: str | None = None
+def listed(
+    name: str,
+    found: Progress,
+    line: LineProgress | None,
+    size: tuple[int, int],
+    tr: Language,
+    *,
+    chosen: int = 0,
+    marked: str | None = None,
+    record: int = 0,
+    is_chosen: bool = False,
+) -> list[TextRow]:
+    """Return the sessions, the days or the records as a list under its title.
+
+    Args:
+        name: one of `LISTS`.
+        found, line: of the person.
+        size: columns and rows.
+        tr: the language.
+        chosen: number of the chosen session.
+        marked: id of the session to compare it with.
+        record: number of the chosen record.
+        is_chosen: True if the list itself is chosen: only then a record is.
+    """
+    width, height = size[0], size[1] - 1
+    title = tr(GLOSSARY[name].title)
+    if name == "sessions" and line:
+        rows = sessions_part(line, (width, height), chosen, tr, marked)
+    elif name == "days":
+        rows = days_part(found, (width, height), tr)
+    else:
+        rows = records_part(found, (width, height), record if is_chosen else None, tr)
+    return [TextRow(title, name, len(title)), *map(TextRow, rows)]
+
+
+def of_person(
+    name: str, found: Progress, line: LineProgress | None, chosen: int, tr: Language
 ) -> list[str]:
-    """Return the mean results as a chart, and accuracy, smoothness and the SD within and between
-    sessions.
-    """
-    width, height = size
-    below = wrapped([*_ends(line, tr), progress_words.spread(line, tr)], width)
-    if not has_results(line):
-        return below[:height]
-    rows = _chart_height(height - len(below) - 1)
-    return [*result_figure(line, width, rows, tr, chosen, _number(line, marked)), "", *below][
-        :height
-    ]
+    """Return what a figure says of this person, in sentences; none for a list."""
+    said: list[str] = []
+    if line is None:
+        return said
+    match name:
+        case "verdict" | "noise" | "practice":
+            said = progress_words.sentences(line, tr)
+        case "level" | "band":
+            session = line.sessions[chosen]
+            if known := progress_words.at_goal(line, session, tr):
+                said = [f"{progress_words.day(session.began)}: {known}."]
+        case "result" | "correct" | "quality":
+            said = [*_ends(line, tr), progress_words.spread(line, tr)]
+        case "dose":
+            said = [dose_words.recent_text(found.recent, tr)] if found.days else []
+        case "pain" | "tired":
+            ranged = progress_words.felt_range(line, tr)
+            said = [*([f"{ranged}."] if ranged else []), *advice(found.tell, tr)]
+        case "look":
+            said = [_why_look(found, each, tr) for each in line.sessions if needs_look(each)]
+    return [text for text in said if text]
+
+
+def _why_look(found: Progress, session: SessionProgress, tr: Language) -> str:
+    """Return why a session needs a look."""
+    said = progress_words.felt(session, tr) if session.felt.is_reason_to_stop else []
+    events = [dated_event(event, tr) for event in found.events if event.id in session.events]
+    return (
+        f"{progress_words.day(session.began)}: {'; '.join([', '.join(said), *events]).strip('; ')}"
+    )
+
+
+_SIDES = {"easier": ABOVE, "harder": BELOW, "": "·"}
+"""Signs of the charts for sessions whose level at goal is not known."""
+_COLUMNS = (
+    ("date", "levels", "mean ± SD", "correct", "goals", "at goal", "pain", "tired"),
+    ("date", "mean ± SD", "goals", "at goal", "pain"),
+    ("date", "level", "minutes", "pain"),
+)
+"""Columns of the table of sessions, by the room that there is."""
 
 
 def sessions_part(
     line: LineProgress, size: tuple[int, int], chosen: int, tr: Language, marked: str | None = None
 ) -> list[str]:
-    """Return the sessions as a table with a cursor; ``marked`` is the id of the one to compare
-    with.
+    """Return the sessions as a table with a cursor, with as many columns as there is room for;
+    ``marked`` is the id of the one to compare with.
     """
     width, height = size
-    at_goal = f"at goal ({line.axis.unit or line.axis.name})"
-    heads = ("date", "levels", "mean ± SD", "correct", "goals", at_goal, "pain", "tired")
     shown = window(len(line.sessions), max(1, height - 1), chosen)
-    rows = [[tr(head) for head in heads]]
-    rows += [_cells(line, line.sessions[number], tr) for number in shown]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(heads))]
-    gap = " " * (2 if sum(widths) + 2 * len(widths) <= width else 1)
+    for columns, gap in ((columns, gap) for columns in _COLUMNS for gap in ("  ", " ")):
+        table = _table(line, columns, gap, shown, chosen, tr, marked)
+        if max(map(len, table)) <= width:
+            break
+    return [row[:width].rstrip() for row in table]
+
+
+def _table(
+    line: LineProgress,
+    columns: Sequence[str],
+    gap: str,
+    shown: range,
+    chosen: int,
+    tr: Language,
+    marked: str | None,
+) -> list[str]:
+    at_goal = f"{tr('at goal')} ({tr(line.axis.unit or line.axis.name)})"
+    rows = [[at_goal if head == "at goal" else tr(head) for head in columns]]
+    rows += [_cells(line, line.sessions[number], columns, tr) for number in shown]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(columns))]
     lines = []
     for number, row in zip((None, *shown), rows, strict=True):
         sign = CURSOR if number == chosen else " "
         if number is not None and line.sessions[number].session == marked:
             sign = MARKED
         cells = [f"{cell:>{size}}" for cell, size in zip(row, widths, strict=True)]
-        lines.append(f"{sign} {gap.join(cells)}"[:width].rstrip())
+        lines.append(f"{sign} {gap.join(cells)}")
     return lines
 
 
-def dose_part(found: Progress, size: tuple[int, int], tr: Language) -> list[str]:
+def days_part(found: Progress, size: tuple[int, int], tr: Language) -> list[str]:
     """Return a mark for each day of the last months, and the last days in figures."""
     width, height = size
     if not found.days:
@@ -175,17 +265,24 @@ def _number(line: LineProgress, session: str | None) -> int | None:
     )
 
 
-def _cells(line: LineProgress, session: SessionProgress, tr: Language) -> list[str]:
-    return [
-        progress_words.day(session.began),
-        f"{session.first_level}→{session.last_level}",
-        tr.figures(progress_words.mean(line, session)),
-        f"{session.right / session.trials:.0%}" if session.trials else "",
-        "" if session.reached is None else f"{session.reached}/{session.attempts}",
-        progress_words.band(line, session, tr) or tr(progress_words.SIDES[session.side]),
-        "·" if session.pain is None else str(session.pain),
-        "·" if session.tiredness is None else str(session.tiredness),
-    ]
+def _cells(
+    line: LineProgress, session: SessionProgress, columns: Sequence[str], tr: Language
+) -> list[str]:
+    unknown = tr(progress_words.SIDES[session.side])
+    level = session.at_goal.level if session.at_goal else None
+    cells = {
+        "date": progress_words.day(session.began),
+        "levels": f"{session.first_level}→{session.last_level}",
+        "mean ± SD": tr.figures(progress_words.mean(line, session)),
+        "correct": f"{session.right / session.trials:.0%}" if session.trials else "",
+        "goals": "" if session.reached is None else f"{session.reached}/{session.attempts}",
+        "at goal": progress_words.band(line, session, tr) or unknown,
+        "level": _SIDES[session.side] if level is None else tr.figures(f"{level:.1f}"),
+        "minutes": tr.figures(f"{session.time_on_task_s / 60:.1f}"),
+        "pain": "·" if session.pain is None else str(session.pain),
+        "tired": "·" if session.tiredness is None else str(session.tiredness),
+    }
+    return [cells[name] for name in columns]
 
 
 def window(count: int, rows: int, chosen: int) -> range:
@@ -194,8 +291,19 @@ def window(count: int, rows: int, chosen: int) -> range:
     return range(first, min(count, first + rows))
 
 
-def _chart_height(room: int) -> int:
-    return max(_FEWEST_OF_A_CHART, min(_MOST_OF_A_CHART, room))
+def balanced(text: str, width: int) -> str:
+    """Return a text on as few lines as fit a width, all of about the same length."""
+    lines = len(textwrap.wrap(text, width))
+    narrowest = (
+        next(
+            columns
+            for columns in range(-(-len(text) // lines), width + 1)
+            if len(textwrap.wrap(text, columns)) <= lines
+        )
+        if lines > 1
+        else width
+    )
+    return "\n".join(textwrap.wrap(text, narrowest))
 
 
 def wrapped(sentences: Sequence[str], width: int, indent: str = "") -> list[str]:
@@ -209,23 +317,23 @@ def wrapped(sentences: Sequence[str], width: int, indent: str = "") -> list[str]
     ]
 
 
-_FEWEST_LISTED = 3
+_FEWEST_LISTED = 2
 
 
-def records_part(found: Progress, size: tuple[int, int], chosen: int, tr: Language) -> list[str]:
-    """Return what the therapist should be told of pain, the records by date, and the chosen one in
-    full.
-    """
+def records_part(
+    found: Progress, size: tuple[int, int], chosen: int | None, tr: Language
+) -> list[str]:
+    """Return the records by date, and the chosen one in full."""
     width, height = size
-    told = wrapped([f"! {text}" for text in advice(found.tell, tr)], width)
-    told += [""] if told else []
     if not found.records:
         none = tr("Nothing is recorded yet. A records an event, or a score of another test.")
-        return [*told, *wrapped([none], width)][:height]
+        return wrapped([none], width)[:height]
     heads = (tr("date"), tr("kind"), tr("record"))
     rows = [(each.at, each.kind, _cut(contents(each, tr), width // 2)) for each in found.records]
+    if chosen is None:
+        return _listed(heads, rows, [], size, None)
     in_full = wrapped([in_words(found, found.records[chosen], tr)], width)
-    return _listed(told, heads, rows, in_full, size, chosen)
+    return _listed(heads, rows, in_full, size, chosen)
 
 
 def contents(record: Record, tr: Language) -> str:
@@ -247,25 +355,26 @@ def in_words(found: Progress, record: Record, tr: Language) -> str:
 
 
 def _listed(
-    above: Sequence[str],
     heads: Sequence[str],
     rows: Sequence[Sequence[str]],
     below: Sequence[str],
     size: tuple[int, int],
-    chosen: int,
+    chosen: int | None,
 ) -> list[str]:
-    """Return a table with a cursor on the chosen row, between other lines, as far as there is
-    room.
+    """Return a table with a cursor on the chosen row, above other lines, as far as there is room.
+    Without a chosen row, the last ones are shown.
     """
     width, height = size
-    shown = window(len(rows), max(_FEWEST_LISTED, height - len(above) - len(below) - 2), chosen)
+    room = height - 1 - (len(below) + 1 if below else 0)
+    shown = window(len(rows), max(_FEWEST_LISTED, room), len(rows) if chosen is None else chosen)
     table = [heads, *(rows[number] for number in shown)]
     widths = [max(len(row[column]) for row in table) for column in range(len(heads))]
-    lines = list(above)
+    lines = []
     for number, row in zip((None, *shown), table, strict=True):
         cells = "  ".join(f"{cell:<{size}}" for cell, size in zip(row, widths, strict=True))
-        lines.append(f"{CURSOR if number == chosen else ' '} {cells}"[:width].rstrip())
-    return [*lines, "", *below][:height]
+        sign = CURSOR if number is not None and number == chosen else " "
+        lines.append(f"{sign} {cells}"[:width].rstrip())
+    return [*lines, *(["", *below] if below else [])][:height]
 
 
 def _cut(text: str, width: int) -> str:

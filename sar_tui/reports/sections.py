@@ -81,8 +81,9 @@ ul.claims { list-style: none; padding-left: 0; }
 pre { font-size: 1rem; line-height: 1.6; }
 .wide { overflow-x: auto; } .wide td { vertical-align: top; }
 .drawing { font-size: .65rem; line-height: 1.2; overflow-x: auto; }
+dt { font-weight: bold; margin-top: .6rem; } dd { margin: 0 0 0 1rem; font-size: .85rem; }
 .foot { font-size: .85rem; color: #333; margin-top: 2rem; }
-@media print { body { margin: 0; max-width: none; } figure, table, tr { break-inside: avoid; } }
+@media print { body { margin: 0; max-width: none; } figure, table, tr, dd { break-inside: avoid; } }
 """
 
 

@@ -9,13 +9,14 @@ import pytest
 
 from sar_tui.app.screens import progress as progress_screen
 from sar_tui.app.screens.past_session import PastSessionScreen
-from sar_tui.app.screens.progress import NONE_YET, ProgressScreen
+from sar_tui.app.screens.progress import ProgressScreen
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import records, sessions
 from sar_tui.store.database import connect
+from tests.album import Album
 from tests.app.app_driver import AppDriver, OpenApp, known
 from tests.recorded import score, told
 
@@ -50,16 +51,17 @@ async def test_sessions_that_cannot_be_read_and_none_at_all_are_told(
         with monkeypatch.context() as context:
             context.setattr(progress_screen, "sessions_of", unreadable)
             await open_progress(driver, catalogue)
-            for key in ("right", "n", "h", "c", "s", "up"):
+            for key in ("tab", "enter", "right", "n", "h", "c", "s", "a", "up"):
                 await driver.press(key)
             driver.see("The sessions cannot be read:")
             await driver.press("escape")
         await open_progress(driver, catalogue)
-        driver.see(NONE_YET)
-        for key in "right right right right c n h up end left resize".split():
+        driver.see("No attempt has been finished yet.", "Nothing is recorded yet.")
+        for key in "tab shift+tab c n h up end left right s".split():
             await driver.press(key)
-        driver.see("No live session yet.")
-        await driver.press("escape")
+        await driver.press("enter")
+        driver.see("scores of other tests", "Source: docs/progress.md")
+        await driver.press("escape", "escape")
         assert driver.screen_name == "HomeScreen"
 
 
@@ -69,21 +71,81 @@ async def test_sessions_are_compared(opened: OpenApp, data: Path, catalogue: Cat
         (last, *_) = sessions.listing(driver.app.database, data)
         driver.app.push_screen(PastSessionScreen(last))
         await driver.press("f4")
-        driver.see("P01 · 1 of 2 · Keyboard reaction · goal 0.9 s")
+        driver.see("P01 · Keyboard reaction · goal 0.9 s", "1 session · 1 of 2")
+        driver.see("The goal is 0.9 s now, and was 1.0 s until 2026-03-02.")
         await driver.press("s")
-        driver.see("P01 · 2 of 2 · Keyboard reaction · goal 1.0 s")
+        driver.see("P01 · Keyboard reaction · goal 1.0 s", "2 sessions · 2 of 2")
+        driver.see("These are earlier sessions, with other settings. 2 sessions: too few to say.")
         assert driver.rows[-1].rstrip().endswith("Help")
         assert any(row.split() == ["pain", "0", "1"] for row in driver.rows)
         driver.see("▸ 2026-03-02 10:00", "pain 1 before")
-        await driver.press("right")
-        driver.see("SD between the means of the sessions")
-        await driver.press("right", "c", "up")
-        driver.see("◆ 2026-03-02", "▸ 2026-03-01 10:00", "2026-03-01 and 2026-03-02: From")
+        await driver.press("c", "left")
+        driver.see("▸ 2026-03-01 10:00", "2026-03-01 and 2026-03-02: From")
         driver.see("How much is noise is not yet known")
-        await driver.press("escape", "right")
-        driver.see("■ 2026-03-02 12 12 60")
-        await driver.resize(160, 50)
-        driver.see("■ 2026-03-03", "▸ 2026-03-01")
+        assert any(0 < row.find("▲") < row.find("◆") for row in driver.rows)
+        await driver.press("escape")
+        driver.lacks("2026-03-01 and 2026-03-02")
+        await driver.press("down")
+        driver.see("▸ 2026-03-02 10:00")
+
+
+async def test_a_figure_is_chosen_and_explained_with_one_key(
+    opened: OpenApp, data: Path, catalogue: Catalogue
+) -> None:
+    trained(data, catalogue, 1000, 1000)
+    async with opened() as driver:
+        await open_progress(driver, catalogue)
+        titles = []
+        for _ in range(10):
+            (key,) = (row for row in driver.rows if "explains: " in row)
+            titles.append(key.split("explains: ")[1].strip())
+            await driver.press("enter")
+            assert driver.screen_name == "ExplanationScreen"
+            assert sum(titles[-1] in row for row in driver.rows) > 0
+            await driver.press("escape", "tab")
+        assert titles == [
+            "Verdict", "Level at goal", "Mean result", "Correct", "Minutes", "Pain", "Sessions",
+            "Days", "Records", "Verdict",
+        ]  # fmt: skip
+        await driver.press("enter", "right")
+        driver.see("95 of 100 bands hold the true place.", "Source: Fieller 1954")
+        await driver.press(*["right"] * 2)
+        driver.see("It comes with repeating any test", "Scharfen 2018")
+
+
+@pytest.mark.parametrize("size", [(80, 24), (100, 32), (160, 48)])
+async def test_each_list_is_beside_the_picture_or_one_key_away(
+    opened: OpenApp, data: Path, catalogue: Catalogue, size: tuple[int, int]
+) -> None:
+    trained(data, catalogue, 1000, 1000)
+    async with opened(size=size) as driver:
+        driver.app.today = lambda: date(2026, 3, 4)
+        await open_progress(driver, catalogue)
+        driver.see("2 sessions: too few to say.", "level at goal (keys)")
+        for title, shown in (
+            ("Records", "Nothing is recorded yet."),
+            ("Days", "■ 2026-03-02"),
+            ("Sessions", "▸ 2026-03-02"),
+        ):
+            await driver.press("shift+tab")
+            driver.see(f"explains: {title}", shown)
+            is_beside = title != "Days" if size == (100, 32) else size == (160, 48)
+            assert driver.sees("level at goal (keys)") == is_beside
+
+
+async def test_pictures_of_the_screen_at_three_sizes(
+    opened: OpenApp, data: Path, catalogue: Catalogue
+) -> None:
+    trained(data, catalogue, *[1000] * 6)
+    with closing(connect(data)) as database:
+        score(database, "P01", "BBT", "2026-03-01", 20)
+    for size in ((80, 24), (100, 32), (160, 48)):
+        album = Album(Path(__file__).parent / "snapshots", str(size[0]), size)
+        async with opened(size=size) as driver:
+            driver.app.today = lambda: date(2026, 3, 8)
+            await open_progress(driver, catalogue)
+            album.take("progress", driver)
+        album.check()
 
 
 async def test_a_note_is_copied_and_a_page_is_written_and_never_over_another(
@@ -118,7 +180,7 @@ async def test_scores_are_entered_replaced_and_removed(
         score(database, "P01", "BBT", "2026-03-01", 20)
     async with opened() as driver:
         await open_progress(driver, catalogue)
-        await driver.press("left", "a", "tab", "tab", *"25", "enter", "enter")
+        await driver.press("a", "tab", "tab", *"25", "enter", "enter")
         assert driver.sees(f"▸ {date.today()} BBT 25"), "the new one is chosen"
         await driver.press("a", "tab", "tab", "7")
         driver.see("This replaces 25 of the same day.")
@@ -134,26 +196,26 @@ async def test_an_event_gets_its_outcome(opened: OpenApp, data: Path, catalogue:
     trained(data, catalogue, 1000)
     async with opened() as driver:
         await open_progress(driver, catalogue)
-        await driver.press("left")
         await driver.press("a", "tab", "tab", *"Cramp", "enter", *"mild", "enter", "enter", "enter")
         driver.see("Cramp, mild", "Outcome not yet recorded.")
         await driver.press("enter", *"Gone", "enter")
         driver.see("mild: Cramp. Outcome: Gone.")
-        await driver.press("right")
-        assert any(row.split() == ["event", "!"] for row in driver.rows)
+        await driver.press("tab")
+        assert any(row.split() == ["look", "at", "!"] for row in driver.rows)
         (event,) = records.listing(driver.app.database, kinds=("adverse-event",))
         assert (event.version, event.content["outcome"]) == (2, "Gone")
 
 
-async def test_keys_are_those_of_a_part(opened: OpenApp, data: Path, catalogue: Catalogue) -> None:
+async def test_keys_of_records_are_shown_where_a_record_is_chosen(
+    opened: OpenApp, data: Path, catalogue: Catalogue
+) -> None:
     trained(data, catalogue, 1000, 1000)
+    with closing(connect(data)) as database:
+        score(database, "P01", "BBT", "2026-03-01", 20)
     async with opened() as driver:
         await open_progress(driver, catalogue)
-        shown: dict[str, list[str]] = {"Compare": [], "Add": []}
-        for part in ("Level", "Results", "Sessions", "Dose", "Records"):
-            driver.see(f"[{part}]")
-            for word, where in shown.items():
-                where.extend([part] if word in driver.rows[-1] else [])
-            assert "←→ Part" in driver.rows[-1]
-            await driver.press("tab")
-        assert shown == {"Compare": ["Level", "Results", "Sessions"], "Add": ["Records"]}
+        assert "Remove" not in driver.rows[-1]
+        assert "←→ Session" in driver.rows[-1]
+        await driver.press("shift+tab")
+        assert "Del Remove" in driver.rows[-1]
+        driver.see("corrects this record", "F1 Help")

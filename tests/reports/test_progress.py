@@ -10,7 +10,7 @@ import pytest
 
 from sar_tui.checks.task_translations import texts_in
 from sar_tui.loop.task import Task
-from sar_tui.model.trial_types import Metric
+from sar_tui.model.trial_types import NO_METRIC, Metric
 from sar_tui.progress.lines import SessionResults
 from sar_tui.progress.task_level import AttemptResult
 from sar_tui.records.kind import SHIPPED
@@ -18,8 +18,10 @@ from sar_tui.reports import dose_words, progress_words
 from sar_tui.reports.charts import Columns
 from sar_tui.reports.dose import days_of, recent
 from sar_tui.reports.progress import Progress, compare, progress
-from sar_tui.reports.progress_charts import level_figure, result_figure, result_picture
-from sar_tui.reports.progress_parts import level_part, results_part
+from sar_tui.reports.progress_charts import result_picture
+from sar_tui.reports.progress_glossary import GLOSSARY, explained
+from sar_tui.reports.progress_parts import figures, listed, of_person, picture
+from sar_tui.reports.progress_timeline import timeline
 from sar_tui.rules.wellbeing import SessionRatings
 from sar_tui.store.records import Record
 from tests.progress.session_results import adapted, at_one_level, session
@@ -144,7 +146,7 @@ def test_sessions_without_a_level_at_goal_are_marked_and_compared_at_the_levels_
     assert easy.startswith("The level at goal of 2026-03-08 is not known: every result was better")
     assert "Mean at level 3:" in easy
     assert "harder levels can be tried" in said(found)
-    drawn = level_figure(found.lines[0], 120, 16, progress_words.words("en", keyboard))
+    drawn = drawn_of(found, keyboard, 120, 16)
     assert "^ all too easy" in drawn[0]
     assert "^" in drawn[1]
 
@@ -234,8 +236,8 @@ def test_an_adverse_event_stands_below_its_session_and_its_day(keyboard: type[Ta
         ["2026-02-28 09:00"], ["2026-03-02"], [], ["2026-03-02"],
     ]  # fmt: skip
     tr = progress_words.words("en", keyboard)
-    marks = level_figure(line, 80, 24, tr)[-1]
-    assert (marks.split()[0], marks.count("!")) == ("event", 3)
+    marks = drawn_of(found, keyboard, 80, 24)[-1]
+    assert (marks.split("  ")[0], marks.count("!")) == ("look at", 3)
     calendar = "\n".join(dose_words.calendar_lines(found, 3, tr))
     february = f"2026-02  {'·' * 26}■■\n         !{' ' * 26}!\n"
     assert february in calendar
@@ -255,20 +257,110 @@ def test_the_note_tells_of_pain_where_it_is_known(keyboard: type[Task]) -> None:
     assert "Worst" not in progress_words.note("P01", line, tr)
 
 
-def test_parts_fit_show_both_charts_at_a_tall_screen_and_mark_the_session_to_compare_with(
-    keyboard: type[Task],
+def drawn_of(
+    found: Progress, kind: type[Task], width: int, height: int, code: str = "en", **more: Any
+) -> list[str]:
+    """Return the rows of the timeline of the newest line."""
+    tr = progress_words.words(code, kind)
+    return [row.text for row in timeline(found.lines[-1], width, height, tr, **more)]
+
+
+def rated(number: int, pain: int, tired: int = 2, **more: Any) -> SessionResults:
+    felt = SessionRatings(pain_before=1, pain_after=pain, fatigue_after=tired)
+    return session(number, adapted(number), felt=felt, **more)
+
+
+@pytest.mark.parametrize("count", [1, 2, 12, 100])
+@pytest.mark.parametrize("size", [(78, 14), (58, 24), (74, 40)])
+def test_a_picture_fits_and_has_dose_and_pain_below_their_session(
+    keyboard: type[Task], count: int, size: tuple[int, int]
 ) -> None:
+    found = of(keyboard, *(rated(n, 3) for n in range(count)))
+    (line,) = found.lines
+    drawn = picture(line, size, "verdict", count - 1, progress_words.words("en", keyboard))
+    assert len(drawn) <= size[1]
+    assert max(len(row.text) for row in drawn) <= size[0]
+    (foot, *_) = (row.text for row in drawn if "└" in row.text)
+    at = foot.index("▲")
+    (bars,) = (row.text for row in drawn if row.figure == "dose" and row.name)
+    (pain,) = (row.text for row in drawn if row.figure == "pain")
+    assert (bars[at], pain[at]) == ("█", "3"), "all sessions are as long"
+    charts = {row.figure for row in drawn if "┤" in row.text}
+    assert charts == ({"level", "result"} if size[1] == 40 else {"level"})
+
+
+def test_results_are_charted_where_they_or_their_measures_are_chosen(keyboard: type[Task]) -> None:
     (line,) = of(keyboard, *steady(6)).lines
     tr = progress_words.words("en", keyboard)
-    for rows in (20, 46):
-        part = level_part(line, (78, rows), 5, tr, advice=["! Pain is new."])
-        assert len(part) <= rows
-        assert any(row.startswith("reaction time (s)") for row in part) == (rows == 46)
-        says = "no change can be shown" if rows == 46 else "! Pain is new."
-        assert says in " ".join(part)
-    for draw in (level_part, results_part):
-        (foot,) = (row for row in draw(line, (78, 20), 5, tr, "session001") if "└" in row)
+    for figure, charted in (("level", "level"), ("result", "result"), ("correct", "result")):
+        drawn = picture(line, (78, 20), figure, 5, tr, "session001")
+        assert {row.figure for row in drawn if "┤" in row.text} == {charted}
+        (foot,) = (row.text for row in drawn if "└" in row.text)
         assert 0 < foot.index("◆") < foot.index("▲")
+
+
+def test_what_needs_a_look_is_marked_and_told(keyboard: type[Task]) -> None:
+    sessions = [rated(0, 2), rated(1, 6), rated(2, 2), rated(3, 1)]
+    records = [fell("2026-03-01 12:00", "session002")]
+    found = progress("P01", sessions, {"keyboard": keyboard}.get, records)
+    tr = progress_words.words("en", keyboard)
+    rows = {row.figure: row for row in timeline(found.lines[0], 78, 20, tr)}
+    looks = rows["look"]
+    assert [looks.text[first] for first, _ in looks.looks] == ["!", "!"]
+    ((first, _),) = rows["pain"].looks
+    assert rows["pain"].text[first] == "6", "above the limit of 5"
+    assert looks.text[first] == "!"
+    said = of_person("look", found, found.lines[0], 0, tr)
+    assert [text[:10] for text in said] == ["2026-02-28", "2026-03-01"]
+    assert "a reason to stop" in said[0]
+    assert "Adverse event 2026-03-01 12:00, mild: Fell." in said[1]
+
+
+def test_figures_are_those_that_a_line_has(keyboard: type[Task]) -> None:
+    (line,) = (found := of(keyboard, rated(0, 2))).lines
+    tr = progress_words.words("en", keyboard)
+    names = figures(found, line)
+    assert names == [
+        "verdict", "level", "result", "correct", "dose", "pain", "tired", "sessions", "days",
+        "records",
+    ]  # fmt: skip
+    assert figures(of(keyboard), None) == ["records"]
+    unrated = of(keyboard, session(0, at_one_level(0, 950.0), qualities={"sparc": -1.5}))
+    assert {"level", "pain"}.isdisjoint(figures(unrated, unrated.lines[0]))
+    assert "quality" in figures(unrated, unrated.lines[0])
+    for name in ("sessions", "days", "records"):
+        rows = listed(name, found, line, (38, 12), tr)
+        assert (rows[0].text, rows[0].figure) == (GLOSSARY[name].title, name)
+        assert len(rows) <= 12
+        assert max(len(row.text) for row in rows) <= 38 or name == "days"
+
+
+def test_a_task_without_a_result_has_its_dose_on_the_dates(keyboard: type[Task]) -> None:
+    empty = [AttemptResult(1, None, 20)]
+    found = of(keyboard, *(session(n, empty, metric=NO_METRIC, reached=None) for n in range(3)))
+    assert figures(found, found.lines[0])[:2] == ["verdict", "dose"]
+    drawn = drawn_of(found, keyboard, 78, 20, chosen=2)
+    assert (drawn[0].strip()[0], drawn[2].split()[0]) == ("└", "minutes")
+    assert of_person("verdict", found, found.lines[0], 0, progress_words.words("en", None)) == []
+
+
+DOCS = Path(__file__).parents[2]
+
+
+@pytest.mark.parametrize("name", GLOSSARY)
+def test_each_figure_is_explained_in_both_languages_with_a_source_that_is_there(name: str) -> None:
+    what, how, source = explained(name, progress_words.words("en", None))
+    assert how.startswith("How it is computed: ")
+    for page in re.findall(r"docs/\S+?\.md(?:#[\w-]+)?", source):
+        file, _, anchor = page.partition("#")
+        heads = re.findall(r"^#+ (.+)$", (DOCS / file).read_text(encoding="utf-8"), re.MULTILINE)
+        known = [re.sub(r"[^\w -]", "", head).lower().replace(" ", "-") for head in heads]
+        assert not anchor or anchor in known
+    assert re.search(r"docs/|doi:10\.|PMID", source)
+    spanish = explained(name, progress_words.words("es", None))
+    assert what != spanish[0]
+    entry = GLOSSARY[name]
+    assert {entry.title, entry.what, entry.how} <= set(SPANISH)
 
 
 def test_every_text_of_charts_parts_and_dose_has_a_translation_and_none_is_left() -> None:
@@ -277,6 +369,8 @@ def test_every_text_of_charts_parts_and_dose_has_a_translation_and_none_is_left(
         "progress_parts",
         "progress_words",
         "progress_headline",
+        "progress_timeline",
+        "progress_glossary",
         "progress_page",
         "progress_charts",
         "dose_words",
@@ -312,24 +406,30 @@ def test_every_sentence_is_in_spanish(keyboard: type[Task]) -> None:
         assert "ms" not in shown or not re.search(r"\d\.\d", shown)
 
 
-def test_the_chart_of_levels_has_pain_and_tiredness_on_its_axis(keyboard: type[Task]) -> None:
+def test_the_chart_of_levels_has_minutes_pain_and_tiredness_on_its_axis(
+    keyboard: type[Task],
+) -> None:
     felt = SessionRatings(pain_before=2, pain_after=4, fatigue_after=10)
-    found = of(keyboard, session(0, adapted(0), felt=felt), session(1, adapted(1)))
-    drawn = level_figure(found.lines[0], 78, 16, progress_words.words("en", keyboard), chosen=1)
-    assert len(drawn) == 16
+    half = session(1, adapted(1, attempts=10))
+    found = of(keyboard, session(0, adapted(0), felt=felt), half)
+    drawn = drawn_of(found, keyboard, 78, 17, chosen=1)
+    assert len(drawn) == 17
     assert drawn[0].startswith("level at goal (keys)")
     assert any(re.match(r" *\d \(\d\)┤", row) for row in drawn)
-    assert [row.split() for row in drawn[-2:]] == [["pain", "4", "·"], ["tired", "10", "·"]]
-    assert drawn[-4].index("▲") == drawn[-2].index("·")
+    below = [row.split() for row in drawn[-4:]]
+    assert below == [
+        ["minutes", "█10", "▄5"], ["pain", "4", "·"], ["tired", "10", "·"], ["look", "at", "!"],
+    ]  # fmt: skip
+    assert drawn[-6].index("▲") == drawn[-3].index("·") == drawn[-4].index("▄")
 
 
 def test_the_chart_of_results_has_accuracy_and_quality_in_figures(keyboard: type[Task]) -> None:
     played = (session(n, adapted(n), qualities={"sparc": -1.5 - n}) for n in (0, 1))
-    (line,) = of(keyboard, *played).lines
-    drawn = result_figure(line, 78, 16, progress_words.words("en", keyboard))
-    assert drawn[-2].split() == ["correct", "95%", "95%"]
-    assert drawn[-1].split() == ["smoothness", "(SPARC)", "-1.5", "-2.5"]
-    spanish = "\n".join(result_figure(line, 80, 20, progress_words.words("es", keyboard)))
+    found = of(keyboard, *played)
+    drawn = drawn_of(found, keyboard, 78, 16, shown=("result",))
+    assert drawn[-3].split() == ["correct", "95%", "95%"]
+    assert drawn[-2].split() == ["smoothness", "(SPARC)", "-1.5", "-2.5"]
+    spanish = "\n".join(drawn_of(found, keyboard, 80, 20, "es", shown=("result",)))
     assert "-1,5" in spanish
     assert "-1.5" not in spanish
     assert spanish.startswith("tiempo de reacción (s)")
@@ -343,9 +443,9 @@ def test_a_better_result_is_higher_up_whichever_way_is_better(
     metric = Metric("reaction_time", unit="ms", better=better)
     results = ([AttemptResult(3, mean, 20)] * 6 for mean in (1200.0, 900.0))
     played = [session(n, each, metric=metric) for n, each in enumerate(results)]
-    (line,) = of(keyboard, *played).lines
+    (line,) = (found := of(keyboard, *played)).lines
     tr = progress_words.words("en", keyboard)
-    drawn = result_figure(line, 80, 16, tr)
+    drawn = drawn_of(found, keyboard, 80, 16)
     first, second = sorted((row.index("●"), n) for n, row in enumerate(drawn) if n and "●" in row)
     assert (second[1] < first[1]) == (better == "lower"), "rows count from above"
     ticks = [float(row.split("┤")[0]) for row in drawn if "┤" in row]
@@ -356,6 +456,14 @@ def test_a_better_result_is_higher_up_whichever_way_is_better(
     assert ("better is up" in drawn[0]) == (better == "lower")
 
 
+def test_bars_of_the_dose_begin_at_zero_and_have_figures_where_there_is_room() -> None:
+    assert Columns(4, 40).heights([0, 5, 10, 20], 1, "{:.0f}") == [
+        "     ·         ▂5        ▄10       █20"
+    ]
+    assert Columns(4, 4).heights([0, 5, 10, 20], 2, "{:.0f}") == ["   █", "·▄██"]
+    assert Columns(2, 2).heights([0, 0], 1, "{:.0f}") == ["··"]
+
+
 def test_values_that_differ_by_rounding_have_equal_bars() -> None:
     assert Columns(3, 3).bars([0.95, 0.95 + 1e-15, 0.95]) == "▄▄▄"
 
@@ -364,8 +472,8 @@ def test_the_change_of_a_quality_stands_beside_its_mdc95(keyboard: type[Task]) -
     def played(count: int) -> str:
         values = enumerate((-1.60, -1.55, -1.50, -1.52, -1.40)[:count])
         sessions = [session(n, adapted(n), qualities={"sparc": value}) for n, value in values]
-        (line,) = of(keyboard, *sessions).lines
-        return " ".join(results_part(line, (200, 40), 0, progress_words.words("en", None)))
+        (line,) = (found := of(keyboard, *sessions)).lines
+        return " ".join(of_person("result", found, line, 0, progress_words.words("en", None)))
 
     assert "smoothness (SPARC) -1.6 → -1.4 (MDC95 0.153)" in played(5)
     assert "smoothness (SPARC) -1.6 → -1.5." in played(3)

@@ -63,7 +63,7 @@ HISTORIES: dict[str, tuple[list[SessionResults], str, str]] = {
         [*weekly(5), last(50.0, 42), session(100, at_one_level(9, 400.0), on_day=50)],
         "improving",
         "Improving until 2026-04-10: level 3.3 → 6.0 in 4 weeks, more than noise and practice "
-        "explain.",
+        "explain. The last session was too easy to tell.",
     ),
     "slower, then too easy": (
         [*weekly(5), last(750.0, 42), session(100, at_one_level(9, 400.0), on_day=50)],

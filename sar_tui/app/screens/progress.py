@@ -1,7 +1,8 @@
 """Progress of a participant in a task over sessions, for the therapist."""
 
 import sqlite3
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from itertools import groupby
 from typing import Any, ClassVar
 
 from textual import work
@@ -10,6 +11,7 @@ from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.screen import ModalScreen
+from textual.widget import Widget
 from textual.widgets import Static
 
 from sar_tui.app.screens.record_form import RecordForm, RemoveRecord
@@ -19,73 +21,73 @@ from sar_tui.model.language import BUNDLED
 from sar_tui.records.kind import Kind, kinds
 from sar_tui.reports import progress_parts as parts
 from sar_tui.reports import progress_words
-from sar_tui.reports.charts import AREA, BAND, CHOSEN, POINT, RULE
+from sar_tui.reports.charts import AREA, BAND, BARS, CHOSEN, POINT, RULE
 from sar_tui.reports.progress import LineProgress, Progress, compare, progress
+from sar_tui.reports.progress_glossary import GLOSSARY, explained
+from sar_tui.reports.progress_headline import headline
+from sar_tui.reports.progress_timeline import TextRow
 from sar_tui.reports.wellbeing import advice
 from sar_tui.store import records, wellbeing
 from sar_tui.store.database import StoreError, explain
 from sar_tui.store.records import Record
 from sar_tui.store.results import sessions_of
 from sar_tui.tui.dismissed_once import DismissedOnce
+from sar_tui.tui.heading import Heading
+from sar_tui.tui.key_line import KeyLine
 from sar_tui.widgets.key_footer import KeyFooter
 
-_PARTS = ("Level", "Results", "Sessions", "Dose", "Records")
-_OF_SESSIONS = ("Level", "Results", "Sessions")
-"""Parts in which a session is chosen; with the list of sessions beside it, also the dose."""
+_SENTENCE = 72
+"""Columns of the sentence."""
 _PAGE = 10
 """Sessions that Page Up and Page Down go back and on."""
-_WIDE = 130
-"""Columns from which the sessions are shown beside the other parts."""
-_TABLE = 86
-"""Columns of the table of sessions where it is beside another part."""
-_HEADING_AND_KEYS = 3
-"""Rows above and below the parts."""
-NONE_YET = (
-    "No attempt has been finished yet. Adverse events and scores of other tests can be entered "
-    "under Records."
-)
+_BESIDE = ((156, 86), (100, 38))
+"""Columns of the window from which lists stand beside the picture, and columns of the lists."""
+_FOR_DAYS = 36
+"""Rows beside the picture from which the days are among the lists."""
+_DAYS, _FEWEST_RECORDS = 14, 5
+"""Rows of the days and of the records among the lists."""
+NONE_YET = "No attempt has been finished yet. A adds an event, or a score of another test."
 
 
 class ProgressScreen(DismissedOnce[None]):
-    """A chart of the sessions and what can be said of them, in parts; one session is chosen in all
-    of them.
+    """A sentence, a picture of the sessions over their dates, and lists. A figure and a session are
+    chosen; Enter explains the figure.
     """
 
     help_text = (
-        "Progress shows in the level, not in the results: the program makes the task harder when "
-        "it goes well. The "
-        "level at goal is the level at which this person would just reach the goal; its band says "
-        "how well it is "
-        "known. Sessions inside the shaded area do not differ by more than noise and practice.\n\n"
-        "Left and Right: the parts. Up and Down: choose a session. C marks it, and compares it "
-        "with the next that you "
-        "choose. N: a note to paste into a record. H writes a page with charts to print.\n\n"
-        "Sessions with other settings are never in one chart: S shows those.\n\n"
-        "Records lists adverse events, scores of other tests and what else is entered by hand: A "
-        "adds one, Enter corrects the chosen one, such as its outcome, and Del removes one that "
-        "was entered by mistake.\n\n"
+        "The sentence says how this person does in this task. The picture shows why: the level at "
+        "goal of each session, and below it, on the same dates, the minutes, pain and "
+        "tiredness.\n\n"
+        "Tab: choose a figure, from the sentence to the records. Enter: what it is, how it is "
+        "computed, its source. Left and Right: choose a session.\n\n"
+        "C: compare the chosen session with another. S: sessions with other settings, which are "
+        "never in the same picture. N: a note to paste into a record. H: a page with charts to "
+        "print. A: add an adverse event, or a score of another test. Among the records, Enter "
+        "corrects one, and Del removes one that was entered by mistake.\n\n"
         "These are training measures. They are no diagnosis.\n"
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape,f4", "leave", "Back", id="back"),
-        Binding("right", "part(1)", "Part", key_display="←→", id="next-part"),
-        Binding("tab", "part(1)", "Part", show=False, id="next-part-by-tab"),
-        Binding("left,shift+tab", "part(-1)", "Previous part", show=False, id="previous-part"),
-        Binding("down", "choose(1)", "Next session", show=False, id="next-session"),
-        Binding("up", "choose(-1)", "Previous session", show=False, id="previous-session"),
-        Binding("pagedown", f"choose({_PAGE})", "Ten on", show=False, id="sessions-on"),
-        Binding("pageup", f"choose(-{_PAGE})", "Ten back", show=False, id="sessions-back"),
+        Binding("enter", "open", "Explain", show=False, id="explain"),
+        Binding("tab", "figure(1)", "Figure", id="next-figure"),
+        Binding("shift+tab", "figure(-1)", "Previous figure", show=False, id="previous-figure"),
+        Binding("right", "choose(1)", "Session", key_display="←→", id="next-session"),
+        Binding("left", "choose(-1)", "Previous session", show=False, id="previous-session"),
+        Binding("down", "go_down(1)", "Down", show=False, id="down"),
+        Binding("up", "go_down(-1)", "Up", show=False, id="up"),
+        Binding("pagedown", f"go_down({_PAGE})", "Ten on", show=False, id="sessions-on"),
+        Binding("pageup", f"go_down(-{_PAGE})", "Ten back", show=False, id="sessions-back"),
         Binding("home", "choose_end(0)", "First session", show=False, id="first-session"),
         Binding("end", "choose_end(-1)", "Last session", show=False, id="last-session"),
         Binding("a", "add_record", "Add", id="add-record"),
-        Binding("enter", "correct_record", "Correct", id="correct-record"),
         Binding(
             "delete,backspace", "remove_record", "Remove", key_display="Del", id="remove-record"
         ),
-        Binding("c", "compare", "Compare", id="compare"),
+        Binding("c", "compare", "Compare", show=False, id="compare"),
         Binding("s", "other_settings", "Charts", id="other-settings"),
         Binding("n", "note", "Note", id="note"),
         Binding("h", "page", "Page", id="page"),
+        Binding("ctrl+q", "app.quit", "Quit", show=False, priority=True, id="quit-here"),
     ]
 
     app: Any
@@ -95,7 +97,8 @@ class ProgressScreen(DismissedOnce[None]):
         self._participant = participant
         self._motor_task = task
         self.found: Progress | None = None
-        self._part = 0
+        self._problem = ""
+        self._figure = "verdict"
         self._line = 0
         self._chosen = 0
         self._marked: str | None = None
@@ -103,14 +106,16 @@ class ProgressScreen(DismissedOnce[None]):
         self._tr = progress_words.words("en", task)
 
     def compose(self) -> ComposeResult:
-        yield Static(f"{self._participant} · {self._motor_task.title}", id="top", markup=False)
-        yield Static("", id="parts")
+        with Horizontal(id="top", classes="top-bar"):
+            yield Static(f"{self._participant} · {self._motor_task.title}", id="who", markup=False)
+            yield Static("", id="where", markup=False)
+        yield Heading("", id="sentence")
+        yield Static("", id="told", classes="needs-a-look", markup=False)
         with Horizontal(id="body"):
-            yield Static("Reading the sessions …", id="part")
-            beside = Static("", id="beside")
-            beside.display = False
-            yield beside
-        yield Static("", id="chosen", markup=False)
+            yield _Drawing(self._draw, id="picture")
+            yield _Drawing(self._draw_beside, id="beside")
+        yield Static("", id="chosen", classes="small", markup=False)
+        yield KeyLine()
         yield KeyFooter(show_command_palette=False)
 
     def on_mount(self) -> None:
@@ -122,8 +127,8 @@ class ProgressScreen(DismissedOnce[None]):
             assert self.found
             self._line = len(self.found.lines) - 1
             self._chosen = len(line.sessions) - 1 if (line := self._shown_line) else 0
-            self.refresh_bindings()
-            self.show()
+        self.refresh_bindings()
+        self.show()
 
     def load(self) -> bool:
         """Read all that is shown, and return True; say why if it cannot be read."""
@@ -140,15 +145,12 @@ class ProgressScreen(DismissedOnce[None]):
                 sessions,
                 find,
                 records.listing(database, participant=self._participant),
+                today=self.app.today(),
                 ratings=wellbeing.history(database, self._participant),
             )
         except (StoreError, sqlite3.Error) as error:
-            self.query_one("#part", Static).update(
-                Content(
-                    "The sessions cannot be read: "
-                    f"{error if isinstance(error, StoreError) else explain(error)}"
-                )
-            )
+            why = error if isinstance(error, StoreError) else explain(error)
+            self._problem = f"The sessions cannot be read: {why}"
             return False
         return True
 
@@ -157,30 +159,46 @@ class ProgressScreen(DismissedOnce[None]):
         return self.found.lines[self._line] if self.found and self.found.lines else None
 
     @property
-    def part_name(self) -> str:
-        """The part that is shown."""
-        return _PARTS[self._part]
+    def _figures(self) -> list[str]:
+        return parts.figures(self.found, self._shown_line) if self.found else []
 
     @property
-    def _shows_sessions(self) -> bool:
-        """True if a session can be chosen: one is marked in a chart, or in the list of sessions."""
-        return self.part_name in _OF_SESSIONS or (
-            self.part_name == "Dose" and self.size.width >= _WIDE
-        )
+    def figure(self) -> str:
+        """The chosen figure, as in the glossary; empty before the sessions are read."""
+        names = self._figures
+        return self._figure if self._figure in names else names[0] if names else ""
+
+    @property
+    def _beside(self) -> list[str]:
+        """The lists that stand beside the picture."""
+        if self._shown_line is None or not self._beside_width:
+            return []
+        has_days = self.size.height >= _FOR_DAYS and "days" in self._figures
+        return ["sessions", "days", "records"] if has_days else ["sessions", "records"]
+
+    @property
+    def _beside_width(self) -> int:
+        return next((wide for columns, wide in _BESIDE if self.size.width >= columns), 0)
+
+    @property
+    def _hidden(self) -> list[str]:
+        """The lists that are shown only where they are chosen."""
+        return [name for name in parts.LISTS if name in self._figures and name not in self._beside]
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        line, listed = self._shown_line, len(self._listed)
-        has_sessions = line is not None and len(line.sessions) > 1 and self._shows_sessions
+        line = self._shown_line
+        has_sessions = line is not None and len(line.sessions) > 1
+        is_of_records = self.figure == "records" and bool(self._listed)
         enabled = {
-            "other_settings": self._shows_sessions
-            and self.found is not None
-            and len(self.found.lines) > 1,
+            "figure": len(self._figures) > 1,
+            "open": bool(self.figure),
+            "other_settings": self.found is not None and len(self.found.lines) > 1,
             "compare": has_sessions,
-            "choose": has_sessions or listed > 1,
-            "choose_end": has_sessions or listed > 1,
-            "add_record": self.found is not None and self.part_name == "Records",
-            "correct_record": listed > 0,
-            "remove_record": listed > 0,
+            "choose": has_sessions and not is_of_records,
+            "go_down": has_sessions or is_of_records,
+            "choose_end": has_sessions or is_of_records,
+            "add_record": self.found is not None,
+            "remove_record": is_of_records,
             "note": line is not None,
             "page": line is not None,
         }
@@ -195,108 +213,156 @@ class ProgressScreen(DismissedOnce[None]):
 
     def show(self) -> None:
         """Draw everything anew."""
-        assert self.found
         line = self._shown_line
-        self.query_one("#top", Static).update(self._title(line))
-        named = [
-            (f"[{name}]", "$accent bold") if n == self._part else f" {name} "
-            for n, name in enumerate(_PARTS)
-        ]
-        self.query_one("#parts", Static).update(Content.assemble(*named))
-        is_wide = self.size.width >= _WIDE and line is not None and self._shows_sessions
-        beside, part = self.query_one("#beside", Static), self.query_one("#part", Static)
-        beside.display = is_wide
-        about = self._about_chosen(line) if line and self._shows_sessions else ""
+        self.query_one("#who", Static).update(self._title(line))
+        self.query_one("#where", Static).update(self._where(line))
+        self.query_one(Heading).show(self._sentence(line))
+        told = [f"! {text}" for text in advice(self.found.tell)] if self.found else []
+        self.query_one("#told", Static).update("\n".join(told))
+        self.query_one("#told").display = bool(told)
+        beside = self.query_one("#beside")
+        beside.display = bool(self._beside)
+        beside.styles.width = self._beside_width
+        about = self._about(line) if line and self.found else ""
         self.query_one("#chosen", Static).update(about)
         self.query_one("#chosen").display = bool(about)
-        full, height = (
-            self.size.width,
-            self.size.height - _HEADING_AND_KEYS - len(about.splitlines()),
-        )
-        sides = (full - _TABLE, _TABLE) if self.part_name != "Sessions" else (_TABLE, full - _TABLE)
-        beside.styles.width = sides[1]
-        width = (sides[0] if is_wide else full) - 2
-        part.update(colored(self._lines_of_part((width, height))))
-        if is_wide and line:
-            size = (sides[1] - 2, height)
-            if self.part_name == "Sessions":
-                beside.update(
-                    colored(parts.level_part(line, size, self._chosen, self._tr, self._marked))
-                )
-            else:
-                beside.update(
-                    colored(parts.sessions_part(line, size, self._chosen, self._tr, self._marked))
-                )
+        self.query_one(KeyLine).show(self._key(), "Enter")
+        for drawing in self.query(_Drawing):
+            drawing.refresh()
 
     def _title(self, line: LineProgress | None) -> str:
         if line is None:
             return f"{self._participant} · {self._motor_task.title}"
-        count = len(self.found.lines) if self.found else 1
-        number = f"{count - self._line} of {count} · " if count > 1 else ""
-        return f"{self._participant} · {number}{progress_words.heading(line, self._tr)}"
+        return f"{self._participant} · {progress_words.heading(line, self._tr)}"
 
-    def _lines_of_part(self, size: tuple[int, int]) -> list[str]:
-        assert self.found
-        line, tr = self._shown_line, self._tr
-        match self.part_name:
-            case "Dose":
-                return parts.dose_part(self.found, size, tr)
-            case "Records":
-                return parts.records_part(self.found, size, self._chosen_record, tr)
-            case _ if line is None:
-                return parts.wrapped([NONE_YET], size[0])
-            case "Level":
-                said = [f"! {text}" for text in advice(self.found.tell)]
-                return parts.level_part(line, size, self._chosen, tr, self._marked, said)
-            case "Results":
-                return parts.results_part(line, size, self._chosen, tr, self._marked)
-            case _:
-                return parts.sessions_part(line, size, self._chosen, tr, self._marked)
+    def _where(self, line: LineProgress | None) -> str:
+        if line is None or self.found is None:
+            return ""
+        count, sessions = len(self.found.lines), len(line.sessions)
+        said = "1 session" if sessions == 1 else f"{sessions} sessions"
+        return f"{said} · {count - self._line} of {count}" if count > 1 else said
 
-    def _about_chosen(self, line: LineProgress) -> str:
-        """Return the chosen session in words, or its comparison with the marked one."""
+    def _sentence(self, line: LineProgress | None) -> str:
+        if self.found is None:
+            return self._problem
+        text = headline(self.found, line, self._tr).text if line else NONE_YET
+        return parts.balanced(text, min(self.size.width - 4, _SENTENCE))
+
+    def _key(self) -> str:
+        if not self.figure:
+            return ""
+        if self.figure == "records" and self._listed:
+            return "Enter corrects this record"
+        return f"Enter explains: {GLOSSARY[self.figure].title}"
+
+    def _draw(self, columns: int, rows: int) -> Content:
+        """Draw the picture, or the chosen list if it has no other place."""
+        line, size = self._shown_line, (columns, rows)
+        if self.found is None:
+            return Content("" if self._problem else "Reading the sessions …")
+        if line is None or self.figure in self._hidden:
+            return colored(self._list(self.figure, size), self.figure)
+        drawn = parts.picture(line, size, self.figure, self._chosen, self._tr, self._marked)
+        return colored(drawn, self.figure)
+
+    def _draw_beside(self, columns: int, rows: int) -> Content:
+        """Draw the lists, one below the other."""
+        names = self._beside
+        if self.found is None or not names:
+            return Content("")
+        full = self.figure == "records" and self._listed
+        wanted = len(self._listed) + (7 if full else 2)
+        heights = {"records": max(_FEWEST_RECORDS, min(wanted, rows // 3)), "days": _DAYS}
+        rest = rows - sum(heights[name] + 1 for name in names if name in heights)
+        drawn: list[TextRow] = []
+        for name in names:
+            height = heights.get(name, rest)
+            shown = self._list(name, (columns, height))
+            drawn += [*shown, TextRow("")]
+        return colored(drawn, self.figure)
+
+    def _list(self, name: str, size: tuple[int, int]) -> list[TextRow]:
         assert self.found
+        return parts.listed(
+            name,
+            self.found,
+            self._shown_line,
+            size,
+            self._tr,
+            chosen=self._chosen,
+            marked=self._marked,
+            record=self._chosen_record,
+            is_chosen=name == self.figure,
+        )
+
+    def _about(self, line: LineProgress) -> str:
+        """Return the chosen session in words, or its comparison with the marked one; and the lists
+        that are not shown.
+        """
+        assert self.found
+        hidden = self._hidden
+        if self.figure in hidden and self.figure != "sessions":
+            return ""
         chosen = line.sessions[self._chosen]
         when, felt = parts.session_text(line, chosen, self._tr)
         if self._marked == chosen.session:
-            felt = "Up and Down: choose the session to compare it with. Esc: no comparison."
+            felt = "Left and Right: choose the session to compare it with. Esc: no comparison."
         elif self._marked and (comparison := compare(self.found, self._marked, chosen.session)):
             days = [
                 progress_words.day(each.began) for each in (comparison.earlier, comparison.later)
             ]
             felt = f"{days[0]} and {days[1]}: {progress_words.compared(line, comparison, self._tr)}"
-        return "\n".join(
-            [f"{parts.CURSOR} {when}", *parts.wrapped([felt], self.size.width - 4, indent="  ")]
-        )
+        said = [f"{parts.CURSOR} {when}", *parts.wrapped([felt], self.size.width - 4, indent="  ")]
+        if not self._marked:
+            keys = ["C: compare it with another"] if len(line.sessions) > 1 else []
+            named = ", ".join(GLOSSARY[name].title.lower() for name in reversed(hidden))
+            keys += [f"Shift-Tab: {named}"] if hidden and self.figure not in hidden else []
+            said += [f"  {' · '.join(keys)}"] if keys else []
+        return "\n".join(said)
 
     # --- keys
 
-    def action_part(self, step: int) -> None:
-        """Show another part."""
-        self._part = (self._part + step) % len(_PARTS)
+    def action_figure(self, step: int) -> None:
+        """Choose the next figure, or the previous one."""
+        names = self._figures
+        self._figure = names[(names.index(self.figure) + step) % len(names)]
         self.refresh_bindings()
-        if self.found:
-            self.show()
+        self.show()
+
+    def action_open(self) -> None:
+        """Explain the chosen figure; of records, correct the chosen one."""
+        if self.figure == "records" and self._listed:
+            self.action_correct_record()
+        elif self.figure:
+            self.app.push_screen(ExplanationScreen(self.figure, self._explained))
+
+    def _explained(self, name: str) -> tuple[Sequence[str], Sequence[str]]:
+        """Return what a figure says of this person, and its explanation."""
+        assert self.found
+        own = parts.of_person(name, self.found, self._shown_line, self._chosen, self._tr)
+        return own, explained(name, self._tr)
 
     def action_choose(self, step: int) -> None:
-        """Choose an earlier or later session, or record."""
-        if self.part_name == "Records":
-            self._choose_record(step)
-        elif line := self._shown_line:
+        """Choose an earlier or later session."""
+        if line := self._shown_line:
             self._chosen = max(0, min(len(line.sessions) - 1, self._chosen + step))
             self.show()
 
+    def action_go_down(self, step: int) -> None:
+        """Choose a later or earlier session; among the records, a record."""
+        if self.figure == "records" and self._listed:
+            self._choose_record(step)
+        else:
+            self.action_choose(step)
+
     def action_choose_end(self, session: int) -> None:
-        """Choose the first or the last session, or record."""
-        if self.part_name == "Records":
-            self._choose_record(-len(self._listed) if session == 0 else len(self._listed))
-        elif line := self._shown_line:
-            self._chosen = session % len(line.sessions)
-            self.show()
+        """Choose the first or the last session; among the records, a record."""
+        count = max(len(self._listed), len(line.sessions) if (line := self._shown_line) else 0)
+        self.action_go_down(count if session else -count)
 
     def action_other_settings(self) -> None:
         """Show the sessions that had other settings."""
-        if line := self._shown_line:
+        if self._shown_line:
             assert self.found
             self._line = (self._line - 1) % len(self.found.lines)
             line = self.found.lines[self._line]
@@ -313,7 +379,7 @@ class ProgressScreen(DismissedOnce[None]):
 
     def action_leave(self) -> None:
         """End a comparison, or go back."""
-        if self._marked and self._shows_sessions:
+        if self._marked:
             self._marked = None
             self.show()
         else:
@@ -323,9 +389,7 @@ class ProgressScreen(DismissedOnce[None]):
 
     @property
     def _listed(self) -> list[Record]:
-        """The records in the list that is shown; none in other parts."""
-        is_shown = self.found is not None and self.part_name == "Records"
-        return self.found.records if self.found and is_shown else []
+        return self.found.records if self.found else []
 
     @property
     def _chosen_record(self) -> int:
@@ -379,7 +443,7 @@ class ProgressScreen(DismissedOnce[None]):
         if is_changed and self.load():
             new = [number for number, each in enumerate(self._listed) if each not in before]
             if new:
-                self._record = new[-1]
+                self._figure, self._record = "records", new[-1]
             self.refresh_bindings()
             self.show()
 
@@ -436,21 +500,104 @@ _COLORS = {
     AREA: "$border",
     RULE: "$text-muted",
     CHOSEN: "$accent",
+    parts.CURSOR: "$accent",
+    **dict.fromkeys(BARS, "$text-muted"),
 }
+_NAME, _CHOSEN_NAME, _LOOK = "bold", "$background on $accent bold", "$warning bold"
 
 
-def colored(lines: list[str]) -> Content:
-    """Return lines of text, with the characters of charts in their colours."""
+def colored(rows: Sequence[TextRow], figure: str) -> Content:
+    """Return rows with the characters of charts in their colours, the names of figures in bold, and
+    the name of the chosen figure like a cursor.
+    """
+    return Content("\n").join(_colored(row, is_chosen=row.figure == figure) for row in rows)
+
+
+def _colored(row: TextRow, *, is_chosen: bool) -> Content:
     pieces: list[str | tuple[str, str]] = []
-    for line in lines:
-        for character in f"{line}\n":
-            style = _COLORS.get(character, "")
-            last = pieces[-1] if pieces else None
-            if isinstance(last, tuple) and last[1] == style:
-                pieces[-1] = (last[0] + character, style)
-            else:
-                pieces.append((character, style))
-    return Content.assemble(*pieces)
+    if row.name:
+        pieces.append((row.text[: row.name], _CHOSEN_NAME if is_chosen else _NAME))
+    for style, run in groupby(row.text[row.name :], lambda character: _COLORS.get(character, "")):
+        pieces.append(("".join(run), style))
+    content = Content.assemble(*pieces)
+    for first, last in row.looks:
+        content = content.stylize(_LOOK, first, last)
+    return content
+
+
+class _Drawing(Widget):
+    """Text that is drawn to fit its place, given the columns and rows of it."""
+
+    def __init__(self, draw: Callable[[int, int], Content], id: str) -> None:
+        super().__init__(id=id)
+        self._drawn = draw
+
+    def render(self) -> Content:
+        size = self.content_size
+        return self._drawn(*size) if size.width and size.height else Content("")
+
+
+# --- the explanation of a figure
+
+
+_AROUND = 8
+"""Rows of the window that the text of an explanation leaves free."""
+
+
+class ExplanationScreen(DismissedOnce[None], ModalScreen[None]):
+    """Explains a figure: what it says of this person, what it is, how it is computed, and its
+    source. Arrows go on to the other figures.
+
+    Args:
+        name: of the figure, as in the glossary.
+        text: returns the sentences on this person, and the explanation, given the name of a figure.
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("right,tab", "turn(1)", "Next figure", id="next-figure"),
+        Binding("left,shift+tab", "turn(-1)", "Previous figure", id="previous-figure"),
+        Binding("escape,enter", "dismiss", "Close", id="close"),
+    ]
+
+    app: Any
+
+    def __init__(
+        self, name: str, text: Callable[[str], tuple[Sequence[str], Sequence[str]]]
+    ) -> None:
+        super().__init__()
+        self._figure_name = name
+        self._text = text
+
+    def compose(self) -> ComposeResult:
+        with Vertical(classes="dialog", id="explanation"):
+            yield Static("", classes="headline", id="headline", markup=False)
+            with VerticalScroll(can_focus=True):
+                yield Static("", id="of-person", markup=False)
+                yield Static("", id="paragraph", markup=False)
+            yield Static(
+                "←→: the other figures. Up and Down scroll. Esc closes.",
+                classes="muted",
+                markup=False,
+            )
+
+    def _show(self) -> None:
+        own, general = self._text(self._figure_name)
+        self.query_one("#headline", Static).update(GLOSSARY[self._figure_name].title)
+        self.query_one("#of-person", Static).update("\n".join(own))
+        self.query_one("#of-person").display = bool(own)
+        self.query_one("#paragraph", Static).update("\n\n".join(general))
+        scroll = self.query_one(VerticalScroll)
+        scroll.styles.max_height = max(3, self.size.height - _AROUND)
+        scroll.scroll_home(animate=False)
+
+    def on_resize(self) -> None:
+        self._show()
+
+    def action_turn(self, step: int) -> None:
+        """Explain another figure."""
+        names = list(GLOSSARY)
+        self._figure_name = names[(names.index(self._figure_name) + step) % len(names)]
+        self._show()
 
 
 # --- the note
