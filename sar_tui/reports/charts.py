@@ -429,7 +429,7 @@ class Columns(msgspec.Struct, frozen=True):
     def numbers(self, values: Sequence[float | None], form: str) -> str:
         """Return a row of numbers, formatted by ``form``, where they have room; else of bars."""
         texts = [form.format(value) if value is not None else "·" for value in values]
-        if max(map(len, texts), default=0) >= self.step:
+        if max(map(len, texts), default=0) >= math.floor(self.step):
             return self.bars(values)
         line = [" "] * self.width
         for session, text in enumerate(texts):

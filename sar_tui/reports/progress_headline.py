@@ -113,13 +113,14 @@ def _too_few(line: LineProgress, known: Sequence[SessionProgress], more: int, tr
     count = len(line.sessions)
     if len(known) == count:
         text = tr("{sessions}: too few to say.", sessions=_sessions(count, tr))
-    else:
-        text = tr(
-            "{sessions}, {known} of them with a known value: too few to say.",
-            sessions=_sessions(count, tr),
-            known=str(len(known)),
-        )
-    return f"{text} {_after(more, tr)}"
+        return f"{text} {_after(more, tr)}"
+    return tr(
+        "{sessions}, {known} of them with a known value: too few to say. It takes {number} of "
+        "these to tell a change from noise and practice.",
+        sessions=_sessions(count, tr),
+        known=str(len(known)),
+        number=str(FEWEST),
+    )
 
 
 def _after(more: int, tr: Language) -> str:
@@ -214,13 +215,16 @@ def _judged(line: LineProgress, known: Sequence[SessionProgress], tr: Language) 
 
 
 def _change(line: LineProgress, first: float, last: float, tr: Language) -> str:
-    """Return two values of the line's measure: "level 5.1 → 6.4", "0.95 s → 0.81 s"."""
+    """Return two values of the line's measure: "level 5.1 → 6.4", "0.95 → 0.81 s"."""
     if line.measure == "level":
         levels = [to_level(line.places, value) for value in (first, last)]
         begun, ended = (None if level is None else f"{level:.1f}" for level in levels)
         if begun and ended:
             return tr("level {first} → {last}", first=begun, last=ended)
     shown = [progress_words.figure(line, value, tr) for value in (first, last)]
+    numbers, units = zip(*(text.partition(" ")[::2] for text in shown), strict=True)
+    if units[0] == units[1]:
+        return f"{numbers[0]} → {shown[1]}"
     return " → ".join(shown)
 
 

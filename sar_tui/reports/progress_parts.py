@@ -1,7 +1,9 @@
 """The parts of the progress screen, as rows of text that fit a width and a height."""
 
+import re
 import textwrap
 from collections.abc import Sequence
+from itertools import product
 
 from sar_tui.model.language import Language
 from sar_tui.progress.change import BASELINE, FAMILIARISATION, baseline
@@ -155,9 +157,10 @@ _SIDES = {"easier": ABOVE, "harder": BELOW, "": "·"}
 _COLUMNS = (
     ("date", "levels", "mean ± SD", "correct", "goals", "at goal", "pain", "tired"),
     ("date", "mean ± SD", "goals", "at goal", "pain"),
-    ("date", "level", "minutes", "pain"),
 )
-"""Columns of the table of sessions, by the room that there is."""
+_FEW_COLUMNS = {"level": ("date", "level", "minutes", "pain")}
+_OTHER_FEW_COLUMNS = ("date", "mean", "minutes", "pain")
+"""Columns of the table of sessions, by the room that there is; the last ones by the measure."""
 
 
 def sessions_part(
@@ -168,7 +171,8 @@ def sessions_part(
     """
     width, height = size
     shown = window(len(line.sessions), max(1, height - 1), chosen)
-    for columns, gap in ((columns, gap) for columns in _COLUMNS for gap in ("  ", " ")):
+    few = _FEW_COLUMNS.get(line.measure, _OTHER_FEW_COLUMNS)
+    for columns, gap in product((*_COLUMNS, few), ("  ", " ")):
         table = _table(line, columns, gap, shown, chosen, tr, marked)
         if max(map(len, table)) <= width:
             break
@@ -278,6 +282,7 @@ def _cells(
         "goals": "" if session.reached is None else f"{session.reached}/{session.attempts}",
         "at goal": progress_words.band(line, session, tr) or unknown,
         "level": _SIDES[session.side] if level is None else tr.figures(f"{level:.1f}"),
+        "mean": "" if session.mean is None else progress_words.result(line, session.mean, tr),
         "minutes": tr.figures(f"{session.time_on_task_s / 60:.1f}"),
         "pain": "·" if session.pain is None else str(session.pain),
         "tired": "·" if session.tiredness is None else str(session.tiredness),
@@ -292,18 +297,16 @@ def window(count: int, rows: int, chosen: int) -> range:
 
 
 def balanced(text: str, width: int) -> str:
-    """Return a text on as few lines as fit a width, all of about the same length."""
-    lines = len(textwrap.wrap(text, width))
-    narrowest = (
-        next(
-            columns
-            for columns in range(-(-len(text) // lines), width + 1)
-            if len(textwrap.wrap(text, columns)) <= lines
-        )
-        if lines > 1
-        else width
-    )
-    return "\n".join(textwrap.wrap(text, narrowest))
+    """Return a text on as few lines as fit a width, all of about the same length, with no line
+    between a number and its unit.
+    """
+    kept = re.sub(r"(?<=\d) (?=[^\W\d])", "\N{NO-BREAK SPACE}", text)
+    lines = textwrap.wrap(kept, width)
+    for narrower in range(len(kept) // max(1, len(lines)), width):
+        if len(tried := textwrap.wrap(kept, narrower)) <= len(lines):
+            lines = tried
+            break
+    return "\n".join(lines).replace("\N{NO-BREAK SPACE}", " ")
 
 
 def wrapped(sentences: Sequence[str], width: int, indent: str = "") -> list[str]:
@@ -318,6 +321,8 @@ def wrapped(sentences: Sequence[str], width: int, indent: str = "") -> list[str]
 
 
 _FEWEST_LISTED = 2
+_FOR_KINDS = 50
+"""Columns from which the kinds of records have a column of their own."""
 
 
 def records_part(
@@ -328,12 +333,26 @@ def records_part(
     if not found.records:
         none = tr("Nothing is recorded yet. A records an event, or a score of another test.")
         return wrapped([none], width)[:height]
-    heads = (tr("date"), tr("kind"), tr("record"))
-    rows = [(each.at, each.kind, _cut(contents(each, tr), width // 2)) for each in found.records]
+    heads, rows = _record_rows(found.records, width, tr)
     if chosen is None:
         return _listed(heads, rows, [], size, None)
     in_full = wrapped([in_words(found, found.records[chosen], tr)], width)
     return _listed(heads, rows, in_full, size, chosen)
+
+
+def _record_rows(
+    found: Sequence[Record], width: int, tr: Language
+) -> tuple[Sequence[str], list[Sequence[str]]]:
+    """Return the heads and the rows of a list of records; in a narrow one the kind stands before
+    the contents.
+    """
+    if width >= _FOR_KINDS:
+        heads = (tr("date"), tr("kind"), tr("record"))
+        return heads, [(each.at, each.kind, _cut(contents(each, tr), width // 2)) for each in found]
+    cut = width - len("2026-03-02") - 5
+    texts = (f"{each.kind}: {contents(each, tr)}" for each in found)
+    rows = [(each.day, _cut(text, cut)) for each, text in zip(found, texts, strict=True)]
+    return (tr("date"), tr("record")), list(rows)
 
 
 def contents(record: Record, tr: Language) -> str:

@@ -30,6 +30,8 @@ _FEWEST_ROWS, _MOST_ROWS = 4, 20
 """Rows of a chart, without its heading and axis."""
 _TALL_DOSE = (22, 34)
 """Rows of a timeline from which the bars of the dose have one row more."""
+_NAMES_SHARE = 4
+"""Names of rows take at most this part of the width."""
 _LEAST_MARGIN = 8
 """Columns for the names of the rows below a chart."""
 
@@ -104,16 +106,22 @@ def timeline(
     bars = qualities(line, tr) if has_results else []
     felt = _felt(line.sessions, tr)
     names = [tr("minutes"), tr("look at"), *(name for name, *_ in bars), *felt]
-    labels = [label for figure in drawn for _, label in figure.ticks]
-    margin = max(_LEAST_MARGIN, *(len(text) + 1 for text in (*names, *labels)))
+    longest = max(len(label) for label in (*names, "")) + 1
+    labels = [len(label) + 1 for figure in drawn for _, label in figure.ticks]
+    margin = max(_LEAST_MARGIN, *labels, min(longest, width // _NAMES_SHARE))
     columns = Columns(len(line.sessions), max(10, width - margin))
     below = [
-        *_quality_rows(bars, columns, margin, tr),
         *_dose_rows(line, columns, margin, 1 + sum(height >= tall for tall in _TALL_DOSE), tr),
         *_felt_rows(line, felt, columns, margin, tr),
     ]
-    notes = " ".join(_notes(columns, below, line, margin, tr))
-    below += [TextRow(" " * margin + text) for text in textwrap.wrap(notes, columns.width)]
+    notes = [
+        TextRow(" " * margin + text)
+        for text in textwrap.wrap(" ".join(_notes(columns, below, line, tr)), columns.width)
+    ]
+    free = max(0, height - len(below) - 1 - (3 + _FEWEST_ROWS) * len(drawn))
+    bars_drawn = _quality_rows(bars, columns, margin, tr)
+    bars_drawn = bars_drawn[: free if "result" in shown else max(0, free - len(notes))]
+    below = [*bars_drawn, *below, *notes[: free - len(bars_drawn)]]
     months = tr("Jan Feb Mar Apr May Jun Jul Aug Sep Oct Nov Dec").split()
     dates = columns.dates([each.began[:10] for each in line.sessions], months)
     room = height - len(below) - 3 * max(1, len(drawn))
@@ -255,12 +263,17 @@ def _quality_rows(
 ) -> list[TextRow]:
     return [
         TextRow(
-            f"{name:<{margin}}{tr.figures(columns.numbers(numbers, form))}".rstrip(),
+            f"{_cut(name, margin):<{margin}}{tr.figures(columns.numbers(numbers, form))}".rstrip(),
             "quality" if place else "correct",
-            len(name),
+            min(len(name), margin - 1),
         )
         for place, (name, numbers, form) in enumerate(bars)
     ]
+
+
+def _cut(name: str, margin: int) -> str:
+    """Return a name that leaves a blank of a margin."""
+    return name if len(name) < margin else f"{name[: margin - 2]}…"
 
 
 def _dose_rows(
@@ -340,7 +353,7 @@ def _spans(columns: Columns, marked: Sequence[bool], margin: int) -> list[tuple[
 
 
 def _notes(
-    columns: Columns, below: Sequence[TextRow], line: LineProgress, margin: int, tr: Language
+    columns: Columns, below: Sequence[TextRow], line: LineProgress, tr: Language
 ) -> list[str]:
     """Return what the reader must know of the rows: sessions that share a column, the scale of the
     bars, and the sign for 10.
@@ -348,12 +361,12 @@ def _notes(
     notes = []
     if columns.most > 1:
         notes.append(tr("A column holds up to {most} sessions.", most=columns.most))
-    feet = [row.text[margin:] for row in below if row.figure == "dose"]
+    feet = [row.text[row.name :] for row in below if row.figure == "dose"]
     longest = max(each.time_on_task_s for each in line.sessions) / 60
     if longest > 0 and not any(character.isdigit() for character in feet[-1]):
         minutes = _minutes_form([longest]).format(longest)
         notes.append(tr("The longest session: {minutes} min.", minutes=minutes))
-    if any(TEN in row.text[margin:] for row in below if row.figure in ("pain", "tired")):
+    if any(TEN in row.text[row.name :] for row in below if row.figure in ("pain", "tired")):
         notes.append(tr("{sign}: 10 of 10.", sign=TEN))
     return notes
 

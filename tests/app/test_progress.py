@@ -157,10 +157,11 @@ async def test_a_note_is_copied_and_a_page_is_written_and_never_over_another(
         copied: list[str] = []
         monkeypatch.setattr(driver.app, "copy_to_clipboard", copied.append)
         await open_progress(driver, catalogue)
-        await driver.press("n", "tab")
+        await driver.press("n", "tab", "tab")
         driver.see("P01, Reacción con el teclado · meta 1,0 s")
         assert copied[0].startswith("P01, Keyboard reaction · goal 1.0 s")
-        assert copied[1].startswith("P01, Reacción con el teclado")
+        assert copied[1].startswith("P01, Reaktion an der Tastatur · Ziel 1,0 s")
+        assert copied[2].startswith("P01, Reacción con el teclado")
         await driver.press("escape")
         for _ in range(2):
             await driver.press("h")

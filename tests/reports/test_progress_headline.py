@@ -95,8 +95,8 @@ HISTORIES: dict[str, tuple[list[SessionResults], str, str]] = {
     "some unknown": (
         [fast(0, 1, 400.0), *steady(4)[1:]],
         "too little",
-        "4 sessions, 3 of them with a known value: too few to say. After 2 more, a change can be "
-        "told from noise and practice.",
+        "4 sessions, 3 of them with a known value: too few to say. It takes 5 of these to tell a "
+        "change from noise and practice.",
     ),
     "all too easy": (
         [fast(0, 1, 500.0), fast(1, 2, 400.0)],
@@ -133,6 +133,14 @@ HISTORIES: dict[str, tuple[list[SessionResults], str, str]] = {
         "steady",
         "Steady, as far as can be told: level 3.3 → 3.3 in 3 weeks, no more than noise and "
         "practice.",
+    ),
+    "at one level": (
+        [
+            session(n, at_one_level(n, mean), on_day=7 * n)
+            for n, mean in enumerate((990, 950, 955, 945, 700))
+        ],
+        "improving",
+        "Improving: 0.951 → 0.702 s in 2 weeks, more than noise and practice explain.",
     ),
     "no result": (
         [session(0, [AttemptResult(1, None, 20)], metric=NO_METRIC, reached=None)],
