@@ -23,7 +23,7 @@ from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.operator import PROFILES
 from sar_tui.simulation.participant_model import PEOPLE, Person
 from sar_tui.store import participants, programmes, records, wellbeing
-from sar_tui.store.database import FILE, StoreError, connect
+from sar_tui.store.database import FILE, StoreError, commit_unsynced, connect, sync
 from sar_tui.store.programmes import Programme
 from sar_tui.store.record_changes import BY_MISTAKE, change_status
 
@@ -67,12 +67,14 @@ def make_demonstration(
     make_private(folder)
     (folder / NOTE).write_text(_SAYS, encoding="utf-8")
     with closing(connect(folder)) as database:
+        commit_unsynced(database)
         maker = _Maker(folder, _ThemesReadOnce(), database)
         steps = sorted((step for story in _STORIES for step in story()), key=lambda step: step.when)
         for done, step in enumerate(steps, 1):
             day = last_day - timedelta(days=step.days_ago)
             step.make(maker, datetime.combine(day, step.clock).astimezone())
             progress(done, len(steps))
+        sync(database)
 
 
 class _ThemesReadOnce(Catalogue):
@@ -242,7 +244,7 @@ def _improves() -> Iterator[_Step]:
     yield _Step(
         56, time(9), _programme(
             "P01", "keyboard", "First programme, after the assessment.",
-            attempts=8, prompts_per_attempt=10, threshold=900.0, ask_wellbeing=True,
+            attempts=8, prompts_per_attempt=8, threshold=900.0, ask_wellbeing=True,
             days_between_visits=4,
         ),
     )  # fmt: skip
@@ -281,7 +283,7 @@ def _stays() -> Iterator[_Step]:
             feedback_form="quantitative", feedback_compared_with="best attempt",
         ),
     )  # fmt: skip
-    for number, day in _days(55, 3, 12):
+    for number, day in _days(55, 3, 11):
         yield _Step(
             day, time(11, 10 + number),
             _Session("keyboard", ("P02",), 200 + number, (max(1.0, 1.12 - 0.05 * number),)),
@@ -340,10 +342,14 @@ def _reaches() -> Iterator[_Step]:
     """P05 reaches with a motion sensor, and plays with P06 once a week."""
     yield _Step(
         50, time(9), _programme(
-            "P05", "reaching", "Reaches with the right arm.", attempts=4, imu="simulated:patient"
+            "P05", "reaching", "Reaches with the right arm.", attempts=8, imu="simulated:patient"
         ),
     )  # fmt: skip
-    yield _Step(49, time(9), _programme("P05", "pairs", "With P06, once a week.", attempts=6))
+    yield _Step(
+        49,
+        time(9),
+        _programme("P05", "pairs", "With P06, once a week.", attempts=8, threshold=880.0),
+    )
     for number, day in _days(50, 5, 6):
         reached = _Session("reaching", ("P05",), 500 + number, (1.2 - 0.03 * number,))
         yield _Step(day, time(9, 20), reached)
@@ -357,7 +363,7 @@ def _is_led() -> Iterator[_Step]:
     yield _Step(
         29, time(13), _programme(
             "P06", "keyboard", "For the comparison of feedback with and without an operator.",
-            attempts=6, prompts_per_attempt=8, operator_feedback="approve",
+            attempts=6, prompts_per_attempt=8, threshold=850.0, operator_feedback="approve",
         ),
     )  # fmt: skip
     for number, day in _days(29, 2, 5):

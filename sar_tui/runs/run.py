@@ -24,7 +24,7 @@ from sar_tui.rules.parameters import build, fields
 from sar_tui.runs.plan import EnoughToday, Failed, Plan, set_up
 from sar_tui.runs.start_level import with_start_level
 from sar_tui.store import locks, messages, participants, sessions
-from sar_tui.store.database import StoreError, connect, open_file
+from sar_tui.store.database import StoreError, commit_unsynced, connect, open_file
 from sar_tui.store.provenance import machine, measured_timing, software
 from sar_tui.store.recorder import Recorder
 from sar_tui.store.rescue import rescue_files
@@ -154,6 +154,8 @@ def start(
     theme = catalogue.theme(plan.theme, plan.parameters.language)
     task = set_up(plan.task, plan.parameters)
     database = connect(folder)
+    if plan.mode == "demonstration":
+        commit_unsynced(database)
     held: list[BaseFileLock] = []
     with _released_on_failure(database, held):
         if is_personal(plan.mode):

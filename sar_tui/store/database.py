@@ -144,6 +144,17 @@ def connect(folder: Path) -> StoreConnection:
     return open_file(folder / FILE)
 
 
+def commit_unsynced(database: sqlite3.Connection) -> None:
+    """Let the system decide when commits reach the disk: for data that can be made again."""
+    database.execute("PRAGMA synchronous=OFF")
+
+
+def sync(database: sqlite3.Connection) -> None:
+    """Bring all commits to the disk, and each later one at once."""
+    database.execute("PRAGMA synchronous=FULL")
+    database.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
+
+
 def open_file(path: Path) -> StoreConnection:
     """Open a database as `connect` does, whatever its file is called."""
     folder = path.parent

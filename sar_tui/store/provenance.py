@@ -6,6 +6,7 @@ import hashlib
 import os
 import platform
 import sys
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -62,6 +63,7 @@ def metric(recorded: dict[str, Any]) -> Metric:
     return NO_METRIC if declared is None else msgspec.convert(declared, Metric)
 
 
+@cache
 def _version(package: str) -> str | None:
     try:
         return version(package)
