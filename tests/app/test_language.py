@@ -107,7 +107,7 @@ SEEN = {
         "Ha hecho 2 intentos; meta alcanzada en 2.",
     ),
     "de": Seen(
-        "Reaktion an der Tastatur",
+        "Reaktion mit Tasten",
         "Willkommen",
         "im Durchschnitt schneller als 0,85 Sekunden, und 2 von 2 richtig.",
         "Tasten 0 von 2",

@@ -29,6 +29,8 @@ ESPEAK = [
         ("es", "latin america", "gmw/en", "roa/es-419"),
         ("es", "nobody", "gmw/en", "roa/es"),
         ("es-mx", "", "gmw/en", "roa/es"),
+        ("de", "", "gmw/en", "gmw/de"),
+        ("de-at", "", "gmw/en", "gmw/de"),
         ("pt", "", "gmw/en", "roa/pt-br"),
         ("fi", "", "gmw/en", None),
         ("e", "", "gmw/en", None),
