@@ -5,6 +5,8 @@ hold no number.
 import re
 import string
 import unicodedata
+from collections.abc import Iterator
+from functools import cache
 
 from sar_tui.model.visible_text import control_problem
 
@@ -100,17 +102,10 @@ _SPELLED = {
         miles millón millones mitad medio media tercio tercios cuarto cuarta cuartos primer primero primera segundo
         segunda tercer tercero tercera quinto quinta sexto sexta séptimo séptima octavo octava noveno novena décimo
         décima docena docenas par doble triple""",
-    "de": """null eins zwei drei vier fünf sechs sieben acht neun zehn elf zwölf dreizehn vierzehn fünfzehn sechzehn
-        siebzehn achtzehn neunzehn zwanzig dreißig vierzig fünfzig sechzig siebzig achtzig neunzig hundert hunderte
-        tausend tausende million millionen halb halbe halben halber halbes hälfte drittel viertel fünftel zehntel
-        zweimal dreimal viermal erste ersten erster erstes zweite zweiten zweiter zweites dritte dritten dritter drittes
-        vierte vierten fünfte fünften sechste sechsten siebte siebten neunte neunten zehnte zehnten dutzend doppelt
-        doppelte doppelten dreifach prozent """
-    + " ".join(
-        f"{one}und{ten}"
-        for one in "ein zwei drei vier fünf sechs sieben acht neun".split()
-        for ten in "zwanzig dreißig vierzig fünfzig sechzig siebzig achtzig neunzig".split()
-    ),
+    "de": """null hunderte tausend eintausend tausende million millionen halb halbe halben halber halbes hälfte drittel
+        viertel fünftel zehntel zweimal dreimal viermal erste ersten erster erstes zweite zweiten zweiter zweites dritte
+        dritten dritter drittes vierte vierten fünfte fünften sechste sechsten siebte siebten neunte neunten zehnte
+        zehnten dutzend doppelt doppelte doppelten dreifach prozent""",
 }
 """Number words by language. Spanish un and una and German ein are left out, as they are articles,
 too; German paar (some), einmal (noch einmal: again) and achte (mind).
@@ -118,22 +113,44 @@ too; German paar (some), einmal (noch einmal: again) and achte (mind).
 
 
 def _folded(text: str) -> str:
-    """Return a text in lower case, without accents."""
-    parts = unicodedata.normalize("NFKD", text.lower())
+    """Return a text in lower case, without accents, and with ss for ß."""
+    parts = unicodedata.normalize("NFKD", text.casefold())
     return "".join(character for character in parts if not unicodedata.combining(character))
 
 
-_NUMBER_WORDS = {
-    language: frozenset(_folded(words).split()) for language, words in _SPELLED.items()
-}
-"""Number words by language, in the form that `holds_number` compares."""
+_GERMAN_SMALL = """eins zwei drei vier fünf sechs sieben acht neun zehn elf zwölf dreizehn vierzehn fünfzehn sechzehn
+siebzehn achtzehn neunzehn""".split()
+_GERMAN_TENS = "zwanzig dreißig vierzig fünfzig sechzig siebzig achtzig neunzig".split()
+
+
+def _german() -> Iterator[str]:
+    """Yield the German numbers from 1 to 999, each of which is one word."""
+    ones = ["ein", *_GERMAN_SMALL[1:9]]
+    small = [
+        *_GERMAN_SMALL,
+        *_GERMAN_TENS,
+        *(f"{one}und{tens}" for tens in _GERMAN_TENS for one in ones),
+    ]
+    yield from small
+    for hundred in ("hundert", *(f"{one}hundert" for one in ones)):
+        yield hundred
+        yield from (f"{hundred}{rest}" for rest in small)
+
+
+@cache
+def _number_words(language: str) -> frozenset[str]:
+    """Return the number words of a language in the form that `holds_number` compares."""
+    spelled = _SPELLED.get(language, "").split()
+    if language == "de":
+        spelled += _german()
+    return frozenset(map(_folded, spelled))
 
 
 def holds_number(text: str, language: str = "en") -> bool:
     """Return True if a text holds a number, in digits or, for the bundled languages, in words."""
     if any(unicodedata.category(character).startswith("N") for character in text):
         return True
-    known = _NUMBER_WORDS.get(language.partition("-")[0], frozenset())
+    known = _number_words(language.partition("-")[0])
     return not known.isdisjoint(re.findall(r"[^\W\d_]+", _folded(text)))
 
 

@@ -16,6 +16,7 @@ from sar_tui.loop.phrase_keys import (
     holds_number,
     wording_problems,
 )
+from sar_tui.model.language import BUNDLED
 
 
 def test_the_page_on_themes_lists_every_phrase_key_with_its_slots() -> None:
@@ -75,7 +76,7 @@ def test_number_words_are_those_of_the_language() -> None:
     assert wording_problems("positive", "Ocho, ocho!", "en") == []
 
 
-@given(st.text(max_size=60), st.sampled_from(sorted(PHRASE_KEYS)), st.sampled_from(["en", "es"]))
+@given(st.text(max_size=60), st.sampled_from(sorted(PHRASE_KEYS)), st.sampled_from(list(BUNDLED)))
 def test_a_wording_without_problems_can_be_formatted(
     wording: str, situation: str, language: str
 ) -> None:
@@ -103,10 +104,13 @@ SMALL = {
     "es": """cero uno dos tres cuatro cinco seis siete ocho nueve diez once doce trece catorce quince dieciséis
         diecisiete dieciocho diecinueve veinte veintiuno veintidós veintitrés veinticuatro veinticinco veintiséis
         veintisiete veintiocho veintinueve""",
+    "de": """null eins zwei drei vier fünf sechs sieben acht neun zehn elf zwölf dreizehn vierzehn fünfzehn sechzehn
+        siebzehn achtzehn neunzehn""",
 }
 TENS = {
     "en": "twenty thirty forty fifty sixty seventy eighty ninety",
     "es": "veinte treinta cuarenta cincuenta sesenta setenta ochenta noventa",
+    "de": "zwanzig dreißig vierzig fünfzig sechzig siebzig achtzig neunzig",
 }
 HUNDREDS = (
     "ciento doscientos trescientos cuatrocientos quinientos seiscientos setecientos "
@@ -114,11 +118,25 @@ HUNDREDS = (
 ).split()
 
 
+def german(number: int) -> str:
+    """Return a number from 20 to 1000 in German: one word."""
+    small, tens = SMALL["de"].split(), TENS["de"].split()
+    ones = ["", "ein", *small[2:]]
+    if number == 1000:
+        return "eintausend"
+    if number < 100:
+        return (f"{ones[number % 10]}und" if number % 10 else "") + tens[number // 10 - 2]
+    rest = number % 100
+    return f"{ones[number // 100]}hundert{spelled(rest, 'de') if rest else ''}"
+
+
 def spelled(number: int, language: str) -> str:
     """Return a number from 0 to 1000 in words."""
     small = SMALL[language].split()
     if number < len(small):
         return small[number]
+    if language == "de":
+        return german(number)
     if number < 100:
         tens, rest = divmod(number, 10)
         joined = {"en": "-", "es": " y "}[language]
@@ -132,7 +150,7 @@ def spelled(number: int, language: str) -> str:
     return HUNDREDS[hundreds - 1] + more
 
 
-@pytest.mark.parametrize("language", ["en", "es"])
+@pytest.mark.parametrize("language", BUNDLED)
 def test_every_number_to_a_thousand_is_found_in_words(language: str) -> None:
     for number in range(1001):
         words = spelled(number, language)
@@ -141,7 +159,7 @@ def test_every_number_to_a_thousand_is_found_in_words(language: str) -> None:
             assert holds_number(said, language), said
 
 
-@pytest.mark.parametrize("language", ["en", "es"])
+@pytest.mark.parametrize("language", BUNDLED)
 def test_every_single_word_of_a_number_is_found_alone(language: str) -> None:
     for word in {
         word
@@ -154,6 +172,7 @@ def test_every_single_word_of_a_number_is_found_alone(language: str) -> None:
 FOUND = {
     "en": ("32 ms", "Two more.", "One-handed", "a hundred", "TWICE as good", "half of it"),
     "es": ("Doscientas veces", "a la mitad", "el doble", "VEINTIDÓS", "veintidos", "primera vez"),
+    "de": ("Zwei mehr.", "ein Drittel", "EINUNDZWANZIG", "doppelt so gut", "dreißig", "dreissig"),
     "fr": ("7 fois", "٣ times", "x2", "½", "Ⅳ", "x²"),
     "es-MX": ("once",),
     "en-GB": ("a one-off",),
@@ -161,6 +180,7 @@ FOUND = {
 NOT_FOUND = {
     "en": ("Everyone is often at tension.", "Well done.", "Attend to the phone", "", "ocho"),
     "es": ("Un poco más, una vez más.", "Muy bien, sonríe.", "Familia, oncología", "seven"),
+    "de": ("Noch einmal, ein wenig mehr.", "Achten Sie darauf.", "Zweifellos, keiner", "seven"),
     "fr": ("sept fois",),
 }
 

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from sar_tui.loop.phrase_keys import QUALITATIVE, QUANTITATIVE, holds_number
 from sar_tui.loop.task import Task
+from sar_tui.model.language import BUNDLED
 from sar_tui.model.theme import Theme
 from sar_tui.model.trial_types import Metric
 from sar_tui.plugins import Catalogue
@@ -299,7 +300,7 @@ def test_a_summary_without_times_gives_counts_only() -> None:
 # --- texts of tasks
 
 
-@pytest.mark.parametrize("language", ["en", "es"])
+@pytest.mark.parametrize("language", BUNDLED)
 @pytest.mark.parametrize("name", CATALOGUE.task_names())
 def test_text_that_a_task_adds_holds_no_number(name: str, language: str) -> None:
     kind = CATALOGUE.task(name)

@@ -17,6 +17,7 @@ pytestmark = needs_speech
 ENGLISH = Voicing("en")
 TEXTS = {
     "en": ("Well done.", "You were forty milliseconds faster than before.", "Press the key."),
+    "de": ("Gut gemacht.", "Sie waren vierzig Millisekunden schneller.", "Drücken Sie die Taste."),
     "es": ("Muy bien hecho.", "Tu tiempo fue de quinientos milisegundos.", "Pulsa la tecla."),
 }
 
@@ -45,7 +46,7 @@ def test_speech_is_audible_and_lasts_as_long_as_speech_does(engine: Engine, lang
 
 def test_voice_and_rate_count_from_the_very_next_utterance(engine: Engine) -> None:
     """Without the engine's workaround, pyttsx3 sometimes loses a rate."""
-    for language in ("en", "es") * 2:
+    for language in ("en", "es", "de") * 2:
         slow, fast = (
             engine.speak(TEXTS[language][1], Voicing(language, rate=rate)) for rate in (100, 300)
         )
