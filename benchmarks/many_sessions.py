@@ -11,7 +11,7 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
-from sar_tui.app.home.contents import read_card, read_participants, read_sessions
+from sar_tui.app.home.contents import read_card, read_day, read_sessions
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.node import Node
 from sar_tui.loop.task import Task
@@ -71,7 +71,7 @@ def measure(many: int, trials: int, folder: Path, measured: Callable[[], None]) 
 def _home(data: Path) -> None:
     catalogue = Catalogue()
     with closing(connect(data)) as database:
-        read_participants(database, data, date.today())
+        read_day(database, data, date.today())
         read_sessions(database, data, catalogue, _WHO)
         read_card(database, data, catalogue, _WHO, catalogue.task("keyboard"), date.today())
 

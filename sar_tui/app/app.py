@@ -463,6 +463,7 @@ class SarTui(BaseApp):
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
         """Fill the command palette."""
         yield SystemCommand("Help", "What this screen is for, and its keys", self.action_help)
+        yield from screen.commands() if isinstance(screen, HomeScreen) else ()
         for name, theme in () if self.has_participant else self.themes.known.items():
             yield SystemCommand(
                 f"Theme: {theme.title}",

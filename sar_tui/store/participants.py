@@ -5,13 +5,9 @@ import sqlite3
 from collections.abc import Collection, Sequence
 from datetime import datetime
 from difflib import get_close_matches
-from pathlib import Path
-
-import msgspec
 
 from sar_tui.store.counted import COUNTS, LIVE
 from sar_tui.store.database import StoreError, transaction
-from sar_tui.store.locks import is_held
 from sar_tui.store.training_days import utc
 
 _CODE = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,31}(@[A-Za-z0-9][A-Za-z0-9-]{0,15})?")
@@ -165,55 +161,6 @@ def _plain(code: str) -> str:
     alike.
     """
     return re.sub(r"(?<!\d)0+(?=\d)|[-_]", "", code.upper().translate(_MISTAKEN))
-
-
-class Known(msgspec.Struct, frozen=True):
-    """A participant with their newest session.
-
-    Args:
-        code: the code.
-        session: id of the newest session; None without one.
-        is_interrupted: True if one of the newest live sessions was interrupted, and was not
-            dismissed.
-    """
-
-    code: str
-    session: str | None
-    is_interrupted: bool
-
-
-_LOOKED_AT = 5
-"""Newest sessions of a participant among which an interrupted one still waits."""
-_NEWEST_FIRST = f"""SELECT code, newest.id,
-    (SELECT group_concat(sessions.id || ' ' || status) FROM
-        (SELECT session FROM seats WHERE participant=code ORDER BY seats.rowid DESC LIMIT {_LOOKED_AT}) AS own
-        CROSS JOIN sessions ON sessions.id=own.session
-        WHERE status IN ('running', 'interrupted') AND {LIVE} AND sessions.site='')
-FROM participants LEFT JOIN sessions AS newest ON newest.id=
-    (SELECT session FROM seats WHERE participant=code ORDER BY seats.rowid DESC LIMIT 1)
-WHERE participants.site=''
-ORDER BY max(coalesce(newest.started_at, ''), created_at) DESC, code"""
-"""Each participant's seats are looked up from the newest on, so that only some of their sessions
-are read.
-"""
-
-
-def newest_first(db: sqlite3.Connection, folder: Path) -> list[Known]:
-    """Return this site's participants of live sessions; first who began a session, or was added,
-    last.
-    """
-
-    def waits(unfinished: str | None) -> bool:
-        found = [each.split() for each in unfinished.split(",")] if unfinished else []
-        return any(
-            status == "interrupted" or not is_held(folder, "session", session)
-            for session, status in found
-        )
-
-    return [
-        Known(code, session, waits(unfinished))
-        for code, session, unfinished in db.execute(_NEWEST_FIRST)
-    ]
 
 
 def last_task(db: sqlite3.Connection, participant: str) -> str | None:

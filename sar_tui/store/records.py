@@ -342,6 +342,18 @@ def of_sessions(
     return found
 
 
+def of_everyone(db: sqlite3.Connection, kinds: Iterable[str]) -> list[Record]:
+    """Return the records of some kinds of this site's participants, as they are known now.
+
+    Each participant's are looked up: it takes no longer if there are many records of other kinds.
+    """
+    wanted = tuple(kinds)
+    conditions, values = _conditions(wanted, None, None)
+    known = "participant IN (SELECT code FROM participants WHERE site='')"
+    newest = {record.id: record for record in _select(db, [known, *conditions], values)}
+    return [record for record in newest.values() if not record.removed]
+
+
 def find_record(db: sqlite3.Connection, id: str) -> Record:
     """Return a record as it is known now. Raises StoreError if there is none."""
     return versions(db, id)[-1]

@@ -96,25 +96,32 @@ def done_on_day(db: sqlite3.Connection, participant: str, task: str, now: dateti
 # --- visits that are due
 
 
+_NEWEST = 10
+"""Sessions stored last among which the last one is: a clock may have been set back in between."""
 _PLANNED = f"""
 SELECT participant, days, updated_at,
-    (SELECT json_array(started_at, {UTC_OFFSET}) FROM seats JOIN sessions ON sessions.id=seats.session
-        WHERE seats.participant=planned.participant AND sessions.task=planned.task AND {COUNTS}
+    (SELECT json_array(started_at, {UTC_OFFSET}) FROM
+        (SELECT sessions.id, started_at FROM seats CROSS JOIN sessions ON sessions.id=seats.session
+            WHERE seats.participant=planned.participant AND sessions.task=planned.task AND {COUNTS}
+            ORDER BY seats.rowid DESC LIMIT {_NEWEST}) AS sessions
         ORDER BY started_at DESC LIMIT 1)
 FROM (SELECT participant, task, updated_at, json_extract(parameters, '$.days_between_visits') AS days FROM settings
     WHERE json_valid(parameters)) AS planned
 WHERE days > 0
 """
 """The newest programmes that plan visits, with the time at which each was saved, and the last
-session.
+session. ``CROSS``: the seats of a participant are visited from the newest on.
 """
 
 
-def visits_due(database: sqlite3.Connection, today: date) -> set[str]:
-    """Return the participants with a programme whose next visit is due today, or was before."""
-    found = set()
+def visits_due(database: sqlite3.Connection, today: date) -> dict[str, date]:
+    """Return the day from which a visit of a participant is due, by code, if that is not later than
+    today. Of several programmes the first one counts.
+    """
+    found: dict[str, date] = {}
     for participant, days, saved_at, session in database.execute(_PLANNED):
         last = trained_at(*json.loads(session)) if session else trained_at(saved_at, None)
         if (today - last.date()).days >= days:
-            found.add(participant)
+            due = last.date() + timedelta(days=days)
+            found[participant] = min(due, found.get(participant, due))
     return found

@@ -39,22 +39,6 @@ def of_participant(db: sqlite3.Connection, participant: str) -> list[Record]:
     return records.listing(db, kinds=KINDS, participant=participant)
 
 
-def newest_without_session(db: sqlite3.Connection) -> dict[str, list[Record]]:
-    """Return by participant what they said before a session that never began, since their newest
-    session.
-    """
-    newest = db.execute(
-        "SELECT seats.participant, max(started_at) FROM seats"
-        f" JOIN sessions ON sessions.id=seats.session WHERE {LIVE} GROUP BY seats.participant"
-    )
-    began = dict(newest.fetchall())
-    found: dict[str, list[Record]] = {}
-    for record in records.listing(db, kinds=KINDS, only="without session"):
-        if record.at > (began.get(record.participant) or ""):
-            found.setdefault(record.participant, []).append(record)
-    return found
-
-
 def limits_in(parameters: Mapping[str, Any]) -> PainLimits:
     """Return the limits of pain from the parameters of a session; a session without any has the
     usual ones.

@@ -12,6 +12,7 @@ from typing import Any
 import msgspec
 from rich.console import Console
 from textual.events import Key
+from textual.geometry import Region
 from textual.message import Message
 from textual.pilot import Pilot, WaitForScreenTimeout
 
@@ -290,8 +291,13 @@ class AppDriver:
         return " ".join(beside.translate(_FRAMES).split())
 
     def sees(self, words: str) -> bool:
-        """Return True if the words are on the screen, wherever its lines break."""
-        return words in " ".join(self.text.translate(_FRAMES).split())
+        """Return True if the words are on the screen, wherever its lines break, also within a part
+        of it that stands beside others.
+        """
+        rows = self.rows
+        whole = Region(0, 0, *self.app.size)
+        parts = (widget.region for widget in self.app.screen.query("*") if widget.display)
+        return any(words in _joined(rows, region) for region in dict.fromkeys((whole, *parts)))
 
     def see(self, *words: str) -> None:
         """Assert that each of the words is on the screen."""
@@ -315,6 +321,12 @@ class AppDriver:
         """The recorded messages of a topic."""
         found = self.stored("SELECT message FROM events WHERE topic=? ORDER BY seq", topic)
         return [msgspec.json.decode(text) for (text,) in found]
+
+
+def _joined(rows: Sequence[str], region: Region) -> str:
+    """Return the words in a region of the screen, with one space between them."""
+    inside = (row[region.x : region.right] for row in rows[region.y : region.bottom])
+    return " ".join(" ".join(inside).translate(_FRAMES).split())
 
 
 def stored(data: Path, query: str, *values: object) -> list[tuple[Any, ...]]:

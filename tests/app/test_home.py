@@ -2,11 +2,13 @@
 
 import shutil
 from contextlib import closing
+from datetime import date, timedelta
 from pathlib import Path
 
 import pytest
 from textual.widgets import Button
 
+from sar_tui.app.screens.home import HomeScreen
 from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.store.database import connect
@@ -101,11 +103,16 @@ async def test_the_card_tells_how_a_participant_does(
         told(database, "P01", "after", "tiredness", "4", session=second_session)
         told(database, "P01", "after", "pain", "3", session=second_session)
     async with opened() as driver:
-        driver.see("P02 unfinished", "P01 pain 3", "Interrupted today after 0")
+        driver.see("2 people need a look. 1 person has trained today.")
+        driver.see("P02 Today: a session was interrupted.", "Interrupted today after 0")
+        driver.see("P01 Today: pain 6, above the limit of 5.")
         await driver.press("down")
         driver.see("Programme v1: 2 × 2 · goal 1.0", "At goal >2 >3", "Reached 2/2 2/2")
-        driver.see("Last session all too easy", "Today: 2 of 2 reached, pain 3, tired 4", "pain 6")
-        await driver.press("up", "f6", "enter")
+        driver.see("Last session all too easy", "Today: 2 of 2 reached, pain 3, tired 4")
+        await driver.press("f6")
+        driver.see("Sessions of P01", "pain 6", "pain 3, tired 4")
+        driver.lacks("P02")
+        await driver.press("escape", "up", "f6", "enter")
         assert driver.session_id == session
 
 
@@ -157,7 +164,7 @@ async def test_without_a_participant_nothing_starts_and_imprecise_timing_is_told
     monkeypatch.setenv("SSH_CONNECTION", "somewhere")
     monkeypatch.setenv("TMUX", "some")
     async with opened() as driver:
-        driver.see("inside ssh and tmux: reaction times are less exact")
+        driver.see("inside ssh and tmux: reaction times are less exact", "Nobody has trained")
         for key in ("f2", "f12"):
             await driver.press(key)
             assert driver.screen_name == "HomeScreen"
@@ -214,14 +221,14 @@ async def test_an_interrupted_session_is_dismissed_taken_back_and_resumed(
     async with open_session(participant="P02", attempts=1) as driver:
         await driver.do_session()
     async with opened() as driver:
-        await driver.press("up")
+        await driver.press("up", "f6")
         recent = [row for row in driver.rows if "Keyboard re…" in row]
         assert "P02" in recent[0]
         assert "1 of 1" in recent[0]
         assert "P01" in recent[1]
         assert "interrupted: Enter resumes" in recent[1]
 
-        await driver.press("f6", "up")
+        await driver.press("home")
         assert "Dismiss" not in driver.rows[-1], "a completed session is not dismissed"
         await driver.press("delete", "down", "delete")
         assert driver.stored("SELECT id FROM sessions WHERE status='dismissed'") == [(session,)]
@@ -262,7 +269,8 @@ async def test_a_session_in_another_program_is_shown_so_far_and_not_dismissed(
         assert stored(data, "SELECT status FROM sessions") == [("running",)]
     lock.release()
     async with opened() as driver:
-        driver.see("interrupted: Enter resumes")
+        await driver.press("f6")
+        driver.see("interrupted: Enter resumes", "Press Enter to go on with this session.")
         await driver.press("f4")
         assert driver.screen_name == "ProgressScreen"
         driver.see("· interrupted · 1/2 attempts")
@@ -314,10 +322,9 @@ async def test_a_session_of_another_site_is_seen_and_left_as_it_is(
     merge(site(data, "ZURICH"), bern)
     async with opened() as driver:
         assert driver.sees("+ New participant"), "nobody of this site is known yet"
-        driver.see("P01@BERN")
+        await driver.press("f6")
+        driver.see("P01@BERN", "Press Enter to look at this session.")
         driver.lacks("Enter resumes")
-        driver.app.screen.query_one("#recent").focus()
-        await driver.settle()
         assert "Dismiss" not in driver.rows[-1]
         await driver.press("delete", "enter")
         driver.see("P01@BERN · Keyboard reaction")
@@ -327,3 +334,67 @@ async def test_a_session_of_another_site_is_seen_and_left_as_it_is(
         await driver.press("escape")
     assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
     assert stored(data, "SELECT code, site FROM participants") == [("P01@BERN", "BERN")]
+
+
+async def test_a_home_left_open_over_night_shows_the_new_day(
+    opened: OpenApp, open_session: OpenSession, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with open_session(attempts=1) as driver:
+        await driver.do_session()
+    async with opened() as driver:
+        driver.see("1 person has trained today.", "Today at ")
+        tomorrow = date.today() + timedelta(days=1)
+        monkeypatch.setattr(driver.app, "today", lambda: tomorrow)
+        screen = driver.app.screen
+        assert isinstance(screen, HomeScreen)
+        screen._look_again()
+        await driver.settle()
+        driver.see("Nobody needs a look today.", "P01 Trained yesterday.", f"{tomorrow:%a}")
+        driver.lacks("Today at ")
+
+
+async def test_who_had_pain_above_the_limit_this_week_is_on_the_first_screen(
+    opened: OpenApp, data: Path
+) -> None:
+    for number in range(30):
+        known(data, f"P{number:02}")
+    with closing(connect(data)) as database:
+        told(database, "P07", "before", "pain", "6")
+        told(database, "P13", "before", "pain", "9")
+        told(database, "P20", "before", "pain", "5")
+    async with opened() as driver:
+        driver.see("2 people need a look.")
+        driver.see("P13 Today: pain 9, above the limit of 5. P07 Today: pain 6, above the limit")
+        await driver.press("p", "a")
+        driver.see("find: PA (Esc)", "P20 No session yet. Pain 5 this week.")
+        driver.lacks("P21")
+        await driver.press("escape", "down", "enter", "enter")
+        driver.see("Welcome")
+    assert stored(data, "SELECT participant FROM seats") == [("P07",)]
+
+
+async def test_in_a_small_window_the_sessions_take_the_place_of_the_day_until_escape(
+    home: AppDriver,
+) -> None:
+    home.lacks("Sessions of P01")
+    await home.press("f6")
+    home.see("Sessions of P01", "None yet.", "Press Esc to go back.")
+    home.lacks("START")
+    await home.press("escape")
+    home.see("START", "Press Enter to choose P01.")
+    await home.resize(100, 32)
+    home.see("START", "Sessions of P01")
+    await home.press("f6")
+    home.see("START", "Sessions of P01")
+
+
+async def test_what_enter_does_is_said_where_the_focus_is(home: AppDriver) -> None:
+    home.see("Press Enter to choose P01.")
+    await home.press("enter")
+    home.see("Press Enter to start a session of P01.")
+    await home.press("escape", "end")
+    home.see("Press Enter to add a participant.", "F6 shows the sessions of everyone.")
+    await home.press("plus")
+    assert home.screen_name == "NewParticipantScreen"
+    await home.enter("p02")
+    home.see("2 people", "P02 · Keyboard reaction", "Press Enter to go on.")

@@ -93,12 +93,14 @@ async def test_a_window_that_loses_the_focus_flags_the_trial(driver: AppDriver) 
 
 async def test_help_and_the_palette_describe_a_screen_and_its_keys(first_run: AppDriver) -> None:
     await first_run.press("?")
-    first_run.see("Choose who trains", "F2 Settings", "Ctrl-Q Quit")
+    first_run.see("People who need a look come first", "F2 Settings", "Ctrl-Q Quit")
     for keys in (("enter",), ("f1", "f1")):
         await first_run.press(*keys)
         assert first_run.screen_name == "HomeScreen"
     await first_run.press("ctrl+p")
-    first_run.see("Help", "Theme: Calm", "Theme: High contrast", "Quit")
+    first_run.see("Help", "New participant", "Settings", "Progress", "Sessions", "Quit")
+    await first_run.write(*"theme")
+    first_run.see("Theme: Calm", "Theme: High contrast")
 
 
 async def test_in_a_session_the_palette_offers_no_theme(driver: AppDriver) -> None:

@@ -56,7 +56,7 @@ async def test_the_frame_of_the_home_screen_is_shown_before_it_is_filled(
     monkeypatch.setattr(HomeScreen, "fill", see_and_fill)
     async with opened() as driver:
         assert len(seen) == 1
-        assert all(heading in seen[0] for heading in ("sar-tui", "Who", "Sessions"))
+        assert all(heading in seen[0] for heading in ("sar-tui", "People"))
         assert "START" not in seen[0]
         assert "P01" not in seen[0]
         driver.see("P01", "Keyboard reaction", "No session yet. START begins the first one.")

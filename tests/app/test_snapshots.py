@@ -3,12 +3,19 @@
 They are kept in ``snapshots/``. ``SAR_TUI_UPDATE_SNAPSHOTS=1`` updates them; then read the diff.
 """
 
+from datetime import date
 from pathlib import Path
 
 import pytest
 
 from tests.album import Album
 from tests.app.app_driver import OpenApp, OpenSession
+
+
+@pytest.fixture(autouse=True)
+def friday(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The date that the home screen shows."""
+    monkeypatch.setattr("sar_tui.app.app.SarTui.today", staticmethod(lambda: date(2026, 3, 20)))
 
 
 @pytest.fixture

@@ -137,7 +137,7 @@ async def test_home_offers_the_panel_while_a_session_can_be_joined(
         await driver.press("f3")
         there += [here(OTHER, data / "other"), here(ONE, data)]
         assert isinstance(driver.app.screen, home.HomeScreen)
-        driver.app.screen._look_for_sessions()
+        driver.app.screen._look_again()
         await driver.settle()
         assert driver.sees("Operator's panel")
         await driver.press("f3")

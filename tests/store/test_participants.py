@@ -10,10 +10,8 @@ from hypothesis import strategies as st
 
 from sar_tui.store import programmes, sessions
 from sar_tui.store.database import StoreError, connect
-from sar_tui.store.locks import hold
-from sar_tui.store.participants import add, check_code, codes, last_task, last_used, newest_first
+from sar_tui.store.participants import add, check_code, codes, last_task, last_used
 from sar_tui.store.programmes import Programme
-from tests.store.by_hand import sql
 from tests.store.test_sessions import enter
 
 
@@ -70,35 +68,6 @@ def test_the_one_used_last_is_of_the_last_live_run(database: Connection) -> None
     for session, expected in ((first, "P01"), (second, "P02"), (simulated, "P02"), (first, "P01")):
         sessions.begin_run(database, session, software={}, machine={})
         assert last_used(database) == expected
-
-
-def test_the_newest_session_or_addition_is_listed_first(database: Connection, data: Path) -> None:
-    for code in ("P01", "P02", "P03"):
-        add(database, code)
-    second = enter(database, "P02")
-    add(database, "P04")
-    found = newest_first(database, data)
-    assert [each.code for each in found] == ["P04", "P02", "P03", "P01"]
-    assert [each.session for each in found] == [None, second, None, None]
-
-
-def test_a_participant_waits_with_an_interrupted_session_that_is_not_long_past(
-    database: Connection, data: Path
-) -> None:
-    def waiting() -> set[str]:
-        return {each.code for each in newest_first(database, data) if each.is_interrupted}
-
-    for code in ("P01", "P02", "P03", "P04"):
-        add(database, code)
-    left, running = enter(database, "P01"), enter(database, "P02")
-    enter(database, "P03", mode="simulated")
-    enter(database, "P04")
-    for _ in range(5):
-        sql(database, "UPDATE sessions SET status='completed' WHERE id=?", enter(database, "P04"))
-    with hold(data, "session", running):
-        assert waiting() == {"P01"}
-    sql(database, "UPDATE sessions SET status='dismissed' WHERE id=?", left)
-    assert waiting() == {"P02"}
 
 
 def test_the_last_task_is_of_the_newest_live_session_or_programme(database: Connection) -> None:

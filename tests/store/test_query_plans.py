@@ -4,6 +4,7 @@ are.
 
 import re
 from collections.abc import Callable
+from datetime import date
 from pathlib import Path
 from sqlite3 import Connection
 
@@ -11,7 +12,7 @@ import pytest
 
 from sar_tui.reports import logged_messages
 from sar_tui.reports.output_summary import output_summaries
-from sar_tui.store import imu, participants, results, sessions, wellbeing
+from sar_tui.store import courses, imu, participants, results, sessions, wellbeing
 from tests.played import simulated
 from tests.store.by_hand import sql
 
@@ -30,7 +31,7 @@ def show(database: Connection, folder: Path, session: str) -> None:
 
 
 def look_at_home(database: Connection, folder: Path) -> None:
-    participants.newest_first(database, folder)
+    courses.read_people(database, folder, date.today())
     participants.last_task(database, "SIM")
     shown = [row["id"] for row in sessions.listing(database, folder, limit=30)]
     sessions.listing(database, folder, participant="SIM", limit=30)

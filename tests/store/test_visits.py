@@ -33,7 +33,7 @@ def trained(database: Connection, days_later: int, **other: str) -> None:
 
 
 def due(database: Connection, day: int) -> set[str]:
-    return training_days.visits_due(database, date(2026, 11, day))
+    return set(training_days.visits_due(database, date(2026, 11, day)))
 
 
 def test_the_first_visit_is_due_after_the_programme_was_saved(database: Connection) -> None:

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from textual.app import ComposeResult
-from textual.containers import Horizontal, Vertical
+from textual.containers import Container, Horizontal, Vertical
 from textual.events import Resize
 from textual.widgets import Button, Static
 
@@ -16,17 +16,13 @@ if TYPE_CHECKING:
 _ROOMY = 80
 """Columns from which on the programme is said in full."""
 _WELCOME = (
-    "Nobody has trained here yet.\n\n"
     "1. Press Enter, and give the first person a code, such as P01. Never a name.\n\n"
     "2. Choose their task and their theme. Settings (F2) are yours: what they train, how much, "
     "how hard.\n\n"
     "3. START. From there on the screen tells the participant what to do.\n\n"
     "To look around first: Ctrl-Q, then sar-tui demo."
 )
-_NEW = (
-    "Press Enter to add a participant: a code, such as P01. Never a name.\n\nBelow are the "
-    "latest sessions of everyone."
-)
+_NEW = "Each participant has a code, such as P01. Never use a name.\n\nF6 shows the sessions of everyone."
 _FIRST = "No session yet. START begins the first one."
 
 
@@ -48,13 +44,12 @@ class ParticipantCard(Vertical):
         if not self._is_open:
             return
         yield Static("", id="told", markup=False)
-        with Horizontal(id="choices"):
-            yield Static("Task", classes="label")
-            with Vertical(classes="slot"):
-                yield PickList(id="task", markup=False)
-            yield Static("Theme", classes="label second")
-            with Vertical(id="theme-slot", classes="slot"):
-                yield PickList(id="theme", markup=False)
+        with Container(id="choices"):
+            for name in ("Task", "Theme"):
+                with Horizontal(classes="row"):
+                    yield Static(name, classes="label")
+                    with Vertical(classes="slot"):
+                        yield PickList(id=name.lower(), markup=False)
         with Vertical(id="facts"):
             with Horizontal(classes="row"):
                 yield Static("Programme", classes="label", markup=False)
@@ -65,9 +60,9 @@ class ParticipantCard(Vertical):
                     yield Static(name, classes="label", markup=False)
                     yield Static("", id=name.lower(), classes="value", markup=False)
         yield Static("", id="welcome", markup=False)
-        with Horizontal(id="go"):
-            yield Button("START", id="start", variant="primary")
+        with Vertical(id="go"):
             yield Static("", id="offer", markup=False)
+            yield Button("START", id="start", variant="primary")
 
     def show(self, participant: str, title: str, found: "CardContents", offer: str) -> None:
         """Show the card of a participant."""

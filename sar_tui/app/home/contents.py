@@ -10,6 +10,7 @@ import msgspec
 
 from sar_tui.app.home import words
 from sar_tui.app.home.chart import Chart, charted
+from sar_tui.app.home.day import Day, day_of
 from sar_tui.app.home.session_list import Line
 from sar_tui.app.home.words import Programme
 from sar_tui.loop.task import Task
@@ -27,12 +28,12 @@ from sar_tui.rules.wellbeing import tell_therapist
 from sar_tui.runs.plan import Failed, set_up
 from sar_tui.runs.start_level import LOOKED_AT, start_after
 from sar_tui.store import (
+    courses,
     participants,
     programmes,
     provenance,
     results,
     sessions,
-    training_days,
     wellbeing,
 )
 from sar_tui.store.records import Record
@@ -114,36 +115,10 @@ def _programme(
     return Programme(saved.version, parameters.attempts, prompts, goal, *start), ""
 
 
-class Waiting(msgspec.Struct, frozen=True):
-    """A participant in the list, and why they are marked; empty if they are not."""
-
-    code: str
-    waits: str
-
-
-def read_participants(database: sqlite3.Connection, folder: Path, today: date) -> list[Waiting]:
-    """Return the participants, newest first, each with what waits: reported pain, an interrupted
-    session, a visit.
-    """
-    known = participants.newest_first(database, folder)
-    felt = wellbeing.by_session(database, [each.session for each in known if each.session])
-    not_begun = wellbeing.newest_without_session(database)
-    due = training_days.visits_due(database, today)
-
-    def pain(each: participants.Known) -> str:
-        told = [*felt.get(each.session or "", ()), *not_begun.get(each.code, ())]
-        mine = [one for one in told if one.participant == each.code and one.kind == wellbeing.PAIN]
-        return marks(mine)
-
-    return [
-        Waiting(
-            each.code,
-            words.waits_words(
-                is_interrupted=each.is_interrupted, pain=pain(each), is_due=each.code in due
-            ),
-        )
-        for each in known
-    ]
+def read_day(database: sqlite3.Connection, folder: Path, today: date) -> Day:
+    """Return the day: the people of this site, and what is to be said of them."""
+    people = courses.read_people(database, folder, today)
+    return day_of(people, participants.last_used(database), today)
 
 
 class Listed(msgspec.Struct, frozen=True):

@@ -1,6 +1,8 @@
-"""The list of participants. Typing a code narrows it."""
+"""The list of the day: people in sections, each with why they are there. Typing finds a person."""
 
-from collections.abc import Sequence
+import textwrap
+from collections.abc import Iterator, Sequence
+from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 from textual.content import Content
@@ -10,27 +12,33 @@ from textual.widgets.option_list import Option
 from sar_tui.widgets.lists import MarkedList
 
 if TYPE_CHECKING:
-    from sar_tui.app.home.contents import Waiting
+    from sar_tui.app.home.day import Entry
 
 _NEW = "+"
-_HINT = "type to find"
+_HINT = "type to find · + adds"
+_BESIDE = 3
+"""Columns of a line's padding and the scroll bar."""
+_NARROWEST = 12
+"""Fewest columns of what is said of a person."""
+_LONGEST_CODE = 12
+"""Longer codes are cut, so that there is room for what is said."""
 
 
 class ParticipantList(MarkedList):
-    """Participants, each with why they are marked, and a last line to add one.
+    """People, each with what the day says of them, and a last line to add one.
 
     Attributes:
-        sought: the part of a code that was typed.
+        sought: the part of a code, or a word, that was typed.
     """
 
     def __init__(self, **how: Any) -> None:
         super().__init__(markup=False, **how)
-        self._known: Sequence[Waiting] = ()
+        self._known: Sequence[Entry] = ()
         self.sought = ""
-        self.border_title = "Who"
+        self.border_title = "People"
 
-    def fill(self, known: "Sequence[Waiting]", chosen: str | None) -> None:
-        """List participants, with one of them chosen."""
+    def fill(self, known: "Sequence[Entry]", chosen: str | None) -> None:
+        """List people, with one of them chosen."""
         self._known = known
         if chosen and self.sought not in chosen:
             self.sought = ""
@@ -51,30 +59,55 @@ class ParticipantList(MarkedList):
         """Return True for the line that adds a participant."""
         return option.id == _NEW
 
+    def choose_new(self) -> None:
+        """Choose the line that adds a participant."""
+        self.choose(_NEW)
+
+    # --- drawing
+
     def _list(self, chosen: str | None) -> None:
-        found = [each for each in self._known if self.sought in each.code]
-        found.sort(key=lambda each: not each.code.startswith(self.sought))
+        found = self._found()
         self.clear_options()
-        self.add_options([Option(self._line(each), id=each.code) for each in found])
-        self.add_option(Option("+ New participant", id=_NEW))
+        self.add_options([*self._in_sections(found), Option("+ New participant", id=_NEW)])
         self.choose(chosen)
+        if self.highlighted == 1:
+            self.scroll_home(animate=False)  # the heading above it is shown, too
+        count = len(self._known)
+        self.border_title = f"{count} people" if count > 1 else "People"
         if self._known:
             self.border_subtitle = f"find: {self.sought} (Esc)" if self.sought else _HINT
 
-    def _line(self, each: "Waiting") -> Content:
-        width = max(8, self.content_size.width - 2)
-        if not each.waits:
-            return Content(each.code).truncate(width, ellipsis=True)
-        code = Content(each.code).truncate(max(3, width - len(each.waits) - 2), ellipsis=True)
-        return Content.assemble(code, "  ", (each.waits, "$warning"))
+    def _in_sections(self, entries: "Sequence[Entry]") -> Iterator[Option]:
+        from sar_tui.app.home.day import HEADINGS
+
+        width = self.content_size.width - _BESIDE
+        code_width = min(_LONGEST_CODE, max((len(each.code) for each in entries), default=0))
+        above = ""
+        for part, members in groupby(entries, key=lambda each: each.part):
+            heading = Content.styled(HEADINGS[part], "bold $text-muted")
+            yield Option(Content(above) + heading, disabled=True)
+            for each in members:
+                yield Option(_entry_lines(each, code_width, width), id=each.code)
+            above = "\n" if self.app.size.height >= 30 else ""
 
     def on_resize(self, event: Resize) -> None:
         """Fit the lines into another width."""
         if self._known:
             self._list(self.chosen)
 
+    # --- finding
+
+    def _found(self) -> "list[Entry]":
+        """Return the people whose code has what was typed; without one, those of whom it is
+        said.
+        """
+        if not self.sought:
+            return list(self._known)
+        by_code = [each for each in self._known if self.sought in each.code]
+        return by_code or [each for each in self._known if self.sought in each.words.upper()]
+
     def on_key(self, event: Key) -> None:
-        """Narrow the list to the codes with the typed characters; Escape shows all again, and who
+        """Narrow the list to the people with the typed characters; Escape shows all again, and who
         was chosen before.
         """
         typed = (event.character or "").upper()
@@ -94,7 +127,7 @@ class ParticipantList(MarkedList):
         event.stop()
         event.prevent_default()
         before, self.sought = self.sought, sought
-        if len(sought) > len(before) and not any(sought in each.code for each in self._known):
+        if len(sought) > len(before) and not self._found():
             self.sought = before
             self.app.bell()
             return
@@ -104,8 +137,23 @@ class ParticipantList(MarkedList):
             self._list(self.code if not self.sought else self._best())
 
     def _best(self) -> str | None:
-        """Return the first code that begins with what was typed, or contains it."""
-        found = [each.code for each in self._known if self.sought in each.code]
+        """Return the first code that begins with what was typed; without one, the first found."""
+        found = [each.code for each in self._found()]
         return next(
             (code for code in found if code.startswith(self.sought)), next(iter(found), None)
         )
+
+
+def _entry_lines(entry: "Entry", code_width: int, width: int) -> Content:
+    """Return what is said of a person, behind their code."""
+    room = max(_NARROWEST, width - code_width - 2)
+    said = [
+        *((line, "$warning") for text in entry.look for line in textwrap.wrap(text, room)),
+        *((line, "$text-muted") for line in textwrap.wrap(entry.said, room)),
+    ]
+    code = Content(entry.code).truncate(code_width, ellipsis=True, pad=True)
+    rows = []
+    for number, (line, style) in enumerate(said):
+        before = Content.styled(code.plain, "bold") if not number else Content(" " * code_width)
+        rows.append(Content.assemble(before, "  ", (line, style)))
+    return Content("\n").join(rows)

@@ -59,7 +59,6 @@ class SessionList(Vertical):
             self.app.database, self.app.folder, self.app.catalogue, participant
         )
         self.border_title = f"Sessions of {participant}" if participant else "Sessions of everyone"
-        self.border_subtitle = "Enter opens" if self._listed.rows else ""
         self._draw(chosen)
 
     @property
@@ -92,6 +91,16 @@ class SessionList(Vertical):
             if self._listed
             else None
         )
+
+    def enter_words(self) -> str:
+        """Return what Enter does with the chosen session."""
+        from sar_tui.app.home.contents import can_resume
+
+        if (row := self.chosen) is None:
+            return "Press Esc to go back."
+        if can_resume(row):
+            return "Press Enter to go on with this session."
+        return "Press Enter to look at this session."
 
     def choose_offered(self) -> None:
         """Choose the session that is offered, if there is one."""

@@ -116,13 +116,6 @@ def offer_words(day: date, done: int, planned: object, today: date) -> str:
     )
 
 
-def waits_words(*, is_interrupted: bool, pain: str, is_due: bool = False) -> str:
-    """Return why a participant is marked in the list: pain that was reported comes first, a visit
-    that is due last.
-    """
-    return pain or ("unfinished" if is_interrupted else "due" if is_due else "")
-
-
 def bars(values: Sequence[int], highest: int, width: int) -> str:
     """Return numbers from 1 on as a row of bars, the newest ones if there are more than
     ``width``.

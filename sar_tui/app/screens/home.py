@@ -1,13 +1,18 @@
-"""The first screen: the participants, the card of the chosen one, and their sessions."""
+"""The first screen, the therapist's day: people by what they need, the card of the chosen one, and
+their sessions.
+"""
 
+from collections.abc import Iterator
+from datetime import date
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from textual import on
-from textual.app import ComposeResult
+from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
-from textual.containers import Horizontal
+from textual.containers import Horizontal, Vertical
 from textual.content import Content
+from textual.events import Resize
 from textual.screen import Screen
 from textual.widgets import Button, Static
 from textual.widgets.option_list import Option
@@ -18,6 +23,8 @@ from sar_tui.app.home.session_list import SessionList
 from sar_tui.plugins import Catalogue, PluginError
 from sar_tui.store.connection import timing_flags
 from sar_tui.store.database import StoreError
+from sar_tui.tui.heading import Heading
+from sar_tui.tui.key_line import KeyLine
 from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.lists import OptionList, PickList
 
@@ -26,24 +33,24 @@ if TYPE_CHECKING:
     from sar_tui.store.programmes import Programme
 
 _LOOK_SECONDS = 3.0
+_HIGH = 40
+"""Rows from which on the parts of the card are kept apart."""
 _FIRST_TASK = "keyboard"
 """The task that is chosen before anybody has chosen one, if it is there."""
 
 
 class HomeScreen(Screen[None]):
-    """Participants, how the chosen one is doing, and START. Enter and Enter begin their next
-    session.
+    """The day: who needs a look, who is due, who has trained. Enter and Enter begin the next session
+    of who trained last.
     """
 
     help_text = (
-        "Choose who trains; Enter, and Enter again starts. Type part of a code to find it. The "
-        "right arrow leads to "
-        "task, theme, START, sessions.\n"
-        "At goal: the level at which this person would just reach the goal. F4 shows how well it "
-        "is known.\n"
-        "Enter resumes an interrupted session; Delete dismisses it, and takes that back. New "
-        "participant shows "
-        "everyone's sessions.\n"
+        "People who need a look come first: pain above their limit this week, an adverse event, a "
+        "level that stayed for three sessions, a session interrupted or begun by mistake. A visit "
+        "is due by *Days between visits* (F2).\n\n"
+        "Type part of a code to find a person, or a word such as pain. Enter and Enter again start. "
+        "At goal: the level at which they just reach it. F6: Enter goes on with an interrupted "
+        "session, Del dismisses it. + adds a person.\n"
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("right,down", "next", "Next list", show=False, id="next"),
@@ -53,6 +60,7 @@ class HomeScreen(Screen[None]):
         Binding("f6", "sessions", "Sessions", id="sessions"),
         Binding("f12", "patient_mode", "Patient mode", id="patient-mode"),
         Binding("f3", "operate", "Operator's panel", id="operate"),
+        Binding("plus", "new_participant", "New participant", show=False, id="new-participant"),
         Binding("escape", "to_participants", "Who", show=False, id="to-participants"),
     ]
 
@@ -65,17 +73,25 @@ class HomeScreen(Screen[None]):
         self._starting = Starting(self)
         self._is_filled = False
         self._can_operate = False
+        self._day: date | None = None
         self._who: str | None = None
         self._theme_of: tuple[str, str] | None = None
         self._shown: tuple[str | None, str | None] | None = None
 
     def compose(self) -> ComposeResult:
-        yield Static(_title(), id="title", markup=False)
-        with Horizontal(id="top"):
+        yield Static(_title(self.app.today()), id="title", classes="top-bar", markup=False)
+        yield Heading(id="sentence")
+        with Horizontal(id="day"):
             yield ParticipantList(id="participant")
-            yield ParticipantCard(id="card")
-        yield SessionList(id="sessions")
+            with Vertical(id="person"):
+                yield ParticipantCard(id="card")
+                yield SessionList(id="sessions")
+        yield KeyLine(id="key")
         yield KeyFooter(show_command_palette=False)
+
+    def on_resize(self, event: Resize) -> None:
+        """Leave more air where there are rows to spare."""
+        self.set_class(event.size.height >= _HIGH, "-high")
 
     # --- filling
 
@@ -85,7 +101,6 @@ class HomeScreen(Screen[None]):
         """
         await self.query_one(ParticipantCard).open()
         self._is_filled = True
-        self._mark_demonstration()
         list_tasks(self._tasks, self.app.catalogue)
         self.app.themes.load()
         self._themes.add_options(
@@ -94,22 +109,14 @@ class HomeScreen(Screen[None]):
         self._themes.highlighted = 0
         self._tasks.choose(_FIRST_TASK)
         self._list_participants()
-        self._look_for_sessions()
-        self.set_interval(_LOOK_SECONDS, self._look_for_sessions)
+        self._look_again()
+        self.set_interval(_LOOK_SECONDS, self._look_again)
         self.app.tell_troubles()
-
-    def _mark_demonstration(self) -> None:
-        """Say in the title if the people are invented."""
-        from sar_tui.store.sessions import is_demonstration
-
-        if is_demonstration(self.app.database):
-            lasts = "" if self.app.is_kept else " Nothing here is kept."
-            self.query_one("#title", Static).update(f"Demonstration: invented people.{lasts}")
 
     def on_screen_resume(self) -> None:
         if self._is_filled:
             self.refresh_contents()
-            self._look_for_sessions()
+            self._look_again()
         if self.focused is None:
             self._participants.focus()
 
@@ -119,13 +126,27 @@ class HomeScreen(Screen[None]):
         self._list_participants()
 
     def _list_participants(self, chosen: str | None = None) -> None:
-        from sar_tui.app.home.contents import read_participants
+        from sar_tui.app.home.contents import read_day
         from sar_tui.store import participants
 
         chosen = chosen or self._participants.chosen or participants.last_used(self.app.database)
-        known = read_participants(self.app.database, self.app.folder, self.app.today())
-        self._participants.fill(known, chosen)
+        self._day = self.app.today()
+        day = read_day(self.app.database, self.app.folder, self._day)
+        self._participants.fill(day.entries, chosen)
+        self._show_title(self._day)
+        self.query_one("#sentence", Heading).show(day.sentence)
+        self.set_class(not day.entries, "empty")
         self._show_participant(anew=True)
+
+    def _show_title(self, today: date) -> None:
+        """Show the day, and if the people are invented."""
+        from sar_tui.store.sessions import is_demonstration
+
+        title = _title(today)
+        if is_demonstration(self.app.database):
+            lasts = "" if self.app.is_kept else " Nothing here is kept."
+            title = f"{_date(today)} · Demonstration: invented people.{lasts}"
+        self.query_one("#title", Static).update(title)
 
     def _show_participant(self, *, anew: bool = False) -> None:
         """Show the chosen participant: their last task, their card and their sessions, if it is
@@ -199,6 +220,7 @@ class HomeScreen(Screen[None]):
     @on(OptionList.OptionHighlighted, "#participant")
     def _participant_chosen(self) -> None:
         self._show_participant()
+        self._show_key()
 
     @on(OptionList.OptionHighlighted, "#task")
     def _task_chosen(self) -> None:
@@ -265,12 +287,64 @@ class HomeScreen(Screen[None]):
 
     def action_to_participants(self) -> None:
         """Focus the list of participants."""
+        self.remove_class("-listing")
         self._participants.focus()
 
     def action_sessions(self) -> None:
-        """Focus the sessions, with the one chosen that is offered."""
+        """Focus the sessions, with the one chosen that is offered. In a small window they take the
+        place of the day.
+        """
+        self.add_class("-listing")
         self.query_one(SessionList).choose_offered()
         self.query_one("#recent").focus()
+
+    def action_new_participant(self) -> None:
+        """Choose the line that adds a participant, and ask for a code."""
+        self.action_to_participants()
+        self._participants.choose_new()
+        self._add_participant()
+
+    def commands(self) -> Iterator[SystemCommand]:
+        """Yield what can be done here, for the command palette."""
+        yield SystemCommand(
+            "New participant", "Add a person by a code", self.action_new_participant
+        )
+        for action, title, help in (
+            ("settings", "Settings", "What the chosen person trains, how much, how hard"),
+            ("progress", "Progress", "How the chosen person has done over weeks"),
+            ("sessions", "Sessions", "Those of the chosen person: look, go on, dismiss"),
+            ("patient_mode", "Patient mode", "Let the chosen person train alone"),
+            ("operate", "Operator's panel", "Join a session that is under way"),
+        ):
+            if self.check_action(action, ()):
+                yield SystemCommand(title, help, getattr(self, f"action_{action}"))
+
+    # --- the key row
+
+    def on_descendant_focus(self) -> None:
+        """Say what Enter does where the focus is."""
+        self._show_key()
+
+    @on(OptionList.OptionHighlighted, "#recent")
+    def _show_key(self) -> None:
+        """Say what Enter does now."""
+        if self._is_filled:
+            self.query_one("#key", KeyLine).show(self._enter_words(), "Enter")
+
+    def _enter_words(self) -> str:
+        focused = self.focused.id if self.focused is not None else None
+        who = self._participants.code
+        if focused == "participant":
+            if who:
+                return f"Press Enter to choose {who}."
+            return "Press Enter to add a participant."
+        if focused == "start":
+            return f"Press Enter to start a session of {who}."
+        if focused in ("task", "theme"):
+            return "Press Enter to go on."
+        if focused == "recent":
+            return self.query_one(SessionList).enter_words()
+        return ""
 
     @on(Button.Pressed, "#start")
     def _start(self) -> None:
@@ -319,14 +393,19 @@ class HomeScreen(Screen[None]):
             self.notify(str(error), severity="warning", timeout=15)
             return None
 
-    # --- the operator's panel, while a session of this data folder can be joined
+    # --- while nobody presses a key: another day, and the operator's panel of a session to join
 
-    def _look_for_sessions(self) -> None:
+    def _look_again(self) -> None:
+        """Read the day anew if it is another one, and see if a session of this data folder can be
+        joined.
+        """
         from sar_tui.link.discovery import joinable_sessions
         from sar_tui.link.errors import LinkError
 
         if not self.is_current:
             return
+        if self._day != self.app.today():  # it was left open over night
+            self.refresh_contents()
         try:
             can_operate = bool(joinable_sessions(self.app.folder))
         except LinkError:
@@ -358,12 +437,16 @@ class HomeScreen(Screen[None]):
             self.app.push_screen(ChooseScreen(folder), chosen)
 
 
-def _title() -> str:
-    """Return the program's name, and what makes timing less exact in this terminal."""
-    flags = timing_flags()
-    return "sar-tui" + (
-        f"   (inside {' and '.join(flags)}: reaction times are less exact)" if flags else ""
-    )
+def _title(today: date) -> str:
+    """Return the program's name, the day, and what makes timing less exact in this terminal."""
+    title = _date(today)
+    if flags := timing_flags():
+        title += f" · inside {' and '.join(flags)}: reaction times are less exact"
+    return title
+
+
+def _date(today: date) -> str:
+    return f"sar-tui · {today:%a} {today.day} {today:%b}"
 
 
 _OTHERS = "Others"

@@ -17,7 +17,6 @@ from sar_tui.app.home.words import (
     programme_words,
     progress_words,
     short,
-    waits_words,
 )
 from sar_tui.loop.task import Task
 from sar_tui.model.language import Language
@@ -181,13 +180,6 @@ def test_the_last_session_is_a_sentence() -> None:
     assert last_words(last, "tired 3", TODAY) == "Tue 17 Nov: 7 of 12 reached, tired 3"
     nothing = session(0, [], began=datetime(2026, 11, 21, 10, tzinfo=UTC), status="aborted")
     assert last_words(nothing, "", TODAY) == "Yesterday: no attempt was finished, ended early"
-
-
-def test_pain_marks_a_participant_before_all_else() -> None:
-    assert waits_words(is_interrupted=True, pain="pain 6") == "pain 6"
-    assert waits_words(is_interrupted=True, pain="", is_due=True) == "unfinished"
-    assert waits_words(is_interrupted=False, pain="", is_due=True) == "due"
-    assert waits_words(is_interrupted=False, pain="") == ""
 
 
 def test_a_bar_is_as_high_as_its_level() -> None:

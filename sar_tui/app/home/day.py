@@ -1,0 +1,188 @@
+"""The day as the therapist sees it: who needs a look, who is due, who has trained. Pure.
+
+Each text is a whole sentence with slots, so that it can be translated.
+"""
+
+from collections.abc import Iterator, Sequence
+from datetime import date
+from typing import Literal
+
+import msgspec
+
+from sar_tui.app.home.words import day_words
+from sar_tui.rules.attention import (
+    COURSE_DAYS,
+    Reason,
+    ReasonKind,
+    Section,
+    reasons,
+    section,
+    urgency,
+    worst_pain,
+)
+from sar_tui.store.courses import DayTotal, Person
+
+Part = Section | Literal["last"]
+"""A section of the list; ``last`` has the one who trained last, as they may well go on."""
+HEADINGS: dict[Part, str] = {
+    "last": "Trained last",
+    "look": "Need a look",
+    "due": "Due",
+    "today": "Trained today",
+    "new": "New",
+    "away": "Not for a week or longer",
+    "others": "Others",
+}
+"""The sections, in order."""
+_REASONS: dict[ReasonKind, str] = {
+    "pain": "{day}: pain {value}, above the limit of {limit}.",
+    "pain rose": "{day}: pain rose from {limit} to {value}.",
+    "event": "{day}: an adverse event, {word}.",
+    "event without outcome": "{day}: an adverse event, {word}. Its outcome is not recorded.",
+    "new pain": "Pain in each of the last four sessions, and none before.",
+    "worse pain": "More pain in each of the last four sessions than before.",
+    "tired": "Very tired after each of the last two sessions.",
+    "stuck": "The level has stayed at {value} for three sessions.",
+    "mistake": "{day}: a session was started by mistake.",
+    "interrupted": "{day}: a session was interrupted.",
+}
+
+
+class Entry(msgspec.Struct, frozen=True):
+    """A person in the list of the day.
+
+    Attributes:
+        code: of the participant.
+        part: where they stand.
+        look: why they need a look, a sentence each.
+        said: what else the day says of them.
+    """
+
+    code: str
+    part: Part
+    look: Sequence[str]
+    said: str
+
+    @property
+    def words(self) -> str:
+        """All that is said, for a search."""
+        return " ".join((*self.look, self.said))
+
+
+class Day(msgspec.Struct, frozen=True):
+    """The list of the day, and the sentence above it."""
+
+    sentence: str
+    entries: Sequence[Entry]
+
+
+def day_of(people: Sequence[Person], last: str | None, today: date) -> Day:
+    """Return the day.
+
+    Args:
+        people: first who began a session, or was added, last.
+        last: who trained last; they come first, as they may well go on.
+        today: the date.
+    """
+    found = []
+    for place, person in enumerate(people):
+        why = reasons(person.course, today)
+        part: Part = section(person.course, today)
+        if person.code == last and part != "look":
+            part = "last"
+        look = [_reason(reason, today) for reason in why]
+        entry = Entry(person.code, part, look, _said(person, part, today))
+        found.append((_order(person, part, why, last), place, entry))
+    entries = [entry for *_, entry in sorted(found, key=lambda one: one[:2])]
+    return Day(_sentence(people, entries), entries)
+
+
+def _order(
+    person: Person, part: Part, why: Sequence[Reason], last: str | None
+) -> tuple[float, ...]:
+    """Return the key of the order in the list; without more, the newest come first."""
+    course, place = person.course, list(HEADINGS).index(part)
+    if part == "look":
+        # who trained last is where the list begins, even if others are more urgent
+        return (place, person.code != last, *urgency(why[0]))
+    if part == "due" and course.due:
+        return (place, -course.due.toordinal())
+    return (place,)
+
+
+def _reason(reason: Reason, today: date) -> str:
+    return _REASONS[reason.kind].format(
+        day=_sentence_day(reason.day, today) if reason.day else "",
+        value=reason.value,
+        limit=reason.limit,
+        word=reason.word,
+    )
+
+
+def _sentence_day(day: date, today: date) -> str:
+    """Return a date as a sentence begins with it."""
+    words = day_words(day, today)
+    return f"{words[0].upper()}{words[1:]}"
+
+
+def _said(person: Person, part: Part, today: date) -> str:
+    """Return what is said of a person besides why they need a look."""
+    course = person.course
+    said = []
+    if course.due:
+        said.append(_due(course.due, today))
+    if person.today:
+        said.append(_trained(person.today))
+    if part == "look":  # the rest is less urgent than why they need a look
+        return " ".join(said)
+    if course.last is None:
+        said.append("No session yet.")
+    elif not person.today:
+        said.append(_last(course.last, today))
+    if pain := worst_pain(course.rated, today):
+        said.append(f"Pain {pain} this week.")
+    return " ".join(said)
+
+
+def _due(due: date, today: date) -> str:
+    return "Due today." if due == today else f"Due since {day_words(due, today)}."
+
+
+def _trained(total: DayTotal) -> str:
+    clock = f"{total.began:%H:%M}"
+    if not total.attempts:
+        return f"Today at {clock}, no attempt was finished."
+    if not total.judged:
+        return f"Today at {clock}, {total.minutes} min."
+    return f"Today at {clock}, {total.minutes} min, {total.reached} of {total.judged} goals."
+
+
+def _last(last: date, today: date) -> str:
+    days = (today - last).days
+    if days == 1:
+        return "Trained yesterday."
+    if days >= COURSE_DAYS:
+        return f"Trained last on {day_words(last, today)}."
+    return f"Trained {days} days ago."
+
+
+def _sentence(people: Sequence[Person], entries: Sequence[Entry]) -> str:
+    """Return the sentences above the list."""
+    if not any(person.course.last or person.course.rated for person in people):
+        return "Nobody has trained here yet."
+    look = sum(bool(entry.look) for entry in entries)
+    due = sum(person.course.due is not None for person in people)
+    trained = sum(bool(person.today and person.today.attempts) for person in people)
+    return " ".join(_counts(look, due, trained))
+
+
+def _counts(look: int, due: int, trained: int) -> Iterator[str]:
+    if not look:
+        yield "Nobody needs a look today."
+    else:
+        yield "1 person needs a look." if look == 1 else f"{look} people need a look."
+    if due:
+        yield "1 visit is due." if due == 1 else f"{due} visits are due."
+    if trained:
+        one = "1 person has trained today."
+        yield one if trained == 1 else f"{trained} people have trained today."

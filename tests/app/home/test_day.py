@@ -1,0 +1,123 @@
+"""The day in words: the sentence above the list, its sections, and what is said of each person."""
+
+from datetime import UTC, date, datetime, timedelta
+from typing import Any
+
+import pytest
+
+from sar_tui.app.home.day import Day, Entry, day_of
+from sar_tui.rules.attention import STUCK_SESSIONS, Course, Event, PastSession, Rated
+from sar_tui.rules.wellbeing import SessionRatings
+from sar_tui.store.courses import DayTotal, Person
+
+TODAY = date(2026, 11, 25)
+
+
+def person(code: str, trained: int | None = 1, **course: Any) -> Person:
+    """Return a person who trained so many days ago; None: never."""
+    sessions = [] if trained is None else [PastSession(ago(trained), "keyboard")]
+    total = DayTotal(datetime(2026, 11, 25, 9, 40, tzinfo=UTC), 10, 21, 8, 10)
+    return Person(code, Course(**{"sessions": sessions} | course), total if trained == 0 else None)
+
+
+def ago(days: int) -> date:
+    return TODAY - timedelta(days=days)
+
+
+def in_pain(days: int, pain: int) -> list[Rated]:
+    return [Rated(ago(days), SessionRatings(pain_after=pain))]
+
+
+def day(*people: Person, last: str | None = None) -> Day:
+    return day_of(people, last, TODAY)
+
+
+def only(one: Person) -> Entry:
+    (entry,) = day(one).entries
+    return entry
+
+
+def test_who_needs_a_look_comes_first_then_who_is_due_and_who_has_trained() -> None:
+    found = day(
+        person("NEW", None),
+        person("TODAY", 0),
+        person("RECENT", 3),
+        person("DUE", 4, due=ago(1)),
+        person("AWAY", 8),
+        person("EVENT", 2, events=[Event(ago(2), "mild", has_outcome=True)]),
+        person("PAIN", 3, rated=in_pain(3, 6)),
+        person("MORE", 3, rated=in_pain(3, 8)),
+        person("NOW", 4, due=TODAY),
+        person("GONE", 40),
+    )
+    assert [(each.part, each.code) for each in found.entries] == [
+        ("look", "MORE"), ("look", "PAIN"), ("look", "EVENT"), ("due", "NOW"), ("due", "DUE"),
+        ("today", "TODAY"), ("new", "NEW"), ("away", "AWAY"), ("others", "RECENT"),
+        ("others", "GONE"),
+    ]  # fmt: skip
+    assert found.sentence == ("3 people need a look. 2 visits are due. 1 person has trained today.")
+
+
+def test_the_list_begins_with_who_trained_last() -> None:
+    people = (person("P03", 2), person("P02", 1, rated=in_pain(1, 9)), person("P01", 1))
+    found = [(each.part, each.code) for each in day(*people, last="P01").entries]
+    assert found == [("last", "P01"), ("look", "P02"), ("others", "P03")]
+    hurt = person("P01", 1, rated=in_pain(1, 6))
+    found = [(each.part, each.code) for each in day(*people[:2], hurt, last="P01").entries]
+    assert found == [("look", "P01"), ("look", "P02"), ("others", "P03")]
+
+
+@pytest.mark.parametrize(
+    ("people", "sentence"),
+    [
+        ((), "Nobody has trained here yet."),
+        ((person("P01", None),), "Nobody has trained here yet."),
+        ((person("P01", None, rated=in_pain(0, 7)),), "1 person needs a look."),
+        ((person("P01", 1),), "Nobody needs a look today."),
+        ((person("P01", 9, due=TODAY),), "Nobody needs a look today. 1 visit is due."),
+        (
+            (person("P01", 0), person("P02", 0)),
+            "Nobody needs a look today. 2 people have trained today.",
+        ),
+    ],
+)
+def test_the_day_is_a_sentence(people: tuple[Person, ...], sentence: str) -> None:
+    assert day(*people).sentence == sentence
+
+
+def test_a_reason_is_a_sentence_with_its_day() -> None:
+    assert STUCK_SESSIONS == 3, "as the sentence says"
+    stuck = [PastSession(ago(days), "keyboard", levels=(6,)) for days in (0, 2, 4)]
+    found = only(
+        person(
+            "P01",
+            sessions=stuck,
+            rated=in_pain(4, 6),
+            events=[Event(ago(1), "mild", has_outcome=False)],
+        )
+    )
+    assert found.look == [
+        "Sat 21 Nov: pain 6, above the limit of 5.",
+        "Yesterday: an adverse event, mild. Its outcome is not recorded.",
+        "The level has stayed at 6 for three sessions.",
+    ]
+    assert "PAIN" in found.words.upper()
+
+
+@pytest.mark.parametrize(
+    ("one", "said"),
+    [
+        (person("P01", None), "No session yet."),
+        (person("P01", 0), "Today at 09:40, 21 min, 8 of 10 goals."),
+        (person("P01", 1), "Trained yesterday."),
+        (person("P01", 9), "Trained 9 days ago."),
+        (person("P01", 40), "Trained last on Fri 16 Oct."),
+        (person("P01", 3, due=TODAY), "Due today. Trained 3 days ago."),
+        (person("P01", 3, due=ago(1)), "Due since yesterday. Trained 3 days ago."),
+        (person("P01", 0, rated=in_pain(0, 2)), "Today at 09:40, 21 min, 8 of 10 goals. Pain 2 this week."),
+        (person("P01", 0, rated=in_pain(0, 6)), "Today at 09:40, 21 min, 8 of 10 goals."),
+        (person("P01", 3, rated=in_pain(3, 6)), ""),
+    ],
+)  # fmt: skip
+def test_it_is_said_when_a_person_trained_and_how_it_went(one: Person, said: str) -> None:
+    assert only(one).said == said
