@@ -107,14 +107,24 @@ def listed(
         is_chosen: True if the list itself is chosen: only then a record is.
     """
     width, height = size[0], size[1] - 1
-    title = tr(GLOSSARY[name].title)
+    title, part = tr(GLOSSARY[name].title), ""
     if name == "sessions" and line:
         rows = sessions_part(line, (width, height), chosen, tr, marked)
+        part = _part_shown(len(line.sessions), height - 1, chosen, tr)
     elif name == "days":
         rows = days_part(found, (width, height), tr)
     else:
         rows = records_part(found, (width, height), record if is_chosen else None, tr)
-    return [TextRow(title, name, len(title)), *map(TextRow, rows)]
+    return [TextRow(f"{title}{part}", name, len(title)), *map(TextRow, rows)]
+
+
+def _part_shown(count: int, rows: int, chosen: int, tr: Language) -> str:
+    """Return which rows of a list are shown; empty if all are."""
+    shown = window(count, max(1, rows), chosen)
+    if len(shown) == count:
+        return ""
+    first, last = str(shown[0] + 1), str(shown[-1] + 1)
+    return f"  {tr('{first} to {last} of {count}', first=first, last=last, count=str(count))}"
 
 
 def of_person(

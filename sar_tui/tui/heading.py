@@ -109,7 +109,7 @@ class Heading(Widget):
         return [spaced(self._text, columns) if self._capitals else self._text]
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
-        return self._content(width).get_height({}, width)
+        return self._content(width).get_height({}, max(1, width))
 
     def _content(self, columns: int) -> Content:
         return Content("\n".join(self._lines(columns)))

@@ -1,5 +1,7 @@
 """Screens in windows of several sizes; texts are larger where there is room."""
 
+from pathlib import Path
+
 import pytest
 
 from sar_tui.app.agent.app import AgentApp
@@ -11,6 +13,7 @@ from sar_tui.runs.plan import make_plan
 from sar_tui.widgets.choice import Choice
 from tests.app.app_driver import AppDriver, OpenApp, OpenSession
 from tests.app.test_agent_view import Link
+from tests.app.test_progress import open_progress, trained
 
 SIZES = [(60, 20), (13, 24), (1, 1), (20, 200), (200, 1)]
 
@@ -39,6 +42,20 @@ async def test_home_and_the_settings_survive_any_size(home: AppDriver) -> None:
     await home.press("enter")
     await shrink_and_grow(home)
     assert home.screen_name == "SettingsScreen"
+
+
+async def test_progress_survives_any_size(
+    opened: OpenApp, data: Path, catalogue: Catalogue
+) -> None:
+    trained(data, catalogue, 1000, 1000)
+    async with opened() as driver:
+        await open_progress(driver, catalogue)
+        for _ in range(3):
+            await shrink_and_grow(driver)
+            await driver.press("shift+tab")
+        await driver.press("enter")
+        await shrink_and_grow(driver)
+        assert driver.screen_name == "ExplanationScreen"
 
 
 async def test_the_sensor_check_opens_in_any_size(opened: OpenApp, catalogue: Catalogue) -> None:

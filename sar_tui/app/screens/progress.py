@@ -90,6 +90,7 @@ class ProgressScreen(DismissedOnce[None]):
         Binding("ctrl+q", "app.quit", "Quit", show=False, priority=True, id="quit-here"),
     ]
 
+    VERTICAL_BREAKPOINTS = [(36, "-tall")]
     app: Any
 
     def __init__(self, participant: str, task: type[Task]) -> None:
@@ -246,7 +247,7 @@ class ProgressScreen(DismissedOnce[None]):
         if self.found is None:
             return self._problem
         text = headline(self.found, line, self._tr).text if line else NONE_YET
-        return parts.balanced(text, min(self.size.width - 4, _SENTENCE))
+        return parts.balanced(text, max(_SMALLEST[0], min(self.size.width - 4, _SENTENCE)))
 
     def _key(self) -> str:
         if not self.figure:
@@ -525,6 +526,10 @@ def _colored(row: TextRow, *, is_chosen: bool) -> Content:
     return content
 
 
+_SMALLEST = (30, 4)
+"""Columns and rows for which something is drawn: a smaller window shows a part of it."""
+
+
 class _Drawing(Widget):
     """Text that is drawn to fit its place, given the columns and rows of it."""
 
@@ -533,8 +538,8 @@ class _Drawing(Widget):
         self._drawn = draw
 
     def render(self) -> Content:
-        size = self.content_size
-        return self._drawn(*size) if size.width and size.height else Content("")
+        columns, rows = self.content_size
+        return self._drawn(max(_SMALLEST[0], columns), max(_SMALLEST[1], rows))
 
 
 # --- the explanation of a figure
