@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from textual import events
 from textual.app import SystemCommand
 from textual.binding import Binding, BindingType
+from textual.command import CommandPalette
 from textual.driver import Driver
 from textual.screen import Screen
 from textual.widget import Widget
@@ -461,8 +462,10 @@ class SarTui(BaseApp):
         )
 
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
-        """Fill the command palette."""
-        yield SystemCommand("Help", "What this screen is for, and its keys", self.action_help)
+        """Fill the command palette, in the language of the screen below it."""
+        tr = language_of(self)
+        about = tr("What this screen is for, and its keys")
+        yield SystemCommand(tr("Help"), about, self.action_help)
         yield from screen.commands() if isinstance(screen, HomeScreen) else ()
         for name, theme in () if self.has_participant else self.themes.known.items():
             yield SystemCommand(
@@ -470,7 +473,15 @@ class SarTui(BaseApp):
                 theme.summary,
                 functools.partial(self.themes.use_named, name),
             )
-        yield SystemCommand("Quit", "Leave sar-tui; a session under way is kept", self.action_quit)
+        leave = tr("Leave sar-tui; a session under way is kept")
+        yield SystemCommand(tr("Quit"), leave, self.action_quit)
+
+    def action_command_palette(self) -> None:
+        """Open the command palette."""
+        if self.use_command_palette and not CommandPalette.is_open(self):  # type: ignore[arg-type]
+            tr = language_of(self)
+            asks = tr("Search for commands…")
+            self.push_screen(CommandPalette(placeholder=asks, id="--command-palette"))
 
     def action_help(self) -> None:
         from sar_tui.app.screen_keys import HelpScreen

@@ -163,6 +163,14 @@ async def test_a_session_of_keys_is_in_another_language(
         assert english_in(seen, session_language(driver.session.task).texts | said) == []
 
 
+async def test_the_command_palette_of_a_session_is_in_its_language(
+    opened: OpenApp, catalogue: Catalogue
+) -> None:
+    async with opened(plan(catalogue, "keyboard", language="de")) as driver:
+        await driver.press("ctrl+p")
+        driver.see("Befehl suchen", "Wofür dieser Bildschirm da ist", "Ende")
+
+
 async def test_settings_are_in_the_saved_language(opened: OpenApp, data: Path) -> None:
     known(data, "P01", language="es")
     async with opened() as driver:

@@ -139,7 +139,7 @@ async def test_only_the_first_attempt_can_be_a_mistake(open_session: OpenSession
 
 async def test_a_mistake_can_be_said_in_a_pause(open_session: OpenSession) -> None:
     async with open_session(ask_wellbeing=True) as driver:
-        await driver.press("0", "1")
+        await driver.press("0", "enter", "1", "enter")
         await driver.to_first_prompt()
         await driver.press("escape", "down", "down", "down", "enter")
         driver.see("It was started by mistake")
