@@ -8,7 +8,7 @@ from itertools import product
 from sar_tui.model.language import Language
 from sar_tui.progress.change import BASELINE, FAMILIARISATION, baseline
 from sar_tui.reports import dose_words, progress_words
-from sar_tui.reports.charts import ABOVE, BELOW, MARKED
+from sar_tui.reports.charts import ABOVE, BELOW, EVENT, MARKED
 from sar_tui.reports.progress import LineProgress, Progress, SessionProgress
 from sar_tui.reports.progress_charts import needs_look
 from sar_tui.reports.progress_glossary import GLOSSARY
@@ -115,13 +115,15 @@ def listed(
         rows = days_part(found, (width, height), tr)
     else:
         rows = records_part(found, (width, height), record if is_chosen else None, tr)
+        if not is_chosen:
+            part = _part_shown(len(found.records), height - 1, len(found.records), tr)
     return [TextRow(f"{title}{part}", name, len(title)), *map(TextRow, rows)]
 
 
 def _part_shown(count: int, rows: int, chosen: int, tr: Language) -> str:
     """Return which rows of a list are shown; empty if all are."""
     shown = window(count, max(1, rows), chosen)
-    if len(shown) == count:
+    if len(shown) >= count:
         return ""
     first, last = str(shown[0] + 1), str(shown[-1] + 1)
     return f"  {tr('{first} to {last} of {count}', first=first, last=last, count=str(count))}"
@@ -182,7 +184,9 @@ def sessions_part(
     width, height = size
     shown = window(len(line.sessions), max(1, height - 1), chosen)
     few = _FEW_COLUMNS.get(line.measure, _OTHER_FEW_COLUMNS)
-    for columns, gap in product((*_COLUMNS, few), ("  ", " ")):
+    has_levels = line.measure != "result"
+    wide = [[name for name in each if has_levels or name != "at goal"] for each in _COLUMNS]
+    for columns, gap in product((*wide, few), ("  ", " ")):
         table = _table(line, columns, gap, shown, chosen, tr, marked)
         if max(map(len, table)) <= width:
             break
@@ -294,7 +298,7 @@ def _cells(
         "level": _SIDES[session.side] if level is None else tr.figures(f"{level:.1f}"),
         "mean": "" if session.mean is None else progress_words.result(line, session.mean, tr),
         "minutes": tr.figures(f"{session.time_on_task_s / 60:.1f}"),
-        "pain": "·" if session.pain is None else str(session.pain),
+        "pain": f"{'·' if session.pain is None else session.pain}{EVENT if needs_look(session) else ' '}",
         "tired": "·" if session.tiredness is None else str(session.tiredness),
     }
     return [cells[name] for name in columns]

@@ -100,6 +100,7 @@ class ProgressScreen(DismissedOnce[None]):
         self.found: Progress | None = None
         self._problem = ""
         self._figure = "verdict"
+        self._figures: list[str] = []
         self._line = 0
         self._chosen = 0
         self._marked: str | None = None
@@ -126,10 +127,9 @@ class ProgressScreen(DismissedOnce[None]):
         """Read the sessions once the empty screen is shown: a thousand of them take a moment."""
         if self.load():
             assert self.found
-            self._line = len(self.found.lines) - 1
-            self._chosen = len(line.sessions) - 1 if (line := self._shown_line) else 0
-        self.refresh_bindings()
-        self.show()
+            self._show_line(len(self.found.lines) - 1)
+        else:
+            self.show()
 
     def load(self) -> bool:
         """Read all that is shown, and return True; say why if it cannot be read."""
@@ -159,9 +159,15 @@ class ProgressScreen(DismissedOnce[None]):
     def _shown_line(self) -> LineProgress | None:
         return self.found.lines[self._line] if self.found and self.found.lines else None
 
-    @property
-    def _figures(self) -> list[str]:
-        return parts.figures(self.found, self._shown_line) if self.found else []
+    def _show_line(self, number: int) -> None:
+        """Show one of the person's lines, with its last session chosen."""
+        assert self.found
+        self._line = number
+        line = self._shown_line
+        self._figures = parts.figures(self.found, line)
+        self._chosen, self._marked = len(line.sessions) - 1 if line else 0, None
+        self.refresh_bindings()
+        self.show()
 
     @property
     def figure(self) -> str:
@@ -365,11 +371,7 @@ class ProgressScreen(DismissedOnce[None]):
         """Show the sessions that had other settings."""
         if self._shown_line:
             assert self.found
-            self._line = (self._line - 1) % len(self.found.lines)
-            line = self.found.lines[self._line]
-            self._chosen, self._marked = len(line.sessions) - 1, None
-            self.refresh_bindings()
-            self.show()
+            self._show_line((self._line - 1) % len(self.found.lines))
 
     def action_compare(self) -> None:
         """Mark the chosen session, to compare it with others; or end the comparison."""
@@ -445,6 +447,8 @@ class ProgressScreen(DismissedOnce[None]):
             new = [number for number, each in enumerate(self._listed) if each not in before]
             if new:
                 self._figure, self._record = "records", new[-1]
+            assert self.found
+            self._figures = parts.figures(self.found, self._shown_line)
             self.refresh_bindings()
             self.show()
 
