@@ -135,6 +135,13 @@ class PatientMode:
         if isinstance(screen, SessionScreen) and screen.check_action("pause", ()):
             screen.action_pause()
 
+    @property
+    def next_exercise(self) -> tuple[int, int] | None:
+        """Number of the exercise after the present one, and of all; None if there is none, or the
+        mode is off.
+        """
+        return self._screen.next_exercise if self._screen is not None and self.participant else None
+
     def exercise_left(self, *, ended: bool, is_mistake: bool) -> None:
         """Go on to the next exercise after a session."""
         if self._screen is not None and self.participant:

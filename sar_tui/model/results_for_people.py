@@ -105,6 +105,16 @@ def day_text(day: date, today: date, tr: Language) -> str:
     return tr(_WEEKDAYS[day.weekday()])
 
 
+def meeting_text(today: date, days: int, tr: Language) -> str:
+    """Return when the next session is, as a farewell: in so many days, or 0 if it is not known."""
+    if days == 1:
+        return tr("See you tomorrow.")
+    if 1 < days < len(_WEEKDAYS):
+        weekday = _WEEKDAYS[(today.weekday() + days) % len(_WEEKDAYS)]
+        return tr("See you on {day}.", day=tr(weekday))
+    return tr("See you next time.")
+
+
 def decimals_for(metric: Metric, value: float, goal: float) -> int | None:
     """Return the decimals with which a time is not shown as its goal, unless it is; None if the
     unit has none.

@@ -85,7 +85,6 @@ def attempts_figure(
     markers: Mapping[str, str] = MARKERS,
     beside: Sequence[float | None] = (),
     has_legend: bool = True,
-    has_bars: bool = True,
     tr: Language = _ENGLISH,
 ) -> str:
     """Draw the metric over attempts, with the goal as a line, and the levels below.
@@ -105,7 +104,6 @@ def attempts_figure(
         beside: metrics and goals of a figure shown beside this one, so that both have the same
             axes.
         has_legend: False if the legend is shown elsewhere (`legend`).
-        has_bars: False for levels in figures alone.
         tr: the language of the other words.
 
     Returns:
@@ -118,7 +116,7 @@ def attempts_figure(
     width, height = max(width, _SMALLEST[0]), max(height, _SMALLEST[1])
     names = results or ["no result" if value is None else "reached" for value in metrics]
     has_empty = None in (*metrics, *beside)
-    bar_lines = (height >= _FOR_BARS) + (height >= _FOR_TALL_BARS) if has_bars else 0
+    bar_lines = (height >= _FOR_BARS) + (height >= _FOR_TALL_BARS)
     explained = legend(
         goals, results or [name for name in names if name == "no result"], tr, markers
     )

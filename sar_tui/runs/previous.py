@@ -27,6 +27,7 @@ from sar_tui.progress.task_level import AttemptResult, places, to_level
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.results import sessions_of
+from sar_tui.store.training_days import session_number
 
 
 def beside_earlier_sessions(
@@ -54,6 +55,18 @@ def beside_earlier_sessions(
     except (StoreError, sqlite3.Error):
         return ""
     return beside_previous(line, date.today(), tr) if line else ""
+
+
+def number_of(folder: Path, session: str) -> int:
+    """Return the number of a session among those of its participant; 0 if the database cannot be
+    read.
+    """
+    try:
+        with closing(connect(folder)) as database:
+            code = sessions.rows(database, "seats", session)[0]["participant"]
+            return session_number(database, code, session)
+    except (StoreError, sqlite3.Error):
+        return 0
 
 
 def line_with(

@@ -93,6 +93,17 @@ def done_on_day(db: sqlite3.Connection, participant: str, task: str, now: dateti
     return found
 
 
+def session_number(database: sqlite3.Connection, participant: str, session: str) -> int:
+    """Return the number of a session among those of a participant that count, from 1."""
+    (number,) = database.execute(
+        f"""SELECT count(*) FROM seats JOIN sessions ON sessions.id=seats.session
+        WHERE seats.participant=:participant AND (sessions.id=:session OR {COUNTS}) AND started_at<=
+        (SELECT started_at FROM sessions WHERE id=:session)""",
+        {"participant": participant, "session": session},
+    ).fetchone()
+    return int(number)
+
+
 # --- visits that are due
 
 

@@ -79,8 +79,7 @@ class Heading(Widget):
     Args:
         text: the sentence.
         largest: the most rows that it may take; 1: it is never drawn in block letters.
-        capitals: in a small window it is written in spaced capitals, which is for a short praise.
-        classes: ``well-done`` for praise.
+        classes: ``well-done`` for praise, which is written in spaced capitals in a small window.
     """
 
     DEFAULT_CSS = "Heading { width: 100%; height: auto; }"
@@ -90,23 +89,28 @@ class Heading(Widget):
         text: str = "",
         *,
         largest: int = 1,
-        capitals: bool = False,
         id: str | None = None,
         classes: str = "sentence",
     ) -> None:
         super().__init__(id=id, classes=classes)
-        self._text, self._largest, self._capitals = text, largest, capitals
+        self._text, self._largest = text, largest
 
-    def show(self, text: str) -> None:
-        """Show a sentence; empty: nothing, and no room is taken."""
+    def show(self, text: str, largest: int | None = None) -> None:
+        """Show a sentence; empty: nothing, and no room is taken.
+
+        Args:
+            text: the sentence.
+            largest: the most rows that it may take from now on; None: as many as before.
+        """
         self._text = text
+        self._largest = self._largest if largest is None else largest
         self.display = bool(text)
         self.refresh(layout=True)
 
     def _lines(self, columns: int) -> list[str]:
         if is_roomy(*self.app.size) and (drawn := in_blocks(self._text, columns, self._largest)):
             return drawn
-        return [spaced(self._text, columns) if self._capitals else self._text]
+        return [spaced(self._text, columns) if self.has_class("well-done") else self._text]
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
         return self._content(width).get_height({}, max(1, width))

@@ -1,32 +1,56 @@
 """The one thing to do on a screen: a sentence with its key, always in the row above the footer."""
 
 from textual.content import Content
+from textual.geometry import Size
 from textual.widget import Widget
+
+from sar_tui.tui.heading import is_roomy
+
+_GAP = "\N{NO-BREAK SPACE}"
 
 
 class KeyLine(Widget):
-    """Shows a sentence in which the name of the key looks like a key. It changes only by
-    ``show``.
+    """Shows a sentence in which the name of the key looks like a key: as a cap of three rows in a
+    large window. It changes only by ``show``, and with the window's size.
+
+    Args:
+        text: the sentence; empty: nothing is to be done.
+        keys: names of keys; the first that stands in the sentence is shown as a key.
     """
 
-    def __init__(self, text: str = "", key: str = "", id: str | None = None) -> None:
+    def __init__(self, text: str = "", *keys: str, id: str | None = None) -> None:
         super().__init__(id=id)
-        self._text, self._key = text, key
+        self.show(text, *keys)
 
-    def show(self, text: str, key: str = "") -> None:
-        """Show what to do.
+    def show(self, text: str, *keys: str) -> None:
+        """Show what to do."""
+        self._text = text
+        self._key = next((key for key in keys if key in text), "")
+        self.refresh(layout=True)
 
-        Args:
-            text: the sentence; empty: nothing is to be done.
-            key: the name of the key as it stands in the sentence.
-        """
-        self._text, self._key = text, key
-        self.refresh()
+    @property
+    def _is_large(self) -> bool:
+        return is_roomy(*self.app.size) and bool(self._key)
+
+    def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
+        return 3 if self._is_large else 1
 
     def render(self) -> Content:
-        before, found, after = (
-            self._text.partition(self._key) if self._key else (self._text, "", "")
-        )
-        if not found:
+        if not self._key:
             return Content(self._text)
-        return Content.assemble(before, (f" {found} ", "$background on $accent bold"), after)
+        before, found, after = self._text.partition(self._key)
+        if not self._is_large:
+            # the spaces beside the name become part of the key
+            cap = f"{' ' * before.endswith(' ')}{found}{' ' * after.startswith(' ')}"
+            words = before.removesuffix(" "), after.removeprefix(" ")
+            return Content.assemble(words[0], (cap, "$background on $accent"), words[1])
+        edge = "─" * (len(found) + 2)
+        left, right = _GAP * len(before), _GAP * len(after)  # keep the cap where it is centred
+        rows = (
+            (left, f"╭{edge}╮", right),
+            (before, f"│ {found} │", after),
+            (left, f"╰{edge}╯", right),
+        )
+        return Content("\n").join(
+            Content.assemble(text, (cap, "$accent"), more) for text, cap, more in rows
+        )

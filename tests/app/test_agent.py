@@ -11,6 +11,7 @@ from sar_tui.loop.phrase_keys import PERFORMANCE, PHRASE_KEYS
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS
 from sar_tui.plugins import Catalogue
+from sar_tui.tui.key_line import KeyLine
 from sar_tui.widgets.agent import Agent
 from tests.app.app_driver import AppDriver, OpenSession
 from tests.app.fake_voice import Voice
@@ -176,12 +177,12 @@ async def test_tab_requests_feedback(open_session: OpenSession) -> None:
         assert "Tab" not in driver.text
         await driver.do_attempt(await driver.begin())
         assert driver.said == ""
-        driver.see("Press Enter for attempt 2 of 2. Press Tab to hear how it went.")
+        driver.see("Press Enter for attempt 2 of 2.", "Press Tab to hear how it went.")
         await driver.press("tab")
         assert "0.40 seconds" in driver.said
         assert "Tab" not in driver.text
         await driver.do_attempt(await driver.begin())
-        driver.see("Press Enter to see how it went. Press Tab to hear how it went.")
+        driver.see("Press Enter to see how it went.", "Press Tab to hear how it went.")
 
 
 # --- one stop
@@ -319,7 +320,7 @@ async def test_the_longest_text_fits_beside_the_agent_and_the_key_hints(
     more = longest(theme, ["rest", "encouragement"])
     async with open_session(theme=name, language=language, attempts=200) as driver:
         await driver.press("enter")
-        at_foot, press = driver.rows[-2:], driver.app.screen.query_one("#enter").render()  # type: ignore[attr-defined]
+        at_foot, press = driver.rows[-2:], driver.app.screen.query_one(KeyLine).render()  # type: ignore[attr-defined]
         agent = driver.app.screen.query_one(Agent)
         agent.say(words, "happy", "positive")
         agent.say(more, "encouraging", joins=True)

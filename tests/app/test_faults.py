@@ -31,7 +31,7 @@ async def test_a_failed_write_asks_for_the_experimenter(driver: AppDriver) -> No
     driver.see("Please fetch the experimenter")
 
     await driver.disk(True)
-    driver.see("Thank you for waiting Everything is saved again. Press Enter to go on.")
+    driver.see("Thank you for waiting Everything is saved again.", "Press Enter to go on.")
     await driver.press("enter")
     assert (await driver.to_prompt()).text == prompt.text
     await driver.answer(prompt)

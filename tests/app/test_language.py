@@ -104,7 +104,7 @@ SEEN = {
         "Teclas 0 de 2",
         "Pulse: {key}",
         "Tiene 60 por 20 caracteres; hacen falta 80 por 24.",
-        "Ha hecho 2 intentos; meta alcanzada en 2.",
+        "2 de 2 metas alcanzadas",
     ),
     "de": Seen(
         "Reaktion mit Tasten",
@@ -113,7 +113,7 @@ SEEN = {
         "Tasten 0 von 2",
         "Drücken: {key}",
         "Es hat 60 mal 20 Zeichen; 80 mal 24 sind nötig.",
-        "Sie haben 2 Durchgänge gemacht; Ziel erreicht in 2.",
+        "2 von 2 Zielen erreicht",
     ),
 }
 

@@ -11,7 +11,7 @@ from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.store.database import connect
 from sar_tui.store.record_changes import BY_MISTAKE, why_discarded
-from tests.app.app_driver import AppDriver, OpenApp, OpenSession, known, stored
+from tests.app.app_driver import AppDriver, OpenApp, OpenSession, given, known, stored
 
 QUESTION = "Leave now?"
 
@@ -139,13 +139,13 @@ async def test_only_the_first_attempt_can_be_a_mistake(open_session: OpenSession
 
 async def test_a_mistake_can_be_said_in_a_pause(open_session: OpenSession) -> None:
     async with open_session(ask_wellbeing=True) as driver:
-        await driver.press("0", "enter", "1", "enter")
+        await driver.press(*given("0", "1"))
         await driver.to_first_prompt()
         await driver.press("escape", "down", "down", "down", "enter")
         driver.see("It was started by mistake")
         await driver.press("down", "down", "enter")
         await driver.wait(300)
-        driver.see("That is all right. This session does not count.")
+        driver.see("That is all right This session does not count.")
         driver.lacks("Ended early")
         await driver.press("enter")
         assert driver.app.return_code == 0, "nothing more is asked"

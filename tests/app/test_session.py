@@ -36,8 +36,10 @@ async def test_a_session_from_start_to_summary(open_session: OpenSession) -> Non
 
         await driver.see_the_summary()
         assert driver.session.ended
-        driver.see("You did 2 attempts; goal reached in 2. Best: 0.40 seconds. Highest level: 2.")
-        driver.see("● reached")
+        driver.see(
+            "2 of 2 goals reached", "You began at level 1 and finished at level 2", "0.40 seconds"
+        )
+        driver.see("● ●")
         await driver.press("enter")
         assert not driver.app.is_running
         assert driver.app.return_code == 0
@@ -98,7 +100,7 @@ async def test_after_the_last_attempt_it_resumes(
         assert "level" not in driver.rows[0]
         driver.see("Keys 2 of 2", "Attempts 2 of 2")
         await driver.press("enter")
-        driver.see("You did 2 attempts; goal reached in 2.")
+        driver.see("2 of 2 goals reached")
     assert driver.stored("SELECT status FROM sessions") == [("completed",)]
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from sar_tui.app.agent.app import AgentApp
-from sar_tui.app.screens.message_panel import large_message
+from sar_tui.app.screens.message_panel import spread
 from sar_tui.app.screens.waiting_text import WaitingText
 from sar_tui.model.theme import Theme
 from sar_tui.plugins import Catalogue
@@ -98,32 +98,22 @@ async def test_the_agent_in_a_window_of_its_own_survives_any_size(calm: Theme) -
         assert app.is_running
 
 
-TEXT = WaitingText(
-    "Welcome", "A key appears.\nPress that key.\n\nYou may rest.", "Press Enter to go on.", "Enter"
-)
+TEXT = WaitingText("Welcome", "A key appears.\nPress that key.\n\nYou may rest.", "Press Enter.")
 
 
-def test_the_key_comes_first_then_air_then_the_headline() -> None:
-    def larger(height: int) -> tuple[bool, bool, bool]:
-        message = large_message(TEXT, 88, height)
-        assert message.press == TEXT.press
-        return bool(message.key), message.text != TEXT.text, message.headline != TEXT.headline
-
-    assert larger(10) == (False, False, False)
-    assert larger(15) == (True, False, False)
-    assert larger(17) == (True, True, False)
-    assert larger(30) == (True, True, True)
+def test_air_between_lines_comes_first_then_rows_for_the_headline() -> None:
+    assert spread(TEXT, 88, 6) == (TEXT.text, 1)
+    airy = "A key appears.\n\nPress that key.\n\nYou may rest."
+    assert spread(TEXT, 88, 7) == (airy, 1)
+    assert spread(TEXT, 88, 11) == (airy, 5)
 
 
-def test_a_headline_of_several_words_or_without_large_letters_stays_as_it_is() -> None:
-    for headline in ("Now level 2.", "Bienvenidísimos", "続き"):
-        assert large_message(TEXT._replace(headline=headline), 88, 40).headline == headline
-
-
-async def test_only_a_large_window_draws_the_key(driver: AppDriver) -> None:
+async def test_only_a_large_window_draws_the_headline_and_the_key(driver: AppDriver) -> None:
     assert "█" not in driver.text
     await driver.resize(100, 30)
     assert "█" in driver.text
-    driver.see("Press that key as fast as you", "Press Enter to go on.")
+    assert "│ Enter │" in driver.text
+    driver.see("Press that key as fast as you")
     await driver.resize(80, 24)
     assert "█" not in driver.text
+    driver.see("Press Enter to go on.")

@@ -1,16 +1,15 @@
 """The summary of a session: its facts, its plot, and the earlier session beside it."""
 
-from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
-from textual.widgets import Static
 
-from sar_tui.app.screens.summary import Summary
+from sar_tui.app.screens.summary import below, beside, facts
+from sar_tui.model.language import Language
 from sar_tui.model.messages import AttemptEnded
 from sar_tui.model.trial_types import Metric
-from sar_tui.plugins import Catalogue
-from tests.app.app_driver import AppDriver, OpenSession, open_app
+from tests.app.app_driver import AppDriver, OpenApp, OpenSession, open_app
 from tests.tasks.test_documented_tasks import documented
 
 TIME = Metric("reaction_time", "ms", "lower")
@@ -33,70 +32,88 @@ GOOD_DAY = attempts(
 )
 
 
-Plot = Callable[[Sequence[AttemptEnded], bool], Awaitable[list[str]]]
+NO_DAY = attempts((1, 1400.0, False), (1, None, False))
 
 
-@pytest.fixture
-async def plot(data: Path, catalogue: Catalogue) -> AsyncIterator[Plot]:
-    """Return the lines of a summary's plot, for its participant or for others."""
-    async with open_app(data, catalogue) as driver:
-
-        async def drawn(played: Sequence[AttemptEnded], for_participant: bool) -> list[str]:
-            summary = Summary(TIME, for_participant=for_participant)
-            await driver.app.screen.mount(summary)
-            summary.styles.height, summary.styles.width = 20, 80
-            summary.query_one("#plot").styles.height = 15
-            summary.show(played)
-            await driver.settle()
-            return str(summary.query_one("#plot", Static).content).splitlines()
-
-        yield drawn
+def drawn(played: Sequence[AttemptEnded], room: int = 80) -> list[str]:
+    """Return a participant's words and picture, in a small window."""
+    return [line.plain.rstrip() for line in beside(facts(played, TIME, Language()), played, room)]
 
 
-def heights(lines: Sequence[str]) -> list[int]:
-    """Return the rows of the markers in the plot, from left to right; the lowest is 0."""
-    plot = lines[1 : next(row for row, line in enumerate(lines) if "└" in line)]
-    places = [
-        (column, row)
-        for row, line in enumerate(plot)
-        for column, char in enumerate(line)
-        if char in "●○"
+def test_the_picture_has_a_mark_for_each_attempt_and_levels_that_never_fall() -> None:
+    goals, levels, best = drawn(GOOD_DAY)
+    assert goals.split("   ")[0] == "4 of 5 goals reached"
+    assert goals.endswith("● ● ● ● ○")
+    assert levels.startswith("You began at level 1 and finished at level 5")
+    assert levels.endswith("▁ ▃ ▅ ▆ █")
+    assert best == "Your best: 0.40 seconds"
+
+
+def test_a_level_that_fell_again_is_told_and_drawn_by_its_highest() -> None:
+    played = attempts((3, 700.0, True), (4, 800.0, True), (3, None, False))
+    _, levels, _ = drawn(played)
+    assert levels.startswith("You began at level 3 and got up to level 4")
+    assert levels.endswith("▁ █ █")
+
+
+def test_where_the_level_only_fell_no_level_is_told() -> None:
+    lines = drawn(attempts((3, 1400.0, False), (2, 1200.0, False), (1, 900.0, True)))
+    assert [line.partition("   ")[0] for line in lines] == [
+        "1 of 3 goals reached", "Your best: 0.90 seconds"
+    ]  # fmt: skip
+    assert not any(char in "".join(lines) for char in "▁▂▃▄▅▆▇█")
+
+
+@pytest.mark.parametrize("room", [80, 40])
+def test_without_a_goal_reached_nothing_is_drawn(room: int) -> None:
+    assert drawn(NO_DAY, room) == ["You did 2 attempts."]
+    assert [line.plain for line in below(["You did 2 attempts."], NO_DAY, room)] == [
+        "You did 2 attempts."
     ]
-    return [len(plot) - row for _, row in sorted(places)]
 
 
-async def test_a_risen_level_with_slower_results_is_no_fall(plot: Plot) -> None:
-    lines = await plot(GOOD_DAY, True)
-    shown = heights(lines)
-    assert len(shown) == 5
-    assert shown == sorted(shown)
-    assert lines[0].startswith("goals reached")
-    assert not any("▁" <= char <= "█" for line in lines for char in line), "no bar falls either"
-    assert next(line for line in lines if line.startswith("level")).split() == ["level", *"12345"]
+def test_the_picture_is_below_the_words_where_there_is_no_room_beside_them() -> None:
+    assert len(drawn(GOOD_DAY, 50)) == len(drawn(GOOD_DAY)) + 2
 
 
-async def test_faster_results_are_not_drawn_as_a_fall(plot: Plot) -> None:
-    played = attempts(
-        (3, 1400.0, False), (2, 1200.0, False), (1, 900.0, True), (1, 800.0, True), (1, None, False)
-    )
-    shown = heights(await plot(played, True))
-    assert shown == sorted(shown)
-    assert shown[0] == shown[1]
-    assert shown[3] == shown[4]
+def test_in_a_large_window_the_picture_is_tall() -> None:
+    lines = below(["words"], GOOD_DAY, 88)
+    heights = [
+        sum(line.plain.ljust(30)[column] != " " for line in lines[2:-1])
+        for column in range(0, 30, 6)
+    ]
+    assert heights == sorted(heights)
+    assert heights[-1] == len(lines) - 3 > 1
 
 
-@pytest.mark.parametrize(
-    "played", [attempts((1, 1400.0, False)), attempts((1, None, False), (1, None, False))]
-)
-async def test_without_a_goal_nothing_is_drawn(plot: Plot, played: list[AttemptEnded]) -> None:
-    assert await plot(played, True) == []
+async def test_a_completed_session_is_praised_with_its_number_and_the_next_meeting(
+    open_session: OpenSession,
+) -> None:
+    for number in (1, 2):
+        async with open_session(days_between_visits=1) as driver:
+            await to_comparison(driver)
+            driver.see("W E L L D O N E", f"That was session {number}.", "See you tomorrow.")
+            driver.see("Press Enter to finish.")
 
 
-async def test_a_therapist_sees_results_and_levels_over_attempts(plot: Plot) -> None:
-    lines = await plot([*GOOD_DAY, *attempts((5, 900.0, False))], False)
-    assert lines[0].startswith("reaction time (s)")
-    assert "◇ inaccurate" in lines[0], "fast enough, but too few were right"
-    assert any("█" in line for line in lines)
+async def test_a_session_that_ended_early_is_thanked_for(open_session: OpenSession) -> None:
+    async with open_session() as driver:
+        await driver.to_first_prompt()
+        await driver.press("escape", *["down"] * 3, "enter", "down", "enter")
+        driver.see("Thank you for today", "No attempt was finished. That is all right.")
+        driver.lacks("W E L L", "session 1")
+
+
+async def test_a_therapist_sees_results_and_levels_over_attempts(
+    open_session: OpenSession, opened: OpenApp
+) -> None:
+    async with open_session() as driver:
+        await driver.do_session()
+    async with opened() as driver:
+        await driver.press("f6", "enter")
+        driver.see(
+            "You did 2 attempts; goal reached in 2.", "reaction time (s)", "level", "attempt"
+        )
 
 
 async def to_comparison(driver: AppDriver) -> None:
@@ -113,7 +130,7 @@ async def test_only_a_later_like_session_is_compared(open_session: OpenSession) 
     for settings in ({}, {}, {"threshold": 900.0}):
         async with open_session(max_level=1, **settings) as driver:
             await to_comparison(driver)
-            driver.see("You did 2 attempts; goal reached in 2.")
+            driver.see("2 of 2 goals reached")
             compared.append(driver.sees("Today 0.40 seconds, "))
     assert compared == [False, True, False]
 

@@ -87,6 +87,12 @@ class PatientScreen(Screen[None]):
     def _is_done(self) -> bool:
         return self._at >= len(self._exercises)
 
+    @property
+    def next_exercise(self) -> tuple[int, int] | None:
+        """Number of the exercise after the present one, and of all; None after the last."""
+        number, total = self._at + 2, len(self._exercises)
+        return (number, total) if number <= total else None
+
     def show_exercise(self, trouble: bool = False) -> None:
         """Show the next exercise, or that all are done; after a trouble, ask to call the
         therapist.

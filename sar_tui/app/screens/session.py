@@ -149,7 +149,9 @@ class SessionScreen(DismissedOnce[None]):
         self._gc.end_attempt()
 
     def _session_ended(self, ended: SessionEnded) -> None:
-        """Compare the session with the last comparable one, if it is whole."""
+        """Tell the number of the session, and compare it with the last comparable one, if it is
+        whole.
+        """
         task, bus = self._live.session.task, self._live.session.bus
         if ended.status == "completed" and len(task.seats) == 1 and not self._live.run.rescue_file:
             attempts = bus.call(topics.RECALL, Recall(seat=task.seats[0])).attempts
@@ -158,12 +160,14 @@ class SessionScreen(DismissedOnce[None]):
             self.run_worker(compare, name="comparison", thread=True, exit_on_error=False)
 
     def _compare(self, attempts: Sequence[AttemptEnded]) -> None:
-        """Add the last comparable session to the summary. Runs in a thread: it reads all of the
-        person's sessions.
+        """Add the number and the last comparable session to the summary. Runs in a thread: it
+        reads all of the person's sessions.
         """
-        from sar_tui.runs.previous import beside_earlier_sessions
+        from sar_tui.runs.previous import beside_earlier_sessions, number_of
 
         run = self._live.run
+        if number := number_of(self.app.folder, run.id):
+            self.app.call_from_thread(self.stage.summary.tell_session, number)
         if words := beside_earlier_sessions(
             self.app.folder, run.session.task, run.id, attempts, self.tr
         ):
@@ -172,7 +176,7 @@ class SessionScreen(DismissedOnce[None]):
     def _agent_acted(self, acting: AgentActing) -> None:
         self._keys.agent_acted(acting)
         if self.stage.shown == "summary":
-            self.stage.summary.wait(awaits_goodbye=self._keys.awaits_goodbye)
+            self.stage.end_is_near(awaits_goodbye=self._keys.awaits_goodbye)
 
     def _markers_changed(self, _: MarkersChanged) -> None:
         if self.stage.waiting:
@@ -303,13 +307,13 @@ class _Keys:
         wanted = {"enter": "enter", "start": start}.get(waiting.what)
         if start and wanted and key in ("enter", start) and key != wanted:
             later = tr("({key} comes later.)", key=key_name(key, tr))
-            self._screen.stage.message.correct(later)
+            self._screen.stage.correct(later)
         elif wanted == key == "enter":
             last, count = self._enters
             self._enters = waiting, count + 1 if waiting is last else 1
             if self._enters[1] == _IN_VAIN:
                 let_go = tr("Please let go of the keys for a moment.")
-                self._screen.stage.message.correct(let_go)
+                self._screen.stage.correct(let_go)
 
     @property
     def awaits_goodbye(self) -> bool:

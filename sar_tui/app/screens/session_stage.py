@@ -41,10 +41,12 @@ from sar_tui.model.messages import (
     TrialMarked,
     Waiting,
 )
+from sar_tui.model.results_for_people import meeting_text
 from sar_tui.model.trial_types import Mark
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import task_folder
 from sar_tui.tui.heading import is_roomy
+from sar_tui.tui.key_line import KeyLine
 from sar_tui.tui.language import session_language
 from sar_tui.tui.timestamps import paint_now
 from sar_tui.widgets.big_prompt import BigPrompt
@@ -105,6 +107,7 @@ class SessionStage(Vertical):
         self._agent_seat = ""
         self._bars: dict[str, GoalBar] = {}
         self._goal = ""
+        self._asked = ""
         self._countdown: Handle | None = None
 
     @functools.cached_property
@@ -146,11 +149,12 @@ class SessionStage(Vertical):
             yield MessagePanel(id="message")
             yield BigPrompt(id="prompt", draw=view.prompt_lines, pictures=self._pictures)
             yield PauseMenu(id="menu")
-            yield Summary(session.task.metric, view.facts, for_participant=True, id="summary")
+            yield Summary(session.task.metric, view.facts, id="summary")
         yield self.agent.widget
         with Horizontal(id="progress"):
             yield ProgressLine(id="trials")
             yield ProgressLine(id="attempts")
+        yield KeyLine()
 
     def on_mount(self) -> None:
         self._show_attempts(0)
@@ -169,6 +173,18 @@ class SessionStage(Vertical):
     def message(self) -> MessagePanel:
         """The texts in the middle."""
         return self.query_one(MessagePanel)
+
+    def ask(self, press: str) -> None:
+        """Show the one thing to do, in the row for it; empty: nothing."""
+        self._asked = press
+        names = (key_name(key, self.tr) for key in ("enter", "space", "tab"))
+        self.query_one(KeyLine).show(press, *names)
+
+    def correct(self, later: str) -> None:
+        """Add to the one thing to do that another key comes later, or what hinders."""
+        asked = self._asked
+        self.ask(f"{asked} {later}")
+        self._asked = asked
 
     @property
     def menu(self) -> PauseMenu:
@@ -356,6 +372,7 @@ class SessionStage(Vertical):
         if stage in ("attempt", "review"):
             drawing = self._staged.view.between_attempts()
         self.message.show(text, bars, drawing, ask)
+        self.ask(text.press)
         self._seat_agent(self._seat_beside(stage, is_between, has_drawing=bool(drawing)))
         self._switch_to("message")
         if stage == "rest" or (waiting.step and waiting.until):
@@ -397,9 +414,29 @@ class SessionStage(Vertical):
         codes = self._staged.codes if len(task.seats) > 1 else {}
         names = [f"{task.seat_name(seat)} ({code})" for seat, code in codes.items()]
         status = "mistake" if self._staged.is_mistake else ended.status
-        self.summary.show(*self._attempts(), status=status, names=names)
+        self.summary.show(
+            *self._attempts(), status=status, names=names, what_next=self._what_next(status)
+        )
+        self.end_is_near(awaits_goodbye=False)
         self._switch_to("summary")
         self.app.screen_keys.changed(self.screen)
+
+    def end_is_near(self, *, awaits_goodbye: bool) -> None:
+        """Say how to finish, or to wait for a goodbye that an operator decides on."""
+        tr = self.tr
+        self.ask(tr("One moment…") if awaits_goodbye else tr("Press Enter to finish."))
+
+    def _what_next(self, status: str) -> str:
+        """Return the next exercise of a participant who trains alone, else when they meet again, if
+        the programme says so; empty after a mistake.
+        """
+        if status in ("mistake", "refused"):
+            return ""
+        if to_come := self.app.patient_mode.next_exercise:
+            number, total = to_come
+            return self.tr("Next: exercise {number} of {total}", number=number, total=total)
+        days = self._staged.session.task.parameters.days_between_visits
+        return meeting_text(self.app.today(), days, self.tr)
 
     def _attempts(self) -> list[Sequence[AttemptEnded]]:
         """Return the attempts that are finished, of each seat."""
@@ -417,6 +454,7 @@ class SessionStage(Vertical):
         self.query_one("#stage", ContentSwitcher).current = name
         self.screen.set_focus(self.menu if name == "menu" else None)
         self.query_one("#progress").display = name != "summary"
+        self.query_one(KeyLine).display = name in ("message", "summary")
         self.screen.refresh_bindings()
 
     def _seat_agent(self, where: str) -> None:

@@ -1,38 +1,41 @@
-"""The summary of a session in words and as a plot: for its participant the goals reached, for
-others the results.
-"""
+"""The summary of a session for its participant: praise, one picture, and what comes next."""
 
 from collections.abc import Callable, Sequence
-from itertools import accumulate
-from typing import TYPE_CHECKING
+from itertools import accumulate, zip_longest
+from typing import NamedTuple
 
-from rich.text import Text
 from textual.app import ComposeResult
-from textual.containers import Vertical
+from textual.containers import Center, Vertical
+from textual.content import Content
 from textual.widgets import Static
 
+from sar_tui.model.language import Language
 from sar_tui.model.messages import AttemptEnded
-from sar_tui.model.results_for_people import axis, result_text
+from sar_tui.model.results_for_people import result_text
 from sar_tui.model.trial_types import Metric
+from sar_tui.tui.heading import ROOMY, Heading
 from sar_tui.widgets.language import language_of
 
-if TYPE_CHECKING:  # loaded when a session ends
-    from sar_tui.reports.charts import ResultName
-
-_GAP = 3
-"""Columns between the plots of two participants."""
+REACHED, OPEN = "●", "○"
+"""An attempt that reached its goal, and one that did not."""
+_BARS = "▁▂▃▄▅▆▇█"
+_GAP = 4
+"""Columns between words and the picture beside them."""
+_LARGEST = 8
+"""Most rows of the praise in a large window."""
+_TALL, _WIDEST = 5, 6
+"""Rows of the picture of levels in a large window, and most columns of an attempt."""
 
 
 class Summary(Vertical):
-    """Results of a session.
+    """Shows how a session went, kindly.
+
+    The picture has a mark for each attempt, and the highest level so far above it: a curve that
+    never falls. Without a goal that was reached, there is none.
 
     Args:
         metric: the task's metric.
         more_facts: sentences that the task's view adds for one seat's attempts.
-        for_participant: True to plot the goals reached so far, a line that never falls: results get
-            worse as the level rises, so that a session that went well would look like a decline.
-            Without a goal nothing is plotted. False to plot results and levels over attempts
-            (Figure 4.4 of the thesis).
     """
 
     def __init__(
@@ -40,26 +43,29 @@ class Summary(Vertical):
         metric: Metric,
         more_facts: Callable[[Sequence[AttemptEnded]], Sequence[str]] = lambda _: (),
         *,
-        for_participant: bool = False,
         id: str | None = None,
     ) -> None:
         super().__init__(id=id)
         self._metric = metric
         self._more_facts = more_facts
-        self._for_participant = for_participant
         self._attempts: tuple[Sequence[AttemptEnded], ...] = ()
         self._names: Sequence[str] = ()
+        self._status = ""
+        self._session = self._earlier = self._next = ""
 
     def compose(self) -> ComposeResult:
-        yield Static("", id="facts", markup=False)
-        yield Static("", id="plot")
-        yield Static("", id="finish", markup=False)
+        yield Heading(id="praise", largest=_LARGEST)
+        yield Static("", id="which", classes="body", markup=False)
+        yield Center(Static("", id="facts", markup=False))
+        yield Static("", id="earlier", classes="body", markup=False)
+        yield Static("", id="next", classes="body", markup=False)
 
     def show(
         self,
         *attempts: Sequence[AttemptEnded],
         status: str = "completed",
         names: Sequence[str] = (),
+        what_next: str = "",
     ) -> None:
         """Show the scored attempts, of each seat if there are several.
 
@@ -67,166 +73,162 @@ class Summary(Vertical):
             attempts: of each seat.
             status: of the session; ``mistake`` if it was started by mistake.
             names: the participants', by seat.
+            what_next: when they meet again, or the next exercise.
         """
-        self._attempts, self._names, tr = attempts, names, language_of(self.app)
-        facts = [self._facts(each, status) for each in attempts]
-        if names:
-            facts = [
-                tr("{who}: {words}", who=who, words=words)
-                for who, words in zip(names, facts, strict=True)
-            ]
-        self.query_one("#facts", Static).update("\n".join(facts))
-        self.wait(awaits_goodbye=False)
-        self.call_after_refresh(self._draw)
+        self._attempts, self._names = attempts, names
+        self._status, self._next = status, what_next
+        self._draw()
 
-    def wait(self, *, awaits_goodbye: bool) -> None:
-        """Say that the end is near, or how to finish: the goodbye that an operator decides on is
-        waited for.
-        """
+    def tell_session(self, number: int) -> None:
+        """Add the number of the session among those of its participant."""
         tr = language_of(self.app)
-        self.query_one("#finish", Static).update(
-            tr("One moment…") if awaits_goodbye else tr("Press Enter to finish.")
-        )
+        self._session = tr("That was session {number}.", number=number)
+        self._draw()
 
     def compare(self, words: str) -> None:
         """Add how the session compares with an earlier one."""
-        facts = self.query_one("#facts", Static)
-        facts.update(f"{facts.content}\n{words}")
-        self.call_after_refresh(self._draw)
+        self._earlier = words
+        self._draw()
 
     def on_resize(self) -> None:
         self._draw()
 
-    def _facts(self, attempts: Sequence[AttemptEnded], status: str) -> str:
-        tr, count = language_of(self.app), len(attempts)
-        if status == "refused" and self._for_participant:
-            return tr(
-                "That is all right. The session does not begin, and nothing but this answer is "
-                "kept. Thank you."
-            )
-        if status == "mistake":
-            return tr("That is all right. This session does not count.")
-        if status == "completed":
-            done = (
-                tr("You did 1 attempt")
-                if count == 1
-                else tr("You did {count} attempts", count=count)
-            )
-        elif status == "running":
-            done = (
-                tr("1 attempt so far") if count == 1 else tr("{count} attempts so far", count=count)
-            )
-        else:
-            done = (
-                tr("Ended early, after 1 attempt")
-                if count
-                else tr("Ended before the first attempt was finished")
-            )
-            if count > 1:
-                done = tr("Ended early, after {count} attempts", count=count)
-        reached = [a.metric for a in attempts if a.outcome == "success" and a.metric is not None]
-        more = "".join(f" {fact}" for fact in self._more_facts(attempts))
-        if not reached:
-            return f"{done}.{more}"
-        best = (min if self._metric.better == "lower" else max)(reached)
-        facts = tr(
-            "{done}; goal reached in {count}. Best: {best}. Highest level: {level}.",
-            done=done,
-            count=len(reached),
-            best=result_text(self._metric, best, tr),
-            level=max(a.level for a in attempts),
-        )
-        return f"{facts}{more}"
-
     def _draw(self) -> None:
-        from sar_tui.reports.charts import BARS, MARKERS
-
-        plots = list(self.query("#plot").results(Static))
-        # none any more if it was removed before the refresh that was waited for
-        if not self._attempts or not plots:
+        if not self._status:
             return
-        (plot,) = plots
-        several = len(self._attempts) > 1
-        width = plot.size.width // len(self._attempts)
-        figures = [self._figure(each, width, plot.size.height - several) for each in self._attempts]
-        if not all(figures):
-            return
-        lines = list(map("".join, zip(*figures, strict=True)))
-        text = Text(
-            "\n".join([self._legend().rjust(plot.size.width), *lines] if several else lines)
-        )
-        colors = self.app.theme_variables
-        text.highlight_regex(f"[{BARS}]+", colors["text-muted"])
-        for name, marker in MARKERS.items():
-            text.highlight_regex(
-                f"{marker}+",
-                colors[{"reached": "success", "no goal": "accent"}.get(name, "warning")],
-            )
-        plot.update(text)
-
-    def _legend(self) -> str:
-        """Return the legend of both participants' plots, which has no room beside either
-        heading.
-        """
-        from sar_tui.reports.charts import legend
-
-        results = [self._result(attempt) for each in self._attempts for attempt in each]
-        goals = [goal for each in self._attempts for goal in self._plotted(each)[1]]
-        return "  ".join(legend(goals, results, language_of(self.app)))
-
-    def _result(self, attempt: AttemptEnded) -> "ResultName":
-        from sar_tui.reports.charts import result_name
-
-        found = result_name(attempt.outcome, attempt.metric, attempt.goal, self._metric)
-        return "missed" if found == "no result" and self._for_participant else found
-
-    def _figure(self, attempts: Sequence[AttemptEnded], width: int, height: int) -> list[str]:
-        """Return the lines of a plot, all ``width`` wide; none if there is nothing to draw, or no
-        room.
-
-        The plots of two participants share the scale of their left axis.
-        """
-        from sar_tui.reports.charts import attempts_figure
-
         tr = language_of(self.app)
-        has_goals = any(attempt.outcome == "success" for each in self._attempts for attempt in each)
-        if not attempts or self._metric.is_none or width < 20 or height < 6:
-            return []
-        if self._for_participant and not has_goals:
-            return []
-        values, goals = self._plotted(attempts)
-        shown = [self._plotted(each) for each in self._attempts]
-        figure = attempts_figure(
-            [a.level for a in attempts],
-            values,
-            metric=tr("goals reached") if self._for_participant else axis(self._metric, tr)[0],
-            goals=goals,
-            width=width - _GAP if len(self._attempts) > 1 else width,
-            height=height,
-            color=False,
-            results=[self._result(attempt) for attempt in attempts],
-            beside=[
-                *(value for own, _ in shown for value in own),
-                *(goal for _, own in shown for goal in own if goal is not None),
-            ],
-            has_legend=len(self._attempts) == 1,
-            has_bars=not self._for_participant,
-            tr=tr,
-        )
-        return [line.ljust(width) for line in figure.splitlines()]
+        ending = _ending(self._status, any(self._attempts), tr)
+        praise = self.query_one("#praise", Heading)
+        praise.set_classes("well-done" if self._status == "completed" else "sentence")
+        praise.show(ending.headline)
+        self._put("which", self._session if self._status == "completed" else "")
+        self._put("facts", ending.text or self._facts(tr))
+        self._put("earlier", self._earlier)
+        self._put("next", self._next)
 
-    def _plotted(
-        self, attempts: Sequence[AttemptEnded]
-    ) -> tuple[list[float | None], list[float | None]]:
-        """Return the plotted values of attempts, and their goals, as people read them."""
-        if self._for_participant:
-            reached = accumulate(float(attempt.outcome == "success") for attempt in attempts)
-            return list(reached), [None] * len(attempts)
-        _, factor = axis(self._metric, language_of(self.app))
-        return [_scaled(a.metric, factor) for a in attempts], [
-            _scaled(a.goal, factor) for a in attempts
-        ]
+    def _put(self, name: str, text: "str | Content") -> None:
+        part = self.query_one(f"#{name}", Static)
+        part.update(text)
+        part.display = bool(text)
+
+    def _facts(self, tr: Language) -> Content:
+        """Return words and picture of each seat, with all pictures below each other."""
+        columns, rows = self.app.size
+        is_large = columns >= ROOMY[0] and rows >= ROOMY[1] and len(self._attempts) == 1
+        parts: list[Content] = []
+        for index, attempts in enumerate(self._attempts):
+            if index:
+                parts.append(Content(""))
+            if self._names:
+                parts.append(Content.styled(self._names[index], "$text-muted"))
+            words = facts(attempts, self._metric, tr)
+            room = self.content_size.width or columns
+            parts += below(words, attempts, room) if is_large else beside(words, attempts, room)
+            parts += map(Content, self._more_facts(attempts))
+        return Content("\n").join(parts)
 
 
-def _scaled(value: float | None, factor: float) -> float | None:
-    return None if value is None else value * factor
+class _Ending(NamedTuple):
+    """How a session ended: headline, and a text that takes the place of its facts, or empty."""
+
+    headline: str
+    text: str = ""
+
+
+def _ending(status: str, has_attempts: bool, tr: Language) -> _Ending:
+    match status:
+        case "refused":
+            return _Ending(
+                tr("That is all right"),
+                tr("The session does not begin, and nothing but this answer is kept. Thank you."),
+            )
+        case "mistake":
+            return _Ending(tr("That is all right"), tr("This session does not count."))
+        case "completed":
+            return _Ending(tr("Well done"))
+    if has_attempts:
+        return _Ending(tr("Thank you for today"))
+    return _Ending(tr("Thank you for today"), tr("No attempt was finished. That is all right."))
+
+
+def facts(attempts: Sequence[AttemptEnded], metric: Metric, tr: Language) -> list[str]:
+    """Return what one person did: goals reached, levels, the best result. Nothing that was missed."""
+    count = len(attempts)
+    reached = [attempt for attempt in attempts if attempt.outcome == "success"]
+    done = tr("You did 1 attempt.") if count == 1 else tr("You did {count} attempts.", count=count)
+    if not reached:
+        return [done]
+    said = [tr("{reached} of {count} goals reached", reached=len(reached), count=count)]
+    if levels := _levels_in_words([attempt.level for attempt in attempts], tr):
+        said.append(levels)
+    results = [attempt.metric for attempt in reached if attempt.metric is not None]
+    if results:
+        best = (min if metric.better == "lower" else max)(results)
+        said.append(tr("Your best: {best}", best=result_text(metric, best, tr)))
+    return said
+
+
+def _levels_in_words(levels: Sequence[int], tr: Language) -> str:
+    first, last, highest = levels[0], levels[-1], max(levels)
+    if highest == first:
+        return ""
+    if last == highest:
+        return tr("You began at level {first} and finished at level {last}", first=first, last=last)
+    return tr("You began at level {first} and got up to level {last}", first=first, last=highest)
+
+
+def beside(words: list[str], attempts: Sequence[AttemptEnded], room: int) -> list[Content]:
+    """Return words with a picture of two rows beside them, or below them where there is no room."""
+    drawn = [_marks(attempts, 2), *_levels(attempts, 1, 2)] if _is_good(attempts) else []
+    left = max(map(len, words))
+    right = max((line.cell_length for line in drawn), default=0)
+    if left + _GAP + right > room:
+        return [*map(Content, words), *drawn]
+    rows = zip_longest(words, drawn, fillvalue="")
+    return [Content(str(line).ljust(left + _GAP)).append(row) for line, row in rows]
+
+
+def below(words: list[str], attempts: Sequence[AttemptEnded], room: int) -> list[Content]:
+    """Return words with a large picture below them."""
+    if not _is_good(attempts):
+        return [*map(Content, words)]
+    step = max(1, min(_WIDEST, room // len(attempts)))
+    return [
+        *map(Content, words),
+        Content(""),
+        *_levels(attempts, _TALL, step),
+        _marks(attempts, step),
+    ]
+
+
+def _is_good(attempts: Sequence[AttemptEnded]) -> bool:
+    """Return True if there is something to be glad of: a picture of no goals would not be kind."""
+    return any(attempt.outcome == "success" for attempt in attempts)
+
+
+def _marks(attempts: Sequence[AttemptEnded], step: int) -> Content:
+    """Return a mark for each attempt, so many columns apart."""
+    marks = [REACHED if attempt.outcome == "success" else OPEN for attempt in attempts]
+    return Content.assemble(
+        *((mark.ljust(step), "$success" if mark == REACHED else "$text-muted") for mark in marks)
+    )
+
+
+def _levels(attempts: Sequence[AttemptEnded], rows: int, step: int) -> list[Content]:
+    """Return the highest level so far of each attempt as columns; nothing if it never rose."""
+    highest = list(accumulate((attempt.level for attempt in attempts), max))
+    low, span = highest[0], highest[-1] - highest[0]
+    if not span:
+        return []
+    most = rows * len(_BARS) - 1
+    heights = [1 + round((level - low) / span * most) for level in highest]
+    width = max(1, step - 1)
+    lines = [
+        "".join((_cell(height - row * len(_BARS)) * width).ljust(step) for height in heights)
+        for row in reversed(range(rows))
+    ]
+    return [Content.styled(line, "$accent") for line in lines]
+
+
+def _cell(eighths: int) -> str:
+    return _BARS[min(eighths, len(_BARS)) - 1] if eighths > 0 else " "

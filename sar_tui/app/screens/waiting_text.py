@@ -13,14 +13,11 @@ from sar_tui.widgets.answer_options import SMALLEST_SCALE, options_text
 
 
 class WaitingText(NamedTuple):
-    """Headline, text, and the key to press (empty if no key helps). ``key``: its name, if it stands
-    in ``press``.
-    """
+    """Headline, text, and the key to press (empty if no key helps)."""
 
     headline: str
     text: str
     press: str
-    key: str = ""
 
 
 def waiting_text(  # noqa: PLR0911
@@ -44,15 +41,13 @@ def waiting_text(  # noqa: PLR0911
     tr = session_language(task)
     match waiting.stage:
         case "instructions":
-            return WaitingText(
-                tr("Welcome"), task.instructions(), tr("Press Enter to go on."), tr("Enter")
-            )
+            return WaitingText(tr("Welcome"), task.instructions(), tr("Press Enter to go on."))
         case "attempt":
             return _before_attempt(waiting, tr, is_goal_shown=is_goal_shown)
         case "review":
             press = tr("Press Enter to see how it went.")
             text = waiting.notice or tr("That was the last attempt.")
-            return WaitingText(tr("All done"), text, press, tr("Enter"))
+            return WaitingText(tr("All done"), text, press)
         case "rest":
             return WaitingText(
                 tr("A short rest"),
@@ -111,18 +106,17 @@ def _before_attempt(waiting: Waiting, tr: Language, *, is_goal_shown: bool) -> W
     """Return what is new, and the key; the number of the attempt and its goal where they are not
     seen otherwise.
     """
-    key = tr("Enter")
     if waiting.until:
-        press, key = tr("The next one begins by itself."), ""
+        press = tr("The next one begins by itself.")
     elif waiting.attempt == 1:
         press = tr("Press Enter to begin {attempt}.", attempt=waiting.attempt_name)
     else:
         press = tr("Press Enter for {attempt}.", attempt=waiting.attempt_name)
     if is_goal_shown:
-        return WaitingText(waiting.notice, waiting.why, press, key)
+        return WaitingText(waiting.notice, waiting.why, press)
     headline = waiting.notice or waiting.attempt_name.capitalize()
     text = f"{waiting.why}\n\n{waiting.goal}" if waiting.why else waiting.goal
-    return WaitingText(headline, text, press, key)
+    return WaitingText(headline, text, press)
 
 
 def _paused(
@@ -193,7 +187,7 @@ def step_text(
             step.text, tr("We go on in {time}.", time=duration_text(-(-left // SECOND), tr)), ""
         )
     if not step.is_question:
-        return WaitingText("", step.text, tr("Press Enter to go on."), tr("Enter"))
+        return WaitingText("", step.text, tr("Press Enter to go on."))
     question = tr("{who}: {words}", who=asked.who, words=step.text) if asked.who else step.text
     options = options_text(step, asked.entry, columns)
     return WaitingText(question, options, how_to_answer(step, asked.entry, tr))

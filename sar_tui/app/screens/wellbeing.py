@@ -320,7 +320,7 @@ class WellbeingScreen(DismissedOnce[bool]):
         self._put("decline", decline_text(step, tr))
         self._put("given", given)
         how = tr("Press Enter to go on.") if entry.chosen else how_to_answer(step, entry, tr)
-        self.query_one(KeyLine).show(how, tr("Enter") if entry.chosen else "")
+        self.query_one(KeyLine).show(how, tr("Enter"))
 
     def _show_advice(self) -> None:
         """Show the advice, kindly: to rest, whom to tell, and that nobody else does it."""
