@@ -10,16 +10,20 @@ _GAP = "\N{NO-BREAK SPACE}"
 
 
 class KeyLine(Widget):
-    """Shows a sentence in which the name of the key looks like a key: as a cap of three rows in a
-    large window. It changes only by ``show``, and with the window's size.
+    """Shows a sentence in which the name of the key looks like a key. It changes only by ``show``,
+    and with the window's size.
 
     Args:
         text: the sentence; empty: nothing is to be done.
         keys: names of keys; the first that stands in the sentence is shown as a key.
+        grows: in a large window the key is a cap of three rows, for participants.
     """
 
-    def __init__(self, text: str = "", *keys: str, id: str | None = None) -> None:
+    def __init__(
+        self, text: str = "", *keys: str, grows: bool = False, id: str | None = None
+    ) -> None:
         super().__init__(id=id)
+        self._grows = grows
         self.show(text, *keys)
 
     def show(self, text: str, *keys: str) -> None:
@@ -30,7 +34,7 @@ class KeyLine(Widget):
 
     @property
     def _is_large(self) -> bool:
-        return is_roomy(*self.app.size) and bool(self._key)
+        return self._grows and bool(self._key) and is_roomy(*self.app.size)
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
         return 3 if self._is_large else 1

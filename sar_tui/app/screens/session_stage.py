@@ -154,7 +154,7 @@ class SessionStage(Vertical):
         with Horizontal(id="progress"):
             yield ProgressLine(id="trials")
             yield ProgressLine(id="attempts")
-        yield KeyLine()
+        yield KeyLine(grows=True)
 
     def on_mount(self) -> None:
         self._show_attempts(0)

@@ -190,7 +190,7 @@ class WellbeingScreen(DismissedOnce[bool]):
             yield Static("", id="options", markup=False)
             yield Static("", id="decline", classes="body", markup=False)
             yield Static("", id="given", classes="small", markup=False)
-        yield KeyLine(id="do")
+        yield KeyLine(grows=True)
         yield KeyFooter()
 
     def on_mount(self) -> None:
