@@ -1,4 +1,4 @@
-"""What the day reads of each participant: the newest sessions, pain, events and visits."""
+"""Facts of each participant that the day shows: the newest sessions, pain, events and visits."""
 
 from datetime import UTC, date, datetime, timedelta
 from pathlib import Path

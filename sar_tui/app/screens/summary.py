@@ -129,7 +129,7 @@ class Summary(Vertical):
 
 
 class _Ending(NamedTuple):
-    """How a session ended: headline, and a text that takes the place of its facts, or empty."""
+    """Words on the end of a session: headline, and a text that takes the place of its facts, or empty."""
 
     headline: str
     text: str = ""
