@@ -38,9 +38,9 @@ def demo(
         ),
     ] = None,
 ) -> None:
-    """Look around with invented people: six of them, and eight weeks of their sessions.
+    """Look around with six invented people.
 
-    Try everything: nothing is kept.
+    The app opens on eight weeks of their sessions. Try everything: nothing is kept.
     """
     home = context.find_object(Home) or Home()
     if home.data is not None:
@@ -49,7 +49,7 @@ def demo(
             "To keep it: sar-tui demo --keep FOLDER"
         )
     if keep is not None:
-        _make(keep)
+        _keep(keep)
         look = shlex.join(("sar-tui", "--data", str(keep)))
         print(f"The demonstration is in {keep}. Look at it: {look}")
         return
@@ -61,6 +61,19 @@ def demo(
 
         ended = run_app(folder, catalogue, is_kept=False)
     raise typer.Exit(ended)
+
+
+def _keep(folder: Path) -> None:
+    """Make a data folder, or nothing of it if a signal or an error ends that."""
+    from sar_tui.runs.demonstration import check_free
+
+    check_free(folder)
+    with _ended_by_signals():
+        try:
+            _make(folder)
+        except BaseException:
+            shutil.rmtree(folder, ignore_errors=True)
+            raise
 
 
 def _make(folder: Path) -> None:
@@ -77,8 +90,8 @@ def _make(folder: Path) -> None:
 
 @contextmanager
 def _until_closed() -> Iterator[Path]:
-    """Make a private folder, and remove it with all that is in it, also if a signal ends the
-    program; first remove those of programs that were killed.
+    """Yield the name of a data folder in a private one, which is removed with all that is in it,
+    also if a signal ends the program; first remove those of programs that were killed.
     """
     from sar_tui.store.locks import hold
 
@@ -88,7 +101,7 @@ def _until_closed() -> Iterator[Path]:
         try:
             lock = hold(folder, *_LOCK)
             try:
-                yield folder
+                yield folder / "data"
             finally:
                 lock.release()
         finally:

@@ -5,6 +5,7 @@ sessions are played by simulated participants, and stored as of the days on whic
 been; their mode says that they are a demonstration.
 """
 
+import os
 import sqlite3
 from collections.abc import Callable, Iterator
 from contextlib import closing
@@ -23,7 +24,7 @@ from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.operator import PROFILES
 from sar_tui.simulation.participant_model import PEOPLE, Person
 from sar_tui.store import participants, programmes, records, wellbeing
-from sar_tui.store.database import FILE, StoreError, commit_unsynced, connect, sync
+from sar_tui.store.database import StoreError, commit_unsynced, connect, sync
 from sar_tui.store.programmes import Programme
 from sar_tui.store.record_changes import BY_MISTAKE, change_status
 
@@ -49,19 +50,15 @@ def make_demonstration(
     The same day gives the same sessions, except for their ids.
 
     Args:
-        folder: is made, and holds no database yet.
+        folder: is made; see `check_free`.
         now: the present time; None for that of this machine.
         progress: called with the number of steps that are done, and of all.
 
     Raises:
-        StoreError: there is a database already, or the disk cannot write.
+        StoreError: the folder is not free, or the disk cannot write.
         PluginError: a bundled task or theme cannot be loaded.
     """
-    if (folder / FILE).exists():
-        raise StoreError(
-            f"{folder} holds data already. A demonstration needs a folder of its own.",
-            bad_input=True,
-        )
+    check_free(folder)
     now = (now or datetime.now()).astimezone()
     last_day = now.date() - timedelta(days=now.time() < _NOON)
     make_private(folder)
@@ -75,6 +72,15 @@ def make_demonstration(
             step.make(maker, datetime.combine(day, step.clock).astimezone())
             progress(done, len(steps))
         sync(database)
+
+
+def check_free(folder: Path) -> None:
+    """Raise StoreError if a folder is there that holds anything, or a file."""
+    if os.path.lexists(folder) and not (folder.is_dir() and not any(folder.iterdir())):
+        raise StoreError(
+            f"{folder} is no empty folder. A demonstration needs a folder of its own.",
+            bad_input=True,
+        )
 
 
 class _ThemesReadOnce(Catalogue):

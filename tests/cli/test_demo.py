@@ -25,6 +25,15 @@ def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
+def begin_to_invent(terminal: Terminal, folder: Path, pattern: str) -> None:
+    """Wait until the program has begun to make its database."""
+    for _ in range(2000):
+        if terminal.ended or list(folder.glob(pattern)):
+            break
+        terminal.settle(silence_ms=20)
+    assert list(folder.glob(pattern)), bytes(terminal.output)
+
+
 def test_a_demonstration_can_be_kept_and_says_how_to_look_at_it(
     call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -34,6 +43,18 @@ def test_a_demonstration_can_be_kept_and_says_how_to_look_at_it(
     assert {path.name for path in tmp_path.iterdir()} == {"kept"}
     call("sessions --data", folder).shows("P04", "demonstration")
     call("demo --keep", folder).refused("a folder of its own")
+    call("sessions --data", folder).shows("P04")
+
+
+def test_a_kept_demonstration_that_is_stopped_leaves_nothing(
+    temporary: Path, tmp_path: Path
+) -> None:
+    folder = tmp_path / "kept"
+    with Terminal(command("demo", "--keep", str(folder))) as terminal:
+        begin_to_invent(terminal, folder.parent, f"kept/{FILE}")
+        terminal.kill(signal.SIGTERM)
+        assert terminal.wait() == 143
+    assert not folder.exists()
 
 
 @pytest.mark.parametrize(
@@ -110,8 +131,7 @@ def test_a_signal_while_people_are_invented_ends_it_and_leaves_nothing(
     temporary: Path, end: signal.Signals
 ) -> None:
     with Terminal(command("demo")) as terminal:
-        while not list(temporary.glob(f"sar-tui-demo-*/{FILE}")):
-            terminal.settle(silence_ms=20)
+        begin_to_invent(terminal, temporary, f"sar-tui-demo-*/data/{FILE}")
         terminal.kill(end)
         assert terminal.wait() == 128 + end
         assert b"Traceback" not in terminal.output

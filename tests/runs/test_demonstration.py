@@ -10,6 +10,7 @@ import pytest
 
 from sar_tui.plugins import Catalogue
 from sar_tui.reports.progress import Progress, progress
+from sar_tui.runs import demonstration
 from sar_tui.runs.demonstration import NOTE, make_demonstration
 from sar_tui.store import participants, records, sessions, training_days, wellbeing
 from sar_tui.store.database import StoreError, connect
@@ -123,18 +124,20 @@ def test_before_noon_the_last_session_was_yesterday(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     early = datetime(2026, 3, 20, 0, 5, tzinfo=UTC).astimezone()
-    only = "sar_tui.runs.demonstration._misses"
-    from sar_tui.runs import demonstration
-
     monkeypatch.setattr(demonstration, "_STORIES", (demonstration._misses,))
     make_demonstration(tmp_path / "data", early)
     with closing(connect(tmp_path / "data")) as database:
         last = told(database, tmp_path / "data", "P04").days[-1].date
-    assert date.fromisoformat(last) <= early.date() - timedelta(days=1 + 12), only
+    assert date.fromisoformat(last) <= early.date() - timedelta(days=1 + 12)
 
 
-def test_a_folder_with_data_is_refused(tmp_path: Path) -> None:
-    connect(tmp_path).close()
+@pytest.mark.parametrize("name", ["data", "data/letter.txt"])
+def test_a_folder_that_holds_anything_is_refused_and_stays_as_it_is(
+    tmp_path: Path, name: str
+) -> None:
+    (tmp_path / "data").mkdir(mode=0o755)
+    (tmp_path / "data/letter.txt").write_text("Dear")
     with pytest.raises(StoreError, match="a folder of its own"):
-        make_demonstration(tmp_path)
-    assert not (tmp_path / NOTE).exists()
+        make_demonstration(tmp_path / name)
+    assert [path.name for path in (tmp_path / "data").iterdir()] == ["letter.txt"]
+    assert (tmp_path / "data").stat().st_mode & 0o777 == 0o755
