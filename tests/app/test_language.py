@@ -171,6 +171,26 @@ async def test_the_command_palette_of_a_session_is_in_its_language(
         driver.see("Befehl suchen", "Wofür dieser Bildschirm da ist", "Ende")
 
 
+@pytest.mark.parametrize("code", LANGUAGES)
+async def test_the_keys_and_the_first_line_of_the_sensor_check_fit_in_80_columns(
+    opened: OpenApp, catalogue: Catalogue, code: str
+) -> None:
+    tr = app_language(code)
+    async with opened(plan(catalogue, "reaching", language=code, imu="simulated")) as driver:
+        driver.see(tr("Fasten the sensor as drawn, and lay the hand flat on the table, palm down."))
+        assert f"F1 {tr('Help')}" in driver.rows[-1]
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+async def test_the_keys_of_the_settings_fit_in_80_columns(
+    opened: OpenApp, data: Path, code: str
+) -> None:
+    known(data, "P01", language=code)
+    async with opened() as driver:
+        await driver.press("f2")
+        assert f"F1 {app_language(code)('Help')}" in driver.rows[-1]
+
+
 async def test_settings_are_in_the_saved_language(opened: OpenApp, data: Path) -> None:
     known(data, "P01", language="es")
     async with opened() as driver:
