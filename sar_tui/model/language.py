@@ -14,6 +14,8 @@ _DECIMAL_POINT = frozenset(
     "en zh ja ko he th es-mx es-us es-pr es-do es-gt es-hn es-ni es-pa es-sv".split()
 )
 """Languages with a decimal point, not a comma."""
+_SPACED_PERCENT = frozenset("cs da de es fi fr nb ru sk sv".split())
+"""Languages with a space before the percent sign."""
 
 
 class Language:
@@ -29,6 +31,7 @@ class Language:
     def __init__(self, code: str = "en", texts: Mapping[str, str] | None = None) -> None:
         self.code = code
         self._has_decimal_point = not _DECIMAL_POINT.isdisjoint((code, code.partition("-")[0]))
+        self._spaces_percent = code.partition("-")[0] in _SPACED_PERCENT
         self.texts = {
             english: own for english, own in (texts or {}).items() if not slot_problem(english, own)
         }
@@ -37,17 +40,22 @@ class Language:
         """Return a text in this language, with its slots filled; without ``slots``, braces are
         kept.
 
-        Numbers in the values of slots get the decimal sign of this language.
+        Numbers in the values of slots get the decimal sign of this language, and its space before
+        the percent sign.
         """
         translated = self.texts.get(text, text)
         if not slots:
             return translated
-        if not self._has_decimal_point:
-            slots = {
-                name: self.figures(value) if isinstance(value, str) else value
-                for name, value in slots.items()
-            }
+        slots = {
+            name: self._filling(value) if isinstance(value, str) else value
+            for name, value in slots.items()
+        }
         return translated.format(**slots)
+
+    def _filling(self, value: str) -> str:
+        if self._spaces_percent:
+            value = re.sub(r"(\d)%", r"\1 %", value)
+        return self.figures(value)
 
     def figures(self, text: str) -> str:
         """Return a text with this language's decimal sign in its numbers: 0,5 for 0.5 in

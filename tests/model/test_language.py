@@ -138,6 +138,12 @@ def test_numbers_are_formatted_for_the_language(code: str, figures: str) -> None
     assert Language(code)("It took {time}.", time="0.85 s") == f"It took {figures}."
 
 
+@pytest.mark.parametrize(("code", "share"), [("en", "80%"), ("es-mx", "80 %"), ("de", "80 %")])
+def test_a_percent_sign_has_the_space_of_the_language(code: str, share: str) -> None:
+    assert Language(code)("At least {needed} right.", needed="80%") == f"At least {share} right."
+    assert Language(code)("{share} done", share="80 %") == "80 % done"
+
+
 def test_a_full_stop_is_not_a_decimal_point() -> None:
     tr = Language("es")
     assert tr("Press: {key}", key=".") == "Press: ."
