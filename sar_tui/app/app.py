@@ -466,7 +466,7 @@ class SarTui(BaseApp):
         tr = language_of(self)
         about = tr("What this screen is for, and its keys")
         yield SystemCommand(tr("Help"), about, self.action_help)
-        yield from screen.commands() if isinstance(screen, HomeScreen) else ()
+        yield from getattr(screen, "commands", tuple)()
         for name, theme in () if self.has_participant else self.themes.known.items():
             yield SystemCommand(
                 f"Theme: {theme.title}",

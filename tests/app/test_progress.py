@@ -113,6 +113,22 @@ async def test_a_figure_is_chosen_and_explained_with_one_key(
         driver.see("It comes with repeating any test", "Scharfen 2018")
 
 
+async def test_the_command_palette_has_figures_and_keys_by_name(
+    opened: OpenApp, data: Path, catalogue: Catalogue
+) -> None:
+    trained(data, catalogue, 1000)
+    async with opened() as driver:
+        await open_progress(driver, catalogue)
+        found = list(driver.app.get_system_commands(driver.app.screen))
+        names = [each.title for each in found]
+        assert {"Level at goal", "Records", "Add", "Note", "Page", "Help"} <= set(names)
+        assert {"Compare", "Charts"}.isdisjoint(names), "there is one session"
+        choose = next(each for each in found if each.title == "Records").callback
+        choose()
+        await driver.settle()
+        driver.see("Nothing is recorded yet.", "explains: Records")
+
+
 @pytest.mark.parametrize("size", [(80, 24), (100, 32), (160, 48)])
 async def test_each_list_is_beside_the_picture_or_one_key_away(
     opened: OpenApp, data: Path, catalogue: Catalogue, size: tuple[int, int]

@@ -1,12 +1,13 @@
 """Progress of a participant in a task over sessions, for the therapist."""
 
 import sqlite3
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from itertools import groupby
 from typing import Any, ClassVar
 
 from textual import work
-from textual.app import ComposeResult
+from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
@@ -329,12 +330,31 @@ class ProgressScreen(DismissedOnce[None]):
 
     # --- keys
 
+    def commands(self) -> Iterator[SystemCommand]:
+        """Yield what can be done here, for the command palette."""
+        for name in self._figures:
+            title = GLOSSARY[name].title
+            yield SystemCommand(title, "Choose this figure", partial(self.choose_figure, name))
+        for action, title, help in (
+            ("compare", "Compare", "Compare the chosen session with another"),
+            ("other_settings", "Charts", "Sessions with other settings"),
+            ("add_record", "Add", "An adverse event, or a score of another test"),
+            ("note", "Note", "A paragraph to paste into a record"),
+            ("page", "Page", "A page with charts, to print"),
+        ):
+            if self.check_action(action, ()):
+                yield SystemCommand(title, help, getattr(self, f"action_{action}"))
+
+    def choose_figure(self, name: str) -> None:
+        """Choose a figure by its name in the glossary."""
+        self._figure = name
+        self.refresh_bindings()
+        self.show()
+
     def action_figure(self, step: int) -> None:
         """Choose the next figure, or the previous one."""
         names = self._figures
-        self._figure = names[(names.index(self.figure) + step) % len(names)]
-        self.refresh_bindings()
-        self.show()
+        self.choose_figure(names[(names.index(self.figure) + step) % len(names)])
 
     def action_open(self) -> None:
         """Explain the chosen figure; of records, correct the chosen one."""
