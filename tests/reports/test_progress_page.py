@@ -147,6 +147,7 @@ def test_every_chart_can_be_drawn(keyboard: type[Task]) -> None:
     (line,) = found.lines
     charts = [
         progress_charts.level_picture(line, tr),
+        progress_charts.minutes_picture(line, tr),
         progress_charts.result_picture(line, tr),
         *progress_charts.quality_pictures(line, tr).values(),
         progress_charts.felt_picture(line, tr),
