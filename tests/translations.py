@@ -20,6 +20,7 @@ from sar_tui.loop.phrase_keys import PHRASE_KEYS, wording_problems
 from sar_tui.model.language import BUNDLED, read_words, slot_problem
 from sar_tui.plugins import Catalogue, task_folder
 from sar_tui.rules import declaration
+from sar_tui.rules.difficulty import INCLUDED
 from sar_tui.rules.parameters import TaskParameters, fields
 
 ROOT = Path(__file__).parents[1]
@@ -72,7 +73,9 @@ def rooms(catalogue: Catalogue) -> Iterator[Room]:
     yield app._replace(used=app.used | {"palette"})  # Textual's own key in the footer
     loop = _room("loop", "model", beside=("rules",))
     yield loop
-    common = _settings(TaskParameters)
+    common = _settings(TaskParameters) | {
+        text for policy in INCLUDED.values() for text in (policy.title, policy.summary)
+    }
     beside = strings(code_in("rules", "runs/start_level.py"))
     rules = Room(_PRODUCT / "rules", common, common | beside)
     yield rules

@@ -71,6 +71,7 @@ class SarTui(BaseApp):
         live: the last session that was begun.
         leaving: ends the app.
         screen_keys: judges which keys reach a screen.
+        settings_drafts: values of settings that were left without saving, by participant and task.
         picture_way: how this terminal shows the pictures of prompts; None if it was not asked, or
             it cannot.
 
@@ -117,6 +118,7 @@ class SarTui(BaseApp):
         self.start: SessionStart | None = None
         self.live: LiveSession | None = None
         self.picture: type[Widget] | None = None
+        self.settings_drafts: dict[tuple[str, str], dict[str, object]] = {}
         self._begin = begin
         self._first_patient = patient
         self._clock = clock

@@ -136,7 +136,11 @@ class Leaving:
         """
         app = self._app
         untold = app.patient_mode.troubles if app.patient else ()  # nobody was there to be told
-        said = (*self._exit_message(code), *untold, app.themes.pending_notice)
+        unsaved = (
+            f"Not saved: changes to the settings of {who} for {task}."
+            for who, task in app.settings_drafts
+        )
+        said = (*self._exit_message(code), *unsaved, *untold, app.themes.pending_notice)
         return [text for text in dict.fromkeys(said) if text]
 
     def _exit_message(self, code: int) -> Iterator[str]:

@@ -97,6 +97,7 @@ class DifficultyPolicy(NamedTuple):
             first (None for an attempt without one), and whether a lower or a higher one is better;
             None: the task's own. Without this function the goal is always the task's own.
         start: returns the level of the first attempt, from the start level, within the bounds.
+        title: a few words for the list of policies; empty: its name.
     """
 
     summary: str
@@ -106,11 +107,21 @@ class DifficultyPolicy(NamedTuple):
         Callable[[Sequence[float | None], Literal["lower", "higher"], Any], Goal | None] | None
     ) = None
     start: Callable[[int, Any, Bounds], int] = start_at
+    title: str = ""
 
     @property
     def moves_level(self) -> bool:
         """True if the level follows the person, from the start level on."""
         return self.step is not stay and self.start is start_at
+
+    @property
+    def ignores(self) -> tuple[str, ...]:
+        """Settings of every task that have no effect under this policy."""
+        return (
+            *(() if self.start is start_at else ("start_level",)),
+            *(() if self.moves_level else ("start_from",)),
+            *(("min_level", "max_level") if self.step is stay else ()),
+        )
 
 
 class OneUpOneDownSettings(Settings, frozen=True, kw_only=True):
@@ -120,7 +131,7 @@ class OneUpOneDownSettings(Settings, frozen=True, kw_only=True):
         int,
         setting(
             "Successes before harder",
-            help="For one-up-one-down: this many successes in a row raise the level by one.",
+            help="This many successes in a row raise the level by one.",
             ge=1,
             le=20,
         ),
@@ -129,7 +140,7 @@ class OneUpOneDownSettings(Settings, frozen=True, kw_only=True):
         int,
         setting(
             "Failures before easier",
-            help="For one-up-one-down: this many failures in a row lower the level by one.",
+            help="This many failures in a row lower the level by one.",
             ge=1,
             le=20,
         ),
@@ -181,7 +192,7 @@ class SequenceSettings(Settings, frozen=True, kw_only=True):
         tuple[Annotated[int, Meta(ge=1, le=99)], ...],
         setting(
             "List of levels",
-            help="For sequence: the level of each attempt, such as 1 1 2 2 3. The last one stays.",
+            help="The level of each attempt, such as 1 1 2 2 3. The last one stays.",
         ),
     ] = ()
 
@@ -224,7 +235,7 @@ class TargetSettings(Settings, frozen=True, kw_only=True):
         setting(
             "Target",
             "%",
-            "For target: the share that should reach the goal.",
+            "The share that should reach the goal.",
             ge=10,
             le=95,
         ),
@@ -233,7 +244,7 @@ class TargetSettings(Settings, frozen=True, kw_only=True):
         Literal["prompts", "attempts"],
         setting(
             "Target counts",
-            help="For target: prompts answered right and better than the goal, or attempts that "
+            help="Prompts answered right and better than the goal, or attempts that "
             "succeed. With one "
             "prompt in an attempt both are the same.",
         ),
@@ -243,7 +254,7 @@ class TargetSettings(Settings, frozen=True, kw_only=True):
         setting(
             "Smallest step",
             "levels",
-            "For target: the level moves by this times the distance from the target. More follows "
+            "The level moves by this times the distance from the target. More follows "
             "a person faster; "
             "less keeps the level stiller.",
             ge=0.1,
@@ -306,8 +317,7 @@ class PercentileSettings(Settings, frozen=True, kw_only=True):
         int,
         setting(
             "Goal is the k-th best",
-            help="For percentile: k. An attempt succeeds in k of m + 1 cases: 21 of the last 29 "
-            "makes 70 %.",
+            help="An attempt succeeds in k of m + 1 cases: 21 of the last 29 makes 70 %.",
             ge=1,
             le=MOST_RESULTS,
         ),
@@ -316,8 +326,7 @@ class PercentileSettings(Settings, frozen=True, kw_only=True):
         int,
         setting(
             "of the last m results",
-            help="For percentile: m. Few follow a person fast, but the goal jumps; many keep it "
-            "stiller.",
+            help="Few follow a person fast, but the goal jumps; many keep it stiller.",
             ge=1,
             le=MOST_RESULTS,
         ),
@@ -371,28 +380,31 @@ def percentile_goal(
 
 
 INCLUDED: Mapping[str, DifficultyPolicy] = {
-    "fixed": DifficultyPolicy("Level and goal stay as they are set."),
+    "fixed": DifficultyPolicy("Level and goal stay as you set them.", title="Stays as it is"),
     BY_OUTCOME: DifficultyPolicy(
-        "One level up after a success, one down after a failure, or after several in a row.",
+        "Harder after a success, easier after a failure.",
         OneUpOneDownSettings,
         step_by_outcome,
+        title="Step by step",
     ),
     "percentile": DifficultyPolicy(
-        "The level stays, and the goal follows the person: the k-th best of the last m results at "
-        "that level.",
+        "The level stays; the goal follows the results.",
         PercentileSettings,
         goal=percentile_goal,
+        title="A goal of their own",
     ),
     "sequence": DifficultyPolicy(
-        "The levels of your own list, one for each attempt.",
+        "You list the level of each attempt.",
         SequenceSettings,
         step_in_list,
         start=start_of_list,
+        title="A list of levels",
     ),
     "target": DifficultyPolicy(
-        "The level moves in small steps until a share of the prompts (70 %) reaches the goal.",
+        "Aims at 7 of 10 prompts, or at the share you set.",
         TargetSettings,
         step_to_target,
+        title="A share of successes",
     ),
 }
 """Included policies by name: a value of the setting ``difficulty_policy``."""

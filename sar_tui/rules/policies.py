@@ -94,12 +94,19 @@ def without_effect(values: Mapping[str, object]) -> dict[str, str]:
     found: dict[str, str] = {}
     for choice, policies in BY_CHOICE.items():
         users: dict[str, list[str]] = {}
+        common = {field for policy in policies.values() for field in _ignored(policy)}
         for name, policy in policies.items():
-            for field in policy.settings.__struct_fields__:
+            read = [*policy.settings.__struct_fields__, *(common - {*_ignored(policy)})]
+            for field in read:
                 users.setdefault(field, []).append(name)
         if (chosen := values.get(choice)) in policies:
             found |= {name: " or ".join(of) for name, of in users.items() if chosen not in of}
     return found
+
+
+def _ignored(policy: Policy) -> tuple[str, ...]:
+    """Return the settings of every task that have no effect under a policy."""
+    return policy.ignores if isinstance(policy, DifficultyPolicy) else ()
 
 
 def missing(values: Mapping[str, object]) -> dict[str, str]:

@@ -123,7 +123,7 @@ def play(
     """Let the time of a session pass until it has ended or failed or is left, or nothing is
     awaited.
     """
-    while not is_left() and _goes_on(session) and clock.step():
+    while not is_left() and goes_on(session) and clock.step():
         pass
 
 
@@ -133,7 +133,7 @@ def participant_fault(session: Session) -> Fault | None:
     return next((fault for fault in session.faults if fault.node in people), None)
 
 
-def _goes_on(session: Session) -> bool:
+def goes_on(session: Session) -> bool:
     """Return True until the session has ended, and its goodbye was decided on and said, or a part
     of it failed.
     """

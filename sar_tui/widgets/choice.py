@@ -57,7 +57,7 @@ class Choice(Widget, can_focus=True):
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("enter,space,down,up", "open", "Show", show=False, id="choices")
+        Binding("enter,space", "open", "Show", show=False, id="choices")
     ]
     ALLOW_SELECT = False
     DEFAULT_CSS = """

@@ -1,5 +1,6 @@
 """One field of the settings form, made from a parameter's declaration."""
 
+import textwrap
 from collections.abc import Sequence
 
 from textual import on
@@ -16,8 +17,14 @@ from sar_tui.widgets.choice import Choice, ChoiceList
 from sar_tui.widgets.lists import OptionList
 
 _YES_NO = ("yes", "no")
-_MARK, _TITLE, _EDITOR = 2, 24, 20
+_MARK, _TITLE, _EDITOR = 2, 24, 18
 """Columns."""
+_LONGEST_LINE = 72
+"""Most columns of a line of the note."""
+UNSAVED = "◆"
+"""Sign of a value that differs from the saved one."""
+CHANGED = "●"
+"""Sign of a value that differs from the default."""
 
 
 class _NumberInput(Input):
@@ -33,7 +40,7 @@ class _NumberInput(Input):
 
 
 class ParameterField(Widget):
-    """Title, value and unit in a line. The screen shows the note of the focused field.
+    """Title, value and unit in a line; below it, while it is edited, what it means.
 
     It has its value and problem even while it is not mounted. It draws everything except the value
     itself, because a form of many fields would be slow with a widget for each text.
@@ -41,6 +48,7 @@ class ParameterField(Widget):
     Args:
         field: the declaration.
         value: the current value.
+        saved: the saved one.
         known: values of a text to pick from, if they are known; of a list of words, the words.
         tr: the language of the note, in which ``field`` already is.
     """
@@ -59,7 +67,12 @@ class ParameterField(Widget):
         """The field is edited now."""
 
     def __init__(
-        self, field: Field, value: object, known: Sequence[str] = (), tr: Language | None = None
+        self,
+        field: Field,
+        value: object,
+        saved: object,
+        known: Sequence[str] = (),
+        tr: Language | None = None,
     ) -> None:
         super().__init__(id=f"parameter-{field.name}")
         self.field = field
@@ -67,11 +80,15 @@ class ParameterField(Widget):
         self.known = tuple(known)
         self.value = value
         """The saved value or the default; after an edit, a bool or the typed text."""
+        self.saved = saved
+        """The saved value or the default."""
+        self.more = ""
+        """A sentence about this value, at the end of the note; empty for none."""
         self.problem = ""
         """Problem of the value; empty for none."""
         self.used_by = ""
         """Policies that use it, if none of them is chosen; empty if it has an effect."""
-        self._drawn = (self.is_changed, self.problem, self.used_by)
+        self._drawn: object = None
 
     def compose(self) -> ComposeResult:
         value = show(self.value)
@@ -93,14 +110,52 @@ class ParameterField(Widget):
 
     def render(self) -> Content:
         """Draw everything except the value, for which room is left."""
-        mark = "!" if self.problem else "–" if self.used_by else "●" if self.is_changed else ""
-        colour = "$warning" if self.problem else "$text-muted" if self.used_by else ""
-        strength = "bold" if self.has_focus_within else ""
-        return Content.assemble(
+        mark, colour = self._mark
+        title = ("bold " if self.has_focus_within else "") + (colour if self.problem else "")
+        before = self.tr("was {value}", value=self._shown(self.saved)) if self.is_unsaved else ""
+        beside = "  ".join(filter(None, (self.field.unit, before)))
+        line = Content.assemble(
             (f"{mark:{_MARK}}", colour or "$accent"),
-            (f"{self.field.title:{_TITLE}}", f"{strength} {colour}".strip()),
-            (f"{'':{_EDITOR}} {self.field.unit}", "$text-muted"),
-        )
+            (f"{self.field.title:{_TITLE}}", title.strip()),
+            (f"{'':{_EDITOR}} {beside}", "$text-muted"),
+        ).truncate(self.content_size.width, ellipsis=True)
+        colour = "$warning" if self.problem else "$text-muted"
+        note = (Content.assemble(f"\n{'':{_MARK}}", (text, colour)) for text in self._note_lines())
+        return Content.assemble(line, *note)
+
+    @property
+    def _mark(self) -> tuple[str, str]:
+        """The sign before the title, and its colour."""
+        if self.problem:
+            return "!", "$warning"
+        if self.is_unsaved:
+            return UNSAVED, "$accent bold"
+        return (CHANGED, "$accent") if self.is_changed else ("", "")
+
+    def _shown(self, value: object) -> str:
+        """Return a value as it is shown."""
+        shown = show(value)
+        return self.field.labels.get(shown, shown) or self.tr("none")
+
+    def _note_lines(self) -> list[str]:
+        """Return the lines below the title: none if it is not edited."""
+        if not self.has_focus_within:
+            return []
+        width = max(12, min(self.content_size.width - _MARK, _LONGEST_LINE))
+        return [line for text in self.note.split("\n") for line in textwrap.wrap(text, width)]
+
+    def redraw(self) -> None:
+        """Draw it again if it looks different, with as many lines as it needs now."""
+        note = self._note_lines()
+        drawn = (self._mark, show(self.saved), self.has_focus_within, note)
+        if self.is_attached and drawn != self._drawn:
+            self._drawn = drawn
+            self.styles.height = 1 + len(note)
+            self.refresh()
+
+    def on_resize(self) -> None:
+        """Wrap the note anew."""
+        self.redraw()
 
     @property
     def note(self) -> str:
@@ -108,13 +163,9 @@ class ParameterField(Widget):
         if self.problem:
             return self.problem
         said = [self.field.help, self._limits()]
-        if self.used_by:
-            said.insert(0, self.tr("Without effect now: only with {rules}.", rules=self.used_by))
         if self.is_changed:
-            default = show(self.field.default)
-            shown = self.field.labels.get(default, default) or self.tr("none")
-            said.append(self.tr("Default: {value}.", value=shown))
-        return " ".join(filter(None, said))
+            said.append(self.tr("Default: {value}.", value=self._shown(self.field.default)))
+        return " ".join(filter(None, (*said, self.more)))
 
     def _limits(self) -> str:
         """Return the bounds of a number, or what a list may hold, as a sentence; empty where there
@@ -149,6 +200,11 @@ class ParameterField(Widget):
         """True if it differs from the default."""
         return show(self.value) != show(self.field.default)
 
+    @property
+    def is_unsaved(self) -> bool:
+        """True if it differs from the saved value."""
+        return show(self.value) != show(self.saved)
+
     def focus_editor(self) -> None:
         """Focus the editor."""
         self.query_exactly_one("Input, Choice").focus()
@@ -177,28 +233,25 @@ class ParameterField(Widget):
             self.post_message(self.Changed())
 
     def on_descendant_focus(self) -> None:
-        """Highlight the title, and scroll into view; after the next refresh too, as the panel may
-        just have opened.
+        """Show the note, and scroll into view; after the next refresh too, as the panel may just
+        have opened.
         """
-        self.refresh()
+        self.redraw()
         self.post_message(self.Focused())
         self.scroll_visible(animate=False, immediate=True)
         self.call_after_refresh(self.scroll_visible, animate=False, immediate=True)
 
     def on_descendant_blur(self) -> None:
-        """Draw the title without highlight."""
-        self.refresh()
+        """Hide the note."""
+        self.redraw()
 
     def show_problem(self, problem: str, used_by: str = "") -> None:
-        """Mark a problem, that it has no effect without the policies in ``used_by``, or that its
-        value is another.
+        """Show a problem. Without one, the field is hidden if it has no effect without the policies
+        in ``used_by``.
         """
         self.problem, self.used_by = problem, used_by
-        drawn = self.is_changed, self.problem, self.used_by
-        if drawn != self._drawn:
-            self._drawn = drawn
-            if self.is_mounted:
-                self.refresh()
+        self.display = bool(problem) or not used_by
+        self.redraw()
 
 
 # --- a list of words

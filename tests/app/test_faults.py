@@ -121,11 +121,11 @@ def _refuse(driver: AppDriver) -> None:
 
 
 async def test_a_failure_to_save_settings_is_reported_and_the_form_stays(home: AppDriver) -> None:
-    await home.press("f2", "end", "7")
+    await home.press("f2", "pagedown", "end", "7")
     _refuse(home)
     await home.press("ctrl+s", "x", "enter")
     assert home.screen_name == "SettingsScreen"
-    home.see("is read-only", "not saved")
+    home.see("is read-only", "Not saved.", "◆ 1 not saved")
 
 
 async def test_a_failed_write_is_reported_on_the_home_screen(home: AppDriver) -> None:

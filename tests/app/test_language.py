@@ -195,12 +195,14 @@ async def test_settings_are_in_the_saved_language(opened: OpenApp, data: Path) -
     known(data, "P01", language="es")
     async with opened() as driver:
         await driver.press("f2")
+        driver.see("Más difícil tras un logro")
+        await driver.press("pagedown")
         driver.see("Teclas por intento", "Número de teclas de un intento. De 1 a 200.")
-        assert "Ctrl-S Guardar" in driver.rows[-1]
+        assert "F5 Versiones" in driver.rows[-1]
         await driver.press("/", *"manos", "escape", "down", "enter", "down", "enter", "ctrl+s")
         driver.see("● Teclas ambas manos → flechas")
         await driver.press(*"más fácil", "enter")
-        driver.see("guardada: versión 2")
+        driver.see("versión 2", "Todo está guardado.")
 
 
 TASKS = tuple(Catalogue().task_names())
@@ -224,7 +226,8 @@ def shipped(catalogue: Catalogue, code: str) -> dict[str, str]:
     modules = (sar_tui.loop, sar_tui.app)
     folders = [Path(str(module.__file__)).parent for module in modules]
     own = language(code, *folders, *(task_folder(catalogue.task(name)) for name in TASKS)).texts
-    settings = (path.read_text("utf-8") for path in (APP / "screens").glob("settings*.py"))
+    files = (*(APP / "screens").glob("settings*.py"), *(APP / "settings").glob("*.py"))
+    settings = (path.read_text("utf-8") for path in files)
     for text in set[str]().union(*map(texts_in, settings)):
         own.pop(text, None)
     return own

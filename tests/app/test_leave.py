@@ -92,11 +92,11 @@ async def test_without_a_session_it_leaves_at_once(home: AppDriver) -> None:
 
 
 async def test_unsaved_settings_are_discarded_only_by_a_second_press(home: AppDriver) -> None:
-    await home.press("f2")
+    await home.press("f2", "pagedown")
     await home.write("7")
     await home.press("ctrl+q")
     assert home.app.is_running
-    home.see("Not saved. Save with Ctrl-S, or")
+    home.see("Not saved: Prompts per attempt.", "Ctrl-Q again leaves without.")
     await home.press("ctrl+q")
     assert not home.app.is_running
 

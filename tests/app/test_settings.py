@@ -1,5 +1,6 @@
 """Settings: a form made from a task's declaration, stored for one participant."""
 
+import inspect
 from collections.abc import AsyncIterator
 from contextlib import closing
 from pathlib import Path
@@ -7,13 +8,17 @@ from typing import Annotated, Any
 
 import msgspec
 import pytest
-from textual.widgets import Button, Static
 
 from sar_tui.app.screens.settings import FieldPanel, SettingsScreen
+from sar_tui.app.settings.preview import PreviewPane
+from sar_tui.app.settings.rules import RuleField
 from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.declaration import meta, show
 from sar_tui.rules.parameters import build, fields
+from sar_tui.runs.plan import make_plan
+from sar_tui.runs.simulate import simulate
+from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import programmes
 from sar_tui.store.database import connect
 from sar_tui.store.programmes import Programme
@@ -40,8 +45,28 @@ def open_panels(driver: AppDriver) -> list[str]:
 
 
 def meaning(driver: AppDriver) -> str:
-    """Return the text below the fields."""
-    return " ".join(str(driver.app.screen.query_one("#meaning", Static).content).split())
+    """Return the text below the focused field, which is on the screen."""
+    focused = next(widget for widget in every_field(driver) if widget.has_focus_within)
+    driver.see(*focused.note.split()[:2])
+    return focused.note
+
+
+def told(driver: AppDriver) -> str:
+    """Return the notifications."""
+    return " ".join(notice.message for notice in driver.app._notifications)
+
+
+def rule_list(driver: AppDriver) -> RuleField:
+    return driver.app.screen.query_exactly_one(RuleField)
+
+
+async def preview(driver: AppDriver) -> str:
+    """Wait until the previews have been played, and return the sentence of the one that is
+    shown.
+    """
+    await driver.app.workers.wait_for_complete()
+    await driver.settle()
+    return driver.app.screen.query_one(PreviewPane).text
 
 
 async def go_to(driver: AppDriver, name: str) -> None:
@@ -63,6 +88,17 @@ async def save(driver: AppDriver, reason: str = "Tired") -> None:
     await driver.press("ctrl+s")
     assert driver.screen_name == "SaveReasonScreen"
     await driver.enter(reason)
+
+
+async def command(driver: AppDriver, name: str) -> None:
+    """Do what the palette offers under a name."""
+    screen = driver.app.screen
+    assert isinstance(screen, SettingsScreen)
+    chosen = next(each for each in screen.commands() if each.title == name)
+    done = chosen.callback()
+    if inspect.isawaitable(done):
+        await done
+    await driver.settle()
 
 
 def stored_settings(data: Path) -> dict[str, Any]:
@@ -106,7 +142,7 @@ async def test_any_parameter_has_a_field(opened: OpenApp, data: Path, keyboard: 
         await go_to(driver, "drum")
         driver.see("Drum yes")
         await driver.press("enter", "down", "enter")
-        driver.see("● Drum no")
+        driver.see("◆ Drum no ▼ was yes")
         await save(driver)
     assert stored_settings(data) == {"tempo": 7, "drum": False, "quiet_ms": 700}
 
@@ -116,11 +152,11 @@ async def test_values_are_checked_as_they_are_typed(
 ) -> None:
     await fill(form, "attempts", "2x")
     assert meaning(form) == "Attempts is a whole number, 1 to 200, not 2x."
-    form.see("1 to fix", "Session ! 1", "! Attempts 2x")
+    form.see("Ctrl-S goes to what must be corrected", "Session ! 1", "! Attempts 2x")
     await form.press("backspace")
     assert meaning(form) == "Number of attempts in a session. 1 to 200. Default: 20."
-    form.see("not saved")
-    form.lacks("to fix")
+    form.see("◆ Attempts 2 was 20", "◆ 1 not saved")
+    form.lacks("must be corrected")
     await fill(form, "foreperiod_min_ms", "1800")
     assert meaning(form) == "Shortest wait (1800 ms) is above the longest (1500 ms)."
     await fill(form, "foreperiod_max_ms", "1900")
@@ -132,9 +168,6 @@ async def test_values_are_checked_as_they_are_typed(
     keys = keyboard(build(keyboard.Parameters, {"start_level": 5}))
     assert meaning(form).endswith(f"Level 5: {keys.level_name(5)}")
     await fill(form, "attempts", "0")
-    await go_to(form, "target_share")
-    assert meaning(form).startswith("Without effect now: only with target.")
-    form.see("– Target")
     await form.press("ctrl+s")
     assert field(form, "attempts").has_focus_within, "the invalid value"
     assert meaning(form) == "Attempts is a whole number, 1 to 200, not 0."
@@ -172,8 +205,7 @@ async def test_one_field_is_reset_or_all_of_them(form: AppDriver) -> None:
     assert field(form, "encouragement").value is False
     await form.press("ctrl+r")
     assert field(form, "encouragement").value is True
-    form.app.screen.query_one("#reset-all").focus()
-    await form.press("enter")
+    await command(form, "Reset all")
     assert not any(widget.is_changed for widget in every_field(form))
 
 
@@ -187,7 +219,7 @@ async def test_saved_settings_apply_to_the_next_session(opened: OpenApp, data: P
         await driver.press("enter", "down", "enter")
         assert field(driver, "choice_set").value == "arrow keys"
         await save(driver)
-        driver.see("saved: version 2", "The next session starts at level 1.")
+        assert "Saved: version 2. The next session starts at level 1." in told(driver)
         await driver.press("escape", *["right"] * 3, "enter", "enter")
         driver.see("Press Enter to begin attempt 1 of 3.")
         assert (await driver.begin()).expected in ("left", "right")
@@ -207,9 +239,9 @@ async def test_a_language_that_the_theme_lacks_is_told(opened: OpenApp, data: Pa
             "Choose one of these, or give the theme a file phrases.fr.toml."
         )
         await driver.press("enter", "e", "e", "enter")
-        driver.see("● Language es ▼")
+        driver.see("◆ Language es ▼")
         await save(driver)
-        driver.see("saved: version 2")
+        assert "Saved: version 2." in told(driver)
     assert stored_settings(data)["language"] == "es"
 
 
@@ -219,13 +251,14 @@ async def test_settings_that_became_invalid_are_told_and_can_be_set(
     known(data, "P01", theme="gone", attempts=20, tempo=3, layout="sholes")
     async with opened() as driver:
         await driver.press("f2")
-        driver.see("These settings do not exist any more: tempo.")
+        assert "These settings do not exist any more: tempo." in told(driver)
+        await driver.press("pagedown")
         driver.see("Keyboard layout sholes ▼")
         assert field(driver, "layout").note.endswith(", not sholes.")
         await go_to(driver, "layout")
         await driver.press("enter", "enter")
         assert field(driver, "layout").value == "qwerty"
-        driver.lacks("to fix")
+        driver.lacks("must be corrected")
         await fill(driver, "language", "es")
         assert meaning(driver).endswith("Default: en.")
 
@@ -234,17 +267,24 @@ async def test_settings_that_became_invalid_are_told_and_can_be_set(
 
 
 async def test_arrows_and_page_keys_move_between_groups(form: AppDriver) -> None:
-    assert field(form, "prompts_per_attempt").has_focus_within
-    await form.press("up", "down", "down")
+    assert rule_list(form).has_focus_within
+    await form.press("up", "up", "down", "down", "down")
     assert form.app.focused is form.app.screen.query_one("#groups")
     assert open_panels(form) == ["Limits"]
-    assert meaning(form).endswith(" settings. Enter goes to them.")
+    form.see("How much is enough?")
     await form.press("enter")
     assert field(form, "session_minutes").has_focus_within
     await form.press("pageup")
     assert field(form, "attempts").has_focus_within
-    await form.press("pageup", "pageup")
+    await form.press(*["pageup"] * 3)
     assert open_panels(form) == ["Timing"]
+
+
+async def test_arrows_pass_over_choices_and_do_not_open_them(form: AppDriver) -> None:
+    await go_to(form, "prompts_per_attempt")
+    await form.press("down", "down", "down")
+    assert field(form, "levels").has_focus_within
+    assert field(form, "choice_set").value == "both hands"
 
 
 # --- finding
@@ -279,27 +319,26 @@ async def test_a_setting_is_found_by_a_word_of_its_title_or_help(first_run: AppD
 async def test_saving_asks_for_a_reason_and_keeps_it(opened: OpenApp, data: Path) -> None:
     async with opened() as driver:
         await driver.press("f2", "ctrl+s")
-        driver.see("nothing has changed")
+        assert told(driver) == "Nothing has changed."
         await fill(driver, "threshold", "900")
         await driver.press("ctrl+s")
         driver.see("● Goal 1000 → 900 ms")
         await driver.press("enter")
         driver.see("A few words are enough.")
         await driver.press("escape")
-        driver.see("not saved")
+        driver.see("◆ 1 not saved")
         await driver.press("ctrl+s")
         await driver.write(*"Reached it")
         await driver.press("down")
         await driver.write("end", "ctrl+u")
         await driver.enter("Ana")
-        driver.see("Settings of P01 for Keyboard reaction: version 2")
+        driver.see("P01, Keyboard reaction: settings", "version 2", "Everything is saved.")
         found = driver.stored("SELECT version, author, reason FROM programmes ORDER BY version")
         assert found == [(1, "", ""), (2, "Ana", "Reached it")]
         settings = stored_settings(data)
         assert (settings["threshold"], settings["quiet_ms"]) == (900, 700)
 
-        driver.app.screen.query_one("#reset-all").focus()
-        await driver.press("enter")
+        await command(driver, "Reset all")
         await save(driver)
         assert not field(driver, "quiet_ms").is_mounted, "a setting never shown is saved too"
     assert stored_settings(data) == {}
@@ -324,7 +363,7 @@ async def test_a_change_by_somebody_else_is_told_and_kept(opened: OpenApp, data:
         await driver.press("ctrl+s")
         driver.see("version 2 by Ben (Pain)", "● Attempts 5 → 9")
         await driver.enter("Agreed")
-        driver.see("saved: version 3")
+        assert "Saved: version 3." in told(driver)
     assert stored(
         data, "SELECT json_extract(parameters, '$.attempts') FROM programmes ORDER BY version"
     ) == [(20,), (5,), (9,)]
@@ -341,12 +380,172 @@ async def test_a_preset_leaves_nothing_of_the_one_before(opened: OpenApp, data: 
     async with opened() as driver:
         await driver.press("f2")
         for downs in (3, 4):  # a, then b, after those of the task
-            driver.app.screen.query_one("#preset", Button).press()
-            await driver.settle()
-            await driver.press(*["down"] * downs, "enter")
-        driver.see("and stays: Language.")
+            await driver.press("f6", *["down"] * downs, "enter")
+        assert "and stays: Language." in told(driver)
         await save(driver)
     assert stored_settings(data) == {"choice_set": "left hand", "threshold": 700.0}
+
+
+# --- the rules of difficulty, and the preview
+
+
+async def test_a_rule_is_looked_at_before_it_is_chosen(form: AppDriver) -> None:
+    fixed = await preview(form)
+    form.see(
+        "✓ Step by step", "20 of 20", "An average person: P01 has too few", "Everything is saved."
+    )
+    await form.press("down")
+    form.see("Enter chooses this rule.")
+    assert await preview(form) != fixed
+    assert field(form, "difficulty_policy").value == "one-up-one-down"
+    await form.press("enter")
+    assert field(form, "difficulty_policy").value == "percentile"
+    form.see("◆ A goal of their own", "follows the results. was")
+
+
+async def test_only_the_settings_that_a_rule_uses_are_shown(form: AppDriver) -> None:
+    def shown() -> set[str]:
+        return {each.field.name for each in panels(form)[0].fields if each.display}
+
+    always = {"difficulty_policy", "threshold", "neutral_band", "min_accuracy"}
+    by_level = {"start_level", "start_from", "min_level", "max_level"}
+    streaks = {"consecutive_successes", "consecutive_failures"}
+    assert shown() == always | by_level | streaks
+    await form.press("up", "enter")
+    assert field(form, "difficulty_policy").value == "fixed"
+    assert shown() == always | {"start_level"}
+    await form.press("down", "down", "down", "enter")
+    assert field(form, "difficulty_policy").value == "sequence"
+    assert shown() == always | {"level_sequence", "min_level", "max_level"}
+    form.see("Ctrl-S goes to what must be corrected")
+    await form.press("ctrl+s")
+    assert field(form, "level_sequence").has_focus_within
+    await form.write(*"1 1 2")
+    form.lacks("must be corrected")
+    await form.press("f3")
+    await form.enter("target_share")
+    assert rule_list(form).has_focus_within, "where the setting gets an effect"
+    assert "Target is used by another choice: target." in told(form)
+
+
+async def test_the_preview_follows_each_change_and_stores_nothing(
+    form: AppDriver, data: Path
+) -> None:
+    await fill(form, "threshold", "9000")
+    assert await preview(form) == (
+        "20 of 20 goals reached, and 10 of 10 prompts. The level rises all the time, to 20."
+    )
+    await fill(form, "threshold", "150")
+    assert await preview(form) == (
+        "0 of 20 goals reached, and 0 of 10 prompts. The level stays at 1."
+    )
+    await form.write("x")
+    assert await preview(form) == "Correct what is marked ! to see it."
+    assert stored(data, "SELECT count(*) FROM sessions") == [(0,)]
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_the_preview_says_whom_it_is_like(
+    opened: OpenApp, data: Path, catalogue: Catalogue
+) -> None:
+    plan = make_plan(catalogue, "keyboard", ["P01"], {"attempts": 8}, seed=1, mode="simulated")
+    session = simulate(plan, PEOPLE["poor"], data, catalogue)
+    with closing(connect(data)) as database, database:
+        database.execute("UPDATE sessions SET mode='live' WHERE id=?", (session,))
+    async with opened(size=(160, 48)) as driver:
+        await driver.press("f2")
+        await preview(driver)
+        driver.see("Simulated as P01 did in the last session.")
+
+
+async def test_a_rule_that_is_gone_is_shown_until_another_is_chosen(
+    opened: OpenApp, data: Path
+) -> None:
+    known(data, "P01", difficulty_policy="gone")
+    async with opened() as driver:
+        await driver.press("f2")
+        driver.see("! gone", "There is no difficulty policy gone here")
+        assert await preview(driver) == "Correct what is marked ! to see it."
+        await driver.press("down", "enter")
+        assert field(driver, "difficulty_policy").value == "fixed"
+        driver.lacks("gone here")
+
+
+# --- leaving without saving
+
+
+async def test_leaving_asks_nothing_and_saves_nothing_and_coming_back_finds_what_was_typed(
+    form: AppDriver, data: Path
+) -> None:
+    await fill(form, "attempts", "7")
+    await form.press("escape")
+    assert form.screen_name == "HomeScreen"
+    assert "Not saved: Attempts. F2 brings that back." in told(form)
+    assert stored_settings(data)["attempts"] == 20
+    assert form.app.leaving.lines(0) == ["Not saved: changes to the settings of P01 for keyboard."]
+    await form.press("f2")
+    form.see("◆ 1 not saved")
+    assert told(form) == "Back, and not saved: Attempts. F7 discards that."
+    await form.press("f7")
+    form.see("Everything is saved.")
+    assert "Discarded: Attempts. F7 brings that back." in told(form)
+    await form.press("f7")
+    form.see("◆ 1 not saved")
+    await save(form)
+    await form.press("escape")
+    assert form.app.settings_drafts == {}
+    assert stored_settings(data)["attempts"] == 7
+
+
+# --- earlier versions
+
+
+@pytest.fixture
+def three_versions(data: Path) -> None:
+    known(data, "P01", attempts=20)
+    with closing(connect(data)) as database:
+        for after, (attempts, who, why) in enumerate(
+            ((15, "Ana", "Tired"), (10, "Ben", "Pain")), 1
+        ):
+            wanted = Programme({"attempts": attempts})
+            programmes.save(
+                database, "P01", "keyboard", wanted, after=after, author=who, reason=why
+            )
+
+
+@pytest.mark.usefixtures("three_versions")
+async def test_a_version_is_compared_and_brought_back_as_a_new_one(opened: OpenApp) -> None:
+    async with opened() as driver:
+        await driver.press("f2")
+        await fill(driver, "threshold", "900")
+        await driver.press("f5")
+        driver.see("3", "Ben", "Pain", "These are the settings now.")
+        await driver.press("enter")
+        assert driver.screen_name == "VersionsScreen", "there is nothing to go back to"
+        await driver.press("down")
+        driver.see("Version 2 changed", "Attempts 20 → 15", "Going back", "Attempts 10 → 15")
+        await driver.press("enter")
+        driver.see("Back to version 2", "● Attempts 10 → 15")
+        await driver.press("enter")
+        driver.see("A few words are enough.")
+        await driver.enter("Less pain")
+        assert "Saved: version 4." in told(driver)
+        assert field(driver, "attempts").value == 15
+        found = driver.stored(
+            "SELECT version, json_extract(parameters, '$.attempts'), reason FROM programmes "
+            "ORDER BY version"
+        )
+        assert found[1:] == [
+            (2, 15, "Tired"), (3, 10, "Pain"), (4, 15, "Back to version 2: Less pain"),
+        ]  # fmt: skip
+        assert field(driver, "threshold").value == 1000.0
+        await driver.press("f7")
+        assert field(driver, "threshold").value == "900", "what was not saved is not lost"
+
+
+async def test_without_versions_the_list_says_how_to_make_one(home: AppDriver) -> None:
+    await home.press("f2", "f5")
+    home.see("There is one version so far.")
 
 
 # --- choices
@@ -356,7 +555,7 @@ async def test_a_preset_leaves_nothing_of_the_one_before(opened: OpenApp, data: 
 async def test_choices_and_outputs_open_in_a_list(form: AppDriver) -> None:
     await go_to(form, "layout")
     choice = field(form, "layout").query_one(Choice)
-    await form.press("down")
+    await form.press("enter")
     form.see("azerty")
     await form.press("down", "escape")
     assert choice.has_focus

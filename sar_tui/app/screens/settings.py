@@ -1,72 +1,83 @@
-"""Settings: the therapist's form, made from the task's declaration."""
+"""Settings: the therapist's form, made from the task's declaration, with difficulty first."""
 
+import asyncio
 import functools
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, ClassVar
 
 from textual import on, work
-from textual.app import ComposeResult
+from textual.app import ComposeResult, SystemCommand
 from textual.binding import ActiveBinding, Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
-from textual.widgets import Button, Static
+from textual.events import Resize
+from textual.widgets import Static
 from textual.widgets.option_list import Option
 
+from sar_tui.app.settings.preview import PreviewPane, Previews, sparkline
+from sar_tui.app.settings.rules import Picture, RuleField, rules
 from sar_tui.drivers.login_name import login_name
 from sar_tui.loop.task import Task
 from sar_tui.model.language import Language, language
+from sar_tui.model.theme import Theme
 from sar_tui.plugin_calls import PLUGIN_ERRORS
-from sar_tui.plugins import PluginError, task_folder
-from sar_tui.rules.declaration import COMMON, ParameterError, show, translated
+from sar_tui.plugins import DEFAULT_THEME, PluginError, task_folder
+from sar_tui.rules.declaration import COMMON, Field, ParameterError, show, translated
 from sar_tui.rules.parameters import (
     TaskParameters,
     build,
     changed,
-    changes,
     grouped,
+    usable,
 )
-from sar_tui.rules.policies import without_effect
+from sar_tui.rules.policies import BY_CHOICE, DIFFICULTY, without_effect
 from sar_tui.runs.plan import Failed, check_outputs, set_up
 from sar_tui.store import programmes
 from sar_tui.store.database import StoreError
 from sar_tui.store.programmes import Programme
 from sar_tui.theme_folder import languages
 from sar_tui.tui.dismissed_once import DismissedOnce
+from sar_tui.tui.key_line import KeyLine
 from sar_tui.tui.language import app_language
 from sar_tui.tui.language import translated as translated_keys
 from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.lists import OptionList
-from sar_tui.widgets.parameter_field import ParameterField
+from sar_tui.widgets.parameter_field import CHANGED, UNSAVED, ParameterField
 
+_RULE = "difficulty_policy"
+"""The setting that chooses a rule of difficulty. Its group comes first."""
 _LEVELS = ("start_level", "min_level", "max_level")
 """Parameters that are levels: their help says what the level is."""
+_EXAMPLE = tuple(level for level in range(1, 6) for _ in range(4))
+"""Levels of the picture of a list of levels, as long as none is given."""
 _COUNT = 4
 """Columns for the number of settings that differ."""
-_HELP = (
-    "The groups at the left count the settings that differ from the defaults (●) or must be fixed "
-    "(!). A setting "
-    "marked – has no effect with the rule that is chosen. Below the fields: what the focused one "
-    "means, and the values "
-    "it may have.",
-    "Page Down and Page Up go from group to group, the arrows from field to field. / finds a "
-    "setting by a word (F3 "
-    "where a text is typed). Ctrl-R resets a setting; on a group, all its settings.",
-    "Nothing is saved until you save, with a reason: the next session then runs with the new "
-    "version. Earlier versions "
-    "are kept.",
-)
+_NAMED = 4
+"""Most settings that are named in a message."""
+_PAUSE_S = 0.15
+"""Seconds without a change after which a preview is played."""
+_BESIDE = 130
+"""Columns from which the preview stands beside the fields."""
+_TALL = 40
+"""Rows from which all rules are shown, and there is a blank row between fields."""
 
 
 class SettingsScreen(DismissedOnce[None]):
-    """Groups at the left, the fields of one group at the right, the help of the focused field
-    below.
+    """Groups at the left; the fields of one group; below them, or beside, a preview of what they
+    lead to.
+
+    Leaving saves nothing and asks nothing: unsaved values are kept while the program runs, and are
+    there again when the settings of this person and task are opened.
     """
 
-    AUTO_FOCUS = "ParameterField Input, ParameterField Choice"
+    AUTO_FOCUS = "RuleList"
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("ctrl+s", "save", "Save", id="save"),
+        Binding("ctrl+s", "save", "Save", show=False, id="save"),
         Binding("slash,f3", "find", "Find", id="find"),
-        Binding("ctrl+r", "reset", "Reset", id="reset"),
+        Binding("ctrl+r", "reset", "Reset", show=False, id="reset"),
+        Binding("f5", "versions", "Versions", id="versions"),
+        Binding("f6", "presets", "Presets", id="presets"),
+        Binding("f7", "discard", "Discard", show=False, id="discard"),
         Binding("escape", "leave", "Back", show=False, id="leave"),
         Binding("down", "app.focus_next", "Next", show=False, id="down"),
         Binding("up", "app.focus_previous", "Previous", show=False, id="up"),
@@ -88,6 +99,9 @@ class SettingsScreen(DismissedOnce[None]):
         self._panels: list[FieldPanel] = []
         self._fields: list[ParameterField] = []
         self._warning = ""
+        self._previews: Previews | None = None
+        self._set_aside: dict[str, object] = {}
+        self._may_quit = False
 
     @functools.cached_property
     def tr(self) -> Language:
@@ -98,33 +112,67 @@ class SettingsScreen(DismissedOnce[None]):
 
     @property
     def help_text(self) -> str:
-        """Help on the marks, the keys and saving."""
-        return "\n\n".join(self.tr(paragraph) for paragraph in _HELP) + "\n"
+        """Help on the rules, the preview, the signs and saving."""
+        tr = self.tr
+        paragraphs = (
+            tr(
+                "First choose how the exercise follows the person: look at a rule with the "
+                "arrows, and choose it with Enter. Below are only the settings that this rule "
+                "uses."
+            ),
+            tr(
+                "The preview is a simulation of 20 attempts. It plays anew after each change: ● "
+                "the goal is reached, ○ it is not. Nothing of it is stored."
+            ),
+            tr(
+                "◆ differs from what is saved, ● from the default, ! must be corrected. Page "
+                "Down and Page Up go from group to group. / finds a setting by a word (F3 where "
+                "a text is typed). Ctrl-R resets a setting; on a group, all its settings."
+            ),
+            tr(
+                "Ctrl-S saves a new version, and asks why. Esc leaves without saving; F2 brings "
+                "your changes back until you leave the program. F7 takes them away, and brings "
+                "them back. F5 shows the earlier versions."
+            ),
+        )
+        return "\n\n".join(paragraphs) + "\n"
 
     @property
     def active_bindings(self) -> dict[str, ActiveBinding]:
         return translated_keys(super().active_bindings, self.tr)
 
-    def compose(self) -> ComposeResult:
-        parameters, tr = self._motor_task.Parameters, self.tr
-        values = self._programme.parameters
-        known = {"language": self._languages(), "outputs": _outputs()}
-        for heading, declared in grouped(parameters).items():
-            made = [
-                ParameterField(
-                    translated(field, tr),
-                    values.get(field.name, field.default),
-                    known.get(field.name, ()),
-                    tr,
-                )
-                for field in declared
-            ]
-            self._fields += made
-            self._panels.append(
-                FieldPanel(tr(heading) if heading else tr(self._motor_task.title), made)
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Show the key that discards changes if there are some, or if some were discarded."""
+        if action == "discard":
+            return bool(self._fields) and bool(self._unsaved() or self._set_aside)
+        return super().check_action(action, parameters)
+
+    def commands(self) -> Iterator[SystemCommand]:
+        """Yield what the palette offers on this screen."""
+        tr = self.tr
+        yield SystemCommand(tr("Save"), tr("As a new version, with a reason"), self.action_save)
+        yield SystemCommand(tr("Find"), tr("A setting by a word"), self.action_find)
+        yield SystemCommand(tr("Versions"), tr("Look back, compare, go back"), self.action_versions)
+        yield SystemCommand(tr("Presets"), tr("Fill in an exercise"), self.action_presets)
+        yield SystemCommand(
+            tr("Reset all"), tr("All settings to their defaults"), self.action_reset_all
+        )
+        if self.check_action("discard", ()):
+            yield SystemCommand(
+                tr("Discard"), tr("Take unsaved changes away, or back"), self.action_discard
             )
-        self._saved = self._shown()
-        yield Static(self._title(), id="top", markup=False)
+        for at, panel in enumerate(self._panels):
+            yield SystemCommand(
+                panel.title, panel.sentence, functools.partial(self._go_to_group, at)
+            )
+
+    def compose(self) -> ComposeResult:
+        tr = self.tr
+        self._make_fields()
+        with Horizontal(id="top", classes="top-bar"):
+            title = tr("{who}, {task}: settings", who=self._participant, task=self._title)
+            yield Static(title, id="who", markup=False)
+            yield Static("", id="version", markup=False)
         with Horizontal(id="form"):
             yield OptionList(
                 *(Option(panel.title) for panel in self._panels),
@@ -132,20 +180,67 @@ class SettingsScreen(DismissedOnce[None]):
                 markup=False,
                 compact=True,
             )
-            with Vertical(id="fields"):
-                yield from self._panels
-                yield Static("", id="meaning", markup=False)
-        with Horizontal(id="buttons"):
-            yield Static("", id="status", markup=False)
-            yield Button(tr("Save"), id="save", variant="primary", compact=True)
-            yield Button(tr("Preset"), id="preset", compact=True)
-            yield Button(tr("Reset all"), id="reset-all", compact=True)
-            yield Button(tr("Back"), id="back", compact=True)
+            with Vertical(id="work"):
+                with Vertical(id="fields"):
+                    yield Static("", id="sentence", classes="sentence", markup=False)
+                    yield from self._panels
+                yield PreviewPane(self._participant, tr, id="preview")
+        yield KeyLine(id="key")
         yield KeyFooter()
 
+    @property
+    def _title(self) -> str:
+        return self.tr(self._motor_task.title)
+
+    def _make_fields(self) -> None:
+        """Make the fields with the saved values, and those that were left unsaved."""
+        saved, tr = self._programme.parameters, self.tr
+        draft = self.app.settings_drafts.get(self._draft_key, {})
+        known = {"language": self._languages(), "outputs": _outputs()}
+        for heading, declared in grouped(self._motor_task.Parameters).items():
+            made: list[ParameterField] = []
+            for field in sorted(declared, key=_rank):
+                own = translated(field, tr)
+                before = saved.get(field.name, field.default)
+                value = draft.get(field.name, before)
+                made.append(
+                    RuleField(own, value, before, tr)
+                    if field.name == _RULE
+                    else ParameterField(own, value, before, known.get(field.name, ()), tr)
+                )
+            self._fields += made
+            title = tr(heading) if heading else self._title
+            self._panels.append(FieldPanel(title, self._sentence_of(heading), made))
+        self._panels.sort(key=lambda panel: self._rule not in panel.fields)
+
+    @property
+    def _rule(self) -> RuleField:
+        return next(widget for widget in self._fields if isinstance(widget, RuleField))
+
+    def _sentence_of(self, heading: str) -> str:
+        tr = self.tr
+        return {
+            "": tr("What does the exercise ask for?"),
+            "Session": tr("How much is done in a session?"),
+            "Limits": tr("How much is enough?"),
+            "Difficulty": tr("When does it get harder or easier for {who}?", who=self._participant),
+            "Feedback": tr("What is said about results, and when?"),
+            "Agent": tr("How does the agent appear?"),
+            "Operator": tr("What does an operator decide?"),
+            "Timing": tr("How long are the waits?"),
+        }.get(heading) or tr(heading)
+
     async def on_mount(self) -> None:
+        self._fit()
         await self._show_group(0)
         await self._check()
+        self._tell_strange_values()
+        if unsaved := self._unsaved():
+            self.app.clear_notifications()  # that they were not saved
+            back = self.tr("Back, and not saved: {names}.", names=self._named(unsaved))
+            self.notify(f"{back} {self.tr('F7 discards that.')}")
+
+    def _tell_strange_values(self) -> None:
         if gone := self._programme.parameters.keys() - {
             widget.field.name for widget in self._fields
         }:
@@ -154,35 +249,73 @@ class SettingsScreen(DismissedOnce[None]):
                 f"These settings do not exist any more: {names}.", severity="warning", timeout=15
             )
 
-    def _title(self) -> str:
-        version = self._programme.version
-        saved = self.tr("version {number}", number=version) if version else self.tr("defaults")
-        title = self.tr(self._motor_task.title)
-        return self.tr(
-            "Settings of {who} for {task}: {saved}", who=self._participant, task=title, saved=saved
-        )
+    def on_resize(self, event: Resize) -> None:
+        """Put the preview beside the fields if there is room."""
+        self._fit()
+
+    def _fit(self) -> None:
+        columns, rows = self.app.size
+        self.set_class(columns >= _BESIDE, "-beside")
+        self.set_class(rows >= _TALL, "-tall")
+        self._rule.use_size(rows < _TALL)
+        self._show_preview_if_it_belongs()
 
     # --- values
 
     def _values(self) -> dict[str, object]:
         return {widget.field.name: widget.value for widget in self._fields}
 
-    def _shown(self) -> list[str]:
-        return [show(widget.value) for widget in self._fields]
+    def _unsaved(self) -> dict[str, object]:
+        """Return the values that differ from the saved ones."""
+        return {widget.field.name: widget.value for widget in self._fields if widget.is_unsaved}
+
+    def _named(self, values: Iterable[str]) -> str:
+        """Return the titles of some settings: the first ones, if there are many."""
+        names = set(values)
+        titles = [widget.field.title for widget in self._fields if widget.field.name in names]
+        more = ["…"] if len(titles) > _NAMED else []
+        return ", ".join([*titles[:_NAMED], *more])
+
+    def _fill(self, values: Mapping[str, object]) -> None:
+        """Put values into their fields."""
+        for widget in self._fields:
+            if widget.field.name in values:
+                widget.set_value(values[widget.field.name])
 
     @on(ParameterField.Changed)
     async def _check(self) -> None:
         """Check each value, and all of them together, because valid values may conflict."""
+        self._may_quit = False
         problems, unused = self._problems(), without_effect(self._values())
         for widget in self._fields:
-            widget.show_problem(
-                problems.get(widget.field.name, ""), unused.get(widget.field.name, "")
-            )
+            name = widget.field.name
+            widget.more = "" if name in problems else self._level(widget)
+            widget.show_problem(problems.get(name, ""), unused.get(name, ""))
         self._count()
-        self._show_help()
-        unsaved = self.tr("not saved") if self._shown() != self._saved else ""
-        wrong = self.tr("{count} to fix", count=len(problems))
-        self.query_one("#status", Static).update(wrong if problems else unsaved)
+        self._show_key()
+        self.refresh_bindings()
+        self._play_preview()
+
+    def _show_key(self) -> None:
+        """Show the one thing to do."""
+        tr, key = self.tr, self.query_one("#key", KeyLine)
+        to_fix = sum(bool(widget.problem) for widget in self._fields)
+        unsaved = len(self._unsaved())
+        if self._rule.looked_at != show(self._rule.value):
+            key.show(tr("Enter chooses this rule."), "Enter")
+        elif to_fix:
+            key.show(tr("Ctrl-S goes to what must be corrected (!)."), tr("Ctrl-S"))
+        elif unsaved:
+            saves = tr("Ctrl-S saves what you changed.")
+            leaves = tr("Esc leaves without; F2 brings it back.")
+            key.show(f"{saves} {leaves}", tr("Ctrl-S"))
+        else:
+            key.show(tr("Everything is saved. Esc goes back."), "Esc")
+        version = self._programme.version
+        name = tr("version {number}", number=version) if version else tr("defaults")
+        changes = tr("{sign} {count} not saved", sign=UNSAVED, count=unsaved) if unsaved else ""
+        where = "   ".join(filter(None, (changes, name)))
+        self.query_one("#version", Static).update(where)
 
     def _problems(self) -> dict[str, str]:
         try:
@@ -221,7 +354,7 @@ class SettingsScreen(DismissedOnce[None]):
         except PluginError:
             return ()
 
-    # --- groups and help
+    # --- groups
 
     @property
     def _group(self) -> int:
@@ -231,18 +364,30 @@ class SettingsScreen(DismissedOnce[None]):
         for index, panel in enumerate(self._panels):
             await panel.show(index == at)
         self.query_one("#groups", OptionList).highlighted = at
+        self.query_one("#sentence", Static).update(self._panels[at].sentence)
+        self._show_preview_if_it_belongs()
+
+    @property
+    def _rule_is_shown(self) -> bool:
+        """True if the group with the rules is shown."""
+        return self._rule in self._panels[self._group].fields
+
+    def _show_preview_if_it_belongs(self) -> None:
+        """Show the preview, in a small window only with difficulty and the task's own settings."""
+        belongs = self._rule_is_shown or self._panels[self._group].title == self._title
+        self.query_one("#preview", PreviewPane).display = belongs or self.has_class("-beside")
+        self._play_preview()
 
     @on(OptionList.OptionHighlighted, "#groups")
     async def _group_highlighted(self, event: OptionList.OptionHighlighted) -> None:
         await self._show_group(event.option_index)
-        self._show_help()
 
     @on(OptionList.OptionSelected, "#groups")
     def _group_selected(self, event: OptionList.OptionSelected) -> None:
-        self._panels[event.option_index].fields[0].focus_editor()
+        self._panels[event.option_index].focus_first()
 
     def _count(self) -> None:
-        """Show beside each group how many of its settings differ, or must be fixed."""
+        """Show beside each group how many of its settings must be corrected, or differ."""
         groups = self.query_one("#groups", OptionList)
         width = max(len(panel.title) for panel in self._panels)
         for at, panel in enumerate(self._panels):
@@ -250,19 +395,9 @@ class SettingsScreen(DismissedOnce[None]):
             line = Content.assemble(f"{panel.title:{width}} ", (f"{panel.summary:{_COUNT}}", style))
             groups.replace_option_prompt_at_index(at, line)
 
-    @on(ParameterField.Focused)
-    def _show_help(self) -> None:
-        """Show what the focused field means; without one, what the group holds."""
-        focused = next((widget for widget in self._fields if widget.has_focus_within), None)
-        panel = self._panels[self._group]
-        text = self.tr("{count} settings. Enter goes to them.", count=len(panel.fields))
-        if focused:
-            text = " ".join(filter(None, (focused.note, self._level(focused))))
-        self.query_one("#meaning", Static).update(text)
-
     def _level(self, field: ParameterField) -> str:
         """Return what the level of a field is: "Level 5: asdfjkl;"; empty for other fields."""
-        if field.field.name not in _LEVELS or field.problem:
+        if field.field.name not in _LEVELS:
             return ""
         try:
             task = self._motor_task(build(self._motor_task.Parameters, self._values()))
@@ -272,6 +407,111 @@ class SettingsScreen(DismissedOnce[None]):
             return ""
         return self.tr("Level {level}: {name}", level=level, name=name) if name else ""
 
+    # --- the preview
+
+    @on(RuleField.LookedAt)
+    def _look_at_rule(self) -> None:
+        self._show_key()
+        self._play_preview()
+
+    @work(exclusive=True, group="preview", exit_on_error=False)
+    async def _play_preview(self) -> None:
+        """Play a preview of the rule that is looked at, if it is shown, and then the pictures of
+        all rules.
+        """
+        pane, rule = self.query_one("#preview", PreviewPane), self._rule.looked_at
+        if not pane.display:
+            return
+        if self._with_rule(rule) is None:
+            pane.tell(self.tr("Correct what is marked ! to see it."))
+            return
+        if not self._show_played(rule):
+            await asyncio.sleep(_PAUSE_S)
+            pane.tell(self.tr("One moment…"))
+            if not await self._play(rule):
+                return
+        for name in DIFFICULTY if self._rule.is_open and self._rule_is_shown else ():
+            await self._play(name)
+
+    def _with_rule(self, rule: str) -> TaskParameters | None:
+        """Return the parameters with a rule; None if they have a problem."""
+        values = {**self._values(), _RULE: rule}
+        if self._is_example(rule):
+            values["level_sequence"] = _EXAMPLE
+        try:
+            return build(self._motor_task.Parameters, values)
+        except ParameterError:
+            return None
+
+    def _is_example(self, rule: str) -> bool:
+        """Return True for a list of levels that is empty, so that an example is played. If it is
+        chosen, it must be filled in.
+        """
+        values = self._values()
+        return rule == "sequence" != values[_RULE] and not show(values["level_sequence"])
+
+    async def _play(self, rule: str) -> bool:
+        """Play a rule, and show what came of it; return False if it cannot be played."""
+        parameters = self._with_rule(rule)
+        if parameters is None:
+            return True
+        previews = self._previews = self._previews or self._new_previews()
+        try:
+            await previews.play(parameters)
+        except (Failed, ParameterError, StoreError, *PLUGIN_ERRORS) as error:
+            self.query_one("#preview", PreviewPane).tell(str(error))
+            return False
+        self._show_played(rule)
+        return True
+
+    def _new_previews(self) -> Previews:
+        from sar_tui.runs.start_level import LOOKED_AT
+        from sar_tui.store.results import newest_of
+
+        sessions = newest_of(self.app.database, self._participant, self._motor_task.name, LOOKED_AT)
+        return Previews(self._motor_task, sessions, self._theme)
+
+    def _theme(self) -> Theme:
+        """Return the theme that is played with: its words do not matter."""
+        theme: Theme = self.app.catalogue.theme(DEFAULT_THEME, Language().code)
+        return theme
+
+    def _show_played(self, rule: str) -> bool:
+        """Show what was played: the preview of the rule that is looked at, and a picture of each
+        rule. Return False if the rule was not played with these settings.
+        """
+        previews = self._previews
+        if previews is None or previews.stand_in is None:
+            return False
+        found = {
+            name: preview
+            for name in DIFFICULTY
+            if (parameters := self._with_rule(name)) and (preview := previews.kept(parameters))
+        }
+        highest = max((preview.highest for preview in found.values()), default=1)
+        self._rule.show_pictures(
+            {
+                name: Picture(
+                    sparkline(preview, highest),
+                    self.tr(
+                        "{reached} of {count}", reached=preview.reached, count=preview.with_goal
+                    )
+                    if preview.with_goal
+                    else "",
+                )
+                for name, preview in found.items()
+            }
+        )
+        looked_at = self._rule.looked_at
+        if looked_at in found:
+            title = rules(self.tr)[looked_at].title
+            if self._is_example(looked_at):
+                title = self.tr("{rule}, for example", rule=title)
+            self.query_one("#preview", PreviewPane).show(title, found[looked_at], previews.stand_in)
+        return rule in found
+
+    # --- going to a setting
+
     def action_group(self, step: int) -> None:
         """Go to the first field of the next or previous group."""
         self._go_to_group((self._group + step) % len(self._panels))
@@ -279,16 +519,28 @@ class SettingsScreen(DismissedOnce[None]):
     @work(exclusive=True, group="go")
     async def _go_to_group(self, at: int) -> None:
         await self._show_group(at)
-        self._panels[at].fields[0].focus_editor()
+        self._panels[at].focus_first()
 
     @work(exclusive=True, group="go")
     async def _go_to(self, name: str) -> None:
-        """Put the cursor into a field."""
+        """Put the cursor into a field; if it has no effect now, into the choice that gives it
+        one.
+        """
         for at, panel in enumerate(self._panels):
             for widget in panel.fields:
-                if widget.field.name == name:
-                    await self._show_group(at)
-                    widget.focus_editor()
+                if widget.field.name != name:
+                    continue
+                if not widget.display:
+                    told = self.tr(
+                        "{title} is used by another choice: {rules}.",
+                        title=widget.field.title,
+                        rules=widget.used_by,
+                    )
+                    self.notify(told)
+                    self._go_to(_choice_of(widget.used_by))
+                    return
+                await self._show_group(at)
+                widget.focus_editor()
 
     def action_find(self) -> None:
         """Find a setting by a word, and go to it."""
@@ -299,37 +551,43 @@ class SettingsScreen(DismissedOnce[None]):
                 self._go_to(name)
 
         declared = [widget.field for widget in self._fields]
-        self.app.push_screen(
-            FindSettingScreen(declared, self.tr(self._motor_task.title), self.tr), found
-        )
+        self.app.push_screen(FindSettingScreen(declared, self._title, self.tr), found)
 
     # --- saving
 
-    @on(Button.Pressed, "#save")
     def action_save(self) -> None:
         """Ask for a reason, and save the settings if all are valid and some differ."""
         if problems := self._problems():
             self._go_to(next(iter(problems)))
             return
         parameters = build(self._motor_task.Parameters, self._values())
-        wanted = changed(parameters)
-        made = changes(self._motor_task.Parameters, self._programme.parameters, wanted, self.tr)
-        if not made:
-            self.query_one("#status", Static).update(self.tr("nothing has changed"))
-            return
-        from sar_tui.app.screens.settings_dialogs import Reason, SaveReasonScreen
+        self._ask_and_save(Programme(changed(parameters), self._programme.theme))
 
-        def answered(reason: Reason | None) -> None:
-            if reason:
-                self._save(parameters, reason.reason, reason.author)
+    def _ask_and_save(self, wanted: Programme, what: str = "") -> None:
+        """Show what changes, ask for a reason, and save; nothing if nothing changes.
+
+        Args:
+            wanted: to be saved.
+            what: stands before the reason: "Back to version 2".
+        """
+        from sar_tui.app.screens.settings_dialogs import Reason, SaveReasonScreen
+        from sar_tui.app.settings.versions import compared
+
+        made = compared(self._motor_task, self._programme, wanted, self.tr)
+        if not made:
+            self.notify(self.tr("Nothing has changed."))
+            return
+
+        async def answered(given: Reason | None) -> None:
+            if given:
+                reason = ": ".join(filter(None, (what, given.reason)))
+                await self._save(wanted, reason, given.author)
 
         warning, self._warning = self._warning, ""
-        asked = SaveReasonScreen([change.text for change in made], login_name(), warning, self.tr)
+        asked = SaveReasonScreen(made, login_name(), warning, self.tr, what)
         self.app.push_screen(asked, answered)
 
-    def _save(self, parameters: TaskParameters, reason: str, author: str) -> None:
-        status = self.query_one("#status", Static)
-        wanted = Programme(changed(parameters), self._programme.theme)
+    async def _save(self, wanted: Programme, reason: str, author: str) -> None:
         try:
             self._programme = programmes.save(
                 self.app.database,
@@ -342,41 +600,81 @@ class SettingsScreen(DismissedOnce[None]):
             )
         except programmes.Superseded as error:
             self._warning = str(error)
-            self._programme = error.newest
-            status.update(self.tr("not saved"))
+            mine = self._unsaved()
+            self._use_programme(error.newest)
+            self._fill(mine)
             again = self.tr(
                 "Save again to see what differs from it, and to put yours on top of it."
             )
             self.notify(f"{error} {again}", severity="warning", timeout=30)
+            await self._check()
             return
         except StoreError as error:
-            status.update(self.tr("not saved"))
-            self.notify(str(error), severity="error", timeout=15)
+            told = self.tr("Not saved.")
+            self.notify(f"{told} {error}", severity="error", timeout=15)
             return
-        self._saved = self._shown()
-        self.query_one("#top", Static).update(self._title())
-        status.update(self.tr("saved: version {number}", number=self._programme.version))
-        self.query_one("#meaning", Static).update(self._next_start(parameters))
+        mine = self._unsaved()
+        self._use_programme(self._programme)
+        now = {widget.field.name: show(widget.saved) for widget in self._fields}
+        self._set_aside = {name: value for name, value in mine.items() if show(value) != now[name]}
+        await self._check()
+        saved = self.tr("Saved: version {number}.", number=self._programme.version)
+        self.notify(f"{saved} {self._next_start()}")
 
-    def _next_start(self, parameters: TaskParameters) -> str:
+    def _use_programme(self, programme: Programme) -> None:
+        """Put the values of another saved version into the fields."""
+        self._programme = programme
+        for widget in self._fields:
+            widget.saved = programme.parameters.get(widget.field.name, widget.field.default)
+            widget.set_value(widget.saved)
+
+    def _next_start(self) -> str:
         """Say where the next session starts, and why."""
         from sar_tui.runs.start_level import LOOKED_AT, start_after
         from sar_tui.store.results import newest_of
 
         try:
+            parameters = build(self._motor_task.Parameters, self._values())
             task = set_up(self._motor_task, parameters)
             start = start_after(
                 task, newest_of(self.app.database, self._participant, task.name, LOOKED_AT)
             )
-        except Failed as error:
+        except (Failed, ParameterError) as error:
             return str(error)
         why = f" ({self.tr(start.why)})" if start.why else ""
         return self.tr("The next session starts at level {level}{why}.", level=start.level, why=why)
 
+    # --- earlier versions
+
+    def action_versions(self) -> None:
+        """Show the versions; go back to the one that is chosen there."""
+        from sar_tui.app.settings.versions import VersionsScreen
+
+        known = programmes.versions(self.app.database, self._participant, self._motor_task.name)
+
+        def chosen(version: Programme | None) -> None:
+            if version is not None:
+                self._bring_back(version)
+
+        self.app.push_screen(
+            VersionsScreen(self._participant, self._motor_task, known, self.tr), chosen
+        )
+
+    def _bring_back(self, version: Programme) -> None:
+        """Save the settings of an earlier version as a new one. Changes that were not saved can be
+        brought back afterwards.
+        """
+        kept, left_out = usable(self._motor_task.Parameters, version.parameters)
+        if left_out:
+            self.notify(" ".join(left_out.values()), severity="warning", timeout=15)
+        self._ask_and_save(
+            Programme(kept, version.theme),
+            self.tr("Back to version {number}", number=version.version),
+        )
+
     # --- presets, defaults, leaving
 
-    @on(Button.Pressed, "#preset")
-    def _choose_preset(self) -> None:
+    def action_presets(self) -> None:
         """Fill in the values of a preset. Nothing is saved."""
         from sar_tui.app.screens.settings_dialogs import ChoosePresetScreen
         from sar_tui.runs.programme_file import ProgrammeFile, applied, files, find, not_applied
@@ -390,9 +688,7 @@ class SettingsScreen(DismissedOnce[None]):
 
         async def chosen(name: str | None) -> None:
             if name:
-                values = applied(self._motor_task, presets[name], self._values())
-                for widget in self._fields:
-                    widget.set_value(values[widget.field.name])
+                self._fill(applied(self._motor_task, presets[name], self._values()))
                 await self._check()
                 if stay := not_applied(self._motor_task, presets[name]):
                     names = ", ".join(translated(field, self.tr).title for field in stay)
@@ -410,9 +706,7 @@ class SettingsScreen(DismissedOnce[None]):
             }
             self.app.push_screen(ChoosePresetScreen(summaries, self.tr), chosen)
         else:
-            self.notify(
-                self.tr("The task {task} has no presets.", task=self.tr(self._motor_task.title))
-            )
+            self.notify(self.tr("The task {task} has no presets.", task=self._title))
 
     async def action_reset(self) -> None:
         """Reset the focused field to its default, or all fields of the focused group."""
@@ -423,28 +717,63 @@ class SettingsScreen(DismissedOnce[None]):
                     widget.reset()
         await self._check()
 
-    @on(Button.Pressed, "#reset-all")
-    async def _reset_all(self) -> None:
+    async def action_reset_all(self) -> None:
+        """Reset all settings to their defaults. Nothing is saved."""
         for widget in self._fields:
             widget.reset()
         await self._check()
 
-    @on(Button.Pressed, "#back")
+    async def action_discard(self) -> None:
+        """Take the unsaved changes away; pressed again, bring them back."""
+        if unsaved := self._unsaved():
+            self._set_aside = unsaved
+            self._fill({widget.field.name: widget.saved for widget in self._fields})
+            told = self.tr("Discarded: {names}.", names=self._named(unsaved))
+            self.notify(f"{told} {self.tr('F7 brings that back.')}")
+        elif self._set_aside:
+            self._fill(self._set_aside)
+            self._set_aside = {}
+        await self._check()
+
+    @property
+    def _draft_key(self) -> tuple[str, str]:
+        return self._participant, self._motor_task.name
+
     def action_leave(self) -> None:
-        """Go back; ask for a second press if there are unsaved changes."""
-        if self.may_quit():
-            self.dismiss()
+        """Go back. Unsaved changes are kept while the program runs."""
+        self.app.settings_drafts.pop(self._draft_key, None)
+        if unsaved := self._unsaved():
+            self.app.settings_drafts[self._draft_key] = unsaved
+            told = self.tr("Not saved: {names}.", names=self._named(unsaved))
+            again = self.tr("F2 brings that back.")
+            self.app.notify(f"{told} {again}", timeout=10)
+        self.dismiss()
 
     def may_quit(self) -> bool:
-        """Return True if nothing is unsaved, or the changes may be discarded; else ask for a second
-        press.
-        """
-        if self._shown() == self._saved:
+        """Return True if nothing is unsaved; else ask for a second press."""
+        if self._may_quit or not (unsaved := self._unsaved()):
             return True
-        self._saved = self._shown()
-        warning = self.tr("Not saved. Save with Ctrl-S, or leave again to discard the changes.")
-        self.notify(warning, severity="warning")
+        self._may_quit = True
+        told = self.tr("Not saved: {names}.", names=self._named(unsaved))
+        again = self.tr("Ctrl-S saves it; Ctrl-Q again leaves without.")
+        self.notify(f"{told} {again}", severity="warning")
         return False
+
+
+def _rank(field: Field) -> int:
+    """Return the place of a setting in its group: the rule of difficulty, then those that a rule
+    alone uses, then all others.
+    """
+    if field.name == _RULE:
+        return 0
+    of_rules = (policy.settings.__struct_fields__ for policy in DIFFICULTY.values())
+    return 1 if any(field.name in names for names in of_rules) else 2
+
+
+def _choice_of(policies: str) -> str:
+    """Return the setting that chooses among some policies."""
+    first = policies.partition(" ")[0]
+    return next(choice for choice, known in BY_CHOICE.items() if first in known)
 
 
 def _outputs() -> tuple[str, ...]:
@@ -459,15 +788,17 @@ class FieldPanel(VerticalScroll, can_focus=False, inherit_bindings=False):
     """Fields, which are mounted when the panel is first shown. Page keys are left to the screen.
 
     Args:
-        title: of the heading.
-        fields: under it.
+        title: in the list of groups.
+        sentence: above the fields.
+        fields: of the group.
     """
 
     DEFAULT_CSS = "FieldPanel { display: none; height: 1fr; }"
 
-    def __init__(self, title: str, fields: Iterable[ParameterField]) -> None:
+    def __init__(self, title: str, sentence: str, fields: Iterable[ParameterField]) -> None:
         super().__init__()
         self.title = title
+        self.sentence = sentence
         self.fields = tuple(fields)
 
     def compose(self) -> ComposeResult:
@@ -480,15 +811,23 @@ class FieldPanel(VerticalScroll, can_focus=False, inherit_bindings=False):
             await self.mount(*self.fields)
         self.display = shown
 
+    def focus_first(self) -> None:
+        """Focus the first field that is shown."""
+        first = next((field for field in self.fields if field.display), None)
+        if first:
+            first.focus_editor()
+
     @property
     def summary(self) -> str:
-        """Number of fields that have problems ("! 2") or differ from their defaults ("● 3"); else
-        empty.
+        """Number of fields that have problems ("! 2"), are not saved ("◆ 1") or differ from their
+        defaults ("● 3"); else empty.
         """
-        if wrong := sum(bool(field.problem) for field in self.fields):
-            return f"! {wrong}"
-        differing = sum(field.is_changed for field in self.fields)
-        return f"● {differing}" if differing else ""
+        counts = (
+            ("!", sum(bool(field.problem) for field in self.fields)),
+            (UNSAVED, sum(field.is_unsaved for field in self.fields)),
+            (CHANGED, sum(field.is_changed for field in self.fields)),
+        )
+        return next((f"{sign} {count}" for sign, count in counts if count), "")
 
     def on_resize(self) -> None:
         """Keep the focused field in view in a smaller window."""

@@ -128,6 +128,7 @@ class SaveReasonScreen(DismissedOnce[Reason | None], ModalScreen[Reason | None])
         author: the name to begin with.
         warning: shown first; empty for none.
         tr: the language of the changes.
+        what: is done; empty: the settings change.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -136,12 +137,15 @@ class SaveReasonScreen(DismissedOnce[Reason | None], ModalScreen[Reason | None])
         Binding("up", "app.focus_previous", "Previous", show=False, id="up"),
     ]
 
-    def __init__(self, changes: Sequence[str], author: str, warning: str, tr: Language) -> None:
+    def __init__(
+        self, changes: Sequence[str], author: str, warning: str, tr: Language, what: str = ""
+    ) -> None:
         super().__init__()
         self.tr = tr
         self._changes = changes
         self._author = author
         self._warning = warning
+        self._what = what
 
     def compose(self) -> ComposeResult:
         tr = self.tr
@@ -149,7 +153,7 @@ class SaveReasonScreen(DismissedOnce[Reason | None], ModalScreen[Reason | None])
         if (more := len(self._changes) - _LINES) > 0:
             listed.append("  " + tr("and {count} more", count=more))
         with Vertical(classes="dialog"):
-            yield Static(tr("Why this change?"), classes="headline")
+            yield Static(self._what or tr("Why this change?"), classes="headline", markup=False)
             if self._warning:
                 yield Static(self._warning, id="warning", markup=False)
             yield Static("\n".join(listed), id="changes", markup=False)

@@ -1,0 +1,1 @@
+"""Parts of the settings: the rules of difficulty, the preview, the versions."""

@@ -1,0 +1,331 @@
+"""The preview of the settings: what 20 attempts of this person would be like, as a picture and a
+sentence.
+"""
+
+import asyncio
+import statistics
+import time
+from collections.abc import Callable, Generator, Sequence
+from typing import TypeVar
+
+import msgspec
+from textual.content import Content
+from textual.geometry import Size
+from textual.widget import Widget
+
+from sar_tui.loop.task import Task
+from sar_tui.model.language import Language
+from sar_tui.model.theme import Theme
+from sar_tui.progress.lines import SessionResults
+from sar_tui.reports.charts import BARS
+from sar_tui.rules.parameters import TaskParameters
+from sar_tui.runs.preview import (
+    ATTEMPTS,
+    Played,
+    Preview,
+    StandIn,
+    make_stand_in,
+    play_ahead,
+)
+from sar_tui.tui.heading import ROOMY
+
+T = TypeVar("T")
+
+_SLICE_S = 0.008
+"""Seconds of work between two looks at the keyboard."""
+_REACHED, _MISSED, _NO_GOAL = "●", "○", "·"
+_LABEL = 5
+"""Columns of the numbers at the left of the chart."""
+_WIDEST = 3
+"""Most columns of an attempt."""
+_LOWEST, _TALLEST = 4, 20
+"""Rows of the chart below the fields, and beside them."""
+_MOST_APART = 3
+"""Most rows from a level to the next."""
+_NEAR = 2
+"""A level is settled if its highest and lowest value differ by no more than this."""
+
+
+class Previews:
+    """Plays previews in slices, so that the screen stays quick, and keeps them.
+
+    Args:
+        kind: the task.
+        sessions: the participant's newest sessions of it, oldest first.
+        find_theme: returns the theme to play with.
+    """
+
+    def __init__(
+        self,
+        kind: type[Task],
+        sessions: Sequence[SessionResults],
+        find_theme: Callable[[], Theme],
+    ) -> None:
+        self._kind = kind
+        self._sessions = sessions
+        self._find_theme = find_theme
+        self._theme: Theme | None = None
+        self._kept: dict[bytes, Preview] = {}
+        self.stand_in: StandIn | None = None
+
+    def kept(self, parameters: TaskParameters) -> Preview | None:
+        """Return the preview of some settings, if it has been played."""
+        return self._kept.get(msgspec.json.encode(parameters))
+
+    async def play(self, parameters: TaskParameters) -> Preview:
+        """Return the preview of some settings.
+
+        Raises:
+            Failed: the task cannot be played.
+        """
+        key = msgspec.json.encode(parameters)
+        if key not in self._kept:
+            theme = self._theme = self._theme or self._find_theme()
+            if self._kind.sensor_seats(parameters):
+                await asyncio.to_thread(_load_analysis)
+            if self.stand_in is None:
+                self.stand_in = await _in_slices(make_stand_in(self._kind, self._sessions, theme))
+            self._kept[key] = await _in_slices(
+                play_ahead(self._kind, parameters, theme, self._sessions, self.stand_in)
+            )
+        return self._kept[key]
+
+
+def _load_analysis() -> None:
+    """Import what simulated sensors need."""
+    import sar_tui.runs.sensors  # noqa: F401
+
+
+async def _in_slices(work: Generator[None, None, T]) -> T:
+    while True:
+        until = time.perf_counter() + _SLICE_S
+        while time.perf_counter() < until:
+            try:
+                next(work)
+            except StopIteration as done:
+                found: T = done.value
+                return found
+        await asyncio.sleep(0)
+
+
+# --- words
+
+
+def sentence(preview: Preview, tr: Language) -> str:
+    """Say in one or two sentences what happens."""
+    return " ".join(filter(None, (_goals(preview, tr), _course(preview, tr))))
+
+
+def _goals(preview: Preview, tr: Language) -> str:
+    if not preview.with_goal:
+        return tr("This exercise has no goal.")
+    count, reached = preview.with_goal, preview.reached
+    if (share := preview.share_of_prompts) is None:
+        return tr("{reached} of {count} goals reached.", reached=reached, count=count)
+    return tr(
+        "{reached} of {count} goals reached, and {tenths} of 10 prompts.",
+        reached=reached,
+        count=count,
+        tenths=round(10 * share),
+    )
+
+
+def _course(preview: Preview, tr: Language) -> str:
+    if preview.follows != "goal":
+        return _course_of_level(preview, tr)
+    goals = [each.goal for each in preview.attempts if each.goal is not None]
+    if not goals:
+        return ""
+    return tr(
+        "The goal goes from {first} to {last} {unit}.",
+        first=_figure(goals[0]),
+        last=_figure(goals[-1]),
+        unit=preview.metric.unit,
+    )
+
+
+def _course_of_level(preview: Preview, tr: Language) -> str:
+    levels = [each.level for each in preview.attempts]
+    late = levels[len(levels) // 2 :]
+    low, high, mean = min(late), max(late), statistics.fmean(late)
+    if min(levels) == max(levels):
+        return tr("The level stays at {level}.", level=low)
+    if late == sorted(late) and high - low > _NEAR:
+        return tr("The level rises all the time, to {level}.", level=high)
+    if high == preview.levels and mean > high - 0.5:
+        return tr("The level reaches its highest, {level}.", level=high)
+    if high - low <= _NEAR:
+        return tr("The level settles near {level}.", level=round(mean))
+    return tr("The level moves between {low} and {high}.", low=low, high=high)
+
+
+def source(stand_in: StandIn, participant: str, tr: Language) -> str:
+    """Say who is simulated."""
+    if stand_in.sessions == 1:
+        return tr("Simulated as {who} did in the last session.", who=participant)
+    if stand_in.sessions:
+        return tr(
+            "Simulated as {who} did in the last {count} sessions.",
+            who=participant,
+            count=stand_in.sessions,
+        )
+    if not stand_in.is_like:
+        return tr(
+            "An average person: the results of {who} cannot be simulated.",
+            who=participant,
+        )
+    return tr("An average person: {who} has too few results yet.", who=participant)
+
+
+# --- pictures
+
+
+def sparkline(preview: Preview, highest: int) -> str:
+    """Draw how hard each attempt is, in one line.
+
+    Args:
+        preview: the attempts.
+        highest: the level that is drawn as the tallest bar.
+    """
+    hardness = _hardness(preview)
+    low, high = 1.0, float(highest)
+    if preview.follows == "goal":
+        low, high = min(hardness), max(hardness)
+    span = high - low
+    return "".join(
+        BARS[round((value - low) / span * (len(BARS) - 1))] if span else BARS[0]
+        for value in hardness
+    )
+
+
+def chart(preview: Preview, columns: int, rows: int) -> list[Content]:
+    """Draw each attempt, ● with its goal reached and ○ without, at the height of its level or
+    goal.
+
+    Args:
+        preview: the attempts.
+        columns, rows: the most that the drawing may take.
+    """
+    hardness = _hardness(preview)
+    low, high = min(hardness), max(hardness)
+    is_goal = preview.follows == "goal"
+    steps = rows - 1 if is_goal else min(rows - 1, round(high - low))
+    apart = 1 if is_goal else max(1, min(_MOST_APART, rows // (steps + 1)))
+    places = [round((value - low) / ((high - low) or 1.0) * steps) for value in hardness]
+    step = max(1, min(_WIDEST, (columns - _LABEL - 1) // len(places)))
+    drawn: list[Content] = []
+    for row in range(steps, -1, -1):
+        value = low + (high - low) * row / (steps or 1)
+        is_labelled = row in (0, steps) or (not is_goal and steps == high - low)
+        marks = (
+            _mark(each) if place == row else (" ", "")
+            for each, place in zip(preview.attempts, places, strict=True)
+        )
+        label = _figure(abs(value)) if is_labelled else ""
+        drawn.append(
+            Content.assemble(
+                (f"{label:>{_LABEL}} ", "$text-muted"),
+                *((f"{mark:{step}}", style) for mark, style in marks),
+            )
+        )
+        drawn += [Content("")] * ((apart - 1) if row else 0)
+    return drawn
+
+
+def _figure(value: float) -> str:
+    """Return a goal or a level as a number."""
+    return f"{value:.0f}" if value >= 20 or value.is_integer() else f"{value:.1f}"
+
+
+def _hardness(preview: Preview) -> list[float]:
+    """Return a number for each attempt that grows with its difficulty: its level, or its goal."""
+    if preview.follows != "goal":
+        return [float(each.level) for each in preview.attempts]
+    sign = -1.0 if preview.metric.better == "lower" else 1.0
+    goals = [each.goal for each in preview.attempts if each.goal is not None]
+    known = goals[0] if goals else 0.0
+    found = []
+    for each in preview.attempts:
+        known = known if each.goal is None else each.goal
+        found.append(sign * known)
+    return found
+
+
+def _mark(each: Played) -> tuple[str, str]:
+    if each.reached is None:
+        return _NO_GOAL, ""
+    return (_REACHED, "$success") if each.reached else (_MISSED, "")
+
+
+class PreviewPane(Widget):
+    """Shows a preview, or why there is none.
+
+    Args:
+        participant: the code.
+        tr: the language.
+    """
+
+    DEFAULT_CSS = "PreviewPane { height: auto; }"
+
+    def __init__(self, participant: str, tr: Language, id: str | None = None) -> None:
+        super().__init__(id=id)
+        self._participant = participant
+        self.tr = tr
+        self._preview: Preview | None = None
+        self._heading = self._source = self._told = ""
+
+    def show(self, heading: str, preview: Preview, stand_in: StandIn) -> None:
+        """Show a preview.
+
+        Args:
+            heading: what is played.
+            preview: the attempts.
+            stand_in: who played them.
+        """
+        self._heading, self._preview, self._told = heading, preview, ""
+        self._source = source(stand_in, self._participant, self.tr)
+        self.refresh(layout=True)
+
+    def tell(self, text: str) -> None:
+        """Show a sentence in place of a preview."""
+        self._preview, self._told = None, text
+        self.refresh(layout=True)
+
+    @property
+    def text(self) -> str:
+        """The sentence that is shown."""
+        return sentence(self._preview, self.tr) if self._preview else self._told
+
+    def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
+        return self._content(width).get_height({}, max(1, width))
+
+    def render(self) -> Content:
+        return self._content(self.content_size.width)
+
+    def _content(self, columns: int) -> Content:
+        title = Content(self.tr("Preview: {count} simulated attempts", count=ATTEMPTS))
+        if self._preview is None:
+            return Content("\n").join([title.stylize("bold"), Content(self._told)])
+        drawn = chart(self._preview, columns, self._rows)
+        above = [Content("")] * (_LOWEST - len(drawn))
+        parts = [
+            [Content.assemble((title.plain, "bold"), (f"  {self._heading}", "$accent"))],
+            [*above, *drawn],
+            [Content(sentence(self._preview, self.tr))],
+            [Content(self._source).stylize("$text-muted")],
+        ]
+        blank = "\n\n" if self._is_beside else "\n"
+        return Content(blank).join(Content("\n").join(lines) for lines in parts)
+
+    @property
+    def _is_beside(self) -> bool:
+        """True if it stands beside the fields, so that it has all rows."""
+        return self.screen.has_class("-beside")
+
+    @property
+    def _rows(self) -> int:
+        """Rows of the chart."""
+        rows = self.app.size.height
+        if self._is_beside:
+            return max(_LOWEST, min(_TALLEST, rows // 2))
+        return _LOWEST if rows < ROOMY[1] else 2 * _LOWEST

@@ -1,0 +1,218 @@
+"""The rules of difficulty, to choose one of: a name, a picture of what happens, and a sentence."""
+
+import textwrap
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from textual import on
+from textual.app import ComposeResult
+from textual.content import Content
+from textual.message import Message
+from textual.widgets.option_list import Option
+
+from sar_tui.model.language import Language
+from sar_tui.rules.declaration import Field, show
+from sar_tui.rules.policies import DIFFICULTY
+from sar_tui.widgets.lists import OptionList
+from sar_tui.widgets.parameter_field import ParameterField
+
+_CHOSEN = "✓"
+_MARK, _PICTURE = 2, 20
+"""Columns."""
+
+
+class Rule(NamedTuple):
+    """A rule of difficulty in words."""
+
+    title: str
+    sentence: str
+
+
+class Picture(NamedTuple):
+    """Outcome of a rule: how hard its attempts are, in one line, and how many goals are reached."""
+
+    line: str
+    goals: str
+
+
+def rules(tr: Language) -> dict[str, Rule]:
+    """Return the rules of difficulty by name, in words of a language."""
+    return {
+        name: Rule(
+            tr(policy.title) if policy.title else name.replace("-", " ").capitalize(),
+            tr(policy.summary) if policy.summary else "",
+        )
+        for name, policy in DIFFICULTY.items()
+    }
+
+
+class RuleList(OptionList):
+    """The rules. The cursor looks at one, Enter chooses it; beyond the ends the arrows leave the
+    list.
+    """
+
+    DEFAULT_CSS = """
+    RuleList, RuleList:focus {
+        height: auto; border: none; padding: 0; background: $background;
+        background-tint: $foreground 0%; overflow: hidden;
+    }
+    RuleList > .option-list--option { padding: 0; }
+    RuleList > .option-list--option-highlighted { background: $background; color: $foreground; text-style: none; }
+    RuleList:focus > .option-list--option-highlighted {
+        background: $surface; color: $foreground; text-style: none;
+    }
+    """
+
+    def action_cursor_down(self) -> None:
+        if (self.highlighted or 0) >= self.option_count - 1:
+            self.screen.focus_next()
+        else:
+            super().action_cursor_down()
+
+    def action_cursor_up(self) -> None:
+        if not self.highlighted:
+            self.screen.focus_previous()
+        else:
+            super().action_cursor_up()
+
+
+class RuleField(ParameterField):
+    """The setting that chooses a rule of difficulty.
+
+    In a small window it shows the chosen rule alone, unless it has the focus. A rule that is not
+    there any more is shown, too.
+
+    Args:
+        field: the declaration.
+        value, saved: names of rules.
+        tr: the language.
+    """
+
+    DEFAULT_CSS = "RuleField { height: auto; }"
+
+    class LookedAt(Message):
+        """The cursor is on another rule, or the list was left."""
+
+    def __init__(self, field: Field, value: object, saved: object, tr: Language) -> None:
+        super().__init__(field, value, saved, (), tr)
+        self._rules = rules(tr)
+        self._pictures: Mapping[str, Picture] = {}
+        self._is_small = True
+
+    def compose(self) -> ComposeResult:
+        yield RuleList(markup=False, compact=True)
+
+    def on_mount(self) -> None:
+        self._fill()
+
+    @property
+    def _list(self) -> RuleList:
+        return self.query_exactly_one(RuleList)
+
+    @property
+    def looked_at(self) -> str:
+        """The rule under the cursor; the chosen one while the list does not have the focus."""
+        if self.is_mounted and self._list.has_focus and self._list.highlighted_option:
+            return self._list.highlighted_option.id or show(self.value)
+        return show(self.value)
+
+    @property
+    def is_open(self) -> bool:
+        """True if all rules are shown."""
+        return not self._is_small or self.has_focus_within
+
+    def show_pictures(self, pictures: Mapping[str, Picture]) -> None:
+        """Show pictures of what happens under some rules."""
+        self._pictures = pictures
+        if self.is_mounted:
+            self._fill()
+
+    def use_size(self, is_small: bool) -> None:
+        """Show all rules always, or in a small window while the list has the focus."""
+        self._is_small = is_small
+        if self.is_mounted:
+            self._fill()
+
+    def focus_editor(self) -> None:
+        self._list.focus()
+
+    def set_value(self, value: object) -> None:
+        self.value = value
+        if self.is_mounted:
+            self._fill()
+
+    def show_problem(self, problem: str, used_by: str = "") -> None:
+        if problem != self.problem:
+            self.problem = problem
+            if self.is_mounted:
+                self._fill()
+
+    def redraw(self) -> None:
+        """Nothing but the list is drawn."""
+
+    def render(self) -> Content:
+        return Content("")
+
+    def _fill(self) -> None:
+        """Show the rules anew, with the cursor where it was."""
+        value = show(self.value)
+        known = dict(self._rules)
+        if value not in known:
+            known = {value: Rule(value or self.tr("none"), self.problem), **known}
+        names = list(known) if self.is_open else [value]
+        width = max(len(rule.title) for rule in known.values())
+        at = self.looked_at
+        with self.prevent(OptionList.OptionHighlighted):
+            self._list.clear_options()
+            self._list.add_options(
+                [Option(self._option(name, known[name], width), id=name) for name in names]
+            )
+            self._list.highlighted = names.index(at if at in names else value)
+
+    def _option(self, name: str, rule: Rule, width: int) -> Content:
+        is_chosen = name == show(self.value)
+        picture = self._pictures.get(name, Picture("", ""))
+        sign = self._mark[0] if is_chosen and (self.problem or self.is_unsaved) else ""
+        style = "$warning" if is_chosen and self.problem else "bold" if is_chosen else ""
+        before = ""
+        if is_chosen and self.is_unsaved:
+            saved = show(self.saved)
+            was = self._rules[saved].title if saved in self._rules else saved
+            before = self.tr("was {value}", value=was)
+        below = " ".join(filter(None, (rule.sentence, before)))
+        wrapped = textwrap.wrap(below, max(20, self.content_size.width - _MARK))
+        return Content.assemble(
+            (f"{sign or (_CHOSEN if is_chosen else ''):{_MARK}}", "$accent"),
+            (f"{rule.title:{width}}", style),
+            (f" {picture.line:{_PICTURE}}", "$accent"),
+            (f" {picture.goals}", "$text-muted"),
+            *((f"\n{'':{_MARK}}{line}", "$text-muted") for line in wrapped),
+            "" if self._is_small else "\n",
+        )
+
+    def on_resize(self) -> None:
+        """Wrap the sentences anew."""
+        self._fill()
+
+    def on_descendant_focus(self) -> None:
+        self._fill()
+        self.post_message(self.Focused())
+        self.post_message(self.LookedAt())
+        self.call_after_refresh(self.scroll_visible, animate=False, immediate=True)
+
+    def on_descendant_blur(self) -> None:
+        self._fill()
+        self.post_message(self.LookedAt())
+
+    @on(OptionList.OptionHighlighted)
+    def _moved(self, event: OptionList.OptionHighlighted) -> None:
+        event.stop()
+        self.post_message(self.LookedAt())
+
+    @on(OptionList.OptionSelected)
+    def _picked(self, event: OptionList.OptionSelected) -> None:
+        event.stop()
+        if event.option.id is not None and event.option.id != show(self.value):
+            self.value = event.option.id
+            self._fill()
+            self.post_message(self.Changed())

@@ -1,0 +1,177 @@
+"""The versions of a programme: when, who and why; one can be looked at, compared and brought
+back.
+"""
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+from textual import on
+from textual.app import ComposeResult
+from textual.binding import ActiveBinding, Binding, BindingType
+from textual.containers import VerticalScroll
+from textual.content import Content
+from textual.widgets import Static
+from textual.widgets.option_list import Option
+
+from sar_tui.loop.task import Task
+from sar_tui.model.language import Language
+from sar_tui.rules.parameters import changes
+from sar_tui.store.programmes import Programme
+from sar_tui.store.sessions import local_time
+from sar_tui.tui.dismissed_once import DismissedOnce
+from sar_tui.tui.key_line import KeyLine
+from sar_tui.tui.language import translated as translated_keys
+from sar_tui.widgets.key_footer import KeyFooter
+from sar_tui.widgets.lists import MarkedList, OptionList
+
+
+def compared(kind: type[Task], before: Programme, after: Programme, tr: Language) -> list[str]:
+    """Return what differs between two versions, in words."""
+    found = [
+        change.text for change in changes(kind.Parameters, before.parameters, after.parameters, tr)
+    ]
+    if before.theme != after.theme:
+        found.append(tr("Theme {before} → {after}", before=before.theme, after=after.theme))
+    return found
+
+
+class VersionsScreen(DismissedOnce[Programme | None]):
+    """Lists the versions, the newest first; its result is the one to bring back, or None.
+
+    Args:
+        participant: the code.
+        kind: the task.
+        versions: the oldest first.
+        tr: the language.
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape", "dismiss(None)", "Back", id="versions-back"),
+        Binding("pagedown", "scroll(1)", "Read on", show=False, priority=True, id="versions-down"),
+        Binding("pageup", "scroll(-1)", "Read back", show=False, priority=True, id="versions-up"),
+    ]
+
+    def __init__(
+        self,
+        participant: str,
+        kind: type[Task],
+        versions: Sequence[Programme],
+        tr: Language,
+    ) -> None:
+        super().__init__()
+        self.tr = tr
+        self._participant = participant
+        self._kind = kind
+        self._versions = list(versions)
+
+    @property
+    def help_text(self) -> str:
+        """Help on what is shown, and on going back."""
+        return (
+            self.tr(
+                "Each time the settings are saved they get a new version, which is never changed. "
+                "Choose one with the arrows to see what it changed, and what differs from now. "
+                "Enter goes back to it: it asks why, and saves the same settings as a new "
+                "version. The versions between stay in the list."
+            )
+            + "\n"
+        )
+
+    @property
+    def active_bindings(self) -> dict[str, ActiveBinding]:
+        return translated_keys(super().active_bindings, self.tr)
+
+    def compose(self) -> ComposeResult:
+        tr = self.tr
+        title = tr(self._kind.title)
+        where = tr("{who}, {task}: versions", who=self._participant, task=title)
+        yield Static(where, classes="top-bar", markup=False)
+        sentence = (
+            tr("Which version was better?")
+            if len(self._versions) > 1
+            else tr("There is one version so far.")
+            if self._versions
+            else tr("Nothing was saved yet: all settings are at their defaults.")
+        )
+        yield Static(sentence, classes="sentence", markup=False)
+        yield MarkedList(
+            *(Option(self._line(version), id=str(version.version))
+              for version in reversed(self._versions)),
+            id="versions",
+            markup=False,
+        )  # fmt: skip
+        with VerticalScroll(id="details", can_focus=False):
+            yield Static("", id="differs", markup=False)
+        yield KeyLine(id="key")
+        yield KeyFooter()
+
+    def on_mount(self) -> None:
+        self.query_one("#versions", MarkedList).choose(None)
+        self._show()
+
+    def _line(self, version: Programme) -> Content:
+        now = self.tr("now") if version is self._versions[-1] else ""
+        return Content.assemble(
+            (f"{version.version:>3}  {local_time(version.created_at)}  ", ""),
+            (f"{version.author:<12.12}  ", "$text-muted"),
+            version.reason or self.tr("no reason given"),
+            (f"  {now}", "$accent bold"),
+        )
+
+    @property
+    def _chosen(self) -> int | None:
+        """The place of the chosen version among all."""
+        at = self.query_one("#versions", MarkedList).highlighted
+        return None if at is None or not self._versions else len(self._versions) - 1 - at
+
+    @on(OptionList.OptionHighlighted)
+    def _show(self) -> None:
+        """Show what differs."""
+        tr, at = self.tr, self._chosen
+        key = self.query_one("#key", KeyLine)
+        if at is None:
+            self.query_one("#differs", Static).update(
+                tr("Change a setting and save it with Ctrl-S: it is listed here.")
+            )
+            key.show(tr("Esc goes to the settings."), "Esc")
+            return
+        version, now = self._versions[at], self._versions[-1]
+        before = self._versions[at - 1] if at else Programme()
+        parts = [
+            (
+                tr("Version {number} changed", number=version.version),
+                compared(self._kind, before, version, tr),
+            ),
+            (
+                tr("Not at the default in version {number}", number=version.version),
+                compared(self._kind, Programme(theme=version.theme), version, tr),
+            ),
+        ]
+        if version is not now:
+            back = compared(self._kind, now, version, tr)
+            parts.insert(1, (tr("Going back to it changes"), back))
+        shown = Content("\n\n").join(
+            Content("\n").join(
+                [
+                    Content(head).stylize("bold"),
+                    *(Content(f"  {line}") for line in lines or [tr("nothing")]),
+                ]
+            )
+            for head, lines in parts
+        )
+        self.query_one("#differs", Static).update(shown)
+        if version is now:
+            key.show(tr("These are the settings now. Esc goes to them."), "Esc")
+        else:
+            key.show(tr("Enter goes back to version {number}.", number=version.version), "Enter")
+
+    def action_scroll(self, direction: int) -> None:
+        """Scroll what differs by a page."""
+        details = self.query_one("#details", VerticalScroll)
+        details.scroll_relative(y=direction * max(1, details.size.height - 1), animate=False)
+
+    @on(OptionList.OptionSelected)
+    def _bring_back(self) -> None:
+        at = self._chosen
+        if at is not None and self._versions[at] is not self._versions[-1]:
+            self.dismiss(self._versions[at])
