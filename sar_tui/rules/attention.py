@@ -24,7 +24,7 @@ level is stuck.
 """
 
 ReasonKind = Literal[
-    "pain", "pain rose", "event", "event without outcome", "new pain", "worse pain", "tired",
+    "pain", "pain rose", "event without outcome", "event", "new pain", "worse pain", "tired",
     "stuck", "mistake", "interrupted",
 ]  # fmt: skip
 """Reasons why a person needs a look, the most urgent first."""
@@ -40,7 +40,7 @@ class Reason(msgspec.Struct, frozen=True):
     Attributes:
         kind: of the reason.
         day: of what happened; None if it is of several sessions.
-        value: the pain, or the level.
+        value: the pain, the level, or the number of events.
         limit: the limit that the pain is above, or the pain before the session that it rose from.
         word: the severity of an event, or the task whose level is stuck.
     """
@@ -143,9 +143,9 @@ def urgency(reason: Reason) -> tuple[int, ...]:
     return (_URGENCY[reason.kind], -reason.value if reason.kind == "pain" else 0, -day)
 
 
-def section(course: Course, today: date) -> Section:
-    """Return the part of the list in which a person stands today."""
-    if reasons(course, today):
+def section(course: Course, why: Sequence[Reason], today: date) -> Section:
+    """Return the part of the list in which a person stands today; ``why``: their `reasons`."""
+    if why:
         return "look"
     if course.due is not None:
         return "due"
@@ -199,11 +199,19 @@ def _pains(rated: Sequence[Rated], today: date) -> Iterator[Reason]:
 
 
 def _events(events: Iterable[Event], today: date) -> Iterator[Reason]:
-    for each in events:
-        if not each.has_outcome:
-            yield Reason("event without outcome", each.day, word=each.severity)
-        elif is_this_week(each.day, today):
-            yield Reason("event", each.day, word=each.severity)
+    """Yield the newest event without an outcome, and the newest other one of this week, each with
+    the number of those like it.
+    """
+    is_open = [each for each in events if not each.has_outcome]
+    ended = [each for each in events if each.has_outcome and is_this_week(each.day, today)]
+    kinds: tuple[tuple[ReasonKind, list[Event]], ...] = (
+        ("event without outcome", is_open),
+        ("event", ended),
+    )
+    for kind, found in kinds:
+        if found:
+            newest = max(found, key=lambda each: each.day)
+            yield Reason(kind, newest.day, value=len(found), word=newest.severity)
 
 
 def _symptoms(rated: Sequence[Rated], today: date) -> Iterator[Reason]:

@@ -90,6 +90,13 @@ def test_an_adverse_event_needs_a_look_for_a_week_and_until_its_outcome_is_known
     assert kinds(Course(events=[Event(ago(days), "mild", has_outcome)])) == found
 
 
+def test_the_newest_of_several_events_is_told_with_their_number() -> None:
+    events = [Event(ago(days), word, False) for days, word in ((9, "mild"), (5, "severe"))]
+    assert reasons(Course(events=events), TODAY) == (
+        Reason("event without outcome", ago(5), 2, word="severe"),
+    )
+
+
 def test_what_several_sessions_tell_needs_a_look_while_they_go_on() -> None:
     def tired(last: int) -> Course:
         return Course(
@@ -179,4 +186,4 @@ def test_the_most_urgent_reason_comes_first() -> None:
     ],
 )
 def test_everybody_stands_in_one_section(course: Course, found: Section) -> None:
-    assert section(course, TODAY) == found
+    assert section(course, reasons(course, TODAY), TODAY) == found

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 _ROOMY = 80
 """Columns from which on the programme is said in full."""
 _WELCOME = (
+    "Nobody has trained here yet.\n\n"
     "1. Press Enter, and give the first person a code, such as P01. Never a name.\n\n"
     "2. Choose their task and their theme. Settings (F2) are yours: what they train, how much, "
     "how hard.\n\n"

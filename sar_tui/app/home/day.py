@@ -38,7 +38,7 @@ _REASONS: dict[ReasonKind, str] = {
     "pain": "{day}: pain {value}, above the limit of {limit}.",
     "pain rose": "{day}: pain rose from {limit} to {value}.",
     "event": "{day}: an adverse event, {word}.",
-    "event without outcome": "{day}: an adverse event, {word}. Its outcome is not recorded.",
+    "event without outcome": "{day}: an adverse event, {word}. No outcome is recorded.",
     "new pain": "Pain in each of the last four sessions, and none before.",
     "worse pain": "More pain in each of the last four sessions than before.",
     "tired": "Very tired after each of the last two sessions.",
@@ -46,6 +46,13 @@ _REASONS: dict[ReasonKind, str] = {
     "mistake": "{day}: a session was started by mistake.",
     "interrupted": "{day}: a session was interrupted.",
 }
+
+
+_SEVERAL: dict[ReasonKind, str] = {
+    "event": "{value} adverse events this week.",
+    "event without outcome": "{value} adverse events have no outcome recorded.",
+}
+"""The sentences for more than one event."""
 
 
 class Entry(msgspec.Struct, frozen=True):
@@ -87,7 +94,7 @@ def day_of(people: Sequence[Person], last: str | None, today: date) -> Day:
     found = []
     for place, person in enumerate(people):
         why = reasons(person.course, today)
-        part: Part = section(person.course, today)
+        part: Part = section(person.course, why, today)
         if person.code == last and part != "look":
             part = "last"
         look = [_reason(reason, today) for reason in why]
@@ -111,7 +118,8 @@ def _order(
 
 
 def _reason(reason: Reason, today: date) -> str:
-    return _REASONS[reason.kind].format(
+    is_several = reason.kind in _SEVERAL and reason.value > 1
+    return (_SEVERAL if is_several else _REASONS)[reason.kind].format(
         day=_sentence_day(reason.day, today) if reason.day else "",
         value=reason.value,
         limit=reason.limit,
@@ -168,11 +176,13 @@ def _last(last: date, today: date) -> str:
 
 def _sentence(people: Sequence[Person], entries: Sequence[Entry]) -> str:
     """Return the sentences above the list."""
-    if not any(person.course.last or person.course.rated for person in people):
-        return "Nobody has trained here yet."
+    if not people:
+        return "Welcome"
     look = sum(bool(entry.look) for entry in entries)
     due = sum(person.course.due is not None for person in people)
     trained = sum(bool(person.today and person.today.attempts) for person in people)
+    if not (look or due or any(person.course.last for person in people)):
+        return "Nobody has trained here yet."
     return " ".join(_counts(look, due, trained))
 
 

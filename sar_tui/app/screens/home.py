@@ -23,7 +23,6 @@ from sar_tui.app.home.session_list import SessionList
 from sar_tui.plugins import Catalogue, PluginError
 from sar_tui.store.connection import timing_flags
 from sar_tui.store.database import StoreError
-from sar_tui.tui.heading import Heading
 from sar_tui.tui.key_line import KeyLine
 from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.lists import OptionList, PickList
@@ -35,6 +34,8 @@ if TYPE_CHECKING:
 _LOOK_SECONDS = 3.0
 _HIGH = 40
 """Rows from which on the parts of the card are kept apart."""
+_BLOCKS = 8
+"""Most rows of the sentence in block letters."""
 _FIRST_TASK = "keyboard"
 """The task that is chosen before anybody has chosen one, if it is there."""
 
@@ -74,13 +75,14 @@ class HomeScreen(Screen[None]):
         self._is_filled = False
         self._can_operate = False
         self._day: date | None = None
+        self._sentence = ""
         self._who: str | None = None
         self._theme_of: tuple[str, str] | None = None
         self._shown: tuple[str | None, str | None] | None = None
 
     def compose(self) -> ComposeResult:
         yield Static(_title(self.app.today()), id="title", classes="top-bar", markup=False)
-        yield Heading(id="sentence")
+        yield Static("", id="sentence", classes="sentence", markup=False)
         with Horizontal(id="day"):
             yield ParticipantList(id="participant")
             with Vertical(id="person"):
@@ -92,6 +94,7 @@ class HomeScreen(Screen[None]):
     def on_resize(self, event: Resize) -> None:
         """Leave more air where there are rows to spare."""
         self.set_class(event.size.height >= _HIGH, "-high")
+        self._show_sentence()
 
     # --- filling
 
@@ -134,9 +137,20 @@ class HomeScreen(Screen[None]):
         day = read_day(self.app.database, self.app.folder, self._day)
         self._participants.fill(day.entries, chosen)
         self._show_title(self._day)
-        self.query_one("#sentence", Heading).show(day.sentence)
-        self.set_class(not day.entries, "empty")
+        self._sentence = day.sentence
+        self.set_class(not day.entries, "-empty")
+        self._show_sentence()
         self._show_participant(anew=True)
+
+    def _show_sentence(self) -> None:
+        """Show the sentence of the day; as large as there is room for, if nobody is listed."""
+        lines: list[str] = []
+        if self._participants.is_empty:
+            from sar_tui.tui.heading import in_blocks, is_roomy
+
+            width, height = self.app.size
+            lines = in_blocks(self._sentence, width, _BLOCKS) if is_roomy(width, height) else []
+        self.query_one("#sentence", Static).update("\n".join(lines or [self._sentence]))
 
     def _show_title(self, today: date) -> None:
         """Show the day, and if the people are invented."""

@@ -70,7 +70,7 @@ def test_the_list_begins_with_who_trained_last() -> None:
 @pytest.mark.parametrize(
     ("people", "sentence"),
     [
-        ((), "Nobody has trained here yet."),
+        ((), "Welcome"),
         ((person("P01", None),), "Nobody has trained here yet."),
         ((person("P01", None, rated=in_pain(0, 7)),), "1 person needs a look."),
         ((person("P01", 1),), "Nobody needs a look today."),
@@ -98,10 +98,20 @@ def test_a_reason_is_a_sentence_with_its_day() -> None:
     )
     assert found.look == [
         "Sat 21 Nov: pain 6, above the limit of 5.",
-        "Yesterday: an adverse event, mild. Its outcome is not recorded.",
+        "Yesterday: an adverse event, mild. No outcome is recorded.",
         "The level has stayed at 6 for three sessions.",
     ]
     assert "PAIN" in found.words.upper()
+
+
+def test_several_events_are_one_sentence() -> None:
+    events = [Event(ago(days), "mild", days < 3) for days in (1, 2, 5, 6)]
+    found = only(person("P01", None, events=events))
+    assert found.look == [
+        "2 adverse events have no outcome recorded.",
+        "2 adverse events this week.",
+    ]
+    assert day(person("P01", None, events=events)).sentence == "1 person needs a look."
 
 
 @pytest.mark.parametrize(
