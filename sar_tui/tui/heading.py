@@ -8,8 +8,6 @@ from textual.content import Content
 from textual.geometry import Size
 from textual.widget import Widget
 
-from sar_tui.widgets.large_characters import bitmap, draw
-
 ROOMY = (100, 30)
 """Least columns and rows of a window in which texts are larger."""
 _LETTER = 9
@@ -33,6 +31,9 @@ def in_blocks(text: str, columns: int, rows: int) -> list[str]:
         text: the text; nothing is drawn of one with characters that have no large shape.
         columns, rows: the most that the drawing may take.
     """
+    # its fonts take longer to load than the rest of the first frame's modules
+    from sar_tui.widgets.large_characters import bitmap, draw
+
     if not text or any(not bitmap(letter) for letter in text if letter != " "):
         return []
     for height in _HEIGHTS:

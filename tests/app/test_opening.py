@@ -21,7 +21,7 @@ from tests.settle import settle
 LATER = {
     "sar_tui.loop.task", "sar_tui.model.messages", "sar_tui.loop.session", "sar_tui.store.sessions",
     "sar_tui.outputs.node", "sar_tui.runs.run", "sar_tui.app.live", "importlib.metadata",
-    "filelock", "sqlite_utils",
+    "filelock", "sqlite_utils", "pyfiglet",
 }  # fmt: skip
 """Modules that the frame of the home screen does not need."""
 
