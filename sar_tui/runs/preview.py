@@ -23,8 +23,10 @@ from sar_tui.model.trial_types import Metric
 from sar_tui.progress.lines import SessionResults, comparable
 from sar_tui.progress.task_level import AttemptResult
 from sar_tui.rules.declaration import ParameterError
+from sar_tui.rules.difficulty import TargetSettings
 from sar_tui.rules.level_choice import bounds, moves_goal
 from sar_tui.rules.parameters import TaskParameters, build
+from sar_tui.rules.policies import own_settings
 from sar_tui.runs.plan import Failed, set_up
 from sar_tui.runs.simulate import goes_on, people
 from sar_tui.runs.start_level import started_after
@@ -106,12 +108,14 @@ class Preview(msgspec.Struct, frozen=True):
         levels: the highest level that can be reached.
         follows: the level or the goal, if one of them changes with the person.
         metric: of the results and goals.
+        aims_at_prompts: True if the level follows the share of prompts that reach the goal.
     """
 
     attempts: tuple[Played, ...]
     levels: int
     follows: Literal["level", "goal", ""]
     metric: Metric
+    aims_at_prompts: bool = False
 
     @property
     def highest(self) -> int:
@@ -130,9 +134,9 @@ class Preview(msgspec.Struct, frozen=True):
 
     @property
     def share_of_prompts(self) -> float | None:
-        """Share of prompts that reached the goal; None if an attempt has one, or no goal."""
+        """Share of prompts that reached the goal; None if the rule does not aim at it."""
         prompts = sum(played.prompts for played in self.attempts)
-        if not self.with_goal or prompts <= len(self.attempts):
+        if not (self.aims_at_prompts and prompts):
             return None
         return sum(played.prompts_reached for played in self.attempts) / prompts
 
@@ -184,7 +188,13 @@ def play_ahead(
         levels=bounds(task.parameters, task.levels).highest,
         follows="goal" if moves_goal(task.parameters) else follows,
         metric=kind.metric,
+        aims_at_prompts=_aims_at_prompts(parameters),
     )
+
+
+def _aims_at_prompts(parameters: TaskParameters) -> bool:
+    target = own_settings(TargetSettings, parameters)
+    return parameters.difficulty_policy == "target" and target.target_of == "prompts"
 
 
 def _played(seats: Sequence[AttemptEnded], trials: Sequence[TrialEnded], metric: Metric) -> Played:

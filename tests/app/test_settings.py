@@ -432,13 +432,9 @@ async def test_the_preview_follows_each_change_and_stores_nothing(
     form: AppDriver, data: Path
 ) -> None:
     await fill(form, "threshold", "9000")
-    assert await preview(form) == (
-        "20 of 20 goals reached, and 10 of 10 prompts. The level rises all the time, to 20."
-    )
+    assert await preview(form) == ("20 of 20 goals reached. The level rises all the time, to 20.")
     await fill(form, "threshold", "150")
-    assert await preview(form) == (
-        "0 of 20 goals reached, and 0 of 10 prompts. The level stays at 1."
-    )
+    assert await preview(form) == ("0 of 20 goals reached. The level stays at 1.")
     await form.write("x")
     assert await preview(form) == "Correct what is marked ! to see it."
     assert stored(data, "SELECT count(*) FROM sessions") == [(0,)]
@@ -530,6 +526,7 @@ async def test_a_version_is_compared_and_brought_back_as_a_new_one(opened: OpenA
         driver.see("A few words are enough.")
         await driver.enter("Less pain")
         assert "Saved: version 4." in told(driver)
+        assert "Discarded: Goal. F7 brings that back." in told(driver)
         assert field(driver, "attempts").value == 15
         found = driver.stored(
             "SELECT version, json_extract(parameters, '$.attempts'), reason FROM programmes "

@@ -154,6 +154,23 @@ def test_a_policy_that_is_not_there_is_one_problem_with_its_settings() -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("policy", "ignored"),
+    [
+        ("one-up-one-down", set()),
+        ("target", set()),
+        ("fixed", {"start_from", "min_level", "max_level"}),
+        ("percentile", {"start_from", "min_level", "max_level"}),
+        ("sequence", {"start_level", "start_from"}),
+    ],
+)
+def test_settings_of_levels_that_a_policy_does_not_read_have_no_effect(
+    policy: str, ignored: set[str]
+) -> None:
+    of_levels = {"start_level", "start_from", "min_level", "max_level"}
+    assert without_effect({"difficulty_policy": policy}).keys() & of_levels == ignored
+
+
 def test_settings_of_policies_that_are_not_chosen_have_no_effect() -> None:
     found = without_effect(CHOSEN)
     assert found["percentile_rank"] == "percentile"

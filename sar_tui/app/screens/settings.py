@@ -20,7 +20,7 @@ from sar_tui.drivers.login_name import login_name
 from sar_tui.loop.task import Task
 from sar_tui.model.language import Language, language
 from sar_tui.model.theme import Theme
-from sar_tui.plugin_calls import PLUGIN_ERRORS
+from sar_tui.plugin_calls import PLUGIN_ERRORS, describe
 from sar_tui.plugins import DEFAULT_THEME, PluginError, task_folder
 from sar_tui.rules.declaration import COMMON, Field, ParameterError, show, translated
 from sar_tui.rules.parameters import (
@@ -458,8 +458,10 @@ class SettingsScreen(DismissedOnce[None]):
         previews = self._previews = self._previews or self._new_previews()
         try:
             await previews.play(parameters)
-        except (Failed, ParameterError, StoreError, *PLUGIN_ERRORS) as error:
-            self.query_one("#preview", PreviewPane).tell(str(error))
+        except PLUGIN_ERRORS as error:
+            why = str(error) if isinstance(error, Failed | StoreError) else describe(error)
+            told = self.tr("It cannot be played: {why}", why=why)
+            self.query_one("#preview", PreviewPane).tell(told)
             return False
         self._show_played(rule)
         return True
@@ -620,6 +622,8 @@ class SettingsScreen(DismissedOnce[None]):
         await self._check()
         saved = self.tr("Saved: version {number}.", number=self._programme.version)
         self.notify(f"{saved} {self._next_start()}")
+        if self._set_aside:
+            self._tell_discarded(self._set_aside)
 
     def _use_programme(self, programme: Programme) -> None:
         """Put the values of another saved version into the fields."""
@@ -728,12 +732,15 @@ class SettingsScreen(DismissedOnce[None]):
         if unsaved := self._unsaved():
             self._set_aside = unsaved
             self._fill({widget.field.name: widget.saved for widget in self._fields})
-            told = self.tr("Discarded: {names}.", names=self._named(unsaved))
-            self.notify(f"{told} {self.tr('F7 brings that back.')}")
+            self._tell_discarded(unsaved)
         elif self._set_aside:
             self._fill(self._set_aside)
             self._set_aside = {}
         await self._check()
+
+    def _tell_discarded(self, names: Iterable[str]) -> None:
+        told = self.tr("Discarded: {names}.", names=self._named(names))
+        self.notify(f"{told} {self.tr('F7 brings that back.')}")
 
     @property
     def _draft_key(self) -> tuple[str, str]:
