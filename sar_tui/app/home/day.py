@@ -123,7 +123,7 @@ def _reason(reason: Reason, today: date) -> str:
         day=_sentence_day(reason.day, today) if reason.day else "",
         value=reason.value,
         limit=reason.limit,
-        word=reason.word,
+        word=reason.word or "severity not recorded",
     )
 
 

@@ -104,13 +104,15 @@ def test_a_reason_is_a_sentence_with_its_day() -> None:
     assert "PAIN" in found.words.upper()
 
 
-def test_several_events_are_one_sentence() -> None:
+def test_several_events_are_one_sentence_and_a_severity_may_be_missing() -> None:
     events = [Event(ago(days), "mild", days < 3) for days in (1, 2, 5, 6)]
     found = only(person("P01", None, events=events))
     assert found.look == [
         "2 adverse events have no outcome recorded.",
         "2 adverse events this week.",
     ]
+    unknown = person("P01", None, events=[Event(ago(1), "", has_outcome=True)])
+    assert only(unknown).look == ["Yesterday: an adverse event, severity not recorded."]
     assert day(person("P01", None, events=events)).sentence == "1 person needs a look."
 
 
