@@ -40,7 +40,7 @@ __all__ = [  # noqa: RUF022  in groups
     # time
     "Clock", "VirtualClock", "host_now", "MS", "SECOND",
     # topics of inputs
-    "SESSION", "THEME", "KEY", "PASTE", "UNREADABLE", "FOCUS", "SHOWN",
+    "SESSION", "THEME", "KEY", "SWITCH", "PASTE", "UNREADABLE", "FOCUS", "SHOWN",
     "TRIAL_FEEDBACK_SHOWN", "TONE_BEGAN", "IMU", "SENSOR", "TRUNK_IMU", "TRUNK_SENSOR",
     "TIMER", "COMMAND", "SETTING", "DECISION", "REMARK", "MODE", "PROPOSAL_SEEN",
     "NOTE_ADDED", "PRESENCE", "REFUSED", "REPORT", "OUTPUT", "STOPPED", "MARKERS", "SYNC",
@@ -64,7 +64,7 @@ __all__ = [  # noqa: RUF022  in groups
     "Proposal", "ProposalSeen", "ReachPerceived", "Recall", "RecalledAttempts", "RecordChange",
     "RecordChanged", "Remark", "SensorChanged", "SessionCommand", "SessionEnded", "SessionStarted",
     "SettingChanged", "Shown", "Spread", "StepEnded", "StepStatus", "StorageChanged", "Stored",
-    "SyncSignal", "TextPerceived", "ThemeApplied", "TimerFired", "Timing", "ToneBegan", "ToneDue",
+    "SwitchPressed", "SyncSignal", "TextPerceived", "ThemeApplied", "TimerFired", "Timing", "ToneBegan", "ToneDue",
     "TonesAhead", "TrialEnded", "TrialFeedback", "TrialFeedbackShown", "TrialMarked", "Typed",
     "UnsaidFeedback", "UnsaidFeedbackRequest", "Utterance", "Waiting",
     # values of their fields

@@ -6,9 +6,17 @@ from typing import TypeVar
 
 from sar_tui.loop.bus import Bus, Topic
 from sar_tui.loop.node import Node
-from sar_tui.loop.topics import FOCUS, KEY, PASTE, UNREADABLE
-from sar_tui.model.messages import FocusChanged, InputDropped, KeyPressed, Message, Pasted
+from sar_tui.loop.topics import FOCUS, KEY, PASTE, SWITCH, UNREADABLE
+from sar_tui.model.messages import (
+    FocusChanged,
+    InputDropped,
+    KeyPressed,
+    Message,
+    Pasted,
+    SwitchPressed,
+)
 from sar_tui.model.units import SECOND
+from sar_tui.rules.scanning import Pressed
 
 M = TypeVar("M", bound=Message)
 
@@ -41,7 +49,7 @@ class Keyboard(Node):
     """
 
     name = "keyboard"
-    emits = (KEY, PASTE, UNREADABLE, FOCUS)
+    emits = (KEY, SWITCH, PASTE, UNREADABLE, FOCUS)
 
     def __init__(self) -> None:
         super().__init__()
@@ -65,6 +73,18 @@ class Keyboard(Node):
             self._publish(
                 KEY, KeyPressed(key=name, at=_ns(seconds), loop_lag=loop_lag, stalled=stalled)
             )
+
+    def switched(self, key: str, seconds: float, pressed: Pressed, interval_ms: int) -> None:
+        """Publish a press of a switch."""
+        message = SwitchPressed(
+            key=key,
+            at=_ns(seconds),
+            outcome=pressed.outcome,
+            choice=pressed.choice,
+            interval_ms=interval_ms,
+            press_ms=pressed.press_ms,
+        )
+        self._publish(SWITCH, message)
 
     def pasted(self, length: int, seconds: float) -> None:
         """Publish a paste."""

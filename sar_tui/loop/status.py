@@ -3,7 +3,7 @@
 from sar_tui.loop.session_phase import IN_TRIAL, LEFT, PAUSES, Phase
 from sar_tui.loop.task import Task
 from sar_tui.model.messages import KeyPerceived, SensorChanged, StorageChanged
-from sar_tui.model.units import SECOND
+from sar_tui.model.units import MS, SECOND
 from sar_tui.rules.keys import GuardedPress, HeldKey, KeyGuard
 
 
@@ -31,7 +31,7 @@ class Status:
         self.last_trial = (0, 0)
         self.stored = (0, 0)
         self.blockers = Blockers(task.sensor_seats(task.parameters))
-        self.keys = Keys(task.start_key)
+        self.keys = Keys(task.start_key, task.parameters.bounce_ms * MS)
 
     def begin_run(self) -> None:
         """Forget what only the last run of the program knew; all that it recorded is on disk."""
@@ -88,10 +88,10 @@ class Keys:
         is_start: True if the last key was a fresh press of the key that starts a trial.
     """
 
-    def __init__(self, start_key: str) -> None:
+    def __init__(self, start_key: str, bounce: int = 0) -> None:
         self._start_key = start_key
-        self._held_start = HeldKey()
-        self._guard = KeyGuard()
+        self._held_start = HeldKey(bounce)
+        self._guard = KeyGuard(bounce)
         self._press: GuardedPress
         self._asked: object = None
         self._key = ""

@@ -170,6 +170,13 @@ class Task(ABC):
         return ""
 
     @property
+    def switch_key(self) -> str:
+        """The key that is the only one the participant needs within trials, so that one switch is
+        enough; empty if several are needed.
+        """
+        return ""
+
+    @property
     def has_foreperiod(self) -> bool:
         """True if a random wait precedes each prompt."""
         return True

@@ -11,6 +11,7 @@ from sar_tui.model import messages as m
 SESSION = Topic("session/started", m.SessionStarted, origin="input", keep=True)
 THEME = Topic("theme/applied", m.ThemeApplied, origin="input", keep=True)
 KEY = Topic("input/key", m.KeyPressed, origin="input")
+SWITCH = Topic("input/switch", m.SwitchPressed, origin="input")
 PASTE = Topic("input/paste", m.Pasted, origin="input")
 UNREADABLE = Topic("input/unreadable", m.InputDropped, origin="input")
 FOCUS = Topic("input/focus", m.FocusChanged, origin="input")

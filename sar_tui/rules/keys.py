@@ -38,16 +38,21 @@ class GuardedPress(NamedTuple):
 
 
 class KeyGuard:
-    """Judges presses in their order. All times are stamps of one clock, in ns."""
+    """Judges presses in their order. All times are stamps of one clock, in ns.
 
-    def __init__(self) -> None:
+    Attributes:
+        bounce: as of `HeldKey`.
+    """
+
+    def __init__(self, bounce: int = 0) -> None:
+        self.bounce = bounce
         self.reset()
 
     def reset(self) -> None:
         """Forget all: another run began, whose stamps cannot be compared."""
         self._appeared = _NEVER
         self._key = ""
-        self._held = HeldKey()
+        self._held = HeldKey(self.bounce)
         self._began = self._last = _NEVER
 
     def appeared(self, at: int) -> None:
@@ -57,7 +62,7 @@ class KeyGuard:
     def press(self, key: str, at: int) -> GuardedPress:
         """Judge a press."""
         if key != self._key:
-            self._key, self._held = key, HeldKey()
+            self._key, self._held = key, HeldKey(self.bounce)
         is_new = self._held.press(at) != "held"
         if is_new:
             self._began = at
@@ -98,9 +103,14 @@ class HeldKey:
 
     A held key begins to repeat after one longer time, and then repeats quickly. A second longer
     time in succession means that the key is released in between.
+
+    Args:
+        bounce: a press within this time (ns) of the one before is a bounce: a part of it, as if the
+            key were held.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, bounce: int = 0) -> None:
+        self._bounce = bounce
         self._last: int | None = None
         self._was_longer = False
 
@@ -114,6 +124,8 @@ class HeldKey:
         """
         last, self._last = self._last, at
         was_longer, self._was_longer = self._was_longer, False
+        if last is not None and at - last < self._bounce:
+            return "held"
         if last is None or at - last >= LONGEST_DELAY:
             return "first"
         self._was_longer = at - last >= LONGEST_INTERVAL

@@ -30,6 +30,7 @@ from sar_tui.rules.declaration import (
 )
 from sar_tui.rules.difficulty import BY_OUTCOME
 from sar_tui.rules.questions import QUESTIONS
+from sar_tui.rules.scanning import FASTEST_MS, SLOWEST_MS
 from sar_tui.rules.wellbeing import HIGHEST, PainLimits
 
 P = TypeVar("P", bound="TaskParameters")
@@ -38,6 +39,7 @@ _session = in_group("Session")
 _limits = in_group("Limits")
 _difficulty = in_group("Difficulty")
 _feedback = in_group("Feedback")
+_access = in_group("Access")
 _agent = in_group("Agent")
 _operator = in_group("Operator")
 _timing = in_group("Timing")
@@ -337,6 +339,55 @@ class TaskParameters(Settings, frozen=True, kw_only=True):
     ] = 0
     feedback_schedule: Annotated[str, _feedback("Feedback")] = "every"
 
+    # Access
+
+    switch: Annotated[
+        Literal["none", "one", "two"],
+        _access(
+            "Switch",
+            help="one: Space or Enter is the only key; a mark moves through the choices of each "
+            "screen, and the switch takes the marked one. two: Space moves the mark, Enter takes. "
+            "For tasks with one response key.",
+            personal=True,
+        ),
+    ] = "none"
+    scan_interval_ms: Annotated[
+        int,
+        _access(
+            "Scan interval",
+            "ms",
+            "Time for which the mark stays on a choice, 500 or more. 0: it follows the person's "
+            "presses.",
+            ge=0,
+            le=SLOWEST_MS,
+            personal=True,
+        ),
+    ] = 0
+    bounce_ms: Annotated[
+        int,
+        _access(
+            "Bounce",
+            "ms",
+            "The same key again within this time is a tremor, not a press; it is recorded as a "
+            "repeat. 0: only what the key repeat interval says.",
+            ge=0,
+            le=1000,
+            personal=True,
+        ),
+    ] = 0
+    added_delay_ms: Annotated[
+        int,
+        _access(
+            "Delay of the system",
+            "ms",
+            "What the system's slow keys add to each press, as its keyboard settings say. "
+            "It is recorded and reported, and not subtracted from reaction times.",
+            ge=0,
+            le=5000,
+            personal=True,
+        ),
+    ] = 0
+
     # Agent
 
     encouragement: Annotated[
@@ -534,6 +585,10 @@ class TaskParameters(Settings, frozen=True, kw_only=True):
             found["foreperiod_min_ms"] = (
                 f"Shortest wait ({self.foreperiod_min_ms} ms) is above the longest "
                 f"({self.foreperiod_max_ms} ms)."
+            )
+        if 0 < self.scan_interval_ms < FASTEST_MS:
+            found["scan_interval_ms"] = (
+                f"Scan interval is 0, or {FASTEST_MS} ms or more, not {self.scan_interval_ms} ms."
             )
         return found
 

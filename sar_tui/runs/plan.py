@@ -114,7 +114,11 @@ def make_plan(
     name = saved.theme if theme is None else theme
     catalogue.theme(name, parameters.language)
     check_language(parameters.language, catalogue.theme_folder(name))
-    own = set_up(kind, parameters).steps
+    built = set_up(kind, parameters)
+    if parameters.switch != "none" and not built.switch_key:
+        problem = f"The task {kind.name} needs several keys, so it cannot be done with a switch."
+        raise ParameterError({"switch": problem})
+    own = built.steps
     if why := problem_of((*own, *chosen(parameters.questions, parameters.questions_every), *steps)):
         raise ParameterError(
             {"questions": f"{why} The task, the settings and a file of steps may each bring some."}

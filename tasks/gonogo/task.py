@@ -92,6 +92,10 @@ class GoNoGoTask(Task):
     def trials_per_attempt(self) -> int:
         return self.parameters.prompts_per_attempt
 
+    @property
+    def switch_key(self) -> str:
+        return KEY
+
     def instructions(self) -> str:
         return self.tr(
             "Press the space bar when you see a circle.\nWhen you see a square, wait: press "

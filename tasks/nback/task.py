@@ -113,6 +113,10 @@ class NbackTask(Task):
     def restarts_attempts(self) -> bool:
         return True
 
+    @property
+    def switch_key(self) -> str:
+        return KEY
+
     def instructions(self) -> str:
         return self.tr(
             "Letters appear one after the other.\nPress the space bar if the letter is the same "

@@ -118,6 +118,10 @@ class ReachingTask(Task):
         return "space"
 
     @property
+    def switch_key(self) -> str:
+        return self.start_key
+
+    @property
     def has_foreperiod(self) -> bool:
         return self.parameters.go_signal
 

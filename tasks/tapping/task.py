@@ -94,6 +94,10 @@ class TappingTask(Task):
     def levels(self) -> int:
         return 1
 
+    @property
+    def switch_key(self) -> str:
+        return KEY
+
     def instructions(self) -> str:
         seconds = f"{self.parameters.seconds:g}"
         return self.tr(

@@ -200,7 +200,16 @@ class GroupedParameters(TaskParameters, frozen=True, kw_only=True):
 
 
 def test_each_parameter_stands_under_one_heading_and_a_task_may_add_headings() -> None:
-    common = ["Session", "Limits", "Difficulty", "Feedback", "Agent", "Operator", "Timing"]
+    common = [
+        "Session",
+        "Limits",
+        "Difficulty",
+        "Feedback",
+        "Access",
+        "Agent",
+        "Operator",
+        "Timing",
+    ]
     usual, own = grouped(TaskParameters), grouped(GroupedParameters)
     assert list(usual) == sorted(usual, key=common.index)
     assert list(own) == ["", "Music", *usual]

@@ -26,7 +26,7 @@ class Perception(Node):
         self, parameters: TaskParameters, seat_of: Callable[[str], str] | None = None
     ) -> None:
         super().__init__()
-        self._repeat_interval = parameters.repeat_interval_ms * MS
+        self._repeat_interval = max(parameters.repeat_interval_ms, parameters.bounce_ms) * MS
         self._seat_of = seat_of
         self._last: dict[str, KeyPressed] = {}
         self._same: dict[str, tuple[int, ...]] = {}

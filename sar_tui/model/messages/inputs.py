@@ -21,6 +21,7 @@ __all__ = [
     "Shown",
     "StorageChanged",
     "Stored",
+    "SwitchPressed",
     "SyncSignal",
     "ThemeApplied",
     "TimerFired",
@@ -73,6 +74,24 @@ class KeyPressed(Message, frozen=True, kw_only=True):
     at: int
     loop_lag: int = 0
     stalled: bool = False
+
+
+class SwitchPressed(Message, frozen=True, kw_only=True):
+    """A press of a person's switch between trials, where a mark moves through choices.
+
+    ``key``: of the switch; the keys that it stands for are stored as `KeyPressed`. ``outcome``:
+    ``taken``, ``asked`` (it leads to Yes and No), ``moved``, ``held`` (it repeats, or bounces: it
+    does nothing), ``early`` (what is on the screen was not read yet: it does nothing). ``choice``:
+    the words that were marked. ``interval_ms``: the scan interval in use; 0 with two switches.
+    ``press_ms``: from the mark's move to the press; None if that tells nothing about the person.
+    """
+
+    key: str
+    at: int
+    outcome: Literal["taken", "asked", "moved", "held", "early"]
+    choice: str
+    interval_ms: int
+    press_ms: float | None = None
 
 
 class Pasted(Message, frozen=True, kw_only=True):

@@ -13,12 +13,18 @@ from sar_tui.rules.parameters import TaskParameters, build
 
 
 def perceived(
-    *keys: tuple[str, int], interval: int = 100, delay: int = 0, new_run: bool = False
+    *keys: tuple[str, int],
+    interval: int = 100,
+    delay: int = 0,
+    new_run: bool = False,
+    bounce: int = 0,
 ) -> list[KeyPerceived]:
     """Return the percepts of keys stamped at given times (ms), each handled ``delay`` ms later."""
     clock = VirtualClock()
     bus = Bus(clock)
-    Perception(build(TaskParameters, {"repeat_interval_ms": interval})).attach(bus)
+    Perception(build(TaskParameters, {"repeat_interval_ms": interval, "bounce_ms": bounce})).attach(
+        bus
+    )
     found: list[KeyPerceived] = []
     bus.subscribe(PERCEIVED, found.append)
     for key, at in keys:
@@ -61,3 +67,8 @@ def test_repeats_are_always_the_same_key_within_the_interval(
         for i, (key, stamp) in enumerate(keys)
     ]
     assert [percept.repeat for percept in perceived(*keys, interval=interval)] == expected
+
+
+def test_a_key_that_bounces_is_a_repeat() -> None:
+    pressed = perceived(("space", 0), ("space", 299), ("space", 700), bounce=300)
+    assert [percept.repeat for percept in pressed] == [False, True, False]
