@@ -102,6 +102,8 @@ class SettingsScreen(DismissedOnce[None]):
         self._previews: Previews | None = None
         self._set_aside: dict[str, object] = {}
         self._may_quit = False
+        self._by_rule: dict[str, TaskParameters | None] = {}
+        """The present parameters with each rule in place of the chosen one."""
 
     @functools.cached_property
     def tr(self) -> Language:
@@ -286,6 +288,7 @@ class SettingsScreen(DismissedOnce[None]):
     async def _check(self) -> None:
         """Check each value, and all of them together, because valid values may conflict."""
         self._may_quit = False
+        self._by_rule = {}
         problems, unused = self._problems(), without_effect(self._values())
         for widget in self._fields:
             name = widget.field.name
@@ -435,13 +438,15 @@ class SettingsScreen(DismissedOnce[None]):
 
     def _with_rule(self, rule: str) -> TaskParameters | None:
         """Return the parameters with a rule; None if they have a problem."""
-        values = {**self._values(), _RULE: rule}
-        if self._is_example(rule):
-            values["level_sequence"] = _EXAMPLE
-        try:
-            return build(self._motor_task.Parameters, values)
-        except ParameterError:
-            return None
+        if rule not in self._by_rule:
+            values = {**self._values(), _RULE: rule}
+            if self._is_example(rule):
+                values["level_sequence"] = _EXAMPLE
+            try:
+                self._by_rule[rule] = build(self._motor_task.Parameters, values)
+            except ParameterError:
+                self._by_rule[rule] = None
+        return self._by_rule[rule]
 
     def _is_example(self, rule: str) -> bool:
         """Return True for a list of levels that is empty, so that an example is played. If it is
@@ -577,7 +582,7 @@ class SettingsScreen(DismissedOnce[None]):
 
         made = compared(self._motor_task, self._programme, wanted, self.tr)
         if not made:
-            self.notify(self.tr("Nothing has changed."))
+            self._show_key()  # which says that everything is saved
             return
 
         async def answered(given: Reason | None) -> None:

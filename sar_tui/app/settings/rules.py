@@ -123,14 +123,14 @@ class RuleField(ParameterField):
 
     def show_pictures(self, pictures: Mapping[str, Picture]) -> None:
         """Show pictures of what happens under some rules."""
-        self._pictures = pictures
-        if self.is_mounted:
+        if pictures != self._pictures:
+            self._pictures = pictures
             self._fill()
 
     def use_size(self, is_small: bool) -> None:
         """Show all rules always, or in a small window while the list has the focus."""
-        self._is_small = is_small
-        if self.is_mounted:
+        if is_small != self._is_small:
+            self._is_small = is_small
             self._fill()
 
     def focus_editor(self) -> None:
@@ -138,14 +138,12 @@ class RuleField(ParameterField):
 
     def set_value(self, value: object) -> None:
         self.value = value
-        if self.is_mounted:
-            self._fill()
+        self._fill()
 
     def show_problem(self, problem: str, used_by: str = "") -> None:
         if problem != self.problem:
             self.problem = problem
-            if self.is_mounted:
-                self._fill()
+            self._fill()
 
     def redraw(self) -> None:
         """Nothing but the list is drawn."""
@@ -155,6 +153,8 @@ class RuleField(ParameterField):
 
     def _fill(self) -> None:
         """Show the rules anew, with the cursor where it was."""
+        if not self.is_mounted:
+            return
         value = show(self.value)
         known = dict(self._rules)
         if value not in known:
