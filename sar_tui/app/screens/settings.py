@@ -227,6 +227,7 @@ class SettingsScreen(DismissedOnce[None]):
             "Limits": tr("How much is enough?"),
             "Difficulty": tr("When does it get harder or easier for {who}?", who=self._participant),
             "Feedback": tr("What is said about results, and when?"),
+            "Access": tr("How does the person answer and read?"),
             "Agent": tr("How does the agent appear?"),
             "Operator": tr("What does an operator decide?"),
             "Timing": tr("How long are the waits?"),
