@@ -378,7 +378,7 @@ async def test_in_a_small_window_the_sessions_take_the_place_of_the_day_until_es
 ) -> None:
     home.lacks("Sessions of P01")
     await home.press("f6")
-    home.see("Sessions of P01", "None yet.", "Press Esc to go back.")
+    home.see("Sessions of P01", "No session yet.", "Esc goes back")
     home.lacks("START")
     await home.press("escape")
     home.see("START", "Press Enter to choose P01.")

@@ -59,6 +59,7 @@ class SessionList(Vertical):
             self.app.database, self.app.folder, self.app.catalogue, participant
         )
         self.border_title = f"Sessions of {participant}" if participant else "Sessions of everyone"
+        self.border_subtitle = "Esc goes back"
         self._draw(chosen)
 
     @property
@@ -97,7 +98,7 @@ class SessionList(Vertical):
         from sar_tui.app.home.contents import can_resume
 
         if (row := self.chosen) is None:
-            return "Press Esc to go back."
+            return ""
         if can_resume(row):
             return "Press Enter to go on with this session."
         return "Press Enter to look at this session."
@@ -125,7 +126,7 @@ class SessionList(Vertical):
             )
             recent.choose(chosen)
         else:
-            recent.add_option(Option("None yet.", disabled=True))
+            recent.add_option(Option("No session yet.", disabled=True))
         self.refresh_bindings()
 
     def on_resize(self, event: Resize) -> None:
