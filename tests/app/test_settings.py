@@ -16,6 +16,7 @@ from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.declaration import meta, show
 from sar_tui.rules.parameters import build, fields
+from sar_tui.rules.policies import DIFFICULTY
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
@@ -466,6 +467,21 @@ async def test_a_rule_that_is_gone_is_shown_until_another_is_chosen(
         await driver.press("down", "enter")
         assert field(driver, "difficulty_policy").value == "fixed"
         driver.lacks("gone here")
+
+
+async def test_a_rule_that_fails_is_said_to_when_it_is_looked_at_and_spoils_no_other(
+    form: AppDriver, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise ValueError("no goal")
+
+    monkeypatch.setitem(DIFFICULTY, "percentile", DIFFICULTY["percentile"]._replace(goal=fail))
+    assert "goals reached." in await preview(form)
+    form.see("A share of successes ▁")
+    await form.press("down")
+    assert (await preview(form)).startswith("It cannot be played: The task keyboard")
+    await form.press("down")
+    assert "goals reached." in await preview(form)
 
 
 # --- leaving without saving

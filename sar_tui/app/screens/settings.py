@@ -102,6 +102,7 @@ class SettingsScreen(DismissedOnce[None]):
         self._previews: Previews | None = None
         self._set_aside: dict[str, object] = {}
         self._may_quit = False
+        self._unplayable: set[str] = set()
         self._by_rule: dict[str, TaskParameters | None] = {}
         """The present parameters with each rule in place of the chosen one."""
 
@@ -432,10 +433,10 @@ class SettingsScreen(DismissedOnce[None]):
         if not self._show_played(rule):
             await asyncio.sleep(_PAUSE_S)
             pane.tell(self.tr("One moment…"))
-            if not await self._play(rule):
-                return
-        for name in DIFFICULTY if self._rule.is_open and self._rule_is_shown else ():
-            await self._play(name)
+            await self._play(rule)
+        if self._rule.is_open and self._rule_is_shown:
+            for name in [name for name in DIFFICULTY if name not in self._unplayable]:
+                await self._play(name)
 
     def _with_rule(self, rule: str) -> TaskParameters | None:
         """Return the parameters with a rule; None if they have a problem."""
@@ -460,14 +461,16 @@ class SettingsScreen(DismissedOnce[None]):
         """Play a rule, and show what came of it; return False if it cannot be played."""
         parameters = self._with_rule(rule)
         if parameters is None:
-            return True
+            return False
         previews = self._previews = self._previews or self._new_previews()
         try:
             await previews.play(parameters)
         except PLUGIN_ERRORS as error:
-            why = str(error) if isinstance(error, Failed | StoreError) else describe(error)
-            told = self.tr("It cannot be played: {why}", why=why)
-            self.query_one("#preview", PreviewPane).tell(told)
+            self._unplayable.add(rule)
+            if rule == self._rule.looked_at:
+                why = str(error) if isinstance(error, Failed | StoreError) else describe(error)
+                told = self.tr("It cannot be played: {why}", why=why)
+                self.query_one("#preview", PreviewPane).tell(told)
             return False
         self._show_played(rule)
         return True
