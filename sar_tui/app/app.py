@@ -6,7 +6,7 @@ import contextlib
 import functools
 import sys
 from collections.abc import Callable, Iterable, Sequence
-from datetime import date
+from datetime import date, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -89,6 +89,8 @@ class SarTui(BaseApp):
     ]
     today = staticmethod(date.today)
     """The date of the people in front of the screen."""
+    hour = staticmethod(lambda: datetime.now().hour)
+    """Their hour, 0 to 23."""
 
     def __init__(
         self,

@@ -46,6 +46,10 @@ from sar_tui.model.units import MS, SECOND
 
 CONTINUES_AFTER = 1500 * MS
 """Time between two attempts of a continuous task."""
+STARTS_AFTER = 1 * SECOND
+"""The same before the first attempt of a session without instructions, for which Enter was pressed
+on another screen.
+"""
 READING = 5 * SECOND
 """The same if there was feedback."""
 MAX_PRESENTATIONS = 3
@@ -142,6 +146,7 @@ class SessionScript:
 
     Attributes:
         is_all_done: True after the last attempt.
+        starts_at_once: the first attempt is still to begin by itself, without instructions.
         rest_until: end of the rest (ns); 0 without one.
         feedback_due_at: when feedback on the last attempt is given (ns).
     """
@@ -156,6 +161,7 @@ class SessionScript:
         self.steps = Steps(task)
         self.presenter = Presenter(node, task, self.status, self.announce)
         self.is_all_done = False
+        self.starts_at_once = task.parameters.instructions == "never"
         self.rest_until = 0
         self.feedback_due_at = 0
         self._has_feedback = False  # on the last attempt
@@ -173,7 +179,8 @@ class SessionScript:
         """Run the session, from the instructions to its end."""
         status: m.EndStatus = "completed"
         try:
-            yield from self.through_pauses(self.instructions)
+            if not self.starts_at_once:
+                yield from self.through_pauses(self.instructions)
             yield from self.steps_due()
             yield from self.all_attempts()
             yield from self.enter_pressed(Phase.REVIEW)
@@ -225,6 +232,9 @@ class SessionScript:
         return self.through_pauses(partial(self._enter_pressed, phase))
 
     def _enter_pressed(self, phase: Phase) -> Script[None]:
+        if self.starts_at_once and phase is Phase.READY:
+            self.starts_at_once = False
+            self.continue_after(STARTS_AFTER)
         self.announce(phase)
         may_await_decision, self._ignores_decision = not self._ignores_decision, False
         while True:

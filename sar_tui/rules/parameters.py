@@ -84,6 +84,16 @@ class TaskParameters(Settings, frozen=True, kw_only=True):
             personal=True,
         ),
     ] = "en"
+    instructions: Annotated[
+        Literal["first time", "always", "never"],
+        _session(
+            "Instructions",
+            help="first time: participants who train alone, and have finished a session of this "
+            "task before, begin without them: the first attempt follows their Enter. F1 shows "
+            "them at any time.",
+            personal=True,
+        ),
+    ] = "first time"
     ask_wellbeing: Annotated[
         bool,
         _session(

@@ -43,22 +43,62 @@ async def end_mode(driver: AppDriver, text: str = RIGHT) -> None:
 
 
 async def test_enter_starts_one_exercise_after_the_other(alone: AppDriver) -> None:
-    alone.see("Exercise 1 of 2", "Keyboard reaction 2 attempts")
+    alone.see("Exercise 1 of 2", "▸ Keyboard reaction 2 attempts Reaching")
     await alone.press("enter")
     await alone.do_session()
+    alone.see("Next: exercise 2 of 2")
     await alone.press("enter")
-    alone.see("Exercise 2 of 2", "Reaching 1 attempt")
+    alone.see("Exercise 2 of 2", "✓ Keyboard reaction done ▸ Reaching 1 attempt")
     await alone.press("down", "enter")
-    alone.see("That was everything. Well done!")
+    alone.see("E V E R Y T H I N G", "You can rest now.")
     await alone.press("enter")
     alone.see("Exercise 1 of 2")
     assert alone.stored("SELECT status FROM sessions") == [("completed",)]
 
 
+@pytest.mark.parametrize("shown", ["first time", "always"])
+async def test_a_returning_participant_begins_with_one_enter_unless_instructions_are_always_shown(
+    opened: OpenApp, data: Path, shown: str
+) -> None:
+    known(data, "P77", instructions=shown)
+    async with opened(patient="P77") as driver:
+        await driver.press("enter")
+        driver.see("Press that key as fast as you can")
+        await driver.do_session()
+        await driver.press("enter")
+        driver.see("E V E R Y T H I N G")
+    async with opened(patient="P77") as driver:
+        driver.see("E V E R Y T H I N G")  # it is done today
+        await driver.press("enter")
+        driver.see("Keyboard reaction", "About 1 minute")
+        await driver.press("enter")
+        is_shown = driver.sees("Press that key as fast as you can")
+        assert is_shown == (shown == "always")
+        if not is_shown:
+            driver.see("Attempt 1 of 2", "It begins by itself.")
+            await driver.wait(1000)
+            assert driver.waiting.stage == "trial"
+            await driver.to_prompt()
+
+
+async def test_a_pause_before_the_first_attempt_of_a_returning_participant_waits_for_enter(
+    opened: OpenApp, data: Path
+) -> None:
+    known(data, "P77", instructions="never")
+    async with opened(patient="P77") as driver:
+        await driver.press("enter", "escape")
+        await driver.wait(5000)
+        await driver.press("enter")
+        driver.see("Press Enter to begin attempt 1 of 2.")
+
+
 async def test_a_days_limit_ends_the_exercises(opened: OpenApp, data: Path) -> None:
     known(data, "P77", attempts_a_day=1)
     async with opened(patient="P77") as driver:
-        driver.see("Hello!")
+        driver.app.hour = lambda: 13
+        driver.app.screen.show_exercise()  # type: ignore[attr-defined]
+        await driver.settle()
+        driver.see("Good afternoon", "Keyboard reaction 2 attempts")
         driver.lacks("Skip this exercise")
         await driver.press("enter")
         await driver.do_session()

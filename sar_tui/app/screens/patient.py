@@ -1,28 +1,37 @@
-"""The screen of a participant who trains alone: one exercise, and a large Start."""
+"""The screen of a participant who trains alone: the plan of the day, and a large Start."""
 
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from textual import on
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
-from textual.containers import Center, Vertical
+from textual.containers import Center, Horizontal, Vertical
 from textual.screen import Screen
 from textual.widgets import Button, Static
 
 from sar_tui.app.screens.wellbeing import ALONE, TELL_OF_PAIN
-from sar_tui.model.language import Language
-from sar_tui.runs.patient_plan import PLAN_ERRORS, plan_exercise, unfinished
+from sar_tui.model.language import Language, language
+from sar_tui.plugins import PluginError, task_folder
+from sar_tui.runs.patient_plan import PLAN_ERRORS, Exercise, day_plan, plan_exercise, unfinished
 from sar_tui.store.database import StoreError
 from sar_tui.tui.gc_control import end_loading
+from sar_tui.tui.heading import Heading
+from sar_tui.tui.key_line import KeyLine
 from sar_tui.tui.language import app_language, planned_language
 
 if TYPE_CHECKING:
     from sar_tui.runs.plan import Plan
 
+_GREETINGS = ((12, "Good morning"), (18, "Good afternoon"), (24, "Good evening"))
+"""Greetings, each with the hour until which it is said."""
+_DONE, _NEXT, _LATER = "✓", "▸", " "
+_TALL = 40
+"""Least rows of a window in which the greeting may take two lines of large letters."""
+
 
 class PatientScreen(Screen[None]):
-    """Shows the next exercise of the plan. Enter starts it; it can be skipped; nothing else can be
-    reached from here.
+    """Greets, and shows the plan of the day. Enter starts the next exercise; it can be skipped;
+    nothing else can be reached from here.
 
     Args:
         participant: the code.
@@ -40,8 +49,10 @@ class PatientScreen(Screen[None]):
     def __init__(self, participant: str, exercises: list[str]) -> None:
         super().__init__()
         self._participant = participant
-        self._exercises = exercises
-        self._at = 0
+        self._exercises = [Exercise(name) for name in exercises]
+        self._at: int | None = None
+        self._begins_again = False
+        """All was done, and the participant does it again: what is done is not passed over."""
         self._rest: Literal["", "pain", "enough"] = ""
         """Why the participant had better rest, although there are exercises left."""
         self._plan: Plan | None = None
@@ -63,14 +74,17 @@ class PatientScreen(Screen[None]):
         }
 
     def compose(self) -> ComposeResult:
-        yield Static(self._participant, id="who", markup=False)
+        with Horizontal(classes="top-bar"):
+            yield Static(self._participant, id="who", markup=False)
+            yield Static("", id="where", markup=False)
         with Vertical(id="patient"):
-            yield Static("", id="hello", markup=False)
-            yield Static("", id="exercise", markup=False)
-            yield Static("", id="trouble", markup=False)
+            yield Heading(id="hello")
+            yield Center(Static("", id="day", markup=False))
+            yield Static("", id="exercise", classes="body", markup=False)
+            yield Static("", id="trouble", classes="body", markup=False)
             yield Center(Button("", id="go", variant="primary"))
             yield Center(Button("", id="skip", compact=True))
-            yield Static("", id="how", markup=False)
+        yield KeyLine(grows=True)
 
     def on_mount(self) -> None:
         for button in self.query(Button):
@@ -83,79 +97,175 @@ class PatientScreen(Screen[None]):
         else:
             self.app.call_later(self.app.patient_mode.leave_screen)
 
+    # --- where in the plan of the day one is
+
+    def _read_day(self) -> None:
+        """Read what is done today; begin with what is not."""
+        names = [exercise.name for exercise in self._exercises]
+        self._exercises = day_plan(
+            self.app.database, self.app.folder, self._participant, names, self.app.today()
+        )
+        if self._at is None:
+            self._at = self._open_from(0)
+
+    def _open_from(self, index: int) -> int:
+        """Return the index of the next exercise that is to be done; the number of all if there is
+        none.
+        """
+        for at in range(index, len(self._exercises)):
+            if self._begins_again or not self._exercises[at].is_done:
+                return at
+        return len(self._exercises)
+
+    def _go_on(self) -> None:
+        """Go on to the next exercise."""
+        self._at = self._open_from((self._at or 0) + 1)
+
     @property
-    def _is_done(self) -> bool:
-        return self._at >= len(self._exercises)
+    def _present(self) -> Exercise | None:
+        """The exercise that is next; None if all are done."""
+        at = self._at or 0
+        return self._exercises[at] if at < len(self._exercises) else None
 
     @property
     def next_exercise(self) -> tuple[int, int] | None:
         """Number of the exercise after the present one, and of all; None after the last."""
-        number, total = self._at + 2, len(self._exercises)
+        number, total = self._open_from((self._at or 0) + 1) + 1, len(self._exercises)
         return (number, total) if number <= total else None
+
+    # --- what is shown
 
     def show_exercise(self, trouble: bool = False) -> None:
         """Show the next exercise, or that all are done; after a trouble, ask to call the
         therapist.
         """
-        if not self._is_done:
-            try:
+        try:
+            self._read_day()
+            if present := self._present:
                 self._plan = plan_exercise(
                     self.app.database,
                     self.app.catalogue,
                     self._participant,
-                    self._exercises[self._at],
+                    present.name,
+                    is_known=present.is_known,
                 )
                 self.tr = planned_language(self._plan, self.app.catalogue)
                 self.app.themes.use_planned(self._plan)
-            except PLAN_ERRORS as error:
-                self._plan, trouble = None, True
-                self.app.patient_mode.note_trouble(str(error))
+        except PLAN_ERRORS as error:
+            self._plan, trouble = None, True
+            self.app.patient_mode.note_trouble(str(error))
         self._write(trouble=trouble)
 
+    def on_resize(self) -> None:
+        largest = 2 * 4 + 1 if self.app.size.height >= _TALL else 4
+        self.query_one("#hello", Heading).limit(largest)
+
     def _write(self, *, trouble: bool) -> None:
-        tr, plan = self.tr, self._plan
-        several = len(self._exercises) > 1
-        if self._is_done or self._rest:
-            hello, exercise, go = (
-                tr("That was everything. Well done!"),
-                tr("You can rest now."),
-                tr("Start again"),
-            )
-            if self._rest == "pain":
-                hello, exercise = exercise, f"{tr(TELL_OF_PAIN)}\n{tr(ALONE)}"
-            elif self._rest == "enough":
-                hello = tr("That is enough for today. Well done!")
-        else:
-            place = tr(
-                "Exercise {number} of {total}", number=self._at + 1, total=len(self._exercises)
-            )
-            hello, go = place if several else tr("Hello!"), tr("Start")
-            attempts = plan.parameters.attempts if plan else 0
-            count = tr("1 attempt") if attempts == 1 else tr("{count} attempts", count=attempts)
-            exercise = f"{tr(plan.task.title)}\n{count}" if plan else ""
+        tr, total = self.tr, len(self._exercises)
+        is_over = self._present is None or bool(self._rest)
+        praise = "" if not is_over or self._rest == "pain" else "well-done"
+        heading = self.query_one("#hello", Heading)
+        heading.set_classes(praise or "sentence")
+        heading.show(self._hello())
+        where = ""
+        if total > 1 and not is_over:
+            where = tr("Exercise {number} of {total}", number=(self._at or 0) + 1, total=total)
         texts = {
-            "#hello": hello,
-            "#exercise": exercise,
+            "#where": where,
+            "#day": "" if is_over or total == 1 else self._day_in_words(),
+            "#exercise": self._words(),
             "#trouble": tr("This does not work now. Please call your therapist.")
             if trouble
             else "",
-            "#how": "" if self._rest == "pain" else tr("Press Enter to start."),
         }
         for name, text in texts.items():
-            self.query_one(name, Static).update(text)
-        self.query_one("#trouble").display = trouble
-        self.query_one("#go", Button).label = go
+            part = self.query_one(name, Static)
+            part.update(text)
+            part.display = bool(text)
+        self.query_one("#go", Button).label = tr("Start again") if is_over else tr("Start")
         skip = self.query_one("#skip", Button)
         skip.label = tr("Skip this exercise")
-        skip.display = several and not (self._is_done or self._rest)
+        skip.display = total > 1 and not is_over
+        self.query_one(KeyLine).show(
+            "" if self._rest == "pain" else tr("Press Enter to start."), tr("Enter")
+        )
         self.query_one("#go").focus()
         self.app.screen_keys.changed(self)
+
+    def _hello(self) -> str:
+        tr = self.tr
+        if self._rest == "pain":
+            return tr("You can rest now.")
+        if self._rest == "enough":
+            return tr("That is enough for today. Well done!")
+        if self._present is None:
+            return tr("That was everything. Well done!")
+        hour = self.app.hour()
+        return next(tr(greeting) for until, greeting in _GREETINGS if hour < until)
+
+    def _words(self) -> str:
+        """Return what there is to say below the greeting: the exercise, how long, or to rest."""
+        tr = self.tr
+        if self._rest == "pain":
+            return f"{tr(TELL_OF_PAIN)}\n{tr(ALONE)}"
+        if self._rest or self._present is None:
+            return tr("You can rest now.")
+        if len(self._exercises) > 1:
+            return self._together()
+        parts = [tr(self._plan.task.title)] if self._plan else []
+        return "\n".join([*parts, self._how_long(self._present) or self._attempts()])
+
+    def _together(self) -> str:
+        """Return how long all that is still to be done takes, if that is known of each."""
+        to_do = [one for one in self._exercises if not one.is_done]
+        minutes = [one.minutes for one in to_do if one.minutes is not None]
+        if len(to_do) < 2 or len(minutes) < len(to_do):
+            return ""
+        return self.tr("Together about {count} minutes", count=max(2, round(sum(minutes))))
+
+    def _how_long(self, exercise: Exercise) -> str:
+        """Return about how long an exercise takes; empty if that is not known."""
+        if exercise.minutes is None:
+            return ""
+        minutes = max(1, round(exercise.minutes))
+        tr = self.tr
+        return tr("About 1 minute") if minutes == 1 else tr("About {count} minutes", count=minutes)
+
+    def _attempts(self) -> str:
+        tr, attempts = self.tr, self._plan.parameters.attempts if self._plan else 0
+        return tr("1 attempt") if attempts == 1 else tr("{count} attempts", count=attempts)
+
+    def _day_in_words(self) -> str:
+        """Return the exercises below each other, with a mark for what is done and what is next."""
+        rows = []
+        for index, exercise in enumerate(self._exercises):
+            is_next, how_long = index == self._at, self._how_long(exercise)
+            mark = _NEXT if is_next else _DONE if exercise.is_done else _LATER
+            if is_next:
+                how_long = how_long or self._attempts()
+            elif exercise.is_done:
+                how_long = self.tr("done")
+            rows.append((f"{mark} {self._title(exercise)}", how_long))
+        width = max(len(title) for title, _ in rows)
+        return "\n".join(f"{title.ljust(width)}   {more}".rstrip() for title, more in rows)
+
+    def _title(self, exercise: Exercise) -> str:
+        """Return the title of a task in the language of the screen; its name if it does not load."""
+        try:
+            task = self.app.catalogue.task(exercise.name)
+        except PluginError:
+            return exercise.name
+        return language(self.tr.code, task_folder(task))(task.title)
+
+    # --- what can be done
 
     @on(Button.Pressed, "#go")
     def action_start(self) -> None:
         """Go on with a session that was interrupted not long ago, else begin a new one."""
-        if self._is_done or self._rest:
-            self._at, self._rest = 0 if self._is_done else self._at, ""
+        if self._present is None or self._rest:
+            if self._present is None:
+                self._at, self._begins_again = 0, True
+            self._rest = ""
             self.show_exercise()
             return
         if self._plan is None:
@@ -175,7 +285,7 @@ class PatientScreen(Screen[None]):
         can be done again.
         """
         if ended and not is_mistake:
-            self._at += 1
+            self._go_on()
         self.show_exercise(trouble=not ended)
 
     def cannot_begin(self, *, resumed: bool) -> None:
@@ -196,11 +306,11 @@ class PatientScreen(Screen[None]):
         """Go on to the next exercise, as enough was done of this one; after the last, let the
         participant rest.
         """
-        self._at += 1
-        self._rest = "enough" if self._is_done else ""
+        self._go_on()
+        self._rest = "enough" if self._present is None else ""
         self.show_exercise()
 
     @on(Button.Pressed, "#skip")
     def _skip(self) -> None:
-        self._at += 1
+        self._go_on()
         self.show_exercise()

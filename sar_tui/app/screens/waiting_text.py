@@ -107,7 +107,8 @@ def _before_attempt(waiting: Waiting, tr: Language, *, is_goal_shown: bool) -> W
     seen otherwise.
     """
     if waiting.until:
-        press = tr("The next one begins by itself.")
+        begins = tr("The next one begins by itself.")
+        press = tr("It begins by itself.") if waiting.attempt == 1 else begins
     elif waiting.attempt == 1:
         press = tr("Press Enter to begin {attempt}.", attempt=waiting.attempt_name)
     else:
