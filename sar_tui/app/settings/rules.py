@@ -184,7 +184,7 @@ class RuleField(ParameterField):
         return Content.assemble(
             (f"{sign or (_CHOSEN if is_chosen else ''):{_MARK}}", "$accent"),
             (f"{rule.title:{width}}", style),
-            (f" {picture.line:{_PICTURE}}", "$accent"),
+            (f" {picture.line:{_PICTURE}}", "$accent" if is_chosen else "$text-muted"),
             (f" {picture.goals}", "$text-muted"),
             *((f"\n{'':{_MARK}}{line}", "$text-muted") for line in wrapped),
             "" if self._is_small else "\n",

@@ -45,6 +45,7 @@ class VersionsScreen(DismissedOnce[Programme | None]):
         tr: the language.
     """
 
+    HORIZONTAL_BREAKPOINTS = [(130, "-beside")]
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape", "dismiss(None)", "Back", id="versions-back"),
         Binding("pagedown", "scroll(1)", "Read on", show=False, priority=True, id="versions-down"),
@@ -101,7 +102,8 @@ class VersionsScreen(DismissedOnce[Programme | None]):
             markup=False,
         )  # fmt: skip
         with VerticalScroll(id="details", can_focus=False):
-            yield Static("", id="differs", markup=False)
+            for part in ("own", "back", "all"):
+                yield Static("", id=part, markup=False)
         yield KeyLine(id="key")
         yield KeyFooter()
 
@@ -130,40 +132,33 @@ class VersionsScreen(DismissedOnce[Programme | None]):
         tr, at = self.tr, self._chosen
         key = self.query_one("#key", KeyLine)
         if at is None:
-            self.query_one("#differs", Static).update(
+            self.query_one("#own", Static).update(
                 tr("Change a setting and save it with Ctrl-S: it is listed here.")
             )
             key.show(tr("Esc goes to the settings."), "Esc")
             return
         version, now = self._versions[at], self._versions[-1]
         before = self._versions[at - 1] if at else Programme()
-        parts = [
-            (
-                tr("Version {number} changed", number=version.version),
-                compared(self._kind, before, version, tr),
-            ),
-            (
-                tr("Not at the default in version {number}", number=version.version),
-                compared(self._kind, Programme(theme=version.theme), version, tr),
-            ),
-        ]
-        if version is not now:
-            back = compared(self._kind, now, version, tr)
-            parts.insert(1, (tr("Going back to it changes"), back))
-        shown = Content("\n\n").join(
-            Content("\n").join(
-                [
-                    Content(head).stylize("bold"),
-                    *(Content(f"  {line}") for line in lines or [tr("nothing")]),
-                ]
-            )
-            for head, lines in parts
+        number = version.version
+        self._tell("#own", tr("Version {number} changed", number=number), before, version)
+        self._tell("#back", tr("Going back to it changes"), now, version)
+        self._tell(
+            "#all",
+            tr("Not at the default in version {number}", number=number),
+            Programme(theme=version.theme),
+            version,
         )
-        self.query_one("#differs", Static).update(shown)
+        self.query_one("#back").display = version is not now
         if version is now:
             key.show(tr("These are the settings now. Esc goes to them."), "Esc")
         else:
-            key.show(tr("Enter goes back to version {number}.", number=version.version), "Enter")
+            key.show(tr("Enter goes back to version {number}.", number=number), "Enter")
+
+    def _tell(self, part: str, heading: str, before: Programme, after: Programme) -> None:
+        """Show what differs between two versions, under a heading."""
+        differs = compared(self._kind, before, after, self.tr) or [self.tr("nothing")]
+        lines = [Content(heading).stylize("bold"), *(Content(f"  {line}") for line in differs)]
+        self.query_one(part, Static).update(Content("\n").join(lines))
 
     def action_scroll(self, direction: int) -> None:
         """Scroll what differs by a page."""
