@@ -17,7 +17,7 @@ from sar_tui.widgets.choice import Choice, ChoiceList
 from sar_tui.widgets.lists import OptionList
 
 _YES_NO = ("yes", "no")
-_MARK, _TITLE, _EDITOR = 2, 24, 18
+_MARK, _TITLE, _EDITOR = 2, 24, 17
 """Columns."""
 _LONGEST_LINE = 72
 """Most columns of a line of the note."""
@@ -113,7 +113,7 @@ class ParameterField(Widget):
         mark, colour = self._mark
         title = ("bold " if self.has_focus_within else "") + (colour if self.problem else "")
         before = self.tr("was {value}", value=self._shown(self.saved)) if self.is_unsaved else ""
-        beside = "  ".join(filter(None, (self.field.unit, before)))
+        beside = " ".join(filter(None, (self.field.unit, before)))
         line = Content.assemble(
             (f"{mark:{_MARK}}", colour or "$accent"),
             (f"{self.field.title:{_TITLE}}", title.strip()),

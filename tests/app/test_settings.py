@@ -191,10 +191,10 @@ async def test_one_field_is_reset_or_all_of_them(form: AppDriver) -> None:
     await fill(form, "prompts_per_attempt", "5")
     await fill(form, "sequence_length", "6")
     await fill(form, "attempts", "7")
-    form.see("Session ● 1")
+    form.see("Session ◆ 1")
     await form.press("ctrl+r")
     form.see("Attempts 20")
-    form.lacks("Session ● 1")
+    form.lacks("Session ◆ 1")
     await form.write("4")
     assert field(form, "attempts").value == "4", "it replaces the default"
     await form.press("ctrl+r", "end")
@@ -576,7 +576,7 @@ async def test_choices_and_outputs_open_in_a_list(form: AppDriver) -> None:
     form.lacks("azerty")
     assert field(form, "layout").value == "qwerty"
     await form.press("space", "a", "enter")
-    form.see("● Keyboard layout azerty ▼")
+    form.see("◆ Keyboard layout azerty ▼ was qwerty")
     await form.press("enter", "tab")
     assert not choice.children
     await form.pilot.click(choice)
