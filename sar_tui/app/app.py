@@ -20,6 +20,7 @@ from textual.widget import Widget
 
 from sar_tui.app.leaving import UNSAVED, Leaving
 from sar_tui.app.patient_mode import PatientMode
+from sar_tui.app.read_aloud import REPEAT_KEY, ReadAloud
 from sar_tui.app.screen_keys import ScreenKeys
 from sar_tui.app.screens.home import HomeScreen
 from sar_tui.app.themes import Themes
@@ -70,6 +71,7 @@ class SarTui(BaseApp):
         start: the last start of a session.
         live: the last session that was begun.
         leaving: ends the app.
+        aloud: reads the participant's screens aloud.
         screen_keys: judges which keys reach a screen.
         settings_drafts: values of settings that were left without saving, by participant and task.
         picture_way: how this terminal shows the pictures of prompts; None if it was not asked, or
@@ -84,6 +86,7 @@ class SarTui(BaseApp):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("f12", "end_patient_mode", show=False, priority=True, id="end-patient-mode"),
         Binding("f2", "stop", "Stop voice", priority=True, id="stop"),
+        Binding(REPEAT_KEY, "repeat", "Say again", priority=True, id="repeat"),
         Binding("f1", "help", "Help", id="help"),
         Binding("question_mark", "help", "Help", show=False, id="help-2"),
     ]
@@ -117,6 +120,7 @@ class SarTui(BaseApp):
         self.database = connect(folder)
         self.patient_mode = PatientMode(self, patient)
         self.leaving = Leaving(self)
+        self.aloud = ReadAloud(self, clock)
         self.start: SessionStart | None = None
         self.live: LiveSession | None = None
         self.picture: type[Widget] | None = None
@@ -213,6 +217,8 @@ class SarTui(BaseApp):
             is_therapist = not self.has_participant
             if not self.screen_keys.pass_on(event, at, self.screen, is_therapist=is_therapist):
                 return
+            if event.key != REPEAT_KEY:
+                self.aloud.stop()
         if self._early_input is not None and isinstance(event, (events.InputEvent, events.Paste)):
             self._early_input.append(event)
         else:
@@ -289,16 +295,22 @@ class SarTui(BaseApp):
         self.clear_notifications()
         session = live.session
         self.themes.use(session.theme, session.task.parameters.language)
+        self.aloud.use(session.task.parameters, session.theme, screen.tr)
+        self.aloud.follow(session)
         self.push_screen(screen, self._session_left)
 
     # --- during a session
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """F2 stops during a session, and F12 ends patient mode; else they are the screen's own."""
+        """F2 stops during a session, F12 ends patient mode, and F9 says again what can be heard; else
+        they are the screen's own.
+        """
         if action == "stop":
             return self.open_session is not None
         if action == "end_patient_mode":
             return bool(self.patient)
+        if action == "repeat":
+            return self.aloud.is_on and bool(getattr(self.screen, "sentences", ()))
         return super().check_action(action, parameters)
 
     def action_stop(self) -> None:
@@ -308,6 +320,10 @@ class SarTui(BaseApp):
 
             asked = round(live.stamp(self.key_seconds) * SECOND)
             live.operate(SessionCommand(command="stop", at=asked))
+
+    def action_repeat(self) -> None:
+        """F9: read the screen aloud again."""
+        self.aloud.repeat()
 
     def on_app_blur(self, event: events.AppBlur) -> None:
         self._focus_changed(False, event.time)
@@ -364,6 +380,7 @@ class SarTui(BaseApp):
         """
         if self.live:
             self.live.close(self)
+            self.aloud.leave()
         if self.start:
             self.start.close()
 
@@ -450,6 +467,7 @@ class SarTui(BaseApp):
         self.leaving.leave(functools.partial(super().exit, *args, **how))
 
     def on_unmount(self) -> None:
+        self.aloud.close()
         self.patient_mode.release_signals()
 
     # --- help

@@ -21,7 +21,7 @@ from sar_tui.store.database import default_folder
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.tui.exit_codes import INTERRUPTED
 from sar_tui.widgets.language import language_of
-from sar_tui.widgets.lists import OptionList
+from sar_tui.widgets.lists import OptionList, menu_sentences
 
 if TYPE_CHECKING:
     from sar_tui.app.app import SarTui
@@ -220,6 +220,14 @@ class LeaveScreen(DismissedOnce[Answer], ModalScreen[Answer]):
         menu.border_subtitle = tr("arrows to choose, Enter to confirm")
         menu.highlighted = 1
         yield menu
+
+    @property
+    def sentences(self) -> list[str]:
+        """The question in sentences, and the answer that is marked."""
+        return menu_sentences(self.query_one(OptionList))
+
+    def on_option_list_option_highlighted(self) -> None:
+        self.app.aloud.read(self)  # type: ignore[attr-defined]
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         event.stop()

@@ -11,6 +11,7 @@ from textual.events import Key
 from textual.screen import ModalScreen, Screen
 from textual.widgets import Input, Static
 
+from sar_tui.model.spoken_text import sentences
 from sar_tui.model.units import SECOND
 from sar_tui.rules.keys import LONGEST_INTERVAL, KeyGuard
 from sar_tui.tui.dismissed_once import DismissedOnce
@@ -116,6 +117,16 @@ class HelpScreen(DismissedOnce[None], ModalScreen[None]):
             yield Static(getattr(self._about, "help_text", ""), markup=False)
             yield Static(self._keys())
             yield Static(tr("Press Enter to close this."), classes="muted", markup=False)
+
+    def on_mount(self) -> None:
+        self.app.aloud.read(self)  # type: ignore[attr-defined]
+
+    @property
+    def sentences(self) -> list[str]:
+        """The help in sentences, without the list of keys that the footer has."""
+        tr = language_of(self.app)
+        about = getattr(self._about, "help_text", "")
+        return sentences(about, tr("Press Enter to close this."))
 
     def _keys(self) -> Table:
         table, tr = Table.grid(padding=(0, 2)), language_of(self.app)

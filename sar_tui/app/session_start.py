@@ -26,6 +26,7 @@ from sar_tui.runs.plan import EnoughToday, Failed, Plan, set_up
 from sar_tui.store import records, sessions
 from sar_tui.store.database import StoreError, explain
 from sar_tui.store.training_days import utc
+from sar_tui.tui.language import planned_language
 from sar_tui.tui.timestamps import paint_now
 from sar_tui.widgets.language import language_of
 
@@ -105,6 +106,7 @@ class SessionStart:
             return
         self._asked_since, self.is_asking = utc(), True
         app.themes.use(theme, plan.parameters.language)
+        app.aloud.use(plan.parameters, theme, planned_language(plan, app.catalogue))
         codes = list(plan.participants)
 
         def answered(goes_on: bool | None) -> None:
@@ -145,6 +147,7 @@ class SessionStart:
         app.clear_notifications()
         app.themes.use(theme, plan.parameters.language)
         screen = SensorCheckScreen(plan, feeds, clock)
+        app.aloud.use(plan.parameters, theme, planned_language(plan, app.catalogue))
 
         def checked(begins: bool | None) -> None:
             if begins:

@@ -425,6 +425,15 @@ class TaskParameters(Settings, frozen=True, kw_only=True):
             personal=True,
         ),
     ] = "sound"
+    read_aloud: Annotated[
+        bool,
+        _agent(
+            "Read aloud",
+            help="With speech: every sentence of the participant's screens is spoken. F9 repeats "
+            "it, any other key ends it.",
+            personal=True,
+        ),
+    ] = False
 
     # Operator
 

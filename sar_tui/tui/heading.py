@@ -94,7 +94,7 @@ class Heading(Widget):
         classes: str = "sentence",
     ) -> None:
         super().__init__(id=id, classes=classes)
-        self._text, self._largest = text, largest
+        self.text, self._largest = text, largest
 
     def show(self, text: str, largest: int | None = None) -> None:
         """Show a sentence; empty: nothing, and no room is taken.
@@ -103,19 +103,19 @@ class Heading(Widget):
             text: the sentence.
             largest: the most rows that it may take from now on; None: as many as before.
         """
-        self._text = text
+        self.text = text
         self._largest = self._largest if largest is None else largest
         self.display = bool(text)
         self.refresh(layout=True)
 
     def limit(self, largest: int) -> None:
         """Change the most rows that the sentence may take."""
-        self.show(self._text, largest)
+        self.show(self.text, largest)
 
     def _lines(self, columns: int) -> list[str]:
-        if is_roomy(*self.app.size) and (drawn := in_blocks(self._text, columns, self._largest)):
+        if is_roomy(*self.app.size) and (drawn := in_blocks(self.text, columns, self._largest)):
             return drawn
-        return [spaced(self._text, columns) if self.has_class("well-done") else self._text]
+        return [spaced(self.text, columns) if self.has_class("well-done") else self.text]
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
         return self._content(width).get_height({}, max(1, width))

@@ -28,7 +28,7 @@ class KeyLine(Widget):
 
     def show(self, text: str, *keys: str) -> None:
         """Show what to do."""
-        self._text = text
+        self.text = text
         self._key = next((key for key in keys if key in text), "")
         self.refresh(layout=True)
 
@@ -41,8 +41,8 @@ class KeyLine(Widget):
 
     def render(self) -> Content:
         if not self._key:
-            return Content(self._text)
-        before, found, after = self._text.partition(self._key)
+            return Content(self.text)
+        before, found, after = self.text.partition(self._key)
         if not self._is_large:
             # the spaces beside the name become part of the key
             cap = f"{' ' * before.endswith(' ')}{found}{' ' * after.startswith(' ')}"

@@ -11,6 +11,8 @@ from textual.events import Click, Key
 from textual.strip import Strip
 from textual.widgets import OptionList as TextualOptionList
 
+from sar_tui.model.spoken_text import sentences
+
 _MARK = "▌"
 _SUMMARY_WIDTH = 33
 """Characters of a line of a summary."""
@@ -30,6 +32,19 @@ class OptionList(TextualOptionList):
     def _move_page(self, direction: Literal[-1, 1]) -> None:
         if self._lines and (self.highlighted or 0) in self._index_to_line:
             super()._move_page(direction)
+
+
+def menu_sentences(menu: OptionList) -> list[str]:
+    """Return a menu in sentences: its title, what its first line says, how to choose, and the choice
+    that is marked.
+    """
+    chosen = menu.highlighted_option
+    return sentences(
+        str(menu.border_title),
+        str(menu.get_option_at_index(0).prompt) if menu.option_count else "",
+        str(menu.border_subtitle),
+        str(chosen.prompt) if chosen else "",
+    )
 
 
 class MarkedList(OptionList):

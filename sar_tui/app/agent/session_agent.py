@@ -26,6 +26,7 @@ class SessionAgent:
     Attributes:
         widget: the agent.
         notice: says at the top of the screen that there is no voice.
+        words: the words that it shows.
     """
 
     widget: Agent
@@ -35,6 +36,7 @@ class SessionAgent:
         self._cleared = cleared
         self._is_voiceless = False
         self._shows_voiceless = False
+        self.words = ""
 
     def make_widgets(
         self,
@@ -64,6 +66,7 @@ class SessionAgent:
     ) -> None:
         if text:
             self.widget.note("")
+            self.words = f"{self.words}\n{text}" if joins else text
         self.widget.say(text, face, valence, joins=joins)
 
     def gesture(self, gesture: Gesture) -> None:
@@ -82,6 +85,7 @@ class SessionAgent:
         self.widget.look(face)
 
     def clear(self, face: str) -> None:
+        self.words = ""
         self.widget.clear(face)
         self.widget.note("")
         self.widget.display = self._is_shown or self._shows_voiceless
@@ -93,6 +97,7 @@ class SessionAgent:
     def ask(self, words: str) -> None:
         """Ask for something that must be read, even if the agent is otherwise hidden."""
         self.widget.display = True
+        self.words = words
         self.widget.say(words, "listening")
 
     # --- its voice, and response windows

@@ -117,6 +117,7 @@ class HomeScreen(Screen[None]):
         self.app.tell_troubles()
 
     def on_screen_resume(self) -> None:
+        self.app.aloud.close()
         if self._is_filled:
             self.refresh_contents()
             self._look_again()

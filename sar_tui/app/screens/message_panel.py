@@ -7,6 +7,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from sar_tui.app.screens.waiting_text import WaitingText
+from sar_tui.model.spoken_text import sentences
 from sar_tui.tui.heading import Heading, is_roomy
 from sar_tui.widgets.goal_bar import GoalBar, draw_bars
 from sar_tui.widgets.language import language_of
@@ -47,6 +48,11 @@ class MessagePanel(Vertical):
         """
         self._text, self._bars, self._ask, self._drawing = text, bars, ask, drawing
         self._arrange()
+
+    @property
+    def sentences(self) -> list[str]:
+        """The message in sentences, without its drawings."""
+        return sentences(self._text.headline, *(self._text.said or [self._text.text]), self._ask)
 
     def on_resize(self) -> None:
         self._arrange()

@@ -1,5 +1,6 @@
 """The screen of a participant who trains alone: the plan of the day, and a large Start."""
 
+import re
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from textual import on
@@ -11,6 +12,7 @@ from textual.widgets import Button, Static
 
 from sar_tui.app.screens.wellbeing import ALONE, TELL_OF_PAIN
 from sar_tui.model.language import Language, language
+from sar_tui.model.spoken_text import sentences
 from sar_tui.plugins import PluginError, task_folder
 from sar_tui.runs.patient_plan import PLAN_ERRORS, Exercise, day_plan, plan_exercise, unfinished
 from sar_tui.store.database import StoreError
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
 _GREETINGS = ((12, "Good morning"), (18, "Good afternoon"), (24, "Good evening"))
 """Greetings, each with the hour until which it is said."""
 _DONE, _NEXT, _LATER = "✓", "▸", " "
+_GAP = re.compile(r"(?<=\S) {2,}")
 _TALL = 40
 """Least rows of a window in which the greeting may take two lines of large letters."""
 
@@ -151,6 +154,7 @@ class PatientScreen(Screen[None]):
                 )
                 self.tr = planned_language(self._plan, self.app.catalogue)
                 self.app.themes.use_planned(self._plan)
+                self.app.aloud.use_planned(self._plan, self.tr)
         except PLAN_ERRORS as error:
             self._plan, trouble = None, True
             self.app.patient_mode.note_trouble(str(error))
@@ -191,6 +195,26 @@ class PatientScreen(Screen[None]):
         )
         self.query_one("#go").focus()
         self.app.screen_keys.changed(self)
+        self.app.aloud.read(self, (self._at, self._rest, trouble))
+
+    @property
+    def sentences(self) -> list[str]:
+        """The screen in sentences; of its buttons the one that is chosen."""
+        shown = (
+            self.query_one(f"#{name}", Static) for name in ("where", "day", "exercise", "trouble")
+        )
+        texts = [str(part.content) for part in shown if part.display]
+        day = [_GAP.sub(", ", text.replace(_NEXT, "").replace(_DONE, "")) for text in texts]
+        chosen = self.focused
+        return sentences(
+            self.query_one("#hello", Heading).text,
+            *day,
+            self.query_one(KeyLine).text,
+            str(chosen.label) if isinstance(chosen, Button) else "",
+        )
+
+    def on_descendant_focus(self) -> None:
+        self.app.aloud.read_more()
 
     def _hello(self) -> str:
         tr = self.tr

@@ -7,7 +7,7 @@ from textual.widgets.option_list import Option
 
 from sar_tui.model.messages import SessionCommand
 from sar_tui.widgets.language import language_of
-from sar_tui.widgets.lists import OptionList
+from sar_tui.widgets.lists import OptionList, menu_sentences
 
 _WORDS = {
     "": ("Paused", "Take your time."),
@@ -70,6 +70,14 @@ class PauseMenu(OptionList):
         ]
         self.add_options([Option(tr(_LABELS[choice]), id=choice) for choice in choices])
         self.highlighted = 1
+
+    @property
+    def sentences(self) -> list[str]:
+        """The menu in sentences: what it is about, how to choose, and the choice that is marked."""
+        return menu_sentences(self)
+
+    def on_option_list_option_highlighted(self) -> None:
+        self.app.aloud.read_more()  # type: ignore[attr-defined]
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         event.stop()

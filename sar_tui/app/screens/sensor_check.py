@@ -19,6 +19,7 @@ from sar_tui.app.sensor_monitor import SensorWatch
 from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.loop.clock import Clock, Handle, LiveClock
 from sar_tui.model.language import Language
+from sar_tui.model.spoken_text import sentences
 from sar_tui.model.units import MS, SECOND
 from sar_tui.motion.reach import Hand
 from sar_tui.runs.plan import Plan
@@ -272,10 +273,17 @@ class SensorCheckScreen(DismissedOnce[bool]):
             self.query_one("#facts", Static).update(self._facts(known))
         if self._is_new("result", words):
             self.query_one("#result", Static).update(self._marked(words))
+            self.app.aloud.read(self, self.sensor)
         self.query_one("#axes", Static).update(self._axes(), layout=False)
         trace = self.sensor.test.trace if self.sensor.test else None
         if self._is_new("trace", trace):
             self.query_one(SpeedTrace).show([trace] if trace else [])
+
+    @property
+    def sentences(self) -> list[str]:
+        """The place of the sensor, and what to do, in sentences."""
+        place = self.tr(_PLACE_TRUNK if self._is_on_trunk else _PLACE)
+        return sentences(self.tr("Check the sensor"), place, *(text for _, text in self._words()))
 
     def _is_new(self, where: str, what: object) -> bool:
         """True if the content or its colours have changed."""

@@ -94,6 +94,11 @@ class SessionScreen(DismissedOnce[None]):
             bindings[key] = active._replace(binding=shown)
         return bindings
 
+    @property
+    def sentences(self) -> list[str]:
+        """All that can be read now, in sentences."""
+        return self.stage.sentences
+
     def compose(self) -> ComposeResult:
         yield self.stage
         yield KeyFooter()
@@ -172,11 +177,13 @@ class SessionScreen(DismissedOnce[None]):
             self.app.folder, run.session.task, run.id, attempts, self.tr
         ):
             self.app.call_from_thread(self.stage.summary.compare, words)
+        self.app.call_from_thread(self.stage.read_aloud)
 
     def _agent_acted(self, acting: AgentActing) -> None:
         self._keys.agent_acted(acting)
         if self.stage.shown == "summary":
             self.stage.end_is_near(awaits_goodbye=self._keys.awaits_goodbye)
+            self.stage.read_aloud()
 
     def _markers_changed(self, _: MarkersChanged) -> None:
         if self.stage.waiting:
@@ -234,6 +241,9 @@ class SessionScreen(DismissedOnce[None]):
     def action_pause(self) -> None:
         """Pause at once, without a question."""
         self._live.operate(SessionCommand(command="pause"))
+
+    def on_screen_resume(self) -> None:
+        self.stage.read_aloud()
 
     def on_screen_suspend(self) -> None:
         """Pause a trial that another screen covers: the participant cannot see the prompt."""

@@ -42,6 +42,7 @@ from sar_tui.model.messages import (
     Waiting,
 )
 from sar_tui.model.results_for_people import meeting_text
+from sar_tui.model.spoken_text import sentences
 from sar_tui.model.trial_types import Mark
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import task_folder
@@ -185,6 +186,7 @@ class SessionStage(Vertical):
         asked = self._asked
         self.ask(f"{asked} {later}")
         self._asked = asked
+        self.read_aloud()
 
     @property
     def menu(self) -> PauseMenu:
@@ -307,6 +309,33 @@ class SessionStage(Vertical):
         self._prepare_pictures(waiting)
         if waiting.what not in ("foreperiod", "response", "result"):
             self._show_wait(waiting, entered=before is None or before.stage != waiting.stage)
+        self.read_aloud()
+
+    @property
+    def sentences(self) -> list[str]:
+        """All that can be read now, in sentences: also the words of the agent. Nothing in a trial,
+        except before it begins, and while the agent is waited for.
+        """
+        waiting = self.waiting
+        if waiting is None:
+            return []
+        if waiting.reason == "held":
+            return sentences(self.agent.words)
+        if waiting.stage == "trial" and waiting.what != "start":
+            return []
+        if self.shown == "menu":
+            return self.menu.sentences
+        asked = self.query_one(KeyLine).text
+        if self.shown == "summary":
+            return [*self.summary.sentences, *sentences(self.agent.words, asked)]
+        return [*sentences(self.agent.words), *self.message.sentences, *sentences(asked)]
+
+    def read_aloud(self) -> None:
+        """Let the voice say what is new; it is silent in a trial."""
+        if self._reported_to and (waiting := self.waiting):
+            about = waiting.step.step.name if waiting.step else ""
+            place = (waiting.stage, waiting.what, waiting.reason, waiting.attempt, waiting.trial)
+            self.app.aloud.read(self.screen, (*place, about))
 
     def _show_wait(self, waiting: Waiting, *, entered: bool) -> None:
         """Show what is waited for: in words, as the prompt's place, or as the pause menu."""
@@ -420,6 +449,7 @@ class SessionStage(Vertical):
         self.end_is_near(awaits_goodbye=False)
         self._switch_to("summary")
         self.app.screen_keys.changed(self.screen)
+        self.read_aloud()
 
     def end_is_near(self, *, awaits_goodbye: bool) -> None:
         """Say how to finish, or to wait for a goodbye that an operator decides on."""

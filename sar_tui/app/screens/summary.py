@@ -12,6 +12,7 @@ from textual.widgets import Static
 from sar_tui.model.language import Language
 from sar_tui.model.messages import AttemptEnded
 from sar_tui.model.results_for_people import result_text
+from sar_tui.model.spoken_text import sentences
 from sar_tui.model.trial_types import Metric
 from sar_tui.tui.heading import ROOMY, Heading
 from sar_tui.widgets.language import language_of
@@ -89,6 +90,26 @@ class Summary(Vertical):
         """Add how the session compares with an earlier one."""
         self._earlier = words
         self._draw()
+
+    @property
+    def sentences(self) -> list[str]:
+        """The summary in sentences, without its picture."""
+        if not self._status:
+            return []
+        tr = language_of(self.app)
+        ending = _ending(self._status, any(self._attempts), tr)
+        which = self._session if self._status == "completed" else ""
+        words = [ending.text] if ending.text else self._words(tr)
+        return sentences(ending.headline, which, *words, self._earlier, self._next)
+
+    def _words(self, tr: Language) -> list[str]:
+        """Return what is said of each seat."""
+        found: list[str] = []
+        for index, attempts in enumerate(self._attempts):
+            found += self._names[index : index + 1]
+            found += facts(attempts, self._metric, tr)
+            found += self._more_facts(attempts)
+        return found
 
     def on_resize(self) -> None:
         self._draw()

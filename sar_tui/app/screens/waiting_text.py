@@ -6,18 +6,21 @@ from sar_tui.loop.task import Task
 from sar_tui.model.language import Language
 from sar_tui.model.messages import AskedStep, Waiting
 from sar_tui.model.results_for_people import duration_text
-from sar_tui.model.step import TIMED, Entry, Step
+from sar_tui.model.step import TIMED, Entry, Point, Step, points
 from sar_tui.model.units import SECOND
 from sar_tui.tui.language import session_language
 from sar_tui.widgets.answer_options import SMALLEST_SCALE, options_text
 
 
 class WaitingText(NamedTuple):
-    """Headline, text, and the key to press (empty if no key helps)."""
+    """Headline, text, and the key to press (empty if no key helps). ``said``: sentences that tell
+    the text where it is a drawing.
+    """
 
     headline: str
     text: str
     press: str
+    said: tuple[str, ...] = ()
 
 
 def waiting_text(  # noqa: PLR0911
@@ -191,7 +194,30 @@ def step_text(
         return WaitingText("", step.text, tr("Press Enter to go on."))
     question = tr("{who}: {words}", who=asked.who, words=step.text) if asked.who else step.text
     options = options_text(step, asked.entry, columns)
-    return WaitingText(question, options, how_to_answer(step, asked.entry, tr))
+    said = option_sentences(step, asked.entry, tr)
+    return WaitingText(question, options, how_to_answer(step, asked.entry, tr), said)
+
+
+def option_sentences(step: Step, entry: Entry, tr: Language) -> tuple[str, ...]:
+    """Return the options of a question in sentences, and what is chosen so far. Typed words are
+    not said.
+    """
+    found = points(step)
+    said = [f"{point.typed}: {point.label}." for point in found if point.label]
+    if step.kind == "line":
+        said = [f"{end}: {label}." for end, label in zip(("0", "100"), step.labels, strict=False)]
+    if step.kind == "choices" and entry.place is not None:
+        said.append(tr("You are at {option}.", option=_option(found[entry.place])))
+    if step.kind == "line" and entry.place is not None:
+        said.append(tr("Chosen: {options}.", options=str(entry.place)))
+    elif entry.chosen:
+        chosen = ", ".join(_option(found[index]) for index in entry.chosen)
+        said.append(tr("Chosen: {options}.", options=chosen))
+    return tuple(said)
+
+
+def _option(point: Point) -> str:
+    return f"{point.typed}, {point.label}" if point.label else point.typed
 
 
 def decline_text(step: Step, tr: Language) -> str:

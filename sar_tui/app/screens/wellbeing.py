@@ -11,9 +11,10 @@ from textual.containers import Vertical
 from textual.widgets import Static
 
 from sar_tui.app.patient_mode import keys_in_mode
-from sar_tui.app.screens.waiting_text import decline_text, how_to_answer
+from sar_tui.app.screens.waiting_text import decline_text, how_to_answer, option_sentences
 from sar_tui.model.gesture import REST
 from sar_tui.model.language import Language
+from sar_tui.model.spoken_text import sentences
 from sar_tui.model.step import Entry, Given, Step, points, press, translated
 from sar_tui.model.theme import Theme
 from sar_tui.rules.wellbeing import PAIN_ENDS, Advice, Moment, PainLimits, stop_now
@@ -149,6 +150,7 @@ class WellbeingScreen(DismissedOnce[bool]):
         self._asked: list[tuple[Person, Question]] = [(people[0], "pain")]
         self._answers: dict[tuple[str, Question], str] = {}
         self._entry = Entry()
+        self._said: list[str] = []
         face = theme.faces[_FACE] if _FACE in theme.faces else theme.faces["neutral"]
         self._agent = "\n".join(draw(face.splitlines(), REST))
         self._is_advising = False
@@ -304,6 +306,12 @@ class WellbeingScreen(DismissedOnce[bool]):
         else:
             self._show_question(*self._asked[-1])
         self.refresh_bindings()
+        self.app.aloud.read(self, (*self._asked[-1], self._is_advising))  # type: ignore[attr-defined]
+
+    @property
+    def sentences(self) -> list[str]:
+        """The question or the advice in sentences, and what is chosen."""
+        return sentences(*self._said, self.query_one(KeyLine).text)
 
     def _show_question(self, person: Person, question: Question) -> None:
         step, entry, tr = translated(QUESTIONS[question], self.tr), self._entry, self.tr
@@ -315,9 +323,11 @@ class WellbeingScreen(DismissedOnce[bool]):
         columns, rows = self.app.size
         self.query_one("#asking").display = step.kind == "number" or rows >= ROOMY[1]
         self.query_one("#question", Heading).show(step.text)
+        options, decline = option_sentences(step, entry, tr), decline_text(step, tr)
+        self._said = [person.name, step.text, *options, decline, given]
         self._put("who", person.name)
         self._put("options", options_text(step, entry, columns - _MARGINS))
-        self._put("decline", decline_text(step, tr))
+        self._put("decline", decline)
         self._put("given", given)
         how = tr("Press Enter to go on.") if entry.chosen else how_to_answer(step, entry, tr)
         self.query_one(KeyLine).show(how, tr("Enter"))
@@ -327,11 +337,14 @@ class WellbeingScreen(DismissedOnce[bool]):
         tr, moment = self.tr, self._moment
         self.query_one("#asking").display = True
         self.query_one("#question", Heading).show(tr(_ADVICE[moment]))
-        self._put("who", ", ".join(person.name for person in self._in_pain))
-        sentences = f"{tr(TELL_OF_PAIN)} {tr(_CALLS_NOBODY[moment])}"
-        self._put("options", sentences.replace(". ", ".\n"))
+        who = ", ".join(person.name for person in self._in_pain)
+        back = tr("Backspace goes back to the question before.")
+        self._put("who", who)
+        advice = f"{tr(TELL_OF_PAIN)} {tr(_CALLS_NOBODY[moment])}"
+        self._put("options", advice.replace(". ", ".\n"))
         self._put("decline", tr(_GO_ON[moment]))
-        self._put("given", tr("Backspace goes back to the question before."))
+        self._put("given", back)
+        self._said = [who, tr(_ADVICE[moment]), advice, tr(_GO_ON[moment]), back]
         self.query_one(KeyLine).show(tr(_STOP[moment]), tr("Enter"))
 
     def _put(self, name: str, text: str) -> None:
