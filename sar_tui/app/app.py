@@ -40,8 +40,10 @@ if TYPE_CHECKING:  # loaded with a session, so that the first screen is there so
     from sar_tui.app.live import LiveSession
     from sar_tui.app.screens.session import SessionScreen
     from sar_tui.app.session_start import SessionStart
+    from sar_tui.app.switch import Switch
     from sar_tui.link.broker_process import BrokerProcess
     from sar_tui.loop.clock import Clock
+    from sar_tui.rules.parameters import TaskParameters
     from sar_tui.runs.plan import Plan
     from sar_tui.widgets.prompt_pictures import Way
 
@@ -73,6 +75,7 @@ class SarTui(BaseApp):
         leaving: ends the app.
         aloud: reads the participant's screens aloud.
         screen_keys: judges which keys reach a screen.
+        switch: of the participant; None if there is none.
         settings_drafts: values of settings that were left without saving, by participant and task.
         picture_way: how this terminal shows the pictures of prompts; None if it was not asked, or
             it cannot.
@@ -123,6 +126,7 @@ class SarTui(BaseApp):
         self.aloud = ReadAloud(self, clock)
         self.start: SessionStart | None = None
         self.live: LiveSession | None = None
+        self.switch: Switch | None = None
         self.picture: type[Widget] | None = None
         self.settings_drafts: dict[tuple[str, str], dict[str, object]] = {}
         self._begin = begin
@@ -177,7 +181,7 @@ class SarTui(BaseApp):
         return watched(super().get_driver_class(), self.onset_watch, self._terminal_gone)
 
     async def on_mount(self) -> None:
-        self.screen_change_signal.subscribe(self, self.screen_keys.changed, immediate=True)
+        self.screen_change_signal.subscribe(self, self._screen_changed, immediate=True)
         self.themes.start_looking()
         if self._first_patient:
             await self.patient_mode.begin(self._first_patient)
@@ -215,6 +219,8 @@ class SarTui(BaseApp):
         if isinstance(event, events.Key) and not event.is_forwarded:
             at = event.time if self._clock is None else self._clock.now() / SECOND
             is_therapist = not self.has_participant
+            if self.switch and await self.switch.takes(event, at):
+                return
             if not self.screen_keys.pass_on(event, at, self.screen, is_therapist=is_therapist):
                 return
             if event.key != REPEAT_KEY:
@@ -223,6 +229,43 @@ class SarTui(BaseApp):
             self._early_input.append(event)
         else:
             await super().on_event(event)
+
+    def _screen_changed(self, screen: Screen[Any]) -> None:
+        self.screen_keys.changed(screen)
+        if self.switch:
+            screen.call_after_refresh(self.look_for_choices)
+
+    # --- a switch in place of the keys
+
+    def use_switch(self, parameters: "TaskParameters | None", people: Sequence[str] = ()) -> None:
+        """Use the switch of these people from here on, as it is set; None: the therapist is here."""
+        self.screen_keys.set_bounce(parameters.bounce_ms if parameters else 0)
+        if parameters and self.switch and self.switch.is_for(parameters, people):
+            return
+        if self.switch:
+            self.switch.close()
+            self.switch = None
+        if parameters and parameters.switch != "none":
+            from sar_tui.app.switch import Switch
+
+            self.switch = Switch(self, self._clock, parameters, people)
+            self.look_for_choices()
+
+    def _leave_switch(self) -> None:
+        """Give the keys back to the therapist, unless a participant is alone here."""
+        if not self.patient:
+            self.use_switch(None)
+
+    def look_for_choices(self) -> None:
+        """Let the switch choose from what can be done now."""
+        if self.switch:
+            self.switch.look()
+
+    async def take_key(self, event: events.Key) -> None:
+        """Handle a key that the switch stands for."""
+        self.screen_keys.changed(self.screen)
+        self.aloud.stop()
+        await super().on_event(event)
 
     # --- at home
 
@@ -268,6 +311,7 @@ class SarTui(BaseApp):
 
     def not_begun(self) -> None:
         """Return to the home screen, or exit, because somebody decided not to begin."""
+        self._leave_switch()
         if self.is_for_one_session:
             self.exit(return_code=0)
         else:
@@ -275,6 +319,7 @@ class SarTui(BaseApp):
 
     def cannot_begin(self, why: str, *, resumed: bool = False, is_enough: bool = False) -> None:
         """Say why a session cannot begin; exit if the app was opened for it."""
+        self._leave_switch()
         if self.patient:
             self.patient_mode.exercise_cannot_begin(why, resumed=resumed, is_enough=is_enough)
         elif self.is_for_one_session:
@@ -295,6 +340,7 @@ class SarTui(BaseApp):
         self.clear_notifications()
         session = live.session
         self.themes.use(session.theme, session.task.parameters.language)
+        self.use_switch(session.task.parameters, list(live.codes.values()))
         self.aloud.use(session.task.parameters, session.theme, screen.tr)
         self.aloud.follow(session)
         self.push_screen(screen, self._session_left)
@@ -388,6 +434,7 @@ class SarTui(BaseApp):
         """Return to the home screen or the next exercise, or exit if the app was opened for one
         session.
         """
+        self._leave_switch()
         if self.patient:
             self._return_to_patient(live)
             return

@@ -12,7 +12,7 @@ from textual.screen import ModalScreen, Screen
 from textual.widgets import Input, Static
 
 from sar_tui.model.spoken_text import sentences
-from sar_tui.model.units import SECOND
+from sar_tui.model.units import MS, SECOND
 from sar_tui.rules.keys import LONGEST_INTERVAL, KeyGuard
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.widgets.language import language_of
@@ -60,6 +60,10 @@ class ScreenKeys:
         """True if the last key bounced, or is held: for keys that a therapist may press twice at
         short intervals.
         """
+
+    def set_bounce(self, ms: int) -> None:
+        """Take presses of one key within this time for one."""
+        self._guard.bounce = ms * MS
 
     def changed(self, screen: Screen[Any]) -> None:
         """Note that another screen is shown, or something else on it: from now on, and once it is

@@ -79,7 +79,9 @@ class SessionStart:
         """
         if isinstance(what, str):
             self._resume(what)
-        elif what.parameters.ask_wellbeing:
+            return
+        self._app.use_switch(what.parameters, what.participants)
+        if what.parameters.ask_wellbeing:
             self._ask(what)
         else:
             self._prepare(what)

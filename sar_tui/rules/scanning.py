@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 
 from sar_tui.model.step import Entry
 from sar_tui.model.units import MS
-from sar_tui.rules.keys import KeyGuard
+from sar_tui.rules.keys import GuardedPress, KeyGuard
 
 SHARE = 0.65
 """Press time as a share of the scan interval that suits it: about the mean and two standard
@@ -71,14 +71,21 @@ what is on the screen was not read yet.
 
 
 class Pressed(NamedTuple):
-    """A press of a switch. ``press_ms``: from the mark's move; None if it tells nothing about the
-    person.
+    """A press of a switch.
+
+    Attributes:
+        outcome: its effect.
+        choice: the words that it is meant for.
+        keys: those of the choice that is taken; none after No.
+        press_ms: from the mark's move; None if it tells nothing about the person.
+        place: of the choice.
     """
 
     outcome: Outcome
     choice: str
     keys: tuple[str, ...] = ()
     press_ms: float | None = None
+    place: int = 0
 
 
 class Scan:
@@ -158,10 +165,14 @@ class Scan:
         self._moves += 1
         self._mark((self.at + 1) % len(self.labels), at)
 
+    def note(self, key: str, at: int) -> GuardedPress:
+        """Note a press, also one that takes no choice, so that its repeats take none."""
+        return self._guard.press(key if self._has_two else "switch", at)
+
     def press(self, key: str, at: int) -> Pressed:
         """Take a press of a switch, while there are choices."""
+        guarded = self.note(key, at)
         is_mover = self._has_two and key == SWITCHES[0] and len(self.labels) > 1
-        guarded = self._guard.press(key if self._has_two else "switch", at)
         is_quiet = guarded.after_quiet or self._has_two
         if not guarded.is_new:
             return Pressed("held", self.labels[self.at])
@@ -180,16 +191,16 @@ class Scan:
                 since += self.interval_ms * MS
             press_ms = since / MS
             self._times.append(press_ms)
-        label, asked = self.labels[self.at], self.asked
+        label, place, asked = self.labels[self.at], self.at, self.asked
         if asked:
             is_yes = self.at == 0
             self.asked = None
             self._appear(at)
-            return Pressed("taken", label, asked.keys if is_yes else (), press_ms)
+            return Pressed("taken", label, asked.keys if is_yes else (), press_ms, place)
         choice = self.choices[self.at]
         if choice.question:
             self.asked = choice
             self._appear(at)
-            return Pressed("asked", label, (), press_ms)
+            return Pressed("asked", label, (), press_ms, place)
         self._appear(at)
-        return Pressed("taken", label, choice.keys, press_ms)
+        return Pressed("taken", label, choice.keys, press_ms, place)

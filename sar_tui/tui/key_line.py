@@ -1,5 +1,7 @@
 """The one thing to do on a screen: a sentence with its key, always in the row above the footer."""
 
+from collections.abc import Sequence
+
 from textual.content import Content
 from textual.geometry import Size
 from textual.widget import Widget
@@ -7,6 +9,8 @@ from textual.widget import Widget
 from sar_tui.tui.heading import is_roomy
 
 _GAP = "\N{NO-BREAK SPACE}"
+_BETWEEN = "   "
+_MARK = "▸ "
 
 
 class KeyLine(Widget):
@@ -24,25 +28,66 @@ class KeyLine(Widget):
     ) -> None:
         super().__init__(id=id)
         self._grows = grows
+        self._marked: tuple[str, str, str] | None = None
+        self._spoken = ""
         self.show(text, *keys)
 
     def show(self, text: str, *keys: str) -> None:
         """Show what to do."""
-        self.text = text
+        self._text = text
         self._key = next((key for key in keys if key in text), "")
         self.refresh(layout=True)
 
+    def mark(self, text: str, labels: Sequence[str] = (), at: int = 0) -> None:
+        """Show choices in place of the key, one of them marked, until `unmark`; only that one where
+        there is no room for all.
+
+        Args:
+            text: the sentence before them.
+            labels: their words.
+            at: place of the marked one.
+        """
+        if sum(map(len, labels)) + len(labels) * len(_BETWEEN) + len(text) > self.app.size.width:
+            labels, at = labels[at : at + 1], 0
+        self._spoken = "\n".join((text, *labels[at : at + 1]))
+        before = (f"{text} ", *labels[:at])
+        cap = f"{_MARK}{labels[at]}" if labels else ""
+        self._marked = (
+            _BETWEEN.join(before),
+            cap,
+            "".join(f"{_BETWEEN}{one}" for one in labels[at + 1 :]),
+        )
+        self.refresh(layout=True)
+
+    @property
+    def text(self) -> str:
+        """The sentence; of choices the one that is marked."""
+        return self._spoken if self._marked else self._text
+
+    def unmark(self) -> None:
+        """Show the sentence again."""
+        if self._marked:
+            self._marked = None
+            self.refresh(layout=True)
+
+    @property
+    def _parts(self) -> tuple[str, str, str]:
+        """Words before the key, the key (empty if there is none), words after it."""
+        if self._marked:
+            return self._marked
+        return self._text.partition(self._key) if self._key else (self._text, "", "")
+
     @property
     def _is_large(self) -> bool:
-        return self._grows and bool(self._key) and is_roomy(*self.app.size)
+        return self._grows and bool(self._parts[1]) and is_roomy(*self.app.size)
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
         return 3 if self._is_large else 1
 
     def render(self) -> Content:
-        if not self._key:
-            return Content(self.text)
-        before, found, after = self.text.partition(self._key)
+        before, found, after = self._parts
+        if not found:
+            return Content(before)
         if not self._is_large:
             # the spaces beside the name become part of the key
             cap = f"{' ' * before.endswith(' ')}{found}{' ' * after.startswith(' ')}"

@@ -14,6 +14,7 @@ from sar_tui.app.screens.wellbeing import ALONE, TELL_OF_PAIN
 from sar_tui.model.language import Language, language
 from sar_tui.model.spoken_text import sentences
 from sar_tui.plugins import PluginError, task_folder
+from sar_tui.rules.scanning import Choice
 from sar_tui.runs.patient_plan import PLAN_ERRORS, Exercise, day_plan, plan_exercise, unfinished
 from sar_tui.store.database import StoreError
 from sar_tui.tui.gc_control import end_loading
@@ -125,6 +126,20 @@ class PatientScreen(Screen[None]):
         self._at = self._open_from((self._at or 0) + 1)
 
     @property
+    def switch_choices(self) -> tuple[Choice, ...]:
+        """The buttons, for a switch; to start after everything is done takes a second choice."""
+        buttons = [button for button in self.query(Button) if button.display]
+        asks = self._present is None or self._rest
+        return tuple(
+            Choice(label := str(button.label), ("enter",), f"{label}?" if asks else "")
+            for button in buttons
+        )
+
+    def mark(self, at: int, _: Choice) -> None:
+        """Focus a button."""
+        self.set_focus([button for button in self.query(Button) if button.display][at])
+
+    @property
     def _present(self) -> Exercise | None:
         """The exercise that is next; None if all are done."""
         at = self._at or 0
@@ -195,6 +210,9 @@ class PatientScreen(Screen[None]):
         )
         self.query_one("#go").focus()
         self.app.screen_keys.changed(self)
+        if self._plan:
+            self.app.use_switch(self._plan.parameters, self._plan.participants)
+        self.app.look_for_choices()
         self.app.aloud.read(self, (self._at, self._rest, trouble))
 
     @property

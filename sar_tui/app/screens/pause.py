@@ -2,10 +2,13 @@
 end asks again.
 """
 
+from typing import Any
+
 from textual.message import Message
 from textual.widgets.option_list import Option
 
 from sar_tui.model.messages import SessionCommand
+from sar_tui.rules.scanning import Choice
 from sar_tui.widgets.language import language_of
 from sar_tui.widgets.lists import OptionList, menu_sentences
 
@@ -42,6 +45,8 @@ _LABELS = {
 class PauseMenu(OptionList):
     """A menu whose choices are operator acts by the participant."""
 
+    app: Any
+
     class Chosen(Message):
         """The participant chose."""
 
@@ -62,6 +67,8 @@ class PauseMenu(OptionList):
         title, words = _WORDS.get(reason, _WORDS[""])
         self.border_title = tr(title)
         self.border_subtitle = tr("arrows to choose, Enter to confirm")
+        if switch := self.app.switch:
+            self.border_subtitle = switch.how_to_choose
         self.clear_options()
         self.add_option(Option(f"{tr(words)}\n", disabled=True))
         offers = {"skip": can_skip, "mistake": may_be_mistake}
@@ -77,7 +84,20 @@ class PauseMenu(OptionList):
         return menu_sentences(self)
 
     def on_option_list_option_highlighted(self) -> None:
-        self.app.aloud.read_more()  # type: ignore[attr-defined]
+        self.app.aloud.read_more()
+
+    @property
+    def switch_choices(self) -> tuple[Choice, ...]:
+        """The choices of a person with a switch: all but the therapist's, who has the keys."""
+        return tuple(
+            Choice(str(option.prompt), ("enter",))
+            for option in self.options
+            if not option.disabled and option.id != "therapist"
+        )
+
+    def mark(self, at: int) -> None:
+        """Highlight one of these choices. Above them are the words."""
+        self.highlighted = at + 1
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         event.stop()

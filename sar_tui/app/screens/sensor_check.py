@@ -22,8 +22,10 @@ from sar_tui.model.language import Language
 from sar_tui.model.spoken_text import sentences
 from sar_tui.model.units import MS, SECOND
 from sar_tui.motion.reach import Hand
+from sar_tui.rules.scanning import Choice
 from sar_tui.runs.plan import Plan
 from sar_tui.tui.dismissed_once import DismissedOnce
+from sar_tui.tui.key_line import KeyLine
 from sar_tui.tui.language import planned_language, translated
 from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.speed_trace import SpeedTrace
@@ -157,6 +159,8 @@ class SensorCheckScreen(DismissedOnce[bool]):
             reach.border_title = self.tr("Test reach")
             yield Static(id="result")
             yield SpeedTrace(id="trace")
+        if self.app.switch:
+            yield KeyLine()
         yield KeyFooter()
 
     def on_mount(self) -> None:
@@ -166,6 +170,16 @@ class SensorCheckScreen(DismissedOnce[bool]):
 
     def on_unmount(self) -> None:
         self._stop_looking()
+
+    @property
+    def switch_choices(self) -> tuple[Choice, ...]:
+        """Everything that can be done with a switch."""
+        tr = self.tr
+        begin = tr("Other sensor") if self._unseen else tr("Begin")
+        found = [Choice(begin, ("enter",)), Choice(tr("Test"), ("t",)), Choice(tr("Zero"), ("z",))]
+        if self._is_on_trunk:
+            del found[1]
+        return (*found, Choice(tr("Back"), ("escape",)))
 
     # --- actions
 
@@ -204,6 +218,7 @@ class SensorCheckScreen(DismissedOnce[bool]):
         self._set_notice("")
         self.refresh_bindings()
         self._show()
+        self.app.look_for_choices()
 
     @property
     def _is_on_trunk(self) -> bool:

@@ -14,6 +14,7 @@ from textual.binding import ActiveBinding, Binding, BindingType
 from sar_tui.app.live import LiveSession
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.session_stage import SessionStage
+from sar_tui.app.screens.switch_choices import session_choices
 from sar_tui.app.screens.waiting_text import help_text, key_name
 from sar_tui.loop import topics
 from sar_tui.loop.agent_state import AWAITED
@@ -32,6 +33,7 @@ from sar_tui.model.messages import (
     Waiting,
 )
 from sar_tui.model.units import SECOND
+from sar_tui.rules.scanning import Choice
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.tui.gc_control import GcControl
 from sar_tui.widgets.key_footer import KeyFooter
@@ -40,6 +42,9 @@ _IN_VAIN = 3
 """Presses of Enter, for one that is awaited, after which the participant is asked to let go of
 it.
 """
+
+_MISSED = 3
+"""Trials in succession without a response, after which a session with a switch pauses."""
 
 
 class SessionScreen(DismissedOnce[None]):
@@ -62,6 +67,7 @@ class SessionScreen(DismissedOnce[None]):
         self._gc = GcControl()
         self._warned_of = ""
         self._has_warned = False
+        self._missed = 0
 
     @property
     def tr(self) -> Language:
@@ -147,8 +153,15 @@ class SessionScreen(DismissedOnce[None]):
             self._has_warned = False
         self._gc.begin_attempt()
 
-    def _trial_over(self, _: TrialEnded | PromptVoided) -> None:
+    def _trial_over(self, trial: TrialEnded | PromptVoided) -> None:
+        """Pause for a person with a switch who has stopped to press: no other key can."""
         self._gc.end_trial()
+        if isinstance(trial, TrialEnded) and self.app.switch:
+            is_missed = trial.response is None and not trial.correct
+            self._missed = self._missed + 1 if is_missed else 0
+            if self._missed == _MISSED:
+                self._missed = 0
+                self.action_pause()
 
     def _attempt_ended(self, ended: AttemptEnded) -> None:
         self._gc.end_attempt()
@@ -228,6 +241,32 @@ class SessionScreen(DismissedOnce[None]):
     def on_paste(self, event: events.Paste) -> None:
         event.stop()
         self._live.keyboard.pasted(len(event.text), self._live.stamp(event.time))
+
+    @property
+    def switch_key(self) -> str:
+        """The key that a press of a switch stands for: in a trial, that of the response."""
+        waiting = self.stage.waiting
+        is_start = waiting is not None and waiting.what == "start"
+        return "" if is_start or not self.is_in_trial else self._live.session.task.switch_key
+
+    @property
+    def switch_choices(self) -> tuple[Choice, ...]:
+        """Everything that can be done now with a switch."""
+        waiting = self.stage.waiting
+        if waiting is None or self._keys.awaits_goodbye:
+            return ()
+        if self.stage.shown == "menu":
+            return self.stage.menu.switch_choices
+        start = self._live.session.task.start_key
+        can_pause = self.check_action("pause", ()) and waiting.stage != "review"
+        return session_choices(waiting, start, self.tr, can_pause=can_pause)
+
+    def mark(self, at: int, choice: Choice) -> None:
+        """Mark a choice of the pause menu, or an answer."""
+        if self.stage.shown == "menu":
+            self.stage.menu.mark(at)
+        else:
+            self.stage.mark(choice.entry)
 
     # --- pauses
 

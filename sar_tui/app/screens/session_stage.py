@@ -4,6 +4,7 @@ import functools
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
+from msgspec.structs import replace
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
 from textual.content import Content
@@ -43,6 +44,7 @@ from sar_tui.model.messages import (
 )
 from sar_tui.model.results_for_people import meeting_text
 from sar_tui.model.spoken_text import sentences
+from sar_tui.model.step import Entry
 from sar_tui.model.trial_types import Mark
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import task_folder
@@ -109,6 +111,7 @@ class SessionStage(Vertical):
         self._bars: dict[str, GoalBar] = {}
         self._goal = ""
         self._asked = ""
+        self._marked: Entry | None = None
         self._countdown: Handle | None = None
 
     @functools.cached_property
@@ -307,9 +310,22 @@ class SessionStage(Vertical):
             # the next prompt, where no wait precedes it, has replaced the answer
             self._prompt.clear()
         self._prepare_pictures(waiting)
+        self._marked = None
         if waiting.what not in ("foreperiod", "response", "result"):
             self._show_wait(waiting, entered=before is None or before.stage != waiting.stage)
+        self._look_for_choices()
         self.read_aloud()
+
+    def _look_for_choices(self) -> None:
+        """Let a switch choose from what can be done now."""
+        if self._reported_to:
+            self.app.look_for_choices()
+
+    def mark(self, answer: Entry | None) -> None:
+        """Draw a question with this answer marked; None: with what was chosen so far."""
+        if answer != self._marked:
+            self._marked = answer
+            self._show_again()
 
     @property
     def sentences(self) -> list[str]:
@@ -369,8 +385,9 @@ class SessionStage(Vertical):
 
     def _waiting_text(self, waiting: Waiting) -> WaitingText | None:
         left = max(0, waiting.until - self._staged.clock.now())
-        if waiting.step:
-            return step_text(waiting.step, self.tr, left, self.app.size.width - _MARGINS)
+        if asked := waiting.step:
+            asked = replace(asked, entry=self._marked or asked.entry)
+            return step_text(asked, self.tr, left, self.app.size.width - _MARGINS)
         session = self._staged.session
         return waiting_text(
             waiting,
@@ -393,6 +410,8 @@ class SessionStage(Vertical):
         if waiting.ask:
             key = key_name(waiting.ask, self.tr)
             ask = self.tr("Press {key} to hear how it went.", key=key)
+        if self.app.switch:
+            ask = ""
         is_between = stage in _BETWEEN and waiting.attempt > 1
         bars = []
         if is_between and not waiting.step:
@@ -449,12 +468,14 @@ class SessionStage(Vertical):
         self.end_is_near(awaits_goodbye=False)
         self._switch_to("summary")
         self.app.screen_keys.changed(self.screen)
+        self._look_for_choices()
         self.read_aloud()
 
     def end_is_near(self, *, awaits_goodbye: bool) -> None:
         """Say how to finish, or to wait for a goodbye that an operator decides on."""
         tr = self.tr
         self.ask(tr("One moment…") if awaits_goodbye else tr("Press Enter to finish."))
+        self._look_for_choices()
 
     def _what_next(self, status: str) -> str:
         """Return the next exercise of a participant who trains alone, else when they meet again, if

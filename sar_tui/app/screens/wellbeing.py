@@ -11,12 +11,14 @@ from textual.containers import Vertical
 from textual.widgets import Static
 
 from sar_tui.app.patient_mode import keys_in_mode
+from sar_tui.app.screens.switch_choices import answers
 from sar_tui.app.screens.waiting_text import decline_text, how_to_answer, option_sentences
 from sar_tui.model.gesture import REST
 from sar_tui.model.language import Language
 from sar_tui.model.spoken_text import sentences
 from sar_tui.model.step import Entry, Given, Step, points, press, translated
 from sar_tui.model.theme import Theme
+from sar_tui.rules.scanning import Choice
 from sar_tui.rules.wellbeing import PAIN_ENDS, Advice, Moment, PainLimits, stop_now
 from sar_tui.store.wellbeing import NOT_SAID
 from sar_tui.tui.dismissed_once import DismissedOnce
@@ -90,6 +92,12 @@ _GO_ON: dict[Moment, str] = {
     "pause": "If you want to go on all the same, press G.",
     "after": "",
 }
+_SWITCH_ADVICE: dict[Moment, tuple[str, str]] = {
+    "before": ("Stop for today", "Train all the same"),
+    "pause": ("End the session", "Go on all the same"),
+    "after": ("Close", ""),
+}
+"""Words of the same choices for a switch: to stop, and to go on."""
 
 
 class Person(NamedTuple):
@@ -151,6 +159,7 @@ class WellbeingScreen(DismissedOnce[bool]):
         self._answers: dict[tuple[str, Question], str] = {}
         self._entry = Entry()
         self._said: list[str] = []
+        self._marked: Entry | None = None
         face = theme.faces[_FACE] if _FACE in theme.faces else theme.faces["neutral"]
         self._agent = "\n".join(draw(face.splitlines(), REST))
         self._is_advising = False
@@ -203,6 +212,30 @@ class WellbeingScreen(DismissedOnce[bool]):
 
     def on_resize(self) -> None:
         self._show()
+
+    # --- a switch
+
+    @property
+    def switch_choices(self) -> tuple[Choice, ...]:
+        """Everything that can be done with a switch: to go on in spite of the advice takes a second
+        choice.
+        """
+        tr = self.tr
+        back = Choice(tr("Back"), ("backspace",))
+        if not self._is_advising:
+            step = translated(QUESTIONS[self._asked[-1][1]], tr)
+            can_go_back = len(self._asked) > 1
+            return (*answers(step, self._entry, tr), *((back,) * can_go_back))
+        stop, go_on = (tr(words) if words else "" for words in _SWITCH_ADVICE[self._moment])
+        asked = tr("You chose: {answer}. Is that right?", answer=go_on)
+        spite = (Choice(go_on, (_GO_ON_KEY,), asked),) if go_on else ()
+        return (Choice(stop, ("enter",)), *spite, back)
+
+    def mark(self, _: int, choice: Choice) -> None:
+        """Draw an answer that is marked."""
+        if choice.entry != self._marked:
+            self._marked = choice.entry
+            self._show()
 
     # --- answers
 
@@ -306,6 +339,7 @@ class WellbeingScreen(DismissedOnce[bool]):
         else:
             self._show_question(*self._asked[-1])
         self.refresh_bindings()
+        self.app.look_for_choices()  # type: ignore[attr-defined]
         self.app.aloud.read(self, (*self._asked[-1], self._is_advising))  # type: ignore[attr-defined]
 
     @property
@@ -314,16 +348,21 @@ class WellbeingScreen(DismissedOnce[bool]):
         return sentences(*self._said, self.query_one(KeyLine).text)
 
     def _show_question(self, person: Person, question: Question) -> None:
-        step, entry, tr = translated(QUESTIONS[question], self.tr), self._entry, self.tr
+        step, tr = translated(QUESTIONS[question], self.tr), self.tr
+        entry = self._marked or self._entry
+        has_switch = self.app.switch is not None  # type: ignore[attr-defined]
         given = ""
         if len(self._asked) > 1:
             before, asked = self._asked[-2]
             said = self._answers.get((before.seat, asked), NOT_SAID)
             given = tr("You said: {answer}. Backspace goes back.", answer=tr(said))
+            if has_switch:
+                given = tr("You said: {answer}.", answer=tr(said))
         columns, rows = self.app.size
         self.query_one("#asking").display = step.kind == "number" or rows >= ROOMY[1]
         self.query_one("#question", Heading).show(step.text)
         options, decline = option_sentences(step, entry, tr), decline_text(step, tr)
+        decline = "" if has_switch else decline
         self._said = [person.name, step.text, *options, decline, given]
         self._put("who", person.name)
         self._put("options", options_text(step, entry, columns - _MARGINS))
@@ -337,14 +376,16 @@ class WellbeingScreen(DismissedOnce[bool]):
         tr, moment = self.tr, self._moment
         self.query_one("#asking").display = True
         self.query_one("#question", Heading).show(tr(_ADVICE[moment]))
+        has_switch = self.app.switch is not None  # type: ignore[attr-defined]
         who = ", ".join(person.name for person in self._in_pain)
-        back = tr("Backspace goes back to the question before.")
+        back = "" if has_switch else tr("Backspace goes back to the question before.")
+        go_on = "" if has_switch else tr(_GO_ON[moment])
         self._put("who", who)
         advice = f"{tr(TELL_OF_PAIN)} {tr(_CALLS_NOBODY[moment])}"
         self._put("options", advice.replace(". ", ".\n"))
-        self._put("decline", tr(_GO_ON[moment]))
+        self._put("decline", go_on)
         self._put("given", back)
-        self._said = [who, tr(_ADVICE[moment]), advice, tr(_GO_ON[moment]), back]
+        self._said = [who, tr(_ADVICE[moment]), advice, go_on, back]
         self.query_one(KeyLine).show(tr(_STOP[moment]), tr("Enter"))
 
     def _put(self, name: str, text: str) -> None:
