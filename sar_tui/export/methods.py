@@ -91,6 +91,13 @@ def _design(rows: Sequence[Row]) -> Iterator[str]:
             "compared with: "
             f"{value('feedback_compared_with')}; delay: {value('feedback_delay_ms')} ms)."
         )
+    switched = [row for row in rows if row["parameters"].get("switch", "none") != "none"]
+    if switched:
+        kinds = _told(f"{row['parameters']['switch']}-switch" for row in switched)
+        yield (
+            f"{_count(len(switched), 'session')} used {kinds} scanning in place of the keys; the "
+            "interval of each choice is in the data (`input/switch`)."
+        )
     yield "All that is random follows from the seed of each session."
 
 
@@ -120,6 +127,13 @@ def _timing(rows: Sequence[Row], passports: Sequence[Passport]) -> str:
                 f"{spread:.2f} ms, "
                 f"99th percentile {worst:.2f} ms ({each.timing.get('verdict', 'no verdict')})."
             )
+    slowed = [row for row in rows if row["parameters"].get("added_delay_ms")]
+    if slowed:
+        delay = _told(row["parameters"]["added_delay_ms"] for row in slowed)
+        sentences.append(
+            f"In {_count(len(slowed), 'session')} the system's slow keys added {delay} ms to each "
+            "press, as somebody told; this is part of the reaction times."
+        )
     if missing := len(rows) - sum(len(each.sessions) for each in passports):
         sentences.append(
             f"Before {_count(missing, 'session')}, the error of reaction times had not been "

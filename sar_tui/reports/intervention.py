@@ -44,6 +44,8 @@ _FEEDBACK = (
     "outputs",
     "language",
 )
+_ACCESS = {"switch": "none", "scan_interval_ms": 0, "bounce_ms": 0, "added_delay_ms": 0}
+"""Settings of access, which are told if they are used: those of nobody."""
 _DOSE = (
     "attempts", "prompts_per_attempt", "reaches_per_attempt", "practice_attempts",
     "planned_attempts_a_day", "attempts_a_day", "minutes_a_day", "session_minutes",
@@ -319,8 +321,9 @@ def _tasks(rows: Sequence[Mapping[str, Any]]) -> list[TaskGiven]:
                 sessions=len(own),
                 settings={
                     name: values
-                    for name in (*_DOSE, *_CHALLENGE, *_FEEDBACK)
+                    for name in (*_DOSE, *_CHALLENGE, *_FEEDBACK, *_ACCESS)
                     if (values := _values(row["parameters"].get(name) for row in own))
+                    and values != [_ACCESS.get(name, "")]
                 },
             )
         )

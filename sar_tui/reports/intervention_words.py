@@ -41,6 +41,10 @@ _PROCEDURE = {
     "feedback_delay_ms": "delay of feedback, ms",
     "outputs": "outputs",
     "language": "language",
+    "switch": "switches in place of the keys",
+    "scan_interval_ms": "scan interval, ms (0: follows the person)",
+    "bounce_ms": "presses of one key within … ms are one",
+    "added_delay_ms": "delay of the system's slow keys, ms: part of each reaction time",
 }
 _UNUSED = {"0", "0.0"}
 """Values of a limit, a rest or a delay that is not used."""

@@ -63,6 +63,14 @@ def test_methods_are_told_in_words(measured: str, tmp_path: Path) -> None:
     assert {"timing.json", "methods.md"} <= {file["path"] for file in manifest["files"]}
 
 
+def test_methods_tell_of_switches_and_of_slow_keys(measured: str, tmp_path: Path) -> None:
+    change = "json_set(parameters, '$.switch', 'one', '$.added_delay_ms', 300)"
+    sql(tmp_path / "data", f"UPDATE sessions SET parameters={change}")
+    text = methods(tmp_path)
+    assert "2 sessions used one-switch scanning" in text
+    assert "slow keys added 300 ms to each press" in text
+
+
 def test_a_record_without_parameters_has_methods_too(measured: str, tmp_path: Path) -> None:
     sql(tmp_path / "data", "UPDATE sessions SET parameters='{}', software='{}', machine='{}'")
     text = methods(tmp_path)

@@ -52,6 +52,7 @@ def checks() -> Sequence[Check]:
         Check("Colours", machine.colours),
         Check("Pictures", machine.pictures),
         Check("Connection", machine.connection),
+        Check("Slow keys", machine.slow_keys, waits=True),
         Check("Clock", machine.clock),
         Check("Onset stamps", machine.onset_stamps),
         Check("Priority", machine.priority),
