@@ -318,7 +318,7 @@ class SensorCheckScreen(DismissedOnce[bool]):
         if self.sensor.test:
             return reach_test_text(self.sensor.test, self.sensor.hand, self.tr)
         idle = self.tr(_IDLE_TRUNK if self._is_on_trunk else _IDLE_FIRST if self._unseen else _IDLE)
-        return [("wait", idle)] if self.sensor.attached else []
+        return [("wait", idle)] if self.sensor.attached and not self.app.switch else []
 
     def _missing_text(self) -> str:
         if self._has_trunk:

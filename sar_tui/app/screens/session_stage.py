@@ -505,7 +505,8 @@ class SessionStage(Vertical):
         self.query_one("#stage", ContentSwitcher).current = name
         self.screen.set_focus(self.menu if name == "menu" else None)
         self.query_one("#progress").display = name != "summary"
-        self.query_one(KeyLine).display = name in ("message", "summary")
+        has_choices = name == "menu" and self.app.switch is not None
+        self.query_one(KeyLine).display = name in ("message", "summary") or has_choices
         self.screen.refresh_bindings()
 
     def _seat_agent(self, where: str) -> None:
