@@ -50,6 +50,7 @@ class Switch:
         self._scan = Scan(switches, parameters.scan_interval_ms, parameters.bounce_ms * MS)
         self._screen: Screen[Any] | None = None
         self._timer: Any = None
+        self._is_marked = False
 
     def is_for(self, parameters: TaskParameters, people: Sequence[str]) -> bool:
         """Return True if this is the switch of these people, as it is set."""
@@ -88,7 +89,7 @@ class Switch:
         self._scan.show(choices, self._now)
         if choices:
             self._draw(screen)
-        else:
+        elif self._is_marked:  # in a trial nothing is left to do
             self._unmark(screen)
         self._set_timer()
 
@@ -155,11 +156,13 @@ class Switch:
                 labels, at = (choice.label,), 0
         for line in screen.query(KeyLine):
             line.mark(words, labels, at)
+        self._is_marked = True
         self._app.aloud.read_more()
 
     def _unmark(self, screen: Screen[Any]) -> None:
         for line in screen.query(KeyLine):
             line.unmark()
+        self._is_marked = False
 
     # --- presses
 

@@ -38,21 +38,26 @@ class GuardedPress(NamedTuple):
 
 
 class KeyGuard:
-    """Judges presses in their order. All times are stamps of one clock, in ns.
-
-    Attributes:
-        bounce: as of `HeldKey`.
-    """
+    """Judges presses in their order. All times are stamps of one clock, in ns."""
 
     def __init__(self, bounce: int = 0) -> None:
-        self.bounce = bounce
+        self._bounce = bounce
         self.reset()
+
+    @property
+    def bounce(self) -> int:
+        """The time within which two presses of one key are one."""
+        return self._bounce
+
+    @bounce.setter
+    def bounce(self, bounce: int) -> None:
+        self._bounce = self._held.bounce = bounce
 
     def reset(self) -> None:
         """Forget all: another run began, whose stamps cannot be compared."""
         self._appeared = _NEVER
         self._key = ""
-        self._held = HeldKey(self.bounce)
+        self._held = HeldKey(self._bounce)
         self._began = self._last = _NEVER
 
     def appeared(self, at: int) -> None:
@@ -62,7 +67,7 @@ class KeyGuard:
     def press(self, key: str, at: int) -> GuardedPress:
         """Judge a press."""
         if key != self._key:
-            self._key, self._held = key, HeldKey(self.bounce)
+            self._key, self._held = key, HeldKey(self._bounce)
         is_new = self._held.press(at) != "held"
         if is_new:
             self._began = at
@@ -110,7 +115,7 @@ class HeldKey:
     """
 
     def __init__(self, bounce: int = 0) -> None:
-        self._bounce = bounce
+        self.bounce = bounce
         self._last: int | None = None
         self._was_longer = False
 
@@ -124,7 +129,7 @@ class HeldKey:
         """
         last, self._last = self._last, at
         was_longer, self._was_longer = self._was_longer, False
-        if last is not None and at - last < self._bounce:
+        if last is not None and at - last < self.bounce:
             return "held"
         if last is None or at - last >= LONGEST_DELAY:
             return "first"

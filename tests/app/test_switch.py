@@ -303,6 +303,39 @@ async def test_a_switch_that_is_held_down_takes_one_choice(
         driver.see("How much pain do you have now?", "You chose: 4.")
 
 
+async def test_a_tiny_window_and_the_help_leave_the_choices_as_they_were(
+    data: Path, catalogue: Catalogue
+) -> None:
+    async with open_app(data, catalogue, planned(catalogue, "gonogo")) as driver:
+        person = OneSwitch(driver)
+        await driver.resize(20, 5)
+        await driver.wait(3000)
+        await person.press()
+        await driver.resize(80, 24)
+        await driver.press("f1")
+        assert driver.screen_name == "HelpScreen"
+        await driver.wait(3000)
+        await driver.press("escape")
+        await person.choose("7", "No")
+        driver.see("How much pain do you have now?")
+        assert driver.stored("SELECT 1 FROM records") == []
+
+
+async def test_an_interrupted_session_goes_on_with_the_switch(
+    data: Path, catalogue: Catalogue
+) -> None:
+    plan = planned(catalogue, "gonogo", ask_wellbeing=False, prompts_per_attempt=4)
+    async with open_app(data, catalogue, plan) as driver:
+        await OneSwitch(driver).go_on("instructions")
+        await do_attempt(OneSwitch(driver), "gonogo")
+        session = driver.session_id
+    async with open_app(data, catalogue, session) as driver:
+        driver.see("Welcome back")
+        await OneSwitch(driver).choose("Go on")
+        await do_attempt(OneSwitch(driver), "gonogo")
+        assert driver.waiting.stage == "review"
+
+
 async def test_the_therapist_has_the_keys_after_the_session(
     data: Path, catalogue: Catalogue
 ) -> None:

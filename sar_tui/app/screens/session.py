@@ -44,7 +44,7 @@ it.
 """
 
 _MISSED = 3
-"""Trials in succession without a response, after which a session with a switch pauses."""
+"""Responses missed in succession, after which a session with a switch pauses."""
 
 
 class SessionScreen(DismissedOnce[None]):
@@ -157,8 +157,10 @@ class SessionScreen(DismissedOnce[None]):
         """Pause for a person with a switch who has stopped to press: no other key can."""
         self._gc.end_trial()
         if isinstance(trial, TrialEnded) and self.app.switch:
-            is_missed = trial.response is None and not trial.correct
-            self._missed = self._missed + 1 if is_missed else 0
+            if trial.response is not None:
+                self._missed = 0
+            elif not trial.correct:
+                self._missed += 1
             if self._missed == _MISSED:
                 self._missed = 0
                 self.action_pause()
