@@ -409,6 +409,7 @@ class SarTui(BaseApp):
             self._return_from(live)
             return
         from sar_tui.app import wellbeing
+        from sar_tui.app.screens.wellbeing import WellbeingScreen
 
         def answered(_: bool | None) -> None:
             self._is_asking = False
@@ -418,7 +419,7 @@ class SarTui(BaseApp):
 
         self.check_database()
         self._is_asking = True
-        self.push_screen(wellbeing.ask_after(self, live), answered)
+        self.push_screen(WellbeingScreen(wellbeing.ask_after(self, live)), answered)
 
     def close_session(self) -> None:
         """Close the live session and its workers, if there is one, and stop sensors that are being

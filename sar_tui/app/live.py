@@ -38,7 +38,7 @@ from sar_tui.store.database import StoreError, connect
 if TYPE_CHECKING:
     from textual.app import App
 
-    from sar_tui.app.screens.session_stage import SessionStage
+    from sar_tui.app.screen_output import Stage
     from sar_tui.inputs.imu_feed import ImuFeed
     from sar_tui.link.broker_process import BrokerProcess
     from sar_tui.link.node import LinkNode
@@ -58,6 +58,7 @@ class LiveSession:
     Args:
         refusal: returns why the prompts of a task cannot be shown here, with this seed; empty if
             they can.
+        is_plain: True if its stage appends lines.
 
     Attributes:
         markers: sends markers; None if nobody asked for them.
@@ -74,8 +75,11 @@ class LiveSession:
         link: "BrokerProcess | None" = None,
         markers: Sequence[str] = (),
         refusal: Callable[[Task, int], str] = lambda task, seed: "",
+        *,
+        is_plain: bool = False,
     ) -> None:
         self._refusal = refusal
+        self._is_plain = is_plain
         self.clock = clock or LiveClock(asyncio.get_running_loop())
         self._feeds = feeds
         self._link = link
@@ -94,21 +98,18 @@ class LiveSession:
         self._closed = False
         self.is_mistake = False
 
-    def open(
-        self, stage: "SessionStage", what: Plan | str, progress: Progress | None = None
-    ) -> None:
+    def open(self, stage: "Stage", what: Plan | str, progress: Progress | None = None) -> None:
         """Open a new session (a plan) or an interrupted one (its id). Raises like `runs.run.start`
         and `resume`.
         """
         self._stage = stage
         self._session_id = what.id if isinstance(what, Plan) else what
         try:
+            where = self._folder, self._catalogue, self.clock, self._nodes
             if isinstance(what, Plan):
-                self.run = start(what, self._folder, self._catalogue, self.clock, self._nodes)
+                self.run = start(what, *where, plain=self._is_plain)
             else:
-                self.run = resume(
-                    what, self._folder, self._catalogue, self.clock, self._nodes, progress
-                )
+                self.run = resume(what, *where, progress, plain=self._is_plain)
         except BaseException:
             if self.markers:
                 self.markers.detach()
@@ -218,6 +219,12 @@ class LiveSession:
         """
         return seconds if isinstance(self.clock, LiveClock) else self.clock.now() / SECOND
 
+    def store(self) -> None:
+        """Write to the database until the session is stopped. Call it once, in a thread of its
+        own.
+        """
+        self.run.recorder.run(lambda: self._stopping)
+
     def _store(self) -> None:
         from textual.worker import get_current_worker
 
@@ -309,9 +316,12 @@ class LiveSession:
         If the disk is too slow, the session stays locked while the thread writes, and ``unsaved``
         counts the messages that are left.
         """
-        if self._closed:
-            return
-        self.stop(app)
+        if not self._closed:
+            self.stop(app)
+            self.finish()
+
+    def finish(self) -> None:
+        """Write what is left of a session that was stopped, and close it: as `close` says."""
         self._closed = True
         if not self.is_written(LAST_WRITE_SECONDS):
             self.trouble = _NOT_MARKED if self.is_mistake else self.trouble

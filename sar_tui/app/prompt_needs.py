@@ -47,7 +47,7 @@ def refusal(task: Task, seed: int, *, no_color: bool) -> str:
     if not _names_them(task_folder(type(task))):
         return ""
     try:
-        prompts = list(islice(_prompts(task, seed), PROMPTS))
+        prompts = list(islice(prompts_of(task, seed), PROMPTS))
     except PLUGIN_ERRORS:
         return ""
     if problem := next(iter(colour_problems(prompts)), ""):
@@ -98,7 +98,7 @@ def _named(names: Iterable[str]) -> Sequence[str]:
     return list(dict.fromkeys(filter(None, names)))
 
 
-def _prompts(task: Task, seed: int) -> Iterator[Shown]:
+def prompts_of(task: Task, seed: int) -> Iterator[Shown]:
     parameters = task.parameters
     for attempt in range(1, parameters.practice_attempts + parameters.attempts + 1):
         for level in range(1, min(task.levels, parameters.max_level) + 1):

@@ -139,6 +139,8 @@ class ReadAloud:
         if here != self._place:
             self.stop()
             self._told = ()
+        elif self._saying and self._saying not in found:
+            self._hush()  # another choice is marked
         waits = [part for part in found if part in self._left or part not in self._told]
         self._place, self._told = here, found
         self._say(waits)
@@ -160,6 +162,9 @@ class ReadAloud:
     def stop(self) -> None:
         """Be silent: a key was pressed, or a trial begins."""
         self._left.clear()
+        self._hush()
+
+    def _hush(self) -> None:
         if self._saying and self._voice is not None:
             self._voice.stop()
         self._saying = ""

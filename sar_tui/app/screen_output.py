@@ -3,7 +3,7 @@ began and ended.
 """
 
 import functools
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 from sar_tui.app.agent.output import DrawnAgent
 from sar_tui.loop.bus import Topic
@@ -53,7 +53,10 @@ from sar_tui.model.theme import Theme
 from sar_tui.outputs.node import OutputNode
 
 if TYPE_CHECKING:
+    from sar_tui.app.plain import PlainStage
     from sar_tui.app.screens.session_stage import SessionStage
+
+    Stage: TypeAlias = SessionStage | PlainStage
 
 
 class ScreenOutput(OutputNode):
@@ -62,7 +65,7 @@ class ScreenOutput(OutputNode):
     emits: ClassVar[tuple[Topic[Any], ...]] = (SHOWN, TRIAL_FEEDBACK_SHOWN, *OutputNode.emits)
     name = "screen"
 
-    def __init__(self, stage: "SessionStage", theme: Theme, *, shows_agent: bool = True) -> None:
+    def __init__(self, stage: "Stage", theme: Theme, *, shows_agent: bool = True) -> None:
         self._agent = DrawnAgent(stage.agent, is_shown=shows_agent)
         super().__init__(self._agent, "screen", theme)
         self._stage = stage

@@ -2,9 +2,9 @@
 
 import sqlite3
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
 
-from sar_tui.app.screens.wellbeing import Person, Question, Save, WellbeingScreen
+from sar_tui.app.screens.wellbeing import Person, Question, Questions, Save
 from sar_tui.loop.task import Task
 from sar_tui.model.messages import StepEnded
 from sar_tui.model.theme import Theme
@@ -19,25 +19,37 @@ from sar_tui.store.wellbeing import NOT_SAID, PAIN, RATED, TIREDNESS
 from sar_tui.tui.language import session_language
 
 if TYPE_CHECKING:
-    from sar_tui.app.app import SarTui
     from sar_tui.app.live import LiveSession
+    from sar_tui.store.database import StoreConnection
 
 
-def ask_before(app: "SarTui", task: Task, theme: Theme, codes: Sequence[str]) -> WellbeingScreen:
-    """Return the screen that asks before a session."""
+class Asking(Protocol):
+    """An app that asks: where the answers go, and how it tells the therapist."""
+
+    @property
+    def database(self) -> "StoreConnection":
+        """The open database."""
+        ...
+
+    def notify(self, message: str, /, *, severity: Any = ..., timeout: float | None = ...) -> None:
+        """Show a message."""
+
+
+def ask_before(app: "Asking", task: Task, theme: Theme, codes: Sequence[str]) -> Questions:
+    """Return what is asked before a session."""
     people = _people(task, dict(zip(task.seats, codes, strict=False)))
     tr = session_language(task).including(theme.texts)
     limits = pain_limits(task.parameters)
-    return WellbeingScreen("before", people, limits, _saving(app, "before"), tr, theme)
+    return Questions("before", people, limits, _saving(app, "before"), tr, theme)
 
 
-def ask_after(app: "SarTui", live: "LiveSession", moment: Moment = "after") -> WellbeingScreen:
-    """Return the screen that asks after a session, or in a pause of it."""
-    return _screen(app, live, moment, _people_of(app, live))
+def ask_after(app: "Asking", live: "LiveSession", moment: Moment = "after") -> Questions:
+    """Return what is asked after a session, or in a pause of it."""
+    return _questions(app, live, moment, _people_of(app, live))
 
 
-def advise(app: "SarTui", live: "LiveSession", ended: StepEnded) -> WellbeingScreen | None:
-    """Return the screen that advises to stop after a question between attempts; None if no pain
+def advise(app: "Asking", live: "LiveSession", ended: StepEnded) -> Questions | None:
+    """Return the advice to stop after a question between attempts; None if no pain
     speaks against it.
     """
     if ended.name != PAIN_QUESTION or ended.kind != "number" or not isinstance(ended.answer, int):
@@ -49,10 +61,10 @@ def advise(app: "SarTui", live: "LiveSession", ended: StepEnded) -> WellbeingScr
     ):
         return None
     _saving(app, "pause", live.run.id)(person, "pain", str(ended.answer))
-    return _screen(app, live, "pause", [person], told=ended.answer)
+    return _questions(app, live, "pause", [person], told=ended.answer)
 
 
-def had_better_rest(app: "SarTui", live: "LiveSession") -> bool:
+def had_better_rest(app: "Asking", live: "LiveSession") -> bool:
     """Return True if a participant was advised to stop, in a session or after it, and did not
     choose to go on.
     """
@@ -64,7 +76,7 @@ def had_better_rest(app: "SarTui", live: "LiveSession") -> bool:
     return any(each.is_reason_to_stop and each.advice in ("shown", "stopped") for each in said)
 
 
-def _people_of(app: "SarTui", live: "LiveSession") -> list[Person]:
+def _people_of(app: "Asking", live: "LiveSession") -> list[Person]:
     """Return the participants of a session, with their pain before it."""
     rows = wellbeing.of_session(app.database, live.run.id)
     people = _people(live.session.task, dict(live.codes))
@@ -74,21 +86,21 @@ def _people_of(app: "SarTui", live: "LiveSession") -> list[Person]:
     ]
 
 
-def _screen(
-    app: "SarTui",
+def _questions(
+    app: "Asking",
     live: "LiveSession",
     moment: Moment,
     people: Sequence[Person],
     told: int | None = None,
-) -> WellbeingScreen:
+) -> Questions:
     session = live.session
     tr = session_language(session.task).including(session.theme.texts)
     limits = pain_limits(session.task.parameters)
     save = _saving(app, moment, live.run.id)
-    return WellbeingScreen(moment, people, limits, save, tr, session.theme, told)
+    return Questions(moment, people, limits, save, tr, session.theme, told)
 
 
-def warnings(app: "SarTui", codes: Sequence[str]) -> list[str]:
+def warnings(app: "Asking", codes: Sequence[str]) -> list[str]:
     """Return a sentence for each thing that the therapist should be told of some participants."""
     return [
         f"{code}: {text}"
@@ -106,7 +118,7 @@ def _people(task: Task, codes: dict[str, str]) -> list[Person]:
     ]
 
 
-def _saving(app: "SarTui", moment: Moment, session: str | None = None) -> Save:
+def _saving(app: "Asking", moment: Moment, session: str | None = None) -> Save:
     """Return what stores an answer at once: a new record, or more of the one of this person."""
     known: dict[tuple[str, str], str] = {}
 

@@ -16,10 +16,12 @@ from sar_tui.cli.common import (
     Data,
     Home,
     Markers,
+    Plain,
     SyncFlash,
     Tasks,
     at_home,
     checked_markers,
+    is_plain,
     need_screen,
     need_terminal,
 )
@@ -122,7 +124,7 @@ def _print_version(wanted: bool) -> None:
         raise typer.Exit
 
 
-def _checked_patient(home: Home, catalogue: "Catalogue", code: str) -> str:
+def _checked_patient(home: Home, catalogue: "Catalogue", code: str, *, plain: bool) -> str:
     """Return the code of a participant who can train alone; from here on the terminal's keys send
     no signals.
 
@@ -141,7 +143,7 @@ def _checked_patient(home: Home, catalogue: "Catalogue", code: str) -> str:
     with home.database() as database:
         check_known(database, code)
         exercises(database, home.folder, catalogue, code)
-    need_terminal()
+    need_terminal(plain=plain)
     ignore_keys_that_signal()
     return code
 
@@ -163,6 +165,7 @@ def open_app(
     ] = None,
     markers: Markers = None,
     sync_flash: SyncFlash = False,
+    plain: Plain = False,
     version: Annotated[
         bool,
         typer.Option(
@@ -174,6 +177,8 @@ def open_app(
     home = Home.of(context, data, tasks)
     context.obj = home
     if context.invoked_subcommand is not None:
+        if plain:
+            raise Refused("--plain goes after the command: sar-tui run TASK -p CODE --plain")
         if patient is not None:
             raise Refused("--patient goes without a command: sar-tui --patient CODE")
         if markers:
@@ -186,10 +191,17 @@ def open_app(
             )
     else:
         catalogue = home.catalogue()
-        if patient is None:
-            need_screen()
+        as_lines = is_plain(plain) and patient is not None
+        if patient is not None:
+            patient = _checked_patient(home, catalogue, patient, plain=as_lines)
+        elif plain:
+            raise Refused("--plain is for a session: add --patient CODE, or use sar-tui run.")
         else:
-            patient = _checked_patient(home, catalogue, patient)
+            need_screen()
+        if as_lines:
+            from sar_tui.app.plain import run_plain
+
+            raise typer.Exit(run_plain(home.folder, catalogue, patient=patient or ""))
         addresses = checked_markers(markers)
         # nothing that is loaded is garbage; the app turns it on again once its first screen is
         # filled

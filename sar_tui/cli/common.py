@@ -131,6 +131,14 @@ Outputs = Annotated[
         "outputs=….",
     ),
 ]
+Plain = Annotated[
+    bool,
+    typer.Option(
+        "--plain",
+        help="For screen readers and braille: lines that are appended, without a screen. Also by "
+        "ACCESSIBLE=1.",
+    ),
+]
 Markers = Annotated[
     list[str] | None,
     typer.Option(
@@ -453,8 +461,17 @@ def need_screen() -> None:
         need_terminal()
 
 
-def need_terminal() -> None:
-    """Raise Refused if there is no terminal, or a browser shows the screen."""
+def is_plain(asked: bool) -> bool:
+    """Return True if a session is to append lines for a screen reader: by ``--plain``, or by the
+    environment variable ACCESSIBLE, as other programs.
+    """
+    return asked or os.environ.get("ACCESSIBLE", "0") not in ("", "0")
+
+
+def need_terminal(*, plain: bool = False) -> None:
+    """Raise Refused if there is no terminal, or a browser shows the screen. ``plain``: lines are
+    only appended.
+    """
     if is_served():
         raise Refused(
             "A session cannot run in a browser, where responses cannot be timed. Use a terminal."
@@ -463,6 +480,8 @@ def need_terminal() -> None:
         stream is not None and stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)
     ):
         reason = "its input or output is redirected"
+    elif plain:
+        return
     elif (term := terminal_kind()) in CANNOT_PLACE_TEXT:
         reason = f"this one (TERM={term}) cannot place text on the screen"
     elif not term:

@@ -14,6 +14,7 @@ from sar_tui.cli.common import (
     New,
     Outputs,
     Pairs,
+    Plain,
     Seed,
     Speech,
     Steps,
@@ -23,6 +24,7 @@ from sar_tui.cli.common import (
     checked_markers,
     checked_settings,
     is_interactive,
+    is_plain,
     need_terminal,
     read_settings,
     steps_of,
@@ -33,6 +35,7 @@ from sar_tui.tui.exit_codes import FAILED
 if TYPE_CHECKING:
     from sar_tui.link.broker_process import BrokerProcess
     from sar_tui.loop.task import Task
+    from sar_tui.rules.parameters import TaskParameters
     from sar_tui.runs.plan import Plan
     from sar_tui.store.sessions import Row
 
@@ -99,6 +102,7 @@ def run(
     markers: Markers = None,
     sync_flash: SyncFlash = False,
     new: New = False,
+    plain: Plain = False,
 ) -> None:
     """Start a session.
 
@@ -146,9 +150,12 @@ def run(
             f"The task {kind.name} uses no motion sensor with these settings: leave out --imu."
         )
     addresses = checked_markers(markers)
-    need_terminal()
+    as_lines = is_plain(plain)
+    need_terminal(plain=as_lines)
     with closing(connect_to_read(home.folder)) as database:
         are_new(database, plan.participants, said=new)
+    if as_lines:
+        raise typer.Exit(_run_plain(home, plan, plan.task, plan.parameters, plan.seed))
     can_join = operator or plan.parameters.operator_joins
     with _open_link(
         home, plan.id, task, plan.participants, can_join, listen, plan.parameters.operator_lost_ms
@@ -159,6 +166,22 @@ def run(
             home.folder, catalogue, plan=plan, link=link, markers=addresses, sync_flash=sync_flash
         )
     raise typer.Exit(ended)
+
+
+def _run_plain(
+    home: Home,
+    what: "Plan | str",
+    kind: "type[Task]",
+    parameters: "TaskParameters",
+    seed: int,
+) -> int:
+    """Run a session in lines. Raises Refused if its prompts cannot be told so."""
+    from sar_tui.app.plain import run_plain, untold
+    from sar_tui.runs.plan import set_up
+
+    if why := untold(set_up(kind, parameters), seed):
+        raise Refused(why)
+    return run_plain(home.folder, home.catalogue(), what)
 
 
 @contextmanager
@@ -227,6 +250,7 @@ def resume(
     listen: Listen = None,
     markers: Markers = None,
     sync_flash: SyncFlash = False,
+    plain: Plain = False,
 ) -> None:
     """Resume an interrupted session.
 
@@ -248,7 +272,14 @@ def resume(
                 _confirm(latest)
         chosen = find_resumable(database, home.folder, session or "")
     addresses = checked_markers(markers)
-    need_terminal()
+    as_lines = is_plain(plain)
+    need_terminal(plain=as_lines)
+    if as_lines:
+        from sar_tui.rules.parameters import build
+
+        kind = catalogue.task(chosen["task"])
+        parameters = build(kind.Parameters, chosen["parameters"])
+        raise typer.Exit(_run_plain(home, chosen["id"], kind, parameters, chosen["seed"]))
     lost_ms = chosen["parameters"].get("operator_lost_ms", TaskParameters().operator_lost_ms)
     can_join = operator or chosen["parameters"].get("operator_joins", False)
     with _open_link(

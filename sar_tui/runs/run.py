@@ -132,6 +132,8 @@ def start(
     make_nodes: NodeFactory,
     parts: Parts | None = None,
     began: datetime | None = None,
+    *,
+    plain: bool = False,
 ) -> Run:
     """Store a new session, and build its run, ready to begin.
 
@@ -144,6 +146,7 @@ def start(
         parts: the classes of the framework's nodes, if not its own.
         began: when the session begins, of which all its times of day follow by the clock; None for
             the present, and times of day as they are.
+        plain: True if prompts are lines that are appended, which is stored with the terminal.
 
     Raises:
         StoreError: the database cannot be used, or a participant is in a live session.
@@ -172,7 +175,7 @@ def start(
         )
         session_id = plan.id or sessions.new_id()
         held.append(locks.hold(folder, "session", session_id))
-        provenance = _provenance(plan.task, theme.name, folder, catalogue)
+        provenance = _provenance(plan.task, theme.name, folder, catalogue, plain=plain)
         sessions.create(
             database,
             session_id,
@@ -201,6 +204,8 @@ def resume(
     clock: Clock,
     make_nodes: NodeFactory,
     progress: Progress | None = None,
+    *,
+    plain: bool = False,
 ) -> Run:
     """Bring an interrupted session to the state at its interruption by a replay, and build its run,
     ready to begin.
@@ -209,6 +214,7 @@ def resume(
         session_id: the session, or the beginning of its id.
         folder, catalogue, clock, make_nodes: as for `start`.
         progress: called during the replay with the number of messages that are done, and of all.
+        plain: as for `start`.
 
     Raises:
         StoreError: there is no such session, or it is live, or it has ended.
@@ -235,7 +241,7 @@ def resume(
             task = set_up(kind, parameters)
             facts = _participant_facts(database, task, codes, "live", without=row["id"])
             nodes = make_nodes(task, theme, row["seed"])
-            provenance = _provenance(kind, theme.name, folder, catalogue)
+            provenance = _provenance(kind, theme.name, folder, catalogue, plain=plain)
             session = Session(task, theme, clock, row["seed"], nodes, **facts)
             session.replay(told_history(database, row["id"], progress or (lambda done, of: None)))
         except (ParameterError, ReplayError) as error:
@@ -396,14 +402,17 @@ def _check_day(task: Task, participant: str, done: dict[str, float]) -> None:
 
 
 def _provenance(
-    kind: type[Task], theme: str, folder: Path, catalogue: Catalogue
+    kind: type[Task], theme: str, folder: Path, catalogue: Catalogue, *, plain: bool
 ) -> dict[str, dict[str, Any]]:
     """Describe the software and the machine of a run, as they are stored."""
+    here = machine()
+    if plain:
+        here["terminal"] = f"plain, {here['terminal']}"
     return {
         "software": software(
             kind, task_source(kind), task_code(kind), catalogue.theme_folder(theme)
         ),
-        "machine": machine() | {"timing": measured_timing(folder)},
+        "machine": here | {"timing": measured_timing(folder)},
     }
 
 

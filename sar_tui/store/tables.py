@@ -372,7 +372,12 @@ SESSIONS = Table(
                     "The steady clock that stamps are taken from.",
                     privacy="version",
                 ),
-                Column("terminal", "string", "Program or kind of the terminal.", privacy="version"),
+                Column(
+                    "terminal",
+                    "string",
+                    "Program or kind of the terminal; after `plain, ` if the session was plain lines.",
+                    privacy="version",
+                ),
                 Column("ssh", "boolean", "True if the terminal was connected through SSH."),
                 Column(
                     "multiplexer",

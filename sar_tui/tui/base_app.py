@@ -163,7 +163,7 @@ class BaseApp(App[int]):
         stamp_keys_as_read()
         sys.setswitchinterval(SWITCH_INTERVAL)
         try:
-            with asyncio.Runner(loop_factory=_punctual_loop) as runner:
+            with asyncio.Runner(loop_factory=punctual_loop) as runner:
                 runner.run(self.run_async())
         finally:
             self._end_input()
@@ -325,7 +325,7 @@ class BaseApp(App[int]):
         self._close_messages_no_wait()
 
 
-def _punctual_loop() -> asyncio.AbstractEventLoop:
+def punctual_loop() -> asyncio.AbstractEventLoop:
     """Return a new event loop, whose timers are precise to a fraction of a millisecond.
 
     On Linux asyncio would wait with ``epoll``, whose time-outs are whole milliseconds: timers come

@@ -42,6 +42,34 @@ _LABELS = {
 }
 
 
+def pause_words(reason: str) -> tuple[str, str]:
+    """Return the title of a pause for ``reason``, and what is said to it, in English."""
+    return _WORDS.get(reason, _WORDS[""])
+
+
+def pause_choices(
+    reason: str, *, can_skip: bool = False, may_be_mistake: bool = False
+) -> dict[str, str]:
+    """Return the choices in a pause for ``reason`` with their labels, in English."""
+    offers = {"skip": can_skip, "mistake": may_be_mistake}
+    found = _CHOICES.get(reason, _CHOICES[""])
+    return {choice: _LABELS[choice] for choice in found if offers.get(choice, True)}
+
+
+def act_of(choice: str) -> SessionCommand:
+    """Return the act that a choice is, except that of the therapist."""
+    match choice:
+        case "go on":
+            return SessionCommand(command="resume")
+        case "skip":
+            return SessionCommand(command="skip", reason="attempt")
+        case "end":
+            return SessionCommand(command="end", reason="finished")
+        case "mistake":
+            return SessionCommand(command="end", reason="mistake")
+    return SessionCommand(command="pause", reason=choice)
+
+
 class PauseMenu(OptionList):
     """A menu whose choices are operator acts by the participant."""
 
@@ -64,18 +92,15 @@ class PauseMenu(OptionList):
         started by mistake.
         """
         tr = language_of(self.app)
-        title, words = _WORDS.get(reason, _WORDS[""])
+        title, words = pause_words(reason)
         self.border_title = tr(title)
         self.border_subtitle = tr("arrows to choose, Enter to confirm")
         if switch := self.app.switch:
             self.border_subtitle = switch.how_to_choose
         self.clear_options()
         self.add_option(Option(f"{tr(words)}\n", disabled=True))
-        offers = {"skip": can_skip, "mistake": may_be_mistake}
-        choices = [
-            choice for choice in _CHOICES.get(reason, _CHOICES[""]) if offers.get(choice, True)
-        ]
-        self.add_options([Option(tr(_LABELS[choice]), id=choice) for choice in choices])
+        choices = pause_choices(reason, can_skip=can_skip, may_be_mistake=may_be_mistake)
+        self.add_options([Option(tr(label), id=choice) for choice, label in choices.items()])
         self.highlighted = 1
 
     @property
@@ -101,19 +126,9 @@ class PauseMenu(OptionList):
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         event.stop()
-        match event.option.id:
-            case "go on":
-                act = SessionCommand(command="resume")
-            case "therapist":
-                self.highlighted = 1
-                self.post_message(self.TherapistAsked())
-                return
-            case "skip":
-                act = SessionCommand(command="skip", reason="attempt")
-            case "end":
-                act = SessionCommand(command="end", reason="finished")
-            case "mistake":
-                act = SessionCommand(command="end", reason="mistake")
-            case reason:
-                act = SessionCommand(command="pause", reason=reason or "")
-        self.post_message(self.Chosen(act))
+        choice = event.option.id or ""
+        if choice == "therapist":
+            self.highlighted = 1
+            self.post_message(self.TherapistAsked())
+        else:
+            self.post_message(self.Chosen(act_of(choice)))

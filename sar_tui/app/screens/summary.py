@@ -97,10 +97,10 @@ class Summary(Vertical):
         if not self._status:
             return []
         tr = language_of(self.app)
-        ending = _ending(self._status, any(self._attempts), tr)
+        end = ending(self._status, any(self._attempts), tr)
         which = self._session if self._status == "completed" else ""
-        words = [ending.text] if ending.text else self._words(tr)
-        return sentences(ending.headline, which, *words, self._earlier, self._next)
+        words = [end.text] if end.text else self._words(tr)
+        return sentences(end.headline, which, *words, self._earlier, self._next)
 
     def _words(self, tr: Language) -> list[str]:
         """Return what is said of each seat."""
@@ -118,12 +118,12 @@ class Summary(Vertical):
         if not self._status:
             return
         tr = language_of(self.app)
-        ending = _ending(self._status, any(self._attempts), tr)
+        end = ending(self._status, any(self._attempts), tr)
         praise = self.query_one("#praise", Heading)
         praise.set_classes("well-done" if self._status == "completed" else "sentence")
-        praise.show(ending.headline)
+        praise.show(end.headline)
         self._put("which", self._session if self._status == "completed" else "")
-        self._put("facts", ending.text or self._facts(tr))
+        self._put("facts", end.text or self._facts(tr))
         self._put("earlier", self._earlier)
         self._put("next", self._next)
 
@@ -156,7 +156,8 @@ class _Ending(NamedTuple):
     text: str = ""
 
 
-def _ending(status: str, has_attempts: bool, tr: Language) -> _Ending:
+def ending(status: str, has_attempts: bool, tr: Language) -> _Ending:
+    """Return the words on the end of a session with this status."""
     match status:
         case "refused":
             return _Ending(

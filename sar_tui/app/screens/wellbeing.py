@@ -31,7 +31,7 @@ from sar_tui.widgets.robot import draw
 
 Question = Literal["pain", "place", "fatigue", "advice"]
 """A question, or the ``advice`` not to train."""
-_GO_ON_KEY = "g"
+GO_ON_KEY = "g"
 """Goes on in spite of the advice not to. It answers no question, so that nobody presses it by
 habit.
 """
@@ -115,6 +115,55 @@ Save = Callable[[Person, Question, str], None]
 """Stores an answer."""
 
 
+class Questions(NamedTuple):
+    """Questions to some people at a moment, and what becomes of the answers.
+
+    Attributes:
+        moment: before or after the session, or in a pause for pain, where only pain is asked.
+        people: the participants, in the order in which they are asked.
+        limits: of pain, as the therapist set them.
+        save: stores each answer as soon as it is given.
+        tr: language of the session.
+        theme: its agent asks.
+        told: pain above the limits that the first of them has told already: they begin with the
+            advice.
+    """
+
+    moment: Moment
+    people: Sequence[Person]
+    limits: PainLimits
+    save: Save
+    tr: Language
+    theme: Theme
+    told: int | None = None
+
+    def after(
+        self, person: Person, question: Question, answer: str
+    ) -> tuple[Person, Question] | None:
+        """Return the next question, and who is asked; None after the last."""
+        if question == "pain" and answer not in ("0", NOT_SAID):
+            return person, "place"
+        if question != "fatigue" and self.moment != "pause":
+            return person, "fatigue"
+        if person != self.people[-1]:
+            return self.people[self.people.index(person) + 1], "pain"
+        return None
+
+    def is_too_much(self, person: Person, answer: str) -> bool:
+        """Return True if the pain of an answer is a reason to stop."""
+        pain = int(answer) if answer.isdecimal() else None
+        return stop_now(person.pain_before, pain, self.limits) is not None
+
+    @property
+    def advice(self) -> tuple[str, str, str, str]:
+        """The advice not to train: its heading, what to do, how to go on all the same (or empty),
+        and how to follow it.
+        """
+        tr, moment = self.tr, self.moment
+        told = f"{tr(TELL_OF_PAIN)} {tr(_CALLS_NOBODY[moment])}"
+        return tr(_ADVICE[moment]), told, tr(_GO_ON[moment]), tr(_STOP[moment])
+
+
 class WellbeingScreen(DismissedOnce[bool]):
     """Asks each participant; the result is True to go on, False not to begin the session, or to end
     it in a pause.
@@ -123,14 +172,7 @@ class WellbeingScreen(DismissedOnce[bool]):
     key, and is stored.
 
     Args:
-        moment: before or after the session, or in a pause for pain, where only pain is asked.
-        people: the participants, in the order in which they are asked.
-        limits: of pain, as the therapist set them.
-        save: stores each answer as soon as it is given.
-        tr: language of the session.
-        theme: its agent asks.
-        told: pain above the limits that the first of them has told already: the screen begins with
-            the advice.
+        questions: what is asked, and of whom.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -139,22 +181,14 @@ class WellbeingScreen(DismissedOnce[bool]):
     ]
     AUTO_FOCUS = ""
 
-    def __init__(
-        self,
-        moment: Moment,
-        people: Sequence[Person],
-        limits: PainLimits,
-        save: Save,
-        tr: Language,
-        theme: Theme,
-        told: int | None = None,
-    ) -> None:
+    def __init__(self, questions: Questions) -> None:
         super().__init__()
-        self.tr = tr
-        self._moment: Moment = moment
+        self._questions = questions
+        people, theme, told = questions.people, questions.theme, questions.told
+        self.tr = questions.tr
+        self._moment: Moment = questions.moment
         self._people = people
-        self._limits = limits
-        self._save = save
+        self._save = questions.save
         self._asked: list[tuple[Person, Question]] = [(people[0], "pain")]
         self._answers: dict[tuple[str, Question], str] = {}
         self._entry = Entry()
@@ -228,7 +262,7 @@ class WellbeingScreen(DismissedOnce[bool]):
             return (*answers(step, self._entry, tr), *((back,) * can_go_back))
         stop, go_on = (tr(words) if words else "" for words in _SWITCH_ADVICE[self._moment])
         asked = tr("You chose: {answer}. Is that right?", answer=go_on)
-        spite = (Choice(go_on, (_GO_ON_KEY,), asked),) if go_on else ()
+        spite = (Choice(go_on, (GO_ON_KEY,), asked),) if go_on else ()
         return (Choice(stop, ("enter",)), *spite, back)
 
     def mark(self, _: int, choice: Choice) -> None:
@@ -251,7 +285,7 @@ class WellbeingScreen(DismissedOnce[bool]):
         if self._is_advising:
             if event.key == "enter":
                 self._close_advice(goes_on=False)
-            elif (event.character or event.key).lower() == _GO_ON_KEY and self._moment != "after":
+            elif (event.character or event.key).lower() == GO_ON_KEY and self._moment != "after":
                 self._close_advice(goes_on=True)
             return
         person, question = self._asked[-1]
@@ -272,16 +306,11 @@ class WellbeingScreen(DismissedOnce[bool]):
 
     def _ask_next(self, person: Person, question: Question, answer: str) -> None:
         """Ask the next question, if there is one."""
-        if question == "pain" and answer not in ("0", NOT_SAID):
-            self._ask(person, "place")
-        elif question != "fatigue" and self._moment != "pause":
-            self._ask(person, "fatigue")
-        elif person != self._people[-1]:
-            self._ask(self._people[self._people.index(person) + 1], "pain")
+        if following := self._questions.after(person, question, answer):
+            self._ask(*following)
+            self._show()
         else:
             self._finish()
-            return
-        self._show()
 
     def _finish(self) -> None:
         """Go on after the questions; with too much pain, advise not to."""
@@ -295,13 +324,11 @@ class WellbeingScreen(DismissedOnce[bool]):
     @property
     def _in_pain(self) -> list[Person]:
         """The participants whose pain is a reason to stop."""
-
-        def is_too_much(person: Person) -> bool:
-            said = self._answers.get((person.seat, "pain"), "")
-            pain = int(said) if said.isdecimal() else None
-            return stop_now(person.pain_before, pain, self._limits) is not None
-
-        return [person for person in self._people if is_too_much(person)]
+        return [
+            person
+            for person in self._people
+            if self._questions.is_too_much(person, self._answers.get((person.seat, "pain"), ""))
+        ]
 
     def _close_advice(self, *, goes_on: bool) -> None:
         if self._moment != "after":
@@ -373,20 +400,19 @@ class WellbeingScreen(DismissedOnce[bool]):
 
     def _show_advice(self) -> None:
         """Show the advice, kindly: to rest, whom to tell, and that nobody else does it."""
-        tr, moment = self.tr, self._moment
+        heading, told, go_on, stop = self._questions.advice
         self.query_one("#asking").display = True
-        self.query_one("#question", Heading).show(tr(_ADVICE[moment]))
+        self.query_one("#question", Heading).show(heading)
         has_switch = self.app.switch is not None  # type: ignore[attr-defined]
         who = ", ".join(person.name for person in self._in_pain)
-        back = "" if has_switch else tr("Backspace goes back to the question before.")
-        go_on = "" if has_switch else tr(_GO_ON[moment])
+        back = "" if has_switch else self.tr("Backspace goes back to the question before.")
+        go_on = "" if has_switch else go_on
         self._put("who", who)
-        advice = f"{tr(TELL_OF_PAIN)} {tr(_CALLS_NOBODY[moment])}"
-        self._put("options", advice.replace(". ", ".\n"))
+        self._put("options", told.replace(". ", ".\n"))
         self._put("decline", go_on)
         self._put("given", back)
-        self._said = [who, tr(_ADVICE[moment]), advice, go_on, back]
-        self.query_one(KeyLine).show(tr(_STOP[moment]), tr("Enter"))
+        self._said = [who, heading, told, go_on, back]
+        self.query_one(KeyLine).show(stop, self.tr("Enter"))
 
     def _put(self, name: str, text: str) -> None:
         part = self.query_one(f"#{name}", Static)

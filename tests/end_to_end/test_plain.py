@@ -1,0 +1,199 @@
+"""Sessions in plain lines, read as text alone in a real pseudo-terminal."""
+
+import json
+import re
+import signal
+import sys
+from collections.abc import Sequence
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from sar_tui.app.plain_terminal import parse
+from sar_tui.store import participants, programmes
+from sar_tui.store.database import connect
+from sar_tui.store.passphrase import Passphrase
+from sar_tui.store.programmes import Programme
+from sar_tui.timing.pty import Terminal
+from tests.end_to_end.participant_terminal import (
+    QUICK,
+    command,
+    only_session,
+    replays_identically,
+    rows,
+    run_command,
+)
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
+
+
+def lines(terminal: Terminal) -> list[str]:
+    """Return the lines that the program has appended, and find that it did nothing else."""
+    text = terminal.output.decode()
+    assert not set(text) & set("\x1b\x08\x07"), "neither cursor nor colour nor sound"
+    assert "\r" not in text.replace("\r\n", ""), "no line is written again"
+    assert not re.search("[\u2500-\u259f\u2800-\u28ff]", text), "no boxes, blocks and spinners"
+    return text.split("\r\n")[:-1]
+
+
+def do_attempt(terminal: Terminal, prompts: int) -> None:
+    """Press the key that each line asks for."""
+    since = 0
+    for _ in range(prompts):
+        since = terminal.wait_for("Press: ", since=since)
+        terminal.read(0)
+        terminal.press(chr(terminal.output[since]))
+    terminal.wait_for("Press Enter to see how it went.")
+
+
+def to_the_attempt(terminal: Terminal) -> None:
+    """Continue from the instructions to the first attempt."""
+    terminal.wait_for("Press Enter to go on.")
+    terminal.settle(silence_ms=600)
+    terminal.confirm()
+    terminal.wait_for("Press Enter to begin")
+    terminal.settle(silence_ms=600)
+    terminal.confirm()
+
+
+def in_order(found: Sequence[str], *wanted: str) -> bool:
+    """Return True if lines come in this order, with any others between them."""
+    rest = iter(found)
+    return all(line in rest for line in wanted)
+
+
+def plain(data: Path, **parameters: object) -> list[str]:
+    settings = {"attempts": 1, "prompts_per_attempt": 3, **parameters}
+    return [*run_command(data, **settings), "--plain"]
+
+
+def test_a_whole_session_is_read_as_lines_and_recorded_like_any_other(data: Path) -> None:
+    with Terminal(plain(data, ask_wellbeing="yes")) as terminal:
+        for wanted, keys in (
+            ("How much pain do you have now?", ("2", "enter")),
+            ("Where does it hurt?", ("3", "enter")),
+            ("How tired are you now?", ("tab",)),
+        ):
+            terminal.wait_for(wanted)
+            terminal.settle()
+            for key in keys:
+                terminal.confirm(key)
+        to_the_attempt(terminal)
+        do_attempt(terminal, 3)
+        terminal.settle(silence_ms=600)
+        terminal.confirm()
+        end = terminal.wait_for("Press Enter to finish.")
+        terminal.settle(silence_ms=600)
+        terminal.confirm()
+        terminal.wait_for("How much pain do you have now?", since=end)
+        terminal.settle()
+        terminal.confirm("escape")
+        assert terminal.wait() == 0
+        found = lines(terminal)
+    assert in_order(
+        found,
+        "How much pain do you have now?",
+        "10: worst pain imaginable.",
+        "Chosen: 2.",
+        "Where does it hurt?",
+        "Chosen: 3, left arm.",
+        "Welcome",
+        "Press that key as fast as you can, and then wait for the next one.",
+        "Attempt 1 of 1",
+        "All done",
+        "Well done",
+        "Press Enter to finish.",
+    )
+    asked = [line.removeprefix("Press: ") for line in found if line.startswith("Press: ")]
+    recorded = rows(data, "SELECT stimulus, response, correct FROM trials ORDER BY trial")
+    assert recorded == [(key, key, 1) for key in asked[-3:]]
+    (machine,) = rows(data, "SELECT machine FROM runs")
+    assert json.loads(machine[0])["terminal"] == "plain, xterm-256color"
+    for (timing,) in rows(data, "SELECT timing FROM trials"):
+        assert json.loads(timing)["onset_source"] == "flush"
+    assert replays_identically(data)
+
+
+def test_escape_opens_a_menu_of_numbers_and_the_session_is_resumed_after_a_signal(
+    data: Path,
+) -> None:
+    with Terminal(plain(data)) as terminal:
+        before = terminal.modes()
+        to_the_attempt(terminal)
+        terminal.wait_for("Press: ")
+        terminal.press("escape")
+        terminal.wait_for("2: I am tired.")
+        terminal.settle()
+        terminal.confirm("2")
+        terminal.confirm()
+        terminal.wait_for("Have a rest")
+        terminal.settle()
+        assert terminal.modes() != before
+        terminal.kill(signal.SIGTERM)
+        assert terminal.wait() == 128 + signal.SIGTERM
+        assert terminal.modes() == before, "the terminal is as it was"
+        assert "Resume it: sar-tui resume" in lines(terminal)[-1]
+    again = command("resume", only_session(data), "--plain", "--data", str(data))
+    with Terminal(again) as terminal:
+        terminal.wait_for("Press the number, then Enter.")
+        terminal.settle(silence_ms=600)
+        terminal.confirm("1")
+        terminal.confirm()
+        do_attempt(terminal, 3)
+        assert in_order(lines(terminal), "Have a rest", "Chosen: 1.", "All done")
+        assert lines(terminal).count("Have a rest") == 1
+        terminal.press("ctrl+c")
+        assert terminal.wait() == 130
+    assert rows(data, "SELECT count(*) FROM trials") == [(3,)]
+
+
+def test_the_environment_variable_of_other_programs_asks_for_lines_too(data: Path) -> None:
+    with Terminal(run_command(data), environment={"ACCESSIBLE": "1"}) as terminal:
+        terminal.wait_for("Press Enter to go on.")
+        assert "Welcome" in lines(terminal)
+        terminal.hang_up()
+
+
+@pytest.mark.parametrize("task", ["posner", "pairs"])
+def test_a_task_that_lines_cannot_tell_is_refused_in_a_sentence(data: Path, task: str) -> None:
+    people = ["-p", "P01"] + ["-p", "P02"] * (task == "pairs")
+    words = command("run", task, *people, "--plain", "--data", str(data))
+    with Terminal([*words, *([] if "--new" in words else ["--new"])]) as terminal:
+        assert terminal.wait() == 2
+        assert f"The task {task} cannot be told in one line" in " ".join(lines(terminal))
+
+
+def test_a_participant_trains_alone_in_lines(data: Path) -> None:
+    with closing(connect(data)) as database:
+        participants.add(database, "P01")
+        programmes.save(database, "P01", "keyboard", Programme({"attempts": 1, **QUICK}), after=0)
+    Passphrase(data).set("quiet morning")
+    with Terminal(command("--patient", "P01", "--plain", "--data", str(data))) as terminal:
+        terminal.wait_for("Press Enter to start.")
+        terminal.settle()
+        terminal.press("ctrl+c")
+        terminal.kill(signal.SIGINT)
+        terminal.confirm()
+        terminal.wait_for("Press Enter to go on.")
+        terminal.press("ctrl+c")
+        terminal.wait_for("1: Go on.")
+        terminal.write(b"\x1b[24~")
+        terminal.wait_for("Please enter the passphrase.")
+        terminal.write(b"quiet morning\r")
+        assert terminal.wait() == 0
+        assert "quiet" not in " ".join(lines(terminal))
+
+
+@pytest.mark.parametrize(
+    ("sent", "names"),
+    [
+        ("a\r \t\x7f", ["a", "enter", "space", "tab", "backspace"]),
+        ("\x1b[A\x1bOB\x1b[24~", ["up", "down", "f12"]),
+        ("\x1b", ["escape"]),
+        ("é\x03\x11", ["é", "ctrl+c", "ctrl+q"]),
+        ("\x1b[200~\x00", []),
+    ],
+)
+def test_what_a_terminal_sends_becomes_keys(sent: str, names: list[str]) -> None:
+    assert [key.name for key in parse(sent, 5)] == names
