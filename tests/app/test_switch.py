@@ -229,6 +229,20 @@ async def test_a_pause_with_one_switch_offers_nothing_of_the_therapist(
         assert seen == {"Go on", "I am tired", "I am in pain", "I am finished"}
 
 
+async def test_a_press_right_after_the_mark_has_moved_takes_what_was_marked_before(
+    data: Path, catalogue: Catalogue
+) -> None:
+    plan = planned(catalogue, "gonogo", ask_wellbeing=False)
+    async with open_app(data, catalogue, plan) as driver:
+        person = OneSwitch(driver)
+        await person.choose("Pause")
+        await person.wait_for("I am tired")
+        while driver.app.switch.marked == "I am tired":
+            await driver.wait(20)
+        await person.press()
+        driver.see("Have a rest")
+
+
 async def test_the_mark_rests_while_a_response_is_awaited(data: Path, catalogue: Catalogue) -> None:
     plan = planned(catalogue, "gonogo", ask_wellbeing=False, squares=0.1)
     async with open_app(data, catalogue, plan) as driver:
