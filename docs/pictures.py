@@ -38,19 +38,19 @@ from sar_tui.store.programmes import Programme
 IMAGES = Path(__file__).parent / "images"
 
 
-def _save(app: App[Any], name: str) -> None:
+def save(app: App[Any], name: str, folder: Path = IMAGES) -> None:
     """Keep the screen as an SVG that fetches no font from anywhere."""
     svg = re.sub(
         r"@font-face\s*\{.*?\}", "", app.export_screenshot(title="sar-tui"), flags=re.DOTALL
     )
-    (IMAGES / f"{name}.svg").write_text(svg.replace("Fira Code", "monospace"))
+    (folder / f"{name}.svg").write_text(svg.replace("Fira Code", "monospace"))
 
 
 async def _draw() -> None:
     catalogue = Catalogue()
     with tempfile.TemporaryDirectory() as folder:
         data = Path(folder)
-        make_demonstration(data / "demonstration", _TODAY)
+        make_demonstration(data / "demonstration", TODAY)
         await _draw_home(data / "demonstration", catalogue)
         await _draw_progress(data / "demonstration", catalogue)
         await _draw_cast(data / "demonstration", catalogue)
@@ -61,22 +61,22 @@ async def _draw() -> None:
         await _draw_panel(data / "panel", catalogue)
 
 
-_TODAY = datetime(2026, 3, 20, 14, 15).astimezone()
+TODAY = datetime(2026, 3, 20, 14, 15).astimezone()
 
 
-def _demonstration(data: Path, catalogue: Catalogue, clock: VirtualClock) -> SarTui:
+def demonstration(data: Path, catalogue: Catalogue, clock: VirtualClock) -> SarTui:
     """Return the app on a demonstration folder, on the day for which it was made."""
     app = SarTui(data, catalogue, clock=clock)
-    app.today = _TODAY.date
+    app.today = TODAY.date
     return app
 
 
 async def _draw_home(data: Path, catalogue: Catalogue) -> None:
     """The first screen."""
-    app = _demonstration(data, catalogue, clock := VirtualClock(SECOND))
+    app = demonstration(data, catalogue, clock := VirtualClock(SECOND))
     async with app.run_test(size=(80, 24)) as pilot:
-        await _settle(pilot, clock)
-        _save(app, "home")
+        await settle(pilot, clock)
+        save(app, "home")
 
 
 async def _draw_agent(data: Path, catalogue: Catalogue) -> None:
@@ -100,7 +100,7 @@ async def _draw_agent(data: Path, catalogue: Catalogue) -> None:
         for _ in range(10):
             clock.advance(50 * MS)
             await pilot.pause()
-        _save(app, "agent")
+        save(app, "agent")
 
 
 async def _draw_reaching(data: Path, catalogue: Catalogue) -> None:
@@ -118,9 +118,9 @@ async def _draw_reaching(data: Path, catalogue: Catalogue) -> None:
                 clock.advance(50 * MS)
                 await pilot.pause()
 
-        await _settle(pilot, clock)
+        await settle(pilot, clock)
         await do("t", 6000)
-        _save(app, "sensor-check")
+        save(app, "sensor-check")
         for key, wait_ms in (
             ("enter", 800),
             ("enter", 800),
@@ -129,7 +129,7 @@ async def _draw_reaching(data: Path, catalogue: Catalogue) -> None:
             ("space", 2000),
         ):
             await do(key, wait_ms)
-        _save(app, "reaching")
+        save(app, "reaching")
 
 
 async def _draw_pairs(data: Path, catalogue: Catalogue) -> None:
@@ -143,7 +143,7 @@ async def _draw_pairs(data: Path, catalogue: Catalogue) -> None:
         for _ in range(2):
             await _enter(pilot, clock)
         await _until_asked(pilot, clock, app)
-        _save(app, "pairs")
+        save(app, "pairs")
 
 
 class _Channel:
@@ -207,7 +207,7 @@ async def _draw_panel(data: Path, catalogue: Catalogue) -> None:
     plan = make_plan(catalogue, "keyboard", ["P04"], settings, seed=3)
     app = SarTui(data, catalogue, plan, clock, link=channel)  # type: ignore[arg-type]
     async with app.run_test(size=(80, 24)) as pilot:
-        await _settle(pilot, clock)
+        await settle(pilot, clock)
         events: tuple[BrokerEvent | BrokerEnded, ...] = (
             PeerJoined(_Peer.name),
             SnapshotRequested(_Peer.name),
@@ -216,14 +216,14 @@ async def _draw_panel(data: Path, catalogue: Catalogue) -> None:
             channel.listener(event)
         for _ in range(2):
             for _ in range(20):
-                await _settle(pilot, clock)
+                await settle(pilot, clock)
             await _enter(pilot, clock)
         for wait_ms in (412, 655, 523):
             key = await _until_asked(pilot, clock, app)
             clock.advance(wait_ms * MS)
             await pilot.press(key)
         for _ in range(6):
-            await _settle(pilot, clock)
+            await settle(pilot, clock)
 
     def join(listener: Any) -> _Peer:
         asyncio.get_running_loop().call_soon(
@@ -246,19 +246,19 @@ async def _draw_panel(data: Path, catalogue: Catalogue) -> None:
     async with panel.run_test(size=(100, 30)) as pilot:
         for _ in range(5):
             await pilot.pause()
-        _save(panel, "panel")
+        save(panel, "panel")
 
 
 async def _draw_progress(data: Path, catalogue: Catalogue) -> None:
     """The progress of a participant who gets better."""
-    app = _demonstration(data, catalogue, VirtualClock(SECOND))
+    app = demonstration(data, catalogue, VirtualClock(SECOND))
     async with app.run_test(size=(100, 30)) as pilot:
         app.themes.load()
         app.themes.use_named("calm")
         await app.push_screen(ProgressScreen("P01", catalogue.task("keyboard")))
         for _ in range(10):
             await pilot.pause()
-        _save(app, "progress")
+        save(app, "progress")
 
 
 _SHORT = {
@@ -279,9 +279,9 @@ async def _draw_cast(data: Path, catalogue: Catalogue) -> None:
         last = programmes.newest(database, "P01", "keyboard")
         programmes.save(
             database, "P01", "keyboard", Programme({**last.parameters, **_SHORT}),
-            after=last.version, now=_TODAY,
+            after=last.version, now=TODAY,
         )  # fmt: skip
-    app = _demonstration(data, catalogue, clock := VirtualClock(SECOND))
+    app = demonstration(data, catalogue, clock := VirtualClock(SECOND))
     cast = Cast()
     async with app.run_test(size=(80, 24)) as pilot:
 
@@ -292,7 +292,7 @@ async def _draw_cast(data: Path, catalogue: Catalogue) -> None:
                 await pilot.pause()
                 cast.show(app, 0.1)
 
-        await _settle(pilot, clock)
+        await settle(pilot, clock)
         await show(2500)
         for _ in range(2):
             await pilot.press("enter")
@@ -335,7 +335,7 @@ async def _enter(pilot: Any, clock: VirtualClock) -> None:
     await pilot.press("enter")
 
 
-async def _settle(pilot: object, clock: VirtualClock) -> None:
+async def settle(pilot: object, clock: VirtualClock) -> None:
     for _ in range(3):
         clock.advance(100 * MS)
         await pilot.pause()  # type: ignore[attr-defined]

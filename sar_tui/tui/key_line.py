@@ -89,10 +89,7 @@ class KeyLine(Widget):
         if not found:
             return Content(before)
         if not self._is_large:
-            # the spaces beside the name become part of the key
-            cap = f"{' ' * before.endswith(' ')}{found}{' ' * after.startswith(' ')}"
-            words = before.removesuffix(" "), after.removeprefix(" ")
-            return Content.assemble(words[0], (cap, "$background on $accent"), words[1])
+            return Content.assemble(before, (found, "$background on $accent"), after)
         edge = "─" * (len(found) + 2)
         left, right = _GAP * len(before), _GAP * len(after)  # keep the cap where it is centred
         rows = (
