@@ -106,13 +106,15 @@ def day_text(day: date, today: date, tr: Language) -> str:
 
 
 def meeting_text(today: date, days: int, tr: Language) -> str:
-    """Return when the next session is, as a farewell: in so many days, or 0 if it is not known."""
+    """Return when the next session is, as a farewell: in so many days. Empty if that is not known,
+    or more than a week away.
+    """
     if days == 1:
         return tr("See you tomorrow.")
     if 1 < days < len(_WEEKDAYS):
         weekday = _WEEKDAYS[(today.weekday() + days) % len(_WEEKDAYS)]
         return tr("See you on {day}.", day=tr(weekday))
-    return tr("See you next time.")
+    return ""
 
 
 def decimals_for(metric: Metric, value: float, goal: float) -> int | None:

@@ -206,19 +206,21 @@ class Terminal:
         return self.press(key)
 
     def wait_for(self, text: str, *, since: int = 0, seconds: float = 60) -> int:
-        """Read until the output contains ``text`` after position ``since``; return the position
-        after it.
+        """Read until the output contains ``text`` after position ``since``, in whatever colours;
+        return the position after it.
 
         Raises:
             TimeoutError: it did not appear, or the program has ended. The message quotes the
                 visible output.
         """
-        wanted, until = text.encode(), time.monotonic_ns() + round(seconds * 1e9)
-        while (found := self.output.find(wanted, since)) < 0:
+        letters = (re.escape(text[at : at + 1].encode()) for at in range(len(text)))
+        wanted = re.compile(rb"(?:\x1b\[[\d;]*m)*".join(letters))
+        until = time.monotonic_ns() + round(seconds * 1e9)
+        while (found := wanted.search(self.output, since)) is None:
             if not self.read(until):
                 seen = visible(bytes(self.output[since:]))[-600:]
                 raise TimeoutError(f"The terminal does not show {text!r}. Its output is: {seen!r}")
-        return found + len(wanted)
+        return found.end()
 
     def settle(self, *, silence_ms: float = 150, seconds: float = 20) -> None:
         """Read until there is no output for ``silence_ms``, at most for ``seconds``."""

@@ -25,7 +25,7 @@ SPIN = 1 * MS
 """Duration of the busy loop at the end of a wait, which is more exact than sleeping."""
 
 _PROMPT = re.compile(rb"Press: ([^\x00-\x20\x7f]+)(?=[\x00-\x20\x7f])")
-_ENTER = re.compile(rb"\bEnter\b")
+_ENTER = re.compile(rb"(?:\x1b\[[\d;]*m|\b)Enter\b")
 
 
 class Press(msgspec.Struct, frozen=True):

@@ -62,6 +62,8 @@ def _shown(segments: list[Segment]) -> list[Segment]:
 
 _SIMILAR = {
     "◠": "^",
+    "□": "░",
+    "◧": "▒",
     "‿": "_",
     "◉": "o",
     "○": "o",

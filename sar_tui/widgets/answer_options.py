@@ -1,13 +1,16 @@
 """The options of a question, drawn with characters: boxes of a scale, a line, a list, typed words."""
 
+from textual.content import Content
+from textual.renderables.digits import DIGITS, DIGITS3X3
+
 from sar_tui.model.step import FULL, Entry, Step, points
 
 SMALLEST_SCALE = 44
 """Columns of eleven boxes beside each other."""
 _BOXES = (4, 11)
 """Least and most columns of a box of a scale."""
-_TALL_BOX = 9
-"""Columns from which on a box is five rows high."""
+_LARGE_BOX = 8
+"""Columns from which on the number in a box is three rows high."""
 _LINE = 51
 """Columns of a line."""
 _TALL = 9
@@ -63,15 +66,35 @@ def _boxes(step: Step, entry: Entry, columns: int) -> str:
 def _box(text: str, width: int, border: tuple[str, str, str]) -> list[str]:
     top, side, bottom = border
     inner = width - 2
-    digits = text.rjust(2)
-    air = [f"{side}{' ' * inner}{side}"] if width >= _TALL_BOX else []
+    rows = _large_digits(text) if width >= _LARGE_BOX else [text]
     return [
         f"{top[0]}{top[1] * inner}{top[2]}",
-        *air,
-        f"{side}{digits.center(inner)}{side}",
-        *air,
+        *(f"{side}{row.center(inner)}{side}" for row in rows),
         f"{bottom[0]}{bottom[1] * inner}{bottom[2]}",
     ]
+
+
+def _large_digits(text: str) -> list[str]:
+    """Return a number in digits of three rows."""
+    drawn = [DIGITS3X3[3 * DIGITS.index(digit) :][:3] for digit in text]
+    return ["".join(row.ljust(3) for row in rows) for rows in zip(*drawn, strict=True)]
+
+
+def with_chosen(text: str) -> Content:
+    """Return a drawn scale with the chosen box in the colour of what is chosen."""
+    content = Content(text)
+    corner = text.find(_HEAVY[0][0])
+    if corner < 0:
+        return content
+    left = corner - (text.rfind("\n", 0, corner) + 1)
+    width = text.index(_HEAVY[0][2], corner) - corner + 1
+    begin = 0
+    for row in text.split("\n"):
+        if row[left : left + 1] in (_HEAVY[0][0], _HEAVY[1], _HEAVY[2][0]):
+            at = begin + left
+            content = content.stylize("$background on $accent", at, at + width)
+        begin += len(row) + 1
+    return content
 
 
 def _line(step: Step, entry: Entry) -> str:

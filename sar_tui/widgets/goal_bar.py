@@ -1,5 +1,5 @@
-"""A line from zero to a result, with its goal marked on it: readable without colour, and in no need
-of figures.
+"""A line that grows with the result, with its goal marked on it: readable without colour, and in no
+need of figures.
 """
 
 from typing import NamedTuple
@@ -14,9 +14,7 @@ from sar_tui.model.trial_types import Metric
 LONGEST, SHORTEST = 40, 12
 """Columns of the line, without the words beside it."""
 FARTHEST = 2.0
-"""The line ends in an arrow at this multiple of the goal: a longer one would tell nothing more, and
-discourage.
-"""
+"""The line ends in an arrow at this multiple of the goal: a longer one would tell nothing more."""
 DONE, REST, GOAL, BEYOND, REACHED = "━", "─", "┊", "▶", "✓"
 
 
@@ -53,7 +51,7 @@ def draw_bars(bars: list[GoalBar], width: int, tr: Language) -> Content:
     """Return a row for each bar: "you ━━━━━━────────────┊ goal: less than 1 second ✓". Empty if
     there is no room.
 
-    The mark is there if the goal is reached: a short bar is good for a time, and bad for a count.
+    The mark is there if the goal is reached.
     """
     names = [bar.who or tr("you") for bar in bars]
     goals = [_goal(bar, tr) for bar in bars]
@@ -75,12 +73,16 @@ def draw_bars(bars: list[GoalBar], width: int, tr: Language) -> Content:
 
 
 def line(bar: GoalBar, columns: int) -> tuple[str, str]:
-    """Return the part of the line up to the result, with the goal if that is farther, and the part
+    """Return the part of the line up to the result, with the goal if that is nearer, and the part
     beyond.
 
-    The goal is at the right end if the result has not passed it; else the result is there.
+    A better result has the longer line: of a time, the goal in parts of the result is drawn. The
+    goal is at the right end if the result has not passed it; else the result is there.
     """
-    share = bar.value / bar.goal
+    reached, whole = bar.value, bar.goal
+    if bar.metric.better == "lower":
+        reached, whole = whole, reached
+    share = reached / whole if whole else FARTHEST
     if share <= 1:
         done = min(columns - 1, round(share * (columns - 1)))
         return DONE * done, REST * (columns - 1 - done) + GOAL

@@ -31,18 +31,24 @@ def drawn(*bars: GoalBar, width: int = 68) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    ("value", "looks"),
+    ("metric", "value", "looks"),
     [
-        (0, "───────────────────┊"), (400, "━━━━━━━━───────────┊"), (1000, "━━━━━━━━━━━━━━━━━━━┊"),
-        (1900, "━━━━━━━━━━┊━━━━━━━━━"), (60_000, "━━━━━━━━━━┊━━━━━━━━▶"),
+        (TAPS, 0, "───────────────────┊"), (TAPS, 400, "━━━━━━━━───────────┊"),
+        (TAPS, 1000, "━━━━━━━━━━━━━━━━━━━┊"), (TAPS, 1900, "━━━━━━━━━━┊━━━━━━━━━"),
+        (TAPS, 60_000, "━━━━━━━━━━┊━━━━━━━━▶"), (TIME, 60_000, "───────────────────┊"),
+        (TIME, 2000, "━━━━━━━━━━─────────┊"), (TIME, 1000, "━━━━━━━━━━━━━━━━━━━┊"),
+        (TIME, 600, "━━━━━━━━━━━┊━━━━━━━━"), (TIME, 400, "━━━━━━━━━━┊━━━━━━━━▶"),
+        (TIME, 0, "━━━━━━━━━━┊━━━━━━━━━"),
     ],
 )  # fmt: skip
-def test_the_goal_is_at_the_end_until_the_result_passes_it(value: float, looks: str) -> None:
-    assert "".join(line(GoalBar(TIME, value, 1000.0), 20)) == looks
+def test_the_better_the_result_the_longer_the_line_and_past_the_goal_if_it_is_reached(
+    metric: Metric, value: float, looks: str
+) -> None:
+    assert "".join(line(GoalBar(metric, value, 1000.0), 20)) == looks
 
 
 def test_the_words_say_on_which_side_of_the_goal_it_is_good() -> None:
-    assert "┊ goal: less than 1 second" in drawn(GoalBar(TIME, 400, 1000))[0]
+    assert "━━━━━━ goal: less than 1 second" in drawn(GoalBar(TIME, 600, 1000))[0]
     assert "━━━━━━ goal: more than 10 taps" in drawn(GoalBar(TAPS, 12, 10))[0]
 
 

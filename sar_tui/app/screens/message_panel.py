@@ -9,6 +9,7 @@ from textual.widgets import Static
 from sar_tui.app.screens.waiting_text import WaitingText
 from sar_tui.model.spoken_text import sentences
 from sar_tui.tui.heading import Heading, is_roomy
+from sar_tui.widgets.answer_options import with_chosen
 from sar_tui.widgets.goal_bar import GoalBar, draw_bars
 from sar_tui.widgets.language import language_of
 from sar_tui.widgets.task_view import Drawing
@@ -74,7 +75,7 @@ class MessagePanel(Vertical):
             text, rows = spread(self._text, width, height - more)
         self._put("result", bars)
         self.query_one("#headline", Heading).show(self._text.headline, largest=rows)
-        self._put("text", text)
+        self._put("text", with_chosen(text))
         self._put("ask", self._ask)
 
     def _put(self, name: str, words: object) -> None:

@@ -232,7 +232,10 @@ def _marks(attempts: Sequence[AttemptEnded], step: int) -> Content:
     """Return a mark for each attempt, so many columns apart."""
     marks = [REACHED if attempt.outcome == "success" else OPEN for attempt in attempts]
     return Content.assemble(
-        *((mark.ljust(step), "$success" if mark == REACHED else "$text-muted") for mark in marks)
+        *(
+            (mark.center(max(1, step - 1)).ljust(step), "$success" if mark == REACHED else "")
+            for mark in marks
+        )
     )
 
 

@@ -8,6 +8,7 @@ from textual import events
 from textual.app import ComposeResult
 from textual.binding import ActiveBinding, Binding, BindingType
 from textual.containers import Vertical
+from textual.content import Content
 from textual.widgets import Static
 
 from sar_tui.app.patient_mode import keys_in_mode
@@ -25,7 +26,7 @@ from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.tui.heading import ROOMY, Heading
 from sar_tui.tui.key_line import KeyLine
 from sar_tui.tui.language import translated as translated_keys
-from sar_tui.widgets.answer_options import options_text
+from sar_tui.widgets.answer_options import options_text, with_chosen
 from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.robot import draw
 
@@ -62,8 +63,8 @@ QUESTIONS: dict[Question, Step] = {
 }
 _CHOICE_KEYS = frozenset("0123456789")
 """Keys that choose, as the arrows do, and answer nothing yet."""
-_FACE = "encouraging"
-_LARGEST = 9
+_FACE = "listening"
+_LARGEST = 4
 """Most rows of the question in a large window."""
 _MARGINS = 12
 """Columns beside the scale, at both sides together."""
@@ -392,7 +393,7 @@ class WellbeingScreen(DismissedOnce[bool]):
         decline = "" if has_switch else decline
         self._said = [person.name, step.text, *options, decline, given]
         self._put("who", person.name)
-        self._put("options", options_text(step, entry, columns - _MARGINS))
+        self._put("options", with_chosen(options_text(step, entry, columns - _MARGINS)))
         self._put("decline", decline)
         self._put("given", given)
         how = tr("Press Enter to go on.") if entry.chosen else how_to_answer(step, entry, tr)
@@ -414,7 +415,7 @@ class WellbeingScreen(DismissedOnce[bool]):
         self._said = [who, heading, told, go_on, back]
         self.query_one(KeyLine).show(stop, self.tr("Enter"))
 
-    def _put(self, name: str, text: str) -> None:
+    def _put(self, name: str, text: str | Content) -> None:
         part = self.query_one(f"#{name}", Static)
         part.update(text)
         part.display = bool(text)

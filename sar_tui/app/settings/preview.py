@@ -156,7 +156,7 @@ def _course_of_level(preview: Preview, tr: Language) -> str:
         return tr("The level reaches its highest, {level}.", level=high)
     if high - low <= _NEAR:
         return tr("The level settles near {level}.", level=round(mean))
-    return tr("The level moves between {low} and {high}.", low=low, high=high)
+    return tr("The level moves between {low} and {high}.", low=min(levels), high=max(levels))
 
 
 def source(stand_in: StandIn, participant: str, tr: Language) -> str:
