@@ -585,16 +585,16 @@ class PlainStage:
         tr, session = self.tr, self._live.session
         found = pause_choices(
             reason,
+            tr,
             can_skip=bool(self._app.patient) and session.can_skip_attempt,
             may_be_mistake=reason == "finished" and self._live.in_first_attempt,
         )
         found.pop("therapist", None)
         self._choices = {str(number): choice for number, choice in enumerate(found, 1)}
         self._choice = ""
-        options = [f"{number}: {tr(label)}." for number, label in enumerate(found.values(), 1)]
-        title, words = pause_words(reason)
+        options = [f"{number}: {label}." for number, label in enumerate(found.values(), 1)]
         how = tr("Press the number, then Enter.")
-        self._tell(tr(title), tr(words), *options, how)
+        self._tell(*pause_words(reason, tr), *options, how)
 
     def _choose(self, key: Key) -> None:
         """Choose in the menu of a pause: a number, then Enter."""

@@ -7,6 +7,7 @@ from typing import Any
 from textual.message import Message
 from textual.widgets.option_list import Option
 
+from sar_tui.model.language import Language
 from sar_tui.model.messages import SessionCommand
 from sar_tui.rules.scanning import Choice
 from sar_tui.widgets.language import language_of
@@ -42,18 +43,19 @@ _LABELS = {
 }
 
 
-def pause_words(reason: str) -> tuple[str, str]:
-    """Return the title of a pause for ``reason``, and what is said to it, in English."""
-    return _WORDS.get(reason, _WORDS[""])
+def pause_words(reason: str, tr: Language) -> tuple[str, str]:
+    """Return the title of a pause for ``reason``, and what is said to it."""
+    title, words = _WORDS.get(reason, _WORDS[""])
+    return tr(title), tr(words)
 
 
 def pause_choices(
-    reason: str, *, can_skip: bool = False, may_be_mistake: bool = False
+    reason: str, tr: Language, *, can_skip: bool = False, may_be_mistake: bool = False
 ) -> dict[str, str]:
-    """Return the choices in a pause for ``reason`` with their labels, in English."""
+    """Return the choices in a pause for ``reason`` with their labels."""
     offers = {"skip": can_skip, "mistake": may_be_mistake}
     found = _CHOICES.get(reason, _CHOICES[""])
-    return {choice: _LABELS[choice] for choice in found if offers.get(choice, True)}
+    return {choice: tr(_LABELS[choice]) for choice in found if offers.get(choice, True)}
 
 
 def act_of(choice: str) -> SessionCommand:
@@ -92,15 +94,14 @@ class PauseMenu(OptionList):
         started by mistake.
         """
         tr = language_of(self.app)
-        title, words = pause_words(reason)
-        self.border_title = tr(title)
+        self.border_title, words = pause_words(reason, tr)
         self.border_subtitle = tr("arrows to choose, Enter to confirm")
         if switch := self.app.switch:
             self.border_subtitle = switch.how_to_choose
         self.clear_options()
-        self.add_option(Option(f"{tr(words)}\n", disabled=True))
-        choices = pause_choices(reason, can_skip=can_skip, may_be_mistake=may_be_mistake)
-        self.add_options([Option(tr(label), id=choice) for choice, label in choices.items()])
+        self.add_option(Option(f"{words}\n", disabled=True))
+        choices = pause_choices(reason, tr, can_skip=can_skip, may_be_mistake=may_be_mistake)
+        self.add_options([Option(label, id=choice) for choice, label in choices.items()])
         self.highlighted = 1
 
     @property
