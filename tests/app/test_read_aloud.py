@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from sar_tui.app.read_aloud import in_words, same_words
+from sar_tui.model.language import BUNDLED
 from sar_tui.outputs import outputs
 from sar_tui.outputs.output import Output
 from sar_tui.outputs.speech import Speech
@@ -207,6 +208,19 @@ async def test_any_key_interrupts_the_voice_and_one_repeats_the_screen(
         assert transcript.read == told(driver)[:4]
         await driver.press("q")
         assert not transcript.reader.under_way, "a key that means nothing ends it, too"
+
+
+@pytest.mark.parametrize("code", sorted(BUNDLED))
+async def test_the_key_that_repeats_fits_in_80_columns(
+    open_session: OpenSession, transcript: Transcript, code: str
+) -> None:
+    key = f"F9 {app_language(code)('Say again')} "
+    async with open_session(ask_wellbeing=True, language=code, **_ALOUD) as driver:
+        assert key in f"{driver.rows[-1]} "
+        await driver.press(*given("0", "0"))
+        assert driver.screen_name == "SessionScreen"
+        assert key in f"{driver.rows[-1]} "
+        assert f"F1 {app_language(code)('Help')}" in driver.rows[-1]
 
 
 async def test_the_choice_in_the_pause_menu_is_spoken_as_it_changes(

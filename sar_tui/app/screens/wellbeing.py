@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import ClassVar, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple
 
 from textual import events
 from textual.app import ComposeResult
@@ -205,10 +205,13 @@ class WellbeingScreen(DismissedOnce[bool]):
     def active_bindings(self) -> dict[str, ActiveBinding]:
         """The keys of the footer and the help, in the language of the session.
 
-        The stop key is there only if there is an output to stop.
+        The stop key is there only if there is an output to stop, and the help key leaves its room
+        to the one that says the screen again.
         """
-        live = self.app.live  # type: ignore[attr-defined]
+        app: Any = self.app
+        live = app.open_session
         is_silent = live is None or set(live.session.task.parameters.outputs) <= {"screen"}
+        hidden = {"help"} if app.aloud.is_on else set()
         names = {"back": self.tr("Backspace")}
         return {
             key: active._replace(
@@ -218,6 +221,7 @@ class WellbeingScreen(DismissedOnce[bool]):
                 self.app, translated_keys(super().active_bindings, self.tr)
             ).items()
             if not (is_silent and active.binding.id == "stop")
+            and active.binding.id not in hidden
             # Escape does as Enter there, and skips nothing
             and not (self._is_advising and active.binding.id == "leave")
         }
