@@ -466,6 +466,7 @@ class SessionStage(Vertical):
             *self._attempts(), status=status, names=names, what_next=self._what_next(status)
         )
         self.end_is_near(awaits_goodbye=False)
+        self.query_one("#where", Static).update("")
         self._switch_to("summary")
         self.app.screen_keys.changed(self.screen)
         self._look_for_choices()
