@@ -23,7 +23,7 @@ async def test_a_session_from_start_to_summary(open_session: OpenSession) -> Non
         driver.lacks("Practice is over.")
         driver.see("Keys 2 of 2", "Attempts 1 of 2")
         assert "0.40 seconds" in driver.said
-        assert "you ━━━━━━━━━━━━━━──────────────────────┊ goal: less than 1 second ✓" in driver.text
+        assert "you ━━━━━━━━━━━━━━━━━━┊━━━━━━━━━━━━━━━━━▶ goal: less than 1 second ✓" in driver.text
         driver.see("Attempt 2 of 2 · level 2")
 
         await driver.do_attempt(await driver.begin())
