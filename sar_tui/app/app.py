@@ -33,7 +33,7 @@ from sar_tui.tui.base_app import DESIGN, BaseApp
 from sar_tui.tui.gc_control import end_loading
 from sar_tui.tui.terminal_input import PasteDropped, UnreadableInput
 from sar_tui.tui.timestamps import OnsetWatch, watched
-from sar_tui.tui.too_small import cover_if_too_small
+from sar_tui.tui.too_small import TooSmallScreen, cover_if_too_small
 from sar_tui.widgets.language import language_of
 
 if TYPE_CHECKING:  # loaded with a session, so that the first screen is there sooner
@@ -394,6 +394,8 @@ class SarTui(BaseApp):
     def on_resize(self, event: events.Resize) -> None:
         if self._has_begun:  # before, there is nothing to cover
             cover_if_too_small(self, event.size)
+            if isinstance(self.screen, TooSmallScreen):
+                self.aloud.read(self.screen)
 
     # --- after a session
 

@@ -8,6 +8,7 @@ from textual.geometry import Size
 from textual.screen import Screen
 from textual.widgets import Static
 
+from sar_tui.model.spoken_text import sentences
 from sar_tui.widgets.language import language_of
 
 MINIMUM = Size(80, 24)
@@ -43,8 +44,16 @@ class TooSmallScreen(Screen[None]):
             self.dismiss()
 
     def on_resize(self, event: events.Resize) -> None:
-        tr, size = language_of(self.app), event.size
+        self.query_one("#too-small", Static).update(self._text(event.size))
+
+    @property
+    def sentences(self) -> list[str]:
+        """The wish for a larger window in sentences."""
+        return sentences(self._text(self.app.size))
+
+    def _text(self, size: Size) -> str:
+        tr = language_of(self.app)
         has = tr("It has {columns} by {rows} characters;", columns=size.width, rows=size.height)
         wish = f"{tr('This window is too small.')}\n\n{tr('Please make it larger.')}"
         needed = tr("{columns} by {rows} are needed.", columns=MINIMUM.width, rows=MINIMUM.height)
-        self.query_one("#too-small", Static).update(f"{wish}\n\n{has}\n{needed}")
+        return f"{wish}\n\n{has}\n{needed}"

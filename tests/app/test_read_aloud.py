@@ -223,6 +223,15 @@ async def test_the_key_that_repeats_fits_in_80_columns(
         assert f"F1 {app_language(code)('Help')}" in driver.rows[-1]
 
 
+async def test_a_window_that_is_too_small_is_told(
+    open_session: OpenSession, transcript: Transcript
+) -> None:
+    async with open_session(ask_wellbeing=True, **_ALOUD) as driver:
+        transcript.heard.clear()
+        await driver.resize(60, 20)
+        assert transcript.read[:2] == ["This window is too small.", "Please make it larger."]
+
+
 async def test_the_choice_in_the_pause_menu_is_spoken_as_it_changes(
     open_session: OpenSession, transcript: Transcript
 ) -> None:
