@@ -55,9 +55,9 @@ BARS = "▁▂▃▄▅▆▇█"
 """Characters of bars, by height."""
 _COLORS: dict[str, str] = {
     "reached": "green",
-    "missed": "red",
-    "inaccurate": "red",
-    "no result": "red",
+    "missed": "default",
+    "inaccurate": "default",
+    "no result": "default",
     "no goal": "cyan",
 }
 

@@ -237,7 +237,7 @@ class Results(Vertical):
         for name, marker in MARKERS.items():
             text.highlight_regex(
                 f"{marker}+",
-                colors[{"reached": "success", "no goal": "accent"}.get(name, "warning")],
+                colors[{"reached": "success", "no goal": "accent"}.get(name, "text-muted")],
             )
         plot.update(text)
 
