@@ -297,7 +297,7 @@ async def _draw_cast(data: Path, catalogue: Catalogue) -> None:
         for _ in range(2):
             await pilot.press("enter")
             await show(900)
-        while "Enter to finish" not in (shown := _text(app)):
+        while "to finish." not in (shown := _text(app)):
             if asked := _ASKED.search(shown):
                 await show(500)
                 cast.keep_still()

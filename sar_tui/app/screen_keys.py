@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 from rich.table import Table
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
-from textual.containers import VerticalScroll
+from textual.containers import Vertical, VerticalScroll
 from textual.events import Key
 from textual.screen import ModalScreen, Screen
 from textual.widgets import Input, Static
@@ -117,9 +117,10 @@ class HelpScreen(DismissedOnce[None], ModalScreen[None]):
 
     def compose(self) -> ComposeResult:
         tr = language_of(self.app)
-        with VerticalScroll(id="help"):
-            yield Static(getattr(self._about, "help_text", ""), markup=False)
-            yield Static(self._keys())
+        with Vertical(id="help"):
+            with VerticalScroll(id="help-text"):
+                yield Static(getattr(self._about, "help_text", ""), markup=False)
+                yield Static(self._keys())
             yield Static(tr("Press Enter to close this."), classes="muted", markup=False)
 
     def on_mount(self) -> None:
