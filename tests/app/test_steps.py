@@ -136,7 +136,7 @@ def test_the_numbers_of_a_scale_stand_above_the_words_at_its_ends() -> None:
     headline, above, row, _, ends, _ = shown(QUESTIONS["pain"], Entry(chosen=(3,)))
     assert headline == "How strong is your pain now?"
     assert re.findall(r"\d+", row) == [str(n) for n in range(11)]
-    assert above.index("┏") == row.index("┃ 3┃"), "the chosen one has a heavy border"
+    assert above.index("┏") == row.index("┃3 ┃"), "the chosen one has a heavy border"
     assert ends.startswith("no pain")
     assert ends.endswith("worst pain imaginable")
 
