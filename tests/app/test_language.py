@@ -141,9 +141,9 @@ async def test_a_session_of_keys_is_in_another_language(
 
         look(words.title, words.welcome)
         await press("f1", "enter", "enter")
-        look(words.goal, words.progress)
+        look(words.goal)
         prompt = await driver.begin()
-        look(words.prompt.format(key=prompt.expected))
+        look(words.prompt.format(key=prompt.expected), words.progress)
         await press("ctrl+q", "escape", "escape", *["down", "enter"] * 3)
         await driver.resize(60, 20)
         look(words.size)

@@ -506,6 +506,9 @@ class SessionStage(Vertical):
         self.query_one("#stage", ContentSwitcher).current = name
         self.screen.set_focus(self.menu if name == "menu" else None)
         self.query_one("#progress").display = name != "summary"
+        stage = self.waiting.stage if self.waiting else ""
+        is_between = name == "message" and stage in ("instructions", *_BETWEEN)
+        self.query_one("#trials").display = not is_between  # they are of the last attempt
         has_choices = name == "menu" and self.app.switch is not None
         self.query_one(KeyLine).display = name in ("message", "summary") or has_choices
         self.screen.refresh_bindings()
