@@ -108,10 +108,6 @@ class Heading(Widget):
         self.display = bool(text)
         self.refresh(layout=True)
 
-    def limit(self, largest: int) -> None:
-        """Change the most rows that the sentence may take."""
-        self.show(self.text, largest)
-
     def _lines(self, columns: int) -> list[str]:
         if is_roomy(*self.app.size) and (drawn := in_blocks(self.text, columns, self._largest)):
             return drawn

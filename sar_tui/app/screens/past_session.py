@@ -1,6 +1,6 @@
 """The results of a past session, for a therapist."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from rich.text import Text
@@ -45,16 +45,9 @@ class PastSessionScreen(DismissedOnce[None]):
     def compose(self) -> ComposeResult:
         row = self._row
         yield Static(self._title(), id="top", markup=False)
-        metric = provenance.metric(row["software"])
-        try:
-            task = self.app.catalogue.task(row["task"])
-        except PluginError:  # it is no longer installed
-            yield Results(metric, id="results")
-        else:
-            tr = language_of(self.app)
-            yield Results(
-                metric, lambda attempts: stored_facts(task, attempts, metric, tr), id="results"
-            )
+        yield Results(
+            provenance.metric(row["software"]), self._attempts(), row["status"], self._facts
+        )
         yield Static("", id="felt", markup=False)
         yield KeyFooter()
 
@@ -99,14 +92,26 @@ class PastSessionScreen(DismissedOnce[None]):
 
     def on_mount(self) -> None:
         self._show_wellbeing()
+
+    def _attempts(self) -> dict[str, list[AttemptEnded]]:
+        """Return the scored attempts of each participant, by code."""
         rows = sessions.rows(self.app.database, "attempts", self._row["id"])
         attempts = [sessions.attempt_ended(row) for row in rows if not row["practice"]]
-        codes = {"A": self._row["participant"], "B": self._row["partner"]}
-        seats = [seat for seat, code in codes.items() if code]
-        each = [[one for one in attempts if one.seat == seat] for seat in seats]
-        names = [codes[seat] for seat in seats] if len(seats) > 1 else []
-        for results in self.query(Results):
-            results.show(*each, status=self._row["status"], names=names)
+        codes = {self._row["participant"]: "A", self._row["partner"]: "B"}
+        return {
+            code: [each for each in attempts if each.seat == seat]
+            for code, seat in codes.items()
+            if code
+        }
+
+    def _facts(self, attempts: Sequence[AttemptEnded]) -> Sequence[str]:
+        """Return what the task's view adds, if the task is still installed."""
+        try:
+            task = self.app.catalogue.task(self._row["task"])
+        except PluginError:
+            return ()
+        metric = provenance.metric(self._row["software"])
+        return stored_facts(task, attempts, metric, language_of(self.app))
 
     def _show_wellbeing(self) -> None:
         """Show what was said of pain and tiredness, and the session's adverse events."""
@@ -133,56 +138,39 @@ class Results(Vertical):
 
     Args:
         metric: the task's metric.
-        more_facts: sentences that the task's view adds for one seat's attempts.
+        attempts: the scored ones, by participant.
+        status: of the session.
+        more_facts: returns sentences that the task's view adds for one participant's attempts.
     """
 
     def __init__(
         self,
         metric: Metric,
-        more_facts: Callable[[Sequence[AttemptEnded]], Sequence[str]] = lambda _: (),
-        *,
-        id: str | None = None,
+        attempts: Mapping[str, Sequence[AttemptEnded]],
+        status: str,
+        more_facts: Callable[[Sequence[AttemptEnded]], Sequence[str]],
     ) -> None:
-        super().__init__(id=id)
+        super().__init__(id="results")
         self._metric = metric
+        self._attempts = tuple(attempts.values())
+        self._names = list(attempts) if len(attempts) > 1 else [""]
+        self._status = status
         self._more_facts = more_facts
-        self._attempts: tuple[Sequence[AttemptEnded], ...] = ()
-        self._names: Sequence[str] = ()
 
     def compose(self) -> ComposeResult:
-        yield Static("", id="facts", markup=False)
+        tr = language_of(self.app)
+        lines = []
+        for name, attempts in zip(self._names, self._attempts, strict=True):
+            words = self._facts(attempts, self._status)
+            lines.append(tr("{who}: {words}", who=name, words=words) if name else words)
+        yield Static("\n".join(lines), id="facts", markup=False)
         yield Static("", id="plot")
-
-    def show(
-        self,
-        *attempts: Sequence[AttemptEnded],
-        status: str = "completed",
-        names: Sequence[str] = (),
-    ) -> None:
-        """Show the scored attempts, of each seat if there are several.
-
-        Args:
-            attempts: of each seat.
-            status: of the session; ``mistake`` if it was started by mistake.
-            names: the participants', by seat.
-        """
-        self._attempts, self._names, tr = attempts, names, language_of(self.app)
-        facts = [self._facts(each, status) for each in attempts]
-        if names:
-            facts = [
-                tr("{who}: {words}", who=who, words=words)
-                for who, words in zip(names, facts, strict=True)
-            ]
-        self.query_one("#facts", Static).update("\n".join(facts))
-        self.call_after_refresh(self._draw)
 
     def on_resize(self) -> None:
         self._draw()
 
     def _facts(self, attempts: Sequence[AttemptEnded], status: str) -> str:
         tr, count = language_of(self.app), len(attempts)
-        if status == "mistake":
-            return tr("That is all right. This session does not count.")
         if status == "completed":
             done = (
                 tr("You did 1 attempt")
@@ -218,11 +206,7 @@ class Results(Vertical):
     def _draw(self) -> None:
         from sar_tui.reports.charts import BARS, MARKERS
 
-        plots = list(self.query("#plot").results(Static))
-        # none any more if it was removed before the refresh that was waited for
-        if not self._attempts or not plots:
-            return
-        (plot,) = plots
+        plot = self.query_one("#plot", Static)
         several = len(self._attempts) > 1
         width = plot.size.width // len(self._attempts)
         figures = [self._figure(each, width, plot.size.height - several) for each in self._attempts]

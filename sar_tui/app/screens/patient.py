@@ -31,6 +31,8 @@ _DONE, _NEXT, _LATER = "✓", "▸", " "
 _GAP = re.compile(r"(?<=\S) {2,}")
 _TALL = 40
 """Least rows of a window in which the greeting may take two lines of large letters."""
+_ONE_LINE, _TWO_LINES = 4, 9
+"""Rows of large letters."""
 
 
 class PatientScreen(Screen[None]):
@@ -54,7 +56,8 @@ class PatientScreen(Screen[None]):
         super().__init__()
         self._participant = participant
         self._exercises = [Exercise(name) for name in exercises]
-        self._at: int | None = None
+        self._at = 0
+        self._has_begun = False
         self._begins_again = False
         """All was done, and the participant does it again: what is done is not passed over."""
         self._rest: Literal["", "pain", "enough"] = ""
@@ -109,8 +112,8 @@ class PatientScreen(Screen[None]):
         self._exercises = day_plan(
             self.app.database, self.app.folder, self._participant, names, self.app.today()
         )
-        if self._at is None:
-            self._at = self._open_from(0)
+        if not self._has_begun:
+            self._at, self._has_begun = self._open_from(0), True
 
     def _open_from(self, index: int) -> int:
         """Return the index of the next exercise that is to be done; the number of all if there is
@@ -123,7 +126,7 @@ class PatientScreen(Screen[None]):
 
     def _go_on(self) -> None:
         """Go on to the next exercise."""
-        self._at = self._open_from((self._at or 0) + 1)
+        self._at = self._open_from(self._at + 1)
 
     @property
     def switch_choices(self) -> tuple[Choice, ...]:
@@ -142,13 +145,12 @@ class PatientScreen(Screen[None]):
     @property
     def _present(self) -> Exercise | None:
         """The exercise that is next; None if all are done."""
-        at = self._at or 0
-        return self._exercises[at] if at < len(self._exercises) else None
+        return self._exercises[self._at] if self._at < len(self._exercises) else None
 
     @property
     def next_exercise(self) -> tuple[int, int] | None:
         """Number of the exercise after the present one, and of all; None after the last."""
-        number, total = self._open_from((self._at or 0) + 1) + 1, len(self._exercises)
+        number, total = self._open_from(self._at + 1) + 1, len(self._exercises)
         return (number, total) if number <= total else None
 
     # --- what is shown
@@ -176,19 +178,20 @@ class PatientScreen(Screen[None]):
         self._write(trouble=trouble)
 
     def on_resize(self) -> None:
-        largest = 2 * 4 + 1 if self.app.size.height >= _TALL else 4
-        self.query_one("#hello", Heading).limit(largest)
+        largest = _TWO_LINES if self.app.size.height >= _TALL else _ONE_LINE
+        heading = self.query_one("#hello", Heading)
+        heading.show(heading.text, largest)
 
     def _write(self, *, trouble: bool) -> None:
         tr, total = self.tr, len(self._exercises)
         is_over = self._present is None or bool(self._rest)
-        praise = "" if not is_over or self._rest == "pain" else "well-done"
+        is_praise = is_over and self._rest != "pain"
         heading = self.query_one("#hello", Heading)
-        heading.set_classes(praise or "sentence")
+        heading.set_classes("well-done" if is_praise else "sentence")
         heading.show(self._hello())
         where = ""
         if total > 1 and not is_over:
-            where = tr("Exercise {number} of {total}", number=(self._at or 0) + 1, total=total)
+            where = tr("Exercise {number} of {total}", number=self._at + 1, total=total)
         texts = {
             "#where": where,
             "#day": "" if is_over or total == 1 else self._day_in_words(),

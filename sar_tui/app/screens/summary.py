@@ -14,12 +14,11 @@ from sar_tui.model.messages import AttemptEnded
 from sar_tui.model.results_for_people import result_text
 from sar_tui.model.spoken_text import sentences
 from sar_tui.model.trial_types import Metric
-from sar_tui.tui.heading import ROOMY, Heading
+from sar_tui.tui.heading import Heading, is_roomy
 from sar_tui.widgets.language import language_of
 
 REACHED, OPEN = "●", "○"
 """An attempt that reached its goal, and one that did not."""
-_BARS = "▁▂▃▄▅▆▇█"
 _GAP = 4
 """Columns between words and the picture beside them."""
 _LARGEST = 8
@@ -98,9 +97,8 @@ class Summary(Vertical):
             return []
         tr = language_of(self.app)
         end = ending(self._status, any(self._attempts), tr)
-        which = self._session if self._status == "completed" else ""
         words = [end.text] if end.text else self._words(tr)
-        return sentences(end.headline, which, *words, self._earlier, self._next)
+        return sentences(end.headline, self._session, *words, self._earlier, self._next)
 
     def _words(self, tr: Language) -> list[str]:
         """Return what is said of each seat."""
@@ -122,7 +120,7 @@ class Summary(Vertical):
         praise = self.query_one("#praise", Heading)
         praise.set_classes("well-done" if self._status == "completed" else "sentence")
         praise.show(end.headline)
-        self._put("which", self._session if self._status == "completed" else "")
+        self._put("which", self._session)
         self._put("facts", end.text or self._facts(tr))
         self._put("earlier", self._earlier)
         self._put("next", self._next)
@@ -134,8 +132,8 @@ class Summary(Vertical):
 
     def _facts(self, tr: Language) -> Content:
         """Return words and picture of each seat, with all pictures below each other."""
-        columns, rows = self.app.size
-        is_large = columns >= ROOMY[0] and rows >= ROOMY[1] and len(self._attempts) == 1
+        is_large = is_roomy(*self.app.size) and len(self._attempts) == 1
+        room = self.content_size.width or self.app.size.width
         parts: list[Content] = []
         for index, attempts in enumerate(self._attempts):
             if index:
@@ -143,7 +141,6 @@ class Summary(Vertical):
             if self._names:
                 parts.append(Content.styled(self._names[index], "$text-muted"))
             words = facts(attempts, self._metric, tr)
-            room = self.content_size.width or columns
             parts += below(words, attempts, room) if is_large else beside(words, attempts, room)
             parts += map(Content, self._more_facts(attempts))
         return Content("\n").join(parts)
@@ -241,19 +238,21 @@ def _marks(attempts: Sequence[AttemptEnded], step: int) -> Content:
 
 def _levels(attempts: Sequence[AttemptEnded], rows: int, step: int) -> list[Content]:
     """Return the highest level so far of each attempt as columns; nothing if it never rose."""
+    from sar_tui.reports.charts import BARS
+
     highest = list(accumulate((attempt.level for attempt in attempts), max))
     low, span = highest[0], highest[-1] - highest[0]
     if not span:
         return []
-    most = rows * len(_BARS) - 1
+    most = rows * len(BARS) - 1
     heights = [1 + round((level - low) / span * most) for level in highest]
     width = max(1, step - 1)
     lines = [
-        "".join((_cell(height - row * len(_BARS)) * width).ljust(step) for height in heights)
+        "".join((_cell(height - row * len(BARS), BARS) * width).ljust(step) for height in heights)
         for row in reversed(range(rows))
     ]
     return [Content.styled(line, "$accent") for line in lines]
 
 
-def _cell(eighths: int) -> str:
-    return _BARS[min(eighths, len(_BARS)) - 1] if eighths > 0 else " "
+def _cell(filled: int, bars: str) -> str:
+    return bars[min(filled, len(bars)) - 1] if filled > 0 else " "

@@ -1,0 +1,32 @@
+"""The chosen box of a scale is filled, and boxes grow with the room."""
+
+from sar_tui.model.step import Entry, Step
+from sar_tui.widgets.answer_options import options_text, with_chosen
+
+PAIN = Step(name="pain", text="How much?", kind="number", labels=("none", "worst"))
+
+
+def filled(columns: int, chosen: int) -> list[str]:
+    """Return what stands in the filled part of each row."""
+    content = with_chosen(options_text(PAIN, Entry(chosen=(chosen,)), columns))
+    return [content.plain[span.start : span.end] for span in content.spans]
+
+
+def test_only_the_rows_of_the_chosen_box_are_filled() -> None:
+    assert filled(66, 7) == [
+        "┏━━━━┓",
+        "┃\N{NO-BREAK SPACE}7\N{NO-BREAK SPACE}\N{NO-BREAK SPACE}┃",
+        "┗━━━━┛",
+    ]
+
+
+def test_large_digits_are_filled_whole_in_each_box() -> None:
+    for number in range(11):
+        rows = filled(100, number)
+        assert [len(row) for row in rows] == [9] * 5, number
+        assert [row[0] for row in rows] == ["┏", "┃", "┃", "┃", "┗"], number
+
+
+def test_without_a_choice_nothing_is_filled() -> None:
+    assert with_chosen(options_text(PAIN, Entry(), 100)).spans == []
+    assert with_chosen("Some words.").spans == []
