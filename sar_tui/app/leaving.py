@@ -9,6 +9,7 @@ import os
 import shlex
 import sys
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Literal, cast
 
 from textual.app import ComposeResult
@@ -26,6 +27,7 @@ from sar_tui.widgets.lists import OptionList, menu_sentences
 if TYPE_CHECKING:
     from sar_tui.app.app import SarTui
     from sar_tui.app.live import LiveSession
+    from sar_tui.plugins import Catalogue
 
 UNSAVED = (
     "The session's last messages could not be written to the disk; all earlier trials are safe."
@@ -152,33 +154,53 @@ class Leaving:
         if not self._app.is_kept:
             yield "The demonstration is over. Nothing of it was kept."
             return
-        if live and live.rescued:
-            yield f"{live.rescued} Bring it back into the database: {self._command('rescue')}"
-        if live and live.trouble:
-            yield live.trouble
-        if live and live.is_mistake and not live.trouble:
-            yield (
-                "The session does not count, as it was started by mistake. It is kept: in sar-tui, "
-                "F6 and Del restore it."
+        if live:
+            yield from lines_about(
+                live, self._command, is_for_one_session=self._app.is_for_one_session
             )
-        elif live and not live.session.ended and not live.session.broken:
-            yield f"The session is kept. Resume it: {self._command('resume', live.run.id)}"
-        elif live and self._app.is_for_one_session:
-            yield f"The session is kept. Look at it: {self._command('show', live.run.id)}"
-            if live.can_be_joined:
-                yield f"What operators did: {self._command('report wizard', live.run.id)}"
-        if live and live.unsaved:
-            yield UNSAVED
 
     def _command(self, name: str, *session: str) -> str:
-        """Return a command with the folders that this app was started with."""
-        folder = self._app.folder
-        parts = ["sar-tui", *name.split(), *session]
-        if folder.resolve() != default_folder().resolve():
-            parts += ["--data", str(folder)]
-        for each in self._app.catalogue.extra_tasks:
-            parts += ["--tasks", str(each)]
-        return shlex.join(parts)
+        return command_line(self._app.folder, self._app.catalogue, name, *session)
+
+
+def lines_about(
+    live: "LiveSession", command: Callable[..., str], *, is_for_one_session: bool
+) -> Iterator[str]:
+    """Return what became of a session that is closed, and the commands to get back to it.
+
+    Args:
+        live: the session.
+        command: returns a command with the folders in use, as `command_line`.
+        is_for_one_session: True if the program was started for this session alone.
+    """
+    id = live.run.id
+    if live.rescued:
+        yield f"{live.rescued} Bring it back into the database: {command('rescue')}"
+    if live.trouble:
+        yield live.trouble
+    if live.is_mistake and not live.trouble:
+        yield (
+            "The session does not count, as it was started by mistake. It is kept: in sar-tui, "
+            "F6 and Del restore it."
+        )
+    elif not live.session.ended and not live.session.broken:
+        yield f"The session is kept. Resume it: {command('resume', id)}"
+    elif is_for_one_session:
+        yield f"The session is kept. Look at it: {command('show', id)}"
+        if live.can_be_joined:
+            yield f"What operators did: {command('report wizard', id)}"
+    if live.unsaved:
+        yield UNSAVED
+
+
+def command_line(folder: Path, catalogue: "Catalogue", name: str, *session: str) -> str:
+    """Return a command of this program with the folders that it was started with."""
+    parts = ["sar-tui", *name.split(), *session]
+    if folder.resolve() != default_folder().resolve():
+        parts += ["--data", str(folder)]
+    for each in catalogue.extra_tasks:
+        parts += ["--tasks", str(each)]
+    return shlex.join(parts)
 
 
 class LeaveScreen(DismissedOnce[Answer], ModalScreen[Answer]):

@@ -3,7 +3,8 @@
 import asyncio
 import contextlib
 import secrets
-from collections.abc import Callable, Sequence
+import sqlite3
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -31,8 +32,10 @@ from sar_tui.model.theme import Theme
 from sar_tui.model.units import SECOND
 from sar_tui.outputs.prompt_tones import PromptTones
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import TaskParameters
 from sar_tui.runs.plan import Failed, Plan
 from sar_tui.runs.run import Progress, Run, output_nodes, resume, start
+from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
 
 if TYPE_CHECKING:
@@ -176,7 +179,7 @@ class LiveSession:
         return [self.markers] if self.markers else []
 
     def begin(self, app: "App[int]", broken: Callable[[str], None]) -> None:
-        """Start both workers and the loop. ``broken`` is called if the task fails."""
+        """Start both workers and the loop. ``broken`` is called with a sentence if the task fails."""
         if isinstance(self.clock, LiveClock):
             app.run_worker(
                 self.clock.run(),
@@ -187,10 +190,17 @@ class LiveSession:
             app.run_worker(
                 self._store, name="storage", group="storage", thread=True, description="SQLite"
             )
+        self.begin_loop(broken)
+
+    def begin_loop(self, broken: Callable[[str], None]) -> None:
+        """Start the loop: the caller runs the clock, and calls ``store``."""
 
         def faulted(fault: Fault) -> None:
             if self.run.session.broken is fault:
-                broken(f"{fault.error}, {fault.place}")
+                broken(
+                    f"The task {self.session.task.name} failed ({fault.error}, {fault.place}). "
+                    "What was done so far is kept."
+                )
 
         self.run.session.bus.subscribe(FAULT, faulted)
         self.run.session.bus.subscribe(MARKERS, self._markers_changed)
@@ -353,3 +363,40 @@ class LiveSession:
                 )
         except StoreError as error:
             self.trouble = f"{_NOT_MARKED} {error}"
+
+
+@contextlib.contextmanager
+def link_of(
+    what: Plan | str, database: sqlite3.Connection, folder: Path
+) -> Iterator["BrokerProcess | None"]:
+    """Open the link of a session for the duration of the block, if its settings let operators join;
+    else give None.
+
+    It listens on this machine only, as with ``sar-tui run --operator``.
+
+    Args:
+        what: the plan of a new session, which has an id; or the id of an interrupted one.
+        database, folder: where that session is.
+
+    Raises:
+        StoreError: there is no such session.
+        LinkError: the link cannot be opened.
+    """
+    if isinstance(what, Plan):
+        session, task, can_join = what.id, what.task.name, what.parameters.operator_joins
+        codes = what.participants
+        lost_ms = what.parameters.operator_lost_ms
+    else:
+        row, default = sessions.find(database, folder, what), TaskParameters()
+        session, task, codes = row["id"], row["task"], sessions.codes(row)
+        can_join = row["parameters"].get("operator_joins", default.operator_joins)
+        lost_ms = row["parameters"].get("operator_lost_ms", default.operator_lost_ms)
+    if not can_join:
+        yield None
+        return
+    from sar_tui.link.listening import ListenOptions, open_link
+
+    with open_link(
+        folder, session, task, codes, ListenOptions(operator=True, end=None), lost_ms
+    ) as link:
+        yield link

@@ -6,33 +6,40 @@ It has the loop, the texts, the keys and the record of any other session.
 import asyncio
 import contextlib
 import functools
-import shlex
+import os
 import signal
+import sys
 import threading
 from collections.abc import Callable, Sequence
 from datetime import date
+from math import ceil
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+from msgspec.structs import replace
+from textual.events import Key, Paste
+from textual.message import Message
 
 from sar_tui.app import wellbeing
-from sar_tui.app.live import LAST_WRITE_SECONDS, LiveSession
-from sar_tui.app.plain_terminal import Key, PlainTerminal
+from sar_tui.app.leaving import command_line, lines_about
+from sar_tui.app.live import LAST_WRITE_SECONDS, LiveSession, link_of
+from sar_tui.app.plain_terminal import PlainTerminal
 from sar_tui.app.prompt_needs import PROMPTS, prompts_of, refusal
+from sar_tui.app.screen_keys import ScreenKeys
 from sar_tui.app.screens.pause import act_of, pause_choices, pause_words
 from sar_tui.app.screens.summary import ending as end_of_session
 from sar_tui.app.screens.summary import facts
 from sar_tui.app.screens.waiting_text import (
     decline_text,
-    how_to_answer,
+    help_text,
     key_name,
-    option_sentences,
     step_text,
     waiting_text,
 )
-from sar_tui.app.screens.wellbeing import GO_ON_KEY, QUESTIONS, Questions
+from sar_tui.app.screens.wellbeing import ALONE, TELL_OF_PAIN, Interview, Questions
+from sar_tui.link.errors import LinkError
 from sar_tui.loop import topics
-from sar_tui.loop.bus import FAULT
-from sar_tui.loop.clock import LiveClock
+from sar_tui.loop.clock import LiveClock, host_now
 from sar_tui.loop.task import Task
 from sar_tui.model.gesture import Gesture
 from sar_tui.model.language import Language
@@ -40,7 +47,6 @@ from sar_tui.model.messages import (
     Action,
     AttemptEnded,
     AttemptStarted,
-    Fault,
     Feedback,
     Prompt,
     Recall,
@@ -55,23 +61,28 @@ from sar_tui.model.messages import (
 )
 from sar_tui.model.results_for_people import meeting_text
 from sar_tui.model.spoken_text import sentences
-from sar_tui.model.step import Entry, Given, points, press, translated
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import EnoughToday, Plan, set_up
-from sar_tui.store import records
-from sar_tui.store.database import StoreError, connect, default_folder
+from sar_tui.runs.plugin_watchdog import PluginWatchdog
+from sar_tui.store import records, sessions
+from sar_tui.store.database import StoreError, connect
 from sar_tui.store.training_days import utc
-from sar_tui.store.wellbeing import NOT_SAID
 from sar_tui.tui.base_app import punctual_loop
 from sar_tui.tui.exit_codes import FAILED, INTERRUPTED, after_signal
 from sar_tui.tui.gc_control import GcControl
 from sar_tui.tui.language import app_language, planned_language, session_language
+from sar_tui.tui.terminal_input import PasteDropped, UnreadableInput
 from sar_tui.widgets.task_view import TaskView, view_of
 
-Item = Key | int | Callable[[], Any]
-"""A key, an exit code with which to end, or something to be done in between."""
+if TYPE_CHECKING:
+    from sar_tui.link.broker_process import BrokerProcess
+
+Item = Message | int | Callable[[], Any]
+"""Input of the terminal, an exit code with which to end, or something to be done in between."""
+_HANG_UP = after_signal(getattr(signal, "SIGHUP", 1))
+"""Exit code once the terminal is gone, to which nothing can be said any more."""
 
 
 class Ended(Exception):
@@ -115,201 +126,274 @@ class PlainApp:
         folder: the data folder.
         catalogue: the installed tasks and themes.
         patient: the participant who trains alone; empty if somebody else begins the session.
+        link: lets operators join the session; None if only its settings decide that.
+        markers: addresses to which each session's markers are sent.
+
+    Attributes:
+        screen_keys: judges which keys are meant for what was told last.
+        what_next: what the participant does after the session; empty if its programme says that.
     """
 
-    def __init__(self, folder: Path, catalogue: Catalogue, patient: str = "") -> None:
+    def __init__(
+        self,
+        folder: Path,
+        catalogue: Catalogue,
+        patient: str = "",
+        link: "BrokerProcess | None" = None,
+        markers: Sequence[str] = (),
+    ) -> None:
         self.folder, self.catalogue, self.patient = folder, catalogue, patient
+        self._link, self._markers = link, markers
         self.database = connect(folder)
+        self.screen_keys = ScreenKeys(lambda: host_now() / SECOND)
         self.what_next = ""
-        self._keys: asyncio.Queue[Item] = asyncio.Queue()
+        self._items: asyncio.Queue[Item] = asyncio.Queue()
         self._terminal: PlainTerminal
         self._live: LiveSession | None = None
         self._failure = ""
+        self._troubles: list[str] = []
+        self._must_rest = False
+        self._place: object = None
+        self._told: list[str] = []
 
     # --- lines
 
-    def say(self, *texts: str) -> int:
-        """Append each sentence as a line, and return when the last was written (ns)."""
-        at = 0
+    def say(self, *texts: str) -> None:
+        """Append each sentence as a line."""
         for sentence in sentences(*texts):
-            at = self._terminal.write(sentence)
-        return at
+            self._terminal.write(sentence)
+
+    def tell(self, place: object, found: Sequence[str]) -> None:
+        """Append sentences as lines: of the same place, only what was not there before."""
+        if place != self._place:
+            self._place, self._told = place, []
+        self.say(*(each for each in found if each not in self._told))
+        self._told = list(found)
 
     def write(self, text: str) -> int:
         """Append a text as one line, and return when it was written (ns)."""
         return self._terminal.write(text)
 
+    def echo(self, before: str, now: str) -> None:
+        """Append what was typed after ``before``; what is left after a deletion is a line anew."""
+        if now.startswith(before):
+            self._terminal.extend(now[len(before) :])
+        else:
+            self._terminal.end_line()
+            self._terminal.extend(now)
+
     def notify(self, message: str, /, *, severity: Any = "", timeout: float | None = None) -> None:
-        """Append a message for the therapist."""
-        self.say(message)
+        """Tell the therapist, in patient mode once it ends."""
+        if not self.patient:
+            self.say(message)
+        elif message not in self._troubles:
+            self._troubles.append(message)
 
     # --- keys
 
-    async def key(self) -> Key:
-        """Return the next key. Raises Ended if it ends the program."""
+    async def key(self, asking: object) -> Key:
+        """Return the next key that is meant for what asks. Raises Ended if it ends the program."""
         while True:
-            item = await self._keys.get()
+            item = await self._items.get()
             if isinstance(item, int):
                 raise Ended(item)
-            if not isinstance(item, Key):
+            if not isinstance(item, Message):
                 await item()
-            elif item.name in ("ctrl+c", "ctrl+q"):
-                self._leave(item.name)
-            elif item.name == "f12" and self.patient:
-                await self._ask_passphrase()
-            else:
+            elif not isinstance(item, Key):
+                self._record(item)
+            elif self._is_meant_for(asking, item) and not await self._handles(item):
                 return item
+
+    def _is_meant_for(self, asking: object, key: Key) -> bool:
+        return self.screen_keys.pass_on(key, key.time, asking, is_therapist=False)
 
     def later(self, do: Callable[[], Any]) -> None:
         """Have something done before the next key."""
-        self._keys.put_nowait(do)
+        self._items.put_nowait(do)
+
+    @property
+    def _open_session(self) -> LiveSession | None:
+        """The session that is under way."""
+        return self._live if self._live and not self._live.is_closed else None
+
+    async def _handles(self, key: Key) -> bool:
+        """Handle a key that means the same everywhere. Return True if it was one."""
+        if key.key in ("ctrl+c", "ctrl+q"):
+            self._leave(key.key)
+        elif key.key == "f2":
+            if live := self._open_session:
+                at = round(key.time * SECOND)
+                live.operate(SessionCommand(command="stop", at=at))
+        elif key.key == "f12" and self.patient:
+            await self._ask_passphrase()
+        else:
+            return False
+        return True
+
+    def _record(self, item: Message) -> None:
+        """Record in the session what came from the terminal and is no key."""
+        if not (live := self._open_session):
+            return
+        match item:
+            case Paste():
+                live.keyboard.pasted(len(item.text), item.time)
+            case PasteDropped():
+                live.keyboard.pasted(item.length, item.time)
+            case UnreadableInput():
+                live.keyboard.dropped(item.what, item.time)
 
     def _leave(self, key: str) -> None:
         """End the program; in patient mode, pause the session."""
         if not self.patient:
             raise Ended(INTERRUPTED if key == "ctrl+c" else 0)
-        if self._live and not self._live.session.ended:
-            self._live.operate(SessionCommand(command="pause"))
+        self._pause()
+
+    def _pause(self) -> None:
+        if (live := self._open_session) and not live.session.ended:
+            live.operate(SessionCommand(command="pause"))
 
     async def _ask_passphrase(self) -> None:
-        """End patient mode if the passphrase is right."""
+        """End patient mode if the passphrase is right. Escape, or Enter without one, goes back."""
         from sar_tui.store.passphrase import Passphrase
 
-        if self._live and not self._live.session.ended:
-            self._live.operate(SessionCommand(command="pause"))
+        self._pause()
         tr, passphrase = app_language("en"), Passphrase(self.folder)
         self.say(tr("For the therapist"), tr("Please enter the passphrase."))
+        if typed := await self._typed_in_secret():
+            try:
+                if passphrase.check(typed, "patient mode"):
+                    raise Ended(0)
+                self.say(tr("That is not the passphrase."))
+            except StoreError as error:
+                self.say(str(error))
+            if (wait := passphrase.wait_s) > 0:
+                text = tr("Please wait {seconds} s, then try again.", seconds=ceil(wait))
+                self.say(text)
+        self.say(*self._told)
+
+    async def _typed_in_secret(self) -> str:
+        """Return what is typed up to Enter, without an echo; empty after Escape."""
         typed = ""
-        while not (isinstance(item := await self._keys.get(), Key) and item.name == "enter"):
+        while True:
+            item = await self._items.get()
             if isinstance(item, int):
                 raise Ended(item)
-            if isinstance(item, Key):
-                typed = typed[:-1] if item.name == "backspace" else typed + item.character
-            else:
+            if not isinstance(item, Message):
                 await item()
-        if passphrase.check(typed, "patient mode"):
-            raise Ended(0)
-        self.say(tr("That is not the passphrase."))
+            elif isinstance(item, Key):
+                match item.key:
+                    case "enter":
+                        return typed
+                    case "escape":
+                        return ""
+                    case "backspace":
+                        typed = typed[:-1]
+                    case _ if item.is_printable:
+                        typed += item.character or ""
 
     # --- questions
 
     async def ask(self, questions: Questions) -> bool:
         """Ask about pain and tiredness. Return False if the advice to stop is followed."""
-        tr, told = questions.tr, questions.told
-        asked: tuple[Any, Any] | None = (questions.people[0], "pain") if told is None else None
-        pain = {questions.people[0].seat: str(told)} if told is not None else {}
-        while asked:
-            person, question = asked
-            answer = await self._answer_of(person.name, question, tr)
-            if answer is None:  # the rest is left out
-                break
-            questions.save(person, question, answer)
-            if question == "pain":
-                pain[person.seat] = answer
-            asked = questions.after(person, question, answer)
-        hurt = [
-            one for one in questions.people if questions.is_too_much(one, pain.get(one.seat, ""))
-        ]
-        return not hurt or await self._advise(questions, hurt)
-
-    async def _answer_of(self, name: str, question: Any, tr: Language) -> str | None:
-        step, entry = translated(QUESTIONS[question], tr), Entry()
-        options = option_sentences(step, entry, tr)
-        self.say(name, step.text, *options, decline_text(step, tr), how_to_answer(step, entry, tr))
-        while True:
-            key = await self.key()
-            if key.name == "escape":
-                return None
-            pressed = press(step, entry, key.character.strip() or key.name)
-            if isinstance(pressed, Given):
-                if pressed.answer is None:
-                    return NOT_SAID
-                return str(points(QUESTIONS[question])[entry.chosen[0]].value)
-            if pressed.is_missing:
-                self.say(how_to_answer(step, pressed, tr))
-            elif pressed.chosen and pressed.chosen != entry.chosen:
-                self.say(option_sentences(step, pressed, tr)[-1])
-            entry = pressed
-
-    async def _advise(self, questions: Questions, hurt: Sequence[Any]) -> bool:
-        for person in hurt:
-            questions.save(person, "advice", "shown")
-        heading, told, go_on, stop = questions.advice
-        self.say(heading, told, go_on, stop)
-        while True:
-            key = await self.key()
-            goes_on = bool(go_on) and key.name.lower() == GO_ON_KEY
-            if key.name in ("enter", "escape") or goes_on:
-                break
-        if questions.moment == "after":
-            return True
-        for person in hurt:
-            questions.save(person, "advice", "went on" if goes_on else "stopped")
-        return goes_on
+        interview, place = Interview(questions), None
+        while interview.goes_on is None:
+            self.tell((interview, interview.place), interview.texts().sentences)
+            if place != interview.place:
+                place = interview.place
+                self.screen_keys.appeared()
+            key = await self.key(interview)
+            interview.press(key.key, key.character)
+        return interview.goes_on
 
     # --- a session
 
-    async def session(self, what: "Plan | str") -> bool:
-        """Run a new session (a plan), or an interrupted one (its id). Return True if it was ended.
+    async def session(self, what: "Plan | str") -> None:
+        """Run a new session (a plan), or an interrupted one (its id).
 
         Raises:
-            StoreError, PluginError, ParameterError, Failed: it cannot begin.
+            StoreError, PluginError, ParameterError, Failed, LinkError: it cannot begin.
         """
-        asked_since = ""
-        if isinstance(what, Plan) and what.parameters.ask_wellbeing:
-            asked_since = utc()
-            theme = self.catalogue.theme(what.theme, what.parameters.language)
-            task = set_up(what.task, what.parameters)
-            codes = list(what.participants)
-            if not await self.ask(wellbeing.ask_before(self, task, theme, codes)):
-                return False
-        loop = asyncio.get_running_loop()
-        clock = LiveClock(loop)
+        self._failure, asked_since = "", ""
+        if isinstance(what, Plan):
+            what = replace(what, id=what.id or sessions.new_id())
+            self.screen_keys.set_bounce(what.parameters.bounce_ms)
+            if what.parameters.ask_wellbeing:
+                asked_since = utc()
+                if not await self._may_begin(what):
+                    self._must_rest = True
+                    return
+        with contextlib.ExitStack() as stack:
+            link = self._link or stack.enter_context(link_of(what, self.database, self.folder))
+            live, stage = self._open(what, link)
+            if asked_since:
+                with contextlib.suppress(StoreError):  # they stay with the participant
+                    codes = list(live.codes.values())
+                    records.attach(self.database, live.run.id, codes, asked_since)
+            await self._play(live, stage)
+        if self._failure:
+            self.notify(self._failure)
+        elif live.asks_after:
+            await self.ask(wellbeing.ask_after(self, live))
+        self._must_rest = live.session.ended and wellbeing.had_better_rest(self, live)
+        self._warn(list(live.codes.values()))
 
+    async def _may_begin(self, plan: Plan) -> bool:
+        """Ask before a session. Return False if pain speaks against it."""
+        theme = self.catalogue.theme(plan.theme, plan.parameters.language)
+        task, codes = set_up(plan.task, plan.parameters), list(plan.participants)
+        may_begin = await self.ask(wellbeing.ask_before(self, task, theme, codes))
+        if self.patient:
+            self._warn(codes)
+        return may_begin
+
+    def _warn(self, codes: Sequence[str]) -> None:
+        """Tell the therapist of pain and tiredness."""
+        for text in wellbeing.warnings(self, codes):
+            self.notify(text)
+
+    def _open(
+        self, what: "Plan | str", link: "BrokerProcess | None"
+    ) -> "tuple[LiveSession, PlainStage]":
         def refuse(task: Task, seed: int) -> str:
             return untold(task, seed) or refusal(task, seed, no_color=True)
 
-        live = LiveSession(self.folder, self.catalogue, clock, refusal=refuse, is_plain=True)
+        clock = LiveClock(asyncio.get_running_loop())
+        live = LiveSession(
+            self.folder,
+            self.catalogue,
+            clock,
+            link=link,
+            markers=self._markers,
+            refusal=refuse,
+            is_plain=True,
+        )
         stage = PlainStage(self, live)
         live.open(stage, what)
-        if asked_since:
-            with contextlib.suppress(StoreError):  # they stay with the participant
-                records.attach(self.database, live.run.id, list(live.codes.values()), asked_since)
-        await self._play(live, stage, clock)
-        if self._failure:
-            self.say(self._failure)
-        elif live.asks_after:
-            await self.ask(wellbeing.ask_after(self, live))
-        if not self.patient:
-            for text in wellbeing.warnings(self, list(live.codes.values())):
-                self.notify(text)
-        return live.session.ended and not live.is_mistake
+        self._live = live
+        self.screen_keys.set_bounce(live.session.task.parameters.bounce_ms)
+        return live, stage
 
-    async def _play(self, live: LiveSession, stage: "PlainStage", clock: LiveClock) -> None:
+    async def _play(self, live: LiveSession, stage: "PlainStage") -> None:
         """Run a session to its end, and close it, whatever happens."""
-        self._live, bus = live, live.session.bus
 
-        def faulted(fault: Fault) -> None:
-            if live.session.broken is fault:
-                self._failure = (
-                    f"The task failed ({fault.error}, {fault.place}). What was done so far is kept."
-                )
+        def broken(why: str) -> None:
+            self._failure = why
 
         def step_ended(ended: StepEnded) -> None:
             if advice := wellbeing.advise(self, live, ended):
                 live.operate(SessionCommand(command="pause", reason="pain", seat=ended.seat))
                 self.later(functools.partial(stage.ask_in_pause, advice))
 
-        bus.subscribe(FAULT, faulted)
-        bus.subscribe(topics.STEP_ENDED, step_ended)
-        running = asyncio.get_running_loop().create_task(clock.run())
+        live.session.bus.subscribe(topics.STEP_ENDED, step_ended)
+        assert isinstance(live.clock, LiveClock)
+        running = asyncio.get_running_loop().create_task(live.clock.run())
         running.add_done_callback(self._stopped)
         writing = threading.Thread(target=live.store, name="storage", daemon=True)
         writing.start()
-        clock.call_soon(live.run.begin)
+        live.begin_loop(broken)
         try:
             while not stage.is_left:
-                stage.pressed(await self.key())
+                stage.pressed(await self.key(stage))
         finally:
             stage.gc.end_attempt()
             running.cancel()
@@ -317,13 +401,12 @@ class PlainApp:
             live.write_rest()
             live.finish()
             writing.join(LAST_WRITE_SECONDS)
-            self._live = None
 
     def _stopped(self, running: "asyncio.Task[None]") -> None:
         """End the program if the session's loop has failed."""
         if not running.cancelled() and (error := running.exception()):
             self._failure = f"The session failed ({error}). What was done so far is kept."
-            self._keys.put_nowait(FAILED)
+            self._items.put_nowait(FAILED)
 
     # --- a participant who trains alone
 
@@ -338,40 +421,43 @@ class PlainApp:
         )
 
         names = exercises(self.database, self.folder, self.catalogue, self.patient)
-        troubles: list[str] = []
         skipped: set[str] = set()
-        try:
-            while True:
-                today = date.today()
-                day = day_plan(self.database, self.folder, self.patient, names, today)
-                to_do = [one for one in day if not (one.is_done or one.name in skipped)]
-                if not to_do:
-                    tr = app_language("en") if not day else self._tr
-                    self.say(tr("That was everything. Well done!"), tr("You can rest now."))
-                    skipped = set(names)
-                    await self.key()
-                    continue
-                name = to_do[0].name
-                skipped.add(name)  # whatever becomes of it, the next one is another
-                try:
-                    plan = plan_exercise(
-                        self.database,
-                        self.catalogue,
-                        self.patient,
-                        name,
-                        is_known=to_do[0].is_known,
-                    )
-                    if await self._offer(plan, names.index(name) + 1, len(names), len(to_do) > 1):
-                        found = unfinished(self.database, self.folder, self.patient, name)
-                        await self.session(found or plan)
-                except EnoughToday:
-                    continue
-                except PLAN_ERRORS as error:
-                    troubles.append(str(error))
-                    self.say(self._tr("This does not work now. Please call your therapist."))
-        finally:
-            for text in dict.fromkeys(troubles):
-                self.notify(text)
+        while True:
+            today = date.today()
+            day = day_plan(self.database, self.folder, self.patient, names, today)
+            to_do = [one for one in day if not (one.is_done or one.name in skipped)]
+            if self._must_rest:
+                self._must_rest = False
+                await self._rest("You can rest now.", TELL_OF_PAIN, ALONE)
+                continue
+            if not to_do:
+                await self._rest("That was everything. Well done!", "You can rest now.")
+                continue
+            name = to_do[0].name
+            skipped.add(name)  # whatever becomes of it, the next one is another
+            try:
+                plan = plan_exercise(
+                    self.database,
+                    self.catalogue,
+                    self.patient,
+                    name,
+                    is_known=to_do[0].is_known,
+                )
+                if await self._offer(plan, names.index(name) + 1, len(names), len(to_do) > 1):
+                    found = unfinished(self.database, self.folder, self.patient, name)
+                    await self.session(found or plan)
+                    self._keep_troubles()
+            except EnoughToday:
+                continue
+            except (*PLAN_ERRORS, LinkError) as error:
+                self.notify(str(error))
+                self.say(self._tr("This does not work now. Please call your therapist."))
+
+    async def _rest(self, *texts: str) -> None:
+        """Let the participant rest until a key is pressed."""
+        self.say(*map(self._tr, texts))
+        self.screen_keys.appeared()
+        await self.key(None)
 
     async def _offer(self, plan: Plan, number: int, total: int, has_more: bool) -> bool:
         """Tell an exercise. Return False if it is skipped."""
@@ -384,61 +470,83 @@ class PlainApp:
         place = tr("Exercise {number} of {total}", number=number, total=total) if total > 1 else ""
         skip = f"S: {tr('Skip this exercise')}." if has_more else ""
         self.say(place, f"{tr(plan.task.title)}.", tr("Press Enter to start."), skip)
+        self.screen_keys.appeared()
         while True:
-            key = await self.key()
-            if key.name == "enter":
+            key = await self.key(None)
+            if key.key == "enter":
                 return True
-            if skip and key.name.lower() == "s":
+            if skip and key.key.lower() == "s":
                 return False
+
+    def _keep_troubles(self) -> None:
+        """Keep what went wrong with a session for the therapist."""
+        if self._live:
+            for text in lines_about(self._live, self._command, is_for_one_session=False):
+                self.notify(text)
 
     # --- the beginning and the end
 
     async def run(self, what: "Plan | str | None" = None) -> int:
         """Run a session, or a participant's exercises; returns the exit code."""
         self._tr = app_language("en")
-        end = self._keys.put_nowait
-        lost = after_signal(getattr(signal, "SIGHUP", 1))
+        put, code = self._items.put_nowait, 0
         self._catch_signals()
-        code, session = 0, ""
-        with PlainTerminal(end, lambda: end(lost)) as self._terminal:
+        with (
+            PlainTerminal(put, lambda: put(_HANG_UP)) as self._terminal,
+            PluginWatchdog(self._abandon),
+        ):
             try:
-                if what is None:
-                    await self._train_alone()
-                else:
-                    session = what.id if isinstance(what, Plan) else what
-                    is_ended = await self.session(what)
-                    code = FAILED if self._failure else 0
-                    self._say_kept(session, is_ended)
+                await (self._train_alone() if what is None else self.session(what))
             except Ended as ended:
                 code = ended.code
-                if session and code != lost:
-                    self._say_kept(session, False)
             finally:
                 self.database.close()
-        return code
+                if code != _HANG_UP:
+                    self._say_what_became()
+        live = self._live
+        return code or int(bool(self._failure or (live and (live.unsaved or live.rescued))))
 
     def _catch_signals(self) -> None:
         """End in order on a signal; in patient mode not on those that the terminal's keys send. The
         reading thread notices that the terminal is gone.
         """
         loop = asyncio.get_running_loop()
-        for name in ("SIGTERM", "SIGHUP", "SIGINT"):
-            with contextlib.suppress(AttributeError, NotImplementedError):  # Windows
-                number = getattr(signal, name)
-                is_held_back = self.patient and name != "SIGTERM"
-                do = (lambda _: None) if is_held_back else self._keys.put_nowait
-                loop.add_signal_handler(number, do, after_signal(number))
+        if sys.platform == "win32":  # a closed console ends the program, after which is resumed
 
-    def _say_kept(self, session: str, is_ended: bool) -> None:
-        """Say where the session is, if it has begun."""
-        row = self.database.execute("SELECT status FROM sessions WHERE id=?", (session,)).fetchone()
-        if row is None:
-            return
-        name, doing = ("show", "Look at it") if is_ended else ("resume", "Resume it")
-        parts = ["sar-tui", name, session, *([] if is_ended else ["--plain"])]
-        if self.folder.resolve() != default_folder().resolve():
-            parts += ["--data", str(self.folder)]
-        self._terminal.write(f"The session is kept. {doing}: {shlex.join(parts)}")
+            def called(number: int, _: object) -> None:
+                loop.call_soon_threadsafe(self._signalled, number)
+
+            for number in (signal.SIGINT, signal.SIGBREAK):
+                signal.signal(number, called)
+        else:
+            for number in (signal.SIGINT, signal.SIGQUIT, signal.SIGTERM, signal.SIGHUP):
+                loop.add_signal_handler(number, self._signalled, number)
+
+    def _signalled(self, number: int) -> None:
+        if not self.patient or number == signal.SIGTERM:
+            self._items.put_nowait(after_signal(number))
+
+    def _abandon(self, plugin: str) -> None:
+        """End the program at once. From another thread, while this one hangs in the code of a
+        plug-in.
+        """
+        if live := self._open_session:
+            live.write_rest()
+        self.say(f"The {plugin} does not return from its own code. All earlier trials are kept.")
+        self._say_what_became()
+        self._terminal.restore()
+        os._exit(FAILED)
+
+    def _say_what_became(self) -> None:
+        """Say what the therapist must know, and how to get back to the session."""
+        live, is_alone = self._live, bool(self.patient)
+        lines = lines_about(live, self._command, is_for_one_session=not is_alone) if live else ()
+        for text in dict.fromkeys((*self._troubles, *lines)):
+            self._terminal.write(text)
+
+    def _command(self, name: str, *session: str) -> str:
+        line = command_line(self.folder, self.catalogue, name, *session)
+        return f"{line} --plain" if name == "resume" else line
 
 
 class PlainStage:
@@ -462,8 +570,7 @@ class PlainStage:
         self.waiting: Waiting | None = None
         self.is_left = False
         self.gc = GcControl()
-        self._place: object = None
-        self._told: tuple[str, ...] = ()
+        self._typed = self._warned_of = ""
         self._choices: dict[str, str] = {}
         self._choice = ""
 
@@ -476,6 +583,7 @@ class PlainStage:
 
     def show_prompt(self, prompt: Prompt) -> None:
         """Append the prompt, and report its onset: when its line was flushed."""
+        self._typed = ""
         self._show(prompt, 0)
 
     def show_frame(self, prompt: Prompt, frame: int, due: int) -> None:
@@ -498,7 +606,12 @@ class PlainStage:
         )
 
     def show_typed(self, prompt: Prompt, text: str) -> None:
-        """Do nothing: no line may come while a response is awaited."""
+        """Append what was typed of a response, which is no line yet."""
+        self._echo(text)
+
+    def _echo(self, text: str) -> None:
+        self._app.echo(self._typed, text)
+        self._typed = text
 
     def clear_prompt(self) -> None:
         """Go on collecting garbage: the trial is over. Lines stay."""
@@ -542,47 +655,49 @@ class PlainStage:
 
     def wait(self, waiting: Waiting) -> None:
         """Tell what the session waits for: of the same wait only what is new."""
-        self.waiting = waiting
+        before, self.waiting = self.waiting, waiting
         if waiting.what == "response":
             self.gc.begin_trial()
-        self._choices = {}
-        about = waiting.step.step.name if waiting.step else ""
-        place = (waiting.stage, waiting.what, waiting.reason, waiting.attempt, waiting.trial, about)
-        if place != self._place:
-            self._place, self._told = place, ()
+        if self._choices:
+            self._choices, self._choice = {}, ""
+        if waiting.stage != "trial" and (trouble := self._live.trouble) not in (
+            "",
+            self._warned_of,
+        ):
+            self._warned_of = trouble
+            self._app.notify(trouble)
+        if before is None or _place(before) != _place(waiting):
+            self._typed = ""
         if waiting.reason == "held":
-            self._tell(self.tr("Please let go of the keys for a moment."))
+            let_go = self.tr("Please let go of the keys for a moment.")
+            self._app.tell(_place(waiting), [let_go])
         elif waiting.what not in ("foreperiod", "response", "result", "agent", "quiet"):
             self._tell_wait(waiting)
 
     def _tell_wait(self, waiting: Waiting) -> None:
         session, tr = self._live.session, self.tr
         left = max(0, waiting.until - self._live.clock.now())
-        if waiting.step:
-            text, decline = step_text(waiting.step, tr, left), decline_text(waiting.step.step, tr)
-        else:
-            found = waiting_text(waiting, session.task, left=left)
-            decline = ""
-            if found is None:
-                if waiting.stage == "paused":
-                    self._open_menu(waiting.reason)
-                return
+        decline = ask = ""
+        if asked := waiting.step:
+            text, decline = step_text(asked, tr, left), decline_text(asked.step, tr)
+        elif found := waiting_text(waiting, session.task, left=left):
             text = found
-        ask = ""
+        else:
+            if waiting.stage == "paused":
+                self._open_menu(waiting)
+            return
         if waiting.ask:
             ask = tr("Press {key} to hear how it went.", key=key_name(waiting.ask, tr))
-        self._tell(text.headline, *(text.said or [text.text]), decline, ask, text.press)
-
-    def _tell(self, *texts: str) -> None:
-        found = sentences(*texts)
-        self._app.say(*(each for each in found if each not in self._told))
-        self._told = tuple(found)
+        said = text.said or (text.text,)
+        self._app.tell(_place(waiting), sentences(text.headline, *said, decline, ask, text.press))
+        if asked and asked.step.kind == "text":
+            self._echo(asked.entry.typed)
 
     # --- a pause
 
-    def _open_menu(self, reason: str) -> None:
+    def _open_menu(self, waiting: Waiting) -> None:
         """Tell the choices in a pause, by their numbers."""
-        tr, session = self.tr, self._live.session
+        tr, session, reason = self.tr, self._live.session, waiting.reason
         found = pause_choices(
             reason,
             tr,
@@ -591,17 +706,17 @@ class PlainStage:
         )
         found.pop("therapist", None)
         self._choices = {str(number): choice for number, choice in enumerate(found, 1)}
-        self._choice = ""
         options = [f"{number}: {label}." for number, label in enumerate(found.values(), 1)]
         how = tr("Press the number, then Enter.")
-        self._tell(*pause_words(reason, tr), *options, how)
+        self._app.tell(_place(waiting), sentences(*pause_words(reason, tr), *options, how))
+        self._app.screen_keys.appeared()
 
-    def _choose(self, key: Key) -> None:
+    def _choose(self, key: str) -> None:
         """Choose in the menu of a pause: a number, then Enter."""
-        if key.name in self._choices:
-            self._choice = key.name
-            self._app.say(self.tr("Chosen: {options}.", options=key.name))
-        elif key.name == "enter" and self._choice:
+        if key in self._choices:
+            self._choice = key
+            self._app.say(self.tr("Chosen: {options}.", options=key))
+        elif key == "enter" and self._choice:
             act = act_of(self._choices[self._choice])
             self._choice = ""
             self._live.is_mistake = act.command == "end" and act.reason == "mistake"
@@ -614,29 +729,48 @@ class PlainStage:
         """Ask about pain; end the session if the participant follows the advice not to go on."""
         if await self._app.ask(questions):
             if self.waiting and self._choices:
-                self._told = ()
-                self._open_menu(self.waiting.reason)
+                self._open_menu(self.waiting)
         else:
             self._live.operate(SessionCommand(command="end", reason="finished"))
 
     # --- keys
 
-    def pressed(self, key: Key) -> None:
-        """Handle a key: a response, a choice, a pause, or the end."""
+    @property
+    def is_in_trial(self) -> bool:
+        """True in a trial, in which no key is held back."""
+        return self.waiting is not None and self.waiting.stage == "trial"
+
+    @property
+    def judges_keys(self) -> bool:
+        """True while the session itself judges which keys count, and records the others."""
         waiting = self.waiting
+        return waiting is not None and waiting.what != "nothing" and not self._choices
+
+    def only_chooses(self, key: str) -> bool:
+        """Return True if a key chooses in the menu of a pause, which Enter confirms."""
+        return key in self._choices
+
+    def pressed(self, key: Key) -> None:
+        """Handle a key: a response, a choice, a pause, help, or the end."""
+        waiting, session, tr = self.waiting, self._live.session, self.tr
         if waiting is None:
             return
-        if self._choices:
-            self._choose(key)
+        if key.key == "f1":
+            if not self.is_in_trial:
+                self._app.say(help_text(session.task, tr, with_marks=False))
+        elif self._choices:
+            self._choose(key.key)
         elif waiting.what == "nothing":
-            self.is_left = key.name in ("enter", "space")
-        elif key.name == "escape":
+            if key.key in ("enter", "space"):
+                self.is_left = not session.awaits_operator  # who may still veto the goodbye
+                self._app.say("" if self.is_left else tr("One moment…"))
+        elif key.key == "escape":
             if waiting.what == "sensor" or waiting.stage not in ("paused", "ended"):
                 self._live.operate(SessionCommand(command="pause"))
         else:
-            lag, stalled = self.gc.lag, self.gc.is_stalled(key.at)
-            at = key.at / SECOND
-            self._live.keyboard.pressed(key.name, key.character or None, at, lag, stalled)
+            stalled = self.gc.is_stalled(round(key.time * SECOND))
+            lag = self.gc.lag
+            self._live.keyboard.pressed(key.key, key.character, key.time, lag, stalled)
 
     # --- the end
 
@@ -654,6 +788,14 @@ class PlainStage:
             days = task.parameters.days_between_visits
             farewell = self._app.what_next or meeting_text(date.today(), days, tr)
         self._app.say(words.headline, *told, *more, farewell, tr("Press Enter to finish."))
+        self._app.screen_keys.appeared()
+
+
+def _place(waiting: Waiting) -> tuple[object, ...]:
+    """Tell one wait from the next."""
+    about = waiting.step.step.name if waiting.step else ""
+    stage, what, reason = waiting.stage, waiting.what, waiting.reason
+    return stage, what, reason, waiting.attempt, waiting.trial, about
 
 
 class PlainAgent:
@@ -690,16 +832,22 @@ class PlainAgent:
 
 
 def run_plain(
-    folder: Path, catalogue: Catalogue, what: "Plan | str | None" = None, patient: str = ""
+    folder: Path,
+    catalogue: Catalogue,
+    what: "Plan | str | None" = None,
+    patient: str = "",
+    link: "BrokerProcess | None" = None,
+    markers: Sequence[str] = (),
 ) -> int:
-    """Run a session, or the exercises of a participant, in plain lines; returns the exit code.
+    """Run a session, or the exercises of a participant, in plain lines; returns the exit code. The
+    arguments are as for `PlainApp` and its ``run``.
 
     Raises:
-        StoreError, PluginError, ParameterError, Failed: it cannot begin.
+        StoreError, PluginError, ParameterError, Failed, LinkError: it cannot begin.
     """
 
     async def run() -> int:
-        return await PlainApp(folder, catalogue, patient).run(what)
+        return await PlainApp(folder, catalogue, patient, link, markers).run(what)
 
     with asyncio.Runner(loop_factory=punctual_loop) as runner:
         return runner.run(run())

@@ -4,98 +4,87 @@ Screen readers and braille lines follow it, because no text is ever drawn again.
 """
 
 import asyncio
+import codecs
+import contextlib
 import os
-import re
 import select
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from types import TracebackType
-from typing import Any, NamedTuple
+from typing import Any
+
+from textual.events import Key
+from textual.message import Message
 
 from sar_tui.loop.clock import host_now
+from sar_tui.model.units import SECOND
 from sar_tui.model.visible_text import visible
+from sar_tui.tui.terminal_input import TolerantParser
 
 _POLL_S = 0.1
 """Longest time until the reading thread notices that it is to end."""
-_ALONE_S = 0.03
-"""An escape byte that nothing has followed by then is the Escape key."""
-_SEQUENCE = re.compile(r"\x1b(?:\[[0-?]*[ -/]*[@-~]|O[A-Za-z]|.)", re.DOTALL)
-_SEQUENCES = {
-    "A": "up",
-    "B": "down",
-    "C": "right",
-    "D": "left",
-    "H": "home",
-    "F": "end",
-    "24~": "f12",
+_CONSOLE_POLL_S = 0.005
+"""Time between two looks for a key in a console of Windows, which has nothing to wait for."""
+_CONSOLE = {
+    "H": "up",
+    "P": "down",
+    "M": "right",
+    "K": "left",
+    "G": "home",
+    "O": "end",
+    "<": "f2",
+    "\x86": "f12",
 }
-"""Names of keys by the end of what a terminal sends for them (xterm, ECMA-48)."""
-_NAMED = {
-    "\r": "enter",
-    "\n": "enter",
-    "\t": "tab",
-    " ": "space",
-    "\x7f": "backspace",
-    "\b": "backspace",
-    "\x1b": "escape",
-    "\x03": "ctrl+c",
-    "\x11": "ctrl+q",
-    "\x04": "ctrl+d",
-}
-_WINDOWS = {"H": "up", "P": "down", "M": "right", "K": "left", "\x86": "f12"}
-
-
-class Key(NamedTuple):
-    """A key that was pressed, the character that it types, and when it was read (ns)."""
-
-    name: str
-    character: str
-    at: int
-
-
-def parse(text: str, at: int) -> list[Key]:
-    """Return the keys that a terminal has sent. What has no name is left out."""
-    found, place = [], 0
-    while place < len(text):
-        if sequence := _SEQUENCE.match(text, place):
-            name = next(
-                (key for end, key in _SEQUENCES.items() if sequence[0][2:].endswith(end)), ""
-            )
-            place = sequence.end()
-            found += [Key(name, "", at)] if name else []
-            continue
-        character, place = text[place], place + 1
-        if name := _NAMED.get(character, character if character.isprintable() else ""):
-            typed = character if character.isprintable() else ""
-            found.append(Key(name, typed, at))
-    return found
+"""Names of the keys for which a console of Windows sends two characters, by the second."""
 
 
 class PlainTerminal:
     """Appends lines to the standard output, and reads keys in a thread. A context manager that
     restores the terminal.
 
+    Keys have the names and stamps that they have on any other screen.
+
     Args:
-        on_key: called with each key, on the loop's thread.
+        on_input: called with each key, and with what else the parser reads, on the loop's thread.
         on_lost: called there once if the terminal is gone.
     """
 
-    def __init__(self, on_key: Callable[[Key], object], on_lost: Callable[[], object]) -> None:
-        self._on_key, self._on_lost = on_key, on_lost
+    def __init__(
+        self, on_input: Callable[[Message], object], on_lost: Callable[[], object]
+    ) -> None:
+        self._on_input, self._on_lost = on_input, on_lost
         self._loop = asyncio.get_running_loop()
         self._is_over = threading.Event()
         self._thread = threading.Thread(target=self._read, name="plain keys", daemon=True)
+        self._parser = TolerantParser()
         self._before: list[Any] = []
+        self._is_line_open = False
 
-    def write(self, text: str, end: str = "\n") -> int:
-        """Append a text, and return when it had reached the terminal (ns)."""
+    def write(self, text: str) -> int:
+        """Append a text as a line of its own, and return when it had reached the terminal (ns)."""
+        self.end_line()
+        self._append(f"{visible(text)}\n")
+        return host_now()
+
+    def extend(self, text: str) -> None:
+        """Append a text without ending its line."""
+        if text:
+            self._is_line_open = True
+            self._append(visible(text))
+
+    def end_line(self) -> None:
+        """End the line that was extended, if there is one."""
+        if self._is_line_open:
+            self._is_line_open = False
+            self._append("\n")
+
+    def _append(self, text: str) -> None:
         try:
-            sys.stdout.write(f"{visible(text)}{end}")
+            sys.stdout.write(text)
             sys.stdout.flush()
         except (OSError, ValueError):
-            self._loop.call_soon(self._on_lost)
-        return host_now()
+            self._loop.call_soon_threadsafe(self._on_lost)
 
     def __enter__(self) -> "PlainTerminal":
         if sys.platform != "win32":
@@ -117,9 +106,13 @@ class PlainTerminal:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        self.end_line()
+        self.restore()
+
+    def restore(self) -> None:
+        """Read no more, and let the terminal be as it was before."""
         self._is_over.set()
         if sys.platform != "win32":
-            import contextlib
             import termios
 
             with contextlib.suppress(termios.error, OSError):  # the terminal may be gone
@@ -134,24 +127,20 @@ class PlainTerminal:
             self._read_bytes()
 
     def _read_bytes(self) -> None:
-        number, rest = sys.stdin.fileno(), b""
+        number = sys.stdin.fileno()
+        decoder = codecs.getincrementaldecoder("utf-8")("surrogateescape")
         while not self._is_over.is_set():
-            ready, _, _ = select.select([number], [], [], _ALONE_S if rest else _POLL_S)
+            ready, _, _ = select.select([number], [], [], _POLL_S)
             at = host_now()
             try:
-                more = os.read(number, 1024) if ready else b""
+                data = os.read(number, 1024) if ready else b""
             except OSError:
-                more, ready = b"", [number]
-            if ready and not more:
+                data = b""
+            if ready and not data:
                 self._loop.call_soon_threadsafe(self._on_lost)
                 return
-            text, whole = rest + more, bool(not ready)
-            rest = b"" if whole else _unfinished(text)
-            self._pass_on(text[: len(text) - len(rest)].decode(errors="ignore"), at)
-
-    def _pass_on(self, text: str, at: int) -> None:
-        for key in parse(text, at):
-            self._loop.call_soon_threadsafe(self._on_key, key)
+            text = decoder.decode(data)
+            self._pass_on(self._parser.feed(text) if text else self._parser.tick(), at)
 
     def _read_console(self) -> None:
         if sys.platform == "win32":
@@ -159,22 +148,16 @@ class PlainTerminal:
 
             while not self._is_over.is_set():
                 if not msvcrt.kbhit():
-                    self._is_over.wait(0.005)
+                    self._pass_on(self._parser.tick(), host_now())
+                    self._is_over.wait(_CONSOLE_POLL_S)
                     continue
                 character, at = msvcrt.getwch(), host_now()
-                if character in "\x00\xe0":
-                    if name := _WINDOWS.get(msvcrt.getwch()):
-                        self._loop.call_soon_threadsafe(self._on_key, Key(name, "", at))
-                else:
-                    self._pass_on(character, at)
+                if character not in "\x00\xe0":
+                    self._pass_on(self._parser.feed(character), at)
+                elif name := _CONSOLE.get(msvcrt.getwch()):
+                    self._pass_on([Key(name, None)], at)
 
-
-def _unfinished(text: bytes) -> bytes:
-    """Return the end of what was read that may be the beginning of a key."""
-    if found := re.search(rb"\x1b(?:\[[0-?]*|O)?$", text):
-        return found[0]
-    for count in (1, 2, 3):  # a character of UTF-8 that was cut
-        if len(text) >= count and text[-count] >= 0xC0:
-            needed = 2 if text[-count] < 0xE0 else 3 if text[-count] < 0xF0 else 4
-            return text[-count:] if needed > count else b""
-    return b""
+    def _pass_on(self, messages: Iterable[Message], at: int) -> None:
+        for message in messages:
+            message.time = at / SECOND
+            self._loop.call_soon_threadsafe(self._on_input, message)

@@ -69,13 +69,14 @@ class ScreenKeys:
         """Note that another screen is shown, or something else on it: from now on, and once it is
         drawn.
         """
-        self._note()
-        screen.call_after_refresh(self._note)
+        self.appeared()
+        screen.call_after_refresh(self.appeared)
 
-    def _note(self) -> None:
+    def appeared(self) -> None:
+        """Note that something else is there, which nobody has read yet."""
         self._guard.appeared(round(self._now() * SECOND))
 
-    def pass_on(self, event: Key, at: float, screen: Screen[Any], *, is_therapist: bool) -> bool:
+    def pass_on(self, event: Key, at: float, screen: object, *, is_therapist: bool) -> bool:
         """Return True if a key, stamped at ``at`` (s), is meant for a screen.
 
         A therapist who is at the keyboard knows the screens: only keys that are still held do
@@ -84,7 +85,7 @@ class ScreenKeys:
         press = self._guard.press(event.key, round(at * SECOND))
         (last, before), self._last = self._last, (event.key, at)
         self.is_repeat = event.key == last and at - before < LONGEST_INTERVAL / SECOND
-        is_typed = event.is_printable and isinstance(screen.focused, Input)
+        is_typed = event.is_printable and isinstance(getattr(screen, "focused", None), Input)
         if event.key in _ALWAYS or getattr(screen, "is_in_trial", False):
             return True
         if is_therapist:
@@ -97,7 +98,7 @@ class ScreenKeys:
             return press.is_new and press.counts
         passes = press.is_new and press.counts
         if passes:
-            self._note()
+            self.appeared()
         return passes
 
 

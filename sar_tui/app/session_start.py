@@ -6,7 +6,6 @@ import functools
 import sqlite3
 import time
 from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -14,14 +13,13 @@ from textual.app import ComposeResult
 from textual.screen import ModalScreen
 from textual.widgets import Static
 
-from sar_tui.app.live import LiveSession
+from sar_tui.app.live import LiveSession, link_of
 from sar_tui.app.prompt_needs import refusal
 from sar_tui.app.screens.session import SessionScreen
 from sar_tui.link.errors import LinkError
 from sar_tui.loop.clock import Clock, LiveClock
 from sar_tui.plugins import PluginError
 from sar_tui.rules.declaration import ParameterError
-from sar_tui.rules.parameters import TaskParameters
 from sar_tui.runs.plan import EnoughToday, Failed, Plan, set_up
 from sar_tui.store import records, sessions
 from sar_tui.store.database import StoreError, explain
@@ -193,7 +191,7 @@ class SessionStart:
             what = msgspec.structs.replace(what, id=sessions.new_id())
         try:
             link = self._link or self._own_link.enter_context(
-                _link_of(what, app.database, app.folder)
+                link_of(what, app.database, app.folder)
             )
             refuse = functools.partial(refusal, no_color=app.no_color)
             live = LiveSession(
@@ -230,43 +228,6 @@ class SessionStart:
     def _refuse(self, why: str, *, resumed: bool = False, is_enough: bool = False) -> None:
         self.close()
         self._app.cannot_begin(why, resumed=resumed, is_enough=is_enough)
-
-
-@contextlib.contextmanager
-def _link_of(
-    what: Plan | str, database: sqlite3.Connection, folder: Path
-) -> "Iterator[BrokerProcess | None]":
-    """Open the link of a session for the duration of the block, if its settings let operators join;
-    else give None.
-
-    It listens on this machine only, as with ``sar-tui run --operator``.
-
-    Args:
-        what: the plan of a new session, which has an id; or the id of an interrupted one.
-        database, folder: where that session is.
-
-    Raises:
-        StoreError: there is no such session.
-        LinkError: the link cannot be opened.
-    """
-    if isinstance(what, Plan):
-        session, task, can_join = what.id, what.task.name, what.parameters.operator_joins
-        codes = what.participants
-        lost_ms = what.parameters.operator_lost_ms
-    else:
-        row, default = sessions.find(database, folder, what), TaskParameters()
-        session, task, codes = row["id"], row["task"], sessions.codes(row)
-        can_join = row["parameters"].get("operator_joins", default.operator_joins)
-        lost_ms = row["parameters"].get("operator_lost_ms", default.operator_lost_ms)
-    if not can_join:
-        yield None
-        return
-    from sar_tui.link.listening import ListenOptions, open_link
-
-    with open_link(
-        folder, session, task, codes, ListenOptions(operator=True, end=None), lost_ms
-    ) as link:
-        yield link
 
 
 class ResumingScreen(ModalScreen[None]):

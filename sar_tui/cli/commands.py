@@ -124,7 +124,9 @@ def _print_version(wanted: bool) -> None:
         raise typer.Exit
 
 
-def _checked_patient(home: Home, catalogue: "Catalogue", code: str, *, plain: bool) -> str:
+def _checked_patient(
+    home: Home, catalogue: "Catalogue", code: str, *, plain: bool, sync_flash: bool
+) -> str:
     """Return the code of a participant who can train alone; from here on the terminal's keys send
     no signals.
 
@@ -143,7 +145,7 @@ def _checked_patient(home: Home, catalogue: "Catalogue", code: str, *, plain: bo
     with home.database() as database:
         check_known(database, code)
         exercises(database, home.folder, catalogue, code)
-    need_terminal(plain=plain)
+    need_terminal(plain=plain, sync_flash=sync_flash)
     ignore_keys_that_signal()
     return code
 
@@ -193,16 +195,20 @@ def open_app(
         catalogue = home.catalogue()
         as_lines = is_plain(plain) and patient is not None
         if patient is not None:
-            patient = _checked_patient(home, catalogue, patient, plain=as_lines)
+            patient = _checked_patient(
+                home, catalogue, patient, plain=as_lines, sync_flash=sync_flash
+            )
         elif plain:
             raise Refused("--plain is for a session: add --patient CODE, or use sar-tui run.")
         else:
             need_screen()
+        addresses = checked_markers(markers)
         if as_lines:
             from sar_tui.app.plain import run_plain
 
-            raise typer.Exit(run_plain(home.folder, catalogue, patient=patient or ""))
-        addresses = checked_markers(markers)
+            raise typer.Exit(
+                run_plain(home.folder, catalogue, patient=patient or "", markers=addresses)
+            )
         # nothing that is loaded is garbage; the app turns it on again once its first screen is
         # filled
         gc.disable()

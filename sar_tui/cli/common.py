@@ -468,10 +468,12 @@ def is_plain(asked: bool) -> bool:
     return asked or os.environ.get("ACCESSIBLE", "0") not in ("", "0")
 
 
-def need_terminal(*, plain: bool = False) -> None:
+def need_terminal(*, plain: bool = False, sync_flash: bool = False) -> None:
     """Raise Refused if there is no terminal, or a browser shows the screen. ``plain``: lines are
-    only appended.
+    only appended, which cannot flash.
     """
+    if plain and sync_flash:
+        raise Refused("Plain lines have no screen that flashes: leave out --sync-flash.")
     if is_served():
         raise Refused(
             "A session cannot run in a browser, where responses cannot be timed. Use a terminal."

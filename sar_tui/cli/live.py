@@ -151,37 +151,46 @@ def run(
         )
     addresses = checked_markers(markers)
     as_lines = is_plain(plain)
-    need_terminal(plain=as_lines)
+    need_terminal(plain=as_lines, sync_flash=sync_flash)
     with closing(connect_to_read(home.folder)) as database:
         are_new(database, plan.participants, said=new)
     if as_lines:
-        raise typer.Exit(_run_plain(home, plan, plan.task, plan.parameters, plan.seed))
+        _check_plain(plan.task, plan.parameters, plan.seed)
     can_join = operator or plan.parameters.operator_joins
     with _open_link(
         home, plan.id, task, plan.participants, can_join, listen, plan.parameters.operator_lost_ms
     ) as link:
-        from sar_tui.app.app import run_app
+        if as_lines:
+            from sar_tui.app.plain import run_plain
 
-        ended = run_app(
-            home.folder, catalogue, plan=plan, link=link, markers=addresses, sync_flash=sync_flash
-        )
+            ended = run_plain(home.folder, catalogue, plan, link=link, markers=addresses)
+        else:
+            from sar_tui.app.app import run_app
+
+            ended = run_app(
+                home.folder,
+                catalogue,
+                plan=plan,
+                link=link,
+                markers=addresses,
+                sync_flash=sync_flash,
+            )
     raise typer.Exit(ended)
 
 
-def _run_plain(
-    home: Home,
-    what: "Plan | str",
-    kind: "type[Task]",
-    parameters: "TaskParameters",
-    seed: int,
-) -> int:
-    """Run a session in lines. Raises Refused if its prompts cannot be told so."""
-    from sar_tui.app.plain import run_plain, untold
+def _check_plain(kind: "type[Task]", parameters: "TaskParameters", seed: int) -> None:
+    """Raise Refused if a session cannot be told in lines; say what has no effect in them."""
+    from sar_tui.app.plain import untold
+    from sar_tui.app.read_aloud import is_wanted
     from sar_tui.runs.plan import set_up
 
     if why := untold(set_up(kind, parameters), seed):
         raise Refused(why)
-    return run_plain(home.folder, home.catalogue(), what)
+    if is_wanted(parameters):
+        print(
+            "! Nothing is read aloud in plain lines: that is left to the screen reader.",
+            file=sys.stderr,
+        )
 
 
 @contextmanager
@@ -273,28 +282,33 @@ def resume(
         chosen = find_resumable(database, home.folder, session or "")
     addresses = checked_markers(markers)
     as_lines = is_plain(plain)
-    need_terminal(plain=as_lines)
+    need_terminal(plain=as_lines, sync_flash=sync_flash)
     if as_lines:
         from sar_tui.rules.parameters import build
 
         kind = catalogue.task(chosen["task"])
         parameters = build(kind.Parameters, chosen["parameters"])
-        raise typer.Exit(_run_plain(home, chosen["id"], kind, parameters, chosen["seed"]))
+        _check_plain(kind, parameters, chosen["seed"])
     lost_ms = chosen["parameters"].get("operator_lost_ms", TaskParameters().operator_lost_ms)
     can_join = operator or chosen["parameters"].get("operator_joins", False)
     with _open_link(
         home, chosen["id"], chosen["task"], codes(chosen), can_join, listen, lost_ms
     ) as link:
-        from sar_tui.app.app import run_app
+        if as_lines:
+            from sar_tui.app.plain import run_plain
 
-        ended = run_app(
-            home.folder,
-            catalogue,
-            resume=chosen["id"],
-            link=link,
-            markers=addresses,
-            sync_flash=sync_flash,
-        )
+            ended = run_plain(home.folder, catalogue, chosen["id"], link=link, markers=addresses)
+        else:
+            from sar_tui.app.app import run_app
+
+            ended = run_app(
+                home.folder,
+                catalogue,
+                resume=chosen["id"],
+                link=link,
+                markers=addresses,
+                sync_flash=sync_flash,
+            )
     raise typer.Exit(ended)
 
 

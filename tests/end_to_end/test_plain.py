@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.app.plain_terminal import parse
 from sar_tui.store import participants, programmes
 from sar_tui.store.database import connect
 from sar_tui.store.passphrase import Passphrase
@@ -183,17 +182,3 @@ def test_a_participant_trains_alone_in_lines(data: Path) -> None:
         terminal.write(b"quiet morning\r")
         assert terminal.wait() == 0
         assert "quiet" not in " ".join(lines(terminal))
-
-
-@pytest.mark.parametrize(
-    ("sent", "names"),
-    [
-        ("a\r \t\x7f", ["a", "enter", "space", "tab", "backspace"]),
-        ("\x1b[A\x1bOB\x1b[24~", ["up", "down", "f12"]),
-        ("\x1b", ["escape"]),
-        ("é\x03\x11", ["é", "ctrl+c", "ctrl+q"]),
-        ("\x1b[200~\x00", []),
-    ],
-)
-def test_what_a_terminal_sends_becomes_keys(sent: str, names: list[str]) -> None:
-    assert [key.name for key in parse(sent, 5)] == names

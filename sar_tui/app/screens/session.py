@@ -214,14 +214,11 @@ class SessionScreen(DismissedOnce[None]):
             self._warned_of, self._has_warned = trouble, True
             self.app.notify(trouble, severity="warning", timeout=30)
 
-    def _broken(self, error: str) -> None:
+    def _broken(self, why: str) -> None:
         """Record that the task raised, so that the app ends with this message; the data is safe."""
         self._gc.end_attempt()
         self.app.screen_keys.changed(self)
-        self.app.failure = (
-            f"The task {self._live.session.task.name} failed ({error}). What was done so far is "
-            "kept."
-        )
+        self.app.failure = why
 
     # --- keys
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple, cast
 
 from textual import events
 from textual.app import ComposeResult
@@ -17,7 +17,7 @@ from sar_tui.app.screens.waiting_text import decline_text, how_to_answer, option
 from sar_tui.model.gesture import REST
 from sar_tui.model.language import Language
 from sar_tui.model.spoken_text import sentences
-from sar_tui.model.step import Entry, Given, Step, points, press, translated
+from sar_tui.model.step import Entry, Step, points, press, translated
 from sar_tui.model.theme import Theme
 from sar_tui.rules.scanning import Choice
 from sar_tui.rules.wellbeing import PAIN_ENDS, Advice, Moment, PainLimits, stop_now
@@ -165,41 +165,209 @@ class Questions(NamedTuple):
         return tr(_ADVICE[moment]), told, tr(_GO_ON[moment]), tr(_STOP[moment])
 
 
-class WellbeingScreen(DismissedOnce[bool]):
-    """Asks each participant; the result is True to go on, False not to begin the session, or to end
-    it in a pause.
+class Asked(NamedTuple):
+    """Texts of a question, or of the advice not to train.
 
-    Pain above the limits leads to the advice not to train. Enter follows it; to go on takes another
-    key, and is stored.
+    Attributes:
+        who: name of the person, if there are several.
+        text: the question, or the heading of the advice.
+        said: the options, what is chosen, or what to do, in sentences.
+        decline: the key that gives no answer, or goes on in spite of the advice.
+        given: the answer before, and the way back.
+        press: the key that leads on.
+    """
+
+    who: str
+    text: str
+    said: tuple[str, ...]
+    decline: str
+    given: str
+    press: str
+
+    @property
+    def sentences(self) -> list[str]:
+        """All of it, in sentences."""
+        return sentences(*self[:2], *self.said, *self[3:])
+
+
+class Interview:
+    """Asks the questions one at a time, with a way back. Pain above the limits leads to the advice
+    not to train. Enter follows it; to go on takes another key, and is stored.
+
+    Args:
+        questions: what is asked, and of whom.
+
+    Attributes:
+        entry: what is chosen so far.
+        is_advising: True while the advice stands in place of a question.
+        goes_on: None until the interview is over; then True to go on, False not to begin the
+            session, or to end it in a pause.
+    """
+
+    def __init__(self, questions: Questions) -> None:
+        self._questions = questions
+        self._asked: list[tuple[Person, Question]] = [(questions.people[0], "pain")]
+        self._answers: dict[tuple[str, Question], str] = {}
+        self.entry = Entry()
+        self.is_advising = False
+        self.goes_on: bool | None = None
+        if questions.told is not None:
+            self._answers[questions.people[0].seat, "pain"] = str(questions.told)
+            if self._in_pain:
+                self._finish()
+
+    @property
+    def place(self) -> tuple[object, ...]:
+        """Tells one question from the next."""
+        return (*self._asked[-1], self.is_advising)
+
+    @property
+    def step(self) -> Step:
+        """The question, in the language of the session."""
+        return translated(QUESTIONS[self._asked[-1][1]], self._questions.tr)
+
+    @property
+    def can_go_back(self) -> bool:
+        """True if there is a question before."""
+        return self.is_advising or len(self._asked) > 1
+
+    def texts(self, marked: Entry | None = None) -> Asked:
+        """Return the texts of the question with what is chosen, or with ``marked`` in its place."""
+        return self._advice if self.is_advising else self._question(marked or self.entry)
+
+    def _question(self, entry: Entry) -> Asked:
+        step, tr, given = self.step, self._questions.tr, ""
+        if said := self.said_before:
+            given = tr("You said: {answer}. Backspace goes back.", answer=said)
+        press = tr("Press Enter to go on.") if entry.chosen else how_to_answer(step, entry, tr)
+        options, decline = option_sentences(step, entry, tr), decline_text(step, tr)
+        return Asked(self._asked[-1][0].name, step.text, options, decline, given, press)
+
+    @property
+    def _advice(self) -> Asked:
+        """The advice, kindly: to rest, whom to tell, and that nobody else does it."""
+        heading, told, go_on, stop = self._questions.advice
+        who = ", ".join(person.name for person in self._in_pain)
+        back = self._questions.tr("Backspace goes back to the question before.")
+        return Asked(who, heading, (told,), go_on, back, stop)
+
+    @property
+    def said_before(self) -> str:
+        """The answer to the question before; empty without one."""
+        if len(self._asked) == 1:
+            return ""
+        before, question = self._asked[-2]
+        return self._questions.tr(self._answers.get((before.seat, question), NOT_SAID))
+
+    # --- keys
+
+    def only_chooses(self, key: str) -> bool:
+        """Return True if a key chooses an answer, which Enter gives."""
+        return key in _CHOICE_KEYS and not self.is_advising
+
+    def press(self, key: str, character: str | None) -> None:
+        """Handle a key."""
+        match key:
+            case "backspace":
+                self._go_back()
+            case "escape":
+                self._leave()
+            case _ if self.is_advising:
+                self._answer_advice(key, (character or key).lower())
+            case _:
+                self._choose(key)
+
+    def _choose(self, key: str) -> None:
+        person, question = self._asked[-1]
+        pressed = press(QUESTIONS[question], self.entry, key)
+        if isinstance(pressed, Entry):
+            self.entry = pressed
+            return
+        answer = NOT_SAID if pressed.answer is None else str(pressed.answer)
+        self._answers[person.seat, question] = answer
+        self._questions.save(person, question, answer)
+        if following := self._questions.after(person, question, answer):
+            self._asked.append(following)
+            self.entry = Entry()
+        else:
+            self._finish()
+
+    def _finish(self) -> None:
+        """Go on after the questions; with too much pain, advise not to."""
+        if self._in_pain:
+            self.is_advising = True
+            self._save_advice("shown")
+        else:
+            self.goes_on = True
+
+    @property
+    def _in_pain(self) -> list[Person]:
+        """The participants whose pain is a reason to stop."""
+        return [
+            person
+            for person in self._questions.people
+            if self._questions.is_too_much(person, self._answers.get((person.seat, "pain"), ""))
+        ]
+
+    def _answer_advice(self, key: str, letter: str) -> None:
+        if key == "enter":
+            self._close_advice(goes_on=False)
+        elif letter == GO_ON_KEY and self._questions.moment != "after":
+            self._close_advice(goes_on=True)
+
+    def _close_advice(self, *, goes_on: bool) -> None:
+        is_after = self._questions.moment == "after"
+        if not is_after:
+            self._save_advice("went on" if goes_on else "stopped")
+        self.goes_on = goes_on or is_after
+
+    def _save_advice(self, came_of_it: Advice) -> None:
+        for person in self._in_pain:
+            self._questions.save(person, "advice", came_of_it)
+
+    def _go_back(self) -> None:
+        """Ask the question before again, with what was said chosen."""
+        if self.is_advising:
+            self.is_advising = False
+        elif len(self._asked) > 1:
+            self._asked.pop()
+        person, question = self._asked[-1]
+        said = self._answers.get((person.seat, question))
+        values = [str(point.value) for point in points(QUESTIONS[question])]
+        self.entry = Entry(chosen=(values.index(said),)) if said in values else Entry()
+
+    def _leave(self) -> None:
+        """Leave the questions out; not the advice, which Escape follows as Enter does."""
+        if self.is_advising:
+            self._close_advice(goes_on=False)
+        else:
+            self._finish()
+
+
+class WellbeingScreen(DismissedOnce[bool]):
+    """Shows an interview; the result is True to go on, False not to begin the session, or to end
+    it in a pause.
 
     Args:
         questions: what is asked, and of whom.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("backspace", "back", "Back", id="back"),
-        Binding("escape", "leave", "Skip", id="leave"),
+        Binding("backspace", "press('backspace')", "Back", id="back"),
+        Binding("escape", "press('escape')", "Skip", id="leave"),
     ]
     AUTO_FOCUS = ""
 
     def __init__(self, questions: Questions) -> None:
         super().__init__()
-        self._questions = questions
-        people, theme, told = questions.people, questions.theme, questions.told
-        self.tr = questions.tr
+        self.tr, theme = questions.tr, questions.theme
         self._moment: Moment = questions.moment
-        self._people = people
-        self._save = questions.save
-        self._asked: list[tuple[Person, Question]] = [(people[0], "pain")]
-        self._answers: dict[tuple[str, Question], str] = {}
-        self._entry = Entry()
+        self._interview = Interview(questions)
         self._said: list[str] = []
         self._marked: Entry | None = None
         face = theme.faces[_FACE] if _FACE in theme.faces else theme.faces["neutral"]
         self._agent = "\n".join(draw(face.splitlines(), REST))
-        self._is_advising = False
-        if told is not None:
-            self._answers[people[0].seat, "pain"] = str(told)
+        self.only_chooses = self._interview.only_chooses
 
     @property
     def active_bindings(self) -> dict[str, ActiveBinding]:
@@ -223,7 +391,7 @@ class WellbeingScreen(DismissedOnce[bool]):
             if not (is_silent and active.binding.id == "stop")
             and active.binding.id not in hidden
             # Escape does as Enter there, and skips nothing
-            and not (self._is_advising and active.binding.id == "leave")
+            and not (self._interview.is_advising and active.binding.id == "leave")
         }
 
     @property
@@ -244,10 +412,7 @@ class WellbeingScreen(DismissedOnce[bool]):
         yield KeyFooter()
 
     def on_mount(self) -> None:
-        if self._in_pain:
-            self._finish()
-        else:
-            self._show()
+        self._show()
 
     def on_resize(self) -> None:
         self._show()
@@ -259,12 +424,11 @@ class WellbeingScreen(DismissedOnce[bool]):
         """Everything that can be done with a switch: to go on in spite of the advice takes a second
         choice.
         """
-        tr = self.tr
+        tr, interview = self.tr, self._interview
         back = Choice(tr("Back"), ("backspace",))
-        if not self._is_advising:
-            step = translated(QUESTIONS[self._asked[-1][1]], tr)
-            can_go_back = len(self._asked) > 1
-            return (*answers(step, self._entry, tr), *((back,) * can_go_back))
+        if not interview.is_advising:
+            found = answers(interview.step, interview.entry, tr)
+            return (*found, *((back,) * interview.can_go_back))
         stop, go_on = (tr(words) if words else "" for words in _SWITCH_ADVICE[self._moment])
         asked = tr("You chose: {answer}. Is that right?", answer=go_on)
         spite = (Choice(go_on, (GO_ON_KEY,), asked),) if go_on else ()
@@ -276,148 +440,59 @@ class WellbeingScreen(DismissedOnce[bool]):
             self._marked = choice.entry
             self._show()
 
-    # --- answers
-
-    def only_chooses(self, key: str) -> bool:
-        """Return True if a key chooses an answer, which Enter gives."""
-        return key in _CHOICE_KEYS and not self._is_advising
+    # --- keys
 
     def on_key(self, event: events.Key) -> None:
         if event.key in ("backspace", "escape", "f1", "question_mark", "ctrl+p", "ctrl+q"):
             return
         event.stop()
         event.prevent_default()
-        if self._is_advising:
-            if event.key == "enter":
-                self._close_advice(goes_on=False)
-            elif (event.character or event.key).lower() == GO_ON_KEY and self._moment != "after":
-                self._close_advice(goes_on=True)
-            return
-        person, question = self._asked[-1]
-        step = QUESTIONS[question]
-        pressed = press(step, self._entry, event.key)
-        if isinstance(pressed, Given):
-            answer = NOT_SAID if pressed.answer is None else str(pressed.answer)
-            self._answers[person.seat, question] = answer
-            self._save(person, question, answer)
-            self._ask_next(person, question, answer)
-        else:
-            self._entry = pressed
-            self._show()
+        self._press(event.key, event.character)
 
-    def _ask(self, person: Person, question: Question) -> None:
-        self._asked.append((person, question))
-        self._entry = Entry()
+    def action_press(self, key: str) -> None:
+        """Go back, or leave the questions out."""
+        self._press(key, None)
 
-    def _ask_next(self, person: Person, question: Question, answer: str) -> None:
-        """Ask the next question, if there is one."""
-        if following := self._questions.after(person, question, answer):
-            self._ask(*following)
+    def _press(self, key: str, character: str | None) -> None:
+        interview = self._interview
+        interview.press(key, character)
+        if interview.goes_on is None:
             self._show()
         else:
-            self._finish()
-
-    def _finish(self) -> None:
-        """Go on after the questions; with too much pain, advise not to."""
-        if not self._in_pain:
-            self.dismiss(True)
-            return
-        self._is_advising = True
-        self._save_advice("shown")
-        self._show()
-
-    @property
-    def _in_pain(self) -> list[Person]:
-        """The participants whose pain is a reason to stop."""
-        return [
-            person
-            for person in self._people
-            if self._questions.is_too_much(person, self._answers.get((person.seat, "pain"), ""))
-        ]
-
-    def _close_advice(self, *, goes_on: bool) -> None:
-        if self._moment != "after":
-            self._save_advice("went on" if goes_on else "stopped")
-        self.dismiss(goes_on or self._moment == "after")
-
-    def _save_advice(self, came_of_it: Advice) -> None:
-        for person in self._in_pain:
-            self._save(person, "advice", came_of_it)
-
-    def action_back(self) -> None:
-        """Ask the question before again, with what was said chosen."""
-        if self._is_advising:
-            self._is_advising = False
-        elif len(self._asked) > 1:
-            self._asked.pop()
-        person, question = self._asked[-1]
-        said = self._answers.get((person.seat, question))
-        values = [str(point.value) for point in points(QUESTIONS[question])]
-        self._entry = Entry(chosen=(values.index(said),)) if said in values else Entry()
-        self._show()
-
-    def action_leave(self) -> None:
-        """Leave the questions out; not the advice, which Escape follows as Enter does."""
-        if self._is_advising:
-            self._close_advice(goes_on=False)
-        else:
-            self._finish()
+            self.dismiss(interview.goes_on)
 
     # --- the screen
-
-    def _show(self) -> None:
-        if self._is_advising:
-            self._show_advice()
-        else:
-            self._show_question(*self._asked[-1])
-        self.refresh_bindings()
-        self.app.look_for_choices()  # type: ignore[attr-defined]
-        self.app.aloud.read(self, (*self._asked[-1], self._is_advising))  # type: ignore[attr-defined]
 
     @property
     def sentences(self) -> list[str]:
         """The question or the advice in sentences, and what is chosen."""
-        return sentences(*self._said, self.query_one(KeyLine).text)
+        return [*self._said, *sentences(self.query_one(KeyLine).text)]
 
-    def _show_question(self, person: Person, question: Question) -> None:
-        step, tr = translated(QUESTIONS[question], self.tr), self.tr
-        entry = self._marked or self._entry
-        has_switch = self.app.switch is not None  # type: ignore[attr-defined]
-        given = ""
-        if len(self._asked) > 1:
-            before, asked = self._asked[-2]
-            said = self._answers.get((before.seat, asked), NOT_SAID)
-            given = tr("You said: {answer}. Backspace goes back.", answer=tr(said))
-            if has_switch:
-                given = tr("You said: {answer}.", answer=tr(said))
-        columns, rows = self.app.size
-        self.query_one("#asking").display = step.kind == "number" or rows >= ROOMY[1]
-        self.query_one("#question", Heading).show(step.text)
-        options, decline = option_sentences(step, entry, tr), decline_text(step, tr)
-        decline = "" if has_switch else decline
-        self._said = [person.name, step.text, *options, decline, given]
-        self._put("who", person.name)
-        self._put("options", with_chosen(options_text(step, entry, columns - _MARGINS)))
-        self._put("decline", decline)
-        self._put("given", given)
-        how = tr("Press Enter to go on.") if entry.chosen else how_to_answer(step, entry, tr)
-        self.query_one(KeyLine).show(how, tr("Enter"))
-
-    def _show_advice(self) -> None:
-        """Show the advice, kindly: to rest, whom to tell, and that nobody else does it."""
-        heading, told, go_on, stop = self._questions.advice
-        self.query_one("#asking").display = True
-        self.query_one("#question", Heading).show(heading)
-        has_switch = self.app.switch is not None  # type: ignore[attr-defined]
-        who = ", ".join(person.name for person in self._in_pain)
-        back = "" if has_switch else self.tr("Backspace goes back to the question before.")
-        go_on = "" if has_switch else go_on
-        self._put("who", who)
-        self._put("options", told.replace(". ", ".\n"))
-        self._put("decline", go_on)
-        self._put("given", back)
-        self._said = [who, heading, told, go_on, back]
-        self.query_one(KeyLine).show(stop, self.tr("Enter"))
+    def _show(self) -> None:
+        interview, app = self._interview, cast(Any, self.app)
+        asked = interview.texts(self._marked)
+        if app.switch is not None:  # the keys of these are none of the switch's
+            said = interview.said_before
+            given = self.tr("You said: {answer}.", answer=said) if said else ""
+            asked = asked._replace(decline="", given="" if interview.is_advising else given)
+        self._said = asked._replace(press="").sentences
+        columns, rows = app.size
+        if interview.is_advising:
+            options: str | Content = " ".join(asked.said).replace(". ", ".\n")
+        else:
+            entry, room = self._marked or interview.entry, columns - _MARGINS
+            options = with_chosen(options_text(interview.step, entry, room))
+        has_room = rows >= ROOMY[1] or interview.is_advising
+        self.query_one("#asking").display = has_room or interview.step.kind == "number"
+        self.query_one("#question", Heading).show(asked.text)
+        self._put("who", asked.who)
+        self._put("options", options)
+        self._put("decline", asked.decline)
+        self._put("given", asked.given)
+        self.query_one(KeyLine).show(asked.press, self.tr("Enter"))
+        self.refresh_bindings()
+        app.look_for_choices()
+        app.aloud.read(self, interview.place)
 
     def _put(self, name: str, text: str | Content) -> None:
         part = self.query_one(f"#{name}", Static)
