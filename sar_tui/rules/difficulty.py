@@ -139,8 +139,8 @@ class OneUpOneDownSettings(Settings, frozen=True, kw_only=True):
     consecutive_failures: Annotated[
         int,
         setting(
-            "Failures before easier",
-            help="This many failures in a row lower the level by one.",
+            "Misses before easier",
+            help="This many missed goals in a row lower the level by one.",
             ge=1,
             le=20,
         ),
@@ -382,7 +382,7 @@ def percentile_goal(
 INCLUDED: Mapping[str, DifficultyPolicy] = {
     "fixed": DifficultyPolicy("Level and goal stay as you set them.", title="Stays as it is"),
     BY_OUTCOME: DifficultyPolicy(
-        "Harder after a success, easier after a failure.",
+        "Harder when it goes well, easier when it does not.",
         OneUpOneDownSettings,
         step_by_outcome,
         title="Step by step",

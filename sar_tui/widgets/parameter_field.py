@@ -63,9 +63,6 @@ class ParameterField(Widget):
     class Changed(Message):
         """The field holds another value."""
 
-    class Focused(Message):
-        """The field is edited now."""
-
     def __init__(
         self,
         field: Field,
@@ -237,7 +234,6 @@ class ParameterField(Widget):
         have opened.
         """
         self.redraw()
-        self.post_message(self.Focused())
         self.scroll_visible(animate=False, immediate=True)
         self.call_after_refresh(self.scroll_visible, animate=False, immediate=True)
 

@@ -104,15 +104,15 @@ async def test_the_card_tells_how_a_participant_does(
         told(database, "P01", "after", "pain", "3", session=second_session)
     async with opened() as driver:
         driver.see("2 people need a look. 1 person has trained today.")
-        driver.see("P02 Today: a session was interrupted.", "Interrupted today after 0")
-        driver.see("P01 Today: pain 6, above the limit of 5.")
-        await driver.press("down")
+        driver.see("P02 Interrupted today.", "Interrupted today after 0")
+        driver.see("P01 Pain 6 today, limit 5.")
+        await driver.press("up")
         driver.see("Programme v1: 2 × 2 · goal 1.0", "At goal >2 >3", "Reached 2/2 2/2")
         driver.see("Last session all too easy", "Today: 2 of 2 reached, pain 3, tired 4")
         await driver.press("f6")
         driver.see("Sessions of P01", "pain 6", "pain 3, tired 4")
         driver.lacks("P02")
-        await driver.press("escape", "up", "f6", "enter")
+        await driver.press("escape", "down", "f6", "enter")
         assert driver.session_id == session
 
 
@@ -221,7 +221,7 @@ async def test_an_interrupted_session_is_dismissed_taken_back_and_resumed(
     async with open_session(participant="P02", attempts=1) as driver:
         await driver.do_session()
     async with opened() as driver:
-        await driver.press("up", "f6")
+        await driver.press("down", "f6")
         recent = [row for row in driver.rows if "Keyboard re…" in row]
         assert "P02" in recent[0]
         assert "1 of 1" in recent[0]
@@ -364,7 +364,7 @@ async def test_who_had_pain_above_the_limit_this_week_is_on_the_first_screen(
         told(database, "P20", "before", "pain", "5")
     async with opened() as driver:
         driver.see("2 people need a look.")
-        driver.see("P13 Today: pain 9, above the limit of 5. P07 Today: pain 6, above the limit")
+        driver.see("P13 Pain 9 today, limit 5. P07 Pain 6 today, limit 5.")
         await driver.press("p", "a")
         driver.see("find: PA (Esc)", "P20 No session yet. Pain 5 this week.")
         driver.lacks("P21")

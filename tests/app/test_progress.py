@@ -97,8 +97,8 @@ async def test_a_figure_is_chosen_and_explained_with_one_key(
         await open_progress(driver, catalogue)
         titles = []
         for _ in range(10):
-            (key,) = (row for row in driver.rows if "explains: " in row)
-            titles.append(key.split("explains: ")[1].strip())
+            (key,) = (row for row in driver.rows if "to see what" in row)
+            titles.append(key.split('"')[1])
             await driver.press("enter")
             assert driver.screen_name == "ExplanationScreen"
             assert sum(titles[-1] in row for row in driver.rows) > 0
@@ -126,7 +126,7 @@ async def test_the_command_palette_has_figures_and_keys_by_name(
         choose = next(each for each in found if each.title == "Records").callback
         choose()
         await driver.settle()
-        driver.see("Nothing is recorded yet.", "explains: Records")
+        driver.see("Nothing is recorded yet.", 'what "Records" means')
 
 
 @pytest.mark.parametrize("size", [(80, 24), (100, 32), (160, 48)])
@@ -144,7 +144,7 @@ async def test_each_list_is_beside_the_picture_or_one_key_away(
             ("Sessions", "▸ 2026-03-02"),
         ):
             await driver.press("shift+tab")
-            driver.see(f"explains: {title}", shown)
+            driver.see(f'what "{title}" means', shown)
             is_beside = title != "Days" if size == (100, 32) else size == (160, 48)
             assert driver.sees("level at goal (keys)") == is_beside
 
@@ -235,4 +235,4 @@ async def test_keys_of_records_are_shown_where_a_record_is_chosen(
         assert "←→ Session" in driver.rows[-1]
         await driver.press("shift+tab")
         assert "Del Remove" in driver.rows[-1]
-        driver.see("corrects this record", "F1 Help")
+        driver.see("correct this record", "F1 Help")

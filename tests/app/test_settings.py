@@ -394,7 +394,7 @@ async def test_a_preset_leaves_nothing_of_the_one_before(opened: OpenApp, data: 
 async def test_a_rule_is_looked_at_before_it_is_chosen(form: AppDriver) -> None:
     fixed = await preview(form)
     form.see(
-        "✓ Step by step", "20 of 20", "An average person: P01 has too few", "Everything is saved."
+        "✓ Step by step", "20 goals", "An average person: P01 has too few", "Everything is saved."
     )
     await form.press("down")
     form.see("Enter chooses this rule.")

@@ -25,8 +25,8 @@ from sar_tui.store.courses import DayTotal, Person
 Part = Section | Literal["last"]
 """A section of the list; ``last`` has the one who trained last, as they may well go on."""
 HEADINGS: dict[Part, str] = {
-    "last": "Trained last",
     "look": "Need a look",
+    "last": "Trained last",
     "due": "Due",
     "today": "Trained today",
     "new": "New",
@@ -35,22 +35,21 @@ HEADINGS: dict[Part, str] = {
 }
 """The sections, in order."""
 _REASONS: dict[ReasonKind, str] = {
-    "pain": "{day}: pain {value}, above the limit of {limit}.",
-    "pain rose": "{day}: pain rose from {limit} to {value}.",
-    "event": "{day}: an adverse event, {word}.",
-    "event without outcome": "{day}: an adverse event, {word}. No outcome is recorded.",
-    "new pain": "Pain in each of the last four sessions, and none before.",
-    "worse pain": "More pain in each of the last four sessions than before.",
-    "tired": "Very tired after each of the last two sessions.",
-    "stuck": "The level has stayed at {value} for three sessions.",
-    "mistake": "{day}: a session was started by mistake.",
-    "interrupted": "{day}: a session was interrupted.",
+    "pain": "Pain {value} {day}, limit {limit}.",
+    "pain rose": "Pain from {limit} to {value} {day}.",
+    "event": "Adverse event {day}, {word}.",
+    "event without outcome": "Adverse event {day}, {word}: no outcome yet.",
+    "new pain": "Pain in the last 4 sessions, none before.",
+    "worse pain": "More pain in the last 4 sessions than before.",
+    "tired": "Very tired after the last 2 sessions.",
+    "stuck": "Level {value} for three sessions.",
+    "mistake": "Begun by mistake {day}.",
+    "interrupted": "Interrupted {day}.",
 }
-
-
+"""What is said of each reason. The list has room for 28 columns at 80 by 24."""
 _SEVERAL: dict[ReasonKind, str] = {
     "event": "{value} adverse events this week.",
-    "event without outcome": "{value} adverse events have no outcome recorded.",
+    "event without outcome": "{value} adverse events without an outcome.",
 }
 """The sentences for more than one event."""
 
@@ -88,30 +87,28 @@ def day_of(people: Sequence[Person], last: str | None, today: date) -> Day:
 
     Args:
         people: first who began a session, or was added, last.
-        last: who trained last; they come first, as they may well go on.
+        last: who trained last; they come before those who need no look and are not due, as they
+            may well go on.
         today: the date.
     """
     found = []
     for place, person in enumerate(people):
         why = reasons(person.course, today)
         part: Part = section(person.course, why, today)
-        if person.code == last and part != "look":
+        if person.code == last and part not in ("look", "due"):
             part = "last"
         look = [_reason(reason, today) for reason in why]
         entry = Entry(person.code, part, look, _said(person, part, today))
-        found.append((_order(person, part, why, last), place, entry))
+        found.append((_order(person, part, why), place, entry))
     entries = [entry for *_, entry in sorted(found, key=lambda one: one[:2])]
     return Day(_sentence(people, entries), entries)
 
 
-def _order(
-    person: Person, part: Part, why: Sequence[Reason], last: str | None
-) -> tuple[float, ...]:
+def _order(person: Person, part: Part, why: Sequence[Reason]) -> tuple[float, ...]:
     """Return the key of the order in the list; without more, the newest come first."""
     course, place = person.course, list(HEADINGS).index(part)
     if part == "look":
-        # who trained last is where the list begins, even if others are more urgent
-        return (place, person.code != last, *urgency(why[0]))
+        return (place, *urgency(why[0]))
     if part == "due" and course.due:
         return (place, -course.due.toordinal())
     return (place,)
@@ -120,17 +117,11 @@ def _order(
 def _reason(reason: Reason, today: date) -> str:
     is_several = reason.kind in _SEVERAL and reason.value > 1
     return (_SEVERAL if is_several else _REASONS)[reason.kind].format(
-        day=_sentence_day(reason.day, today) if reason.day else "",
+        day=day_words(reason.day, today) if reason.day else "",
         value=reason.value,
         limit=reason.limit,
         word=reason.word or "severity not recorded",
     )
-
-
-def _sentence_day(day: date, today: date) -> str:
-    """Return a date as a sentence begins with it."""
-    words = day_words(day, today)
-    return f"{words[0].upper()}{words[1:]}"
 
 
 def _said(person: Person, part: Part, today: date) -> str:
@@ -178,8 +169,8 @@ def _sentence(people: Sequence[Person], entries: Sequence[Entry]) -> str:
     """Return the sentences above the list."""
     if not people:
         return "Welcome"
-    look = sum(bool(entry.look) for entry in entries)
-    due = sum(person.course.due is not None for person in people)
+    parts = [entry.part for entry in entries]
+    look, due = parts.count("look"), parts.count("due")
     trained = sum(bool(person.today and person.today.attempts) for person in people)
     if not (look or due or any(person.course.last for person in people)):
         return "Nobody has trained here yet."
@@ -192,7 +183,8 @@ def _counts(look: int, due: int, trained: int) -> Iterator[str]:
     else:
         yield "1 person needs a look." if look == 1 else f"{look} people need a look."
     if due:
-        yield "1 visit is due." if due == 1 else f"{due} visits are due."
+        more = "more " if look else ""
+        yield f"1 {more}visit is due." if due == 1 else f"{due} {more}visits are due."
     if trained:
         one = "1 person has trained today."
         yield one if trained == 1 else f"{trained} people have trained today."

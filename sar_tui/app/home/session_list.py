@@ -59,7 +59,6 @@ class SessionList(Vertical):
             self.app.database, self.app.folder, self.app.catalogue, participant
         )
         self.border_title = f"Sessions of {participant}" if participant else "Sessions of everyone"
-        self.border_subtitle = "Esc goes back"
         self._draw(chosen)
 
     @property
@@ -132,6 +131,13 @@ class SessionList(Vertical):
     def on_resize(self, event: Resize) -> None:
         """Fit the lines into another width."""
         self._draw(self._recent.chosen)
+
+    def on_descendant_focus(self) -> None:
+        """Say how to leave the list while the cursor is in it."""
+        self.border_subtitle = "Esc goes back"
+
+    def on_descendant_blur(self) -> None:
+        self.border_subtitle = ""
 
     # --- dismissing
 

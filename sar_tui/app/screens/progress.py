@@ -260,8 +260,8 @@ class ProgressScreen(DismissedOnce[None]):
         if not self.figure:
             return ""
         if self.figure == "records" and self._listed:
-            return "Enter corrects this record"
-        return f"Enter explains: {GLOSSARY[self.figure].title}"
+            return "Press Enter to correct this record."
+        return f'Press Enter to see what "{GLOSSARY[self.figure].title}" means.'
 
     def _draw(self, columns: int, rows: int) -> Content:
         """Draw the picture, or the chosen list if it has no other place."""

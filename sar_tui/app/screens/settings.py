@@ -32,6 +32,7 @@ from sar_tui.rules.parameters import (
 )
 from sar_tui.rules.policies import BY_CHOICE, DIFFICULTY, without_effect
 from sar_tui.runs.plan import Failed, check_outputs, set_up
+from sar_tui.runs.preview import Preview
 from sar_tui.store import programmes
 from sar_tui.store.database import StoreError
 from sar_tui.store.programmes import Programme
@@ -179,6 +180,7 @@ class SettingsScreen(DismissedOnce[None]):
         with Horizontal(id="form"):
             yield OptionList(
                 *(Option(panel.title) for panel in self._panels),
+                *(Option(line, disabled=True) for line in self._signs),
                 id="groups",
                 markup=False,
                 compact=True,
@@ -194,6 +196,17 @@ class SettingsScreen(DismissedOnce[None]):
     @property
     def _title(self) -> str:
         return self.tr(self._motor_task.title)
+
+    @property
+    def _signs(self) -> list[str]:
+        """Lines below the groups: the meaning of the signs beside groups and settings."""
+        tr = self.tr
+        return [
+            "",
+            f"{CHANGED} {tr('not the default')}",
+            f"{UNSAVED} {tr('not saved')}",
+            f"! {tr('to correct')}",
+        ]
 
     def _make_fields(self) -> None:
         """Make the fields with the saved values, and those that were left unsaved."""
@@ -502,14 +515,7 @@ class SettingsScreen(DismissedOnce[None]):
         highest = max((preview.highest for preview in found.values()), default=1)
         self._rule.show_pictures(
             {
-                name: Picture(
-                    sparkline(preview, highest),
-                    self.tr(
-                        "{reached} of {count}", reached=preview.reached, count=preview.with_goal
-                    )
-                    if preview.with_goal
-                    else "",
-                )
+                name: Picture(sparkline(preview, highest), self._goals(preview))
                 for name, preview in found.items()
             }
         )
@@ -520,6 +526,12 @@ class SettingsScreen(DismissedOnce[None]):
                 title = self.tr("{rule}, for example", rule=title)
             self.query_one("#preview", PreviewPane).show(title, found[looked_at], previews.stand_in)
         return rule in found
+
+    def _goals(self, preview: Preview) -> str:
+        if not preview.with_goal:
+            return ""
+        reached = preview.reached
+        return self.tr("1 goal") if reached == 1 else self.tr("{count} goals", count=reached)
 
     # --- going to a setting
 

@@ -196,9 +196,7 @@ class RuleField(ParameterField):
 
     def on_descendant_focus(self) -> None:
         self._fill()
-        self.post_message(self.Focused())
         self.post_message(self.LookedAt())
-        self.call_after_refresh(self.scroll_visible, animate=False, immediate=True)
 
     def on_descendant_blur(self) -> None:
         self._fill()

@@ -55,16 +55,26 @@ def test_who_needs_a_look_comes_first_then_who_is_due_and_who_has_trained() -> N
         ("today", "TODAY"), ("new", "NEW"), ("away", "AWAY"), ("others", "RECENT"),
         ("others", "GONE"),
     ]  # fmt: skip
-    assert found.sentence == ("3 people need a look. 2 visits are due. 1 person has trained today.")
+    assert found.sentence == (
+        "3 people need a look. 2 more visits are due. 1 person has trained today."
+    )
 
 
-def test_the_list_begins_with_who_trained_last() -> None:
+def test_who_trained_last_has_a_section_below_those_who_need_a_look() -> None:
     people = (person("P03", 2), person("P02", 1, rated=in_pain(1, 9)), person("P01", 1))
     found = [(each.part, each.code) for each in day(*people, last="P01").entries]
-    assert found == [("last", "P01"), ("look", "P02"), ("others", "P03")]
+    assert found == [("look", "P02"), ("last", "P01"), ("others", "P03")]
     hurt = person("P01", 1, rated=in_pain(1, 6))
     found = [(each.part, each.code) for each in day(*people[:2], hurt, last="P01").entries]
-    assert found == [("look", "P01"), ("look", "P02"), ("others", "P03")]
+    assert found == [("look", "P02"), ("look", "P01"), ("others", "P03")]
+
+
+def test_the_sentence_counts_the_visits_of_the_section_due() -> None:
+    hurt = person("P01", 1, rated=in_pain(1, 6), due=TODAY)
+    found = day(hurt, person("P02", 9, due=TODAY), last="P02")
+    assert [(each.part, each.code) for each in found.entries] == [("look", "P01"), ("due", "P02")]
+    assert found.sentence == "1 person needs a look. 1 more visit is due."
+    assert "Due today." in found.entries[0].said
 
 
 @pytest.mark.parametrize(
@@ -97,9 +107,9 @@ def test_a_reason_is_a_sentence_with_its_day() -> None:
         )
     )
     assert found.look == [
-        "Sat 21 Nov: pain 6, above the limit of 5.",
-        "Yesterday: an adverse event, mild. No outcome is recorded.",
-        "The level has stayed at 6 for three sessions.",
+        "Pain 6 Sat 21 Nov, limit 5.",
+        "Adverse event yesterday, mild: no outcome yet.",
+        "Level 6 for three sessions.",
     ]
     assert "PAIN" in found.words.upper()
 
@@ -108,11 +118,11 @@ def test_several_events_are_one_sentence_and_a_severity_may_be_missing() -> None
     events = [Event(ago(days), "mild", days < 3) for days in (1, 2, 5, 6)]
     found = only(person("P01", None, events=events))
     assert found.look == [
-        "2 adverse events have no outcome recorded.",
+        "2 adverse events without an outcome.",
         "2 adverse events this week.",
     ]
     unknown = person("P01", None, events=[Event(ago(1), "", has_outcome=True)])
-    assert only(unknown).look == ["Yesterday: an adverse event, severity not recorded."]
+    assert only(unknown).look == ["Adverse event yesterday, severity not recorded."]
     assert day(person("P01", None, events=events)).sentence == "1 person needs a look."
 
 
