@@ -46,7 +46,7 @@ _REASONS: dict[ReasonKind, str] = {
     "mistake": "Begun by mistake {day}.",
     "interrupted": "Interrupted {day}.",
 }
-"""What is said of each reason. The list has room for 28 columns at 80 by 24."""
+"""Sentence of each reason; at 80 by 24 a line has room for 28 columns."""
 _SEVERAL: dict[ReasonKind, str] = {
     "event": "{value} adverse events this week.",
     "event without outcome": "{value} adverse events without an outcome.",
