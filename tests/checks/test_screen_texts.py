@@ -19,14 +19,15 @@ _HEAD = """# All texts of the screens
 
 These are the texts on the screens of participants and therapists that a theme can set, and that a new language
 translates, in `words.<language>.toml` ([themes and words](themes-and-words.md)). The English text is the key; slots
-such as `{count}` stay. What the agent says is in `phrases.<language>.toml`. This page is made from the program's lists.
+such as `{count}` stay. What the agent says is in `phrases.<language>.toml`. This page is made from the program's lists;
+`sar-tui themes check` prints what a theme lacks as lines to copy.
 """
 
 
 def section(title: str, texts: set[str]) -> str:
-    """A list of texts, as lines of a file of words."""
-    lines = "\n".join(f'{json.dumps(text, ensure_ascii=False)} = ""' for text in sorted(texts))
-    return f"\n## {title}\n\n```toml\n{lines}\n```\n"
+    """A list of texts, each in quotation marks as it is the key in a file of words."""
+    lines = "\n".join(json.dumps(text, ensure_ascii=False) for text in sorted(texts))
+    return f"\n## {title}\n\n```text\n{lines}\n```\n"
 
 
 def page(catalogue: Catalogue) -> str:
