@@ -175,8 +175,10 @@ class PlainApp:
         return self._terminal.write(text)
 
     def echo(self, before: str, now: str) -> None:
-        """Append what was typed after ``before``; what is left after a deletion is a line anew."""
-        if now.startswith(before):
+        """Append what was typed after ``before``. After a deletion, or another line in between, all
+        that was typed begins a new line.
+        """
+        if now.startswith(before) and self._terminal.is_line_open:
             self._terminal.extend(now[len(before) :])
         else:
             self._terminal.end_line()
@@ -688,8 +690,7 @@ class PlainStage:
             return
         if waiting.ask:
             ask = tr("Press {key} to hear how it went.", key=key_name(waiting.ask, tr))
-        said = text.said or (text.text,)
-        self._app.tell(_place(waiting), sentences(text.headline, *said, decline, ask, text.press))
+        self._app.tell(_place(waiting), [*text.sentences, *sentences(decline, ask, text.press)])
         if asked and asked.step.kind == "text":
             self._echo(asked.entry.typed)
 

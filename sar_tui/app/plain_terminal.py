@@ -48,6 +48,9 @@ class PlainTerminal:
     Args:
         on_input: called with each key, and with what else the parser reads, on the loop's thread.
         on_lost: called there once if the terminal is gone.
+
+    Attributes:
+        is_line_open: True after a text that did not end its line.
     """
 
     def __init__(
@@ -59,7 +62,7 @@ class PlainTerminal:
         self._thread = threading.Thread(target=self._read, name="plain keys", daemon=True)
         self._parser = TolerantParser()
         self._before: list[Any] = []
-        self._is_line_open = False
+        self.is_line_open = False
 
     def write(self, text: str) -> int:
         """Append a text as a line of its own, and return when it had reached the terminal (ns)."""
@@ -70,13 +73,13 @@ class PlainTerminal:
     def extend(self, text: str) -> None:
         """Append a text without ending its line."""
         if text:
-            self._is_line_open = True
+            self.is_line_open = True
             self._append(visible(text))
 
     def end_line(self) -> None:
         """End the line that was extended, if there is one."""
-        if self._is_line_open:
-            self._is_line_open = False
+        if self.is_line_open:
+            self.is_line_open = False
             self._append("\n")
 
     def _append(self, text: str) -> None:

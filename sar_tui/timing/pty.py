@@ -30,6 +30,7 @@ _KEYS = {
     "enter": b"\r",
     "space": b" ",
     "tab": b"\t",
+    "backspace": b"\x7f",
     "escape": b"\x1b",
     "up": b"\x1b[A",
     "down": b"\x1b[B",
@@ -37,6 +38,7 @@ _KEYS = {
     "left": b"\x1b[D",
     "f1": b"\x1bOP",
     "f2": b"\x1bOQ",
+    "f12": b"\x1b[24~",
 }
 
 _READING = max(QUIET, UNREAD) + 100 * MS

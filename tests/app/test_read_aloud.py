@@ -178,6 +178,19 @@ async def test_each_sentence_of_a_session_is_heard_once_and_in_order(
     assert listener.count > 30
 
 
+async def test_words_that_are_typed_are_not_read(
+    open_session: OpenSession, transcript: Transcript
+) -> None:
+    async with open_session(attempts=1, questions=["remark"], **_ALOUD) as driver:
+        await driver.do_attempt(await driver.to_first_prompt())
+        await driver.wait(5000)
+        assert "Type your answer, then press Enter." in transcript.read
+        transcript.heard.clear()
+        await driver.press("c", "o", "l", "d")
+        driver.see("cold▏")
+        assert transcript.read == []
+
+
 async def test_nothing_is_read_from_the_foreperiod_to_the_response(
     open_session: OpenSession, transcript: Transcript
 ) -> None:

@@ -75,6 +75,7 @@ run pairs -p P01 -p P02 --imu simulated -> uses no motion sensor with these sett
 run pairs -p P01 -p P02 --set respond_with=reaches -> Both sensors are named phidget.
 run pairs -p P01 -p P02 --set respond_with=reaches --imu simulated:unheard -> There is no simulated hand
 run pairs -p p01 -> for two: name the participant on the left, and then the one on the right.
+run keyboard -p P01 --plain --sync-flash -> Plain lines have no screen that flashes: leave out --sync-flash.
 run keyboard -p P01 --outputs screen,sceen -> There is no output "sceen". Did you mean screen?
 run keyboard -p P01 --speech nowhere -> nowhere
 simulate keyboard --user poor --outputs screen,sceen -> There is no output "sceen".

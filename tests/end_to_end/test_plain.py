@@ -23,6 +23,7 @@ from tests.end_to_end.participant_terminal import (
     rows,
     run_command,
 )
+from tests.outputs.markers.receivers import udp_receiver
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
 
@@ -36,14 +37,26 @@ def lines(terminal: Terminal) -> list[str]:
     return text.split("\r\n")[:-1]
 
 
-def do_attempt(terminal: Terminal, prompts: int) -> None:
+def answer(terminal: Terminal, *asked: tuple[str, Sequence[str]]) -> None:
+    """Press keys at each of these lines."""
+    since = 0
+    for wanted, keys in asked:
+        since = terminal.wait_for(wanted, since=since)
+        terminal.settle()
+        for key in keys:
+            terminal.confirm(key)
+
+
+def do_attempt(
+    terminal: Terminal, prompts: int, until: str = "Press Enter to see how it went."
+) -> None:
     """Press the key that each line asks for."""
     since = 0
     for _ in range(prompts):
         since = terminal.wait_for("Press: ", since=since)
         terminal.read(0)
         terminal.press(chr(terminal.output[since]))
-    terminal.wait_for("Press Enter to see how it went.")
+    terminal.wait_for(until)
 
 
 def to_the_attempt(terminal: Terminal) -> None:
@@ -68,18 +81,23 @@ def plain(data: Path, **parameters: object) -> list[str]:
 
 
 def test_a_whole_session_is_read_as_lines_and_recorded_like_any_other(data: Path) -> None:
-    with Terminal(plain(data, ask_wellbeing="yes")) as terminal:
-        for wanted, keys in (
-            ("How much pain do you have now?", ("2", "enter")),
+    with Terminal(plain(data, ask_wellbeing="yes", questions="remark")) as terminal:
+        answer(
+            terminal,
+            ("How much pain do you have now?", ("5", "enter")),
+            ("Where does it hurt?", ("backspace",)),
+            ("Chosen: 5.", ("2", "enter")),
             ("Where does it hurt?", ("3", "enter")),
             ("How tired are you now?", ("tab",)),
-        ):
-            terminal.wait_for(wanted)
-            terminal.settle()
-            for key in keys:
-                terminal.confirm(key)
+        )
         to_the_attempt(terminal)
-        do_attempt(terminal, 3)
+        do_attempt(terminal, 3, until="Is there anything you would like to tell us?")
+        terminal.settle(silence_ms=600)
+        terminal.confirm("A")
+        terminal.write(b" colt")
+        terminal.wait_for("A colt")
+        terminal.write(b"\x7fd \xc3\xa9te\r")
+        terminal.wait_for("Press Enter to see how it went.")
         terminal.settle(silence_ms=600)
         terminal.confirm()
         end = terminal.wait_for("Press Enter to finish.")
@@ -94,12 +112,18 @@ def test_a_whole_session_is_read_as_lines_and_recorded_like_any_other(data: Path
         found,
         "How much pain do you have now?",
         "10: worst pain imaginable.",
+        "Where does it hurt?",
+        "You said: 5.",
+        "Chosen: 5.",
         "Chosen: 2.",
         "Where does it hurt?",
         "Chosen: 3, left arm.",
         "Welcome",
         "Press that key as fast as you can, and then wait for the next one.",
         "Attempt 1 of 1",
+        "Type your answer, then press Enter.",
+        "A colt",
+        "A cold éte",
         "All done",
         "Well done",
         "Press Enter to finish.",
@@ -147,6 +171,44 @@ def test_escape_opens_a_menu_of_numbers_and_the_session_is_resumed_after_a_signa
     assert rows(data, "SELECT count(*) FROM trials") == [(3,)]
 
 
+def test_keys_that_are_held_or_come_too_soon_do_not_answer_the_advice_not_to_train(
+    data: Path,
+) -> None:
+    with Terminal(plain(data, ask_wellbeing="yes")) as terminal:
+        answer(terminal, ("How much pain do you have now?", ("9", "enter")))
+        answer(terminal, ("Where does it hurt?", ("1", "enter")))
+        terminal.wait_for("How tired are you now?")
+        terminal.settle()
+        terminal.confirm("0")
+        for _ in range(12):
+            terminal.press("enter")
+            terminal.settle(silence_ms=40)
+        terminal.wait_for("Press Enter to stop for today.")
+        terminal.settle()
+        terminal.confirm("g")
+        terminal.wait_for("Welcome")
+        terminal.hang_up()
+    kept = rows(data, "SELECT content FROM records WHERE kind='pain' ORDER BY rowid")
+    assert json.loads(kept[-1][0])["advice"] == "went on"
+
+
+def test_operators_and_markers_are_served_as_on_a_screen(data: Path) -> None:
+    with udp_receiver() as receiver:
+        words = [*plain(data), "--operator", "--markers", receiver.address]
+        with Terminal(words) as terminal:
+            to_the_attempt(terminal)
+            do_attempt(terminal, 3)
+            terminal.settle(silence_ms=600)
+            terminal.confirm()
+            terminal.wait_for("Press Enter to finish.")
+            terminal.settle(silence_ms=600)
+            terminal.confirm()
+            assert terminal.wait() == 0
+            assert "What operators did: sar-tui report wizard" in lines(terminal)[-1]
+        marked = [marker["event"] for marker in receiver.until("session_end")]
+    assert marked.count("prompt_onset") == 3
+
+
 def test_the_environment_variable_of_other_programs_asks_for_lines_too(data: Path) -> None:
     with Terminal(run_command(data), environment={"ACCESSIBLE": "1"}) as terminal:
         terminal.wait_for("Press Enter to go on.")
@@ -177,7 +239,7 @@ def test_a_participant_trains_alone_in_lines(data: Path) -> None:
         terminal.wait_for("Press Enter to go on.")
         terminal.press("ctrl+c")
         terminal.wait_for("1: Go on.")
-        terminal.write(b"\x1b[24~")
+        terminal.press("f12")
         terminal.wait_for("Please enter the passphrase.")
         terminal.write(b"quiet morning\r")
         assert terminal.wait() == 0

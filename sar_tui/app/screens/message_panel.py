@@ -53,7 +53,7 @@ class MessagePanel(Vertical):
     @property
     def sentences(self) -> list[str]:
         """The message in sentences, without its drawings."""
-        return sentences(self._text.headline, *(self._text.said or [self._text.text]), self._ask)
+        return [*self._text.sentences, *sentences(self._ask)]
 
     def on_resize(self) -> None:
         self._arrange()

@@ -6,6 +6,7 @@ from sar_tui.loop.task import Task
 from sar_tui.model.language import Language
 from sar_tui.model.messages import AskedStep, Waiting
 from sar_tui.model.results_for_people import duration_text
+from sar_tui.model.spoken_text import sentences
 from sar_tui.model.step import TIMED, Entry, Point, Step, points
 from sar_tui.model.units import SECOND
 from sar_tui.tui.language import session_language
@@ -14,13 +15,18 @@ from sar_tui.widgets.answer_options import SMALLEST_SCALE, options_text
 
 class WaitingText(NamedTuple):
     """Headline, text, and the key to press (empty if no key helps). ``said``: sentences that tell
-    the text where it is a drawing.
+    the text where it is a drawing; None where it is words.
     """
 
     headline: str
     text: str
     press: str
-    said: tuple[str, ...] = ()
+    said: tuple[str, ...] | None = None
+
+    @property
+    def sentences(self) -> list[str]:
+        """Headline and text in sentences."""
+        return sentences(self.headline, *((self.text,) if self.said is None else self.said))
 
 
 def waiting_text(  # noqa: PLR0911
@@ -213,6 +219,8 @@ def option_sentences(step: Step, entry: Entry, tr: Language) -> tuple[str, ...]:
     elif entry.chosen:
         chosen = ", ".join(_option(found[index]) for index in entry.chosen)
         said.append(tr("Chosen: {options}.", options=chosen))
+    elif step.kind == "choices" and entry.place is not None:
+        said.append(tr("Nothing is chosen."))
     return tuple(said)
 
 
