@@ -292,6 +292,21 @@ async def test_arrows_pass_over_choices_and_do_not_open_them(form: AppDriver) ->
 
 
 @pytest.mark.slow
+async def test_fields_say_what_they_mean_while_they_are_edited_and_always_in_a_large_window(
+    form: AppDriver,
+) -> None:
+    meaning, limits = "Number of keys in an attempt.", "1 to 200."
+    await form.press("pagedown")
+    form.see(meaning, limits)
+    await form.press("down")
+    form.lacks(meaning)
+    await form.resize(160, 48)
+    form.see(meaning, "The keys that prompts are drawn from.")
+    form.lacks(limits)
+    await form.resize(80, 24)
+    form.lacks(meaning)
+
+
 @pytest.mark.usefixtures("a_participant")
 async def test_a_setting_is_found_by_a_word_of_its_title_or_help(first_run: AppDriver) -> None:
     await first_run.press("f2", "/")

@@ -60,7 +60,7 @@ _PAUSE_S = 0.15
 _BESIDE = 130
 """Columns from which the preview stands beside the fields."""
 _TALL = 40
-"""Rows from which all rules are shown, and there is a blank row between fields."""
+"""Rows from which all rules are shown, and fields say what they mean, with a blank row between."""
 
 
 class SettingsScreen(DismissedOnce[None]):
@@ -274,7 +274,8 @@ class SettingsScreen(DismissedOnce[None]):
         columns, rows = self.app.size
         self.set_class(columns >= _BESIDE, "-beside")
         self.set_class(rows >= _TALL, "-tall")
-        self._rule.use_size(rows < _TALL)
+        for widget in self._fields:
+            widget.use_size(rows < _TALL)
         self._show_preview_if_it_belongs()
 
     # --- values

@@ -97,7 +97,6 @@ class RuleField(ParameterField):
         super().__init__(field, value, saved, (), tr)
         self._rules = rules(tr)
         self._pictures: Mapping[str, Picture] = {}
-        self._is_small = True
 
     def compose(self) -> ComposeResult:
         yield RuleList(markup=False, compact=True)
