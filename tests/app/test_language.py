@@ -195,7 +195,7 @@ async def test_settings_are_in_the_saved_language(opened: OpenApp, data: Path) -
     known(data, "P01", language="es")
     async with opened() as driver:
         await driver.press("f2")
-        driver.see("Más difícil tras un logro")
+        driver.see("Más difícil si sale bien, más fácil si no.")
         await driver.press("pagedown")
         driver.see("Teclas por intento", "Número de teclas de un intento. De 1 a 200.")
         assert "F5 Versiones" in driver.rows[-1]

@@ -178,13 +178,15 @@ class RuleField(ParameterField):
             saved = show(self.saved)
             was = self._rules[saved].title if saved in self._rules else saved
             before = self.tr("was {value}", value=was)
+        room = self.content_size.width - _MARK - width - _PICTURE - 2
+        goals = picture.goals if len(picture.goals) <= room else ""  # the preview says it, too
         below = " ".join(filter(None, (rule.sentence, before)))
         wrapped = textwrap.wrap(below, max(20, self.content_size.width - _MARK))
         return Content.assemble(
             (f"{sign or (_CHOSEN if is_chosen else ''):{_MARK}}", "$accent"),
             (f"{rule.title:{width}}", style),
             (f" {picture.line:{_PICTURE}}", "$accent" if is_chosen else "$text-muted"),
-            (f" {picture.goals}", "$text-muted"),
+            (f" {goals}", "$text-muted"),
             *((f"\n{'':{_MARK}}{line}", "$text-muted") for line in wrapped),
             "" if self._is_small else "\n",
         )
