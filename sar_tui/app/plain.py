@@ -10,7 +10,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from datetime import date
 from math import ceil
 from pathlib import Path
@@ -332,9 +332,7 @@ class PlainApp:
                     codes = list(live.codes.values())
                     records.attach(self.database, live.run.id, codes, asked_since)
             await self._play(live, stage)
-        if self._failure:
-            self.notify(self._failure)
-        elif live.asks_after:
+        if live.asks_after and not self._failure:
             await self.ask(wellbeing.ask_after(self, live))
         self._must_rest = live.session.ended and wellbeing.had_better_rest(self, live)
         self._warn(list(live.codes.values()))
@@ -448,7 +446,8 @@ class PlainApp:
                 if await self._offer(plan, names.index(name) + 1, len(names), len(to_do) > 1):
                     found = unfinished(self.database, self.folder, self.patient, name)
                     await self.session(found or plan)
-                    self._keep_troubles()
+                    for text in self._lines_about_session():
+                        self.notify(text)
             except EnoughToday:
                 continue
             except (*PLAN_ERRORS, LinkError) as error:
@@ -457,7 +456,7 @@ class PlainApp:
 
     async def _rest(self, *texts: str) -> None:
         """Let the participant rest until a key is pressed."""
-        self.say(*map(self._tr, texts))
+        self.tell(object(), sentences(*map(self._tr, texts)))
         self.screen_keys.appeared()
         await self.key(None)
 
@@ -471,7 +470,8 @@ class PlainApp:
             )
         place = tr("Exercise {number} of {total}", number=number, total=total) if total > 1 else ""
         skip = f"S: {tr('Skip this exercise')}." if has_more else ""
-        self.say(place, f"{tr(plan.task.title)}.", tr("Press Enter to start."), skip)
+        start = f"{tr(plan.task.title)}.", tr("Press Enter to start.")
+        self.tell(plan, sentences(place, *start, skip))
         self.screen_keys.appeared()
         while True:
             key = await self.key(None)
@@ -479,12 +479,6 @@ class PlainApp:
                 return True
             if skip and key.key.lower() == "s":
                 return False
-
-    def _keep_troubles(self) -> None:
-        """Keep what went wrong with a session for the therapist."""
-        if self._live:
-            for text in lines_about(self._live, self._command, is_for_one_session=False):
-                self.notify(text)
 
     # --- the beginning and the end
 
@@ -541,10 +535,16 @@ class PlainApp:
 
     def _say_what_became(self) -> None:
         """Say what the therapist must know, and how to get back to the session."""
-        live, is_alone = self._live, bool(self.patient)
-        lines = lines_about(live, self._command, is_for_one_session=not is_alone) if live else ()
-        for text in dict.fromkeys((*self._troubles, *lines)):
+        for text in dict.fromkeys((*self._troubles, *self._lines_about_session())):
             self._terminal.write(text)
+
+    def _lines_about_session(self) -> Iterator[str]:
+        """Return why the last session failed, if it did, and what became of it."""
+        if self._failure:
+            yield self._failure
+        if self._live:
+            is_alone = bool(self.patient)
+            yield from lines_about(self._live, self._command, is_for_one_session=not is_alone)
 
     def _command(self, name: str, *session: str) -> str:
         line = command_line(self.folder, self.catalogue, name, *session)

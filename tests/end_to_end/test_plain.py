@@ -213,6 +213,8 @@ def test_the_environment_variable_of_other_programs_asks_for_lines_too(data: Pat
     with Terminal(run_command(data), environment={"ACCESSIBLE": "1"}) as terminal:
         terminal.wait_for("Press Enter to go on.")
         assert "Welcome" in lines(terminal)
+        terminal.confirm("f1")
+        terminal.wait_for("To pause, press Escape; nothing is lost.")
         terminal.hang_up()
 
 
@@ -225,12 +227,18 @@ def test_a_task_that_lines_cannot_tell_is_refused_in_a_sentence(data: Path, task
         assert f"The task {task} cannot be told in one line" in " ".join(lines(terminal))
 
 
-def test_a_participant_trains_alone_in_lines(data: Path) -> None:
+def alone(data: Path, **settings: object) -> list[str]:
+    """Give a participant an exercise, and return the command with which they train alone."""
     with closing(connect(data)) as database:
         participants.add(database, "P01")
-        programmes.save(database, "P01", "keyboard", Programme({"attempts": 1, **QUICK}), after=0)
+        programme = Programme({"attempts": 1, **QUICK, **settings})
+        programmes.save(database, "P01", "keyboard", programme, after=0)
     Passphrase(data).set("quiet morning")
-    with Terminal(command("--patient", "P01", "--plain", "--data", str(data))) as terminal:
+    return command("--patient", "P01", "--plain", "--data", str(data))
+
+
+def test_a_participant_trains_alone_in_lines(data: Path) -> None:
+    with Terminal(alone(data)) as terminal:
         terminal.wait_for("Press Enter to start.")
         terminal.settle()
         terminal.press("ctrl+c")
@@ -244,3 +252,30 @@ def test_a_participant_trains_alone_in_lines(data: Path) -> None:
         terminal.write(b"quiet morning\r")
         assert terminal.wait() == 0
         assert "quiet" not in " ".join(lines(terminal))
+
+
+def test_a_participant_in_pain_who_trains_alone_is_told_to_rest(data: Path) -> None:
+    with Terminal(alone(data, ask_wellbeing=True)) as terminal:
+        answer(
+            terminal,
+            ("Press Enter to start.", ("enter",)),
+            ("How much pain do you have now?", ("9", "enter")),
+            ("Where does it hurt?", ("1", "enter")),
+            ("How tired are you now?", ("0", "enter")),
+            ("Press Enter to stop for today.", ("enter",)),
+        )
+        terminal.wait_for("You can rest now.")
+        since = terminal.wait_for("Please tell them yourself.")
+        terminal.confirm("f12")
+        since = terminal.wait_for("Please enter the passphrase.", since=since)
+        terminal.write(b"loud morning\r")
+        since = terminal.wait_for("That is not the passphrase.", since=since)
+        terminal.confirm("f12")
+        since = terminal.wait_for("Please enter the passphrase.", since=since)
+        terminal.press("escape")
+        terminal.wait_for("Please tell them yourself.", since=since)
+        terminal.confirm("f12")
+        terminal.wait_for("Please enter the passphrase.", since=since)
+        terminal.write(b"quiet morning\r")
+        assert terminal.wait() == 0
+    assert rows(data, "SELECT 1 FROM sessions") == []
