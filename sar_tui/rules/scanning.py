@@ -156,9 +156,13 @@ class Scan:
 
     def _mark(self, place: int, at: int) -> None:
         self.at, self._moved = place, at
-        rounds = 1 if self.asked or not self.choices else self.choices[place].rounds
         moves = len(self.labels) > 1 and not self._has_two
-        self.due = at + rounds * self.interval_ms * MS if moves else None
+        self.due = at + self._rounds * self.interval_ms * MS if moves else None
+
+    @property
+    def _rounds(self) -> int:
+        """Intervals for which the present mark stays."""
+        return 1 if self.asked or not self.choices else self.choices[self.at].rounds
 
     def move(self, at: int) -> None:
         """Mark the next choice; after the last one, the first."""
@@ -189,8 +193,9 @@ class Scan:
             if since < ANTICIPATED:
                 self.at = (self.at - 1) % len(self.labels)
                 since += self.interval_ms * MS
-            press_ms = since / MS
-            self._times.append(press_ms)
+            if self._rounds == 1:  # else there is no hurry to press
+                press_ms = since / MS
+                self._times.append(press_ms)
         label, place, asked = self.labels[self.at], self.at, self.asked
         if asked:
             is_yes = self.at == 0

@@ -74,6 +74,12 @@ def test_time_to_read_is_no_press_time() -> None:
     assert shown().press("space", READ).press_ms is None
 
 
+def test_a_press_of_a_choice_that_stays_longer_tells_nothing_of_the_person() -> None:
+    scan = shown(choices=(ABC[0], ABC[1]._replace(rounds=6)), fixed_ms=1000)
+    at = moved(scan, 1) + 5000 * MS
+    assert scan.press("space", at)[:4] == ("taken", "B", ("b",), None)
+
+
 def test_the_interval_follows_the_presses() -> None:
     scan, at = shown(), 0
     for _ in range(3):
