@@ -13,11 +13,14 @@ PAGE = Path(__file__).parents[2] / "docs" / "write-a-node.md"
 _HEADING = "## All topics\n"
 _ABOUT = """
 Made from the program's list. Import name and message from `sar_tui.api.node`. Every message has a `seat` besides, whom
-it concerns. *Input*: recorded, and published again in a replay; *derived*: computed anew from inputs; *later*: added to
-the record after the session, and received by no node. A message that is *kept* is delivered to a node that subscribes
-later; a *stream* is not among the events of the database.
-
+it concerns. A message that is *kept* is delivered to a node that subscribes later; a *stream* is not among the events
+of the database.
 """
+_ORIGINS = {
+    "input": "Inputs: recorded, and published again in a replay",
+    "derived": "Derived: computed anew from inputs",
+    "later": "Later: added to the record after the session, and received by no node",
+}
 
 
 def lists() -> str:
@@ -25,23 +28,37 @@ def lists() -> str:
     names = {name: topic for name, topic in vars(topics).items() if isinstance(topic, Topic)} | {
         "FAULT": FAULT
     }
-    said: dict[type, str] = {}
-    rows = ["| name | topic | message and fields | |", "|---|---|---|---|"]
+    first_with: dict[type, str] = {}
+    rows: dict[str, list[str]] = {origin: [] for origin in _ORIGINS}
     for name, topic in names.items():
-        fields = ", ".join(
-            f"`{field.name}`"
-            for field in msgspec.structs.fields(topic.type)
-            if field.name != "seat"
+        first = first_with.setdefault(topic.type, name)
+        told = _summary(topic.type) if first == name else f"as `{first}`"
+        signs = "".join([" *Kept.*"] * topic.keep + [" *Stream.*"] * topic.stream)
+        rows[topic.origin].append(
+            f"| `{name}` | `{topic.name}` | `{topic.type.__name__}`: {told}{signs} |"
         )
-        summary = re.split(r"(?<=\.)\s|:\s", " ".join((topic.type.__doc__ or "").split()))[
-            0
-        ].rstrip(".")
-        kind = ", ".join([topic.origin] + ["kept"] * topic.keep + ["stream"] * topic.stream)
-        summary = summary.replace("``", "`")
-        first = said.setdefault(topic.type, name)
-        told = f"{summary}. {fields}" if first == name else f"as `{first}`"
-        rows.append(f"| `{name}` | `{topic.name}` | `{topic.type.__name__}`: {told} | {kind} |")
-    return _HEADING + _ABOUT + "\n".join(rows) + "\n"
+    tables = (
+        "\n".join(
+            (
+                f"\n**{title}**\n",
+                "| name | topic | message and fields |",
+                "|---|---|---|",
+                *rows[of],
+            )
+        )
+        for of, title in _ORIGINS.items()
+    )
+    return _HEADING + _ABOUT + "\n".join(tables) + "\n"
+
+
+def _summary(message: type[msgspec.Struct]) -> str:
+    """The first sentence on a message, and its fields."""
+    fields = ", ".join(
+        f"`{field.name}`" for field in msgspec.structs.fields(message) if field.name != "seat"
+    )
+    text = " ".join((message.__doc__ or "").split())
+    sentence = re.split(r"(?<=\.)\s|:\s", text)[0].rstrip(".")
+    return f"{sentence.replace('``', '`')}. {fields}"
 
 
 def test_the_page_lists_every_topic() -> None:
