@@ -38,12 +38,12 @@ from sar_tui.store.programmes import Programme
 IMAGES = Path(__file__).parent / "images"
 
 
-def save(app: App[Any], name: str, folder: Path = IMAGES) -> None:
-    """Keep the screen as an SVG that fetches no font from anywhere."""
+def save(app: App[Any], name: str, folder: Path | None = None) -> None:
+    """Keep the screen as an SVG that fetches no font from anywhere; ``folder``: `IMAGES`."""
     svg = re.sub(
         r"@font-face\s*\{.*?\}", "", app.export_screenshot(title="sar-tui"), flags=re.DOTALL
     )
-    (folder / f"{name}.svg").write_text(svg.replace("Fira Code", "monospace"))
+    ((folder or IMAGES) / f"{name}.svg").write_text(svg.replace("Fira Code", "monospace"))
 
 
 async def _draw() -> None:

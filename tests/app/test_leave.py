@@ -123,7 +123,7 @@ async def test_a_session_that_was_started_by_mistake_is_discarded_and_can_be_res
         assert why is not None
         assert (why.actor, why.reason) == ("participant", BY_MISTAKE)
     async with opened() as driver:
-        driver.see("No session yet.", "started by mistake")
+        driver.see("No session yet.", "Begun by mistake today.")
         await driver.press("f6", "delete")
         driver.see("interrupted: Enter resumes")
     assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]

@@ -34,7 +34,7 @@ class Transcript:
 
     @property
     def read(self) -> list[str]:
-        """What was read."""
+        """The texts that were read."""
         return [text for who, text in self.heard if who == "reader"]
 
 

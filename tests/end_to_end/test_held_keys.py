@@ -187,8 +187,10 @@ def test_no_screen_of_a_participant_who_trains_alone_is_skipped(data: Path, hand
         ("escape", "Take your time."),
         *[(ONCE + "down", "I am in pain")] * 2,
         ("enter", "How much pain do you have now?"),
-        ("1", "Where does it hurt?"),
-        ("2", "Tell your therapist or the experimenter about the pain before you go on."),
+        ("1", "How much pain do you have now?"),
+        ("enter", "Where does it hurt?"),
+        ("2", "Where does it hurt?"),
+        ("enter", "Tell your therapist or the experimenter about the pain before you go on."),
         ("enter", SECOND),
         ("f1", "Press Enter to close this."),
         ("enter", SECOND),
@@ -200,9 +202,11 @@ def test_no_screen_of_a_participant_who_trains_alone_is_skipped(data: Path, hand
         ("enter", "Press Enter to see how it went."),
         ("enter", "Press Enter to finish."),
         ("enter", "How much pain do you have now?"),
-        ("0", "How tired are you now?"),
-        ("3", "That was everything."),
-        ("enter", "Hello!"),
+        ("0", "How much pain do you have now?"),
+        ("enter", "How tired are you now?"),
+        ("3", "How tired are you now?"),
+        ("enter", "T H A T W A S E V E R Y T H I N G"),
+        ("enter", "About 1 minute"),
     )
     with patient(data) as terminal:
         walk = Walk(terminal, hand)
