@@ -57,6 +57,7 @@ def pytest_configure(config: pytest.Config) -> None:
     # Without bytecode on the disk, each program that a test starts would compile all its modules.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     sys.dont_write_bytecode = False
+    os.environ["LC_ALL"] = "C.UTF-8"  # screens are in English, whatever the computer's language is
     os.environ.pop("PYTHONUNBUFFERED", None)  # programs end otherwise: nothing is left to write
     home = tempfile.TemporaryDirectory(prefix="sar-tui-home-")
     config.stash[_HOME] = home

@@ -25,10 +25,12 @@ from sar_tui.app.screen_keys import ScreenKeys
 from sar_tui.app.screens.home import HomeScreen
 from sar_tui.app.themes import Themes
 from sar_tui.loop.clock import host_now
+from sar_tui.model.language import OWN_NAMES, Language, language
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plugin_watchdog import PluginWatchdog
 from sar_tui.store.database import StoreError, connect
+from sar_tui.store.interface_language import choose_interface_language, interface_language
 from sar_tui.tui.base_app import DESIGN, BaseApp
 from sar_tui.tui.gc_control import end_loading
 from sar_tui.tui.terminal_input import PasteDropped, UnreadableInput
@@ -68,6 +70,7 @@ class SarTui(BaseApp):
         is_kept: False if the data folder is removed after the app.
 
     Attributes:
+        tr: texts of the therapist's screens, those that have no language of their own.
         themes: those to choose from, and the one in use.
         patient_mode: lets a participant train alone.
         start: the last start of a session.
@@ -119,6 +122,7 @@ class SarTui(BaseApp):
         self.folder = folder
         self.is_kept = is_kept
         self.catalogue = catalogue
+        self.tr = _texts(interface_language(folder))
         self.themes = Themes(self, catalogue)
         self.database = connect(folder)
         self.patient_mode = PatientMode(self, patient)
@@ -268,6 +272,18 @@ class SarTui(BaseApp):
         await super().on_event(event)
 
     # --- at home
+
+    async def use_language(self, code: str) -> None:
+        """Show the therapist's screens in a language, from now on in this data folder."""
+        try:
+            choose_interface_language(self.folder, code)
+        except OSError as error:
+            self.notify(self.tr("It cannot be kept: {why}", why=str(error)), severity="warning")
+        self.tr = _texts(code)
+        home = self.screen_stack[0]
+        if isinstance(home, HomeScreen):
+            await home.recompose()
+            await home.fill()
 
     def check_database(self) -> None:
         """Open the database anew if its files were removed or replaced, and say so."""
@@ -545,6 +561,12 @@ class SarTui(BaseApp):
                 theme.summary,
                 functools.partial(self.themes.use_named, name),
             )
+        for code, name in () if self.has_participant else OWN_NAMES.items():
+            yield SystemCommand(
+                tr("Language: {name}", name=name),
+                tr("The language of the screens for therapists"),
+                functools.partial(self.use_language, code),
+            )
         leave = tr("Leave sar-tui; a session under way is kept")
         yield SystemCommand(tr("Quit"), leave, self.action_quit)
 
@@ -560,6 +582,11 @@ class SarTui(BaseApp):
 
         if not isinstance(self.screen, HelpScreen):
             self.push_screen(HelpScreen(self.screen))
+
+
+def _texts(code: str) -> Language:
+    """Return the app's texts in a language."""
+    return language(code, Path(__file__).parent)
 
 
 def find_picture_way(app: SarTui) -> None:

@@ -10,6 +10,8 @@ import msgspec
 
 BUNDLED = {"en": "English", "de": "German", "es": "Spanish"}
 """The languages that are included, by code. ``python -m tests.translations`` finds what one lacks."""
+OWN_NAMES = {"en": "English", "de": "Deutsch", "es": "Español"}
+"""The bundled languages in their own words, by code."""
 _DECIMAL_POINT = frozenset(
     "en zh ja ko he th es-mx es-us es-pr es-do es-gt es-hn es-ni es-pa es-sv".split()
 )
