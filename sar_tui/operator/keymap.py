@@ -20,8 +20,9 @@ from sar_tui.operator.text_charts import Piece, cut
 
 PREFIX = "wizard-"
 """Prefix of the ids of Textual's bindings, which the whole app shares."""
-MAX_EVENTS = 6
-"""Number of keys for event marks."""
+EVENT_KEYS = ("f5", "f6", "f7", "f8", "f9", "f10,f12")
+"""Keys of the event marks. Some terminals open a menu by F10."""
+MAX_EVENTS = len(EVENT_KEYS)
 
 
 class KeyCommand(NamedTuple):
@@ -130,13 +131,13 @@ KEY_COMMANDS = (
     *(
         KeyCommand(
             f"event-{number}",
-            f"f{4 + number}",
+            keys,
             f"event({number - 1})",
             "",
             f"Event mark {number}",
             "Speech and notes",
         )
-        for number in range(1, MAX_EVENTS + 1)
+        for number, keys in enumerate(EVENT_KEYS, 1)
     ),
     KeyCommand("seat", "a", "seat", "Seat", "Switch participant", "Speech and notes"),
     KeyCommand("control", "b", "take_control", "Control", "Take control", "Panel"),
