@@ -295,10 +295,12 @@ class PlainApp:
 
     # --- questions
 
-    async def ask(self, questions: Questions) -> bool:
-        """Ask about pain and tiredness. Return False if the advice to stop is followed."""
+    async def ask(self, questions: Questions) -> bool | None:
+        """Ask about pain and tiredness. Return False if the advice to stop is followed, None if the
+        questions are left.
+        """
         interview, place = Interview(questions), None
-        while interview.goes_on is None:
+        while interview.goes_on is None and not interview.is_left:
             self.tell((interview, interview.place), interview.texts().sentences)
             if place != interview.place:
                 place = interview.place
@@ -321,8 +323,8 @@ class PlainApp:
             self.screen_keys.set_bounce(what.parameters.bounce_ms)
             if what.parameters.ask_wellbeing:
                 asked_since = utc()
-                if not await self._may_begin(what):
-                    self._must_rest = True
+                if not (may_begin := await self._may_begin(what)):
+                    self._must_rest = may_begin is False
                     return
         with contextlib.ExitStack() as stack:
             link = self._link or stack.enter_context(link_of(what, self.database, self.folder))
@@ -337,8 +339,10 @@ class PlainApp:
         self._must_rest = live.session.ended and wellbeing.had_better_rest(self, live)
         self._warn(list(live.codes.values()))
 
-    async def _may_begin(self, plan: Plan) -> bool:
-        """Ask before a session. Return False if pain speaks against it."""
+    async def _may_begin(self, plan: Plan) -> bool | None:
+        """Ask before a session. Return False if pain speaks against it, None if the questions are
+        left.
+        """
         theme = self.catalogue.theme(plan.theme, plan.parameters.language)
         task, codes = set_up(plan.task, plan.parameters), list(plan.participants)
         may_begin = await self.ask(wellbeing.ask_before(self, task, theme, codes))
@@ -728,11 +732,10 @@ class PlainStage:
 
     async def ask_in_pause(self, questions: Questions) -> None:
         """Ask about pain; end the session if the participant follows the advice not to go on."""
-        if await self._app.ask(questions):
-            if self.waiting and self._choices:
-                self._open_menu(self.waiting)
-        else:
+        if await self._app.ask(questions) is False:
             self._live.operate(SessionCommand(command="end", reason="finished"))
+        elif self.waiting and self._choices:
+            self._open_menu(self.waiting)
 
     # --- keys
 

@@ -117,7 +117,8 @@ class SessionStart:
             if goes_on:
                 self._prepare(plan)
             else:
-                app.patient_mode.stopped_by_pain()
+                if goes_on is False:
+                    app.patient_mode.stopped_by_pain()
                 app.not_begun()
 
         app.push_screen(WellbeingScreen(ask_before(app, task, theme, codes)), answered)

@@ -110,11 +110,20 @@ async def test_pain_above_the_limit_before_a_session_is_a_reason_not_to_begin(
         assert sessions == [(driver.session_id,)]
 
 
-async def test_after_too_much_pain_skipping_is_advised_on(asked: AppDriver) -> None:
-    await asked.press("9", "enter", "escape")
+async def test_escape_goes_back_to_what_was_there_before_the_questions(asked: AppDriver) -> None:
+    await asked.press("2", "enter", "escape")
+    asked.see("How much pain do you have now?")
+    await asked.press("escape")
+    assert asked.app.return_code == 0
+    assert answers(asked) == [("before", "pain", 2)]
+    assert asked.stored("SELECT 1 FROM sessions") == []
+
+
+async def test_after_too_much_pain_escape_leads_to_the_advice(asked: AppDriver) -> None:
+    await asked.press("9", "enter", "escape", "escape")
     asked.see("Please do not train now")
-    await asked.press("backspace", "backspace", "1", "enter", "escape")
-    assert asked.screen_name == "SessionScreen", "the pain was corrected"
+    await asked.press("escape", "1", "enter", "escape", "escape")
+    assert asked.stored("SELECT 1 FROM sessions") == [], "the pain was corrected"
     assert answers(asked) == [("before", "pain", 1, "shown")]
 
 

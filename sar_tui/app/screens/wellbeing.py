@@ -1,7 +1,6 @@
 """Questions about pain and tiredness: one at a time, nothing chosen beforehand."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Any, ClassVar, Literal, NamedTuple, cast
 
 from textual import events
@@ -191,8 +190,9 @@ class Asked(NamedTuple):
 
 
 class Interview:
-    """Asks the questions one at a time, with a way back. Pain above the limits leads to the advice
-    not to train. Enter follows it; to go on takes another key, and is stored.
+    """Asks the questions one at a time, with a way back: from the first, to what was there before.
+    Pain above the limits leads to the advice not to train. Enter follows it; to go on takes another
+    key, and is stored.
 
     Args:
         questions: what is asked, and of whom.
@@ -202,6 +202,7 @@ class Interview:
         is_advising: True while the advice stands in place of a question.
         goes_on: None until the interview is over; then True to go on, False not to begin the
             session, or to end it in a pause.
+        is_left: True if it was left from the first question, so that nothing begins or ends.
     """
 
     def __init__(self, questions: Questions) -> None:
@@ -211,6 +212,7 @@ class Interview:
         self.entry = Entry()
         self.is_advising = False
         self.goes_on: bool | None = None
+        self.is_left = False
         if questions.told is not None:
             self._answers[questions.people[0].seat, "pain"] = str(questions.told)
             if self._in_pain:
@@ -230,6 +232,11 @@ class Interview:
     def can_go_back(self) -> bool:
         """True if there is a question before."""
         return self.is_advising or len(self._asked) > 1
+
+    @property
+    def can_leave(self) -> bool:
+        """True if Escape leads back. A session that is over cannot be gone back to."""
+        return self.can_go_back or self._questions.moment != "after"
 
     def texts(self, marked: Entry | None = None) -> Asked:
         """Return the texts of the question with what is chosen, or with ``marked`` in its place."""
@@ -269,6 +276,8 @@ class Interview:
         """Handle a key."""
         match key:
             case "backspace":
+                self._go_back()
+            case "escape" if self.can_go_back:
                 self._go_back()
             case "escape":
                 self._leave()
@@ -337,24 +346,24 @@ class Interview:
         self.entry = Entry(chosen=(values.index(said),)) if said in values else Entry()
 
     def _leave(self) -> None:
-        """Leave the questions out; not the advice, which Escape follows as Enter does."""
-        if self.is_advising:
-            self._close_advice(goes_on=False)
-        else:
+        """Go back to what was there before the questions. Too much pain leads to the advice."""
+        if self._in_pain:
             self._finish()
+        else:
+            self.is_left = self.can_leave
 
 
 class WellbeingScreen(DismissedOnce[bool]):
     """Shows an interview; the result is True to go on, False not to begin the session, or to end
-    it in a pause.
+    it in a pause; None if it was left.
 
     Args:
         questions: what is asked, and of whom.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("backspace", "press('backspace')", "Back", id="back"),
-        Binding("escape", "press('escape')", "Skip", id="leave"),
+        Binding("backspace", "press('backspace')", "Back", show=False, id="back"),
+        Binding("escape", "press('escape')", "Back", id="leave"),
     ]
     AUTO_FOCUS = ""
 
@@ -380,18 +389,14 @@ class WellbeingScreen(DismissedOnce[bool]):
         live = app.open_session
         is_silent = live is None or set(live.session.task.parameters.outputs) <= {"screen"}
         hidden = {"help"} if app.aloud.is_on else set()
-        names = {"back": self.tr("Backspace")}
         return {
-            key: active._replace(
-                binding=replace(active.binding, key_display=names.get(active.binding.id or ""))
-            )
+            key: active
             for key, active in keys_in_mode(
                 self.app, translated_keys(super().active_bindings, self.tr)
             ).items()
             if not (is_silent and active.binding.id == "stop")
             and active.binding.id not in hidden
-            # Escape does as Enter there, and skips nothing
-            and not (self._interview.is_advising and active.binding.id == "leave")
+            and (active.binding.id != "leave" or self._interview.can_leave)
         }
 
     @property
@@ -450,13 +455,13 @@ class WellbeingScreen(DismissedOnce[bool]):
         self._press(event.key, event.character)
 
     def action_press(self, key: str) -> None:
-        """Go back, or leave the questions out."""
+        """Go back, or leave the questions."""
         self._press(key, None)
 
     def _press(self, key: str, character: str | None) -> None:
         interview = self._interview
         interview.press(key, character)
-        if interview.goes_on is None:
+        if interview.goes_on is None and not interview.is_left:
             self._show()
         else:
             self.dismiss(interview.goes_on)
