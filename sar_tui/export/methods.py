@@ -132,7 +132,7 @@ def _timing(rows: Sequence[Row], passports: Sequence[Passport]) -> str:
         delay = _told(row["parameters"]["added_delay_ms"] for row in slowed)
         sentences.append(
             f"In {_count(len(slowed), 'session')} the system's slow keys added {delay} ms to each "
-            "press, as somebody told; this is part of the reaction times."
+            "press, as somebody told; it is contained in the reaction times, and not subtracted."
         )
     if missing := len(rows) - sum(len(each.sessions) for each in passports):
         sentences.append(

@@ -44,7 +44,13 @@ _FEEDBACK = (
     "outputs",
     "language",
 )
-_ACCESS = {"switch": "none", "scan_interval_ms": 0, "bounce_ms": 0, "added_delay_ms": 0}
+_ACCESS = {
+    "switch": "none",
+    "scan_interval_ms": 0,
+    "bounce_ms": 0,
+    "system_keys": "not asked",
+    "added_delay_ms": 0,
+}
 """Settings of access, which are told if they are used: those of nobody."""
 _DOSE = (
     "attempts", "prompts_per_attempt", "reaches_per_attempt", "practice_attempts",

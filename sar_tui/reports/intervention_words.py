@@ -44,6 +44,7 @@ _PROCEDURE = {
     "switch": "switches in place of the keys",
     "scan_interval_ms": "scan interval, ms (0: follows the person)",
     "bounce_ms": "presses of one key within … ms are one",
+    "system_keys": "slow or sticky keys of the system",
     "added_delay_ms": "delay of the system's slow keys, ms: part of each reaction time",
 }
 _UNUSED = {"0", "0.0"}

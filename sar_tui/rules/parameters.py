@@ -385,6 +385,16 @@ class TaskParameters(Settings, frozen=True, kw_only=True):
             personal=True,
         ),
     ] = 0
+    system_keys: Annotated[
+        Literal["not asked", "none", "slow", "sticky", "slow and sticky"],
+        _access(
+            "Slow or sticky keys",
+            help="Ask, and look in the system's settings before the first session. GNOME: "
+            "Accessibility, Typing. Windows: Accessibility, Keyboard, Filter keys. macOS: "
+            "Accessibility, Keyboard. none: you looked, and both are off.",
+            personal=True,
+        ),
+    ] = "not asked"
     added_delay_ms: Annotated[
         int,
         _access(
@@ -609,7 +619,15 @@ class TaskParameters(Settings, frozen=True, kw_only=True):
             found["scan_interval_ms"] = (
                 f"Scan interval is 0, or {FASTEST_MS} ms or more, not {self.scan_interval_ms} ms."
             )
-        return found
+        return found | self._wrong_system_keys()
+
+    def _wrong_system_keys(self) -> dict[str, str]:
+        has_slow, delay = self.system_keys in ("slow", "slow and sticky"), self.added_delay_ms
+        if has_slow and not delay:
+            return {"system_keys": "With slow keys, the delay of the system is 1 ms or more."}
+        if delay and not has_slow:
+            return {"added_delay_ms": f"A delay of {delay} ms is that of slow keys: choose slow."}
+        return {}
 
     def _wrong_questions(self) -> dict[str, str]:
         for name in self.questions:

@@ -435,33 +435,3 @@ def test_invitations_that_are_valid_expire_are_readable_by_others_or_damaged(
     keys.chmod(0o700)
     (keys / "invitations.json").write_text("{")
     assert link.invitations(here).state == "bad"
-
-
-@pytest.mark.parametrize(
-    ("slow", "sticky", "state", "found"),
-    [
-        ("false", "false", "ok", "no slow, sticky or bounce keys"),
-        ("false", "true", "ok", "sticky keys in GNOME"),
-        ("true", "false", "care", "slow keys (300 ms)"),
-    ],
-)
-def test_what_the_system_does_to_the_keys_is_told(
-    tmp_path: Path, monkeypatch: Patch, slow: str, sticky: str, state: str, found: str
-) -> None:
-    program = tmp_path / "gsettings"
-    program.write_text(
-        "#!/bin/sh\n"
-        f'case "$3" in slowkeys-enable) echo {slow};; stickykeys-enable) echo {sticky};; '
-        '*-enable) echo false;; *) echo "uint32 300";; esac\n'
-    )
-    program.chmod(0o755)
-    monkeypatch.setenv("PATH", f"{tmp_path}:/bin:/usr/bin")
-    told = machine.slow_keys(SimpleNamespace())
-    assert (told.state, found in told.found) == (state, True), told
-
-
-def test_where_the_system_cannot_be_asked_the_doctor_says_where_to_look(
-    tmp_path: Path, monkeypatch: Patch
-) -> None:
-    monkeypatch.setenv("PATH", str(tmp_path))
-    assert "accessibility settings" in machine.slow_keys(SimpleNamespace()).advice

@@ -201,7 +201,7 @@ def test_the_scope_of_a_preset_is_each_setting_but_the_persons(catalogue: Catalo
     everybodys = set(
         (
             "language outputs speech operator_joins instructions ask_wellbeing pain_limit pain_rise"
-            " read_aloud switch scan_interval_ms bounce_ms added_delay_ms"
+            " read_aloud switch scan_interval_ms bounce_ms system_keys added_delay_ms"
         ).split()
     )
     own = "imu imu_b imu_trunk hand hand_b layout choice_set marker_distances_cm respond_with"

@@ -71,6 +71,12 @@ def test_methods_tell_of_switches_and_of_slow_keys(measured: str, tmp_path: Path
     assert "slow keys added 300 ms to each press" in text
 
 
+def test_methods_tell_of_no_slow_keys_where_nobody_has_any(measured: str, tmp_path: Path) -> None:
+    change = "json_set(parameters, '$.system_keys', 'none', '$.added_delay_ms', 0)"
+    sql(tmp_path / "data", f"UPDATE sessions SET parameters={change}")
+    assert "slow keys" not in methods(tmp_path)
+
+
 def test_a_record_without_parameters_has_methods_too(measured: str, tmp_path: Path) -> None:
     sql(tmp_path / "data", "UPDATE sessions SET parameters='{}', software='{}', machine='{}'")
     text = methods(tmp_path)

@@ -154,6 +154,14 @@ def test_any_invalid_input_raises_one_sentence(text: str, name: str) -> None:
             {"foreperiod_min_ms": 900, "foreperiod_max_ms": 800},
             "Shortest wait (900 ms) is above the longest (800 ms).",
         ),
+        (
+            {"system_keys": "slow"},
+            "With slow keys, the delay of the system is 1 ms or more.",
+        ),
+        (
+            {"system_keys": "none", "added_delay_ms": 300},
+            "A delay of 300 ms is that of slow keys: choose slow.",
+        ),
     ],
 )
 def test_each_invalid_value_is_reported_in_one_sentence(
@@ -238,3 +246,13 @@ def test_values_that_became_unusable_are_left_out_with_the_reason_and_the_rest_i
         "min_level": "Start level (1) must be between 3 and 10.",
     }
     assert usable(TaskParameters, kept) == (kept, {})
+
+
+def test_slow_keys_that_nobody_asked_about_are_told_from_none() -> None:
+    assert TaskParameters().system_keys == "not asked"
+    assert changed(build(TaskParameters, {"system_keys": "none"})) == {"system_keys": "none"}
+
+
+def test_a_delay_without_slow_keys_leaves_out_no_other_setting_of_access() -> None:
+    saved = {"switch": "one", "added_delay_ms": 300}
+    assert usable(TaskParameters, saved)[0] == {"switch": "one"}

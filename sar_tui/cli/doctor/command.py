@@ -44,6 +44,7 @@ def checks() -> Sequence[Check]:
     from sar_tui.cli.doctor import devices, machine
     from sar_tui.cli.doctor import devices as link
     from sar_tui.cli.doctor.data_in_git import examine_data_in_git
+    from sar_tui.cli.doctor.system_keys import system_keys
 
     return (
         Check("Python", machine.python),
@@ -52,7 +53,7 @@ def checks() -> Sequence[Check]:
         Check("Colours", machine.colours),
         Check("Pictures", machine.pictures),
         Check("Connection", machine.connection),
-        Check("Slow keys", machine.slow_keys, waits=True),
+        Check("Slow keys", system_keys, waits=True),
         Check("Clock", machine.clock),
         Check("Onset stamps", machine.onset_stamps),
         Check("Priority", machine.priority),

@@ -3,7 +3,6 @@
 import os
 import platform
 import shutil
-import subprocess
 import sys
 import time
 from collections.abc import Callable
@@ -108,47 +107,6 @@ def clock(_: Machine) -> Finding:
     found = f"{info.implementation}, resolution {info.resolution * 1e9:g} ns"
     if info.resolution > _COARSE_S:
         return bad(found, "Reaction times need a clock finer than 1 ms: use another machine.")
-    return ok(found)
-
-
-_TYPING_HELP = "org.gnome.desktop.a11y.keyboard"
-_ASK_S = 3.0
-
-
-def slow_keys(_: Machine) -> Finding:
-    """Find out what the system does to the keys of people who need help with typing."""
-    look = "Look at the system's accessibility settings of the keyboard."
-    if sys.platform == "win32" or not (program := shutil.which("gsettings")):
-        return ok("slow, sticky and bounce keys are not known here", look)
-
-    def ask(name: str) -> str:
-        told = subprocess.run(
-            [program, "get", _TYPING_HELP, name],
-            capture_output=True,
-            text=True,
-            timeout=_ASK_S,
-            check=True,
-        )
-        return told.stdout.split()[-1]
-
-    try:
-        on = {kind: ask(f"{kind}keys-enable") == "true" for kind in ("slow", "sticky", "bounce")}
-        delays = {kind: int(ask(f"{kind}keys-delay")) for kind in ("slow", "bounce")}
-    except (OSError, subprocess.SubprocessError, ValueError, IndexError):
-        return ok("slow, sticky and bounce keys are not known here", look)
-    used = [
-        f"{kind} keys{f' ({delays[kind]} ms)' if kind in delays else ''}"
-        for kind, is_on in on.items()
-        if is_on
-    ]
-    if not used:
-        return ok("no slow, sticky or bounce keys in GNOME")
-    found = f"{', '.join(used)} in GNOME"
-    if on["slow"]:
-        return care(
-            f"{found}: slow keys are part of each reaction time",
-            f"Record it with the person's sessions: --set added_delay_ms={delays['slow']}",
-        )
     return ok(found)
 
 
