@@ -251,8 +251,11 @@ class SarTui(BaseApp):
             self.switch = None
         if parameters and parameters.switch != "none":
             from sar_tui.app.switch import Switch
+            from sar_tui.rules.scanning import MOST
+            from sar_tui.store import sessions
 
-            self.switch = Switch(self, self._clock, parameters, people)
+            press_times = sessions.press_times(self.database, people[0], MOST)
+            self.switch = Switch(self, self._clock, parameters, people, press_times)
             self.look_for_choices()
 
     def _leave_switch(self) -> None:

@@ -33,6 +33,7 @@ class Switch:
         clock: for tests: a clock that is advanced by hand.
         parameters: of the session; they set a switch.
         people: the participants' codes.
+        press_times_ms: of the person, from earlier sessions.
     """
 
     def __init__(
@@ -41,13 +42,19 @@ class Switch:
         clock: Clock | None,
         parameters: TaskParameters,
         people: Sequence[str],
+        press_times_ms: Sequence[float],
     ) -> None:
         self._app = app
         self._clock = clock
         self._for = self._key(parameters, people)
         switches: Literal[1, 2] = 2 if parameters.switch == "two" else 1
         self._has_two = switches == 2
-        self._scan = Scan(switches, parameters.scan_interval_ms, parameters.bounce_ms * MS)
+        self._scan = Scan(
+            switches,
+            parameters.scan_interval_ms,
+            parameters.bounce_ms * MS,
+            press_times_ms=press_times_ms,
+        )
         self._screen: Screen[Any] | None = None
         self._timer: Any = None
         self._is_marked = False

@@ -386,12 +386,12 @@ class TaskParameters(Settings, frozen=True, kw_only=True):
         ),
     ] = 0
     system_keys: Annotated[
-        Literal["not asked", "none", "slow", "sticky", "slow and sticky"],
+        Literal["not asked", "neither", "slow", "sticky", "both"],
         _access(
             "Slow or sticky keys",
             help="Ask, and look in the system's settings before the first session. GNOME: "
             "Accessibility, Typing. Windows: Accessibility, Keyboard, Filter keys. macOS: "
-            "Accessibility, Keyboard. none: you looked, and both are off.",
+            "Accessibility, Keyboard. neither: you looked, and both are off.",
             personal=True,
         ),
     ] = "not asked"
@@ -622,7 +622,7 @@ class TaskParameters(Settings, frozen=True, kw_only=True):
         return found | self._wrong_system_keys()
 
     def _wrong_system_keys(self) -> dict[str, str]:
-        has_slow, delay = self.system_keys in ("slow", "slow and sticky"), self.added_delay_ms
+        has_slow, delay = self.system_keys in ("slow", "both"), self.added_delay_ms
         if has_slow and not delay:
             return {"system_keys": "With slow keys, the delay of the system is 1 ms or more."}
         if delay and not has_slow:

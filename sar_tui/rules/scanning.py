@@ -96,6 +96,7 @@ class Scan:
         fixed_ms: the interval that is set; 0 if it follows the person.
         bounce: as of `rules.keys.HeldKey`.
         answers: the words for Yes and No.
+        press_times_ms: of the person, from earlier sessions.
 
     Attributes:
         choices: of the screen.
@@ -110,6 +111,7 @@ class Scan:
         fixed_ms: int = 0,
         bounce: int = 0,
         answers: tuple[str, str] = ("Yes", "No"),
+        press_times_ms: Sequence[float] = (),
     ) -> None:
         self._has_two = switches == 2
         self._fixed_ms = fixed_ms
@@ -121,7 +123,7 @@ class Scan:
         self.due: int | None = None
         self._moved = 0
         self._moves = 0
-        self._times: list[float] = []
+        self._times = list(press_times_ms)
 
     @property
     def interval_ms(self) -> int:

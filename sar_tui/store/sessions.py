@@ -17,6 +17,7 @@ from sar_tui.loop.bus import Record
 from sar_tui.loop.clock import host_now
 from sar_tui.loop.nodes.memory import best_key
 from sar_tui.loop.task import Task
+from sar_tui.loop.topics import SWITCH
 from sar_tui.model.messages import AttemptEnded
 from sar_tui.model.session_mode import SessionMode
 from sar_tui.rules.parameters import TaskParameters, fields
@@ -166,6 +167,32 @@ def best(
         (participant, _dump(comparable), metric.unit),
     )
     return {best_key(level, condition): value for level, condition, value in rows}
+
+
+def press_times(db: sqlite3.Connection, participant: str, most: int) -> list[float]:
+    """Return the last press times of a participant's switch (ms), in order, as `SwitchPressed`
+    tells them. At most ``most``, of the newest sessions that count; none if a row is damaged, which
+    keeps no session from beginning.
+    """
+    found: list[float] = []  # the newest first
+    try:
+        for (session,) in db.execute(_WITH_A_SWITCH, (participant, most)).fetchall():
+            times = db.execute(_PRESS_TIMES, (session, SWITCH.name, most - len(found)))
+            found += (time for (time,) in times)
+    except sqlite3.DatabaseError:
+        return []
+    return found[::-1]
+
+
+_WITH_A_SWITCH = (
+    "SELECT sessions.id FROM seats CROSS JOIN sessions ON sessions.id=seats.session"
+    f" WHERE participant=? AND {COUNTS} AND json_extract(parameters, '$.switch')='one'"
+    " ORDER BY sessions.rowid DESC LIMIT ?"
+)
+_PRESS_TIMES = (
+    "SELECT json_extract(message, '$.press_ms') FROM events WHERE session=? AND topic=?"
+    " AND json_extract(message, '$.press_ms') IS NOT NULL ORDER BY seq DESC LIMIT ?"
+)
 
 
 def interrupt(db: sqlite3.Connection, session: str, ended: str) -> None:

@@ -3,16 +3,20 @@
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import pytest
 
+from sar_tui.app.screens.settings import FieldPanel
 from sar_tui.app.screens.switch_choices import answers
 from sar_tui.model.language import Language
 from sar_tui.model.messages import Prompt
 from sar_tui.model.step import Entry, Given, Step, press
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.scanning import FIRST_MS, interval_ms
 from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.store.passphrase import Passphrase
-from tests.app.app_driver import AppDriver, known, open_app
+from tests.app.app_driver import AppDriver, known, open_app, stored
+from tests.store.by_hand import sql
 
 _PATIENCE_MS = 60_000
 _STEP_MS = 100
@@ -227,6 +231,62 @@ async def test_a_pause_with_one_switch_offers_nothing_of_the_therapist(
             seen.add(driver.app.switch.marked)
             await driver.wait(100)
         assert seen == {"Go on", "I am tired", "I am in pain", "I am finished"}
+
+
+async def pressed(data: Path, catalogue: Catalogue, times: int, who: str = "P01") -> list[Any]:
+    """Go to and from a pause in a session, and return what was recorded of each press."""
+    values = {"attempts": 2, "switch": "one"}
+    plan = make_plan(catalogue, "gonogo", [who], values, theme="calm", seed=7)
+    async with open_app(data, catalogue, plan) as driver:
+        for _ in range(times):
+            await OneSwitch(driver).choose("Pause", "Go on")
+        await driver.wait(100)
+    of_this = "session=(SELECT id FROM sessions ORDER BY rowid DESC LIMIT 1) ORDER BY seq"
+    query = f"SELECT message FROM events WHERE topic='input/switch' AND {of_this}"
+    return [msgspec.json.decode(text) for (text,) in stored(data, query)]
+
+
+async def test_the_scan_interval_goes_on_from_a_persons_earlier_sessions(
+    data: Path, catalogue: Catalogue
+) -> None:
+    first = await pressed(data, catalogue, 4)
+    times = [press["press_ms"] for press in first if press["press_ms"]]
+    (begun, *_) = await pressed(data, catalogue, 1)
+    assert begun["interval_ms"] == interval_ms(times) < FIRST_MS
+
+
+async def test_the_scan_interval_of_one_person_is_not_that_of_another(
+    data: Path, catalogue: Catalogue
+) -> None:
+    await pressed(data, catalogue, 4)
+    (begun, *_) = await pressed(data, catalogue, 1, who="P02")
+    assert begun["interval_ms"] == FIRST_MS
+
+
+async def test_a_press_that_cannot_be_read_keeps_no_session_from_beginning(
+    data: Path, catalogue: Catalogue
+) -> None:
+    await pressed(data, catalogue, 4)
+    of_switch = "topic=(SELECT id FROM topics WHERE name='input/switch')"
+    assert sql(data, f"UPDATE messages SET message='[' WHERE {of_switch} RETURNING seq")
+    (begun, *_) = await pressed(data, catalogue, 1)
+    assert begun["interval_ms"] == FIRST_MS
+
+
+async def test_the_settings_tell_the_scan_interval_that_follows_the_person(
+    data: Path, catalogue: Catalogue
+) -> None:
+    presses = await pressed(data, catalogue, 4)
+    times = [press["press_ms"] for press in presses if press["press_ms"]]
+    known(data, task="gonogo", switch="one")
+    async with open_app(data, catalogue) as driver:
+        await driver.press("f2")
+        fields = {
+            each.field.name: each
+            for panel in driver.app.screen.query(FieldPanel)
+            for each in panel.fields
+        }
+        assert fields["scan_interval_ms"].note.endswith(f"It is {interval_ms(times)} ms now.")
 
 
 async def test_a_press_right_after_the_mark_has_moved_takes_what_was_marked_before(

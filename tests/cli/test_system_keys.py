@@ -118,7 +118,7 @@ def test_slow_and_sticky_keys_are_recorded_together(
     programs: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     found = in_gnome(programs, monkeypatch, slowkeys_enable="true", stickykeys_enable="true")
-    assert '--set system_keys="slow and sticky" --set added_delay_ms=300' in found.advice
+    assert "--set system_keys=both --set added_delay_ms=300" in found.advice
 
 
 def test_bounce_keys_alone_add_nothing_to_a_press(

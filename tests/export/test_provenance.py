@@ -72,7 +72,7 @@ def test_methods_tell_of_switches_and_of_slow_keys(measured: str, tmp_path: Path
 
 
 def test_methods_tell_of_no_slow_keys_where_nobody_has_any(measured: str, tmp_path: Path) -> None:
-    change = "json_set(parameters, '$.system_keys', 'none', '$.added_delay_ms', 0)"
+    change = "json_set(parameters, '$.system_keys', 'neither', '$.added_delay_ms', 0)"
     sql(tmp_path / "data", f"UPDATE sessions SET parameters={change}")
     assert "slow keys" not in methods(tmp_path)
 

@@ -159,7 +159,7 @@ def test_any_invalid_input_raises_one_sentence(text: str, name: str) -> None:
             "With slow keys, the delay of the system is 1 ms or more.",
         ),
         (
-            {"system_keys": "none", "added_delay_ms": 300},
+            {"system_keys": "neither", "added_delay_ms": 300},
             "A delay of 300 ms is that of slow keys: choose slow.",
         ),
     ],
@@ -250,7 +250,7 @@ def test_values_that_became_unusable_are_left_out_with_the_reason_and_the_rest_i
 
 def test_slow_keys_that_nobody_asked_about_are_told_from_none() -> None:
     assert TaskParameters().system_keys == "not asked"
-    assert changed(build(TaskParameters, {"system_keys": "none"})) == {"system_keys": "none"}
+    assert changed(build(TaskParameters, {"system_keys": "neither"})) == {"system_keys": "neither"}
 
 
 def test_a_delay_without_slow_keys_leaves_out_no_other_setting_of_access() -> None:

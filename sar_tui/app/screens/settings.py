@@ -31,9 +31,10 @@ from sar_tui.rules.parameters import (
     usable,
 )
 from sar_tui.rules.policies import BY_CHOICE, DIFFICULTY, without_effect
+from sar_tui.rules.scanning import MOST, interval_ms
 from sar_tui.runs.plan import Failed, check_outputs, set_up
 from sar_tui.runs.preview import Preview
-from sar_tui.store import programmes
+from sar_tui.store import programmes, sessions
 from sar_tui.store.database import StoreError
 from sar_tui.store.programmes import Programme
 from sar_tui.theme_folder import languages
@@ -308,7 +309,7 @@ class SettingsScreen(DismissedOnce[None]):
         problems, unused = self._problems(), without_effect(self._values())
         for widget in self._fields:
             name = widget.field.name
-            widget.more = "" if name in problems else self._level(widget)
+            widget.more = "" if name in problems else self._level(widget) or self._scanning(widget)
             widget.show_problem(problems.get(name, ""), unused.get(name, ""))
         self._count()
         self._show_key()
@@ -425,6 +426,19 @@ class SettingsScreen(DismissedOnce[None]):
         except (ParameterError, *PLUGIN_ERRORS):
             return ""
         return self.tr("Level {level}: {name}", level=level, name=name) if name else ""
+
+    def _scanning(self, field: ParameterField) -> str:
+        """Return the scan interval that follows the person, where they have a switch."""
+        values = self._values()
+        is_found = values["switch"] == "one" and show(values["scan_interval_ms"]).strip() == "0"
+        if field.field.name != "scan_interval_ms" or not is_found:
+            return ""
+        return self.tr("It is {ms} ms now.", ms=interval_ms(self._press_times))
+
+    @functools.cached_property
+    def _press_times(self) -> list[float]:
+        """Press times of the person's switch."""
+        return sessions.press_times(self.app.database, self._participant, MOST)
 
     # --- the preview
 

@@ -54,7 +54,7 @@ def system_keys(_: Machine) -> Finding:
     found = f"{', '.join(used)} in {told.where}"
     record = "Who needs them keeps them. Record it with the person's sessions: --set system_keys="
     if slow:
-        kinds = '"slow and sticky"' if sticky else "slow"
+        kinds = "both" if sticky else "slow"
         return care(
             f"{found}: slow keys are part of each reaction time",
             f"{record}{kinds} --set added_delay_ms={told.slow or 'MS'}",
