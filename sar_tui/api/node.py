@@ -48,7 +48,8 @@ __all__ = [  # noqa: RUF022  in groups
     # topics of what follows from them
     "FAULT", "PERCEIVED", "REACH", "WAITING", "ATTEMPT_STARTED", "CUE", "PROMPT", "FRAME",
     "TONES_AHEAD", "TONE_DUE", "TYPED", "VOIDED", "TRIAL", "TRIAL_FEEDBACK", "MARKED",
-    "ATTEMPT_ENDED", "LEVEL", "GOAL", "STEP_ENDED", "FEEDBACK", "SESSION_ENDED", "PROPOSED",
+    "ATTEMPT_ENDED", "LEVEL", "GOAL", "STEP_ENDED", "FEEDBACK", "TAKEN_BACK", "SESSION_ENDED",
+    "PROPOSED",
     "PENDING_APPROVAL", "ARBITER_STATE", "FILLER_DUE", "LEVEL_DECIDED", "LATE_DECISION",
     "DECIDED", "ACTION", "DROPPED", "HALT", "ACTING", "ANSWERED",
     # services
@@ -64,7 +65,8 @@ __all__ = [  # noqa: RUF022  in groups
     "Proposal", "ProposalSeen", "ReachPerceived", "Recall", "RecalledAttempts", "RecordChange",
     "RecordChanged", "Remark", "SensorChanged", "SessionCommand", "SessionEnded", "SessionStarted",
     "SettingChanged", "Shown", "Spread", "StepEnded", "StepStatus", "StorageChanged", "Stored",
-    "SwitchPressed", "SyncSignal", "TextPerceived", "ThemeApplied", "TimerFired", "Timing", "ToneBegan", "ToneDue",
+    "SwitchPressed", "SyncSignal", "TakenBack", "TakenBackKind", "TextPerceived", "ThemeApplied",
+    "TimerFired", "Timing", "ToneBegan", "ToneDue",
     "TonesAhead", "TrialEnded", "TrialFeedback", "TrialFeedbackShown", "TrialMarked", "Typed",
     "UnsaidFeedback", "UnsaidFeedbackRequest", "Utterance", "Waiting",
     # values of their fields

@@ -22,6 +22,7 @@ from sar_tui.rules.difficulty import MOST_RESULTS, Difficulty, Goal, ScoredAttem
 from sar_tui.rules.feedback import History
 
 _BY_HAND = "Set by hand."
+_TAKEN_BACK = "The change was taken back."
 
 
 class AttemptScore(msgspec.Struct, frozen=True):
@@ -284,6 +285,22 @@ def set_level(
     """
     overridden = replace(state, ended=None, is_overridden=True)
     return _put_level(task, overridden, level, "operator", _BY_HAND, under_way=under_way)
+
+
+def restore_level(
+    state: AttemptState, before: AttemptState
+) -> tuple[AttemptState, LevelChanged | None]:
+    """Take back a level that was set by hand: the level is as in the state ``before`` it."""
+    after = replace(
+        state,
+        level=before.level,
+        difficulty=before.difficulty,
+        goal=before.goal,
+        ended=before.ended,
+        is_overridden=before.is_overridden,
+    )
+    change = _change(state.difficulty.level, before.difficulty.level, "operator", _TAKEN_BACK)
+    return after, change
 
 
 def hold(task: Task, state: AttemptState, change: LevelChanged) -> AttemptState:

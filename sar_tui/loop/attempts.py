@@ -221,6 +221,11 @@ class Attempts:
         self.state, change = steps.set_level(self._task, self.state, level, under_way=under_way)
         return change
 
+    def restore_level(self, before: steps.AttemptState) -> LevelChanged | None:
+        """Take back a level that was set by hand."""
+        self.state, change = steps.restore_level(self.state, before)
+        return change
+
     @property
     def next(self) -> NextAttempt:
         """Level and settings of the next attempt."""

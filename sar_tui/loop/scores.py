@@ -112,6 +112,11 @@ class Scores:
         under_way = self._status.is_attempt_under_way
         self._change_level(self._attempts.set_level(level, under_way=under_way), before)
 
+    def restore_level(self, before: AttemptState) -> None:
+        """Take back a level that was set by hand, in the state ``before`` it."""
+        now = self._attempts.state
+        self._change_level(self._attempts.restore_level(before), now)
+
     def settle_level(self, level: int) -> None:
         """Apply a change of level that waited for an operator, as decided."""
         before = self._attempts.state

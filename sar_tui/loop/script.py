@@ -9,7 +9,7 @@ where the script waits, and is caught at the level that it concerns.
 
 from collections.abc import Callable, Generator
 from functools import partial
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, Literal, NamedTuple, TypeVar
 
 from msgspec.structs import replace
 
@@ -38,6 +38,7 @@ from sar_tui.loop.topics import (
     WAITING,
 )
 from sar_tui.loop.trial import OpenTrial, trial_feedback
+from sar_tui.loop.undo import Done, Undo
 from sar_tui.model import frames
 from sar_tui.model import messages as m
 from sar_tui.model.step import TIMED, Step
@@ -106,6 +107,10 @@ class SkipAttempt(Interruption):
     """The attempt that is under way, or comes next, is left out."""
 
 
+class TakeBack(Interruption):
+    """The last answer is taken back, or the attempt that was just begun."""
+
+
 class End(Interruption):
     """The session ends."""
 
@@ -148,6 +153,7 @@ class SessionScript:
         is_all_done: True after the last attempt.
         starts_at_once: the first attempt is still to begin by itself, without instructions.
         rest_until: end of the rest (ns); 0 without one.
+        undo: what can be taken back.
         feedback_due_at: when feedback on the last attempt is given (ns).
     """
 
@@ -163,6 +169,7 @@ class SessionScript:
         self.is_all_done = False
         self.starts_at_once = task.parameters.instructions == "never"
         self.rest_until = 0
+        self.undo = Undo()
         self.feedback_due_at = 0
         self._has_feedback = False  # on the last attempt
         self._continues_at = 0
@@ -209,30 +216,34 @@ class SessionScript:
                 if is_skipped and self.status.blockers.is_sensor_lost:
                     yield from self.paused("sensor")
                 is_skipped = False
-                yield from self.enter_pressed(Phase.READY)
+                is_by_hand = yield from self.enter_pressed(Phase.READY)
                 self._limit = self.dose.limit_text(self.node.now)
                 if self._limit:  # it was reached while the participant rested
                     self.is_all_done = self._ignores_decision = True
                     return
-                yield from self.attempt()
+                yield from self.attempt(is_by_hand=is_by_hand)
                 yield from self.after_attempt()
             except SkipAttempt:
                 self.node.cancel_timers()
                 self.is_all_done = not self.attempts.skip()
                 self.status.phase = Phase.READY
                 is_skipped = True
-            except AttemptRestarts:
+            except (AttemptRestarts, TakeBack):
                 self.attempts.restart()
                 self._is_restarted = True
 
     # --- before an attempt
 
-    def enter_pressed(self, phase: Phase) -> Script[None]:
-        """Wait for Enter, before an attempt or at the end: first for an operator's decision."""
-        return self.through_pauses(partial(self._enter_pressed, phase))
+    def enter_pressed(self, phase: Phase) -> Script[bool]:
+        """Wait for Enter, before an attempt or at the end: first for an operator's decision.
 
-    def _enter_pressed(self, phase: Phase) -> Script[None]:
-        if self.starts_at_once and phase is Phase.READY:
+        Returns False if the attempt begins by itself.
+        """
+        return self.through_answers(partial(self._enter_pressed, phase))
+
+    def _enter_pressed(self, phase: Phase) -> Script[bool]:
+        was_entered_before = self.starts_at_once and phase is Phase.READY
+        if was_entered_before:
             self.starts_at_once = False
             self.continue_after(STARTS_AFTER)
         self.announce(phase)
@@ -246,9 +257,9 @@ class SessionScript:
                 self._check_sensor()
             match (yield (m.KeyPerceived, TimeUp, m.AgentActing)):
                 case m.KeyPerceived(key="enter", repeat=False):
-                    return
+                    return True
                 case TimeUp("continue") if phase is Phase.READY:
-                    return
+                    return was_entered_before
                 case event:
                     may_await_decision = isinstance(event, m.AgentActing)
 
@@ -265,19 +276,41 @@ class SessionScript:
 
     # --- an attempt
 
-    def attempt(self) -> Script[None]:
+    def attempt(self, *, is_by_hand: bool) -> Script[None]:
         """Run the trials of an attempt, and score it."""
         self.node.cancel_timer("continue")
         self._is_restarted = False
         self.dose.begin_attempt(self.node.now)
         self.node.emit(ATTEMPT_STARTED, self.attempts.begin(self.node.now))
         self.scores.begin_attempt()
+        self.undo.forget("answer", "attempt", "level", "hold", "setting", "mark")
+        if is_by_hand:
+            self._can_take_back("attempt", self.attempts.attempt)
         while not self.attempts.is_attempt_done:
             yield from self.trial()
         self._score_attempt()
 
+    def _can_take_back(
+        self, what: Literal["answer", "attempt"], number: int, seat: str = "A"
+    ) -> None:
+        """Let the participant take back an answer, or the beginning of an attempt."""
+
+        def is_possible() -> bool:
+            return self.status.phase is not Phase.PAUSED
+
+        done = Done(
+            "participant",
+            what,
+            self.node.now,
+            number=number,
+            seat=seat,
+            is_possible=is_possible,
+        )
+        self.undo.note(done)
+
     def _score_attempt(self) -> None:
         """Score the attempt, and decide if another one follows."""
+        self.undo.forget("level", "hold", "setting")
         scored = self.scores.end_attempt()
         ended = scored.first.ended
         self.dose.end_attempt(ended.level, self.node.now, is_practice=ended.practice)
@@ -336,6 +369,7 @@ class SessionScript:
     def result(self, judged: Judged) -> Script[None]:
         """Record the trial, and show the answer to it."""
         self.node.cancel_timers()
+        self.undo.forget("attempt")
         trial = self.presenter.trial
         results = self._by_seat(trial, judged)
         self._unmeasured = 0
@@ -417,11 +451,34 @@ class SessionScript:
                 ended = yield from self.through_pauses(partial(self.step, step))
             except Skip:
                 ended = Ended("skipped", None, self.node.now)
+            except TakeBack:
+                self.node.cancel_timer("step")
+                self.steps.take_back()
+                continue
             self.node.cancel_timer("step")
-            self.node.emit(STEP_ENDED, self.steps.end(ended))
+            message = self.steps.end(ended)
+            self.node.emit(STEP_ENDED, message)
+            self.undo.forget("answer")
+            if ended.status in ("answered", "declined"):
+                self._can_take_back("answer", message.number, message.seat)
             if is_refusal(step, ended.answer):
                 raise Refused
             self._ignores_decision = self.steps.attempts_done > 0
+
+    def through_answers(self, wait: Callable[[], Script[T]]) -> Script[T]:
+        """Wait for something, through pauses. If the last answer is taken back meanwhile, ask for
+        it again, then wait anew.
+        """
+        while True:
+            try:
+                return (yield from self.through_pauses(wait))
+            except TakeBack:
+                continues = self.node.has_timer("continue")
+                self.node.cancel_timers()
+                self.steps.take_back()
+            yield from self.steps_due()
+            if continues:
+                self.continue_after(CONTINUES_AFTER)
 
     def step(self, step: Step) -> Script[Ended]:
         """Show a step until it is answered, read or over."""
@@ -443,7 +500,7 @@ class SessionScript:
         """Rest as long as the settings say, or until somebody ends the rest."""
         self.rest_until = self.node.now + self.task.parameters.rest_seconds * SECOND
         try:
-            yield from self.through_pauses(self._rested)
+            yield from self.through_answers(self._rested)
         except Skip:
             self.node.cancel_timer("rest")
         self.dose.end_rest(self.node.now)

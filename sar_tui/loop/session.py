@@ -18,6 +18,7 @@ from sar_tui.loop.nodes.perception import Perception
 from sar_tui.loop.replay_comparison import Comparison
 from sar_tui.loop.task import Task
 from sar_tui.loop.topics import ACTING, SESSION, SESSION_ENDED, THEME
+from sar_tui.loop.undo import Done
 from sar_tui.model.messages import AgentActing, Fault, SessionStarted, ThemeApplied
 from sar_tui.model.step import Step
 from sar_tui.model.theme import Theme
@@ -135,6 +136,19 @@ class Session:
     def trial_mark(self) -> TrialMark:
         """The trial that a mark is put on now, and the mark that is on it."""
         return self._event_handler.trial_mark
+
+    def undoable(self, *actors: str) -> Done | None:
+        """Return the last act that one of these people can take back now; None if there is none."""
+        now = self.clock.now()
+        found = [done for who in actors if (done := self._event_handler.undoable(who, now))]
+        return max(found, key=lambda done: done.at, default=None)
+
+    @property
+    def is_typing(self) -> bool:
+        """True while keys are letters of a response, or of an answer in words."""
+        trial, asked = self._event_handler.open_trial, self._script.steps.asked
+        is_response = trial is not None and trial.expects_text
+        return is_response or (asked is not None and asked.step.kind == "text")
 
     @property
     def pictures_to_come(self) -> tuple[str, ...]:

@@ -39,6 +39,7 @@ class Steps:
         self.attempts_done = 0
         self.asked: m.AskedStep | None = None
         self._due: tuple[tuple[Step, str], ...] = ()
+        self._before_end: tuple[tuple[tuple[Step, str], ...], bool] = ((), False)
         self._looked_after: int | None = None
         self._number = 0
         self._is_agreed = False
@@ -59,19 +60,22 @@ class Steps:
 
         ``is_last``: no attempt follows.
         """
-        if self._looked_after == self.attempts_done:
-            return
-        self._looked_after = done = self.attempts_done
+        if self._looked_after != self.attempts_done:
+            self._looked_after = self.attempts_done
+            self._due = self._due_now(is_last=is_last)
+        while self._due:
+            yield self._ask(*self._due[0])
+
+    def _due_now(self, *, is_last: bool) -> tuple[tuple[Step, str], ...]:
+        done = self.attempts_done
         total = done if is_last and done else self._task.parameters.attempts
         required_first = sorted(self._all, key=lambda step: not step.required)
-        self._due = tuple(
+        return tuple(
             (step, seat)
             for step in required_first
             if step.is_due(done, total)
             for seat in (self._task.seats if step.is_question else self._task.seats[:1])
         )
-        while self._due:
-            yield self._ask(*self._due[0])
 
     def _ask(self, step: Step, seat: str) -> Step:
         self._number += 1
@@ -113,6 +117,7 @@ class Steps:
         """End the step. Returns what came of it."""
         asked = self.asked
         assert asked
+        self._before_end = self._due, self._is_agreed
         self.asked, self._due = None, self._due[1:]
         step = asked.step
         if not is_refusal(step, ended.answer):
@@ -130,6 +135,11 @@ class Steps:
             shown=asked.shown,
             ended=ended.at,
         )
+
+    def take_back(self) -> None:
+        """Take back the end of the last step: it is due again."""
+        self.asked = None
+        self._due, self._is_agreed = self._before_end
 
 
 def is_refusal(step: Step, answer: Answer) -> bool:

@@ -229,6 +229,14 @@ def _pause(origin: Origin, command: m.SessionCommand) -> Row | None:
     return (id, origin.session, command.seat, kind, origin.now)
 
 
+def _taken_answer(origin: Origin, taken: m.TakenBack) -> Row | None:
+    return (origin.session, taken.number) if taken.what == "answer" else None
+
+
+def _taken_note(origin: Origin, taken: m.TakenBack) -> Row | None:
+    return (origin.session, taken.done, taken.actor) if taken.what == "note" else None
+
+
 def _refusal(origin: Origin, ended: m.SessionEnded) -> Row | None:
     """Keep nothing of those who did not agree, but their answer."""
     return (origin.session,) if ended.status == "refused" else None
@@ -248,6 +256,15 @@ PROJECTIONS = {
     "attempts": _declared(ATTEMPTS, m.AttemptEnded, "INSERT OR REPLACE"),
     "answers": _declared(ANSWERS, m.StepEnded, "INSERT OR REPLACE"),
     "notes": _declared(NOTES, m.NoteAdded, at_ns=lambda origin, note: note.at or origin.at),
+    "answers_taken_back": Projection(
+        "answers", m.TakenBack, "DELETE FROM answers WHERE session=? AND number=?", _taken_answer
+    ),
+    "notes_taken_back": Projection(
+        "notes",
+        m.TakenBack,
+        "DELETE FROM notes WHERE session=? AND at_ns=? AND author=?",
+        _taken_note,
+    ),
     "proposals": Projection(
         "actions",
         m.Proposal,

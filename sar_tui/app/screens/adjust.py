@@ -14,6 +14,7 @@ from sar_tui.app.live import LiveSession
 from sar_tui.app.screens.waiting_text import marks_text
 from sar_tui.loop.attempts import FEEDBACK_EVERY, GOAL, adjustable, with_setting
 from sar_tui.loop.bus import Record
+from sar_tui.loop.clock import Handle
 from sar_tui.loop.topics import COMMAND, NOTE_ADDED, SETTING
 from sar_tui.model.messages import NoteAdded, SessionCommand, SettingChanged, Waiting
 from sar_tui.model.results_for_people import goal_text
@@ -33,7 +34,10 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
     on.
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "back", "Back", id="back")]
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape", "back", "Back", id="back"),
+        Binding("ctrl+z", "undo", "Take back", id="undo", priority=True),
+    ]
 
     app: Any
 
@@ -42,6 +46,7 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
         self._live = live
         self._asked = ""
         self._has_gone_on = False
+        self._timer: Handle | None = None
         self._settings = adjustable(live.session.task)
 
     def compose(self) -> ComposeResult:
@@ -56,6 +61,7 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
             yield Static("", id="asked", markup=False)
             yield Input(id="value", max_length=_LONGEST_NOTE)
             yield Static("", id="problem", markup=False)
+            yield Static("", id="undo", classes="muted", markup=False)
 
     def on_mount(self) -> None:
         self.query_one(Input).display = False
@@ -64,6 +70,7 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
 
     def on_unmount(self) -> None:
         self._live.session.bus.untap(self._heard)
+        self._stop_timer()
 
     def on_screen_resume(self) -> None:
         """Close after another screen covered this one while the session went on."""
@@ -79,8 +86,31 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
         ):
             self._has_gone_on = True  # by an operator: the participant must see the screen below
             self.dismiss()
-        elif any(record.topic in (COMMAND, SETTING) for record in cascade):
+        elif any(record.topic in (COMMAND, SETTING, NOTE_ADDED) for record in cascade):
             self._list_changes()
+            self._offer_undo()
+
+    def _offer_undo(self) -> None:
+        """Name the key that takes back the last change, until it is too late."""
+        if not self.is_attached:
+            return
+        self._stop_timer()
+        done = self._live.session.undoable(ACTOR)
+        if done:
+            self._timer = self._live.clock.call_at(done.until + 1, self._offer_undo)
+        text = self.tr("Ctrl-Z takes the last change back.") if done else ""
+        self.query_one("#undo", Static).update(text)
+
+    def _stop_timer(self) -> None:
+        if self._timer:
+            self._timer.cancel()
+            self._timer = None
+
+    def action_undo(self) -> None:
+        """Take back the last change."""
+        if self._live.session.undoable(ACTOR):
+            self.query_one("#problem", Static).update("")
+            self._command("undo")
 
     def _list_changes(self) -> None:
         choices, tr, next_ = (

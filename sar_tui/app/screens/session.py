@@ -18,6 +18,8 @@ from sar_tui.app.screens.switch_choices import session_choices
 from sar_tui.app.screens.waiting_text import help_text, key_name
 from sar_tui.loop import topics
 from sar_tui.loop.agent_state import AWAITED
+from sar_tui.loop.clock import Handle
+from sar_tui.loop.undo import Done
 from sar_tui.model.language import Language
 from sar_tui.model.messages import (
     AgentActing,
@@ -30,6 +32,7 @@ from sar_tui.model.messages import (
     SessionEnded,
     StepEnded,
     TrialEnded,
+    TrialMarked,
     Waiting,
 )
 from sar_tui.model.units import SECOND
@@ -56,7 +59,10 @@ class SessionScreen(DismissedOnce[None]):
 
     app: Any
     AUTO_FOCUS = ""
-    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "pause", "Pause", id="pause")]
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape", "pause", "Pause", id="pause"),
+        Binding("ctrl+z", "undo", "Take back", id="undo"),
+    ]
 
     def __init__(self, live: LiveSession) -> None:
         super().__init__()
@@ -64,6 +70,7 @@ class SessionScreen(DismissedOnce[None]):
         self.stage = SessionStage(live, live)
         self._pause = _Pause(self, live)
         self._keys = _Keys(self, live)
+        self._undo = _Undo(self, live)
         self._gc = GcControl()
         self._warned_of = ""
         self._has_warned = False
@@ -94,6 +101,8 @@ class SessionScreen(DismissedOnce[None]):
             if binding.id == "stop":
                 words = words if has_voice else self.tr("Stop robot")
                 is_shown = bool(others)
+            if binding.id == "undo" and not self._undo.is_typing:
+                binding = dataclasses.replace(binding, key_display=self.tr("Backspace"))
             if binding.id == "quit":
                 is_shown = not self.app.patient
             shown = dataclasses.replace(binding, description=words, show=binding.show and is_shown)
@@ -113,6 +122,7 @@ class SessionScreen(DismissedOnce[None]):
         self._live.begin(self.app, self._broken)
         bus = self._live.session.bus
         bus.subscribe(topics.WAITING, self._waits)
+        bus.subscribe(topics.MARKED, self._marked)
         bus.subscribe(topics.ATTEMPT_STARTED, self._attempt_started)
         bus.subscribe(topics.TRIAL, self._trial_over)
         bus.subscribe(topics.VOIDED, self._trial_over)
@@ -128,6 +138,7 @@ class SessionScreen(DismissedOnce[None]):
 
     def on_unmount(self) -> None:
         self._gc.end_attempt()
+        self._undo.stop()
 
     @property
     def can_save(self) -> bool:
@@ -144,8 +155,14 @@ class SessionScreen(DismissedOnce[None]):
         is_awaited = waiting.stage == "trial" and waiting.what in AWAITED
         self.app.themes.look_for_edits(not is_awaited and waiting.what != "quiet")
         self._warn(waiting)
+        if not is_awaited:
+            self.call_later(self._undo.look)
         if waiting.what == "response":
             self._gc.begin_trial()
+
+    def _marked(self, _: TrialMarked) -> None:
+        if not self.is_in_trial:
+            self.call_later(self._undo.look)
 
     def _attempt_started(self, started: AttemptStarted) -> None:
         if self._has_warned:
@@ -235,7 +252,13 @@ class SessionScreen(DismissedOnce[None]):
         return waiting is not None and waiting.what != "nothing" and self.stage.shown != "menu"
 
     def on_key(self, event: events.Key) -> None:
-        self._keys.pressed(event, self._gc)
+        if event.key in self._undo.keys:
+            event.stop()
+            event.prevent_default()
+            if not self.app.screen_keys.is_repeat:
+                self._undo.take_back()
+        else:
+            self._keys.pressed(event, self._gc)
 
     def on_paste(self, event: events.Paste) -> None:
         event.stop()
@@ -258,7 +281,9 @@ class SessionScreen(DismissedOnce[None]):
             return self.stage.menu.switch_choices
         start = self._live.session.task.start_key
         can_pause = self.check_action("pause", ()) and waiting.stage != "review"
-        return session_choices(waiting, start, self.tr, can_pause=can_pause)
+        return session_choices(
+            waiting, start, self.tr, can_undo=self._undo.is_offered, can_pause=can_pause
+        )
 
     def mark(self, at: int, choice: Choice) -> None:
         """Mark a choice of the pause menu, or an answer."""
@@ -270,8 +295,12 @@ class SessionScreen(DismissedOnce[None]):
     # --- pauses
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool:
-        """Offer a pause if there is something to pause, and its menu while a sensor is awaited."""
+        """Offer a pause if there is something to pause, and its menu while a sensor is awaited;
+        and to take back what was just done.
+        """
         waiting = self.stage.waiting
+        if action == "undo":
+            return self._undo.is_offered
         if action != "pause" or waiting is None:
             return action != "pause"
         return waiting.what == "sensor" or waiting.stage not in ("paused", "ended")
@@ -279,6 +308,10 @@ class SessionScreen(DismissedOnce[None]):
     def action_pause(self) -> None:
         """Pause at once, without a question."""
         self._live.operate(SessionCommand(command="pause"))
+
+    def action_undo(self) -> None:
+        """Take back what was done last."""
+        self._undo.take_back()
 
     def on_screen_resume(self) -> None:
         self.stage.read_aloud()
@@ -378,6 +411,58 @@ class _Keys:
     def agent_acted(self, acting: AgentActing) -> None:
         """Note that the goodbye waits for an operator."""
         self._is_goodbye_held |= self._live.session.ended and acting.awaits_operator
+
+
+class _Undo:
+    """Offers to take back what was just done at this screen, as long as that can be.
+
+    While a response is awaited nothing changes on the screen, so what was offered before it stays.
+    """
+
+    def __init__(self, screen: SessionScreen, live: LiveSession) -> None:
+        self._screen = screen
+        self._live = live
+        self._timer: Handle | None = None
+        self.is_offered = False
+        self.is_typing = False
+
+    @property
+    def _done(self) -> Done | None:
+        """The last act of those in front of this screen."""
+        actors = ("participant",) if self._screen.app.patient else ("participant", "therapist")
+        return self._live.session.undoable(*actors)
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The keys that take something back now. Backspace deletes while somebody types."""
+        if self._screen.stage.shown == "menu" or self._done is None:
+            return ()
+        return ("ctrl+z",) if self._live.session.is_typing else ("ctrl+z", "backspace")
+
+    def take_back(self) -> None:
+        """Take back what was done last, if it can be."""
+        if done := self._done:
+            self._live.operate(SessionCommand(command="undo", actor=done.actor))
+
+    def look(self) -> None:
+        """Show the key if something can be taken back, until it is too late."""
+        self.stop()
+        waiting = self._screen.stage.waiting
+        if waiting and waiting.stage == "trial" and waiting.what in AWAITED:
+            return
+        done, before = self._done, (self.is_offered, self.is_typing)
+        self.is_offered, self.is_typing = done is not None, self._live.session.is_typing
+        if done:
+            self._timer = self._live.clock.call_at(done.until + 1, self.look)
+        if (self.is_offered, self.is_typing) != before:
+            self._screen.refresh_bindings()
+            self._screen.app.look_for_choices()
+
+    def stop(self) -> None:
+        """Look no more."""
+        if self._timer:
+            self._timer.cancel()
+            self._timer = None
 
 
 class _Pause:

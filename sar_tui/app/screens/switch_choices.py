@@ -13,18 +13,21 @@ START_ROUNDS = 6
 
 
 def session_choices(
-    waiting: Waiting, start_key: str, tr: Language, *, can_pause: bool
+    waiting: Waiting, start_key: str, tr: Language, *, can_undo: bool, can_pause: bool
 ) -> tuple[Choice, ...]:
     """Return what can be done while a session waits; nothing in a trial, or if it waits for
     something else than the participant.
+
+    Nothing can be taken back while a question is asked: each answer with a switch is asked about.
     """
     go_on = Choice(tr("Go on"), ("enter",))
+    undo = (Choice(tr("Take back"), ("ctrl+z",)),) if can_undo else ()
     pause = (Choice(tr("Pause"), ("escape",)),) if can_pause else ()
     match waiting.what:
         case "nothing":
             return (Choice(tr("Finish"), ("enter",)),)
         case "start":
-            return (Choice(tr("Start"), (start_key,), rounds=START_ROUNDS), *pause)
+            return (Choice(tr("Start"), (start_key,), rounds=START_ROUNDS), *undo, *pause)
         case "sensor":
             return pause
         case "step" if waiting.step and waiting.step.step.kind not in TIMED:
@@ -33,7 +36,7 @@ def session_choices(
             return (*found, *pause) if found else ()
         case "enter":
             hear = (Choice(tr("Hear how it went"), (waiting.ask,)),) if waiting.ask else ()
-            return (go_on, *hear, *pause)
+            return (go_on, *undo, *hear, *pause)
     return ()
 
 

@@ -20,6 +20,7 @@ from sar_tui.loop.script import (
     SessionScript,
     Skip,
     SkipAttempt,
+    TakeBack,
     TimeUp,
 )
 from sar_tui.loop.session_phase import IN_TRIAL, OVER, REQUEST_KEY, REQUESTABLE, Phase, text_of
@@ -39,6 +40,7 @@ from sar_tui.loop.topics import (
     LEVEL_DECIDED,
     LEVEL_REQUEST,
     MARKED,
+    NOTE_ADDED,
     PASTE,
     PERCEIVED,
     PROMPT,
@@ -51,6 +53,7 @@ from sar_tui.loop.topics import (
     STEP_ENDED,
     STORAGE,
     STORED,
+    TAKEN_BACK,
     TIMER,
     TONE_BEGAN,
     TONE_DUE,
@@ -65,6 +68,7 @@ from sar_tui.loop.topics import (
     WAITING,
 )
 from sar_tui.loop.trial import OpenTrial
+from sar_tui.loop.undo import Done
 from sar_tui.model import messages as m
 from sar_tui.model.units import SECOND
 from sar_tui.rules.declaration import ParameterError
@@ -106,6 +110,7 @@ class EventHandler(TimedNode):
         LEVEL,
         GOAL,
         FEEDBACK,
+        TAKEN_BACK,
         STEP_ENDED,
         SESSION_ENDED,
         ANSWERED,
@@ -167,6 +172,7 @@ class EventHandler(TimedNode):
         text_of(self.task.instructions(), "instructions")
         script, status = self.session, self.status
         self.cancel_timers()
+        script.undo.clear()
         status.begin_run()
         script.steps.given = session.steps or script.steps.given
         script.dose.begin_run(Dose.of(session.done_today), self.now)
@@ -318,11 +324,13 @@ class EventHandler(TimedNode):
             case "skip":
                 return self._skip(act.reason, act.value)
             case "level":
-                self._set_level(act.value)
+                self._set_level(act)
             case "hold" | "release":
-                self.session.attempts.hold_level(held=act.command == "hold")
+                self._hold_level(act)
             case "mark":
-                return self._mark(act.reason)
+                return self._mark(act)
+            case "undo":
+                return self._undo(act.actor)
         return _DONE
 
     def _resume(self) -> _Result:
@@ -381,26 +389,44 @@ class EventHandler(TimedNode):
                 self.session.continue_after(READING)
             self.session.announce(self.status.phase)
 
-    def _mark(self, name: str) -> _Result:
+    def _mark(self, act: m.SessionCommand) -> _Result:
         """Put a mark on the current trial, else the last one, or take it off."""
-        mark = marks.find(self.task.marks, name)
-        if mark is None:
+        name, before = act.reason, self.trial_mark
+        if marks.find(self.task.marks, name) is None:
             return "refused", "There is no such mark in this task."
-        scores, before = self.session.scores, self.trial_mark
-        if scores.mark(mark, self.open_trial):
-            self.session.announce(self.status.phase)
+        self._put_mark(name)
         if self.trial_mark == before:
             return "refused", "There is no trial to mark."
+        self._can_undo(
+            act,
+            "mark",
+            lambda: self._put_mark(before.present or name),
+            is_possible=lambda: self.trial_mark.trial == before.trial,
+        )
         return "done", "removed" if before.present == name else ""
 
-    def _set_level(self, level: int | None) -> None:
-        self.session.scores.set_level(self.session.attempts.level if level is None else level)
+    def _put_mark(self, name: str) -> None:
+        mark = marks.find(self.task.marks, name)
+        if mark and self.session.scores.mark(mark, self.open_trial):
+            self.session.announce(self.status.phase)
+
+    def _set_level(self, act: m.SessionCommand) -> None:
+        scores, before = self.session.scores, self.session.attempts.state
+        scores.set_level(self.session.attempts.level if act.value is None else act.value)
+        self._can_undo(act, "level", lambda: scores.restore_level(before))
         self._announce_again(Phase.READY)
+
+    def _hold_level(self, act: m.SessionCommand) -> None:
+        attempts = self.session.attempts
+        was_held = attempts.next.is_level_held
+        attempts.hold_level(held=act.command == "hold")
+        self._can_undo(act, "hold", lambda: attempts.hold_level(held=was_held))
 
     @on(LEVEL_DECIDED)
     def level_decided(self, decided: m.LevelDecided) -> None:
         """Apply a change of level that waited for an operator; a rejected one changes nothing."""
         if decided.decision != "rejected" and self.status.phase not in OVER:
+            self.session.undo.forget("level")
             self.session.scores.settle_level(decided.level)
             self._announce_again(Phase.READY)
 
@@ -410,13 +436,65 @@ class EventHandler(TimedNode):
         if self.status.phase in OVER:
             self._answer(change, *_OVER)
             return
+        scores, before = self.session.scores, self.session.attempts.next.settings
         try:
-            self.session.scores.change_setting(change.name, change.value)
+            scores.change_setting(change.name, change.value)
         except ParameterError as error:
             self._answer(change, "refused", str(error))
         else:
+            self._can_undo(
+                change,
+                "setting",
+                lambda: scores.change_setting(change.name, before[change.name]),
+            )
             self._answer(change)
         self._announce_again(Phase.READY)
+
+    @on(NOTE_ADDED)
+    def note_added(self, note: m.NoteAdded) -> None:
+        """Let a note be taken back. The arbiter answers it."""
+        self._can_undo(note, "note", lambda: None, at=note.at)
+
+    # --- what is taken back
+
+    def undoable(self, actor: str, now: int) -> Done | None:
+        """Return the act that a person can take back now (ns); None if there is none."""
+        return None if self.status.phase in OVER else self.session.undo.of(actor, now)
+
+    def _can_undo(
+        self,
+        act: m.OperatorAct,
+        what: m.TakenBackKind,
+        take_back: Callable[[], object],
+        *,
+        at: int = 0,
+        is_possible: Callable[[], bool] = lambda: True,
+    ) -> None:
+        """Let an act be taken back by the person who did it."""
+        done = Done(act.actor, what, at or self.now, take_back, act=act.id, is_possible=is_possible)
+        self.session.undo.note(done)
+
+    def _undo(self, actor: str) -> _Result:
+        """Take back what a person did last."""
+        done = self.undoable(actor, self.now)
+        if done is None:
+            return "late", "There is nothing to take back any more."
+        self.session.undo.drop(done)
+        taken_back = m.TakenBack(
+            seat=done.seat,
+            what=done.what,
+            actor=actor,
+            number=done.number,
+            act=done.act,
+            done=done.at,
+        )
+        self.emit(TAKEN_BACK, taken_back)
+        if done.take_back is None:
+            self._interrupt(TakeBack("undo"))
+        else:
+            done.take_back()
+            self._announce_again(Phase.READY)
+        return _DONE
 
     def _answer(self, act: m.OperatorAct, outcome: m.ActOutcome = "done", why: str = "") -> None:
         """Answer an operator's act, if it carries an id."""

@@ -35,6 +35,8 @@ __all__ = [
     "Spread",
     "StepEnded",
     "StepStatus",
+    "TakenBack",
+    "TakenBackKind",
     "TextPerceived",
     "Timing",
     "ToneDue",
@@ -551,6 +553,25 @@ class StepEnded(Message, frozen=True, kw_only=True):
     answer: Answer = None
     shown: int
     ended: int
+
+
+TakenBackKind = Literal["answer", "attempt", "level", "hold", "setting", "mark", "note"]
+
+
+class TakenBack(Message, frozen=True, kw_only=True):
+    """A person took back what they had just done. It counts for nothing any more.
+
+    ``what``: an ``answer`` (the question is asked again), an ``attempt`` (it waits to be begun,
+    under the next number), the ``level``, ``hold`` (the level was held, or released), a
+    ``setting``, a ``mark``, a ``note``. ``actor``: who did both. ``number``: of the step or the
+    attempt. ``act``: id of the command, if it carries one. ``done``: when it was done (ns).
+    """
+
+    what: TakenBackKind
+    actor: str
+    number: int = 0
+    act: str = ""
+    done: int
 
 
 EndStatus = Literal["completed", "aborted", "refused"]
