@@ -42,12 +42,14 @@ _DOING = {
     "Said": "Saying",
     "Skipped": "Skipping",
     "Stopped": "Stopping",
+    "Took": "Taking",
     "Vetoed": "Vetoing",
 }
 _COMMANDS = {
     "skip": "Skipped the prompt",
     "repeat": "Repeated the prompt",
     "end": "Ended the session",
+    "undo": "Took back the last act",
 }
 
 

@@ -105,6 +105,7 @@ KEY_COMMANDS = (
     KeyCommand("level-up", "u", "level(1)", "Up", "Level up", "Session", in_footer=True),
     KeyCommand("level-down", "d", "level(-1)", "Down", "Level down", "Session", in_footer=True),
     KeyCommand("hold", "h", "hold", "Hold", "Hold or release the level", "Session", in_footer=True),
+    KeyCommand("undo", "ctrl+z", "undo", "Undo", "Undo your act (10 s)", "Session"),
     KeyCommand("end", "end", "end", "End", "End the session (asks once)", "Session"),
     *(
         KeyCommand(

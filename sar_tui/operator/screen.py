@@ -471,6 +471,10 @@ class PanelScreen(OrderedScreen[str]):
         self.commands.hold(self._at)
         self.draw()
 
+    def action_undo(self) -> None:
+        self.commands.command("Took back the last act", "undo", self._at)
+        self.draw()
+
     def action_end(self) -> None:
         if self._confirm("end"):
             self.commands.command("Ended the session", "end", self._at)

@@ -10,7 +10,7 @@ from sar_tui.model import messages as m
 from sar_tui.reports.logged_messages import LoggedMessage, peers, spans
 from sar_tui.reports.presence import seconds
 
-_COMMANDS = ("level", "skip", "repeat", "pause", "end", "stop", "mark")
+_COMMANDS = ("level", "skip", "repeat", "pause", "end", "stop", "mark", "undo")
 """Commands that count as deviations. `resume` does not: it only ends a pause."""
 
 
@@ -19,8 +19,8 @@ class Deviation(msgspec.Struct, frozen=True):
 
     Attributes:
         at_s: from the start of its run.
-        what: ``mode``, ``level``, ``skip``, ``repeat``, ``pause``, ``end``, ``stop``, ``mark``;
-            ``theme`` (that of the first run was not there any more); ``baton`` (stored spelling:
+        what: ``mode``, ``level``, ``skip``, ``repeat``, ``pause``, ``end``, ``stop``, ``mark``,
+            ``undo``; ``theme`` (that of the first run was not there any more); ``baton`` (stored spelling:
             another operator took control); ``lost``, ``left``, ``unproven`` (an operator, whose
             terminal nothing proves to be there); ``refused`` (a request), ``missed`` (a late
             decision).

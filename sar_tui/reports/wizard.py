@@ -30,8 +30,15 @@ class Note(msgspec.Struct, frozen=True):
 
 
 def notes(messages: Sequence[LoggedMessage]) -> list[Note]:
-    """Return all notes and event marks of a session, in order."""
+    """Return all notes and event marks of a session, in order, without those that were taken
+    back.
+    """
     known = spans(messages)
+    taken_back = {
+        (run, message.actor, message.done)
+        for run, _, message in messages
+        if isinstance(message, m.TakenBack) and message.what == "note"
+    }
     return [
         Note(
             run,
@@ -41,7 +48,9 @@ def notes(messages: Sequence[LoggedMessage]) -> list[Note]:
             message.label,
         )
         for run, at, message in messages
-        if isinstance(message, m.NoteAdded) and run in known
+        if isinstance(message, m.NoteAdded)
+        and run in known
+        and (run, message.actor, message.at or at) not in taken_back
     ]
 
 
