@@ -15,6 +15,7 @@ from sar_tui.app.home.contents import read_card, read_day, read_sessions
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.node import Node
 from sar_tui.loop.task import Task
+from sar_tui.model.language import Language
 from sar_tui.model.theme import Theme
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
@@ -71,9 +72,10 @@ def measure(many: int, trials: int, folder: Path, measured: Callable[[], None]) 
 def _home(data: Path) -> None:
     catalogue = Catalogue()
     with closing(connect(data)) as database:
-        read_day(database, data, date.today())
-        read_sessions(database, data, catalogue, _WHO)
-        read_card(database, data, catalogue, _WHO, catalogue.task("keyboard"), date.today())
+        today, tr = date.today(), Language()
+        read_day(database, data, today, tr)
+        read_sessions(database, data, catalogue, _WHO, tr)
+        read_card(database, data, catalogue, _WHO, catalogue.task("keyboard"), today, tr)
 
 
 def _program(*words: str) -> Callable[[Path], None]:

@@ -68,9 +68,14 @@ def rooms(catalogue: Catalogue) -> Iterator[Room]:
         "widgets",
         "tui",
         "reports/charts.py",
+        "store/troubles.py",
         beside=("rules/wellbeing.py", "store/wellbeing.py"),
     )
-    yield app._replace(used=app.used | {"palette"})  # Textual's own key in the footer
+    # "palette" is Textual's own key in the footer
+    shown = {"palette"}.union(*map(_labels, code_in("app", "widgets", "tui")))
+    shown = shown.union(*(_about(catalogue.theme_folder(name)) for name in catalogue.theme_names()))
+    app = app._replace(needed=app.needed | shown, used=app.used | shown)
+    yield app
     loop = _room("loop", "model", beside=("rules",))
     yield loop
     common = _settings(TaskParameters) | {
@@ -194,6 +199,30 @@ def _room(name: str, *more: str, beside: tuple[str, ...]) -> Room:
     texts = set[str]().union(*(texts_in(source) for source in code if re.search(r"\btr\(", source)))
     needed = {text for text in texts if re.search("[a-z]", text)}
     return Room(_PRODUCT / name, needed, needed | strings([*code, *code_in(*beside)]))
+
+
+@cache
+def _labels(source: str) -> set[str]:
+    """Return the names of the keys that a module binds, and lists in the footer."""
+    found = set[str]()
+    for node in ast.walk(ast.parse(source)):
+        match node:
+            case ast.Call(
+                func=ast.Name(id="Binding"),
+                args=[_, _, ast.Constant(value=str() as label)],
+                keywords=keywords,
+            ) if not any(
+                keyword.arg == "show" and ast.unparse(keyword.value) == "False"
+                for keyword in keywords
+            ):
+                found.add(label)
+    return found
+
+
+def _about(theme: Path) -> set[str]:
+    """Return the texts with which a theme is chosen."""
+    declared = read(theme / "theme.toml")
+    return {declared["title"], declared["summary"]}
 
 
 def _settings(kind: type[TaskParameters]) -> set[str]:

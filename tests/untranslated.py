@@ -14,6 +14,8 @@ def english_in(shown: Iterable[str], translations: Mapping[str, str]) -> list[tu
     lines = [" ".join(line.split()) for line in dict.fromkeys(shown)]
     found = []
     for text, own in translations.items():
+        if not any(words.strip() for words, *_ in string.Formatter().parse(text)):
+            continue  # it has no words of its own
         pattern = _pattern(text)
         if text != own and (where := next((line for line in lines if pattern.search(line)), None)):
             found.append((text, where))

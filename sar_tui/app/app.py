@@ -25,7 +25,7 @@ from sar_tui.app.screen_keys import ScreenKeys
 from sar_tui.app.screens.home import HomeScreen
 from sar_tui.app.themes import Themes
 from sar_tui.loop.clock import host_now
-from sar_tui.model.language import OWN_NAMES, Language, language
+from sar_tui.model.language import Language, language
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plugin_watchdog import PluginWatchdog
@@ -51,7 +51,7 @@ if TYPE_CHECKING:  # loaded with a session, so that the first screen is there so
 
 _LATEST_S = 1.0
 """Seconds after which the home screen is filled, whether its frame is known to be shown or not."""
-_KEY_NAMES = {"escape": "Esc", "question_mark": "?", "slash": "/", "delete": "Del"}
+_KEY_NAMES = {"escape": "Esc", "question_mark": "?", "slash": "/"}
 
 
 class SarTui(BaseApp):
@@ -276,17 +276,13 @@ class SarTui(BaseApp):
 
     # --- at home
 
-    async def use_language(self, code: str) -> None:
-        """Show the therapist's screens in a language, from now on in this data folder."""
+    def use_language(self, code: str) -> None:
+        """Use a language for the therapist's screens, from now on in this data folder."""
         try:
             choose_interface_language(self.folder, code)
         except OSError as error:
             self.notify(self.tr("It cannot be kept: {why}", why=str(error)), severity="warning")
         self.tr = _texts(code)
-        home = self.screen_stack[0]
-        if isinstance(home, HomeScreen):
-            await home.recompose()
-            await home.fill()
 
     def check_database(self) -> None:
         """Open the database anew if its files were removed or replaced, and say so."""
@@ -301,7 +297,7 @@ class SarTui(BaseApp):
         """Say if rescue files wait, or data was lost."""
         from sar_tui.store.troubles import troubles
 
-        for text in troubles(self.database, self.folder):
+        for text in troubles(self.database, self.folder, self.tr):
             self.notify(text, severity="error", timeout=60)
 
     def _tell(self, text: str, **how: Any) -> None:
@@ -319,8 +315,10 @@ class SarTui(BaseApp):
         """
         if self.is_web:
             self.cannot_begin(
-                "A session cannot run in a browser, where responses cannot be timed. Use a "
-                "terminal."
+                self.tr(
+                    "A session cannot run in a browser, where responses cannot be timed. Use a "
+                    "terminal."
+                )
             )
             return
         from sar_tui.app.session_start import SessionStart
@@ -435,7 +433,7 @@ class SarTui(BaseApp):
         def answered(_: bool | None) -> None:
             self._is_asking = False
             self._return_from(live)
-            for text in wellbeing.warnings(self, list(live.codes.values())):
+            for text in wellbeing.warnings(self, list(live.codes.values()), self.tr):
                 self._tell(text, severity="warning", timeout=60)
 
         self.check_database()
@@ -466,14 +464,16 @@ class SarTui(BaseApp):
         self.themes.show_pending_notice()
         self.check_database()
         if live.rescued:
-            text = f"{live.rescued} `sar-tui rescue` brings it back."
-            self.notify(text, severity="error", timeout=60)
+            self.notify(self._rescued_text(live), severity="error", timeout=60)
         if live.unsaved:
-            text = f"{UNSAVED} Free some space before the next session."
+            text = f"{self.tr(UNSAVED)} {self.tr('Free some space before the next session.')}"
             self.notify(text, severity="error", timeout=30)
         if live.trouble:
             self.notify(live.trouble, severity="error", timeout=30)
             live.trouble = ""
+
+    def _rescued_text(self, live: "LiveSession") -> str:
+        return f"{live.rescued} {self.tr('`sar-tui rescue` brings it back.')}"
 
     def _return_to_patient(self, live: "LiveSession") -> None:
         """Keep what went wrong for the therapist, and go on to the participant's next exercise."""
@@ -482,9 +482,9 @@ class SarTui(BaseApp):
             note(self.failure)
             self.failure = ""
         if live.rescued:
-            note(f"{live.rescued} `sar-tui rescue` brings it back.")
+            note(self._rescued_text(live))
         if live.unsaved:
-            note(UNSAVED)
+            note(self.tr(UNSAVED))
         if live.trouble:
             note(live.trouble)
         self.check_database()
@@ -546,7 +546,7 @@ class SarTui(BaseApp):
         "Esc".
         """
         tr = language_of(self)
-        names = {"ctrl": tr("Ctrl")}
+        names = {"ctrl": tr("Ctrl"), "delete": tr("Del")}
         return binding.key_display or "-".join(
             names.get(part) or _KEY_NAMES.get(part, part.capitalize())
             for part in binding.key.split("+")
@@ -558,17 +558,11 @@ class SarTui(BaseApp):
         about = tr("What this screen is for, and its keys")
         yield SystemCommand(tr("Help"), about, self.action_help)
         yield from getattr(screen, "commands", tuple)()
-        for name, theme in () if self.has_participant else self.themes.known.items():
+        for name in () if self.has_participant else self.themes.known:
             yield SystemCommand(
-                f"Theme: {theme.title}",
-                theme.summary,
+                tr("Theme: {name}", name=self.themes.title(name)),
+                self.themes.summary(name),
                 functools.partial(self.themes.use_named, name),
-            )
-        for code, name in () if self.has_participant else OWN_NAMES.items():
-            yield SystemCommand(
-                tr("Language: {name}", name=name),
-                tr("The language of the screens for therapists"),
-                functools.partial(self.use_language, code),
             )
         leave = tr("Leave sar-tui; a session under way is kept")
         yield SystemCommand(tr("Quit"), leave, self.action_quit)

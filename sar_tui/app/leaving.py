@@ -18,6 +18,7 @@ from textual.screen import ModalScreen
 from textual.widgets import Static
 from textual.widgets.option_list import Option
 
+from sar_tui.model.language import Language
 from sar_tui.store.database import default_folder
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.tui.exit_codes import INTERRUPTED
@@ -122,8 +123,9 @@ class Leaving:
             if app._driver:
                 app._driver.stop_application_mode()
                 app._driver.close()
-        app.failure = (
-            f"The {plugin} does not return from its own code. All earlier trials are kept."
+        app.failure = app.tr(
+            "The {plugin} does not return from its own code. All earlier trials are kept.",
+            plugin=plugin,
         )
         for line in self.lines(1):
             with contextlib.suppress(OSError):
@@ -139,24 +141,24 @@ class Leaving:
         app = self._app
         untold = app.patient_mode.troubles if app.patient else ()  # nobody was there to be told
         unsaved = (
-            f"Not saved: changes to the settings of {who} for {task}."
+            app.tr("Not saved: changes to the settings of {who} for {task}.", who=who, task=task)
             for who, task in app.settings_drafts
         )
         said = (*self._exit_message(code), *unsaved, *untold, app.themes.pending_notice)
         return [text for text in dict.fromkeys(said) if text]
 
     def _exit_message(self, code: int) -> Iterator[str]:
-        live = self._app.live
+        live, tr = self._app.live, self._app.tr
         if self._app.failure:
             yield self._app.failure
         if code == INTERRUPTED:
-            yield "Stopped with Ctrl-C."
+            yield tr("Stopped with Ctrl-C.")
         if not self._app.is_kept:
-            yield "The demonstration is over. Nothing of it was kept."
+            yield tr("The demonstration is over. Nothing of it was kept.")
             return
         if live:
             yield from lines_about(
-                live, self._command, is_for_one_session=self._app.is_for_one_session
+                live, self._command, tr, is_for_one_session=self._app.is_for_one_session
             )
 
     def _command(self, name: str, *session: str) -> str:
@@ -164,33 +166,35 @@ class Leaving:
 
 
 def lines_about(
-    live: "LiveSession", command: Callable[..., str], *, is_for_one_session: bool
+    live: "LiveSession", command: Callable[..., str], tr: Language, *, is_for_one_session: bool
 ) -> Iterator[str]:
     """Return what became of a session that is closed, and the commands to get back to it.
 
     Args:
         live: the session.
         command: returns a command with the folders in use, as `command_line`.
+        tr: the language.
         is_for_one_session: True if the program was started for this session alone.
     """
     id = live.run.id
     if live.rescued:
-        yield f"{live.rescued} Bring it back into the database: {command('rescue')}"
+        back = tr("Bring it back into the database: {command}", command=command("rescue"))
+        yield f"{live.rescued} {back}"
     if live.trouble:
         yield live.trouble
     if live.is_mistake and not live.trouble:
-        yield (
+        yield tr(
             "The session does not count, as it was started by mistake. It is kept: in sar-tui, "
             "F6 and Del restore it."
         )
     elif not live.session.ended and not live.session.broken:
-        yield f"The session is kept. Resume it: {command('resume', id)}"
+        yield tr("The session is kept. Resume it: {command}", command=command("resume", id))
     elif is_for_one_session:
-        yield f"The session is kept. Look at it: {command('show', id)}"
+        yield tr("The session is kept. Look at it: {command}", command=command("show", id))
         if live.can_be_joined:
-            yield f"What operators did: {command('report wizard', id)}"
+            yield tr("What operators did: {command}", command=command("report wizard", id))
     if live.unsaved:
-        yield UNSAVED
+        yield tr(UNSAVED)
 
 
 def command_line(folder: Path, catalogue: "Catalogue", name: str, *session: str) -> str:

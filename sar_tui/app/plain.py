@@ -352,7 +352,7 @@ class PlainApp:
 
     def _warn(self, codes: Sequence[str]) -> None:
         """Tell the therapist of pain and tiredness."""
-        for text in wellbeing.warnings(self, codes):
+        for text in wellbeing.warnings(self, codes, Language()):
             self.notify(text)
 
     def _open(
@@ -548,7 +548,9 @@ class PlainApp:
             yield self._failure
         if self._live:
             is_alone = bool(self.patient)
-            yield from lines_about(self._live, self._command, is_for_one_session=not is_alone)
+            yield from lines_about(
+                self._live, self._command, Language(), is_for_one_session=not is_alone
+            )
 
     def _command(self, name: str, *session: str) -> str:
         line = command_line(self.folder, self.catalogue, name, *session)

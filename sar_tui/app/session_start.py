@@ -112,7 +112,7 @@ class SessionStart:
 
         def answered(goes_on: bool | None) -> None:
             self.is_asking = False
-            for text in warnings(app, codes) if app.patient else ():
+            for text in warnings(app, codes, app.tr) if app.patient else ():
                 app.patient_mode.note_trouble(text)
             if goes_on:
                 self._prepare(plan)

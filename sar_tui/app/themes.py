@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from textual.timer import Timer
 
+from sar_tui.model.language import Language, language
 from sar_tui.model.theme import ENGLISH, Theme
 from sar_tui.plugins import DEFAULT_THEME, Catalogue, PluginError
 from sar_tui.theme_folder import files
@@ -21,6 +22,7 @@ LOOK_SECONDS = 0.5
 last look.
 """
 _IN_FULL = 2
+_ENGLISH = Language()
 
 Stamps = tuple[tuple[Path, int, int], ...]
 
@@ -46,7 +48,7 @@ class Themes:
         self._catalogue = catalogue
         self.known: dict[str, Theme] = {}
         self.pending_notice = ""
-        self.watch = ThemeWatch(catalogue, self._apply_edited, self._notify_editor)
+        self.watch = ThemeWatch(catalogue, self._apply_edited, self._notify_editor, self._tr)
         self._looks: Timer | None = None
         self._is_looking = True
         self._use_any()
@@ -73,6 +75,23 @@ class Themes:
                 self._notify_editor(str(error))
             else:
                 self._app.register_theme(textual_theme(theme))
+
+    def title(self, name: str) -> str:
+        """Return the title of a loaded theme, in the app's language."""
+        return self._words(name)(self.known[name].title)
+
+    def summary(self, name: str) -> str:
+        """Return what a loaded theme says of itself, in the app's language."""
+        return self._words(name)(self.known[name].summary)
+
+    def _tr(self, text: str, **slots: object) -> str:
+        """Translate a text into the app's language, which may change."""
+        return self._app.tr(text, **slots)
+
+    def _words(self, name: str) -> Language:
+        """Return the app's language with a theme's own translations."""
+        tr = self._app.tr
+        return tr.including(language(tr.code, self._catalogue.theme_folder(name)).texts)
 
     def use_named(self, name: str) -> None:
         """Use a theme, and every edit of it. Raises PluginError."""
@@ -138,6 +157,7 @@ class ThemeWatch:
         apply: called with an edited theme.
         notify: called with one or two sentences for the editor if the theme, or a part of it,
             cannot be read.
+        tr: translates them.
     """
 
     def __init__(
@@ -145,10 +165,12 @@ class ThemeWatch:
         catalogue: Catalogue,
         apply: Callable[[Theme], object],
         notify: Callable[[str], object],
+        tr: Callable[..., str] = _ENGLISH,
     ) -> None:
         self._catalogue = catalogue
         self._apply = apply
         self._notify = notify
+        self._tr = tr
         self._name, self._language = "", ENGLISH
         self._known: Stamps = ()
         self._last: Stamps = ()
@@ -160,25 +182,22 @@ class ThemeWatch:
 
     def look(self) -> None:
         """Read the theme again if its files have changed, but not since the last look."""
-        stamps = self._stamps()
+        tr, stamps = self._tr, self._stamps()
         is_settled, self._last = stamps == self._last, stamps
         if stamps == self._known or not is_settled:
             return
         self._known = stamps
         try:
             theme = self._catalogue.theme(self._name, self._language)
-        except PluginError as error:
-            self._notify(f"{error} The previous version stays in use.")
-            return
-        except (OSError, ValueError) as error:  # its folder cannot be searched
-            self._notify(
-                f"The theme {self._name} cannot be read: {error}. The previous version stays in "
-                "use."
-            )
+        except (PluginError, OSError, ValueError) as error:
+            why = str(error)
+            if not isinstance(error, PluginError):  # its folder cannot be searched
+                why = tr("The theme {name} cannot be read: {why}.", name=self._name, why=why)
+            self._notify(f"{why} {tr('The previous version stays in use.')}")
             return
         self._apply(theme)
         if theme.repairs:
-            self._notify(_repairs_notice(theme.repairs))
+            self._notify(_repairs_notice(theme.repairs, tr))
 
     def _stamps(self) -> Stamps:
         """Return the theme's files with their times of change and sizes."""
@@ -191,12 +210,14 @@ class ThemeWatch:
         return tuple((path, status.st_mtime_ns, status.st_size) for path, status in found)
 
 
-def _repairs_notice(repairs: tuple[str, ...]) -> str:
+def _repairs_notice(repairs: tuple[str, ...], tr: Callable[..., str]) -> str:
     """Return a notice of the problems of a theme that could be read; the first ones in full."""
-    count = "One thing" if len(repairs) == 1 else f"{len(repairs)} things"
-    more = (
-        f" And {len(repairs) - _IN_FULL} more: see sar-tui themes check."
-        if len(repairs) > _IN_FULL
-        else ""
-    )
-    return f"Theme edited. {count} to fix: {' '.join(repairs[:_IN_FULL])}{more}"
+    count, first = len(repairs), " ".join(repairs[:_IN_FULL])
+    said = [
+        tr("Theme edited. One thing to fix: {what}", what=first)
+        if count == 1
+        else tr("Theme edited. {count} things to fix: {what}", count=count, what=first)
+    ]
+    if count > _IN_FULL:
+        said.append(tr("And {count} more: see sar-tui themes check.", count=count - _IN_FULL))
+    return " ".join(said)

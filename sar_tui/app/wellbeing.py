@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from sar_tui.app.screens.wellbeing import Person, Question, Questions, Save
 from sar_tui.loop.task import Task
+from sar_tui.model.language import Language
 from sar_tui.model.messages import StepEnded
 from sar_tui.model.theme import Theme
 from sar_tui.records.kind import Value
@@ -100,12 +101,15 @@ def _questions(
     return Questions(moment, people, limits, save, tr, session.theme, told)
 
 
-def warnings(app: "Asking", codes: Sequence[str]) -> list[str]:
+def warnings(app: "Asking", codes: Sequence[str], tr: Language) -> list[str]:
     """Return a sentence for each thing that the therapist should be told of some participants."""
+    from sar_tui.reports import progress_words
+
+    tr = progress_words.words(tr.code, None)
     return [
         f"{code}: {text}"
         for code in codes
-        for text in advice(tell_therapist(wellbeing.history(app.database, code)))
+        for text in advice(tell_therapist(wellbeing.history(app.database, code)), tr)
     ]
 
 

@@ -28,7 +28,7 @@ _TOLD: dict[TellReason, str] = {
 }
 
 
-def marks(told: Sequence[Record]) -> str:
+def marks(told: Sequence[Record], tr: Language = _ENGLISH) -> str:
     """Return the worst pain and tiredness of a session in a few characters, for a list; empty if
     there is none.
 
@@ -39,7 +39,7 @@ def marks(told: Sequence[Record]) -> str:
         mine = [record for record in told if record.kind == kind]
         worst = max((_rating(record) or 0 for record in mine), default=0)
         if worst or any(record.moment == "pause" for record in mine):
-            found.append(f"{name} {worst or ''}".strip())
+            found.append(f"{tr(name)} {worst or ''}".strip())
     return ", ".join(found)
 
 

@@ -6,10 +6,13 @@ import os
 import sqlite3
 from pathlib import Path
 
+from sar_tui.model.language import Language
 from sar_tui.store.database import RESCUE, SAVED
 
+_ENGLISH = Language()
 
-def troubles(database: sqlite3.Connection, folder: Path) -> list[str]:
+
+def troubles(database: sqlite3.Connection, folder: Path, tr: Language = _ENGLISH) -> list[str]:
     """Return a sentence or two for each trouble."""
     if not may_have_any(folder):
         return []
@@ -18,11 +21,14 @@ def troubles(database: sqlite3.Connection, folder: Path) -> list[str]:
 
     return [
         *(
-            f"{path} holds data that is not in the database. `sar-tui rescue` brings it back."
+            tr(
+                "{path} holds data that is not in the database. `sar-tui rescue` brings it back.",
+                path=path,
+            )
             for path in rescue_files(folder)
         ),
         *(
-            f"{loss} Restore a backup, or delete {loss.note} to accept it."
+            f"{loss} {tr('Restore a backup, or delete {path} to accept it.', path=loss.note)}"
             for loss in losses(database, folder)
         ),
     ]

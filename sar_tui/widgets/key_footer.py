@@ -5,9 +5,11 @@ from textual.screen import Screen
 from textual.widgets import Footer
 from textual.widgets._footer import FooterKey
 
+from sar_tui.widgets.language import language_of
+
 
 class KeyFooter(Footer):
-    """Textual's footer, composed anew only when its keys change.
+    """Textual's footer in the language of the screen, composed anew only when its keys change.
 
     Textual composes it whenever the focus moves, which takes longer than everything else that a key
     press does.
@@ -16,10 +18,13 @@ class KeyFooter(Footer):
     _keys: tuple[tuple[object, ...], ...] | None = None
 
     def compose(self) -> ComposeResult:
+        tr = language_of(self.app)
         for part in super().compose():
-            if isinstance(part, FooterKey) and not part.has_class("-command-palette"):
-                # otherwise each key is styled as compact, its default, and then again
-                part.set_reactive(FooterKey.compact, self.compact)
+            if isinstance(part, FooterKey):
+                part.description = tr(part.description)
+                if not part.has_class("-command-palette"):
+                    # otherwise each key is styled as compact, its default, and then again
+                    part.set_reactive(FooterKey.compact, self.compact)
             yield part
 
     def bindings_changed(self, screen: Screen[object]) -> None:

@@ -8,24 +8,20 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import pytest
-from textual.binding import Binding
 
 import sar_tui.app
 import sar_tui.loop
-from sar_tui.app.app import SarTui
-from sar_tui.app.screens.sensor_check import SensorCheckScreen
-from sar_tui.app.screens.session import SessionScreen
-from sar_tui.app.screens.settings import SettingsScreen
-from sar_tui.app.screens.wellbeing import QUESTIONS, WellbeingScreen
+from sar_tui.app.screens.wellbeing import QUESTIONS
 from sar_tui.checks.task_translations import texts_in
 from sar_tui.model.language import BUNDLED, language, read_words
 from sar_tui.plugins import Catalogue, task_folder
 from sar_tui.reports.charts import MARKERS
 from sar_tui.runs.plan import Plan, make_plan
+from sar_tui.store.interface_language import choose_interface_language
 from sar_tui.store.wellbeing import NOT_SAID
-from sar_tui.tui.base_app import BaseApp
 from sar_tui.tui.language import app_language, session_language
 from tests.app.app_driver import OpenApp, known
+from tests.translations import rooms
 from tests.untranslated import english_in, phrases
 
 APP = Path(sar_tui.app.__file__).parent
@@ -45,28 +41,12 @@ def plan(
 # --- the app's own words
 
 
-def test_every_text_of_the_app_is_translated_and_no_translation_is_obsolete() -> None:
-    package = APP.parent
-    rooms = (APP, package / "widgets", package / "tui")
-    code = [
-        *(path for room in rooms for path in room.rglob("*.py")),
-        package / "reports" / "charts.py",
-    ]
-    bindings = [
-        *BaseApp.BINDINGS,
-        *SarTui.BINDINGS,
-        *SessionScreen.BINDINGS,
-        *SensorCheckScreen.BINDINGS,
-    ]
-    bindings += [*WellbeingScreen.BINDINGS, *SettingsScreen.BINDINGS]
-    labels = {
-        binding.description for binding in bindings if isinstance(binding, Binding) and binding.show
-    }
+def test_every_text_of_the_app_is_translated_and_no_translation_is_obsolete(
+    catalogue: Catalogue,
+) -> None:
     steps = QUESTIONS.values()
     answers = {NOT_SAID, *chain.from_iterable((step.text, *step.labels) for step in steps)}
-    texts = {"palette", *labels, *MARKERS, *answers}.union(
-        *(texts_in(path.read_text("utf-8")) for path in code)
-    )
+    texts = next(rooms(catalogue)).needed | {"START", *MARKERS, *answers}
     for code in LANGUAGES:
         assert set(read_words(APP / f"words.{code}.toml")) == texts
 
@@ -185,14 +165,16 @@ async def test_the_keys_and_the_first_line_of_the_sensor_check_fit_in_80_columns
 async def test_the_keys_of_the_settings_fit_in_80_columns(
     opened: OpenApp, data: Path, code: str
 ) -> None:
-    known(data, "P01", language=code)
+    known(data, "P01")
+    choose_interface_language(data, code)
     async with opened() as driver:
         await driver.press("f2")
         assert f"F1 {app_language(code)('Help')}" in driver.rows[-1]
 
 
-async def test_settings_are_in_the_saved_language(opened: OpenApp, data: Path) -> None:
-    known(data, "P01", language="es")
+async def test_settings_are_in_the_language_of_the_app(opened: OpenApp, data: Path) -> None:
+    known(data, "P01", language="de")
+    choose_interface_language(data, "es")
     async with opened() as driver:
         await driver.press("f2")
         driver.see("Más difícil si sale bien, más fácil si no.")
@@ -217,18 +199,25 @@ USTED = re.compile(
 
 
 SIE = re.compile(r"\b(Sie|Ihr|Ihre[mnrs]?|Ihnen)\b")
+THERAPIST = (
+    "screens/settings*.py",
+    "settings/*.py",
+    "screens/home.py",
+    "home/*.py",
+    "screens/new_participant.py",
+)
+"""Files whose texts only therapists read."""
 FORMAL = {"es": USTED, "de": SIE}
 """Patterns of texts that address an adult, by language."""
 
 
 def shipped(catalogue: Catalogue, code: str) -> dict[str, str]:
-    """Return the texts of participants' screens, without those of themes and of the settings."""
+    """Return the texts of participants' screens, without those of themes and of therapists."""
     modules = (sar_tui.loop, sar_tui.app)
     folders = [Path(str(module.__file__)).parent for module in modules]
     own = language(code, *folders, *(task_folder(catalogue.task(name)) for name in TASKS)).texts
-    files = (*(APP / "screens").glob("settings*.py"), *(APP / "settings").glob("*.py"))
-    settings = (path.read_text("utf-8") for path in files)
-    for text in set[str]().union(*map(texts_in, settings)):
+    files = (path for pattern in THERAPIST for path in APP.glob(pattern))
+    for text in set[str]().union(*(texts_in(path.read_text("utf-8")) for path in files)):
         own.pop(text, None)
     return own
 

@@ -16,15 +16,24 @@ if TYPE_CHECKING:
 _ROOMY = 80
 """Columns from which on the programme is said in full."""
 _WELCOME = (
-    "Nobody has trained here yet.\n\n"
-    "1. Press Enter, and give the first person a code, such as P01. Never a name.\n\n"
+    "Nobody has trained here yet.",
+    "1. Press Enter, and give the first person a code, such as P01. Never a name.",
     "2. Choose their task and their theme. Settings (F2) are yours: what they train, how much, "
-    "how hard.\n\n"
-    "3. START. From there on the screen tells the participant what to do.\n\n"
-    "To look around first: Ctrl-Q, then sar-tui demo."
+    "how hard.",
+    "3. START. From there on the screen tells the participant what to do.",
+    "To look around first: Ctrl-Q, then sar-tui demo.",
 )
-_NEW = "Each participant has a code, such as P01. Never use a name.\n\nF6 shows the sessions of everyone."
-_FIRST = "No session yet. START begins the first one."
+_NEW = (
+    "Each participant has a code, such as P01. Never use a name.",
+    "F6 shows the sessions of everyone.",
+)
+_LABELS = {
+    "task": "Task",
+    "theme": "Theme",
+    "programme": "Programme",
+    "progress": "Progress",
+    "last": "Last",
+}
 
 
 class ParticipantCard(Vertical):
@@ -32,6 +41,7 @@ class ParticipantCard(Vertical):
     called.
     """
 
+    app: Any
     _is_open = False
     _tells = False
     _found: "CardContents | None" = None
@@ -46,24 +56,27 @@ class ParticipantCard(Vertical):
             return
         yield Static("", id="told", markup=False)
         with Container(id="choices"):
-            for name in ("Task", "Theme"):
+            for name in ("task", "theme"):
                 with Horizontal(classes="row"):
-                    yield Static(name, classes="label")
+                    yield self._label(name)
                     with Vertical(classes="slot"):
-                        yield PickList(id=name.lower(), markup=False)
+                        yield PickList(id=name, markup=False)
         with Vertical(id="facts"):
             with Horizontal(classes="row"):
-                yield Static("Programme", classes="label", markup=False)
+                yield self._label("programme")
                 yield Static("", id="programme", classes="value", markup=False)
             yield SessionChart(id="chart")
-            for name in ("Progress", "Last"):
-                with Horizontal(classes="row", id=f"{name.lower()}-row"):
-                    yield Static(name, classes="label", markup=False)
-                    yield Static("", id=name.lower(), classes="value", markup=False)
+            for name in ("progress", "last"):
+                with Horizontal(classes="row", id=f"{name}-row"):
+                    yield self._label(name)
+                    yield Static("", id=name, classes="value", markup=False)
         yield Static("", id="welcome", markup=False)
         with Vertical(id="go"):
             yield Static("", id="offer", markup=False)
-            yield Button("START", id="start", variant="primary")
+            yield Button(self.app.tr("START"), id="start", variant="primary")
+
+    def _label(self, name: str) -> Static:
+        return Static(self.app.tr(_LABELS[name]), classes="label", markup=False)
 
     def show(self, participant: str, title: str, found: "CardContents", offer: str) -> None:
         """Show the card of a participant."""
@@ -74,21 +87,15 @@ class ParticipantCard(Vertical):
         for name, text in texts.items():
             self.query_one(f"#{name}-row").display = bool(text)
         self._tells = bool(found.told)
-        self.query_one(SessionChart).show(found.chart, "" if found.last else _FIRST)
+        without = "" if found.last else self.app.tr("No session yet. START begins the first one.")
+        self.query_one(SessionChart).show(found.chart, without)
         self._show_programme()
         self._shows_facts(True)
 
     def _show_programme(self) -> None:
-        from sar_tui.app.home.words import programme_words
-
-        if self._found:
-            programme, problem = self._found.programme, self._found.problem
-            said = (
-                programme_words(programme, is_roomy=self.size.width >= _ROOMY)
-                if programme
-                else problem
-            )
-            self._write({"programme": said})
+        if found := self._found:
+            is_roomy = self.size.width >= _ROOMY
+            self._write({"programme": found.programme_in_full if is_roomy else found.programme})
 
     def on_resize(self, event: Resize) -> None:
         """Say the programme in as many words as there is room for."""
@@ -96,8 +103,10 @@ class ParticipantCard(Vertical):
 
     def show_nobody(self, *, is_first: bool) -> None:
         """Say what to do on the line that adds a participant."""
-        self.border_title = "Welcome" if is_first else "New participant"
-        self._write({"welcome": _WELCOME if is_first else _NEW, "offer": ""})
+        tr = self.app.tr
+        self.border_title = tr("Welcome") if is_first else tr("New participant")
+        said = [tr(text) for text in (_WELCOME if is_first else _NEW)]
+        self._write({"welcome": "\n\n".join(said), "offer": ""})
         self._shows_facts(False)
 
     def show_problem(self, participant: str, text: str) -> None:

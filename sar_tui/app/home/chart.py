@@ -4,13 +4,14 @@ figures below.
 
 from collections.abc import Sequence
 from datetime import date
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 from textual.content import Content
 from textual.widget import Widget
 
-from sar_tui.app.home.words import day_words
+from sar_tui.app.home.words import short_day
+from sar_tui.model.language import Language
 
 if TYPE_CHECKING:  # the empty screen is shown before it is loaded
     from sar_tui.reports.progress import LineProgress, SessionProgress
@@ -47,7 +48,7 @@ class Chart(msgspec.Struct, frozen=True):
     bars: Sequence[Bar] = ()
 
 
-def charted(line: "LineProgress") -> Chart:
+def charted(line: "LineProgress", tr: Language) -> Chart:
     """Return the chart of a line: of the levels at goal, or of the mean results where the level
     never changed.
     """
@@ -55,7 +56,9 @@ def charted(line: "LineProgress") -> Chart:
 
     metric, factor = metric_for_people(line.metric)
     is_result = line.measure == "result"
-    label = (f"Result ({metric.unit})" if metric.unit else "Result") if is_result else "At goal"
+    label = tr("At goal")
+    if is_result:
+        label = tr("Result ({unit})", unit=metric.unit) if metric.unit else tr("Result")
     known = [each.at_goal.level for each in line.sessions if each.at_goal and each.at_goal.level]
     highest = max([*known, _LEAST_TOP])
     means = [each.mean for each in line.sessions if each.mean is not None]
@@ -63,12 +66,13 @@ def charted(line: "LineProgress") -> Chart:
     for each in line.sessions:
         if not is_result:
             height, value = _at_goal(line, each, highest)
+            value = tr.figures(value)
         elif each.mean is None:
             height, value = 0.0, "?"
         else:
             height, value = (
                 _of_best(line, each.mean, means),
-                f"{each.mean * factor:.{metric.decimals}f}",
+                tr.figures(f"{each.mean * factor:.{metric.decimals}f}"),
             )
         reached = "" if each.reached is None else f"{each.reached}/{each.attempts}"
         bars.append(Bar(date.fromisoformat(each.began[:10]), height, value, reached))
@@ -97,7 +101,7 @@ def _of_best(line: "LineProgress", mean: float, means: Sequence[float]) -> float
     return min(means) / mean if line.metric.better == "lower" else mean / max(means)
 
 
-def draw(chart: Chart, width: int, height: int) -> list[Row]:
+def draw(chart: Chart, width: int, height: int, tr: Language) -> list[Row]:
     """Return the rows of a chart, with as many of the newest sessions as there is room for.
 
     The goals reached and the dates are left out if there are too few rows.
@@ -110,9 +114,9 @@ def draw(chart: Chart, width: int, height: int) -> list[Row]:
     column = min(widest, room // max(len(shown), min(_SPREAD, room // narrowest)))
     below: list[Row] = [(chart.label, _cells([bar.value for bar in shown], column), False)]
     if height > len(below) + 1 and any(bar.reached for bar in shown):
-        below.append(("Reached", _cells([bar.reached for bar in shown], column), False))
+        below.append((tr("Reached"), _cells([bar.reached for bar in shown], column), False))
     if height > len(below) + 1:
-        below.append(("", _cells([_short_day(bar.day) for bar in shown], column), False))
+        below.append(("", _cells([short_day(bar.day, tr) for bar in shown], column), False))
     rows = max(1, height - len(below))
     above = [
         _cells([_part(bar.height, row, rows) * _BAR for bar in shown], column)
@@ -129,10 +133,6 @@ def _part(share: float, row: int, rows: int) -> str:
     return BARS[min(eighths, 8) - 1] if eighths > 0 else ""
 
 
-def _short_day(day: date) -> str:
-    return day_words(day, day.replace(year=day.year - 1)).rpartition(" ")[0]
-
-
 def _cells(texts: Sequence[str], column: int) -> str:
     return "".join(f"{text[: column - 1]:^{column}}" for text in texts).rstrip()
 
@@ -140,6 +140,7 @@ def _cells(texts: Sequence[str], column: int) -> str:
 class SessionChart(Widget):
     """Draws the chart as large as there is room. It changes only by ``show``."""
 
+    app: Any
     DEFAULT_CSS = "SessionChart { height: 1fr; min-height: 3; max-height: 13; }"
 
     def __init__(self, id: str | None = None) -> None:
@@ -153,7 +154,7 @@ class SessionChart(Widget):
         self.refresh()
 
     def render(self) -> Content:
-        rows = draw(self._chart, self.size.width, self.size.height)
+        rows = draw(self._chart, self.size.width, self.size.height, self.app.tr)
         if not rows:
             return Content(self._without)
         return Content("\n").join(

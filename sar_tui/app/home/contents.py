@@ -14,12 +14,14 @@ from sar_tui.app.home.day import Day, day_of
 from sar_tui.app.home.session_list import Line
 from sar_tui.app.home.words import Programme
 from sar_tui.loop.task import Task
+from sar_tui.model.language import Language, language
 from sar_tui.model.results_for_people import short_goal
 from sar_tui.model.session_mode import is_personal
 from sar_tui.model.trial_types import Metric
 from sar_tui.plugin_calls import PLUGIN_ERRORS
-from sar_tui.plugins import Catalogue, PluginError
+from sar_tui.plugins import Catalogue, PluginError, task_folder
 from sar_tui.progress.lines import SessionResults
+from sar_tui.reports import progress_words
 from sar_tui.reports.progress import progress
 from sar_tui.reports.wellbeing import advice, marks
 from sar_tui.rules.declaration import ParameterError
@@ -40,13 +42,15 @@ from sar_tui.store.records import Record
 from sar_tui.store.training_days import trained_at
 
 _LISTED = 30
+_MODES = {"simulated": "simulated", "replayed": "replayed"}
 
 
 class CardContents(msgspec.Struct, frozen=True):
     """Contents of a participant's card, for a task.
 
     Args:
-        programme: of the next session; None if it does not fit, and ``problem`` says why.
+        programme: of the next session in few words, or why it cannot begin.
+        programme_in_full: the same with more room.
         chart: of the sessions that can be compared with the next one.
         progress: the verdict on them.
         last: the last session.
@@ -54,8 +58,8 @@ class CardContents(msgspec.Struct, frozen=True):
         told: what the therapist should know.
     """
 
-    programme: Programme | None
-    problem: str
+    programme: str
+    programme_in_full: str
     chart: Chart
     progress: str
     last: str
@@ -69,8 +73,10 @@ def read_card(
     participant: str,
     kind: type[Task],
     today: date,
+    tr: Language,
 ) -> CardContents:
-    """Return what a participant's card says of a task."""
+    """Return what a participant's card says of a task; ``tr``: in the app's language."""
+    tr = progress_words.words(tr.code, kind).including(tr.texts)
     every = results.sessions_of(database, participant, kind.name, folder=folder)
     played = [each for each in every if is_personal(each.mode)]
     found = progress(participant, played, {kind.name: kind}.get, today=today)
@@ -78,18 +84,15 @@ def read_card(
     others = sum(bool(each.results) for each in played) - (len(line.sessions) if line else 0)
     last = played[-1] if played else None
     felt = wellbeing.by_session(database, [last.session]).get(last.session, ()) if last else ()
-    programme, problem = _programme(database, participant, kind, played[-LOOKED_AT:])
+    mine = [told for told in felt if told.participant == participant]
+    programme, in_full = _programme(database, participant, kind, played[-LOOKED_AT:], tr)
     return CardContents(
         programme=programme,
-        problem=problem,
-        chart=charted(line) if line else Chart(),
-        progress=words.progress_words(line, others) if line else "",
-        last=words.last_words(
-            last, marks([told for told in felt if told.participant == participant]), today
-        )
-        if last
-        else "",
-        told=advice(tell_therapist(wellbeing.newest_ratings(database, participant))),
+        programme_in_full=in_full,
+        chart=charted(line, tr) if line else Chart(),
+        progress=words.progress_words(line, others, tr) if line else "",
+        last=words.last_words(last, marks(mine, tr), today, tr) if last else "",
+        told=advice(tell_therapist(wellbeing.newest_ratings(database, participant)), tr),
     )
 
 
@@ -98,8 +101,9 @@ def _programme(
     participant: str,
     kind: type[Task],
     played: Sequence[SessionResults],
-) -> tuple[Programme | None, str]:
-    """Return what the next session will do, or why it cannot begin."""
+    tr: Language,
+) -> tuple[str, str]:
+    """Return what the next session will do, or why it cannot begin: in few words, and in full."""
     saved = programmes.newest(database, participant, kind.name)
     try:
         parameters = build(kind.Parameters, usable(kind.Parameters, saved.parameters)[0])
@@ -109,16 +113,21 @@ def _programme(
         goal = "" if value is None else short_goal(kind.metric, value)
         prompts = task.trials_at(start.level)
     except (ParameterError, Failed) as error:
-        return None, str(error)
+        return str(error), str(error)
     except PLUGIN_ERRORS:
-        return None, "The task cannot be set up."
-    return Programme(saved.version, parameters.attempts, prompts, goal, *start), ""
+        problem = tr("The task cannot be set up.")
+        return problem, problem
+    next_one = Programme(saved.version, parameters.attempts, prompts, goal, *start)
+    return (
+        words.programme_words(next_one, tr, is_roomy=False),
+        words.programme_words(next_one, tr, is_roomy=True),
+    )
 
 
-def read_day(database: sqlite3.Connection, folder: Path, today: date) -> Day:
+def read_day(database: sqlite3.Connection, folder: Path, today: date, tr: Language) -> Day:
     """Return the day: the people of this site, and what is to be said of them."""
     people = courses.read_people(database, folder, today)
-    return day_of(people, participants.last_used(database), today)
+    return day_of(people, participants.last_used(database), today, tr)
 
 
 class Listed(msgspec.Struct, frozen=True):
@@ -132,7 +141,11 @@ class Listed(msgspec.Struct, frozen=True):
 
 
 def read_sessions(
-    database: sqlite3.Connection, folder: Path, catalogue: Catalogue, participant: str | None
+    database: sqlite3.Connection,
+    folder: Path,
+    catalogue: Catalogue,
+    participant: str | None,
+    tr: Language,
 ) -> Listed:
     """Return the newest sessions of a participant, or of everyone."""
     rows = sessions.listing(database, folder, participant=participant, limit=_LISTED)
@@ -140,7 +153,7 @@ def read_sessions(
     felt = wellbeing.by_session(database, names)
     played = results.attempts_of(database, names)
     offered = next(filter(can_resume, rows), None)
-    titles = {task: _title(catalogue, task) for task in {row["task"] for row in rows}}
+    titles = {task: _title(catalogue, task, tr) for task in {row["task"] for row in rows}}
 
     def line(row: sessions.Row) -> Line:
         seat = "B" if participant and row["partner"] == participant else "A"
@@ -155,10 +168,12 @@ def read_sessions(
             who=sessions.participant_codes(row),
             task=titles[row["task"]],
             levels=[each.level for each in attempts],
-            result=words.short(metric, fmean(means)) if means and metric else "",
-            reached=f"{sum(judged)} of {len(judged)}" if judged else "",
+            result=words.short(metric, fmean(means), tr) if means and metric else "",
+            reached=tr("{reached} of {count}", reached=sum(judged), count=len(judged))
+            if judged
+            else "",
             minutes=round(sum(each.seconds for each in attempts) / 60),
-            note=_note(row, felt.get(row["id"], []), participant, is_offered=row is offered),
+            note=_note(row, felt.get(row["id"], []), participant, tr, is_offered=row is offered),
         )
 
     return Listed(rows, [line(row) for row in rows], offered)
@@ -170,16 +185,24 @@ def can_resume(row: sessions.Row) -> bool:
 
 
 def _note(
-    row: sessions.Row, felt: list[Record], participant: str | None, *, is_offered: bool
+    row: sessions.Row,
+    felt: list[Record],
+    participant: str | None,
+    tr: Language,
+    *,
+    is_offered: bool,
 ) -> str:
     """Return the status, if it is not the usual one, with pain and tiredness, and who else took
     part.
     """
-    status = "interrupted: Enter resumes" if is_offered else words.status_words(row["status"])
-    mode = "" if is_personal(row["mode"]) else row["mode"]
+    status = words.status_words(row["status"], tr)
+    if is_offered:
+        status = tr("interrupted: Enter resumes")
+    mode = "" if is_personal(row["mode"]) else tr(_MODES.get(row["mode"], str(row["mode"])))
     other = row["participant"] if participant == row["partner"] else row["partner"]
-    together = f"with {other}" if participant and other else ""
-    return ", ".join(filter(None, (status, mode, together, marks(felt))))
+    together = tr("with {who}", who=other) if participant and other else ""
+    words_of_report = progress_words.words(tr.code, None)
+    return ", ".join(filter(None, (status, mode, together, marks(felt, words_of_report))))
 
 
 def _metric(row: sessions.Row) -> Metric | None:
@@ -189,8 +212,9 @@ def _metric(row: sessions.Row) -> Metric | None:
         return None
 
 
-def _title(catalogue: Catalogue, task: str) -> str:
+def _title(catalogue: Catalogue, task: str, tr: Language) -> str:
     try:
-        return catalogue.task(task).title
+        kind = catalogue.task(task)
+        return language(tr.code, task_folder(kind))(kind.title)
     except PluginError:  # it is no longer installed
         return task

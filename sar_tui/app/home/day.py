@@ -10,6 +10,7 @@ from typing import Literal
 import msgspec
 
 from sar_tui.app.home.words import day_words
+from sar_tui.model.language import Language
 from sar_tui.rules.attention import (
     COURSE_DAYS,
     Reason,
@@ -52,6 +53,12 @@ _SEVERAL: dict[ReasonKind, str] = {
     "event without outcome": "{value} adverse events without an outcome.",
 }
 """The sentences for more than one event."""
+_SEVERITIES = {
+    "mild": "mild",
+    "moderate": "moderate",
+    "severe": "severe",
+    "": "severity not recorded",
+}
 
 
 class Entry(msgspec.Struct, frozen=True):
@@ -82,7 +89,12 @@ class Day(msgspec.Struct, frozen=True):
     entries: Sequence[Entry]
 
 
-def day_of(people: Sequence[Person], last: str | None, today: date) -> Day:
+def heading(part: Part, tr: Language) -> str:
+    """Return the heading of a section."""
+    return tr(HEADINGS[part])
+
+
+def day_of(people: Sequence[Person], last: str | None, today: date, tr: Language) -> Day:
     """Return the day.
 
     Args:
@@ -90,6 +102,7 @@ def day_of(people: Sequence[Person], last: str | None, today: date) -> Day:
         last: who trained last; they come before those who need no look and are not due, as they
             may well go on.
         today: the date.
+        tr: the language.
     """
     found = []
     for place, person in enumerate(people):
@@ -97,11 +110,11 @@ def day_of(people: Sequence[Person], last: str | None, today: date) -> Day:
         part: Part = section(person.course, why, today)
         if person.code == last and part not in ("look", "due"):
             part = "last"
-        look = [_reason(reason, today) for reason in why]
-        entry = Entry(person.code, part, look, _said(person, part, today))
+        look = [_reason(reason, today, tr) for reason in why]
+        entry = Entry(person.code, part, look, _said(person, part, today, tr))
         found.append((_order(person, part, why), place, entry))
     entries = [entry for *_, entry in sorted(found, key=lambda one: one[:2])]
-    return Day(_sentence(people, entries), entries)
+    return Day(_sentence(people, entries, tr), entries)
 
 
 def _order(person: Person, part: Part, why: Sequence[Reason]) -> tuple[float, ...]:
@@ -114,77 +127,90 @@ def _order(person: Person, part: Part, why: Sequence[Reason]) -> tuple[float, ..
     return (place,)
 
 
-def _reason(reason: Reason, today: date) -> str:
+def _reason(reason: Reason, today: date, tr: Language) -> str:
     is_several = reason.kind in _SEVERAL and reason.value > 1
-    return (_SEVERAL if is_several else _REASONS)[reason.kind].format(
-        day=day_words(reason.day, today) if reason.day else "",
+    return tr(
+        _SEVERAL[reason.kind] if is_several else _REASONS[reason.kind],
+        day=day_words(reason.day, today, tr) if reason.day else "",
         value=reason.value,
         limit=reason.limit,
-        word=reason.word or "severity not recorded",
+        word=tr(_SEVERITIES.get(reason.word, reason.word)),
     )
 
 
-def _said(person: Person, part: Part, today: date) -> str:
+def _said(person: Person, part: Part, today: date, tr: Language) -> str:
     """Return what is said of a person besides why they need a look."""
     course = person.course
     said = []
     if course.due:
-        said.append(_due(course.due, today))
+        said.append(_due(course.due, today, tr))
     if person.today:
-        said.append(_trained(person.today))
+        said.append(_trained(person.today, tr))
     if part == "look":  # the rest is less urgent than why they need a look
         return " ".join(said)
     if course.last is None:
-        said.append("No session yet.")
+        said.append(tr("No session yet."))
     elif not person.today:
-        said.append(_last(course.last, today))
+        said.append(_last(course.last, today, tr))
     if pain := worst_pain(course.rated, today):
-        said.append(f"Pain {pain} this week.")
+        said.append(tr("Pain {pain} this week.", pain=pain))
     return " ".join(said)
 
 
-def _due(due: date, today: date) -> str:
-    return "Due today." if due == today else f"Due since {day_words(due, today)}."
+def _due(due: date, today: date, tr: Language) -> str:
+    if due == today:
+        return tr("Due today.")
+    return tr("Due since {day}.", day=day_words(due, today, tr))
 
 
-def _trained(total: DayTotal) -> str:
+def _trained(total: DayTotal, tr: Language) -> str:
     clock = f"{total.began:%H:%M}"
     if not total.attempts:
-        return f"Today at {clock}, no attempt was finished."
+        return tr("Today at {clock}, no attempt was finished.", clock=clock)
     if not total.judged:
-        return f"Today at {clock}, {total.minutes} min."
-    return f"Today at {clock}, {total.minutes} min, {total.reached} of {total.judged} goals."
+        return tr("Today at {clock}, {minutes} min.", clock=clock, minutes=total.minutes)
+    return tr(
+        "Today at {clock}, {minutes} min, {reached} of {count} goals.",
+        clock=clock,
+        minutes=total.minutes,
+        reached=total.reached,
+        count=total.judged,
+    )
 
 
-def _last(last: date, today: date) -> str:
+def _last(last: date, today: date, tr: Language) -> str:
     days = (today - last).days
     if days == 1:
-        return "Trained yesterday."
+        return tr("Trained yesterday.")
     if days >= COURSE_DAYS:
-        return f"Trained last on {day_words(last, today)}."
-    return f"Trained {days} days ago."
+        return tr("Trained last on {day}.", day=day_words(last, today, tr))
+    return tr("Trained {days} days ago.", days=days)
 
 
-def _sentence(people: Sequence[Person], entries: Sequence[Entry]) -> str:
+def _sentence(people: Sequence[Person], entries: Sequence[Entry], tr: Language) -> str:
     """Return the sentences above the list."""
     if not people:
-        return "Welcome"
+        return tr("Welcome")
     parts = [entry.part for entry in entries]
     look, due = parts.count("look"), parts.count("due")
     trained = sum(bool(person.today and person.today.attempts) for person in people)
     if not (look or due or any(person.course.last for person in people)):
-        return "Nobody has trained here yet."
-    return " ".join(_counts(look, due, trained))
+        return tr("Nobody has trained here yet.")
+    return " ".join(_counts(look, due, trained, tr))
 
 
-def _counts(look: int, due: int, trained: int) -> Iterator[str]:
+def _counts(look: int, due: int, trained: int, tr: Language) -> Iterator[str]:
     if not look:
-        yield "Nobody needs a look today."
+        yield tr("Nobody needs a look today.")
     else:
-        yield "1 person needs a look." if look == 1 else f"{look} people need a look."
-    if due:
-        more = "more " if look else ""
-        yield f"1 {more}visit is due." if due == 1 else f"{due} {more}visits are due."
+        one, several = "1 person needs a look.", "{count} people need a look."
+        yield tr(one if look == 1 else several, count=look)
+    if due and look:
+        one, several = "1 more visit is due.", "{count} more visits are due."
+        yield tr(one if due == 1 else several, count=due)
+    elif due:
+        one, several = "1 visit is due.", "{count} visits are due."
+        yield tr(one if due == 1 else several, count=due)
     if trained:
-        one = "1 person has trained today."
-        yield one if trained == 1 else f"{trained} people have trained today."
+        one, several = "1 person has trained today.", "{count} people have trained today."
+        yield tr(one if trained == 1 else several, count=trained)

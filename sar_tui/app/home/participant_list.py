@@ -9,13 +9,13 @@ from textual.content import Content
 from textual.events import Key, Resize
 from textual.widgets.option_list import Option
 
+from sar_tui.model.language import Language
 from sar_tui.widgets.lists import MarkedList
 
 if TYPE_CHECKING:
     from sar_tui.app.home.day import Entry
 
 _NEW = "+"
-_HINT = "type to find · + adds"
 _BESIDE = 3
 """Columns of a line's padding and the scroll bar."""
 _NARROWEST = 12
@@ -31,11 +31,15 @@ class ParticipantList(MarkedList):
         sought: the part of a code, or a word, that was typed.
     """
 
+    app: Any
+
     def __init__(self, **how: Any) -> None:
         super().__init__(markup=False, **how)
         self._known: Sequence[Entry] = ()
         self.sought = ""
-        self.border_title = "People"
+
+    def on_mount(self) -> None:
+        self.border_title = self.app.tr("People")
 
     def fill(self, known: "Sequence[Entry]", chosen: str | None) -> None:
         """List people, with one of them chosen."""
@@ -67,25 +71,27 @@ class ParticipantList(MarkedList):
 
     def _list(self, chosen: str | None) -> None:
         found = self._found()
+        tr: Language = self.app.tr
         self.clear_options()
-        self.add_options([*self._in_sections(found), Option("+ New participant", id=_NEW)])
+        self.add_options([*self._in_sections(found, tr), Option(tr("+ New participant"), id=_NEW)])
         self.choose(chosen)
         if self.highlighted == 1:
             self.scroll_home(animate=False)  # the heading above it is shown, too
         count = len(self._known)
-        self.border_title = f"{count} people" if count > 1 else "People"
+        self.border_title = tr("{count} people", count=count) if count > 1 else tr("People")
         if self._known:
-            self.border_subtitle = f"find: {self.sought} (Esc)" if self.sought else _HINT
+            finds = tr("find: {typed} (Esc)", typed=self.sought)
+            self.border_subtitle = finds if self.sought else tr("type to find · + adds")
 
-    def _in_sections(self, entries: "Sequence[Entry]") -> Iterator[Option]:
-        from sar_tui.app.home.day import HEADINGS
+    def _in_sections(self, entries: "Sequence[Entry]", tr: Language) -> Iterator[Option]:
+        from sar_tui.app.home.day import heading
 
         width = self.content_size.width - _BESIDE
         code_width = min(_LONGEST_CODE, max((len(each.code) for each in entries), default=0))
         above = ""
         for part, members in groupby(entries, key=lambda each: each.part):
-            heading = Content.styled(HEADINGS[part], "bold $text-muted")
-            yield Option(Content(above) + heading, disabled=True)
+            title = Content.styled(heading(part, tr), "bold $text-muted")
+            yield Option(Content(above) + title, disabled=True)
             for each in members:
                 yield Option(_entry_lines(each, code_width, width), id=each.code)
             above = "\n" if self.app.size.height >= 30 else ""
@@ -115,12 +121,7 @@ class ParticipantList(MarkedList):
             sought = ""
         elif event.key == "backspace" and self.sought:
             sought = self.sought[:-1]
-        elif (
-            self._known
-            and len(typed) == 1
-            and typed.isascii()
-            and (typed.isalnum() or typed in "-_")
-        ):
+        elif self._known and len(typed) == 1 and (typed.isalnum() or typed in "-_"):
             sought = self.sought + typed
         else:
             return

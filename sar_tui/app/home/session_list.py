@@ -15,6 +15,7 @@ from textual.widgets.option_list import Option
 
 from sar_tui.app.home.words import bars, day_words
 from sar_tui.drivers.login_name import login_name
+from sar_tui.model.language import Language
 from sar_tui.store.database import StoreError
 from sar_tui.widgets.lists import MarkedList, OptionList
 
@@ -47,7 +48,7 @@ class SessionList(Vertical):
         yield MarkedList(id="recent", markup=False)
 
     def on_mount(self) -> None:
-        self.border_title = "Sessions"
+        self.border_title = self.app.tr("Sessions")
 
     def show(self, participant: str | None) -> None:
         """List the sessions of a participant, or of everyone."""
@@ -55,10 +56,11 @@ class SessionList(Vertical):
 
         chosen = self._recent.chosen if participant == self._who else None
         self._who = participant
-        self._listed = read_sessions(
-            self.app.database, self.app.folder, self.app.catalogue, participant
+        app, tr = self.app, self.app.tr
+        self._listed = read_sessions(app.database, app.folder, app.catalogue, participant, tr)
+        self.border_title = (
+            tr("Sessions of {who}", who=participant) if participant else tr("Sessions of everyone")
         )
-        self.border_title = f"Sessions of {participant}" if participant else "Sessions of everyone"
         self._draw(chosen)
 
     @property
@@ -99,8 +101,8 @@ class SessionList(Vertical):
         if (row := self.chosen) is None:
             return ""
         if can_resume(row):
-            return "Press Enter to go on with this session."
-        return "Press Enter to look at this session."
+            return str(self.app.tr("Press Enter to go on with this session."))
+        return str(self.app.tr("Press Enter to look at this session."))
 
     def choose_offered(self) -> None:
         """Choose the session that is offered, if there is one."""
@@ -111,8 +113,13 @@ class SessionList(Vertical):
         if self._listed is None:
             return
         rows, lines = self._listed.rows, self._listed.lines
-        today = self.app.today()
-        table = Table(lines, max(20, self.size.width - _BESIDE), today, names_who=self._who is None)
+        table = Table(
+            lines,
+            max(20, self.size.width - _BESIDE),
+            self.app.today(),
+            self.app.tr,
+            names_who=self._who is None,
+        )
         self.query_one("#columns", Static).update(table.heading if rows else "")
         recent = self._recent
         recent.clear_options()
@@ -125,7 +132,7 @@ class SessionList(Vertical):
             )
             recent.choose(chosen)
         else:
-            recent.add_option(Option("No session yet.", disabled=True))
+            recent.add_option(Option(self.app.tr("No session yet."), disabled=True))
         self.refresh_bindings()
 
     def on_resize(self, event: Resize) -> None:
@@ -134,7 +141,7 @@ class SessionList(Vertical):
 
     def on_descendant_focus(self) -> None:
         """Say how to leave the list while the cursor is in it."""
-        self.border_subtitle = "Esc goes back"
+        self.border_subtitle = self.app.tr("Esc goes back")
 
     def on_descendant_blur(self) -> None:
         self.border_subtitle = ""
@@ -179,6 +186,17 @@ class SessionList(Vertical):
 ROOMY = 90
 """Columns from which on a table has room for more."""
 _GAP = " "
+_HEADINGS = {
+    "day": "Date",
+    "clock": "Time",
+    "who": "Who",
+    "task": "Task",
+    "level": "Level",
+    "result": "Result",
+    "reached": "Reached",
+    "levels": "Levels",
+    "minutes": "Minutes",
+}
 
 
 class Line(msgspec.Struct, frozen=True):
@@ -204,51 +222,57 @@ class Table:
         lines: the sessions.
         width: columns that there is room for.
         today: the date.
+        tr: the language.
         names_who: True if they are sessions of several participants.
     """
 
-    def __init__(self, lines: Sequence[Line], width: int, today: date, *, names_who: bool) -> None:
-        self._lines, self._width, self._today = lines, width, today
+    def __init__(
+        self, lines: Sequence[Line], width: int, today: date, tr: Language, *, names_who: bool
+    ) -> None:
+        self._lines, self._width, self._today, self._tr = lines, width, today, tr
         self._highest = max((level for line in lines for level in line.levels), default=1)
         is_roomy = width >= ROOMY
-        columns = {"Date": 11}
+        columns = {"day": max([11, *(len(day_words(line.day, today, tr)) for line in lines)])}
         if is_roomy:
-            columns["Time"] = 5
+            columns["clock"] = 5
         if names_who:
-            columns["Who"] = 12 if is_roomy else 8
+            columns["who"] = 12 if is_roomy else 8
         if names_who or len({line.task for line in lines}) > 1:
-            columns["Task"] = 20 if is_roomy else 12
+            columns["task"] = 20 if is_roomy else 12
         if is_roomy or not names_who:
-            columns |= {"Level": 7 if is_roomy else 5, "Result": 8 if is_roomy else 6}
-        columns["Reached"] = 8
+            columns |= {"level": 7 if is_roomy else 5, "result": 8 if is_roomy else 6}
+        columns["reached"] = 8
         longest = max((len(line.levels) for line in lines), default=0)
-        columns["Levels"] = min(max(longest + 1, 7), 40 if is_roomy else 12)
+        columns["levels"] = min(max(longest + 1, 7), 40 if is_roomy else 12)
         if is_roomy:
-            columns["Minutes"] = 7
-        self._columns = columns
+            columns["minutes"] = 7
+        self._columns = {name: max(columns[name], len(tr(_HEADINGS[name]))) for name in columns}
 
     @property
     def heading(self) -> str:
         """The names of the columns."""
-        return _GAP.join(f"{name:<{width}}" for name, width in self._columns.items()).rstrip()
+        return _GAP.join(
+            f"{self._tr(_HEADINGS[name]):<{width}}" for name, width in self._columns.items()
+        ).rstrip()
 
     def draw(self, line: Line) -> Content:
         """Return the line of a session."""
+        tr = self._tr
         cells = {
-            "Date": day_words(line.day, self._today),
-            "Time": line.clock,
-            "Who": line.who,
-            "Task": line.task,
-            "Level": _from_to(line.levels),
-            "Result": line.result,
-            "Reached": line.reached,
-            "Levels": bars(line.levels, self._highest, self._columns["Levels"]),
-            "Minutes": f"{line.minutes} min" if line.minutes else "",
+            "day": day_words(line.day, self._today, tr),
+            "clock": line.clock,
+            "who": line.who,
+            "task": line.task,
+            "level": _from_to(line.levels),
+            "result": line.result,
+            "reached": line.reached,
+            "levels": bars(line.levels, self._highest, self._columns["levels"]),
+            "minutes": tr("{minutes} min", minutes=line.minutes) if line.minutes else "",
         }
         columns = dict(self._columns)
         if sum(columns.values()) + len(columns) * len(_GAP) + len(line.note) > self._width:
-            del columns["Levels"]  # why a session stands out says more
-            columns.pop("Minutes", None)
+            del columns["levels"]  # why a session stands out says more
+            columns.pop("minutes", None)
         drawn = _GAP.join(_fitted(cells[name], width) for name, width in columns.items())
         return Content(f"{drawn}{_GAP}{line.note}").truncate(self._width, ellipsis=True)
 

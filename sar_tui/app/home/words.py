@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from sar_tui.model.language import Language
+
 if TYPE_CHECKING:  # the empty screen is shown before it is loaded
     from sar_tui.model.trial_types import Metric
     from sar_tui.progress.lines import SessionResults
@@ -29,69 +31,88 @@ class Programme(msgspec.Struct, frozen=True):
     why: str = ""
 
 
-def short(metric: "Metric", value: float) -> str:
+def short(metric: "Metric", value: float, tr: Language) -> str:
     """Return a result in a few characters; times in seconds, as participants read them: "0.95
     s".
     """
-    return f"{value / 1000:.2f} s" if metric.unit == "ms" else metric.show(value)
+    return tr.figures(f"{value / 1000:.2f} s" if metric.unit == "ms" else metric.show(value))
 
 
-def day_words(day: date, today: date) -> str:
+def day_words(day: date, today: date, tr: Language) -> str:
     """Return a date as people say it: "today", "yesterday", "Tue 17 Nov", "17 Nov 2025"."""
     ago = (today - day).days
     if ago in (0, 1):
-        return "yesterday" if ago else "today"
-    short_day = f"{day.day} {_MONTHS[day.month - 1]}"
-    return (
-        f"{_DAYS[day.weekday()]} {short_day}"
-        if day.year == today.year
-        else f"{short_day} {day.year}"
-    )
+        return tr("yesterday" if ago else "today")
+    if day.year == today.year:
+        return weekday_words(day, tr)
+    month = tr(_MONTHS[day.month - 1])
+    return tr("{day} {month} {year}", day=day.day, month=month, year=day.year)
 
 
-def programme_words(programme: Programme, *, is_roomy: bool) -> str:
+def weekday_words(day: date, tr: Language) -> str:
+    """Return a date with its weekday: "Tue 17 Nov"."""
+    weekday, month = tr(_DAYS[day.weekday()]), tr(_MONTHS[day.month - 1])
+    return tr("{weekday} {day} {month}", weekday=weekday, day=day.day, month=month)
+
+
+def short_day(day: date, tr: Language) -> str:
+    """Return a date without its year: "17 Nov"."""
+    return tr("{day} {month}", day=day.day, month=tr(_MONTHS[day.month - 1]))
+
+
+def programme_words(programme: Programme, tr: Language, *, is_roomy: bool) -> str:
     """Return a programme in a line: "v3: 10 × 20 · goal 1.0 s · start level 4".
 
     With more room, or if settings were changed, it also says why it starts there.
     """
-    amount = f"{programme.attempts} × {programme.prompts}"
-    version = f"v{programme.version}: " if programme.version else ""
-    if is_roomy:
-        attempts = "1 attempt" if programme.attempts == 1 else f"{programme.attempts} attempts"
-        amount = f"{attempts} of {programme.prompts}"
-        version = f"version {programme.version}: " if programme.version else "none saved: "
-    goal = f" · goal {programme.goal}" if programme.goal else ""
+    number, attempts, prompts = programme.version, programme.attempts, programme.prompts
+    if not is_roomy:
+        amount = f"{attempts} × {prompts}"
+        said = tr("v{number}: {amount}", number=number, amount=amount) if number else amount
+    else:
+        amount = (
+            tr("1 attempt of {prompts}", prompts=prompts)
+            if attempts == 1
+            else tr("{count} attempts of {prompts}", count=attempts, prompts=prompts)
+        )
+        said = (
+            tr("version {number}: {amount}", number=number, amount=amount)
+            if number
+            else tr("none saved: {amount}", amount=amount)
+        )
+    parts = [said]
+    if programme.goal:
+        parts.append(tr("goal {goal}", goal=programme.goal))
     is_told = programme.why and (
         is_roomy or any(what in programme.why for what in ("settings", "new goal"))
     )
-    why = f" ({programme.why})" if is_told else ""
-    return f"{version}{amount}{goal} · start level {programme.level}{why}"
+    start = tr("start level {level}", level=programme.level)
+    parts.append(f"{start} ({tr(programme.why)})" if is_told else start)
+    return " · ".join(parts)
 
 
-def progress_words(line: "LineProgress", others: int) -> str:
+def progress_words(line: "LineProgress", others: int, tr: Language) -> str:
     """Return the level at goal with the verdict on it: "Level 4.5 at goal: no change can be shown".
 
     ``others`` is the number of earlier sessions that had other settings.
     """
-    from sar_tui.model.language import Language
     from sar_tui.reports.progress_words import standing
 
-    said = standing(line, Language())
-    return f"{said} ({others} with other settings)" if others else said
+    said = standing(line, tr)
+    return f"{said} ({tr('{count} with other settings', count=others)})" if others else said
 
 
-def last_words(last: "SessionResults", felt: str, today: date) -> str:
+def last_words(last: "SessionResults", felt: str, today: date, tr: Language) -> str:
     """Return the last session in a sentence: "Tue 17 Nov: 12 of 20 reached, tired 3"."""
     attempts = len(last.results)
-    of_goal = (
-        f"{attempts} attempts" if last.reached is None else f"{last.reached} of {attempts} reached"
-    )
-    said = [of_goal if attempts else "no attempt was finished"]
-    if note := status_words(last.status):
-        said.append(note)
-    if felt:
-        said.append(felt)
-    when = day_words(last.began.date(), today)
+    if not attempts:
+        said = [tr("no attempt was finished")]
+    elif last.reached is not None:
+        said = [tr("{reached} of {count} reached", reached=last.reached, count=attempts)]
+    else:
+        said = [tr("1 attempt") if attempts == 1 else tr("{count} attempts", count=attempts)]
+    said += filter(None, (status_words(last.status, tr), felt))
+    when = day_words(last.began.date(), today, tr)
     return f"{when[0].upper()}{when[1:]}: {', '.join(said)}"
 
 
@@ -100,19 +121,23 @@ _STATUSES = {
     "aborted": "ended early",
     "discarded": "started by mistake",
     "refused": "not agreed to",
+    "interrupted": "interrupted",
+    "dismissed": "dismissed",
 }
 
 
-def status_words(status: str) -> str:
+def status_words(status: str, tr: Language) -> str:
     """Return a session's status if it is not the usual one."""
-    return _STATUSES.get(status, status)
+    return tr(_STATUSES.get(status, status))
 
 
-def offer_words(day: date, done: int, planned: object, today: date) -> str:
+def offer_words(day: date, done: int, planned: object, today: date, tr: Language) -> str:
     """Return the offer to go on with an interrupted session."""
-    return (
-        f"Interrupted {day_words(day, today)} after {done} of {planned}. F6 and Enter go on "
-        "with it, Del dismisses it."
+    return tr(
+        "Interrupted {day} after {done} of {planned}. F6 and Enter go on with it, Del dismisses it.",
+        day=day_words(day, today, tr),
+        done=done,
+        planned=planned,
     )
 
 

@@ -2,6 +2,7 @@
 their sessions.
 """
 
+import functools
 from collections.abc import Iterator
 from datetime import date
 from itertools import groupby
@@ -20,7 +21,9 @@ from textual.widgets.option_list import Option
 from sar_tui.app.home.card import ParticipantCard
 from sar_tui.app.home.participant_list import ParticipantList
 from sar_tui.app.home.session_list import SessionList
-from sar_tui.plugins import Catalogue, PluginError
+from sar_tui.app.home.words import weekday_words
+from sar_tui.model.language import OWN_NAMES, Language, language
+from sar_tui.plugins import Catalogue, PluginError, task_folder
 from sar_tui.store.connection import timing_flags
 from sar_tui.store.database import StoreError
 from sar_tui.tui.key_line import KeyLine
@@ -45,14 +48,6 @@ class HomeScreen(Screen[None]):
     of who trained last.
     """
 
-    help_text = (
-        "People who need a look come first: pain above their limit this week, an adverse event, a "
-        "level that stayed for three sessions, a session interrupted or begun by mistake. A visit "
-        "is due by *Days between visits* (F2).\n\n"
-        "Type part of a code to find a person, or a word such as pain. Enter and Enter again start. "
-        "At goal: the level at which they just reach it. F6: Enter goes on with an interrupted "
-        "session, Del dismisses it. + adds a person.\n"
-    )
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("right,down", "next", "Next list", show=False, id="next"),
         Binding("left,up", "previous", "Previous list", show=False, id="previous"),
@@ -80,8 +75,27 @@ class HomeScreen(Screen[None]):
         self._theme_of: tuple[str, str] | None = None
         self._shown: tuple[str | None, str | None] | None = None
 
+    @property
+    def help_text(self) -> str:
+        """Help on the day, and on finding and starting."""
+        tr = self.app.tr
+        paragraphs = (
+            tr(
+                "People who need a look come first: pain above their limit this week, an adverse "
+                "event, a level that stayed for three sessions, a session interrupted or begun by "
+                "mistake. A visit is due by *Days between visits* (F2)."
+            ),
+            tr(
+                "Type part of a code to find a person, or a word such as pain. Enter and Enter "
+                "again start. At goal: the level at which they just reach it. F6: Enter goes on "
+                "with an interrupted session, Del dismisses it. + adds a person."
+            ),
+        )
+        return "\n\n".join(paragraphs) + "\n"
+
     def compose(self) -> ComposeResult:
-        yield Static(_title(self.app.today()), id="title", classes="top-bar", markup=False)
+        title = _title(self.app.today(), self.app.tr)
+        yield Static(title, id="title", classes="top-bar", markup=False)
         yield Static("", id="sentence", classes="sentence", markup=False)
         with Horizontal(id="day"):
             yield ParticipantList(id="participant")
@@ -98,20 +112,20 @@ class HomeScreen(Screen[None]):
 
     # --- filling
 
-    async def fill(self) -> None:
-        """Fill the screen; called once its empty frame is shown, because its contents take a
-        moment.
+    async def fill(self, chosen: str | None = None) -> None:
+        """Fill the screen, with a participant chosen; called once its empty frame is shown, because
+        its contents take a moment.
         """
         await self.query_one(ParticipantCard).open()
         self._is_filled = True
-        list_tasks(self._tasks, self.app.catalogue)
+        list_tasks(self._tasks, self.app.catalogue, self.app.tr)
         self.app.themes.load()
         self._themes.add_options(
-            [Option(theme.title, id=name) for name, theme in self.app.themes.known.items()]
+            [Option(self.app.themes.title(name), id=name) for name in self.app.themes.known]
         )
         self._themes.highlighted = 0
         self._tasks.choose(_FIRST_TASK)
-        self._list_participants()
+        self._list_participants(chosen)
         self._look_again()
         self.set_interval(_LOOK_SECONDS, self._look_again)
         self.app.tell_troubles()
@@ -135,7 +149,7 @@ class HomeScreen(Screen[None]):
 
         chosen = chosen or self._participants.chosen or participants.last_used(self.app.database)
         self._day = self.app.today()
-        day = read_day(self.app.database, self.app.folder, self._day)
+        day = read_day(self.app.database, self.app.folder, self._day, self.app.tr)
         self._participants.fill(day.entries, chosen)
         self._show_title(self._day)
         self._sentence = day.sentence
@@ -157,10 +171,12 @@ class HomeScreen(Screen[None]):
         """Show the day, and if the people are invented."""
         from sar_tui.store.sessions import is_demonstration
 
-        title = _title(today)
+        tr = self.app.tr
+        title = _title(today, tr)
         if is_demonstration(self.app.database):
-            lasts = "" if self.app.is_kept else " Nothing here is kept."
-            title = f"{_date(today)} · Demonstration: invented people.{lasts}"
+            said = [_date(today, tr), "·", tr("Demonstration: invented people.")]
+            said += [] if self.app.is_kept else [tr("Nothing here is kept.")]
+            title = " ".join(said)
         self.query_one("#title", Static).update(title)
 
     def _show_participant(self, *, anew: bool = False) -> None:
@@ -190,7 +206,7 @@ class HomeScreen(Screen[None]):
             card.show_nobody(is_first=self._participants.is_empty)
             return
         if not name:
-            card.show_problem(who, "No task can be loaded. `sar-tui tasks` says why.")
+            card.show_problem(who, self.app.tr("No task can be loaded. `sar-tui tasks` says why."))
             return
         from sar_tui.app.home.contents import read_card
         from sar_tui.app.home.words import offer_words
@@ -201,11 +217,11 @@ class HomeScreen(Screen[None]):
         except PluginError as error:  # it was removed or edited meanwhile
             card.show_problem(who, str(error))
             return
-        contents = read_card(
-            self.app.database, self.app.folder, self.app.catalogue, who, task, today
-        )
+        app, tr = self.app, self.app.tr
+        contents = read_card(app.database, app.folder, app.catalogue, who, task, today, tr)
         offer = self.query_one(SessionList).offer
-        card.show(who, task.title, contents, offer_words(*offer, today) if offer else "")
+        title = language(tr.code, task_folder(task))(task.title)
+        card.show(who, title, contents, offer_words(*offer, today, tr) if offer else "")
         self._choose_saved_theme(who, name)
 
     def _choose_saved_theme(self, who: str, task: str) -> None:
@@ -321,18 +337,32 @@ class HomeScreen(Screen[None]):
 
     def commands(self) -> Iterator[SystemCommand]:
         """Yield what can be done here, for the command palette."""
+        tr = self.app.tr
         yield SystemCommand(
-            "New participant", "Add a person by a code", self.action_new_participant
+            tr("New participant"), tr("Add a person by a code"), self.action_new_participant
         )
         for action, title, help in (
-            ("settings", "Settings", "What the chosen person trains, how much, how hard"),
-            ("progress", "Progress", "How the chosen person has done over weeks"),
-            ("sessions", "Sessions", "Those of the chosen person: look, go on, dismiss"),
-            ("patient_mode", "Patient mode", "Let the chosen person train alone"),
-            ("operate", "Operator's panel", "Join a session that is under way"),
+            ("settings", tr("Settings"), tr("What the chosen person trains, how much, how hard")),
+            ("progress", tr("Progress"), tr("How the chosen person has done over weeks")),
+            ("sessions", tr("Sessions"), tr("Those of the chosen person: look, go on, dismiss")),
+            ("patient_mode", tr("Patient mode"), tr("Let the chosen person train alone")),
+            ("operate", tr("Operator's panel"), tr("Join a session that is under way")),
         ):
             if self.check_action(action, ()):
                 yield SystemCommand(title, help, getattr(self, f"action_{action}"))
+        for code, name in OWN_NAMES.items():
+            yield SystemCommand(
+                tr("Language: {name}", name=name),
+                tr("The language of the screens for therapists"),
+                functools.partial(self._use_language, code),
+            )
+
+    async def _use_language(self, code: str) -> None:
+        """Show the therapist's screens in a language, from now on in this data folder."""
+        self.app.use_language(code)
+        home = HomeScreen()
+        await self.app.switch_screen(home)
+        await home.fill(self._who)
 
     # --- the key row
 
@@ -347,16 +377,17 @@ class HomeScreen(Screen[None]):
             self.query_one("#key", KeyLine).show(self._enter_words(), "Enter")
 
     def _enter_words(self) -> str:
+        tr: Language = self.app.tr
         focused = self.focused.id if self.focused is not None else None
         who = self._participants.code
         if focused == "participant":
             if who:
-                return f"Press Enter to choose {who}."
-            return "Press Enter to add a participant."
+                return tr("Press Enter to choose {who}.", who=who)
+            return tr("Press Enter to add a participant.")
         if focused == "start":
-            return f"Press Enter to start a session of {who}."
+            return tr("Press Enter to start a session of {who}.", who=who)
         if focused in ("task", "theme"):
-            return "Press Enter to go on."
+            return tr("Press Enter to go on.")
         if focused == "recent":
             return self.query_one(SessionList).enter_words()
         return ""
@@ -371,7 +402,7 @@ class HomeScreen(Screen[None]):
         """Let the chosen participant train alone."""
         if self.app.is_web:
             self.notify(
-                "Patient mode needs a terminal: a session cannot run in a browser.",
+                self.app.tr("Patient mode needs a terminal: a session cannot run in a browser."),
                 severity="warning",
             )
         elif who := self._participants.code:
@@ -380,7 +411,10 @@ class HomeScreen(Screen[None]):
             except StoreError as error:
                 self.notify(str(error), severity="warning", timeout=15)
         else:
-            self.notify("Choose or add a participant first.", severity="warning")
+            self._ask_for_participant()
+
+    def _ask_for_participant(self) -> None:
+        self.notify(self.app.tr("Choose or add a participant first."), severity="warning")
 
     def action_settings(self) -> None:
         """Open the therapist's settings."""
@@ -399,7 +433,7 @@ class HomeScreen(Screen[None]):
     def _participant_and_task(self) -> "tuple[str, type[Task]] | None":
         who, name = self._participants.code, self._tasks.chosen
         if not who or not name:
-            self.notify("Choose or add a participant first.", severity="warning")
+            self._ask_for_participant()
             self._participants.focus()
             return None
         try:
@@ -452,23 +486,23 @@ class HomeScreen(Screen[None]):
             self.app.push_screen(ChooseScreen(folder), chosen)
 
 
-def _title(today: date) -> str:
+def _title(today: date, tr: Language) -> str:
     """Return the program's name, the day, and what makes timing less exact in this terminal."""
-    title = _date(today)
+    title = _date(today, tr)
     if flags := timing_flags():
-        title += f" · inside {' and '.join(flags)}: reaction times are less exact"
+        inside = tr(
+            "inside {programs}: reaction times are less exact",
+            programs=f" {tr('and')} ".join(flags),
+        )
+        title += f" · {inside}"
     return title
 
 
-def _date(today: date) -> str:
-    return f"sar-tui · {today:%a} {today.day} {today:%b}"
+def _date(today: date, tr: Language) -> str:
+    return f"sar-tui · {weekday_words(today, tr)}"
 
 
-_OTHERS = "Others"
-"""Heading of tasks that do not say what they train."""
-
-
-def list_tasks(tasks: PickList, catalogue: Catalogue) -> None:
+def list_tasks(tasks: PickList, catalogue: Catalogue, tr: Language) -> None:
     """List each task below a heading of what it trains; those that do not load are last.
 
     Where no task says what it trains there are no headings. The chosen one says what is done in it.
@@ -479,15 +513,20 @@ def list_tasks(tasks: PickList, catalogue: Catalogue) -> None:
         try:
             task = catalogue.task(name)
         except PluginError:
-            broken.append(Option(f"{name} (does not load)", id=name, disabled=True))
+            said = tr("{task} (does not load)", task=name)
+            broken.append(Option(said, id=name, disabled=True))
         else:
-            known.append((task.trains, task.title, name))
-            tasks.summaries[name] = (task.title, task.summary)
+            own = language(tr.code, task_folder(task))
+            title = own(task.title)
+            known.append((own(task.trains) if task.trains else "", title, name))
+            tasks.summaries[name] = (title, own(task.summary))
     known.sort(key=lambda task: (not task[0], *task))
     options = []
     for trains, group in groupby(known, key=lambda task: task[0]):
         if known[0][0]:
-            options.append(Option(Content.styled(trains or _OTHERS, "$text-muted"), disabled=True))
+            options.append(
+                Option(Content.styled(trains or tr("Others"), "$text-muted"), disabled=True)
+            )
         options += [Option(title, id=name) for _, title, name in group]
     tasks.add_options([*options, *broken])
 
@@ -526,6 +565,7 @@ class Starting:
         from sar_tui.runs.plan import Failed, left_out_text, make_plan
         from sar_tui.store import programmes
 
+        tr: Language = self._screen.app.tr
         saved = programmes.newest(self._screen.app.database, codes[0], task.name)
         theme = theme or saved.theme
         try:
@@ -534,7 +574,7 @@ class Starting:
                 self._left_out = text
                 if text:
                     self._screen.notify(
-                        f"{text} Press START again to begin without it.",
+                        f"{text} {tr('Press START again to begin without it.')}",
                         severity="warning",
                         timeout=30,
                     )
@@ -546,7 +586,9 @@ class Starting:
                 )
         except ParameterError as error:
             self._screen.notify(
-                f"The settings of {codes[0]} do not fit: {error}", severity="warning", timeout=15
+                tr("The settings of {who} do not fit: {why}", who=codes[0], why=str(error)),
+                severity="warning",
+                timeout=15,
             )
         except StoreError as error:
             self._screen.notify(str(error), severity="error", timeout=15)

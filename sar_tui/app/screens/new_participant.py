@@ -26,12 +26,13 @@ class NewParticipantScreen(DismissedOnce[str | None], ModalScreen[str | None]):
     app: Any
 
     def compose(self) -> ComposeResult:
+        tr = self.app.tr
         with Vertical(id="new-participant"):
-            yield Static("New participant", classes="headline")
-            yield Static("A code, such as P01. Never a name.", markup=False)
+            yield Static(tr("New participant"), classes="headline")
+            yield Static(tr("A code, such as P01. Never a name."), markup=False)
             yield Input(placeholder="P01", max_length=32, id="code")
             yield Static("", id="problem", markup=False)
-            yield Static("Press Enter to add, Esc to cancel.", classes="muted")
+            yield Static(tr("Press Enter to add, Esc to cancel."), classes="muted")
 
     @on(Input.Changed)
     def _check(self, event: Input.Changed) -> None:
@@ -41,7 +42,7 @@ class NewParticipantScreen(DismissedOnce[str | None], ModalScreen[str | None]):
         problem = ""
         try:
             if participants.check_own(code) in participants.codes(self.app.database):
-                problem = "This code is taken."
+                problem = self.app.tr("This code is taken.")
         except StoreError as error:
             problem = str(error) if code.strip() else ""
         self.query_one("#problem", Static).update(problem)
@@ -50,7 +51,7 @@ class NewParticipantScreen(DismissedOnce[str | None], ModalScreen[str | None]):
     @on(Input.Submitted)
     def _add(self, event: Input.Submitted) -> None:
         if not event.value.strip():
-            self.query_one("#problem", Static).update("Type a code first.")
+            self.query_one("#problem", Static).update(self.app.tr("Type a code first."))
             return
         if not self._is_valid(event.value):
             return
@@ -83,11 +84,12 @@ class SecondParticipantScreen(DismissedOnce[str | None], ModalScreen[str | None]
         self._first = first
 
     def compose(self) -> ComposeResult:
+        tr = self.app.tr
         with Vertical(id="second-participant"):
-            yield Static("Who sits on the right?", classes="headline")
-            yield Static(f"{self._first} sits on the left.", markup=False)
+            yield Static(tr("Who sits on the right?"), classes="headline")
+            yield Static(tr("{who} sits on the left.", who=self._first), markup=False)
             yield OptionList(id="others", markup=False)
-            yield Static("Arrows and Enter to choose, Esc to cancel.", classes="muted")
+            yield Static(tr("Arrows and Enter to choose, Esc to cancel."), classes="muted")
 
     def on_mount(self) -> None:
         self._list()
@@ -97,7 +99,7 @@ class SecondParticipantScreen(DismissedOnce[str | None], ModalScreen[str | None]
         others.clear_options()
         codes = [code for code in participants.codes(self.app.database) if code != self._first]
         others.add_options([Option(code, id=code) for code in codes])
-        others.add_option(Option("+ New participant", id=_NEW))
+        others.add_option(Option(self.app.tr("+ New participant"), id=_NEW))
         others.highlighted = 0
 
     @on(OptionList.OptionSelected)

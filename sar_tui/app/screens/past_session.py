@@ -56,13 +56,14 @@ class PastSessionScreen(DismissedOnce[None]):
         row = self._row
         began = trained_at(row["started_at"], row["utc_offset_s"])
         title = row["software"].get("task", {}).get("title", row["task"])
-        when = f"{day_words(began.date(), self.app.today())}, {began:%H:%M}"
+        tr = language_of(self.app)
+        when = f"{day_words(began.date(), self.app.today(), tr)}, {began:%H:%M}"
         return " · ".join(
             (
                 sessions.participant_codes(row),
                 title,
                 when,
-                status_words(row["status"]) or str(row["status"]),
+                status_words(row["status"], tr) or str(row["status"]),
             )
         )
 

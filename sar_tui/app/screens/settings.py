@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 from textual import on, work
 from textual.app import ComposeResult, SystemCommand
-from textual.binding import ActiveBinding, Binding, BindingType
+from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.events import Resize
@@ -41,7 +41,6 @@ from sar_tui.theme_folder import languages
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.tui.key_line import KeyLine
 from sar_tui.tui.language import app_language
-from sar_tui.tui.language import translated as translated_keys
 from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.lists import OptionList
 from sar_tui.widgets.parameter_field import CHANGED, UNSAVED, ParameterField
@@ -110,8 +109,8 @@ class SettingsScreen(DismissedOnce[None]):
 
     @functools.cached_property
     def tr(self) -> Language:
-        """The language of the saved sessions: the form is in it, too."""
-        code = str(self._programme.parameters.get("language", Language().code))
+        """The language of the app, with the task's own texts."""
+        code = self.app.tr.code
         own = language(code, COMMON, task_folder(self._motor_task))
         return app_language(code, own.texts)
 
@@ -141,10 +140,6 @@ class SettingsScreen(DismissedOnce[None]):
             ),
         )
         return "\n\n".join(paragraphs) + "\n"
-
-    @property
-    def active_bindings(self) -> dict[str, ActiveBinding]:
-        return translated_keys(super().active_bindings, self.tr)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Show the key that discards changes if there are some, or if some were discarded."""
@@ -262,10 +257,10 @@ class SettingsScreen(DismissedOnce[None]):
         if gone := self._programme.parameters.keys() - {
             widget.field.name for widget in self._fields
         }:
-            names = ", ".join(sorted(gone))
-            self.notify(
-                f"These settings do not exist any more: {names}.", severity="warning", timeout=15
+            told = self.tr(
+                "These settings do not exist any more: {names}.", names=", ".join(sorted(gone))
             )
+            self.notify(told, severity="warning", timeout=15)
 
     def on_resize(self, event: Resize) -> None:
         """Put the preview beside the fields if there is room."""
@@ -356,14 +351,14 @@ class SettingsScreen(DismissedOnce[None]):
         known = self._languages()
         if not known or language.partition("-")[0] in {name.partition("-")[0] for name in known}:
             return {}
-        has = (
-            f"The theme {self._programme.theme} has no phrases in {language}; it has: "
-            f"{', '.join(known)}."
+        told = self.tr(
+            "The theme {theme} has no phrases in {language}; it has: {known}. Choose one of these, "
+            "or give the theme a file phrases.{language}.toml.",
+            theme=self._programme.theme,
+            language=language,
+            known=", ".join(known),
         )
-        return {
-            "language": f"{has} Choose one of these, or give the theme a file "
-            f"phrases.{language}.toml."
-        }
+        return {"language": told}
 
     def _languages(self) -> tuple[str, ...]:
         """Return the languages of the theme; none if the theme is gone, as another must be chosen

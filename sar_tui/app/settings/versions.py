@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from textual import on
 from textual.app import ComposeResult
-from textual.binding import ActiveBinding, Binding, BindingType
+from textual.binding import Binding, BindingType
 from textual.containers import VerticalScroll
 from textual.content import Content
 from textual.widgets import Static
@@ -20,7 +20,6 @@ from sar_tui.store.programmes import Programme
 from sar_tui.store.sessions import local_time
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.tui.key_line import KeyLine
-from sar_tui.tui.language import translated as translated_keys
 from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.lists import MarkedList, OptionList
 
@@ -77,10 +76,6 @@ class VersionsScreen(DismissedOnce[Programme | None]):
             )
             + "\n"
         )
-
-    @property
-    def active_bindings(self) -> dict[str, ActiveBinding]:
-        return translated_keys(super().active_bindings, self.tr)
 
     def compose(self) -> ComposeResult:
         tr = self.tr

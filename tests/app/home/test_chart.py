@@ -5,11 +5,14 @@ from datetime import date, timedelta
 
 from sar_tui.app.home.chart import Bar, Chart, charted, draw
 from sar_tui.loop.task import Task
+from sar_tui.model.language import Language
 from sar_tui.model.trial_types import Metric
 from sar_tui.progress.lines import SessionResults
 from sar_tui.progress.task_level import AttemptResult
 from sar_tui.reports.progress import progress
 from tests.progress.session_results import adapted, at_one_level, session
+
+ENGLISH = Language()
 
 
 def chart(*levels: float) -> Chart:
@@ -22,11 +25,11 @@ def chart(*levels: float) -> Chart:
 
 
 def drawn_of(keyboard: type[Task], *sessions: SessionResults) -> Chart:
-    return charted(progress("P01", sessions, {"keyboard": keyboard}.get).lines[-1])
+    return charted(progress("P01", sessions, {"keyboard": keyboard}.get).lines[-1], ENGLISH)
 
 
 def test_the_smallest_chart_has_bars_levels_and_goals() -> None:
-    assert draw(chart(1, 2, 4), 39, 3) == [
+    assert draw(chart(1, 2, 4), 39, 3, ENGLISH) == [
         ("", "  ▂▂▂    ▄▄▄    ███", True),
         ("At goal", "  1.0    2.0    4.0", False),
         ("Reached", " 12/20  12/20  12/20", False),
@@ -34,19 +37,19 @@ def test_the_smallest_chart_has_bars_levels_and_goals() -> None:
 
 
 def test_more_room_adds_dates_and_higher_bars() -> None:
-    drawn = draw(chart(1, 2, 4), 39, 6)
+    drawn = draw(chart(1, 2, 4), 39, 6, ENGLISH)
     found = [text for _, text, is_bar in drawn if is_bar]
     assert found == ["                ███", "         ▄▄▄    ███", "  ▆▆▆    ███    ███"]
     assert drawn[-1] == ("", " 3 Nov  5 Nov  7 Nov", False)
 
 
 def test_the_newest_sessions_are_drawn_as_far_as_there_is_room() -> None:
-    drawn = {label: text for label, text, _ in draw(chart(*range(1, 30)), 39, 3)}
+    drawn = {label: text for label, text, _ in draw(chart(*range(1, 30)), 39, 3, ENGLISH)}
     assert drawn["At goal"].split() == ["26.0", "27.0", "28.0", "29.0"]
 
 
 def test_without_sessions_there_is_no_chart() -> None:
-    assert draw(Chart(), 39, 6) == []
+    assert draw(Chart(), 39, 6, ENGLISH) == []
 
 
 def test_a_session_that_was_all_too_easy_is_above_all_others(keyboard: type[Task]) -> None:
@@ -65,7 +68,7 @@ def test_a_session_that_was_all_too_easy_is_above_all_others(keyboard: type[Task
 
 
 def test_without_goals_reached_their_row_is_left_out(keyboard: type[Task]) -> None:
-    rows = draw(drawn_of(keyboard, session(0, adapted(0), reached=None)), 39, 6)
+    rows = draw(drawn_of(keyboard, session(0, adapted(0), reached=None)), 39, 6, ENGLISH)
     assert [label for label, _, is_bar in rows if not is_bar] == ["At goal", ""]
 
 

@@ -49,14 +49,17 @@ def test_the_card_and_the_progress_screen_give_one_verdict_after_many_sessions(
         contents.results, "sessions_of", lambda *_, **__: iter([other, *played, simulated])
     )
     with closing(connect(tmp_path)) as database:
-        card = contents.read_card(database, tmp_path, catalogue, "P01", keyboard, date(2026, 4, 1))
+        card = contents.read_card(
+            database, tmp_path, catalogue, "P01", keyboard, date(2026, 4, 1), ENGLISH
+        )
     (line,) = progress("P01", played, {"keyboard": keyboard}.get).lines
     assert line.verdict == {300.0: "more", 450.0: "noise", 600.0: "less"}[last]
-    assert card.progress == progress_words(line, 1)
+    assert card.progress == progress_words(line, 1, ENGLISH)
     assert len(card.chart.bars) == 25
 
 
 TODAY = date(2026, 11, 22)
+ENGLISH = Language()
 
 
 def line(
@@ -66,26 +69,26 @@ def line(
 
 
 def test_a_session_is_a_line_of_results() -> None:
-    table = Table([line()], 72, TODAY, names_who=False)
+    table = Table([line()], 72, TODAY, ENGLISH, names_who=False)
     assert table.heading == "Date        Level Result Reached  Levels"
     found = table.draw(line(note="tired 3")).plain
     assert found == "Tue 17 Nov  1→3   0.95 s 2 of 3   ▁▂▃     tired 3"
 
 
 def test_tasks_are_named_if_they_differ_and_people_if_there_are_several() -> None:
-    assert "Task" in Table([line(), line("Pairs")], 72, TODAY, names_who=False).heading
-    found = Table([line()], 72, TODAY, names_who=True).heading.split()
+    assert "Task" in Table([line(), line("Pairs")], 72, TODAY, ENGLISH, names_who=False).heading
+    found = Table([line()], 72, TODAY, ENGLISH, names_who=True).heading.split()
     assert found == ["Date", "Who", "Task", "Reached", "Levels"]
 
 
 def test_a_note_that_needs_room_takes_that_of_the_levels() -> None:
-    table = Table([line(), line("Pairs")], 72, TODAY, names_who=True)
+    table = Table([line(), line("Pairs")], 72, TODAY, ENGLISH, names_who=True)
     drawn = table.draw(line(note="interrupted: Enter resumes")).plain
     assert drawn == "Tue 17 Nov  P01      Keyboard re… 2 of 3   interrupted: Enter resumes"
 
 
 def test_more_room_shows_more() -> None:
-    table = Table([line()], 130, TODAY, names_who=False)
+    table = Table([line()], 130, TODAY, ENGLISH, names_who=False)
     found = table.heading.split()
     assert found == ["Date", "Time", "Level", "Result", "Reached", "Levels", "Minutes"]
     assert "14 min" in table.draw(line()).plain
@@ -98,11 +101,10 @@ def test_no_line_is_longer_than_its_room(width: int, names_who: bool) -> None:
         line(note="interrupted: Enter resumes, pain 6, tired 7", levels=tuple(range(1, 60))),
         line("Pairs"),
     ]
-    table = Table(lines, width, TODAY, names_who=names_who)
+    table = Table(lines, width, TODAY, ENGLISH, names_who=names_who)
     assert all(len(table.draw(each).plain) <= width for each in lines)
 
 
-TODAY = date(2026, 11, 22)
 TIME = Metric("reaction_time", "ms", "lower")
 TAPS = Metric("taps", "taps", "higher")
 
@@ -115,23 +117,27 @@ TAPS = Metric("taps", "taps", "higher")
     ],
 )  # fmt: skip
 def test_a_date_is_said_as_people_say_it(day: date, said: str) -> None:
-    assert day_words(day, TODAY) == said
+    assert day_words(day, TODAY, ENGLISH) == said
 
 
 def test_people_read_seconds_and_other_units_as_they_are() -> None:
-    found = (short(TIME, 953.4), short_goal(TIME, 1000), short_goal(TIME, 850))
+    found = (short(TIME, 953.4, ENGLISH), short_goal(TIME, 1000), short_goal(TIME, 850))
     assert found == ("0.95 s", "1.0 s", "0.85 s")
-    assert (short(TAPS, 12), short_goal(TAPS, 12)) == ("12 taps", "12 taps")
+    assert (short(TAPS, 12, ENGLISH), short_goal(TAPS, 12)) == ("12 taps", "12 taps")
 
 
 def test_a_programme_is_said_in_a_line_that_fits() -> None:
     programme = Programme(version=3, attempts=10, prompts=20, goal="1.0 s", level=4)
-    assert programme_words(programme, is_roomy=False) == "v3: 10 × 20 · goal 1.0 s · start level 4"
-    found = programme_words(programme, is_roomy=True)
+    assert (
+        programme_words(programme, ENGLISH, is_roomy=False)
+        == "v3: 10 × 20 · goal 1.0 s · start level 4"
+    )
+    found = programme_words(programme, ENGLISH, is_roomy=True)
     assert found == "version 3: 10 attempts of 20 · goal 1.0 s · start level 4"
     never_saved = Programme(version=0, attempts=1, prompts=1, goal="", level=1)
     assert (
-        programme_words(never_saved, is_roomy=True) == "none saved: 1 attempt of 1 · start level 1"
+        programme_words(never_saved, ENGLISH, is_roomy=True)
+        == "none saved: 1 attempt of 1 · start level 1"
     )
 
 
@@ -153,8 +159,11 @@ def test_the_card_and_the_note_give_one_verdict(keyboard: type[Task], base: floa
     }[base]
     assert sentence in note
     assert line.sessions[-1].at_goal is not None
-    assert progress_words(line, 0) == f"Level {line.sessions[-1].at_goal.level:.1f} at goal: {card}"
-    assert progress_words(line, 5).endswith(f"{card} (5 with other settings)")
+    assert (
+        progress_words(line, 0, ENGLISH)
+        == f"Level {line.sessions[-1].at_goal.level:.1f} at goal: {card}"
+    )
+    assert progress_words(line, 5, ENGLISH).endswith(f"{card} (5 with other settings)")
 
 
 def test_the_card_says_which_session_the_verdict_is_on(keyboard: type[Task]) -> None:
@@ -162,7 +171,9 @@ def test_the_card_says_which_session_the_verdict_is_on(keyboard: type[Task]) -> 
     easy = [session(9, at_one_level(9, 400.0))]
 
     def said(sessions: Sequence[SessionResults]) -> str:
-        return progress_words(progress("P01", sessions, {"keyboard": keyboard}.get).lines[-1], 0)
+        return progress_words(
+            progress("P01", sessions, {"keyboard": keyboard}.get).lines[-1], 0, ENGLISH
+        )
 
     assert said(played[:3]).endswith("at goal: change not yet known")
     assert said([*played, *easy]) == (
@@ -177,9 +188,11 @@ def test_the_last_session_is_a_sentence() -> None:
     last = session(
         0, at_one_level(0, 900.0), began=datetime(2026, 11, 17, 10, tzinfo=UTC), reached=7
     )
-    assert last_words(last, "tired 3", TODAY) == "Tue 17 Nov: 7 of 12 reached, tired 3"
+    assert last_words(last, "tired 3", TODAY, ENGLISH) == "Tue 17 Nov: 7 of 12 reached, tired 3"
     nothing = session(0, [], began=datetime(2026, 11, 21, 10, tzinfo=UTC), status="aborted")
-    assert last_words(nothing, "", TODAY) == "Yesterday: no attempt was finished, ended early"
+    assert (
+        last_words(nothing, "", TODAY, ENGLISH) == "Yesterday: no attempt was finished, ended early"
+    )
 
 
 def test_a_bar_is_as_high_as_its_level() -> None:

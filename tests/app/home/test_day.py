@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 from sar_tui.app.home.day import Day, Entry, day_of
+from sar_tui.model.language import Language
 from sar_tui.rules.attention import STUCK_SESSIONS, Course, Event, PastSession, Rated
 from sar_tui.rules.wellbeing import SessionRatings
 from sar_tui.store.courses import DayTotal, Person
@@ -29,7 +30,7 @@ def in_pain(days: int, pain: int) -> list[Rated]:
 
 
 def day(*people: Person, last: str | None = None) -> Day:
-    return day_of(people, last, TODAY)
+    return day_of(people, last, TODAY, Language())
 
 
 def only(one: Person) -> Entry:

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from sar_tui.app.home.contents import can_resume, read_day, read_sessions
+from sar_tui.model.language import Language
 from sar_tui.plugins import Catalogue
 from sar_tui.store import participants, results, sessions, sites
 from sar_tui.store.database import FILE, RESCUE, connect
@@ -60,10 +61,10 @@ def test_a_person_with_two_codes_has_all_sessions_in_order(zurich: Path) -> None
 def test_the_first_screen_lists_this_sites_participants(zurich: Path, catalogue: Catalogue) -> None:
     sql(zurich, "UPDATE sessions SET software='{}'")
     with closing(connect(zurich)) as database:
-        shown = read_day(database, zurich, date(2026, 3, 30)).entries
+        shown = read_day(database, zurich, date(2026, 3, 30), Language()).entries
         assert [each.code for each in shown] == ["P01"]
         assert participants.last_used(database) == "P01"
-        listed = read_sessions(database, zurich, catalogue, None)
+        listed = read_sessions(database, zurich, catalogue, None, Language())
         assert [line.who for line in listed.lines][:2] == ["P01@BERN", "P01@BERN"]
         assert (listed.offered, [row["id"] for row in listed.rows if can_resume(row)]) == (None, [])
         assert sessions.latest_interrupted(database, zurich) is None
