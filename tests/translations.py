@@ -93,7 +93,8 @@ def rooms(catalogue: Catalogue) -> Iterator[Room]:
     for name in catalogue.task_names():
         kind = catalogue.task(name)
         code = [path.read_text("utf-8") for path in task_folder(kind).glob("*.py")]
-        needed = declared(kind).union(_settings(kind.Parameters), *map(texts_in, code))
+        presets = {read(path)["summary"] for path in task_folder(kind).glob("presets/*.toml")}
+        needed = declared(kind).union(presets, _settings(kind.Parameters), *map(texts_in, code))
         inherited = translated_in(loop) | translated_in(rules)
         yield Room(task_folder(kind), needed, needed | strings(code), inherited)
 

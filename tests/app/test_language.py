@@ -2,6 +2,7 @@
 address a child.
 """
 
+import os
 import re
 from itertools import chain
 from pathlib import Path
@@ -17,9 +18,10 @@ from sar_tui.model.language import BUNDLED, language, read_words
 from sar_tui.plugins import Catalogue, task_folder
 from sar_tui.reports.charts import MARKERS
 from sar_tui.runs.plan import Plan, make_plan
-from sar_tui.store.interface_language import choose_interface_language
+from sar_tui.store.interface_language import FILE, choose_interface_language
 from sar_tui.store.wellbeing import NOT_SAID
 from sar_tui.tui.language import app_language, session_language
+from sar_tui.widgets.lists import PickList
 from tests.app.app_driver import OpenApp, known
 from tests.translations import rooms
 from tests.untranslated import english_in, phrases
@@ -236,3 +238,75 @@ def test_each_text_for_a_child_differs_from_that_for_an_adult(
     adult = shipped(catalogue, code)
     written = read_words(catalogue.theme_folder("playful") / f"words.{code}.toml")
     assert [english for english, own in written.items() if own == adult.get(english)] == []
+
+
+# --- the therapist's screens
+
+
+async def test_a_language_chosen_in_the_palette_is_that_of_the_home_at_once_and_from_then_on(
+    opened: OpenApp, data: Path
+) -> None:
+    for code in ("P01", "P02"):
+        known(data, code)
+    async with opened() as driver:
+        await driver.press("down")
+        driver.see("P01 · Keyboard reaction")
+        await driver.press("ctrl+p", *"Deutsch", "enter")
+        await driver.settle()
+        driver.see("Einstellungen", "Enter wählt P01.", "P01 · Reaktion mit Tasten")
+        assert driver.screen_name == "HomeScreen"
+        await driver.press("enter")
+        driver.see("Enter beginnt eine Sitzung mit P01.")
+    file = data / FILE
+    assert file.read_text("utf-8").strip() == "de"
+    if os.name == "posix":
+        assert file.stat().st_mode & 0o777 == 0o600
+    async with opened() as driver:
+        driver.see("Einstellungen", "Noch keine Sitzung. START beginnt die erste.")
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+async def test_no_screen_around_the_home_has_english_words(
+    opened: OpenApp, data: Path, code: str
+) -> None:
+    data.mkdir(exist_ok=True)
+    choose_interface_language(data, code)
+    seen: list[str] = []
+    async with opened() as driver:
+
+        async def look(*keys: str) -> None:
+            for key in keys:
+                await driver.press(key)
+            await driver.settle()
+            seen.extend(driver.rows)
+
+        await look()
+        await look("enter")
+        await look("enter")
+        await look("escape")
+        known(data, "P01")
+        known(data, "P01", task="pairs")
+        await look("f1")
+        await look("escape", "ctrl+p")
+        await look("escape", "f6")
+        await look("escape", "up")
+        await look("right")
+        await look("right", "right", "enter")
+        await look("escape")
+        driver.app.screen.query_one("#task", PickList).choose("keyboard")
+        await look("escape", "f2")
+        await look("f1")
+        await look("escape", "f5")
+        await look("f1")
+        await look("escape", "escape", "f6")
+        await look("escape", "slash")
+        await look("escape", "pagedown", "down", "enter", "down", "enter", "ctrl+s")
+    found = [row for row in seen if ENGLISH.search(row)]
+    assert found == []
+
+
+ENGLISH = re.compile(
+    r"\b(the|of|and|press|session|sessions|level|levels|settings|task|choose|today|yesterday"
+    r"|people|with|help|quit|search|goal|back|theme)\b",
+    re.IGNORECASE,
+)

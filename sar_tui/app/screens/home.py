@@ -127,8 +127,10 @@ class HomeScreen(Screen[None]):
         self._tasks.choose(_FIRST_TASK)
         self._list_participants(chosen)
         self._look_again()
-        self.set_interval(_LOOK_SECONDS, self._look_again)
         self.app.tell_troubles()
+
+    def on_mount(self) -> None:
+        self.set_interval(_LOOK_SECONDS, self._look_again)
 
     def on_screen_resume(self) -> None:
         self.app.aloud.close()
@@ -360,9 +362,12 @@ class HomeScreen(Screen[None]):
     async def _use_language(self, code: str) -> None:
         """Show the therapist's screens in a language, from now on in this data folder."""
         self.app.use_language(code)
-        home = HomeScreen()
-        await self.app.switch_screen(home)
-        await home.fill(self._who)
+        chosen = self._who
+        self._who = self._theme_of = self._shown = None
+        self._is_filled = False
+        await self.recompose()
+        await self.fill(chosen)
+        self._participants.focus()
 
     # --- the key row
 
@@ -451,7 +456,7 @@ class HomeScreen(Screen[None]):
         from sar_tui.link.discovery import joinable_sessions
         from sar_tui.link.errors import LinkError
 
-        if not self.is_current:
+        if not self.is_current or not self._is_filled:
             return
         if self._day != self.app.today():  # it was left open over night
             self.refresh_contents()

@@ -736,7 +736,7 @@ class SettingsScreen(DismissedOnce[None]):
 
         if presets:
             summaries = {
-                name: preset.summary or self.tr("one of your own")
+                name: self.tr(preset.summary) if preset.summary else self.tr("one of your own")
                 for name, preset in presets.items()
             }
             self.app.push_screen(ChoosePresetScreen(summaries, self.tr), chosen)
