@@ -164,12 +164,13 @@ async def test_the_keys_and_the_first_line_of_the_sensor_check_fit_in_80_columns
 
 
 @pytest.mark.parametrize("code", LANGUAGES)
-async def test_the_keys_of_the_settings_fit_in_80_columns(
+async def test_the_keys_of_the_home_and_of_the_settings_fit_in_80_columns(
     opened: OpenApp, data: Path, code: str
 ) -> None:
     known(data, "P01")
     choose_interface_language(data, code)
     async with opened() as driver:
+        assert f"F1 {app_language(code)('Help')}" in driver.rows[-1]
         await driver.press("f2")
         assert f"F1 {app_language(code)('Help')}" in driver.rows[-1]
 
