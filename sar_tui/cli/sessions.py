@@ -128,6 +128,7 @@ def show(
         )
         changes += session_facts.rests(database, found["id"]) if must_rest and not as_json else []
         changes += session_facts.skipped_attempts(database, found["id"]) if not as_json else []
+        changes += session_facts.taken_back(database, found["id"]) if not as_json else []
         changes += (
             session_facts.reported_changes(store.rows(database, "actions", found["id"]))
             if not as_json

@@ -6,8 +6,24 @@ from typing import Any
 
 import msgspec
 
-from sar_tui.loop.topics import ATTEMPT_ENDED, COMMAND, GOAL, LEVEL, WAITING
-from sar_tui.model.messages import AttemptEnded, GoalChanged, LevelChanged, SessionCommand, Waiting
+from sar_tui.loop.topics import (
+    ATTEMPT_ENDED,
+    COMMAND,
+    GOAL,
+    LEVEL,
+    STEP_ENDED,
+    TAKEN_BACK,
+    WAITING,
+)
+from sar_tui.model.messages import (
+    AttemptEnded,
+    GoalChanged,
+    LevelChanged,
+    SessionCommand,
+    StepEnded,
+    TakenBack,
+    Waiting,
+)
 from sar_tui.model.units import SECOND
 from sar_tui.store.records import Record
 
@@ -75,24 +91,29 @@ def skipped_attempts(database: sqlite3.Connection, session: str) -> list[str]:
     began again.
     """
     rows = database.execute(
-        "SELECT topic, message FROM events WHERE session=? AND topic IN (?, ?) ORDER BY seq",
-        (session, *_WAITS_READ),
+        "SELECT topic, message FROM events WHERE session=? AND topic IN (?, ?, ?) ORDER BY seq",
+        (session, *_WAITS_READ, TAKEN_BACK.name),
     )
     found: list[str] = []
+    was_taken_back = False
     last = Waiting(what="nothing", stage="instructions")
     left_out: tuple[Waiting, str] | None = None
     restarts = 0
     for topic, text in rows:
+        if topic == TAKEN_BACK.name:
+            was_taken_back = True
+            continue
         message = msgspec.json.decode(text, type=_WAITS_READ[topic])
         if isinstance(message, SessionCommand):
+            was_taken_back = False
             is_skip = message.command == "skip" and message.reason == "attempt"
             left_out = (last, message.actor) if is_skip else None
             continue
         if message.restarts > restarts:
             restarts = message.restarts
+            why = "begun by mistake" if was_taken_back else "interrupted"
             found.append(
-                f"Attempt {message.attempt - 1} was interrupted; attempt {message.attempt} began "
-                "it again."
+                f"Attempt {message.attempt - 1} was {why}; attempt {message.attempt} began it again."
             )
         if left_out and message.stage in ("attempt", "review", "answer"):
             at, actor = left_out
@@ -103,6 +124,35 @@ def skipped_attempts(database: sqlite3.Connection, session: str) -> list[str]:
             )
             found.append(f"Attempt {at.attempt} was skipped by the {actor}, {done}.")
         last, left_out = message, None
+    return found
+
+
+_TAKEN_BACK = {
+    "level": "a change of level",
+    "hold": "a held level, or its release",
+    "setting": "a setting",
+    "mark": "a mark",
+    "note": "a note",
+}
+
+
+def taken_back(database: sqlite3.Connection, session: str) -> list[str]:
+    """Return a line for each act in a session that was taken back, in order, except attempts, of
+    which `skipped_attempts` tells.
+    """
+    rows = database.execute(
+        "SELECT topic, message FROM events WHERE session=? AND topic IN (?, ?) ORDER BY seq",
+        (session, STEP_ENDED.name, TAKEN_BACK.name),
+    )
+    found, last = [], ""
+    for topic, text in rows:
+        if topic == STEP_ENDED.name:
+            last = msgspec.json.decode(text, type=StepEnded).name
+            continue
+        taken = msgspec.json.decode(text, type=TakenBack)
+        if taken.what != "attempt":
+            what = _TAKEN_BACK.get(taken.what, f"the answer to {last}")
+            found.append(f"Taken back by the {taken.actor}: {what}.")
     return found
 
 

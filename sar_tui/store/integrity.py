@@ -9,6 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
+from sar_tui.loop.topics import ATTEMPT_ENDED
 from sar_tui.store import schema
 from sar_tui.store.counted import LIVE
 from sar_tui.store.damaged_rows import Kind, damages
@@ -28,10 +29,6 @@ _GAPS = {
     "events": (
         "SELECT id, '', min(seq), max(seq), count(*) FROM messages"
         " JOIN session_numbers ON number=session_number GROUP BY id"
-    ),
-    "attempts": (
-        "SELECT session, '', min(attempt), max(attempt), count(DISTINCT attempt) FROM attempts "
-        "GROUP BY session"
     ),
     "trials": (
         "SELECT session, ' of attempt ' || attempt, min(trial), max(trial), count(DISTINCT trial) "
@@ -186,8 +183,8 @@ def _without_hashes(database: sqlite3.Connection) -> Iterator[Flaw]:
 
 
 def _lost_trials(database: sqlite3.Connection) -> Iterator[Flaw]:
-    """Yield attempts and trials that lack each other. Only the last attempt may have trials and no
-    row: it stopped.
+    """Yield attempts and trials that lack each other. An attempt may have trials and no row if it
+    stopped, was skipped, or began again.
     """
     for session, seat, attempt in database.execute(
         "SELECT DISTINCT session, seat, attempt FROM trials WHERE NOT EXISTS"
@@ -196,11 +193,12 @@ def _lost_trials(database: sqlite3.Connection) -> Iterator[Flaw]:
         " AND EXISTS (SELECT 1 FROM attempts WHERE session=trials.session AND "
         "attempt>=trials.attempt)"
     ):
-        yield Flaw(
-            "gap",
-            str(session),
-            f"Of attempt {attempt} there are trials of seat {seat}, but not its result.",
-        )
+        if attempt in _ended_attempts(database, session):
+            yield Flaw(
+                "gap",
+                str(session),
+                f"Of attempt {attempt} there are trials of seat {seat}, but not its result.",
+            )
     for session, seat, attempt in database.execute(
         "SELECT session, seat, attempt FROM attempts WHERE trials>0 AND NOT EXISTS"
         " (SELECT 1 FROM trials WHERE session=attempts.session AND attempt=attempts.attempt AND "
@@ -223,6 +221,34 @@ def _gaps(database: sqlite3.Connection) -> Iterator[Flaw]:
                 yield Flaw("gap", session, f"Of {last} {what}{of}, {missing} are missing.")
             elif first != 1:
                 yield Flaw("gap", session, f"The {what}{of} do not begin at 1.")
+    yield from _lost_attempts(database)
+
+
+def _lost_attempts(database: sqlite3.Connection) -> Iterator[Flaw]:
+    """Yield the sessions that lack attempts which ended. Numbers are left out by attempts that were
+    skipped, taken back, or began again.
+    """
+    gaps = (
+        "SELECT session, max(attempt) FROM attempts GROUP BY session"
+        " HAVING max(attempt)>count(DISTINCT attempt)"
+    )
+    for session, last in database.execute(gaps).fetchall():
+        if session is None or not isinstance(last, int):
+            continue
+        there = database.execute("SELECT attempt FROM attempts WHERE session=?", (session,))
+        missing = _ended_attempts(database, session) - {attempt for (attempt,) in there}
+        if missing:
+            yield Flaw("gap", session, f"Of {last} attempts, {len(missing)} are missing.")
+
+
+def _ended_attempts(database: sqlite3.Connection, session: str) -> set[int]:
+    """Return the numbers of the attempts that ended, by the log."""
+    ended = database.execute(
+        "SELECT json_extract(message, '$.attempt') FROM events WHERE session=? AND topic=?"
+        " AND json_valid(message)",
+        (session, ATTEMPT_ENDED.name),
+    )
+    return {attempt for (attempt,) in ended}
 
 
 def interrupted(database: sqlite3.Connection, folder: Path) -> list[str]:

@@ -12,6 +12,7 @@ from sar_tui.plugins import Catalogue
 from sar_tui.reports import session_facts
 from sar_tui.store import passphrase
 from sar_tui.store.database import StoreError, connect
+from sar_tui.store.integrity import flaws
 from sar_tui.store.passphrase import Passphrase
 from tests.app.app_driver import AppDriver, OpenApp, given, known, stored
 
@@ -173,6 +174,7 @@ async def test_an_attempt_can_be_left_out_in_ones_own_language(opened: OpenApp, 
         assert session_facts.skipped_attempts(database, session) == [
             "Attempt 1 was skipped by the participant, after 1 of 2 trials."
         ]
+        assert not list(flaws(database)), "nothing of the record is missing"
 
 
 async def test_neither_screens_nor_help_name_a_way_out(opened: OpenApp, data: Path) -> None:

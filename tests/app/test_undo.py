@@ -1,7 +1,13 @@
 """One key takes back what was just done, and the row of keys names it as long as it does."""
 
+from contextlib import closing
+from pathlib import Path
+
 from sar_tui.loop.undo import UNDO_FOR
 from sar_tui.model.units import MS
+from sar_tui.reports import session_facts
+from sar_tui.store.database import connect
+from sar_tui.store.integrity import flaws
 from tests.app.app_driver import AppDriver, OpenSession
 from tests.app.test_adjust import choose, open_changes
 
@@ -18,7 +24,7 @@ async def answer_pain(driver: AppDriver, pain: str) -> None:
 
 
 async def test_backspace_takes_an_answer_back_and_only_the_new_one_is_kept(
-    open_session: OpenSession,
+    open_session: OpenSession, data: Path
 ) -> None:
     async with open_session(questions=("pain",), questions_every=1) as driver:
         await answer_pain(driver, "3")
@@ -30,7 +36,11 @@ async def test_backspace_takes_an_answer_back_and_only_the_new_one_is_kept(
         await driver.press("2", "enter")
         await driver.wait(500)
         driver.see("Press Enter for attempt 2")
+        session = driver.session_id
     assert driver.stored("SELECT step, answer FROM answers") == [("pain", "2")]
+    with closing(connect(data)) as database:
+        told = session_facts.taken_back(database, session)
+    assert told == ["Taken back by the participant: the answer to pain."]
     assert [each["number"] for each in driver.messages("event_handler/taken_back")] == [1]
 
 
@@ -67,15 +77,23 @@ async def test_backspace_deletes_while_an_answer_is_typed(open_session: OpenSess
         driver.see("How strong is your pain now?")
 
 
-async def test_an_attempt_begun_by_mistake_is_begun_later(open_session: OpenSession) -> None:
-    async with open_session() as driver:
+async def test_an_attempt_begun_by_mistake_is_begun_later(
+    open_session: OpenSession, data: Path
+) -> None:
+    async with open_session(attempts=1) as driver:
         await driver.to_first_prompt()
         driver.see(OFFER)
         await driver.press("backspace")
         await driver.wait(500)
         driver.see("This attempt begins again", "Press Enter")
         await driver.do_attempt(await driver.begin())
+        session = driver.session_id
     assert driver.stored("SELECT attempt, trials FROM attempts") == [(2, 2)]
+    with closing(connect(data)) as database:
+        told = session_facts.skipped_attempts(database, session)
+        found = [flaw.what for flaw in flaws(database)]
+    assert told == ["Attempt 1 was begun by mistake; attempt 2 began it again."]
+    assert found == [], "nothing of the record is missing"
 
 
 async def test_a_change_of_the_therapist_is_taken_back(open_session: OpenSession) -> None:
