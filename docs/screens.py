@@ -16,7 +16,13 @@ from sar_tui.runs.demonstration import make_demonstration
 from sar_tui.runs.plan import make_plan
 
 SIZES = ((80, 24), (160, 48))
-SETTINGS = {"prompts_per_attempt": 3, "attempts": 10, "ask_wellbeing": True, "threshold": 700.0}
+SETTINGS = {
+    "prompts_per_attempt": 3,
+    "attempts": 10,
+    "ask_wellbeing": True,
+    "threshold": 700.0,
+    "days_between_visits": 2,
+}
 RESPONSE_MS, SLOW_MS, SLOW_ATTEMPT = 450, 900, 4
 """Response times; in one attempt they miss the goal."""
 

@@ -12,7 +12,11 @@ ROOMY = (100, 30)
 """Least columns and rows of a window in which texts are larger."""
 _LETTER = 9
 """Columns of a letter in half blocks, with the gap to the next one."""
-_HEIGHTS = (8, 4)
+ONE_LINE, TWO_LINES = 4, 9
+"""Rows of one and of two lines in half blocks."""
+_TALL = 40
+"""Least rows of a window in which a sentence may take two lines of large letters, beside all else."""
+_HEIGHTS = (8, ONE_LINE)
 """Rows of a letter in whole blocks and in half blocks; a letter in whole blocks is twice as wide."""
 _MOST_LINES = 2
 
@@ -20,6 +24,11 @@ _MOST_LINES = 2
 def is_roomy(columns: int, rows: int) -> bool:
     """Return True if texts are larger in a window of this size."""
     return columns >= ROOMY[0] and rows >= ROOMY[1]
+
+
+def most_rows(size: Size) -> int:
+    """Return the most rows of a sentence that shares a window of this size with other things."""
+    return TWO_LINES if size.height >= _TALL else ONE_LINE
 
 
 def in_blocks(text: str, columns: int, rows: int) -> list[str]:

@@ -28,6 +28,11 @@ class GoalBar(NamedTuple):
     goal: float
     who: str = ""
 
+    @property
+    def is_reached(self) -> bool:
+        """True if the result is better than its goal."""
+        return self.metric.is_better(self.value, self.goal)
+
 
 def bar_of(feedback: Feedback, metric: Metric, who: str = "") -> GoalBar | None:
     """Return the bar that goes with feedback in figures; None where a bar would say more than the
@@ -98,4 +103,4 @@ def _goal(bar: GoalBar, tr: Language) -> str:
         words = tr("goal: less than {goal}", goal=goal)
     else:
         words = tr("goal: more than {goal}", goal=goal)
-    return f"{words} {REACHED}" if bar.metric.is_better(bar.value, bar.goal) else words
+    return f"{words} {REACHED}" if bar.is_reached else words

@@ -67,7 +67,7 @@ def test_where_the_level_only_fell_no_level_is_told() -> None:
 @pytest.mark.parametrize("room", [80, 40])
 def test_without_a_goal_reached_nothing_is_drawn(room: int) -> None:
     assert drawn(NO_DAY, room) == ["You did 2 attempts."]
-    assert [line.plain for line in below(["You did 2 attempts."], NO_DAY, room)] == [
+    assert [line.plain for line in below(["You did 2 attempts."], NO_DAY, room, Language())] == [
         "You did 2 attempts."
     ]
 
@@ -77,13 +77,14 @@ def test_the_picture_is_below_the_words_where_there_is_no_room_beside_them() -> 
 
 
 def test_in_a_large_window_the_picture_is_tall() -> None:
-    lines = below(["words"], GOOD_DAY, 88)
+    lines = below(["words"], GOOD_DAY, 88, Language())
     heights = [
-        sum(line.plain.ljust(30)[column] != " " for line in lines[2:-1])
+        sum(line.plain.ljust(30)[column] != " " for line in lines[2:-2])
         for column in range(0, 30, 6)
     ]
     assert heights == sorted(heights)
-    assert heights[-1] == len(lines) - 3 > 1
+    assert heights[-1] == len(lines) - 4 > 1
+    assert lines[-1].plain == "● goal reached"
 
 
 async def test_a_completed_session_is_praised_with_its_number_and_the_next_meeting(

@@ -7,8 +7,9 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from sar_tui.app.screens.waiting_text import WaitingText
+from sar_tui.model.results_for_people import result_text
 from sar_tui.model.spoken_text import sentences
-from sar_tui.tui.heading import Heading, is_roomy
+from sar_tui.tui.heading import ONE_LINE, TWO_LINES, Heading, in_blocks, is_roomy
 from sar_tui.widgets.answer_options import with_chosen
 from sar_tui.widgets.goal_bar import GoalBar, draw_bars
 from sar_tui.widgets.language import language_of
@@ -16,8 +17,6 @@ from sar_tui.widgets.task_view import Drawing
 
 _DRAWING_ROWS, _DRAWING_COLUMNS = 7, 72
 """Least rows of a drawing, with the blank one above it, and most columns."""
-_LARGEST = 9
-"""Most rows of a headline in a large window."""
 
 
 class MessagePanel(Vertical):
@@ -35,6 +34,7 @@ class MessagePanel(Vertical):
         self._drawing: Drawing | None = None
 
     def compose(self) -> ComposeResult:
+        yield Heading(id="figure", largest=ONE_LINE)
         yield Static("", id="result")
         yield Heading(id="headline")
         yield Static("", id="text", markup=False)
@@ -69,14 +69,29 @@ class MessagePanel(Vertical):
         area = self.query_one(DrawingArea)
         area.styles.margin = (1, 0, 0, max(0, (width - _DRAWING_COLUMNS) // 2))
         area.show(drawing)
-        text, rows = self._text.text, 1
+        text, rows, figure = self._text.text, 1, ""
         if is_roomy(*self.app.size) and not drawing:
             more = (len(self._bars) + 1) * has_bars + bool(self._ask)
+            figure = self._figure(width, height - more) if has_bars else ""
+            more += (ONE_LINE + 1) * bool(figure)
             text, rows = spread(self._text, width, height - more)
+        drawn = self.query_one("#figure", Heading)
+        drawn.set_class(bool(figure) and self._bars[0].is_reached, "well-done")
+        drawn.show(figure)
         self._put("result", bars)
-        self.query_one("#headline", Heading).show(self._text.headline, largest=rows)
+        self.query_one("#headline", Heading).show(self._text.headline, 1 if figure else rows)
         self._put("text", with_chosen(text))
         self._put("ask", self._ask)
+
+    def _figure(self, width: int, height: int) -> str:
+        """Return the result of the last attempt, if it can be drawn large; empty if not, or if
+        there are several.
+        """
+        if len(self._bars) > 1 or height - rows_of(self._text, width) <= ONE_LINE:
+            return ""
+        bar = self._bars[0]
+        figure = result_text(bar.metric, bar.value, language_of(self.app))
+        return figure if in_blocks(figure, width, ONE_LINE) else ""
 
     def _put(self, name: str, words: object) -> None:
         part = self.query_one(f"#{name}", Static)
@@ -99,7 +114,7 @@ def spread(text: WaitingText, width: int, height: int) -> tuple[str, int]:
     if 0 < (air := lines.count("\n") - 2 * lines.count("\n\n")) <= left:
         lines = "\n\n".join(part for part in lines.split("\n") if part)
         left -= air
-    return lines, min(_LARGEST, 1 + max(0, left))
+    return lines, min(TWO_LINES, 1 + max(0, left))
 
 
 def _rows(text: str, width: int) -> int:

@@ -18,7 +18,7 @@ from sar_tui.rules.scanning import Choice
 from sar_tui.runs.patient_plan import PLAN_ERRORS, Exercise, day_plan, plan_exercise, unfinished
 from sar_tui.store.database import StoreError
 from sar_tui.tui.gc_control import end_loading
-from sar_tui.tui.heading import Heading
+from sar_tui.tui.heading import Heading, most_rows
 from sar_tui.tui.key_line import KeyLine
 from sar_tui.tui.language import app_language, planned_language
 
@@ -29,10 +29,6 @@ _GREETINGS = ((12, "Good morning"), (18, "Good afternoon"), (24, "Good evening")
 """Greetings, each with the hour until which it is said."""
 _DONE, _NEXT, _LATER = "✓", "▸", " "
 _GAP = re.compile(r"(?<=\S) {2,}")
-_TALL = 40
-"""Least rows of a window in which the greeting may take two lines of large letters."""
-_ONE_LINE, _TWO_LINES = 4, 9
-"""Rows of large letters."""
 
 
 class PatientScreen(Screen[None]):
@@ -178,9 +174,8 @@ class PatientScreen(Screen[None]):
         self._write(trouble=trouble)
 
     def on_resize(self) -> None:
-        largest = _TWO_LINES if self.app.size.height >= _TALL else _ONE_LINE
         heading = self.query_one("#hello", Heading)
-        heading.show(heading.text, largest)
+        heading.show(heading.text, most_rows(self.app.size))
 
     def _write(self, *, trouble: bool) -> None:
         tr, total = self.tr, len(self._exercises)

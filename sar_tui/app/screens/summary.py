@@ -141,7 +141,7 @@ class Summary(Vertical):
             if self._names:
                 parts.append(Content.styled(self._names[index], "$text-muted"))
             words = facts(attempts, self._metric, tr)
-            parts += below(words, attempts, room) if is_large else beside(words, attempts, room)
+            parts += below(words, attempts, room, tr) if is_large else beside(words, attempts, room)
             parts += map(Content, self._more_facts(attempts))
         return Content("\n").join(parts)
 
@@ -207,8 +207,10 @@ def beside(words: list[str], attempts: Sequence[AttemptEnded], room: int) -> lis
     return [Content(str(line).ljust(left + _GAP)).append(row) for line, row in rows]
 
 
-def below(words: list[str], attempts: Sequence[AttemptEnded], room: int) -> list[Content]:
-    """Return words with a large picture below them."""
+def below(
+    words: list[str], attempts: Sequence[AttemptEnded], room: int, tr: Language
+) -> list[Content]:
+    """Return words with a large picture below them, and what its marks say."""
     if not _is_good(attempts):
         return [*map(Content, words)]
     step = max(1, min(_WIDEST, room // len(attempts)))
@@ -217,6 +219,7 @@ def below(words: list[str], attempts: Sequence[AttemptEnded], room: int) -> list
         Content(""),
         *_levels(attempts, _TALL, step),
         _marks(attempts, step),
+        Content.assemble((REACHED, "$success"), (f" {tr('goal reached')}", "$text-muted")),
     ]
 
 

@@ -22,7 +22,7 @@ from sar_tui.rules.scanning import Choice
 from sar_tui.rules.wellbeing import PAIN_ENDS, Advice, Moment, PainLimits, stop_now
 from sar_tui.store.wellbeing import NOT_SAID
 from sar_tui.tui.dismissed_once import DismissedOnce
-from sar_tui.tui.heading import ROOMY, Heading
+from sar_tui.tui.heading import ROOMY, Heading, most_rows
 from sar_tui.tui.key_line import KeyLine
 from sar_tui.tui.language import translated as translated_keys
 from sar_tui.widgets.answer_options import options_text, with_chosen
@@ -63,8 +63,6 @@ QUESTIONS: dict[Question, Step] = {
 _CHOICE_KEYS = frozenset("0123456789")
 """Keys that choose, as the arrows do, and answer nothing yet."""
 _FACE = "listening"
-_LARGEST = 4
-"""Most rows of the question in a large window."""
 _MARGINS = 12
 """Columns beside the scale, at both sides together."""
 
@@ -409,7 +407,7 @@ class WellbeingScreen(DismissedOnce[bool]):
         with Vertical(id="questions"):
             yield Static(self._agent, id="asking", markup=False)
             yield Static("", id="who", classes="small", markup=False)
-            yield Heading(id="question", largest=_LARGEST)
+            yield Heading(id="question")
             yield Static("", id="options", markup=False)
             yield Static("", id="decline", classes="body", markup=False)
             yield Static("", id="given", classes="small", markup=False)
@@ -489,7 +487,7 @@ class WellbeingScreen(DismissedOnce[bool]):
             options = with_chosen(options_text(interview.step, entry, room))
         has_room = rows >= ROOMY[1] or interview.is_advising
         self.query_one("#asking").display = has_room or interview.step.kind == "number"
-        self.query_one("#question", Heading).show(asked.text)
+        self.query_one("#question", Heading).show(asked.text, most_rows(app.size))
         self._put("who", asked.who)
         self._put("options", options)
         self._put("decline", asked.decline)
