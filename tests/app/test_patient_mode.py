@@ -294,11 +294,11 @@ async def test_an_exercise_that_fails_is_told_to_the_therapist(
 
 
 THERAPISTS_KEYS = (
-    *(f"f{number}" for number in range(3, 12)), "ctrl+p", "ctrl+s", "ctrl+l", "ctrl+d", "ctrl+z",
+    *(f"f{number}" for number in range(3, 12)), "ctrl+p", "ctrl+s", "ctrl+l", "ctrl+d",
     "ctrl+backslash", "delete",
 )  # fmt: skip
-"""The palette, settings, progress, sessions, marks and the operator's panel; F1 and F2 are a
-participant's, too.
+"""The palette, settings, progress, sessions, marks and the operator's panel; F1, F2 and
+Ctrl-Z, which takes back, are a participant's, too.
 """
 
 
