@@ -44,6 +44,7 @@ EVERYWHERE = {
     "ctrl+q": ["\x11"],
     "ctrl+r": ["\x12"],
     "ctrl+s": ["\x13"],
+    "ctrl+z": ["\x1a"],
 }
 F5_TO_F12 = {
     f"f{5 + at}": [f"{CSI}{code}~"] for at, code in enumerate((15, 17, 18, 19, 20, 21, 23, 24))
@@ -59,7 +60,7 @@ VT220_ENDS = {"home": [f"{CSI}1~"], "end": [f"{CSI}4~"]}
 VT220_F1_TO_F4 = {f"f{1 + at}": [f"{CSI}{11 + at}~"] for at in range(4)}
 CONSOLE_F1_TO_F5 = {f"f{1 + at}": [f"{CSI}[{letter}"] for at, letter in enumerate("ABCDE")}
 KITTY_F1_TO_F4 = {"f1": [f"{CSI}P"], "f2": [f"{CSI}Q"], "f3": [f"{CSI}13~"], "f4": [f"{CSI}S"]}
-KITTY_LETTERS = {f"ctrl+{letter}": [f"{CSI}{ord(letter)};5u"] for letter in "cpqrs"}
+KITTY_LETTERS = {f"ctrl+{letter}": [f"{CSI}{ord(letter)};5u"] for letter in "cpqrsz"}
 
 TERMINALS: dict[str, dict[str, list[str]]] = {
     "xterm": VT | XTERM_ENDS,
@@ -78,7 +79,7 @@ TERMINALS: dict[str, dict[str, list[str]]] = {
     | KITTY_LETTERS
     | {"escape": [f"{CSI}27u"], "shift+tab": [f"{CSI}9;2u"]},
 }
-TAKEN = {"f1", "f10", "f11", "ctrl+a", "ctrl+b", "ctrl+v", "ctrl+d", "ctrl+z"}
+TAKEN = {"f1", "f10", "f11", "ctrl+a", "ctrl+b", "ctrl+v", "ctrl+d"}
 """Keys that do not arrive everywhere: GNOME Terminal shows its own help and menu by F1 and F10;
 F11 is the full screen; Ctrl-A and Ctrl-B are the prefixes of GNU screen and tmux, Ctrl-V pastes in
 Windows Terminal.
