@@ -525,10 +525,10 @@ class SarTui(BaseApp):
             await super().action_quit()
 
     def action_interrupt(self) -> None:
-        """Ctrl-C: exit; in patient mode as Ctrl-Q."""
+        """Ctrl-C: exit, unless something is unsaved; in patient mode as Ctrl-Q."""
         if self.patient:
             self.patient_mode.pause_session()
-        else:
+        elif getattr(self.screen, "may_quit", lambda: True)():
             super().action_interrupt()
 
     def exit(self, *args: Any, **how: Any) -> None:

@@ -65,6 +65,12 @@ class ScreenReader:
         self._seen = len(self._terminal.output)
         return "\n".join(line.rstrip() for line in self._screen.display)
 
+    def resize(self, columns: int, rows: int) -> None:
+        """Change the size of the terminal and of what is read."""
+        self.text()
+        self._screen.resize(rows, columns)
+        self._terminal.resize(columns, rows)
+
 
 def rows(data: Path, query: str, *values: object) -> list[tuple[Any, ...]]:
     with closing(sqlite3.connect(data / "sar-tui.db")) as database:
