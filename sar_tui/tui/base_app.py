@@ -4,6 +4,7 @@ its own.
 
 import asyncio
 import contextlib
+import functools
 import os
 import selectors
 import signal
@@ -14,13 +15,14 @@ from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
 from rich.segment import Segment
+from rich.style import Style
 from textual import events
 from textual.app import App
 from textual.binding import Binding, BindingType
 from textual.color import Color
 from textual.dom import DOMNode
 from textual.driver import Driver
-from textual.filter import LineFilter
+from textual.filter import LineFilter, Monochrome
 from textual.geometry import Size
 from textual.message import Message
 from textual.screen import Screen
@@ -119,6 +121,42 @@ def drawn(text: str) -> str:
     return text.translate(_TABLE)
 
 
+class Uncoloured(LineFilter):
+    """Sends no colours, as ``NO_COLOR`` asks. What stood on a coloured bar is reversed.
+
+    Args:
+        app: its background is that of the terminal.
+    """
+
+    def __init__(self, app: App[Any]) -> None:
+        super().__init__()
+        self._app = app
+
+    def apply(self, segments: list[Segment], background: Color) -> list[Segment]:
+        ground = Color.parse(self._app.current_theme.background or "black")
+        return [
+            segment
+            if segment.control or segment.style is None
+            else segment._replace(style=_uncoloured(segment.style, ground))
+            for segment in segments
+        ]
+
+
+_BAR = 0.25
+"""Least difference in brightness, 0 to 1, between a bar and the background."""
+
+
+@functools.lru_cache(1024)
+def _uncoloured(style: Style, ground: Color) -> Style:
+    bar = style.bgcolor
+    stands_out = (
+        bar is not None
+        and not bar.is_default
+        and abs(Color.from_rich_color(bar).brightness - ground.brightness) >= _BAR
+    )
+    return style.without_color + Style(reverse=True) if stands_out else style.without_color
+
+
 DESIGN = Path(__file__).with_name("design.tcss")
 """The style sheet that all apps share; theirs come after it."""
 DEBUG = "SAR_TUI_DEBUG"
@@ -155,6 +193,10 @@ class BaseApp(App[int]):
         super().__init__()
         self.failure = ""
         self.key_seconds = 0.0
+        if self.no_color:
+            self._filters = [
+                Uncoloured(self) if isinstance(each, Monochrome) else each for each in self._filters
+            ]
         self._line_filters = [VisibleLines(), *([ConsoleGlyphs()] if on_linux_console() else [])]
         self._unreadable, self._last_unreadable = 0, ""
         self._pastes_dropped: list[int] = []
