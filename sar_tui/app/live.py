@@ -249,6 +249,19 @@ class LiveSession:
             act = replace(act, id=secrets.token_hex(8))
         self.run.session.bus.post(COMMAND, act)
 
+    def undo_keys(self, *actors: str) -> tuple[str, ...]:
+        """Return the keys that take back now what one of these people did last. Backspace deletes
+        while somebody types.
+        """
+        if self.session.undoable(*actors) is None:
+            return ()
+        return ("ctrl+z",) if self.session.is_typing else ("ctrl+z", "backspace")
+
+    def undo(self, *actors: str) -> None:
+        """Take back what one of these people did last, if it can be."""
+        if done := self.session.undoable(*actors):
+            self.operate(SessionCommand(command="undo", actor=done.actor))
+
     @property
     def session(self) -> Session:
         """The session, once it is open."""

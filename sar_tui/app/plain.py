@@ -696,9 +696,19 @@ class PlainStage:
             return
         if waiting.ask:
             ask = tr("Press {key} to hear how it went.", key=key_name(waiting.ask, tr))
-        self._app.tell(_place(waiting), [*text.sentences, *sentences(decline, ask, text.press)])
+        told = sentences(decline, ask, text.press, self._undo_text)
+        self._app.tell(_place(waiting), [*text.sentences, *told])
         if asked and asked.step.kind == "text":
             self._echo(asked.entry.typed)
+
+    @property
+    def _undo_text(self) -> str:
+        """The key that takes back what was just done; empty if nothing can be."""
+        keys = self._live.undo_keys("participant")
+        if not keys:
+            return ""
+        key = self.tr("Backspace") if "backspace" in keys else "Ctrl-Z"
+        return f"{key}: {self.tr('Take back')}."
 
     # --- a pause
 
@@ -773,6 +783,9 @@ class PlainStage:
         elif key.key == "escape":
             if waiting.what == "sensor" or waiting.stage not in ("paused", "ended"):
                 self._live.operate(SessionCommand(command="pause"))
+        elif key.key in self._live.undo_keys("participant"):
+            if not self._app.screen_keys.is_repeat:
+                self._live.undo("participant")
         else:
             stalled = self.gc.is_stalled(round(key.time * SECOND))
             lag = self.gc.lag

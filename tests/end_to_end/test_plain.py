@@ -139,6 +139,31 @@ def test_a_whole_session_is_read_as_lines_and_recorded_like_any_other(data: Path
     assert replays_identically(data)
 
 
+def test_an_answer_is_taken_back_in_lines(data: Path) -> None:
+    with Terminal(plain(data, prompts_per_attempt=1, questions="effort")) as terminal:
+        to_the_attempt(terminal)
+        do_attempt(terminal, 1, until="How hard was that for you?")
+        terminal.settle(silence_ms=600)
+        terminal.confirm("7")
+        terminal.confirm()
+        told = terminal.wait_for("Backspace: Take back.")
+        terminal.settle(silence_ms=600)
+        terminal.confirm("backspace")
+        terminal.wait_for("How hard was that for you?", since=told)
+        terminal.settle(silence_ms=600)
+        terminal.confirm("2")
+        terminal.confirm()
+        terminal.wait_for("Press Enter to see how it went.", since=told)
+        terminal.settle(silence_ms=600)
+        terminal.confirm()
+        terminal.wait_for("Press Enter to finish.")
+        terminal.settle(silence_ms=600)
+        terminal.confirm()
+        assert terminal.wait() == 0
+    assert rows(data, "SELECT answer FROM answers") == [("2.0",)]
+    assert replays_identically(data)
+
+
 def test_escape_opens_a_menu_of_numbers_and_the_session_is_resumed_after_a_signal(
     data: Path,
 ) -> None:

@@ -108,9 +108,8 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
 
     def action_undo(self) -> None:
         """Take back the last change."""
-        if self._live.session.undoable(ACTOR):
-            self.query_one("#problem", Static).update("")
-            self._command("undo")
+        self.query_one("#problem", Static).update("")
+        self._live.undo(ACTOR)
 
     def _list_changes(self) -> None:
         choices, tr, next_ = (

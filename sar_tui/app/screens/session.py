@@ -19,7 +19,6 @@ from sar_tui.app.screens.waiting_text import help_text, key_name
 from sar_tui.loop import topics
 from sar_tui.loop.agent_state import AWAITED
 from sar_tui.loop.clock import Handle
-from sar_tui.loop.undo import Done
 from sar_tui.model.language import Language
 from sar_tui.model.messages import (
     AgentActing,
@@ -427,22 +426,19 @@ class _Undo:
         self.is_typing = False
 
     @property
-    def _done(self) -> Done | None:
-        """The last act of those in front of this screen."""
-        actors = ("participant",) if self._screen.app.patient else ("participant", "therapist")
-        return self._live.session.undoable(*actors)
+    def _actors(self) -> tuple[str, ...]:
+        """Those in front of this screen."""
+        return ("participant",) if self._screen.app.patient else ("participant", "therapist")
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """The keys that take something back now. Backspace deletes while somebody types."""
-        if self._screen.stage.shown == "menu" or self._done is None:
-            return ()
-        return ("ctrl+z",) if self._live.session.is_typing else ("ctrl+z", "backspace")
+        """The keys that take something back now."""
+        is_menu = self._screen.stage.shown == "menu"
+        return () if is_menu else self._live.undo_keys(*self._actors)
 
     def take_back(self) -> None:
-        """Take back what was done last, if it can be."""
-        if done := self._done:
-            self._live.operate(SessionCommand(command="undo", actor=done.actor))
+        """Take back what was done last."""
+        self._live.undo(*self._actors)
 
     def look(self) -> None:
         """Show the key if something can be taken back, until it is too late."""
@@ -450,7 +446,8 @@ class _Undo:
         waiting = self._screen.stage.waiting
         if waiting and waiting.stage == "trial" and waiting.what in AWAITED:
             return
-        done, before = self._done, (self.is_offered, self.is_typing)
+        done = self._live.session.undoable(*self._actors)
+        before = (self.is_offered, self.is_typing)
         self.is_offered, self.is_typing = done is not None, self._live.session.is_typing
         if done:
             self._timer = self._live.clock.call_at(done.until + 1, self.look)
