@@ -19,6 +19,7 @@ from sar_tui.checks.task_translations import declared, texts_in
 from sar_tui.loop.phrase_keys import PHRASE_KEYS, wording_problems
 from sar_tui.model.language import BUNDLED, read_words, slot_problem
 from sar_tui.plugins import Catalogue, task_folder
+from sar_tui.records.kind import Kind, read_kind
 from sar_tui.rules import declaration
 from sar_tui.rules.difficulty import INCLUDED
 from sar_tui.rules.parameters import TaskParameters, fields
@@ -75,7 +76,10 @@ def rooms(catalogue: Catalogue) -> Iterator[Room]:
     shown = {"palette"}.union(*map(_labels, code_in("app", "widgets", "tui")))
     shown = shown.union(*(_about(catalogue.theme_folder(name)) for name in catalogue.theme_names()))
     app = app._replace(needed=app.needed | shown, used=app.used | shown)
-    yield app
+    # what participants read is in a file of its own, so that a theme's author sees only that
+    participants = app._replace(needed=set())
+    therapists = Room(app.folder / "therapist", app.needed, app.used, translated_in(app))
+    yield from (participants, therapists)
     loop = _room("loop", "model", beside=("rules",))
     yield loop
     common = _settings(TaskParameters) | {
@@ -85,11 +89,20 @@ def rooms(catalogue: Catalogue) -> Iterator[Room]:
     rules = Room(_PRODUCT / "rules", common, common | beside)
     yield rules
     reports = _room(
-        "reports", beside=("cli/progress.py", "rules/wellbeing.py", "model/session_mode.py")
+        "reports",
+        "records",
+        "store/records.py",
+        beside=("cli/progress.py", "rules/wellbeing.py", "model/session_mode.py"),
     )
-    kinds = set[str]().union(*map(_texts_of_kind, (_PRODUCT / "records").rglob("*.toml")))
+    files = list((_PRODUCT / "records").rglob("*.toml"))
+    kinds = set[str]().union(*map(_texts_of_kind, files))
+    entered = set[str]().union(*map(_texts_of_form, map(read_kind, files)))
     # `reports/charts.py` speaks the language of the app
-    yield reports._replace(used=reports.used | kinds, inherited=translated_in(app))
+    yield reports._replace(
+        needed=reports.needed | entered,
+        used=reports.used | kinds,
+        inherited=translated_in(app) | translated_in(therapists),
+    )
     for name in catalogue.task_names():
         kind = catalogue.task(name)
         code = [path.read_text("utf-8") for path in task_folder(kind).glob("*.py")]
@@ -229,6 +242,16 @@ def _about(theme: Path) -> set[str]:
 def _settings(kind: type[TaskParameters]) -> set[str]:
     """Return the texts of settings."""
     return {text for field in fields(kind) for text in declaration.texts(field)} - _UNITS
+
+
+def _texts_of_form(kind: Kind) -> set[str]:
+    """Return the texts of a kind of record that therapists enter and read."""
+    if kind.entered_by != "therapist":
+        return set()
+    texts = {kind.title, kind.when, *(change.of for change in kind.published)}
+    for field in kind.fields:
+        texts |= {field.title, field.hint, field.problem, field.unit, *field.labels}
+    return texts - _UNITS - {""}
 
 
 def _texts_of_kind(path: Path) -> set[str]:

@@ -25,7 +25,6 @@ from sar_tui.app.screen_keys import ScreenKeys
 from sar_tui.app.screens.home import HomeScreen
 from sar_tui.app.themes import Themes
 from sar_tui.loop.clock import host_now
-from sar_tui.model.language import Language, language
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plugin_watchdog import PluginWatchdog
@@ -36,7 +35,7 @@ from sar_tui.tui.gc_control import end_loading
 from sar_tui.tui.terminal_input import PasteDropped, UnreadableInput
 from sar_tui.tui.timestamps import OnsetWatch, watched
 from sar_tui.tui.too_small import TooSmallScreen, cover_if_too_small
-from sar_tui.widgets.language import language_of
+from sar_tui.widgets.language import app_texts, language_of
 
 if TYPE_CHECKING:  # loaded with a session, so that the first screen is there sooner
     from sar_tui.app.live import LiveSession
@@ -122,7 +121,7 @@ class SarTui(BaseApp):
         self.folder = folder
         self.is_kept = is_kept
         self.catalogue = catalogue
-        self.tr = _texts(interface_language(folder))
+        self.tr = app_texts(interface_language(folder))
         self.themes = Themes(self, catalogue)
         self.database = connect(folder)
         self.patient_mode = PatientMode(self, patient)
@@ -282,7 +281,7 @@ class SarTui(BaseApp):
             choose_interface_language(self.folder, code)
         except OSError as error:
             self.notify(self.tr("It cannot be kept: {why}", why=str(error)), severity="warning")
-        self.tr = _texts(code)
+        self.tr = app_texts(code)
 
     def check_database(self) -> None:
         """Open the database anew if its files were removed or replaced, and say so."""
@@ -579,11 +578,6 @@ class SarTui(BaseApp):
 
         if not isinstance(self.screen, HelpScreen):
             self.push_screen(HelpScreen(self.screen))
-
-
-def _texts(code: str) -> Language:
-    """Return the app's texts in a language."""
-    return language(code, Path(__file__).parent)
 
 
 def find_picture_way(app: SarTui) -> None:

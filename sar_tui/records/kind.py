@@ -13,6 +13,7 @@ from typing import Literal
 import msgspec
 import platformdirs
 
+from sar_tui.model.language import Language
 from sar_tui.model.visible_text import control_problem, obeyed
 
 SHIPPED = Path(__file__).parent / "kinds"
@@ -21,6 +22,7 @@ LONGEST_TEXT = 2000
 _LINES = "\n\r\t"
 """Control characters that a text of several lines has."""
 
+_ENGLISH = Language()
 Value = int | float | str | bool
 Values = Mapping[str, Value]
 
@@ -79,59 +81,88 @@ class Field(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     @property
     def range(self) -> str:
         """The bounds and the unit in words, such as "0 to 66 points"; empty without bounds."""
+        return self.range_in(_ENGLISH)
+
+    def range_in(self, tr: Language) -> str:
+        """Return the bounds and the unit in a language."""
         if not (self.is_number and math.isfinite(self.lowest) and math.isfinite(self.highest)):
             return ""
-        return f"{self.lowest:g} to {self.highest:g} {self.unit}".rstrip()
+        bounds = tr("{low} to {high}", low=f"{self.lowest:g}", high=f"{self.highest:g}")
+        return f"{bounds} {tr(self.unit)}".rstrip()
 
-    def read(self, given: Value | None) -> Value | None:
-        """Return a value as it is stored; None if it is left empty.
+    def read(self, given: Value | None, tr: Language = _ENGLISH) -> Value | None:
+        """Return a value as it is stored; None if it is left empty. ``tr``: the language in which
+        an error is raised.
 
         Raises:
             RecordError: the field has no such value, or needs one.
         """
         if given is None or not str(given).strip():
             if self.required:
-                raise RecordError(self.problem or f"{self.title} is missing.", self.name)
+                missing = tr("{field} is missing.", field=tr(self.title))
+                raise RecordError(tr(self.problem) or missing, self.name)
             return None
         if self.is_number:
-            return self._number(given)
+            return self._number(given, tr)
         text = str(given).strip()
         if self.type == "choice":
-            return self._choice(text)
-        return self._text(text)
+            return self._choice(text, tr)
+        return self._text(text, tr)
 
-    def _number(self, given: Value) -> Value:
+    def _number(self, given: Value, tr: Language) -> Value:
+        title = tr(self.title)
         try:
             number = float(given.replace(",", ".") if isinstance(given, str) else given)
         except ValueError:
-            raise RecordError(f"{self.title} is a number, not {given!r:.40}.", self.name) from None
+            problem = tr("{field} is a number, not {given}.", field=title, given=f"{given!r:.40}")
+            raise RecordError(problem, self.name) from None
         if not math.isfinite(number) or not self.lowest <= number <= self.highest:
-            raise RecordError(
-                f"{self.title} lies within {self.range}, not at {number:g}.", self.name
+            problem = tr(
+                "{field} lies within {range}, not at {number}.",
+                field=title,
+                range=self.range_in(tr),
+                number=f"{number:g}",
             )
+            raise RecordError(problem, self.name)
         if self.type == "number":
             return number
         if number != round(number):
-            raise RecordError(f"{self.title} is a whole number, not {number:g}.", self.name)
+            problem = tr(
+                "{field} is a whole number, not {number}.", field=title, number=f"{number:g}"
+            )
+            raise RecordError(problem, self.name)
         return round(number)
 
-    def _choice(self, text: str) -> str:
+    def _choice(self, text: str, tr: Language) -> str:
+        """Return the label that was typed, in English or in the language."""
         for label in self.labels:
-            if text.casefold() == label.casefold():
+            if text.casefold() in (label.casefold(), tr(label).casefold()):
                 return label
-        options = f"{', '.join(self.labels[:-1])} or {self.labels[-1]}"
-        raise RecordError(f"{self.title} is {options}, not {text!r:.40}.", self.name)
+        problem = tr(
+            "{field} is {options} or {last}, not {given}.",
+            field=tr(self.title),
+            options=", ".join(map(tr, self.labels[:-1])),
+            last=tr(self.labels[-1]),
+            given=f"{text!r:.40}",
+        )
+        raise RecordError(problem, self.name)
 
-    def _text(self, text: str) -> str:
+    def _text(self, text: str, tr: Language) -> str:
+        title = tr(self.title)
         if len(text) > LONGEST_TEXT:
-            problem = f"{self.title} is too long: at most {LONGEST_TEXT} characters."
+            problem = tr(
+                "{field} is too long: at most {most} characters.", field=title, most=LONGEST_TEXT
+            )
             raise RecordError(problem, self.name)
         try:
             text.encode()
         except UnicodeEncodeError:
-            raise RecordError(f"{self.title} has bytes that are not UTF-8.", self.name) from None
+            problem = tr("{field} has bytes that are not UTF-8.", field=title)
+            raise RecordError(problem, self.name) from None
         if found := obeyed(text, _LINES):
-            problem = f"{self.title} has control characters: {', '.join(found)}."
+            problem = tr(
+                "{field} has control characters: {found}.", field=title, found=", ".join(found)
+            )
             raise RecordError(problem, self.name)
         return text
 
@@ -191,15 +222,16 @@ class Kind(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
         names = ", ".join(field.name for field in self.fields)
         raise RecordError(f"{self.name} has no field {name}. It has: {names}.", name)
 
-    def read(self, given: Mapping[str, Value | None]) -> dict[str, Value]:
+    def read(self, given: Mapping[str, Value | None], tr: Language = _ENGLISH) -> dict[str, Value]:
         """Return the values of a record as they are stored; fields that are left empty have none.
+        ``tr``: the language in which an error is raised.
 
         Raises:
             RecordError: a value is missing, unknown or not valid.
         """
         for name in given:
             self.field(name)
-        values = {field.name: field.read(given.get(field.name)) for field in self.fields}
+        values = {field.name: field.read(given.get(field.name), tr) for field in self.fields}
         return {name: value for name, value in values.items() if value is not None}
 
 

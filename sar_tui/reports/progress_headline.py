@@ -77,7 +77,7 @@ def _not_measured(line: LineProgress, tr: Language) -> str:
         text = "{sessions}. This task has no result, so progress in it is not judged."
     else:
         text = "{sessions}. This task has no goal, so there is no level at goal to judge."
-    return tr(text, sessions=_sessions(len(line.sessions), tr))
+    return tr(text, sessions=sessions_text(len(line.sessions), tr))
 
 
 # --- too little is known
@@ -112,12 +112,12 @@ def _too_few(line: LineProgress, known: Sequence[SessionProgress], more: int, tr
     """Return how many sessions there are, and how many more are needed."""
     count = len(line.sessions)
     if len(known) == count:
-        text = tr("{sessions}: too few to say.", sessions=_sessions(count, tr))
+        text = tr("{sessions}: too few to say.", sessions=sessions_text(count, tr))
         return f"{text} {_after(more, tr)}"
     return tr(
         "{sessions}, {known} of them with a known value: too few to say. It takes {number} of "
         "these to tell a change from noise and practice.",
-        sessions=_sessions(count, tr),
+        sessions=sessions_text(count, tr),
         known=str(len(known)),
         number=str(FEWEST),
     )
@@ -135,7 +135,7 @@ def _changed(line: LineProgress, before: LineProgress, more: int, tr: Language) 
     """Return what the earlier sessions had, and how many of the present ones there are."""
     slots = {
         "day": progress_words.day(before.sessions[-1].began),
-        "sessions": _sessions(len(line.sessions), tr),
+        "sessions": sessions_text(len(line.sessions), tr),
     }
     if line.goal is not None and before.goal is not None and line.goal != before.goal:
         text = tr(
@@ -241,5 +241,5 @@ def _day(session: SessionProgress) -> date:
     return date.fromisoformat(session.began[:10])
 
 
-def _sessions(count: int, tr: Language) -> str:
+def sessions_text(count: int, tr: Language) -> str:
     return tr("1 session") if count == 1 else tr("{count} sessions", count=str(count))

@@ -2,11 +2,12 @@
 
 import re
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import product
 
 from sar_tui.model.language import Language
 from sar_tui.progress.change import BASELINE, FAMILIARISATION, baseline
+from sar_tui.records.kind import kinds
 from sar_tui.reports import dose_words, progress_words
 from sar_tui.reports.charts import ABOVE, BELOW, EVENT, MARKED
 from sar_tui.reports.progress import LineProgress, Progress, SessionProgress
@@ -237,7 +238,7 @@ def session_text(line: LineProgress, session: SessionProgress, tr: Language) -> 
     """
     parts = [
         f"{progress_words.day(session.began)} {session.began[11:16]}",
-        tr(session.status),
+        progress_words.status(session.status, tr),
         tr("{done}/{planned} attempts", done=session.attempts, planned=session.planned),
         tr("{repetitions} repetitions", repetitions=session.trials),
         tr("{minutes} min", minutes=f"{session.time_on_task_s / 60:.1f}"),
@@ -371,9 +372,20 @@ def _record_rows(
 
 def contents(record: Record, tr: Language) -> str:
     """Return the values of a record in its order, without their names."""
-    return ", ".join(
-        tr(value) if isinstance(value, str) else f"{value:g}" for value in record.content.values()
-    )
+    return ", ".join(value for _, value in _named_values(record, tr))
+
+
+def _named_values(record: Record, tr: Language) -> Iterator[tuple[str, str]]:
+    """Yield the titles of a record's fields with its values. Typed texts stay as they are."""
+    kind = kinds().get(record.kind)
+    declared = {field.name: field for field in kind.fields} if kind else {}
+    for name, value in record.content.items():
+        field = declared.get(name)
+        title = tr(field.title) if field else name
+        if isinstance(value, str):
+            yield title, tr(value) if field and field.type == "choice" else value
+        else:
+            yield title, tr.figures(f"{value:g}")
 
 
 def in_words(found: Progress, record: Record, tr: Language) -> str:
@@ -383,7 +395,7 @@ def in_words(found: Progress, record: Record, tr: Language) -> str:
     for each in found.instruments:
         if each.instrument.name == record.kind:
             return progress_words.instrument_change(each, tr)
-    named = (f"{name}: {value}" for name, value in record.content.items())
+    named = (f"{title}: {value}" for title, value in _named_values(record, tr))
     return f"{record.kind}, {record.at}. {'; '.join(named)}."
 
 

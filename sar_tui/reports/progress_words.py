@@ -199,6 +199,20 @@ def spread(line: LineProgress, tr: Language) -> str:
     return " ".join(said)
 
 
+_STATUSES = {
+    "completed": "completed",
+    "running": "under way",
+    "aborted": "ended early",
+    "discarded": "started by mistake",
+    "refused": "not agreed to",
+}
+
+
+def status(name: str, tr: Language) -> str:
+    """Return the status of a session in words."""
+    return tr(_STATUSES.get(name, name))
+
+
 SIDES = {"": "", "easier": "all too easy", "harder": "all too hard"}
 """Short words for the side of a session whose level at goal is not known."""
 

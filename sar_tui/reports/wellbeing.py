@@ -12,9 +12,17 @@ from sar_tui.store.wellbeing import NOT_SAID, PAIN, RATED, TIREDNESS, TOLD, limi
 
 _ENGLISH = Language()
 _SHORT = {PAIN: "pain", TIREDNESS: "tired"}
-_IN_PAUSES = {PAIN: "in pain", TIREDNESS: "tired"}
-_MOMENTS = {"before": "before the session", "pause": "in a pause", "after": "after the session"}
-_ADVISED = {"stopped": " They stopped.", "went on": " They trained all the same."}
+_TITLES = {PAIN: "Pain", TIREDNESS: "Tiredness"}
+_RATINGS = {"before": "{rating} before", "after": "{rating} after"}
+_UNSAID = {"before": "would rather not say before", "after": "would rather not say after"}
+_IN_A_PAUSE = {PAIN: '"in pain" in a pause', TIREDNESS: '"tired" in a pause'}
+_IN_PAUSES = {PAIN: '"in pain" in {count} pauses', TIREDNESS: '"tired" in {count} pauses'}
+_ADVICE = {
+    "before": "Advised before the session not to train.",
+    "pause": "Advised in a pause not to train.",
+    "after": "Advised after the session not to train.",
+}
+_FOLLOWED = {"stopped": "They stopped.", "went on": "They trained all the same."}
 _TOLD: dict[TellReason, str] = {
     "stop": "Pain was above the limit when it was last told. Tell the therapist.",
     "stopped": "The participant was advised not to train, and stopped.",
@@ -48,42 +56,54 @@ def _rating(record: Record) -> int | None:
     return rating if isinstance(rating, int) else None
 
 
-def sentences(told: Sequence[Record], seat: str, limits: PainLimits) -> list[str]:
+def sentences(
+    told: Sequence[Record], seat: str, limits: PainLimits, tr: Language = _ENGLISH
+) -> list[str]:
     """Return what a participant said in a session, a sentence for each symptom, and if it was a
     reason to stop.
     """
     mine = [record for record in told if record.seat == seat]
-    found = [text for kind in _SHORT if (text := _symptom(mine, kind))]
+    found = [text for kind in _SHORT if (text := _symptom(mine, kind, tr))]
     if ratings(mine, seat, limits).is_reason_to_stop:
-        found.append("That was a reason to stop and to tell the therapist.")
-    for moment, named in _MOMENTS.items():
+        found.append(tr("That was a reason to stop and to tell the therapist."))
+    for moment, text in _ADVICE.items():
         advised = [
             record.content["advice"]
             for record in mine
             if record.moment == moment and "advice" in record.content
         ]
         if advised:
-            found.append(f"Advised {named} not to train.{_ADVISED.get(str(advised[-1]), '')}")
+            found.append(tr(text))
+            if followed := _FOLLOWED.get(str(advised[-1])):
+                found.append(tr(followed))
     return found
 
 
 def session_lines(
-    session: Mapping[str, Any], told: Sequence[Record], events: Sequence[Record]
+    session: Mapping[str, Any],
+    told: Sequence[Record],
+    events: Sequence[Record],
+    tr: Language = _ENGLISH,
 ) -> list[str]:
     """Return a line for each participant who said something in a listed session, and for each
     adverse event in it.
     """
     lines = []
     for seat, code in (("A", session["participant"]), ("B", session["partner"])):
-        if code and (said := sentences(told, seat, limits_in(session["parameters"]))):
+        if code and (said := sentences(told, seat, limits_in(session["parameters"]), tr)):
             lines.append(f"{f'{code}: ' if session['partner'] else ''}{' '.join(said)}")
-    return lines + [event_line(event, names_person=bool(session["partner"])) for event in events]
+    names_person = bool(session["partner"])
+    return lines + [_event_line(event, tr, names_person=names_person) for event in events]
 
 
-def event_line(event: Record, *, names_person: bool = False) -> str:
+def _event_line(event: Record, tr: Language, *, names_person: bool) -> str:
     """Return an adverse event in words, with its id."""
-    who = f" of {event.participant}" if names_person else ""
-    return f"! Adverse event {event.id}{who}, {_course(event, _ENGLISH)}"
+    named = (
+        tr("Adverse event {id} of {who}", id=event.id, who=event.participant)
+        if names_person
+        else tr("Adverse event {id}", id=event.id)
+    )
+    return f"! {named}, {_course(event, tr)}"
 
 
 def dated_event(event: Record, tr: Language = _ENGLISH) -> str:
@@ -115,27 +135,29 @@ def advice(reasons: Sequence[TellReason], tr: Language = _ENGLISH) -> list[str]:
     return [tr(_TOLD[reason], severe=str(SEVERE)) for reason in reasons]
 
 
-def _symptom(told: Sequence[Record], kind: str) -> str:
+def _symptom(told: Sequence[Record], kind: str, tr: Language) -> str:
     """Return what was said of a symptom, by moment; empty if nothing was."""
     mine = [record for record in told if record.kind == kind]
     last = {record.moment: record for record in mine}
     given = [last[moment] for moment in ("before", "after") if moment in last]
-    parts = [f"{_said(record)} {record.moment}{_place(record)}" for record in given]
+    parts = [f"{_said(record, tr)}{_place(record, tr)}" for record in given]
     pauses = [record for record in mine if record.moment == "pause"]
     if pauses:
         count = sum(record.content["answer"] == TOLD for record in pauses)
         numbers = [str(rating) for record in pauses if (rating := _rating(record)) is not None]
-        times = "in a pause" if count < 2 else f"in {count} pauses"
-        rated = f" ({', then '.join(numbers)})" if numbers else ""
-        parts.append(f'"{_IN_PAUSES[kind]}" {times}{rated}')
-    return f"{kind.capitalize()}: {', '.join(parts)}." if parts else ""
+        times = tr(_IN_A_PAUSE[kind]) if count < 2 else tr(_IN_PAUSES[kind], count=count)
+        rated = f" ({' → '.join(numbers)})" if numbers else ""
+        parts.append(f"{times}{rated}")
+    return f"{tr(_TITLES[kind])}: {', '.join(parts)}." if parts else ""
 
 
-def _said(record: Record) -> str:
-    is_rated = record.content["answer"] == RATED
-    return str(_rating(record)) if is_rated else "would rather not say"
+def _said(record: Record, tr: Language) -> str:
+    """Return a rating before or after the session in words."""
+    if record.content["answer"] != RATED:
+        return tr(_UNSAID[record.moment])
+    return tr(_RATINGS[record.moment], rating=str(_rating(record)))
 
 
-def _place(record: Record) -> str:
-    place = record.content.get("place", NOT_SAID)
-    return f" ({place})" if place != NOT_SAID and _rating(record) else ""
+def _place(record: Record, tr: Language) -> str:
+    place = str(record.content.get("place", NOT_SAID))
+    return f" ({tr(place)})" if place != NOT_SAID and _rating(record) else ""

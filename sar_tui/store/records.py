@@ -14,6 +14,7 @@ from typing import Any, Literal
 
 import msgspec
 
+from sar_tui.model.language import Language
 from sar_tui.records.kind import Kind, KindError, RecordError, Value, find
 from sar_tui.store import tables
 from sar_tui.store.counted import LIVE
@@ -26,6 +27,7 @@ TOLD = "told in a pause"
 """Answer that follows from a key in a pause, and stands in the session's log."""
 ANSWER = "answer"
 """Kind of what was asked between attempts."""
+_ENGLISH = Language()
 _BETWEEN = "; "
 """Stands between several options, or labels."""
 _DAY = len("2026-03-01")
@@ -96,6 +98,7 @@ def add(
     author: str = "",
     is_new: bool = False,
     now: datetime | None = None,
+    tr: Language = _ENGLISH,
 ) -> Record:
     """Check and store a record, and return it as it is stored.
 
@@ -111,12 +114,13 @@ def add(
         author: who records it.
         is_new: as in `participants.admit`.
         now: when it is recorded; None for the present.
+        tr: the language in which an error is raised.
 
     Raises:
         StoreError: the participant is not known, a value is not valid, or the disk cannot write.
     """
-    date = check_date(kind, at) if at else _now_of(kind, now)
-    content = _checked(kind, given)
+    date = check_date(kind, at, tr) if at else _now_of(kind, now)
+    content = _checked(kind, given, tr)
     if kind.entered_by == "therapist":
         (code,) = admit(db, [participant], is_new=is_new)
     else:  # a new participant is added with the first answer: the session may not begin
@@ -155,6 +159,7 @@ def correct(
     at: str | None = None,
     removed: bool = False,
     author: str = "",
+    tr: Language = _ENGLISH,
 ) -> Record:
     """Store a new version of a record, and return it; the earlier versions stay.
 
@@ -165,6 +170,7 @@ def correct(
         at: the date that it is of; None keeps it.
         removed: True if it was entered by mistake, and counts no longer.
         author: who corrects it.
+        tr: the language in which an error is raised.
 
     Raises:
         StoreError: there is no such record, it is of another site or of a session's log, nothing
@@ -174,25 +180,28 @@ def correct(
     _, sign, site = id.partition("@")
     if sign:
         raise StoreError(
-            f"The record {id} is of {site}: it can be corrected only there.", bad_input=True
+            tr("The record {id} is of {site}: it can be corrected only there.", id=id, site=site),
+            bad_input=True,
         )
     if last.content.get("answer") == TOLD:
         raise StoreError(
-            f"The record {id} is part of the log of its session, and stays as it is. "
-            "A note can say more.",
+            tr(
+                "The record {id} is part of the log of its session, and stays as it is. A note "
+                "can say more.",
+                id=id,
+            ),
             bad_input=True,
         )
     kind = kind_of(last.kind)
     changed = msgspec.structs.replace(
         last,
-        at=last.at if at is None else check_date(kind, at),
-        content=_checked(kind, {**last.content, **given}),
+        at=last.at if at is None else check_date(kind, at, tr),
+        content=_checked(kind, {**last.content, **given}, tr),
         removed=removed,
     )
     if changed == last:
-        names = ", ".join(field.name for field in kind.fields)
         raise StoreError(
-            f"Nothing would change. Give another date, or a new value of: {names}.", bad_input=True
+            tr("Nothing would change. Give another date, or another value."), bad_input=True
         )
     changed = msgspec.structs.replace(
         changed, version=last.version + 1, recorded_at=utc(), recorded_by=author
@@ -215,24 +224,30 @@ def attach(db: sqlite3.Connection, session: str, participants: Sequence[str], si
         )
 
 
-def check_date(kind: Kind, text: str) -> str:
+_NO_DATE = {
+    False: "{field} is a date, such as 2026-03-01, not {given}.",
+    True: "{field} is a date, such as 2026-03-01, or 2026-03-01T14:30, not {given}.",
+}
+"""Problem of a text that is no date, for kinds without and with a time of day."""
+
+
+def check_date(kind: Kind, text: str, tr: Language = _ENGLISH) -> str:
     """Return a date as it is stored: "2026-03-01", or "2026-03-01 14:30" if the kind has a time.
 
     Raises:
         StoreError: it is no date, or in the future.
     """
     given = text.strip()
-    example = "2026-03-01, or 2026-03-01T14:30" if kind.has_time else "2026-03-01"
     try:
         if not _LOCAL.fullmatch(given) or (len(given) > _DAY and not kind.has_time):
             raise ValueError
         date = datetime.fromisoformat(given)
     except ValueError:
-        raise StoreError(
-            f"{kind.when} is a date, such as {example}, not {text!r:.40}.", bad_input=True
-        ) from None
+        problem = tr(_NO_DATE[kind.has_time], field=tr(kind.when), given=f"{text!r:.40}")
+        raise StoreError(problem, bad_input=True) from None
     if date > datetime.now():
-        raise StoreError(f"{kind.when} {given} is in the future.", bad_input=True)
+        problem = tr("{field} {date} is in the future.", field=tr(kind.when), date=given)
+        raise StoreError(problem, bad_input=True)
     return given.replace("T", " ")
 
 
@@ -273,9 +288,9 @@ def kind_of(name: str) -> Kind:
         raise StoreError(str(error), bad_input=True) from error
 
 
-def _checked(kind: Kind, given: Mapping[str, Value | None]) -> dict[str, Value]:
+def _checked(kind: Kind, given: Mapping[str, Value | None], tr: Language) -> dict[str, Value]:
     try:
-        return kind.read(given)
+        return kind.read(given, tr)
     except RecordError as error:
         raise StoreError(str(error), bad_input=True) from error
 

@@ -6,7 +6,6 @@ Such a screen holds it as ``tr``, where its widgets and the help find it
 
 import dataclasses
 from collections.abc import Mapping
-from pathlib import Path
 
 from textual.binding import ActiveBinding
 
@@ -14,14 +13,12 @@ from sar_tui.loop.task import Task
 from sar_tui.model.language import Language, language
 from sar_tui.plugins import Catalogue, task_folder
 from sar_tui.runs.plan import Plan
-
-_APP = Path(__file__).parents[1] / "app"
-"""The folder of the app's translations."""
+from sar_tui.widgets.language import app_texts
 
 
 def app_language(code: str, texts: Mapping[str, str] = {}) -> Language:
     """Return the app's texts in a language; ``texts``, such as a theme's, take precedence."""
-    return language(code, _APP).including(texts)
+    return app_texts(code).including(texts)
 
 
 def session_language(task: Task) -> Language:

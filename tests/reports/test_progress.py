@@ -378,7 +378,9 @@ def test_every_text_of_charts_parts_and_dose_has_a_translation_and_none_is_left(
     sources = [(folder / f"{name}.py").read_text(encoding="utf-8") for name in names]
     texts = set().union(*map(texts_in, sources))
     assert {text for text in texts if re.search("[a-z]", text)} - set(SPANISH) == set()
-    others = (folder.parent / "cli/progress.py", *SHIPPED.glob("*.toml"))
+    package = folder.parent
+    records = (package / "records/kind.py", package / "store/records.py")
+    others = (package / "cli/progress.py", *records, *SHIPPED.glob("*.toml"))
     files = [path.read_text(encoding="utf-8") for path in (*folder.glob("*.py"), *others)]
     inserted = {"simulated", "demonstration", "no session"}
     source = re.sub(r'"\n\s*f?"', "", "".join(files)).replace("'", '"')

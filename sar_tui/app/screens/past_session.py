@@ -1,5 +1,6 @@
 """The results of a past session, for a therapist."""
 
+import functools
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -9,11 +10,13 @@ from textual.binding import Binding, BindingType
 from textual.containers import Vertical
 from textual.widgets import Static
 
-from sar_tui.app.home.words import day_words, status_words
+from sar_tui.app.home.words import day_words
+from sar_tui.model.language import Language
 from sar_tui.model.messages import AttemptEnded
 from sar_tui.model.results_for_people import axis, result_text
 from sar_tui.model.trial_types import Metric
 from sar_tui.plugins import PluginError
+from sar_tui.reports import progress_words
 from sar_tui.reports.wellbeing import session_lines
 from sar_tui.store import provenance, records, sessions, wellbeing
 from sar_tui.store.training_days import trained_at
@@ -29,7 +32,6 @@ if TYPE_CHECKING:
 class PastSessionScreen(DismissedOnce[None]):
     """The plot and figures of one stored session."""
 
-    help_text = "The results of a past session: each attempt and its level.\n"
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape,enter,space", "dismiss", "Back", id="back"),
         Binding("f4", "progress", "Progress", id="progress"),
@@ -41,6 +43,30 @@ class PastSessionScreen(DismissedOnce[None]):
     def __init__(self, row: sessions.Row) -> None:
         super().__init__()
         self._row = row
+
+    @functools.cached_property
+    def tr(self) -> Language:
+        """The language of the app, with the texts of reports and, if it is installed, of the
+        task.
+        """
+        spoken: Language = self.app.tr
+        try:
+            task = self.app.catalogue.task(self._row["task"])
+        except PluginError:
+            task = None
+        return spoken.including(progress_words.words(spoken.code, task).texts)
+
+    @property
+    def help_text(self) -> str:
+        """Help on the plot, and on what can be done."""
+        tr = self.tr
+        return "\n\n".join(
+            (
+                tr("The results of a past session: each attempt and its level."),
+                tr("F4 shows the sessions of this person. A adds an adverse event of this one."),
+                "",
+            )
+        )
 
     def compose(self) -> ComposeResult:
         row = self._row
@@ -56,14 +82,13 @@ class PastSessionScreen(DismissedOnce[None]):
         row = self._row
         began = trained_at(row["started_at"], row["utc_offset_s"])
         title = row["software"].get("task", {}).get("title", row["task"])
-        tr = language_of(self.app)
-        when = f"{day_words(began.date(), self.app.today(), tr)}, {began:%H:%M}"
+        when = f"{day_words(began.date(), self.app.today(), self.tr)}, {began:%H:%M}"
         return " · ".join(
             (
                 sessions.participant_codes(row),
-                title,
+                self.tr(title),
                 when,
-                status_words(row["status"], tr) or str(row["status"]),
+                progress_words.status(row["status"], self.tr),
             )
         )
 
@@ -112,7 +137,7 @@ class PastSessionScreen(DismissedOnce[None]):
         except PluginError:
             return ()
         metric = provenance.metric(self._row["software"])
-        return stored_facts(task, attempts, metric, language_of(self.app))
+        return stored_facts(task, attempts, metric, self.tr)
 
     def _show_wellbeing(self) -> None:
         """Show what was said of pain and tiredness, and the session's adverse events."""
@@ -121,7 +146,7 @@ class PastSessionScreen(DismissedOnce[None]):
         database, session = self.app.database, self._row["id"]
         kinds = [kind.name for kind in of_group("event")]
         events = records.listing(database, kinds=kinds, session=session)
-        felt = session_lines(self._row, wellbeing.of_session(database, session), events)
+        felt = session_lines(self._row, wellbeing.of_session(database, session), events, self.tr)
         self.query_one("#felt", Static).update("\n".join(felt))
         self.query_one("#felt").display = bool(felt)
 

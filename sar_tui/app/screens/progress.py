@@ -1,8 +1,8 @@
 """Progress of a participant in a task over sessions, for the therapist."""
 
+import functools
 import sqlite3
 from collections.abc import Callable, Iterator, Sequence
-from functools import partial
 from itertools import groupby
 from typing import Any, ClassVar
 
@@ -18,14 +18,14 @@ from textual.widgets import Static
 from sar_tui.app.screens.record_form import RecordForm, RemoveRecord
 from sar_tui.drivers.login_name import login_name
 from sar_tui.loop.task import Task
-from sar_tui.model.language import BUNDLED
+from sar_tui.model.language import BUNDLED, OWN_NAMES, Language
 from sar_tui.records.kind import Kind, kinds
 from sar_tui.reports import progress_parts as parts
 from sar_tui.reports import progress_words
 from sar_tui.reports.charts import AREA, BAND, BARS, CHOSEN, POINT, RULE
 from sar_tui.reports.progress import LineProgress, Progress, compare, progress
 from sar_tui.reports.progress_glossary import GLOSSARY, explained
-from sar_tui.reports.progress_headline import headline
+from sar_tui.reports.progress_headline import headline, sessions_text
 from sar_tui.reports.progress_timeline import TextRow
 from sar_tui.reports.wellbeing import advice
 from sar_tui.store import records, wellbeing
@@ -36,6 +36,7 @@ from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.tui.heading import Heading
 from sar_tui.tui.key_line import KeyLine
 from sar_tui.widgets.key_footer import KeyFooter
+from sar_tui.widgets.language import language_of
 
 _SENTENCE = 72
 """Columns of the sentence."""
@@ -55,18 +56,6 @@ class ProgressScreen(DismissedOnce[None]):
     chosen; Enter explains the figure.
     """
 
-    help_text = (
-        "The sentence says how this person does in this task. The picture shows why: the level at "
-        "goal of each session, and below it, on the same dates, the minutes, pain and "
-        "tiredness.\n\n"
-        "Tab: choose a figure, from the sentence to the records. Enter: what it is, how it is "
-        "computed, its source. Left and Right: choose a session.\n\n"
-        "C: compare the chosen session with another. S: sessions with other settings, which are "
-        "never in the same picture. N: a note to paste into a record. H: a page with charts to "
-        "print. A: add an adverse event, or a score of another test. Among the records, Enter "
-        "corrects one, and Del removes one that was entered by mistake.\n\n"
-        "These are training measures. They are no diagnosis.\n"
-    )
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape,f4", "leave", "Back", id="back"),
         Binding("enter", "open", "Explain", show=False, id="explain"),
@@ -106,11 +95,40 @@ class ProgressScreen(DismissedOnce[None]):
         self._chosen = 0
         self._marked: str | None = None
         self._record = 0
-        self._tr = progress_words.words("en", task)
+
+    @functools.cached_property
+    def tr(self) -> Language:
+        """The language of the app, with the texts of reports and of the task."""
+        spoken: Language = self.app.tr
+        return spoken.including(progress_words.words(spoken.code, self._motor_task).texts)
+
+    @property
+    def help_text(self) -> str:
+        """Help on the sentence, the picture, and the keys."""
+        tr = self.tr
+        paragraphs = (
+            tr(
+                "The sentence says how this person does in this task. The picture shows why: the "
+                "level at goal of each session, and below it, on the same dates, the minutes, "
+                "pain and tiredness."
+            ),
+            tr(
+                "Tab: choose a figure, from the sentence to the records. Enter: what it is, how "
+                "it is computed, its source. Left and Right: choose a session."
+            ),
+            tr(
+                "C: compare the chosen session with another. S: sessions with other settings, "
+                "which are never in the same picture. N: a note to paste into a record. H: a page "
+                "with charts to print. A: add an adverse event, or a score of another test. Among "
+                "the records, Enter corrects one, and Del removes one that was entered by mistake."
+            ),
+            tr("These are training measures. They are no diagnosis."),
+        )
+        return "\n\n".join(paragraphs) + "\n"
 
     def compose(self) -> ComposeResult:
         with Horizontal(id="top", classes="top-bar"):
-            yield Static(f"{self._participant} · {self._motor_task.title}", id="who", markup=False)
+            yield Static(self._title(None), id="who", markup=False)
             yield Static("", id="where", markup=False)
         yield Heading("", id="sentence")
         yield Static("", id="told", classes="needs-a-look", markup=False)
@@ -152,7 +170,7 @@ class ProgressScreen(DismissedOnce[None]):
             )
         except (StoreError, sqlite3.Error) as error:
             why = error if isinstance(error, StoreError) else explain(error)
-            self._problem = f"The sessions cannot be read: {why}"
+            self._problem = self.tr("The sessions cannot be read: {why}", why=str(why))
             return False
         return True
 
@@ -225,7 +243,7 @@ class ProgressScreen(DismissedOnce[None]):
         self.query_one("#who", Static).update(self._title(line))
         self.query_one("#where", Static).update(self._where(line))
         self.query_one(Heading).show(self._sentence(line))
-        told = [f"! {text}" for text in advice(self.found.tell)] if self.found else []
+        told = [f"! {text}" for text in advice(self.found.tell, self.tr)] if self.found else []
         self.query_one("#told", Static).update("\n".join(told))
         self.query_one("#told").display = bool(told)
         beside = self.query_one("#beside")
@@ -234,43 +252,50 @@ class ProgressScreen(DismissedOnce[None]):
         about = self._about(line) if line and self.found else ""
         self.query_one("#chosen", Static).update(about)
         self.query_one("#chosen").display = bool(about)
-        self.query_one(KeyLine).show(self._key(), "Enter")
+        self.query_one(KeyLine).show(self._key(), self.tr("Enter"))
         for drawing in self.query(_Drawing):
             drawing.refresh()
 
     def _title(self, line: LineProgress | None) -> str:
         if line is None:
-            return f"{self._participant} · {self._motor_task.title}"
-        return f"{self._participant} · {progress_words.heading(line, self._tr)}"
+            return f"{self._participant} · {self.tr(self._motor_task.title)}"
+        return f"{self._participant} · {progress_words.heading(line, self.tr)}"
 
     def _where(self, line: LineProgress | None) -> str:
         if line is None or self.found is None:
             return ""
-        count, sessions = len(self.found.lines), len(line.sessions)
-        said = "1 session" if sessions == 1 else f"{sessions} sessions"
-        return f"{said} · {count - self._line} of {count}" if count > 1 else said
+        count, said = len(self.found.lines), sessions_text(len(line.sessions), self.tr)
+        if count == 1:
+            return said
+        return self.tr(
+            "{sessions} · {number} of {count}",
+            sessions=said,
+            number=count - self._line,
+            count=count,
+        )
 
     def _sentence(self, line: LineProgress | None) -> str:
         if self.found is None:
             return self._problem
-        text = headline(self.found, line, self._tr).text if line else NONE_YET
+        text = headline(self.found, line, self.tr).text if line else self.tr(NONE_YET)
         return parts.balanced(text, max(_SMALLEST[0], min(self.size.width - 4, _SENTENCE)))
 
     def _key(self) -> str:
         if not self.figure:
             return ""
         if self.figure == "records" and self._listed:
-            return "Press Enter to correct this record."
-        return f'Press Enter to see what "{GLOSSARY[self.figure].title}" means.'
+            return self.tr("Press Enter to correct this record.")
+        title = self.tr(GLOSSARY[self.figure].title)
+        return self.tr('Press Enter to see what "{figure}" means.', figure=title)
 
     def _draw(self, columns: int, rows: int) -> Content:
         """Draw the picture, or the chosen list if it has no other place."""
         line, size = self._shown_line, (columns, rows)
         if self.found is None:
-            return Content("" if self._problem else "Reading the sessions …")
+            return Content("" if self._problem else self.tr("Reading the sessions …"))
         if line is None or self.figure in self._hidden:
             return colored(self._list(self.figure, size), self.figure)
-        drawn = parts.picture(line, size, self.figure, self._chosen, self._tr, self._marked)
+        drawn = parts.picture(line, size, self.figure, self._chosen, self.tr, self._marked)
         return colored(drawn, self.figure)
 
     def _draw_beside(self, columns: int, rows: int) -> Content:
@@ -296,7 +321,7 @@ class ProgressScreen(DismissedOnce[None]):
             self.found,
             self._shown_line,
             size,
-            self._tr,
+            self.tr,
             chosen=self._chosen,
             marked=self._marked,
             record=self._chosen_record,
@@ -312,19 +337,24 @@ class ProgressScreen(DismissedOnce[None]):
         if self.figure in hidden and self.figure != "sessions":
             return ""
         chosen = line.sessions[self._chosen]
-        when, felt = parts.session_text(line, chosen, self._tr)
+        when, felt = parts.session_text(line, chosen, self.tr)
         if self._marked == chosen.session:
-            felt = "Left and Right: choose the session to compare it with. Esc: no comparison."
+            felt = self.tr(
+                "Left and Right: choose the session to compare it with. Esc: no comparison."
+            )
         elif self._marked and (comparison := compare(self.found, self._marked, chosen.session)):
-            days = [
-                progress_words.day(each.began) for each in (comparison.earlier, comparison.later)
-            ]
-            felt = f"{days[0]} and {days[1]}: {progress_words.compared(line, comparison, self._tr)}"
+            felt = self.tr(
+                "{first} and {second}: {comparison}",
+                first=progress_words.day(comparison.earlier.began),
+                second=progress_words.day(comparison.later.began),
+                comparison=progress_words.compared(line, comparison, self.tr),
+            )
         said = [f"{parts.CURSOR} {when}", *parts.wrapped([felt], self.size.width - 4, indent="  ")]
         if not self._marked:
-            keys = ["C: compare it with another"] if len(line.sessions) > 1 else []
-            named = ", ".join(GLOSSARY[name].title.lower() for name in reversed(hidden))
-            keys += [f"Shift-Tab: {named}"] if hidden and self.figure not in hidden else []
+            keys = [self.tr("C: compare it with another")] if len(line.sessions) > 1 else []
+            if hidden and self.figure not in hidden:
+                named = ", ".join(self.tr(GLOSSARY[name].title) for name in reversed(hidden))
+                keys.append(self.tr("Shift-Tab: {lists}", lists=named))
             said += [f"  {' · '.join(keys)}"] if keys else []
         return "\n".join(said)
 
@@ -332,15 +362,19 @@ class ProgressScreen(DismissedOnce[None]):
 
     def commands(self) -> Iterator[SystemCommand]:
         """Yield what can be done here, for the command palette."""
+        tr = self.tr
         for name in self._figures:
-            title = GLOSSARY[name].title
-            yield SystemCommand(title, "Choose this figure", partial(self.choose_figure, name))
+            yield SystemCommand(
+                tr(GLOSSARY[name].title),
+                tr("Choose this figure"),
+                functools.partial(self.choose_figure, name),
+            )
         for action, title, help in (
-            ("compare", "Compare", "Compare the chosen session with another"),
-            ("other_settings", "Charts", "Sessions with other settings"),
-            ("add_record", "Add", "An adverse event, or a score of another test"),
-            ("note", "Note", "A paragraph to paste into a record"),
-            ("page", "Page", "A page with charts, to print"),
+            ("compare", tr("Compare"), tr("Compare the chosen session with another")),
+            ("other_settings", tr("Charts"), tr("Sessions with other settings")),
+            ("add_record", tr("Add"), tr("An adverse event, or a score of another test")),
+            ("note", tr("Note"), tr("A paragraph to paste into a record")),
+            ("page", tr("Page"), tr("A page with charts, to print")),
         ):
             if self.check_action(action, ()):
                 yield SystemCommand(title, help, getattr(self, f"action_{action}"))
@@ -366,8 +400,8 @@ class ProgressScreen(DismissedOnce[None]):
     def _explained(self, name: str) -> tuple[Sequence[str], Sequence[str]]:
         """Return what a figure says of this person, and its explanation."""
         assert self.found
-        own = parts.of_person(name, self.found, self._shown_line, self._chosen, self._tr)
-        return own, explained(name, self._tr)
+        own = parts.of_person(name, self.found, self._shown_line, self._chosen, self.tr)
+        return own, explained(name, self.tr)
 
     def action_choose(self, step: int) -> None:
         """Choose an earlier or later session."""
@@ -489,12 +523,12 @@ class ProgressScreen(DismissedOnce[None]):
                     ]
                 )
 
-            self.app.push_screen(ProgressNoteScreen(text))
+            self.app.push_screen(ProgressNoteScreen(text, self.tr.code))
 
     def action_page(self) -> None:
         """Write a page with charts into the data folder."""
         if self.found:
-            self.notify("Drawing the page …", timeout=3)
+            self.notify(self.tr("Drawing the page …"), timeout=3)
             self._write_page(self.found)
 
     @work(thread=True, exclusive=True, group="page")
@@ -506,17 +540,18 @@ class ProgressScreen(DismissedOnce[None]):
         find: Callable[[str], type[Task] | None] = {self._motor_task.name: self._motor_task}.get
         name = f"progress-{self._participant}-{self._motor_task.name}"
         try:
-            text = page(found, find, "en")
+            text = page(found, find, self.tr.code)
             path = unused(self.app.folder / f"{name}.html")
             write_private(path, text)
         except ChartsMissing as error:
             self.app.call_from_thread(self.notify, str(error), severity="warning", timeout=20)
         except OSError as error:
-            said = f"The page cannot be written: {error.strerror or error}."
+            why = str(error.strerror or error)
+            said = self.tr("The page cannot be written: {why}.", why=why)
             self.app.call_from_thread(self.notify, said, severity="error", timeout=20)
         else:
-            said = f"{path} is written. Open it in a browser, which can also print it."
-            self.app.call_from_thread(self.notify, said, timeout=12)
+            said = self.tr("It is written. Open it in a browser, which can also print it:")
+            self.app.call_from_thread(self.notify, f"{said}\n{path}", timeout=12)
 
 
 _COLORS = {
@@ -598,20 +633,23 @@ class ExplanationScreen(DismissedOnce[None], ModalScreen[None]):
         self._text = text
 
     def compose(self) -> ComposeResult:
+        tr = language_of(self.app)
         with Vertical(classes="dialog", id="explanation"):
             yield Static("", classes="headline", id="headline", markup=False)
             with VerticalScroll(can_focus=True):
                 yield Static("", id="of-person", markup=False)
                 yield Static("", id="paragraph", markup=False)
             yield Static(
-                "←→: the other figures. Up and Down scroll. Esc closes.",
+                tr("←→: the other figures. Up and Down scroll. Esc closes."),
                 classes="muted",
                 markup=False,
             )
 
     def _show(self) -> None:
         own, general = self._text(self._figure_name)
-        self.query_one("#headline", Static).update(GLOSSARY[self._figure_name].title)
+        tr = language_of(self.app)
+        title = tr(GLOSSARY[self._figure_name].title)
+        self.query_one("#headline", Static).update(title)
         self.query_one("#of-person", Static).update("\n".join(own))
         self.query_one("#of-person").display = bool(own)
         self.query_one("#paragraph", Static).update("\n\n".join(general))
@@ -638,6 +676,7 @@ class ProgressNoteScreen(DismissedOnce[None], ModalScreen[None]):
 
     Args:
         text: returns the paragraph in a language, given its code.
+        code: of the language to begin with.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -647,31 +686,33 @@ class ProgressNoteScreen(DismissedOnce[None], ModalScreen[None]):
 
     app: Any
 
-    def __init__(self, text: Callable[[str], str]) -> None:
+    def __init__(self, text: Callable[[str], str], code: str) -> None:
         super().__init__()
         self._text = text
-        self._language = "en"
+        self._language = code
 
     def compose(self) -> ComposeResult:
+        tr = language_of(self.app)
+        hints = (
+            tr(
+                "It is in the clipboard now, if your terminal allows that. If not, select it with "
+                "the mouse (often with Shift), or use `sar-tui progress CODE --note`."
+            ),
+            tr("Tab: the next language. Up and Down scroll. Esc closes."),
+        )
         with Vertical(classes="dialog", id="progress-note"):
             yield Static("", classes="headline", id="headline")
             with VerticalScroll(can_focus=True):
                 yield Static("", id="paragraph", markup=False)
-            yield Static(
-                "It is in the clipboard now, if your terminal allows that. If not, select it with "
-                "the mouse (often "
-                "with Shift), or use `sar-tui progress CODE --note`.\n\n"
-                "Tab: the next language. Up and Down scroll. Esc closes.",
-                classes="muted",
-                markup=False,
-            )
+            yield Static("\n\n".join(hints), classes="muted", markup=False)
 
     def on_mount(self) -> None:
         self._show()
 
     def _show(self) -> None:
-        text = self._text(self._language)
-        self.query_one("#headline", Static).update(f"Note in {BUNDLED[self._language]}")
+        tr, text = language_of(self.app), self._text(self._language)
+        heading = tr("Note: {language}", language=OWN_NAMES[self._language])
+        self.query_one("#headline", Static).update(heading)
         self.query_one("#paragraph", Static).update(text)
         self.app.copy_to_clipboard(text)
 

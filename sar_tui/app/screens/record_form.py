@@ -12,16 +12,18 @@ from textual.screen import ModalScreen
 from textual.widgets import Input, Static
 
 from sar_tui.drivers.login_name import login_name
-from sar_tui.records.kind import Field, Kind, RecordError
+from sar_tui.records.kind import Field, Kind, RecordError, Value
 from sar_tui.rules.declaration import show
 from sar_tui.store import participants, records
 from sar_tui.store.database import StoreError
 from sar_tui.store.records import Record
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.widgets.choice import Choice
+from sar_tui.widgets.language import language_of
 
 _BETWEEN = " · "
 _WHO, _DATE = "participant", "date"
+_BETTER = {"": "", "higher": "higher is better", "lower": "lower is better"}
 
 
 class RecordForm(DismissedOnce[bool], ModalScreen[bool]):
@@ -52,42 +54,80 @@ class RecordForm(DismissedOnce[bool], ModalScreen[bool]):
         known: Record | None = None,
     ) -> None:
         super().__init__()
-        self._kinds = {_title(kind): kind for kind in kinds}
+        self._of_kinds = kinds
         self._kind = kinds[0]
         self._codes = codes
         self._at = known.at if known else at or date.today().isoformat()
         self._session = session
         self._known = known
 
+    @property
+    def help_text(self) -> str:
+        """Help on the fields."""
+        return self.tr(
+            "Fill in the fields from top to bottom; Up and Down go from one to the next. A value "
+            "that cannot be is told at once. What is not known yet may be added later: choose the "
+            "record on the screen of progress, and press Enter."
+        )
+
     def compose(self) -> ComposeResult:
+        tr = self.tr = language_of(self.app)
+        self._kinds = {self._title(kind): kind for kind in self._of_kinds}
         with Vertical(id="record-form", classes="form"):
             yield Static(self._headline, classes="headline", markup=False)
             yield Static("", id="problem", markup=False)
             if len(self._kinds) > 1:
-                choice = Choice(list(self._kinds), _title(self._kind))
-                choice.border_title = "Kind"
+                choice = Choice(list(self._kinds), self._title(self._kind))
+                choice.border_title = tr("Kind")
                 yield choice
             if len(self._codes) > 1:
-                yield _input(_WHO, "Participant", self._codes[0])
-            yield _input(_DATE, self._kind.when, self._at)
+                yield _input(_WHO, tr("Participant"), self._codes[0])
+            yield _input(_DATE, tr(self._kind.when), self._at)
             yield from self._fields()
-            yield Static(
-                "Enter goes on, and records after the last field. Esc: cancel.", classes="muted"
-            )
+            hint = tr("Enter goes on, and records after the last field. Esc: cancel.")
+            yield Static(hint, classes="muted", markup=False)
+
+    def _title(self, kind: Kind) -> str:
+        """Return the name and the title of a kind, as the list has them."""
+        return f"{kind.name}{_BETWEEN}{self.tr(kind.title)}"
 
     @property
     def _headline(self) -> str:
+        tr, title = self.tr, self.tr(self._kind.title)
         if self._known:
-            return f"{self._kind.title}: what is known now"
-        of = f" of {self._codes[0]}" if len(self._codes) == 1 else ""
-        return f"{self._kind.title if len(self._kinds) == 1 else 'Record'}{of}"
+            return tr("{kind}: what is known now", kind=title)
+        if len(self._kinds) > 1:
+            title = tr("Record")
+        return tr("{kind} of {who}", kind=title, who=self._codes[0]) if self._is_alone else title
+
+    @property
+    def _is_alone(self) -> bool:
+        return len(self._codes) == 1
 
     def _fields(self) -> list[Input]:
         known = self._known.content if self._known else {}
         return [
-            _input(field.name, _with_range(field), str(known.get(field.name, "")), field.hint)
+            _input(
+                field.name,
+                self._with_range(field),
+                self._typed(field, known.get(field.name, "")),
+                self.tr(field.hint),
+            )
             for field in self._kind.fields
         ]
+
+    def _typed(self, field: Field, value: Value) -> str:
+        """Return a known value as a person would type it."""
+        if isinstance(value, str):
+            return self.tr(value) if field.type == "choice" else value
+        return self.tr.figures(show(value))
+
+    def _with_range(self, field: Field) -> str:
+        """Return the title of a field with its range, and the direction of a score."""
+        parts = [self.tr(field.title), field.range_in(self.tr)]
+        titled = ", ".join(part for part in parts if part)
+        better = self.tr(_BETTER[field.better])
+        return f"{titled}; {better}" if better else titled
 
     def on_mount(self) -> None:
         """Focus the list of kinds, or the first field that is empty."""
@@ -106,7 +146,7 @@ class RecordForm(DismissedOnce[bool], ModalScreen[bool]):
         await self.query(Input).exclude(f"#{_WHO}").exclude(f"#{_DATE}").remove()
         form = self.query_one("#record-form")
         date_field = self.query_one(f"#{_DATE}", Input)
-        date_field.border_title = self._kind.when
+        date_field.border_title = self.tr(self._kind.when)
         await form.mount_all(self._fields(), after=date_field)
         self.query_one(f"#{self._kind.fields[0].name}").focus()
 
@@ -116,7 +156,7 @@ class RecordForm(DismissedOnce[bool], ModalScreen[bool]):
         problem = self._replaced()
         if event.input.value and event.input.id not in (_WHO, _DATE):
             try:
-                self._kind.field(str(event.input.id)).read(event.input.value)
+                self._kind.field(str(event.input.id)).read(event.input.value, self.tr)
             except RecordError as error:
                 problem = str(error)
         self.query_one("#problem", Static).update(problem)
@@ -133,7 +173,7 @@ class RecordForm(DismissedOnce[bool], ModalScreen[bool]):
         )
         if replaced := next((each for each in same if each.day == day), None):
             first = next(iter(replaced.content.values()), "")
-            return f"This replaces {show(first)} of the same day."
+            return self.tr("This replaces {value} of the same day.", value=show(first))
         return ""
 
     @on(Input.Submitted)
@@ -154,12 +194,21 @@ class RecordForm(DismissedOnce[bool], ModalScreen[bool]):
     def _save(self, who: str, at: str, given: dict[str, Any]) -> None:
         database, author = self.app.database, login_name()
         if self._known:
-            records.correct(database, self._known.id, given, at=at, author=author)
+            records.correct(database, self._known.id, given, at=at, author=author, tr=self.tr)
             return
         code = participants.check_code(who)
         if code not in self._codes:
-            raise StoreError(f"{code} did not take part in this session.")
-        records.add(database, self._kind, code, at, given, session=self._session, author=author)
+            raise StoreError(self.tr("{who} did not take part in this session.", who=code))
+        records.add(
+            database,
+            self._kind,
+            code,
+            at,
+            given,
+            session=self._session,
+            author=author,
+            tr=self.tr,
+        )
 
 
 class RemoveRecord(DismissedOnce[bool], ModalScreen[bool]):
@@ -176,28 +225,22 @@ class RemoveRecord(DismissedOnce[bool], ModalScreen[bool]):
 
     def compose(self) -> ComposeResult:
         """Say what is removed, and that the database keeps it."""
-        first = next(iter(self._record.content.values()), "")
+        tr, record = language_of(self.app), self._record
+        about = tr(
+            "{kind} {value} of {date} then no longer counts. The database keeps it, with your "
+            "login name and the time.",
+            kind=record.kind,
+            value=show(next(iter(record.content.values()), "")),
+            date=record.at,
+        )
         with Vertical(classes="dialog"):
-            yield Static("Entered by mistake?", classes="headline")
-            yield Static(
-                f"{self._record.kind} {show(first)} of {self._record.at} then no longer counts. The "
-                "database keeps it, with your login name and the time.\n",
-                markup=False,
-            )
-            yield Static("Enter removes it, Esc keeps it.", classes="muted")
-
-
-def _title(kind: Kind) -> str:
-    return f"{kind.name}{_BETWEEN}{kind.title}"
+            yield Static(tr("Entered by mistake?"), classes="headline", markup=False)
+            yield Static(f"{about}\n", markup=False)
+            hint = tr("Enter removes it, Esc keeps it.")
+            yield Static(hint, classes="muted", markup=False)
 
 
 def _input(name: str, title: str, value: str = "", hint: str = "") -> Input:
     made = Input(value, placeholder=hint, id=name, compact=True)
     made.border_title = title
     return made
-
-
-def _with_range(field: Field) -> str:
-    """Return the title of a field with its range, and the direction of a score."""
-    better = f"; {field.better} is better" if field.better else ""
-    return f"{field.title}, {field.range}{better}" if field.range else field.title
