@@ -53,7 +53,7 @@ class DistractedEventHandler(EventHandler):
     def body_reported(self, report: OutputReport) -> None:
         """Set the level."""
         if report.part == "gesture" and report.state == "done":
-            self._set_level(1)
+            self.session.scores.set_level(1)
 
 
 class OwnMemory(Memory):

@@ -1,4 +1,4 @@
-"""What a person did last can be taken back for ten seconds, by the person who did it."""
+"""The last act of a person can be taken back for ten seconds, by that person."""
 
 from collections.abc import Callable
 
