@@ -36,7 +36,14 @@ with zenoh.open(config(sys.argv[1])) as session:
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo-terminals")
 def test_flood_of_messages_disturbs_no_trial_and_is_counted(data: Path) -> None:
-    settings = {"prompts_per_attempt": 20, "attempts": 1, "outputs": "", "encouragement": "no"}
+    # On a busy machine, a prompt may be shown long before this reads it.
+    settings = {
+        "prompts_per_attempt": 20,
+        "attempts": 1,
+        "response_timeout_ms": 20_000,
+        "outputs": "",
+        "encouragement": "no",
+    }
     with SessionTerminals(data) as terminals:
         participant, _ = terminals.both(**settings)
         session = only_session(data)
