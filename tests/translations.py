@@ -82,6 +82,8 @@ def rooms(catalogue: Catalogue) -> Iterator[Room]:
     yield from (participants, therapists)
     loop = _room("loop", "model", beside=("rules",))
     yield loop
+    panel = _room("operator", beside=("loop", "link"))
+    yield panel._replace(inherited=translated_in(therapists) | translated_in(loop))
     common = _settings(TaskParameters) | {
         text for policy in INCLUDED.values() for text in (policy.title, policy.summary)
     }

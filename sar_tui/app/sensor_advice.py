@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple
 
 from sar_tui.app.sensor_monitor import ReachTest, SensorWatch
 from sar_tui.inputs.imu import Vector
-from sar_tui.model.language import Language
+from sar_tui.model.language import ENGLISH, Language
 from sar_tui.model.units import SECOND
 from sar_tui.motion.analysis import Finding
 from sar_tui.motion.reach import Hand
@@ -23,7 +23,6 @@ FEW_LOST = 0.01
 LARGE_BIAS_RAD_S = 0.05
 """Half of the threshold of the fixed-threshold detector."""
 
-_ENGLISH = Language()
 _G = 9.81
 _RESTING_G = 2.0
 _UPRIGHT = math.cos(math.radians(35))
@@ -63,7 +62,7 @@ class Fact(NamedTuple):
     text: str
 
 
-def facts(watch: SensorWatch, tr: Language = _ENGLISH) -> list[Fact]:
+def facts(watch: SensorWatch, tr: Language = ENGLISH) -> list[Fact]:
     """Return the facts about the sensor, the most important first; without a sensor, only that."""
     found = [_sensor(watch, tr)]
     if watch.attached and not watch.stalled:
@@ -149,7 +148,7 @@ def _placing(watch: SensorWatch, tr: Language) -> Fact:
     )
 
 
-def placing(up: Vector | None, tr: Language = _ENGLISH) -> Fact:
+def placing(up: Vector | None, tr: Language = ENGLISH) -> Fact:
     """Return the fact about z, which should point up while the hand lies flat; ``up``: acceleration
     at rest, m/s².
     """
@@ -173,7 +172,7 @@ def placing(up: Vector | None, tr: Language = _ENGLISH) -> Fact:
     return Fact("wrong", title, f"{lean}. {tr('Lay the hand flat, palm down: z should point up.')}")
 
 
-def reach_test_text(test: ReachTest, hand: Hand, tr: Language = _ENGLISH) -> list[tuple[Mark, str]]:
+def reach_test_text(test: ReachTest, hand: Hand, tr: Language = ENGLISH) -> list[tuple[Mark, str]]:
     """Return what a test reach asks for, or its result: the numbers first, then the problems."""
     match test.step:
         case "rest":
@@ -185,7 +184,7 @@ def reach_test_text(test: ReachTest, hand: Hand, tr: Language = _ENGLISH) -> lis
     return finding_text(test.finding, hand, tr) if test.finding else []
 
 
-def finding_text(found: Finding, hand: Hand, tr: Language = _ENGLISH) -> list[tuple[Mark, str]]:
+def finding_text(found: Finding, hand: Hand, tr: Language = ENGLISH) -> list[tuple[Mark, str]]:
     """Return the numbers of a finding, and its problems in a sentence each."""
     if found.onset_ns is None:
         without = FLAGS["too_far"] if "too_far" in found.flags else NO_REACH

@@ -104,12 +104,12 @@ def attempts_table(
     """Return a table of attempts, one row for each seat, with the declared measures that some of
     them have.
     """
-    from sar_tui.model.language import Language
+    from sar_tui.model.language import ENGLISH
     from sar_tui.reports.charts import MARKERS, result_name
 
     result = metric.name.replace("_", " ") or "result"
     seat = ("seat",) if len(seats(rows)) > 1 else ()
-    tr = Language()
+    tr = ENGLISH
     known = [
         measure for measure in measured if any(measure.name in row["qualities"] for row in rows)
     ]

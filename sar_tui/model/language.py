@@ -72,6 +72,10 @@ class Language:
         return Language(self.code, {**self.texts, **texts})
 
 
+ENGLISH = Language()
+"""The language that all texts are written in."""
+
+
 def language(code: str, *folders: Path) -> Language:
     """Return a language with the translations in some folders; later folders take precedence."""
     texts: dict[str, str] = {}

@@ -9,6 +9,7 @@ from sar_tui.link.peer import Frame, Welcome
 from sar_tui.loop.answers import answer_to
 from sar_tui.loop.bus import Topic
 from sar_tui.loop.topics import COMMAND, DECISION, MODE, NOTE_ADDED, REMARK
+from sar_tui.model.language import ENGLISH, Language
 from sar_tui.model.messages import (
     ActAnswered,
     Action,
@@ -135,12 +136,16 @@ def doing(text: str) -> str:
 class ActLog:
     """Acts, oldest first, and why others were not sent.
 
+    Args:
+        tr: language of the panel.
+
     Attributes:
         acts: of this operator, as sent.
         others: of other operators and of the therapist, as the session published them.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, tr: Language = ENGLISH) -> None:
+        self._tr = tr
         self.acts: list[Act] = []
         self.others: list[Act] = []
         self._reports: list[Line] = []

@@ -16,17 +16,21 @@ from textual.screen import Screen
 from textual.widgets import Static
 from textual.widgets.option_list import Option
 
+import sar_tui.loop
 from sar_tui.drivers.login_name import login_name
 from sar_tui.link import discovery
 from sar_tui.link.client import connect
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.errors import LinkError
 from sar_tui.link.invitation import Invitation
+from sar_tui.model.language import Language, language
 from sar_tui.model.messages import Role
 from sar_tui.model.theme import Theme
 from sar_tui.operator.screen import PanelScreen
+from sar_tui.store.interface_language import interface_language
 from sar_tui.tui.base_app import BaseApp
 from sar_tui.widgets.key_footer import KeyFooter
+from sar_tui.widgets.language import app_texts
 from sar_tui.widgets.lists import OptionList
 
 LOOK_SECONDS = 1.0
@@ -62,6 +66,7 @@ class WizardApp(BaseApp):
         waits: bool = False,
     ) -> None:
         super().__init__()
+        self.tr = panel_texts(interface_language(folder))
         self._theme, self._folder = theme, folder
         self._user_name, self._role = name, role
         self._where, self._waits = where, waits
@@ -71,7 +76,7 @@ class WizardApp(BaseApp):
         if self._where:
             self._join(self._where)
         else:
-            self.push_screen(ChooseScreen(self._folder, waits=self._waits), self._join)
+            self.push_screen(ChooseScreen(self._folder, self.tr, waits=self._waits), self._join)
 
     def _join(self, where: JoinableSession | Invitation | None) -> None:
         if where is None:
@@ -86,7 +91,7 @@ class WizardApp(BaseApp):
 
     def make_panel(self, where: JoinableSession | Invitation) -> PanelScreen:
         """Return the panel of a session."""
-        return panel(where, self._user_name, self._role, self._theme, self._folder)
+        return panel(where, self._user_name, self._role, self._theme, self._folder, self.tr)
 
     @on(PanelScreen.Themed)
     def use_session_theme(self, event: PanelScreen.Themed) -> None:
@@ -111,11 +116,22 @@ def own_name() -> str:
 
 
 def panel(
-    where: JoinableSession | Invitation, name: str, role: Role, theme: Theme, folder: Path
+    where: JoinableSession | Invitation,
+    name: str,
+    role: Role,
+    theme: Theme,
+    folder: Path,
+    tr: Language,
 ) -> PanelScreen:
     """Return the panel of a session. Called on the event loop that runs it."""
     join = functools.partial(connect, where, name, role, loop=asyncio.get_running_loop())
-    return PanelScreen(join, theme, folder)
+    return PanelScreen(join, theme, folder, tr=tr)
+
+
+def panel_texts(code: str) -> Language:
+    """Return the texts of the panel."""
+    own = language(code, Path(sar_tui.loop.__file__).parent, Path(__file__).parent)
+    return app_texts(code).including(own.texts)
 
 
 class ChooseScreen(Screen[JoinableSession | None]):
@@ -123,6 +139,7 @@ class ChooseScreen(Screen[JoinableSession | None]):
 
     Args:
         folder: the data folder.
+        tr: language of the panel.
         waits: join the first session that appears.
     """
 
@@ -136,8 +153,9 @@ class ChooseScreen(Screen[JoinableSession | None]):
 
     app: Any
 
-    def __init__(self, folder: Path, *, waits: bool = False) -> None:
+    def __init__(self, folder: Path, tr: Language, *, waits: bool = False) -> None:
         super().__init__()
+        self.tr = tr
         self._folder, self._waits = folder, waits
         self._others: list[str] = []
         self._found: dict[str, JoinableSession] = {}

@@ -11,6 +11,7 @@ from sar_tui.link.presence import needs_control
 from sar_tui.loop.bus import Topic
 from sar_tui.loop.marks import TrialMark
 from sar_tui.loop.topics import COMMAND, DECISION, MODE, NOTE_ADDED, PROPOSAL_SEEN, REMARK
+from sar_tui.model.language import ENGLISH, Language
 from sar_tui.model.messages import (
     Decision,
     Message,
@@ -53,6 +54,9 @@ class Commands:
     Methods that take ``at``, the key's time stamp (ns, session clock), return True if an act was
     sent.
 
+    Args:
+        tr: language of the panel.
+
     Attributes:
         state: the session as this panel knows it.
         peer: the link, once it is made.
@@ -61,10 +65,10 @@ class Commands:
         control_key: label of the key that takes control.
     """
 
-    def __init__(self) -> None:
-        self.state = SessionState()
+    def __init__(self, tr: Language = ENGLISH) -> None:
+        self.state = SessionState(tr)
         self.peer: Peer | None = None
-        self.log = ActLog()
+        self.log = ActLog(tr)
         self._painted: dict[str, ProposalSeen] = {}
         self._reported: set[str] = set()
         self.shown: tuple[str, int] = ("", 0)

@@ -24,6 +24,7 @@ from sar_tui.link.peer import Peer, PeerEvent, PeerListener, Welcome
 from sar_tui.loop.agent_state import AgentState
 from sar_tui.loop.clock import Clock, LiveClock, host_now
 from sar_tui.loop.topics import DECISION, NOTE_ADDED, REMARK
+from sar_tui.model.language import ENGLISH, Language
 from sar_tui.model.messages import PendingApproval, Valence
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import SECOND
@@ -74,6 +75,7 @@ class PanelScreen(OrderedScreen[str]):
         folder: holds the operator's own file.
         clock: drives the agent's motion, and withdraws questions; given by tests.
         wall_time: returns the local date and time.
+        tr: language of the panel.
 
     Attributes:
         commands: acts of this operator, and the session as it is known here.
@@ -102,14 +104,16 @@ class PanelScreen(OrderedScreen[str]):
         folder: Path,
         clock: Clock | None = None,
         wall_time: Callable[[], datetime] = datetime.now,
+        tr: Language = ENGLISH,
     ) -> None:
         super().__init__()
+        self.tr = tr
         self._wall_time = wall_time
         self._connect = connect
         self.file, self._file_problem = keymap.read(folder)
         self._clock = clock or LiveClock(asyncio.get_running_loop())
         self._agent = AgentMirror(theme, self._clock)
-        self.commands = Commands()
+        self.commands = Commands(tr)
         self.commands.control_key = keymap.key_label("control", self.file)
         self.palette = Palette(self.file)
         self.strip = ProposalStrip(self.file)

@@ -32,6 +32,7 @@ from sar_tui.loop.topics import (
     VOIDED,
     WAITING,
 )
+from sar_tui.model.language import ENGLISH, Language
 from sar_tui.model.messages import (
     Action,
     ArbiterState,
@@ -149,6 +150,7 @@ class SessionState(msgspec.Struct, frozen=True):
     """Session as this side of the link knows it. None or empty: not known.
 
     Attributes:
+        tr: language of the panel.
         level, next_level: levels of the current and of the next attempt.
         arbiter: pending proposals, queue and modes.
         voice: why speech fails, as the output reported it.
@@ -164,6 +166,7 @@ class SessionState(msgspec.Struct, frozen=True):
         log: events that an operator should know about, oldest first.
     """
 
+    tr: Language = ENGLISH
     connection: Connection = Connection("connecting")
     welcome: Welcome | None = None
     theme: Theme | None = None
@@ -196,6 +199,7 @@ class SessionState(msgspec.Struct, frozen=True):
         """Return the state after an event of the link."""
         if isinstance(event, Welcome):
             return SessionState(
+                tr=self.tr,
                 connection=self.connection,
                 welcome=event,
                 theme=self.theme,

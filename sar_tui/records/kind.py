@@ -13,7 +13,7 @@ from typing import Literal
 import msgspec
 import platformdirs
 
-from sar_tui.model.language import Language
+from sar_tui.model.language import ENGLISH, Language
 from sar_tui.model.visible_text import control_problem, obeyed
 
 SHIPPED = Path(__file__).parent / "kinds"
@@ -22,7 +22,6 @@ LONGEST_TEXT = 2000
 _LINES = "\n\r\t"
 """Control characters that a text of several lines has."""
 
-_ENGLISH = Language()
 Value = int | float | str | bool
 Values = Mapping[str, Value]
 
@@ -81,7 +80,7 @@ class Field(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     @property
     def range(self) -> str:
         """The bounds and the unit in words, such as "0 to 66 points"; empty without bounds."""
-        return self.range_in(_ENGLISH)
+        return self.range_in(ENGLISH)
 
     def range_in(self, tr: Language) -> str:
         """Return the bounds and the unit in a language."""
@@ -90,7 +89,7 @@ class Field(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         bounds = tr("{low} to {high}", low=f"{self.lowest:g}", high=f"{self.highest:g}")
         return f"{bounds} {tr(self.unit)}".rstrip()
 
-    def read(self, given: Value | None, tr: Language = _ENGLISH) -> Value | None:
+    def read(self, given: Value | None, tr: Language = ENGLISH) -> Value | None:
         """Return a value as it is stored; None if it is left empty. ``tr``: the language in which
         an error is raised.
 
@@ -222,7 +221,7 @@ class Kind(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
         names = ", ".join(field.name for field in self.fields)
         raise RecordError(f"{self.name} has no field {name}. It has: {names}.", name)
 
-    def read(self, given: Mapping[str, Value | None], tr: Language = _ENGLISH) -> dict[str, Value]:
+    def read(self, given: Mapping[str, Value | None], tr: Language = ENGLISH) -> dict[str, Value]:
         """Return the values of a record as they are stored; fields that are left empty have none.
         ``tr``: the language in which an error is raised.
 

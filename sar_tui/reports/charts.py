@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import msgspec
 
 from sar_tui.drivers.installation import pip_install_extra
-from sar_tui.model.language import Language
+from sar_tui.model.language import ENGLISH, Language
 
 if TYPE_CHECKING:
     from sar_tui.model.messages import Outcome
@@ -61,7 +61,6 @@ _COLORS: dict[str, str] = {
     "no goal": "cyan",
 }
 
-_ENGLISH = Language()
 _MARGIN = 7
 """Least columns for the numbers of the left axis and the names of the lower ones."""
 _SMALLEST = (30, 7)
@@ -85,7 +84,7 @@ def attempts_figure(
     markers: Mapping[str, str] = MARKERS,
     beside: Sequence[float | None] = (),
     has_legend: bool = True,
-    tr: Language = _ENGLISH,
+    tr: Language = ENGLISH,
 ) -> str:
     """Draw the metric over attempts, with the goal as a line, and the levels below.
 
@@ -263,7 +262,7 @@ def _part_of_bar(height: int) -> str:
 def legend(
     goals: Sequence[float | None],
     results: Collection[str],
-    tr: Language = _ENGLISH,
+    tr: Language = ENGLISH,
     markers: Mapping[str, str] = MARKERS,
 ) -> list[str]:
     """Return the parts of the legend: the markers of these results, and the goal, with its value if

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from sar_tui.loop.task import Task
-from sar_tui.model.language import Language, language
+from sar_tui.model.language import ENGLISH, Language, language
 from sar_tui.model.measure import Measure
 from sar_tui.model.results_for_people import metric_for_people, short_goal
 from sar_tui.progress.change import BASELINE, FAMILIARISATION
@@ -16,7 +16,6 @@ from sar_tui.reports.progress import AtGoal, Comparison, LineProgress, Progress,
 from sar_tui.reports.wellbeing import advice, dated_event
 from sar_tui.rules.declaration import COMMON
 
-_ENGLISH = Language()
 _FOLDER = Path(__file__).parent
 
 
@@ -447,7 +446,7 @@ def warnings(found: Progress, tr: Language) -> list[str]:
 # --- other instruments
 
 
-def published(value: Published, kind: Kind, tr: Language = _ENGLISH) -> str:
+def published(value: Published, kind: Kind, tr: Language = ENGLISH) -> str:
     """Return a published change with its source: "MCID 9 to 10 points, subacute stroke (Arya
     2011)".
     """

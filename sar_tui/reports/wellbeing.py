@@ -5,12 +5,11 @@ participant.
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sar_tui.model.language import Language
+from sar_tui.model.language import ENGLISH, Language
 from sar_tui.rules.wellbeing import SEVERE, PainLimits, TellReason
 from sar_tui.store.records import Record
 from sar_tui.store.wellbeing import NOT_SAID, PAIN, RATED, TIREDNESS, TOLD, limits_in, ratings
 
-_ENGLISH = Language()
 _SHORT = {PAIN: "pain", TIREDNESS: "tired"}
 _TITLES = {PAIN: "Pain", TIREDNESS: "Tiredness"}
 _RATINGS = {"before": "{rating} before", "after": "{rating} after"}
@@ -36,7 +35,7 @@ _TOLD: dict[TellReason, str] = {
 }
 
 
-def marks(told: Sequence[Record], tr: Language = _ENGLISH) -> str:
+def marks(told: Sequence[Record], tr: Language = ENGLISH) -> str:
     """Return the worst pain and tiredness of a session in a few characters, for a list; empty if
     there is none.
 
@@ -57,7 +56,7 @@ def _rating(record: Record) -> int | None:
 
 
 def sentences(
-    told: Sequence[Record], seat: str, limits: PainLimits, tr: Language = _ENGLISH
+    told: Sequence[Record], seat: str, limits: PainLimits, tr: Language = ENGLISH
 ) -> list[str]:
     """Return what a participant said in a session, a sentence for each symptom, and if it was a
     reason to stop.
@@ -83,7 +82,7 @@ def session_lines(
     session: Mapping[str, Any],
     told: Sequence[Record],
     events: Sequence[Record],
-    tr: Language = _ENGLISH,
+    tr: Language = ENGLISH,
 ) -> list[str]:
     """Return a line for each participant who said something in a listed session, and for each
     adverse event in it.
@@ -106,7 +105,7 @@ def _event_line(event: Record, tr: Language, *, names_person: bool) -> str:
     return f"! {named}, {_course(event, tr)}"
 
 
-def dated_event(event: Record, tr: Language = _ENGLISH) -> str:
+def dated_event(event: Record, tr: Language = ENGLISH) -> str:
     """Return an adverse event in words, with its onset."""
     return f"{tr('Adverse event')} {event.at}, {_course(event, tr)}"
 
@@ -130,7 +129,7 @@ def _ended(text: str) -> str:
     return text if text[-1] in ".!?" else f"{text}."
 
 
-def advice(reasons: Sequence[TellReason], tr: Language = _ENGLISH) -> list[str]:
+def advice(reasons: Sequence[TellReason], tr: Language = ENGLISH) -> list[str]:
     """Return a sentence for each thing that the therapist should be told."""
     return [tr(_TOLD[reason], severe=str(SEVERE)) for reason in reasons]
 

@@ -14,7 +14,7 @@ from typing import Any, Literal
 
 import msgspec
 
-from sar_tui.model.language import Language
+from sar_tui.model.language import ENGLISH, Language
 from sar_tui.records.kind import Kind, KindError, RecordError, Value, find
 from sar_tui.store import tables
 from sar_tui.store.counted import LIVE
@@ -27,7 +27,6 @@ TOLD = "told in a pause"
 """Answer that follows from a key in a pause, and stands in the session's log."""
 ANSWER = "answer"
 """Kind of what was asked between attempts."""
-_ENGLISH = Language()
 _BETWEEN = "; "
 """Stands between several options, or labels."""
 _DAY = len("2026-03-01")
@@ -98,7 +97,7 @@ def add(
     author: str = "",
     is_new: bool = False,
     now: datetime | None = None,
-    tr: Language = _ENGLISH,
+    tr: Language = ENGLISH,
 ) -> Record:
     """Check and store a record, and return it as it is stored.
 
@@ -159,7 +158,7 @@ def correct(
     at: str | None = None,
     removed: bool = False,
     author: str = "",
-    tr: Language = _ENGLISH,
+    tr: Language = ENGLISH,
 ) -> Record:
     """Store a new version of a record, and return it; the earlier versions stay.
 
@@ -231,7 +230,7 @@ _NO_DATE = {
 """Problem of a text that is no date, for kinds without and with a time of day."""
 
 
-def check_date(kind: Kind, text: str, tr: Language = _ENGLISH) -> str:
+def check_date(kind: Kind, text: str, tr: Language = ENGLISH) -> str:
     """Return a date as it is stored: "2026-03-01", or "2026-03-01 14:30" if the kind has a time.
 
     Raises:

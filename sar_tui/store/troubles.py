@@ -6,13 +6,11 @@ import os
 import sqlite3
 from pathlib import Path
 
-from sar_tui.model.language import Language
+from sar_tui.model.language import ENGLISH, Language
 from sar_tui.store.database import RESCUE, SAVED
 
-_ENGLISH = Language()
 
-
-def troubles(database: sqlite3.Connection, folder: Path, tr: Language = _ENGLISH) -> list[str]:
+def troubles(database: sqlite3.Connection, folder: Path, tr: Language = ENGLISH) -> list[str]:
     """Return a sentence or two for each trouble."""
     if not may_have_any(folder):
         return []

@@ -10,7 +10,7 @@ from rich.style import Style
 from rich.text import Text
 from textual.widget import Widget
 
-from sar_tui.model.language import Language
+from sar_tui.model.language import ENGLISH, Language
 from sar_tui.motion.trace import Trace
 from sar_tui.widgets.language import language_of
 
@@ -23,7 +23,6 @@ everything else.
 """
 Styles = Mapping[str, str | Style]
 
-_ENGLISH = Language()
 _MARGIN = 6
 _LEGEND_FROM = 9
 _ROOM = 1.08
@@ -72,7 +71,7 @@ def draw_traces(
     width: int,
     height: int,
     styles: Styles | None = None,
-    tr: Language = _ENGLISH,
+    tr: Language = ENGLISH,
 ) -> Text:
     """Draw reaches as text, all beginning at 0 s: names of the newest one's phases, curves, zero
     line, time axis.

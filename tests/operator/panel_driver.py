@@ -368,7 +368,8 @@ class _App(WizardApp):
             self.peer = FakePeer(receive, self.role)
             return self.peer
 
-        return PanelScreen(connect, self._theme, self._folder, VirtualClock(START), self._wall_time)
+        clock = VirtualClock(START)
+        return PanelScreen(connect, self._theme, self._folder, clock, self._wall_time, self.tr)
 
     def _wall_time(self) -> datetime:
         return datetime(2026, 1, 5, 14, 3, 20) + timedelta(

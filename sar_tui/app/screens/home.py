@@ -471,14 +471,14 @@ class HomeScreen(Screen[None]):
     def action_operate(self) -> None:
         """Choose a session, and open its panel."""
         from sar_tui.link.discovery import JoinableSession, joinable_sessions
-        from sar_tui.operator.app import ChooseScreen, own_name, panel
+        from sar_tui.operator.app import ChooseScreen, own_name, panel, panel_texts
 
-        folder = self.app.folder
+        folder, tr = self.app.folder, panel_texts(self.app.tr.code)
 
         def chosen(live: JoinableSession | None) -> None:
             if live is not None:
                 theme = next(iter(self.app.themes.known.values()))
-                self.app.push_screen(panel(live, own_name(), "operator", theme, folder), left)
+                self.app.push_screen(panel(live, own_name(), "operator", theme, folder, tr), left)
 
         def left(why: str | None) -> None:
             if why:
@@ -488,7 +488,7 @@ class HomeScreen(Screen[None]):
         if len(found) == 1:
             chosen(found[0])
         else:
-            self.app.push_screen(ChooseScreen(folder), chosen)
+            self.app.push_screen(ChooseScreen(folder, tr), chosen)
 
 
 def _title(today: date, tr: Language) -> str:
