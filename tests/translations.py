@@ -15,7 +15,12 @@ from typing import Any, NamedTuple
 
 import msgspec
 
-from sar_tui.checks.task_translations import declared, texts_in
+from sar_tui.checks.task_translations import (
+    declared,
+    sentences_in,
+    texts_in,
+    translated_at_once,
+)
 from sar_tui.loop.phrase_keys import PHRASE_KEYS, wording_problems
 from sar_tui.model.language import BUNDLED, read_words, slot_problem
 from sar_tui.plugins import Catalogue, task_folder
@@ -75,21 +80,19 @@ def rooms(catalogue: Catalogue) -> Iterator[Room]:
     # "palette" is Textual's own key in the footer
     shown = {"palette"}.union(*map(_labels, code_in("app", "widgets", "tui")))
     shown = shown.union(*(_about(catalogue.theme_folder(name)) for name in catalogue.theme_names()))
-    app = app._replace(needed=app.needed | shown, used=app.used | shown)
+    # errors that therapists read
+    shown |= said_in("app", "store", "runs", "inputs", "outputs")
+    rules = _rules()
+    app = Room(app.folder, app.needed | shown, app.used | shown, translated_in(rules))
     # what participants read is in a file of its own, so that a theme's author sees only that
     participants = app._replace(needed=set())
-    therapists = Room(app.folder / "therapist", app.needed, app.used, translated_in(app))
-    yield from (participants, therapists)
+    inherited = translated_in(app) | translated_in(rules)
+    therapists = Room(app.folder / "therapist", app.needed, app.used, inherited)
+    yield from (participants, therapists, rules)
     loop = _room("loop", "model", beside=("rules",))
     yield loop
     panel = _room("operator", beside=("loop", "link"))
     yield panel._replace(inherited=translated_in(therapists) | translated_in(loop))
-    common = _settings(TaskParameters) | {
-        text for policy in INCLUDED.values() for text in (policy.title, policy.summary)
-    }
-    beside = strings(code_in("rules", "runs/start_level.py"))
-    rules = Room(_PRODUCT / "rules", common, common | beside)
-    yield rules
     reports = _room(
         "reports",
         "records",
@@ -112,6 +115,15 @@ def rooms(catalogue: Catalogue) -> Iterator[Room]:
         needed = declared(kind).union(presets, _settings(kind.Parameters), *map(texts_in, code))
         inherited = translated_in(loop) | translated_in(rules)
         yield Room(task_folder(kind), needed, needed | strings(code), inherited)
+
+
+def _rules() -> Room:
+    """Return the room of the settings that all tasks have, and of the policies."""
+    common = _settings(TaskParameters) | said_in("rules")
+    common |= {text for policy in INCLUDED.values() for text in (policy.title, policy.summary)}
+    return Room(
+        _PRODUCT / "rules", common, common | strings(code_in("rules", "runs/start_level.py"))
+    )
 
 
 def room_problems(room: Room) -> Iterator[str]:
@@ -181,6 +193,11 @@ def code_in(*places: str) -> list[str]:
     return [path.read_text("utf-8") for path in paths]
 
 
+def said_in(*places: str) -> set[str]:
+    """Return the sentences that some modules and packages of the product make for errors."""
+    return set[str]().union(*map(sentences_in, code_in(*places)))
+
+
 def strings(sources: Iterable[str]) -> set[str]:
     """Return all text constants of some sources."""
     return set[str]().union(*map(_strings, sources))
@@ -212,7 +229,7 @@ def _room(name: str, *more: str, beside: tuple[str, ...]) -> Room:
     some that it may translate.
     """
     code = code_in(name, *more)
-    texts = set[str]().union(*(texts_in(source) for source in code if re.search(r"\btr\(", source)))
+    texts = set[str]().union(*(translated_at_once(source) for source in code))
     needed = {text for text in texts if re.search("[a-z]", text)}
     return Room(_PRODUCT / name, needed, needed | strings([*code, *code_in(*beside)]))
 

@@ -37,7 +37,7 @@ from sar_tui.model.units import MS, SECOND
 
 if TYPE_CHECKING:
     from sar_tui.loop.node import Node
-    from sar_tui.model.language import Language
+    from sar_tui.model.language import Language, Sentence
     from sar_tui.model.messages import KeyPerceived, ReachPerceived, TextPerceived, TrialEnded
     from sar_tui.model.results_for_people import goal_text, result_text
     from sar_tui.model.step import Step
@@ -71,7 +71,7 @@ __all__ = [  # noqa: RUF022  in groups
     # difficulty within an attempt
     "Staircase", "weighted", "Quest",
     # texts for people
-    "Language", "goal_text", "result_text",
+    "Language", "Sentence", "goal_text", "result_text",
     # simulated people
     "Performance", "Act", "typing",
     # the effect that a task is known for
@@ -86,7 +86,7 @@ __all__ = [  # noqa: RUF022  in groups
 
 _LOADED_LATER = {
     "sar_tui.loop.node": "Node",
-    "sar_tui.model.language": "Language",
+    "sar_tui.model.language": "Language Sentence",
     "sar_tui.model.messages": "KeyPerceived ReachPerceived TextPerceived TrialEnded",
     "sar_tui.model.results_for_people": "goal_text result_text",
     "sar_tui.model.step": "Step",

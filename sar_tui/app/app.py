@@ -25,6 +25,7 @@ from sar_tui.app.screen_keys import ScreenKeys
 from sar_tui.app.screens.home import HomeScreen
 from sar_tui.app.themes import Themes
 from sar_tui.loop.clock import host_now
+from sar_tui.model.language import in_language
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plugin_watchdog import PluginWatchdog
@@ -290,7 +291,7 @@ class SarTui(BaseApp):
         except StoreError as error:
             self.database.close()
             self.database = connect(self.folder)
-            self._tell(str(error), severity="error", timeout=60)
+            self._tell(in_language(error, self.tr), severity="error", timeout=60)
 
     def tell_troubles(self) -> None:
         """Say if rescue files wait, or data was lost."""

@@ -42,7 +42,7 @@ from sar_tui.loop import topics
 from sar_tui.loop.clock import LiveClock, host_now
 from sar_tui.loop.task import Task
 from sar_tui.model.gesture import Gesture
-from sar_tui.model.language import Language
+from sar_tui.model.language import Language, in_language
 from sar_tui.model.messages import (
     Action,
     AttemptEnded,
@@ -267,7 +267,7 @@ class PlainApp:
                     raise Ended(0)
                 self.say(tr("That is not the passphrase."))
             except StoreError as error:
-                self.say(str(error))
+                self.say(in_language(error, tr))
             if (wait := passphrase.wait_s) > 0:
                 text = tr("Please wait {seconds} s, then try again.", seconds=ceil(wait))
                 self.say(text)

@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple
 
 from sar_tui.app.sensor_monitor import ReachTest, SensorWatch
 from sar_tui.inputs.imu import Vector
-from sar_tui.model.language import ENGLISH, Language
+from sar_tui.model.language import ENGLISH, Language, in_language
 from sar_tui.model.units import SECOND
 from sar_tui.motion.analysis import Finding
 from sar_tui.motion.reach import Hand
@@ -70,7 +70,7 @@ def facts(watch: SensorWatch, tr: Language = ENGLISH) -> list[Fact]:
         if watch.feed.part == "hand":  # on the trunk a sensor may point in any direction
             found.append(_placing(watch, tr))
         if watch.trouble:
-            found.append(Fact("wrong", tr("Trouble"), watch.trouble))
+            found.append(Fact("wrong", tr("Trouble"), in_language(watch.trouble, tr)))
     return found
 
 

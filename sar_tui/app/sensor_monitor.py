@@ -9,6 +9,7 @@ from typing import Literal
 
 from sar_tui.inputs.imu import Status, Vector
 from sar_tui.inputs.imu_feed import ImuFeed
+from sar_tui.model.language import Sentence
 from sar_tui.model.units import MS, SECOND
 from sar_tui.motion.analysis import AnalysisParameters, Finding, Window, analyse
 from sar_tui.motion.reach import Hand
@@ -17,6 +18,7 @@ from sar_tui.motion.segmenter import Segmenter
 from sar_tui.motion.synthesis import TABLE_4_1
 from sar_tui.motion.trace import Trace, trace_of
 
+_TOO_FAST = "The hand was faster than the sensor can measure."
 SETTLED_S = 1.0
 """A hand that has not moved for this long is at rest."""
 OVER_S = 2.5
@@ -188,7 +190,7 @@ class SensorWatch:
             case "saturated":
                 self.saturated += status.count
                 self.unmeasured += status.count if status.duration_ms else 0
-                self._trouble = (self._now(), "The hand was faster than the sensor can measure.")
+                self._trouble = (self._now(), Sentence(_TOO_FAST))
                 self._flag("saturated")
             case "error" if self.attached:
                 self._trouble = (self._now(), status.detail)

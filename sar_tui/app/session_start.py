@@ -18,6 +18,7 @@ from sar_tui.app.prompt_needs import refusal
 from sar_tui.app.screens.session import SessionScreen
 from sar_tui.link.errors import LinkError
 from sar_tui.loop.clock import Clock, LiveClock
+from sar_tui.model.language import in_language
 from sar_tui.plugins import PluginError
 from sar_tui.rules.declaration import ParameterError
 from sar_tui.runs.plan import EnoughToday, Failed, Plan, set_up
@@ -103,7 +104,7 @@ class SessionStart:
             theme = app.catalogue.theme(plan.theme, plan.parameters.language)
             task = set_up(plan.task, plan.parameters)
         except (PluginError, ParameterError, Failed) as error:
-            self._refuse(str(error))
+            self._refuse(in_language(error, self._app.tr))
             return
         self._asked_since, self.is_asking = utc(), True
         app.themes.use(theme, plan.parameters.language)
@@ -141,7 +142,7 @@ class SessionStart:
             theme = app.catalogue.theme(plan.theme, plan.parameters.language)
             feeds = open_sensors(plan.task, plan.parameters, plan.seed, clock, app.folder)
         except (StoreError, PluginError, ParameterError) as error:
-            self._refuse(str(error))
+            self._refuse(in_language(error, self._app.tr))
             return
         self.feeds = feeds
         for feed in feeds:
@@ -202,10 +203,10 @@ class SessionStart:
             with self._closed_after(resuming):
                 live.open(screen.stage, what, resuming.show if resuming else None)
         except EnoughToday as error:
-            self._refuse(str(error), is_enough=True)
+            self._refuse(in_language(error, self._app.tr), is_enough=True)
             return
         except (StoreError, PluginError, ParameterError, Failed, LinkError) as error:
-            self._refuse(str(error), resumed=isinstance(what, str))
+            self._refuse(in_language(error, self._app.tr), resumed=isinstance(what, str))
             return
         except sqlite3.Error as error:
             self._refuse(str(explain(error)))

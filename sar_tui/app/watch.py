@@ -159,10 +159,19 @@ class WatchScreen(Screen[None]):
 
     def _show_state(self) -> None:
         player = self._player
-        state = (
-            "over" if player.is_over else "paused" if player.paused else f"{player.speed:g}× speed"
+        tr = self.tr
+        if player.is_over:
+            state = tr("over")
+        elif player.paused:
+            state = tr("paused")
+        else:
+            state = tr("{times}× speed", times=f"{player.speed:g}")
+        text = tr(
+            "Replay · attempt {number} of {count} · {state}",
+            number=player.attempt,
+            count=player.attempts,
+            state=state,
         )
-        text = f"Replay · attempt {player.attempt} of {player.attempts} · {state}"
         self.query_one("#replay", Static).update(text)
 
 

@@ -119,8 +119,21 @@ def translated(catalogue: Catalogue, code: str) -> set[str]:
 
 
 def texts_in(source: str) -> set[str]:
-    """Return the texts that a module passes to ``tr``: literals or its constants."""
-    return _Module(ast.parse(source)).texts()
+    """Return the texts that a module passes to ``tr`` or makes a `Sentence` of: literals or its
+    constants.
+    """
+    module = _Module(ast.parse(source))
+    return module.passed_to("tr") | module.passed_to("Sentence")
+
+
+def translated_at_once(source: str) -> set[str]:
+    """Return the texts that a module passes to ``tr``."""
+    return _Module(ast.parse(source)).passed_to("tr")
+
+
+def sentences_in(source: str) -> set[str]:
+    """Return the texts that a module makes a `Sentence` of."""
+    return _Module(ast.parse(source)).passed_to("Sentence")
 
 
 def remarks_in(source: str) -> set[str]:
@@ -151,11 +164,13 @@ class _Module:
             if isinstance(name, ast.Name):
                 self._named.setdefault(name.id, []).append(value)
 
-    def texts(self) -> set[str]:
+    def passed_to(self, name: str) -> set[str]:
         found: set[str] = set()
         for node in ast.walk(self._tree):
             match node:
-                case ast.Call(func=ast.Name(id="tr") | ast.Attribute(attr="tr"), args=[text, *_]):
+                case ast.Call(
+                    func=ast.Name(id=called) | ast.Attribute(attr=called), args=[text, *_]
+                ) if called == name:
                     found.update(self._strings(text, frozenset()))
         return found - {""}
 

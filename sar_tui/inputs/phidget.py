@@ -12,6 +12,7 @@ from sar_tui.drivers.installation import pip_install
 from sar_tui.drivers.phidget import UDEV_RULE, describe, new_channel, usb_denied
 from sar_tui.inputs.imu import Info, Sample, SourceError, Status, Vector
 from sar_tui.loop.clock import host_now
+from sar_tui.model.language import Sentence
 
 G = 9.80665
 """m/s² in a g."""
@@ -77,7 +78,11 @@ def _parsed(address: str) -> _Address:
         if server.hostname and not server.username and server.scheme in ("", "phidget"):
             return _Address(host=server.hostname, port=server.port or SERVER_PORT)
     raise SourceError(
-        f"There is no sensor phidget:{address}. Use phidget, phidget:SERIAL or phidget://HOST:PORT."
+        Sentence(
+            "There is no sensor phidget:{address}. Use phidget, phidget:SERIAL or "
+            "phidget://HOST:PORT.",
+            address=address,
+        )
     )
 
 

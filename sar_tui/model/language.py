@@ -3,7 +3,7 @@
 import functools
 import re
 import string
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import msgspec
@@ -74,6 +74,50 @@ class Language:
 
 ENGLISH = Language()
 """The language that all texts are written in."""
+
+
+class Sentence(str):
+    """A text in English that can be said in another language later, such as that of an error.
+
+    It is a ``str``, but for msgspec: there, pass ``str(sentence)``.
+
+    Args:
+        english: with slots like ``{goal}``.
+        slots: their values, which may be sentences themselves, or a tuple of them.
+    """
+
+    english: str
+    slots: dict[str, object]
+
+    def __new__(cls, english: str, **slots: object) -> "Sentence":
+        made = super().__new__(cls, _said(english, slots, ENGLISH))
+        made.english, made.slots = english, slots
+        return made
+
+
+def in_language(text: object, tr: Language) -> str:
+    """Return a sentence in a language, or that of an error; other texts as they are translated."""
+    if isinstance(text, Exception):
+        text = text.args[0] if text.args and isinstance(text.args[0], str) else str(text)
+    if isinstance(text, Sentence):
+        return _said(text.english, text.slots, tr)
+    return tr(str(text))
+
+
+def joined(sentences: Iterable[str]) -> Sentence:
+    """Return several sentences as one."""
+    parts = {f"part{number}": each for number, each in enumerate(sentences)}
+    return Sentence(" ".join(f"{{{name}}}" for name in parts), **parts)
+
+
+def _said(english: str, slots: Mapping[str, object], tr: Language) -> str:
+    return tr(english, **{name: _value(value, tr) for name, value in slots.items()})
+
+
+def _value(value: object, tr: Language) -> object:
+    if isinstance(value, tuple):
+        return ", ".join(str(_value(each, tr)) for each in value)
+    return in_language(value, tr) if isinstance(value, Sentence) else value
 
 
 def language(code: str, *folders: Path) -> Language:

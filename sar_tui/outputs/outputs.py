@@ -6,6 +6,7 @@ import difflib
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, get_args
 
+from sar_tui.model.language import Sentence
 from sar_tui.model.messages import ActionPart
 from sar_tui.model.theme import TONES, Theme
 from sar_tui.outputs.node import OutputNode
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 INSTALLED = Group("sar_tui.outputs", "output", OutputError)
 SCREEN = "screen"
 """The face and the text on the screen. The app makes this output itself."""
+_NO_OUTPUT = 'There is no output "{kind}". Choose one of: {known}.'
 _checked: dict[tuple[str, str], tuple[object, Output]] = {}
 """Outputs that plug-ins made for a check, with their factory: reused on opening, as making one may
 take time.
@@ -39,12 +41,14 @@ def check_outputs(addresses: Sequence[str], speech: str = "sound") -> None:
     for kind in kinds:
         if kind not in (known := output_names()):
             near = difflib.get_close_matches(kind, known, 1)
-            hint = f" Did you mean {near[0]}?" if near else ""
-            raise OutputError(
-                f'There is no output "{kind}".{hint} Choose one of: {", ".join(known)}.'
+            text = (
+                'There is no output "{kind}". Did you mean {near}? Choose one of: {known}.'
+                if near
+                else _NO_OUTPUT
             )
+            raise OutputError(Sentence(text, kind=kind, near="".join(near), known=tuple(known)))
         if kinds.count(kind) > 1:
-            raise OutputError(f"The output {kind} is named twice.")
+            raise OutputError(Sentence("The output {kind} is named twice.", kind=kind))
     from sar_tui.outputs.sound.mixer import check_sound
     from sar_tui.outputs.sound.protocol import SoundError
 
@@ -86,7 +90,8 @@ def _make(
     for address in sorted(addresses, key=lambda address: _split(address)[0] != "tones"):
         kind, text = _split(address)
         if kind == SCREEN and text:
-            raise OutputError(f'The screen has nothing after its name; it was given "{text}".')
+            problem = 'The screen has nothing after its name; it was given "{text}".'
+            raise OutputError(Sentence(problem, text=text))
         if kind in _SHIPPED:
             made.append(
                 (_SHIPPED[kind](text, sound), address, _cues(text) if kind == "tones" else ())
@@ -122,7 +127,8 @@ def _cues(text: str) -> tuple[str, ...]:
     cues = tuple(filter(None, text.split("+"))) or TONES
     for cue in cues:
         if cue not in TONES:
-            raise OutputError(f'There is no tone "{cue}". Choose one of: {", ".join(TONES)}.')
+            problem = 'There is no tone "{cue}". Choose one of: {known}.'
+            raise OutputError(Sentence(problem, cue=cue, known=tuple(TONES)))
     return cues
 
 
@@ -135,9 +141,7 @@ def _plugged_in(kind: str, text: str) -> Output:
 
     found: Output | None = INSTALLED.load(kind, made)
     if found is None:
-        raise OutputError(
-            f'There is no output "{kind}". Choose one of: {", ".join(output_names())}.'
-        )
+        raise OutputError(Sentence(_NO_OUTPUT, kind=kind, known=tuple(output_names())))
     return found
 
 
@@ -159,9 +163,8 @@ def _speech(text: str, sound: "Sound") -> Output:
     from sar_tui.outputs.speech import Speech
 
     if text:
-        raise OutputError(
-            f'Speech has nothing after its name; "{text}" belongs to the setting speech.'
-        )
+        problem = 'Speech has nothing after its name; "{text}" belongs to the setting speech.'
+        raise OutputError(Sentence(problem, text=text))
     return Speech(sound)
 
 

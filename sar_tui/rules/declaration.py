@@ -8,7 +8,7 @@ from typing import Any, Literal
 import msgspec
 from msgspec import Meta, inspect
 
-from sar_tui.model.language import Language
+from sar_tui.model.language import Language, Sentence, joined
 
 COMMON = Path(__file__).parent
 """The folder of the translations of common settings and of those of policies. A task's own are in
@@ -67,7 +67,7 @@ class ParameterError(ValueError):
 
     def __init__(self, problems: Mapping[str, str]) -> None:
         self.problems = dict(problems)
-        super().__init__(" ".join(problems.values()))
+        super().__init__(joined(problems.values()))
 
 
 class Field(msgspec.Struct, frozen=True):
@@ -99,46 +99,61 @@ class Field(msgspec.Struct, frozen=True):
     def bounds(self) -> str:
         """The allowed values, in words: "1 to 200"."""
         if self.choices:
-            return ", ".join(self.labels.get(choice, choice) for choice in self.choices)
+            return ", ".join(self.choices)
         if self.kind == "list":
-            return f"{self.items}{self._range}, spaced"
-        return "yes or no" if self.kind == "bool" else self._range.strip()
+            return f"{' '.join(filter(None, (self.items, self._range)))}, spaced"
+        return "yes or no" if self.kind == "bool" else self._range
 
     @property
-    def _range(self) -> str:
-        """The bounds of a number, or of each in a list: " 1 to 200"; empty without bounds."""
+    def _range(self) -> Sentence:
+        """The bounds of a number, or of each in a list: "1 to 200"; empty without bounds."""
         if self.ge is None or self.le is None:
-            return ""
-        return f" {self.ge:g} to {self.le:g}" if self.le < ENDLESS else f" {self.ge:g} or more"
+            return Sentence("")
+        least, most = f"{self.ge:g}", f"{self.le:g}"
+        if self.le < ENDLESS:
+            return Sentence("{least} to {most}", least=least, most=most)
+        return Sentence("{least} or more", least=least)
 
-    def problem(self, value: object) -> str:
-        """Return why ``value`` is invalid and what is allowed, in one sentence."""
-        shown = show(value) or "empty"
+    def problem(self, value: object) -> Sentence:
+        """Return why ``value`` is invalid and what is allowed."""
+        shown = show(value)
         shown = shown if len(shown) <= _LONG else f"{shown[:_LONG]}…"
+        found = {"title": Sentence(self.title), "shown": shown or Sentence("empty")}
         if self.choices:
-            return f"{self.title} is one of {self.bounds}, not {shown}."
-        noun = {"int": "a whole number", "float": "a number"}.get(self.kind, "")
-        if noun and self.bounds:
-            return f"{self.title} is {noun}, {self.bounds}, not {shown}."
+            allowed = tuple(map(Sentence, self.choices))
+            return Sentence("{title} is one of {allowed}, not {shown}.", allowed=allowed, **found)
+        if self.kind == "int" and self._range:
+            text = "{title} is a whole number, {range}, not {shown}."
+            return Sentence(text, range=self._range, **found)
+        if self.kind == "float" and self._range:
+            return Sentence(
+                "{title} is a number, {range}, not {shown}.", range=self._range, **found
+            )
         if self.kind == "bool":
-            return f"{self.title} is {self.bounds}, not {shown}."
-        return f"{self.title} takes {self._allowed}, not {shown}."
+            return Sentence("{title} is yes or no, not {shown}.", **found)
+        return Sentence("{title} takes {allowed}, not {shown}.", allowed=self._allowed, **found)
 
     @property
-    def _allowed(self) -> str:
+    def _allowed(self) -> Sentence:
         """The allowed texts or lists: "at most 8 space-separated words"."""
         if self.takes:
-            return self.takes
-        parts = f"space-separated {self.items}{self._range}" if self.kind == "list" else "letters"
-        match self.least, self.most:
-            case None | 0, None:
-                return parts if self.kind == "list" else "a text"
-            case None | 0, most:
-                return f"at most {most} {parts}"
-            case least, None:
-                return f"{least} or more {parts}"
-            case least, most:
-                return f"{least} to {most} {parts}"
+            return Sentence(self.takes)
+        if self.kind != "list":
+            parts = Sentence("letters")
+        elif self.items == "words":
+            parts = Sentence("space-separated words")
+        elif self._range:
+            parts = Sentence("space-separated numbers {range}", range=self._range)
+        else:
+            parts = Sentence("space-separated numbers")
+        least, most = self.least, self.most
+        if not least and most is None:
+            return parts if self.kind == "list" else Sentence("a text")
+        if not least:
+            return Sentence("at most {most} {parts}", most=most, parts=parts)
+        if most is None:
+            return Sentence("{least} or more {parts}", least=least, parts=parts)
+        return Sentence("{least} to {most} {parts}", least=least, most=most, parts=parts)
 
 
 def declared_field(field: inspect.Field) -> Field:

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 import msgspec
 from msgspec import Meta
 
+from sar_tui.model.language import Sentence
 from sar_tui.model.messages import Outcome
 from sar_tui.rules.declaration import Settings, in_group
 
@@ -199,7 +200,8 @@ class SequenceSettings(Settings, frozen=True, kw_only=True):
     def problems(self) -> dict[str, str]:
         """Return an error if the policy is chosen, and the list is empty."""
         if getattr(self, "difficulty_policy", "") == "sequence" and not self.level_sequence:
-            return {"level_sequence": "Name the levels of the sequence, such as 1 1 2 2 3."}
+            text = "Name the levels of the sequence, such as 1 1 2 2 3."
+            return {"level_sequence": Sentence(text)}
         return {}
 
 
@@ -337,7 +339,8 @@ class PercentileSettings(Settings, frozen=True, kw_only=True):
         rank, results = self.percentile_rank, self.percentile_results
         if rank <= results:
             return {}
-        return {"percentile_rank": f"The goal cannot be number {rank} of {results} results."}
+        text = "The goal cannot be number {rank} of {results} results."
+        return {"percentile_rank": Sentence(text, rank=rank, results=results)}
 
 
 def rank_among(results: int, settings: PercentileSettings) -> int:

@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal, TypeVar
 import msgspec
 from msgspec import inspect
 
-from sar_tui.model.language import Language
+from sar_tui.model.language import Language, Sentence
 from sar_tui.model.messages import Mode
 from sar_tui.model.trial_types import LONGEST_SHOW_MS
 from sar_tui.plugin_calls import PLUGIN_ERRORS, calling, describe
@@ -611,40 +611,46 @@ class TaskParameters(Settings, frozen=True, kw_only=True):
         for kind in policies.settings_types():
             found |= kind.problems(self)
         if self.foreperiod_min_ms > self.foreperiod_max_ms:
-            found["foreperiod_min_ms"] = (
-                f"Shortest wait ({self.foreperiod_min_ms} ms) is above the longest "
-                f"({self.foreperiod_max_ms} ms)."
+            found["foreperiod_min_ms"] = Sentence(
+                "Shortest wait ({shortest} ms) is above the longest ({longest} ms).",
+                shortest=self.foreperiod_min_ms,
+                longest=self.foreperiod_max_ms,
             )
         if 0 < self.scan_interval_ms < FASTEST_MS:
-            found["scan_interval_ms"] = (
-                f"Scan interval is 0, or {FASTEST_MS} ms or more, not {self.scan_interval_ms} ms."
+            found["scan_interval_ms"] = Sentence(
+                "Scan interval is 0, or {fastest} ms or more, not {chosen} ms.",
+                fastest=FASTEST_MS,
+                chosen=self.scan_interval_ms,
             )
         return found | self._wrong_system_keys()
 
     def _wrong_system_keys(self) -> dict[str, str]:
         has_slow, delay = self.system_keys in ("slow", "both"), self.added_delay_ms
         if has_slow and not delay:
-            return {"system_keys": "With slow keys, the delay of the system is 1 ms or more."}
+            text = "With slow keys, the delay of the system is 1 ms or more."
+            return {"system_keys": Sentence(text)}
         if delay and not has_slow:
-            return {"added_delay_ms": f"A delay of {delay} ms is that of slow keys: choose slow."}
+            text = "A delay of {delay} ms is that of slow keys: choose slow."
+            return {"added_delay_ms": Sentence(text, delay=delay)}
         return {}
 
     def _wrong_questions(self) -> dict[str, str]:
         for name in self.questions:
             if name not in QUESTIONS:
-                known = ", ".join(QUESTIONS)
-                return {"questions": f'There is no question "{name}". Choose from: {known}.'}
+                text = 'There is no question "{name}". Choose from: {known}.'
+                return {"questions": Sentence(text, name=name, known=", ".join(QUESTIONS))}
         if len(set(self.questions)) < len(self.questions):
-            return {"questions": "Each question can be asked once: name it once."}
+            return {"questions": Sentence("Each question can be asked once: name it once.")}
         return {}
 
     def _wrong_levels(self) -> dict[str, str]:
         lowest, highest, start = self.min_level, self.max_level, self.start_level
         if lowest > highest:
-            return {"min_level": f"Lowest level ({lowest}) is above the highest ({highest})."}
+            text = "Lowest level ({lowest}) is above the highest ({highest})."
+            return {"min_level": Sentence(text, lowest=lowest, highest=highest)}
         if not lowest <= start <= highest:
-            problem = f"Start level ({start}) must be between {lowest} and {highest}."
-            return {"start_level": problem}
+            text = "Start level ({start}) must be between {lowest} and {highest}."
+            return {"start_level": Sentence(text, start=start, lowest=lowest, highest=highest)}
         return {}
 
 
@@ -716,13 +722,19 @@ def build(parameters: type[P], values: Mapping[str, object]) -> P:
     for name, value in values.items():
         if name not in declared:
             near = difflib.get_close_matches(name, declared, 1)
-            problems[name] = f"There is no parameter {name}." + (
-                f" Did you mean {near[0]}?" if near else ""
+            problems[name] = (
+                Sentence(
+                    "There is no parameter {name}. Did you mean {near}?", name=name, near=near[0]
+                )
+                if near
+                else Sentence("There is no parameter {name}.", name=name)
             )
             continue
         if not _is_text(value):
-            problems[name] = (
-                f"{declared[name].title} is a text with bytes that are not UTF-8: {show(value)}."
+            problems[name] = Sentence(
+                "{title} is a text with bytes that are not UTF-8: {shown}.",
+                title=Sentence(declared[name].title),
+                shown=show(value),
             )
             continue
         given = read(declared[name], value) if isinstance(value, str) else value
@@ -750,8 +762,8 @@ def usable(
         ParameterError: no choice of the values can be used.
     """
     groups = {field.name: field.group for field in fields(parameters)}
-    left_out = {
-        name: f"The setting {name} does not exist any more."
+    left_out: dict[str, str] = {
+        name: Sentence("The setting {name} does not exist any more.", name=name)
         for name in values
         if name not in groups
     }
@@ -779,7 +791,10 @@ def _conflicts(parameters: TaskParameters) -> dict[str, str]:
     """
     try:
         with calling("task", type(parameters)):
-            return {str(name): str(problem) for name, problem in parameters.problems().items()}
+            return {
+                str(name): problem if isinstance(problem, Sentence) else str(problem)
+                for name, problem in parameters.problems().items()
+            }
     except PLUGIN_ERRORS as error:
         first, *_ = fields(type(parameters))
         return {

@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal, TypeVar, get_type_hints
 import msgspec
 from msgspec import Meta
 
+from sar_tui.model.language import Sentence
 from sar_tui.plugin_calls import check_api, is_own, marked_as
 from sar_tui.plugin_loader import Group, PluginError, import_from, user_folder
 from sar_tui.rules import difficulty, feedback
@@ -35,6 +36,12 @@ BY_CHOICE: Mapping[str, Mapping[str, Policy]] = {
 """The policies among which a setting chooses."""
 HEADINGS = {"difficulty_policy": "Difficulty", "feedback_schedule": "Feedback"}
 """The heading of the settings of those policies."""
+_NO_POLICY = {
+    "difficulty_policy": "There is no difficulty policy {name} here: install the package that has "
+    "it, or choose one of {known}.",
+    "feedback_schedule": "There is no feedback policy {name} here: install the package that has "
+    "it, or choose one of {known}.",
+}
 FAILED: dict[str, str] = {}
 """Why a policy cannot be used, in one sentence, by its name."""
 
@@ -116,9 +123,8 @@ def missing(values: Mapping[str, object]) -> dict[str, str]:
         name = values.get(choice)
         if not isinstance(name, str) or name in policies:
             continue
-        found[choice] = FAILED.get(name) or (
-            f"There is no {HEADINGS[choice].lower()} policy {name or 'with an empty name'} here: "
-            f"install the package that has it, or choose one of {', '.join(policies)}."
+        found[choice] = FAILED.get(name) or Sentence(
+            _NO_POLICY[choice], name=name or Sentence("with an empty name"), known=tuple(policies)
         )
     return found
 

@@ -10,6 +10,7 @@ import msgspec
 
 from sar_tui.loop.session import problem_of_nodes
 from sar_tui.loop.task import Task
+from sar_tui.model.language import Sentence, joined
 from sar_tui.model.session_mode import SessionMode
 from sar_tui.model.step import Step
 from sar_tui.plugin_calls import PLUGIN_ERRORS, describe
@@ -142,10 +143,11 @@ def left_out_text(plan: Plan) -> str:
     """Return sentences on the values of the programme that are left out; empty if all are used."""
     if not plan.left_out:
         return ""
-    reasons = " ".join(plan.left_out.values())
-    return (
-        f"Version {plan.programme} of the programme of {plan.participant} is not used in full. "
-        f"{reasons}"
+    return Sentence(
+        "Version {version} of the programme of {who} is not used in full. {reasons}",
+        version=plan.programme,
+        who=plan.participant,
+        reasons=joined(plan.left_out.values()),
     )
 
 
@@ -165,14 +167,16 @@ def check_seats(task: type[Task], codes: Sequence[str]) -> None:
     """Raise StoreError unless the codes are different and as many as the task has seats."""
     problem = ""
     if len(codes) > 2:
-        problem = "At most two participants can take part."
+        problem = Sentence("At most two participants can take part.")
     elif len(codes) > len(task.seats):
-        problem = f"The task {task.name} is for one: name one participant only."
+        text = "The task {task} is for one: name one participant only."
+        problem = Sentence(text, task=task.name)
     elif len(codes) < len(task.seats):
-        problem = (
-            f"The task {task.name} is for two: name the participant on the left, and then "
-            "the one on the right."
+        text = (
+            "The task {task} is for two: name the participant on the left, and then the one on "
+            "the right."
         )
+        problem = Sentence(text, task=task.name)
     elif len(set(codes)) < len(codes):
         problem = f"{codes[0]} cannot sit at both seats: name two participants."
     if problem:
@@ -203,7 +207,7 @@ def check_outputs(parameters: TaskParameters) -> None:
     try:
         check(parameters.outputs, parameters.speech)
     except OutputError as error:
-        raise ParameterError({"outputs": str(error)}) from error
+        raise ParameterError({"outputs": error.args[0]}) from error
 
 
 def set_up(kind: type[Task], parameters: TaskParameters) -> Task:

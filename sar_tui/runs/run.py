@@ -14,6 +14,7 @@ from sar_tui.loop.clock import Clock, VirtualClock
 from sar_tui.loop.node import Node
 from sar_tui.loop.session import RULES, Parts, ReplayError, Session
 from sar_tui.loop.task import Task
+from sar_tui.model.language import Sentence
 from sar_tui.model.messages import SessionStarted
 from sar_tui.model.session_mode import SessionMode, is_personal
 from sar_tui.model.theme import Theme
@@ -395,9 +396,13 @@ def _check_day(task: Task, participant: str, done: dict[str, float]) -> None:
         limit = next(field for field in fields(type(task.parameters)) if field.name == name)
         amount = getattr(task.parameters, name)
         raise EnoughToday(
-            f"That is enough for {participant} today: the programme's limit of {amount} "
-            f"{limit.title.lower()} is "
-            "reached. The next session can be tomorrow."
+            Sentence(
+                "That is enough for {who} today: the limit of the programme is reached ({limit}: "
+                "{amount}). The next session can be tomorrow.",
+                who=participant,
+                limit=Sentence(limit.title),
+                amount=amount,
+            )
         )
 
 

@@ -19,6 +19,7 @@ from sar_tui.inputs.sources import open_source, simulated_hand, source_names
 from sar_tui.loop.clock import Clock, VirtualClock
 from sar_tui.loop.node import Node
 from sar_tui.loop.task import Task
+from sar_tui.model.language import Sentence
 from sar_tui.model.messages import BodyPart
 from sar_tui.model.random_streams import RandomStreams
 from sar_tui.motion.synthesis import ReachShape
@@ -33,6 +34,16 @@ _EXCLUSIVE = ("phidget", "ros")
 """Kinds of sensors that cannot be worn in two places."""
 _TRUNK = "imu_trunk"
 """The parameter that names the sensor on the trunk."""
+
+
+_BOTH_ON_ONE = (
+    "Both sensors are named {address}. Say which belongs to whom: --imu phidget:SERIAL for the "
+    "hand, --set {name}=phidget:SERIAL for the trunk."
+)
+_BOTH_FOR_TWO = (
+    "Both sensors are named {address}. Say which belongs to whom: --imu phidget:SERIAL for the "
+    "left, --set {name}=phidget:SERIAL for the right."
+)
 
 
 def open_sensors(
@@ -83,7 +94,7 @@ def open_sensor(
         else:
             source = open_source(f"{kind}:{rest}" if rest else kind, seed=seed, clock=virtual)
     except SourceError as error:
-        raise ParameterError({sensor_parameter(seat, part): str(error)}) from error
+        raise ParameterError({sensor_parameter(seat, part): error.args[0]}) from error
     return ImuFeed(source, clock.now, seat, part)
 
 
@@ -98,7 +109,9 @@ def check_sensors(parameters: TaskParameters, seats: Sequence[str]) -> None:
         for where in worn
     }
     problems = {
-        name: f'There is no sensor "{kind}". Choose one of: {", ".join(known)}.'
+        name: Sentence(
+            'There is no sensor "{kind}". Choose one of: {known}.', kind=kind, known=tuple(known)
+        )
         for name, kind in kinds.items()
         if kind not in known
     }
@@ -122,13 +135,8 @@ def _check_distinct(parameters: TaskParameters, worn: Sequence[tuple[str, BodyPa
         return
     if address.partition(":")[0] in _EXCLUSIVE:
         name = sensor_parameter(*worn[1])
-        first, second = ("the hand", "the trunk") if name == _TRUNK else ("the left", "the right")
-        problem = (
-            f"Both sensors are named {address}. Say which belongs to whom: --imu phidget:SERIAL "
-            f"for {first}, "
-            f"--set {name}=phidget:SERIAL for {second}."
-        )
-        raise ParameterError({name: problem})
+        problem = _BOTH_ON_ONE if name == _TRUNK else _BOTH_FOR_TWO
+        raise ParameterError({name: Sentence(problem, address=address, name=name)})
 
 
 def sensor_parameter(seat: str, part: BodyPart = "hand") -> str:

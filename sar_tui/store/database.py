@@ -18,6 +18,7 @@ import platformdirs
 
 from sar_tui.drivers.file_limit import largest_file
 from sar_tui.drivers.files import make_private
+from sar_tui.model.language import Sentence
 from sar_tui.store import schema
 from sar_tui.store.tables import FIRST_VERSION, VERSION, Table
 
@@ -35,6 +36,7 @@ _NOT_OURS = (
     "{path} is not a SQLite database. If it was one, restore a backup. Else move it away, or choose "
     "another --data folder."
 )
+UNWRITABLE = "The data folder {folder} cannot be written to: {why}."
 _NOT_TEXT = "Could not decode to UTF-8"
 """Part of the message of Python's module, without an error code of SQLite, if a text is damaged."""
 _LARGE_MB = 200.0
@@ -255,13 +257,31 @@ def create_file(path: Path) -> None:
 
 def _unwritable(folder: Path, error: OSError) -> StoreError:
     if error.errno == errno.ENAMETOOLONG:
-        return StoreError(f"{folder} is too long for the name of a file or folder.", bad_input=True)
-    return StoreError(f"The data folder {folder} cannot be written to: {error.strerror}.")
+        text = "{folder} is too long for the name of a file or folder."
+        return StoreError(Sentence(text, folder=str(folder)), bad_input=True)
+    return StoreError(Sentence(UNWRITABLE, folder=str(folder), why=error.strerror))
 
 
 def is_not_text(error: sqlite3.Error | sqlite3.Warning) -> bool:
     """Return True if an error says that a text is damaged: its bytes are not UTF-8."""
     return _NOT_TEXT in str(error)
+
+
+_KNOWN = {
+    sqlite3.SQLITE_FULL: "The disk is full: {path} cannot grow. Free some space.",
+    sqlite3.SQLITE_READONLY: "{path} is read-only. Change the permissions of the file, of its "
+    "folder, and of {path}-wal and {path}-shm, which another user may have left.",
+    sqlite3.SQLITE_CANTOPEN: "{path} cannot be opened. Does the folder exist, and may you write to "
+    "it?",
+    sqlite3.SQLITE_NOTADB: _NOT_OURS,
+    sqlite3.SQLITE_BUSY: "Another program keeps {path} locked. Close it and try again.",
+    sqlite3.SQLITE_IOERR: "The disk cannot write {path}.",
+    sqlite3.SQLITE_NOMEM: "This machine has no memory left. Close other programs.",
+}
+_LIMITED = (
+    "The disk cannot write {path}. This login may write no file larger than {limit} bytes "
+    "(ulimit -f)."
+)
 
 
 def explain(error: sqlite3.Error, path: Path | str = FILE) -> StoreError:
@@ -270,28 +290,15 @@ def explain(error: sqlite3.Error, path: Path | str = FILE) -> StoreError:
     if code == sqlite3.SQLITE_CORRUPT or is_not_text(error):
         return damaged(path)
     limit = largest_file()
-    limited = (
-        ""
-        if limit is None
-        else f" This login may write no file larger than {limit:,} bytes (ulimit -f)."
-    )
-    known = {
-        sqlite3.SQLITE_FULL: f"The disk is full: {path} cannot grow. Free some space.",
-        sqlite3.SQLITE_READONLY: (
-            f"{path} is read-only. Change the permissions of the file, of its folder, and of "
-            f"{path}-wal and "
-            f"{path}-shm, which another user may have left."
-        ),
-        sqlite3.SQLITE_CANTOPEN: f"{path} cannot be opened. Does the folder exist, and may you "
-        "write to it?",
-        sqlite3.SQLITE_NOTADB: _NOT_OURS.format(path=path),
-        sqlite3.SQLITE_BUSY: f"Another program keeps {path} locked. Close it and try again.",
-        sqlite3.SQLITE_IOERR: f"The disk cannot write {path}.{limited}",
-        sqlite3.SQLITE_NOMEM: "This machine has no memory left. Close other programs.",
-    }
+    text = _LIMITED if code == sqlite3.SQLITE_IOERR and limit is not None else _KNOWN.get(code, "")
     wrong_file = code == sqlite3.SQLITE_NOTADB
     return StoreError(
-        known.get(code, f"{path}: {error}."),
+        Sentence(
+            text or "{path}: {error}.",
+            path=str(path),
+            error=str(error),
+            limit=f"{limit:,}" if limit else "",
+        ),
         bad_input=wrong_file,
         temporary=code in _TEMPORARY,
         locked=code == sqlite3.SQLITE_BUSY,
@@ -301,10 +308,10 @@ def explain(error: sqlite3.Error, path: Path | str = FILE) -> StoreError:
 
 def damaged(path: Path | str = FILE) -> StoreError:
     """Return the error of a database whose bytes have changed."""
-    said = (
-        f"{path} is damaged. Restore a backup, save what can be read (`sar-tui check --repair`), "
-        "or choose another "
-        "--data folder."
+    said = Sentence(
+        "{path} is damaged. Restore a backup, save what can be read (`sar-tui check --repair`), "
+        "or choose another --data folder.",
+        path=str(path),
     )
     return StoreError(said, bad_input=True, unreadable=True)
 

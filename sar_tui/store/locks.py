@@ -7,13 +7,21 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sar_tui.drivers.files import make_private
-from sar_tui.store.database import StoreError
+from sar_tui.model.language import Sentence
+from sar_tui.store.database import UNWRITABLE, StoreError
 
 if TYPE_CHECKING:  # loaded with the first lock: lists of sessions rarely need one
     import filelock
 
 _TIMEOUT_SECONDS = 0.5
 """Longest wait for a lock that is taken: another program's ``is_held`` takes it for a moment."""
+
+
+_HELD = {
+    "session": "The session {name} is in a live session already, in another window or program.",
+    "participant": "The participant {name} is in a live session already, in another window or "
+    "program.",
+}
 
 
 class Held(StoreError):
@@ -39,12 +47,10 @@ def hold(folder: Path, kind: str, name: str) -> "filelock.BaseFileLock":
         lock = filelock.FileLock(_path(folder, kind, name), mode=0o600)
         lock.acquire(timeout=_TIMEOUT_SECONDS)
     except filelock.Timeout:
-        raise Held(
-            f"The {kind} {name} is in a live session already, in another window or program."
-        ) from None
+        raise Held(Sentence(_HELD[kind], name=name)) from None
     except OSError as error:
         raise StoreError(
-            f"The data folder {folder} cannot be written to: {os.strerror(error.errno or 0)}."
+            Sentence(UNWRITABLE, folder=str(folder), why=os.strerror(error.errno or 0))
         ) from error
     return lock
 

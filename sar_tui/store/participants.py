@@ -6,6 +6,7 @@ from collections.abc import Collection, Sequence
 from datetime import datetime
 from difflib import get_close_matches
 
+from sar_tui.model.language import Sentence
 from sar_tui.store.counted import COUNTS, LIVE
 from sar_tui.store.database import StoreError, transaction
 from sar_tui.store.training_days import utc
@@ -22,9 +23,10 @@ def check_code(code: str) -> str:
     # before the capitals: those of ß and ı are letters of other codes
     if not _CODE.fullmatch(code):
         raise StoreError(
-            "A participant code has 1 to 32 letters, digits, - or _, and begins with a letter or "
-            "digit, such as P01. "
-            "Never use a name.",
+            Sentence(
+                "A participant code has 1 to 32 letters, digits, - or _, and begins with a letter "
+                "or digit, such as P01. Never use a name."
+            ),
             bad_input=True,
         )
     return code.upper()
@@ -38,8 +40,12 @@ def check_own(code: str) -> str:
     _, sign, site = code.partition("@")
     if sign:
         raise StoreError(
-            f"{code} is a participant of {site}: what {site} recorded can be looked at, and is "
-            "changed only there.",
+            Sentence(
+                "{code} is a participant of {site}: what {site} recorded can be looked at, and is "
+                "changed only there.",
+                code=code,
+                site=site,
+            ),
             bad_input=True,
         )
     return code
@@ -128,8 +134,12 @@ class UnknownParticipant(StoreError):
         self.code = code
         alike = sorted(each for each in known if _plain(each) == _plain(code))
         self.like = " or ".join(alike or get_close_matches(code, sorted(known), 1))
-        meant = f" Is it {self.like}?" if self.like else ""
-        super().__init__(f"There is no participant {code}.{meant}", bad_input=True)
+        text = (
+            "There is no participant {code}. Is it {like}?"
+            if self.like
+            else "There is no participant {code}."
+        )
+        super().__init__(Sentence(text, code=code, like=self.like), bad_input=True)
 
     @property
     def advice(self) -> str:

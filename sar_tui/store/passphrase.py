@@ -19,6 +19,7 @@ from typing import Annotated, Literal
 import msgspec
 
 from sar_tui.drivers.files import make_private
+from sar_tui.model.language import Sentence
 from sar_tui.store.database import StoreError
 
 FILE = "passphrase.json"
@@ -96,7 +97,10 @@ class Passphrase:
     def set(self, text: str) -> None:
         """Set the passphrase. Raises StoreError if it is too short, or cannot be written."""
         if len(_normal(text)) < SHORTEST:
-            raise StoreError(f"A passphrase has at least {SHORTEST} characters.", bad_input=True)
+            raise StoreError(
+                Sentence("A passphrase has at least {count} characters.", count=SHORTEST),
+                bad_input=True,
+            )
         salt = secrets.token_bytes(16)
         stored = _Hash(salt, b"", _COST)
         content = msgspec.json.encode(msgspec.structs.replace(stored, key=_derive(text, stored)))
@@ -110,7 +114,11 @@ class Passphrase:
                 temporary.unlink(missing_ok=True)
         except OSError as error:
             raise StoreError(
-                f"The passphrase cannot be stored in {self._folder} ({error.strerror})."
+                Sentence(
+                    "The passphrase cannot be stored in {folder} ({why}).",
+                    folder=str(self._folder),
+                    why=error.strerror,
+                )
             ) from error
 
     def remove(self) -> None:

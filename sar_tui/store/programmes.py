@@ -8,6 +8,7 @@ from typing import Any
 
 import msgspec
 
+from sar_tui.model.language import Sentence
 from sar_tui.store.database import StoreError, read_json, store, transaction
 from sar_tui.store.participants import check_own
 from sar_tui.store.tables import PROGRAMMES
@@ -42,14 +43,18 @@ class Superseded(StoreError):
     """Another version was saved meanwhile, which is ``newest``. Nothing was saved."""
 
     def __init__(self, participant: str, newest: Programme) -> None:
-        by = f" by {newest.author}" if newest.author else ""
-        why = f" ({newest.reason})" if newest.reason else ""
-        super().__init__(
-            f"The programme of {participant} was changed meanwhile: version "
-            f"{newest.version}{by}{why}. "
-            "Nothing was saved.",
-            bad_input=True,
+        told = Sentence(
+            "The programme of {who} was changed meanwhile: version {version} by {author} "
+            "({reason}). Nothing was saved."
+            if newest.author and newest.reason
+            else "The programme of {who} was changed meanwhile: version {version}. Nothing was "
+            "saved.",
+            who=participant,
+            version=newest.version,
+            author=newest.author,
+            reason=newest.reason,
         )
+        super().__init__(told, bad_input=True)
         self.newest = newest
 
 

@@ -2,6 +2,7 @@
 is merged.
 """
 
+from sar_tui.model.language import Sentence
 from sar_tui.model.visible_text import obeyed
 from sar_tui.store.database import StoreError
 
@@ -21,11 +22,15 @@ def check_text(where: str, text: str, longest: int) -> str:
     """
     cleaned = text.strip()
     if len(cleaned) > longest:
-        raise StoreError(f"{where} is too long: at most {longest} characters.", bad_input=True)
+        problem = "{where} is too long: at most {longest} characters."
+        raise StoreError(Sentence(problem, where=Sentence(where), longest=longest), bad_input=True)
     try:
         cleaned.encode()
     except UnicodeEncodeError:
-        raise StoreError(f"{where} has bytes that are not UTF-8.", bad_input=True) from None
+        problem = "{where} has bytes that are not UTF-8."
+        raise StoreError(Sentence(problem, where=Sentence(where)), bad_input=True) from None
     if found := obeyed(cleaned, _LINES):
-        raise StoreError(f"{where} has control characters: {', '.join(found)}.", bad_input=True)
+        problem = "{where} has control characters: {found}."
+        said = Sentence(problem, where=Sentence(where), found=", ".join(found))
+        raise StoreError(said, bad_input=True)
     return cleaned

@@ -6,6 +6,7 @@ from typing import Any
 from textual.app import App
 
 from sar_tui.model.language import Language, language
+from sar_tui.rules.declaration import COMMON
 
 _PARTICIPANTS = Path(__file__).parents[1] / "app"
 _THERAPISTS = _PARTICIPANTS / "therapist"
@@ -18,5 +19,5 @@ def language_of(app: App[Any]) -> Language:
 
 
 def app_texts(code: str) -> Language:
-    """Return the texts of the app's screens, those for participants and for therapists."""
-    return language(code, _THERAPISTS, _PARTICIPANTS)
+    """Return the texts of settings, and of the app's screens: for therapists and participants."""
+    return language(code, COMMON, _THERAPISTS, _PARTICIPANTS)

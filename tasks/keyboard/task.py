@@ -13,6 +13,7 @@ from sar_tui.api.task import (
     Performance,
     RandomStreams,
     Result,
+    Sentence,
     Situation,
     Stimulus,
     Task,
@@ -98,15 +99,17 @@ class KeyboardParameters(TaskParameters, frozen=True, kw_only=True):
         problems = super().problems()
         for word in self.levels:
             if not word or len(set(word)) != len(word) or not word.isprintable():
-                problems["levels"] = (
-                    f"Own level {word!r} names no key, a key twice, or one that cannot be typed."
+                problems["levels"] = Sentence(
+                    "Own level {word} names no key, a key twice, or one that cannot be typed.",
+                    word=repr(word),
                 )
         count = len(self.chosen_levels())
         if self.start_level > count or self.min_level > count:
             name = "start_level" if self.start_level > count else "min_level"
-            problems[name] = (
-                f"There are only {count} levels in this choice of keys, so there is no level "
-                f"{getattr(self, name)}."
+            problems[name] = Sentence(
+                "There are only {count} levels in this choice of keys, so there is no level {level}.",
+                count=count,
+                level=getattr(self, name),
             )
         return problems
 

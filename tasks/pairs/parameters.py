@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 import msgspec
 
-from sar_tui.api.task import Details, TaskParameters, meta
+from sar_tui.api.task import Details, Sentence, TaskParameters, meta
 
 _WITHOUT_CUE = {
     "gaze": {"speech", "tones", "servo"},
@@ -241,15 +241,18 @@ class PairsParameters(TaskParameters, frozen=True, kw_only=True):
     def problems(self) -> dict[str, str]:
         problems = super().problems()
         if self.policy == "joint attention" and self.cue_lead_ms > self.foreperiod_min_ms:
-            problems["cue_lead_ms"] = (
-                f"Cue lead ({self.cue_lead_ms} ms) is longer than the shortest wait "
-                f"({self.foreperiod_min_ms} ms)."
+            problems["cue_lead_ms"] = Sentence(
+                "Cue lead ({lead} ms) is longer than the shortest wait ({wait} ms).",
+                lead=self.cue_lead_ms,
+                wait=self.foreperiod_min_ms,
             )
         kinds = {output.partition(":")[0] for output in self.outputs}
         if self.policy == "joint attention" and kinds <= _WITHOUT_CUE[self.cue_by]:
-            does = "points" if self.cue_by == "gesture" else "looks"
-            problems["outputs"] = (
-                f"Joint attention needs an output that shows where the agent {does}: add screen "
+            problems["outputs"] = Sentence(
+                "Joint attention needs an output that shows where the agent points: add screen to "
+                "the outputs."
+                if self.cue_by == "gesture"
+                else "Joint attention needs an output that shows where the agent looks: add screen "
                 "to the outputs."
             )
         return problems

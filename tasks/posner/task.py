@@ -20,6 +20,7 @@ from sar_tui.api.task import (
     Performance,
     RandomStreams,
     Result,
+    Sentence,
     Situation,
     Stimulus,
     Task,
@@ -74,8 +75,10 @@ class PosnerParameters(TaskParameters, frozen=True, kw_only=True):
         problems = super().problems()
         if self.cue_lead_ms > self.foreperiod_min_ms:
             lead, wait = self.cue_lead_ms, self.foreperiod_min_ms
-            problems["cue_lead_ms"] = (
-                f"Cue lead ({lead} ms) is longer than the shortest wait ({wait} ms)."
+            problems["cue_lead_ms"] = Sentence(
+                "Cue lead ({lead} ms) is longer than the shortest wait ({wait} ms).",
+                lead=lead,
+                wait=wait,
             )
         return problems
 

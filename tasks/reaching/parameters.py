@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 import msgspec
 
-from sar_tui.api.task import Details, DetectorName, TaskParameters, meta
+from sar_tui.api.task import Details, DetectorName, Sentence, TaskParameters, meta
 
 _FEW_CM, _MOST_CM = 1.0, 200.0
 
@@ -312,29 +312,34 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
         problems = super().problems()
         markers, goals = self.marker_distances_cm, self.goal_times_ms
         if not markers or any(not _FEW_CM <= marker <= _MOST_CM for marker in markers):
-            problems["marker_distances_cm"] = (
-                f"Markers are {_FEW_CM:g} to {_MOST_CM:g} cm away; name one or more."
+            problems["marker_distances_cm"] = Sentence(
+                "Markers are {few} to {most} cm away; name one or more.",
+                few=f"{_FEW_CM:g}",
+                most=f"{_MOST_CM:g}",
             )
         elif any(far <= near for near, far in pairwise(markers)):
-            problems["marker_distances_cm"] = (
+            problems["marker_distances_cm"] = Sentence(
                 "Give the distances from the nearest marker to the farthest."
             )
         if goals and len(goals) != len(markers):
-            problems["goal_times_ms"] = f"There are {len(markers)} markers, and {len(goals)} goals."
+            text = "There are {markers} markers, and {goals} goals."
+            problems["goal_times_ms"] = Sentence(text, markers=len(markers), goals=len(goals))
         elif any(not 100 <= goal <= 60_000 for goal in goals):
-            problems["goal_times_ms"] = "Each goal lies between 100 and 60000 ms."
+            problems["goal_times_ms"] = Sentence("Each goal lies between 100 and 60000 ms.")
         if self.still_ms < self.thesis_still_ms + 200:
-            problems["still_ms"] = (
+            problems["still_ms"] = Sentence(
                 "Rest that ends a reach must be at least 200 ms longer than the rest of the "
                 "fixed-threshold detector."
             )
         for name in ("start_level", "min_level"):
             if markers and getattr(self, name) > len(markers):
-                problems[name] = (
-                    f"There are {len(markers)} markers, so there is no level {getattr(self, name)}."
+                problems[name] = Sentence(
+                    "There are {markers} markers, so there is no level {level}.",
+                    markers=len(markers),
+                    level=getattr(self, name),
                 )
         if self.trunk_limit_deg and not self.imu_trunk:
-            problems["trunk_limit_deg"] = (
+            problems["trunk_limit_deg"] = Sentence(
                 "A trunk limit needs a trunk sensor: name it, or set the limit to 0."
             )
         return problems

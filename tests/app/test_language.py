@@ -191,6 +191,18 @@ async def test_settings_are_in_the_language_of_the_app(opened: OpenApp, data: Pa
         driver.see("versión 2", "Todo está guardado.")
 
 
+async def test_what_is_wrong_is_said_in_the_language_of_the_app(
+    opened: OpenApp, data: Path
+) -> None:
+    known(data, "P01")
+    choose_interface_language(data, "de")
+    async with opened() as driver:
+        await driver.press("f2", "f3")
+        await driver.enter("prompts_per_attempt")
+        await driver.press(*"333")
+        driver.see("Tasten je Durchgang: eine ganze Zahl, 1 bis 200")
+
+
 TASKS = tuple(Catalogue().task_names())
 USTED = re.compile(
     r"\b(su(?! sesgo)|sus|usted|le damos|verle|lo ha|ha (hecho|tenido)|haya vuelto"

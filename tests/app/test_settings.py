@@ -484,19 +484,22 @@ async def test_a_rule_that_is_gone_is_shown_until_another_is_chosen(
         driver.lacks("gone here")
 
 
+@pytest.mark.usefixtures("a_participant")
 async def test_a_rule_that_fails_is_said_to_when_it_is_looked_at_and_spoils_no_other(
-    form: AppDriver, monkeypatch: pytest.MonkeyPatch
+    opened: OpenApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fail(*_: object) -> None:
         raise ValueError("no goal")
 
     monkeypatch.setitem(DIFFICULTY, "percentile", DIFFICULTY["percentile"]._replace(goal=fail))
-    assert "goals reached." in await preview(form)
-    form.see("A share of successes ▁")
-    await form.press("down")
-    assert (await preview(form)).startswith("It cannot be played: The task keyboard")
-    await form.press("down")
-    assert "goals reached." in await preview(form)
+    async with opened() as form:
+        await form.press("f2")
+        assert "goals reached." in await preview(form)
+        form.see("A share of successes ▁")
+        await form.press("down")
+        assert (await preview(form)).startswith("It cannot be played: The task keyboard")
+        await form.press("down")
+        assert "goals reached." in await preview(form)
 
 
 # --- leaving without saving

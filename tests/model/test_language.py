@@ -6,10 +6,18 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.checks.task_translations import texts_in
+from sar_tui.checks.task_translations import translated_at_once
 from sar_tui.loop.task import Task
 from sar_tui.model import language as module
-from sar_tui.model.language import Language, language, read_words, slot_problem
+from sar_tui.model.language import (
+    Language,
+    Sentence,
+    in_language,
+    joined,
+    language,
+    read_words,
+    slot_problem,
+)
 from sar_tui.model.step import BORG_WORDS
 from sar_tui.model.trial_types import Metric
 from sar_tui.rules.questions import QUESTIONS
@@ -34,7 +42,7 @@ def test_every_text_of_the_framework_is_translated_and_no_translation_is_obsolet
         for path in (ROOT / room).rglob("*.py")
     )
     usual = Metric("x", unit="", better="lower")
-    texts = {Task.trials, usual.improved, usual.worsened}.union(*map(texts_in, code))
+    texts = {Task.trials, usual.improved, usual.worsened}.union(*map(translated_at_once, code))
     texts |= {text for step in QUESTIONS.values() for text in (step.text, *step.labels)}
     translations = read_words(ROOT / "loop" / "words.es.toml")
     assert set(translations) == texts | set(BORG_WORDS.values())
@@ -148,3 +156,41 @@ def test_a_full_stop_is_not_a_decimal_point() -> None:
     tr = Language("es")
     assert tr("Press: {key}", key=".") == "Press: ."
     assert tr("{first} {next}", first="Marker 1.", next="Then 2.") == "Marker 1. Then 2."
+
+
+# --- sentences of errors
+
+
+def test_a_sentence_is_english_and_can_be_said_in_another_language(tmp_path: Path) -> None:
+    own = (
+        '"{title} is one of {allowed}, not {shown}." = "{title}: {allowed}, nicht {shown}."\n'
+        '"Hand" = "Hand"\n"left" = "links"\n"right" = "rechts"\n"empty" = "leer"'
+    )
+    tr = language("de", words(tmp_path, "de", own))
+    sentence = Sentence(
+        "{title} is one of {allowed}, not {shown}.",
+        title=Sentence("Hand"),
+        allowed=(Sentence("left"), Sentence("right")),
+        shown=Sentence("empty"),
+    )
+    assert sentence == "Hand is one of left, right, not empty."
+    assert in_language(sentence, tr) == "Hand: links, rechts, nicht leer."
+    assert in_language(ValueError(sentence), tr) == "Hand: links, rechts, nicht leer."
+    assert type(str(ValueError(sentence))) is str, "what is stored or sent is a plain text"
+
+
+def test_what_was_typed_is_never_translated(tmp_path: Path) -> None:
+    tr = language("de", words(tmp_path, "de", '"left" = "links"'))
+    assert in_language(Sentence("Not {shown}.", shown="left"), tr) == "Not left."
+
+
+def test_several_sentences_are_said_as_one(tmp_path: Path) -> None:
+    tr = language("de", words(tmp_path, "de", '"It is {n}." = "Es ist {n}."'))
+    both = joined([Sentence("It is {n}.", n=1), "A text of a {stranger}."])
+    assert both == "It is 1. A text of a {stranger}."
+    assert in_language(both, tr) == "Es ist 1. A text of a {stranger}."
+
+
+def test_an_error_without_a_sentence_stays_as_it_is() -> None:
+    assert in_language(ValueError(), Language("de")) == ""
+    assert in_language(OSError(13, "no"), Language("de")) == "[Errno 13] no"

@@ -14,7 +14,7 @@ from sar_tui.app.home.day import Day, day_of
 from sar_tui.app.home.session_list import Line
 from sar_tui.app.home.words import Programme
 from sar_tui.loop.task import Task
-from sar_tui.model.language import Language, language
+from sar_tui.model.language import Language, in_language, language
 from sar_tui.model.results_for_people import short_goal
 from sar_tui.model.session_mode import is_personal
 from sar_tui.model.trial_types import Metric
@@ -113,7 +113,8 @@ def _programme(
         goal = "" if value is None else short_goal(kind.metric, value)
         prompts = task.trials_at(start.level)
     except (ParameterError, Failed) as error:
-        return str(error), str(error)
+        problem = in_language(error, tr)
+        return problem, problem
     except PLUGIN_ERRORS:
         problem = tr("The task cannot be set up.")
         return problem, problem

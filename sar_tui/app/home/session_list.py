@@ -15,7 +15,7 @@ from textual.widgets.option_list import Option
 
 from sar_tui.app.home.words import bars, day_words
 from sar_tui.drivers.login_name import login_name
-from sar_tui.model.language import Language
+from sar_tui.model.language import Language, in_language
 from sar_tui.store.database import StoreError
 from sar_tui.widgets.lists import MarkedList, OptionList
 
@@ -179,7 +179,7 @@ class SessionList(Vertical):
             chosen = self._recent.chosen or ""
             change_status(self.app.database, self.app.folder, chosen, change, actor=login_name())
         except StoreError as error:
-            self.notify(str(error), severity="error", timeout=15)
+            self.notify(in_language(error, self.app.tr), severity="error", timeout=15)
         self.screen.refresh_contents()  # type: ignore[attr-defined]
 
 

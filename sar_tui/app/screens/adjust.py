@@ -16,6 +16,7 @@ from sar_tui.loop.attempts import FEEDBACK_EVERY, GOAL, adjustable, with_setting
 from sar_tui.loop.bus import Record
 from sar_tui.loop.clock import Handle
 from sar_tui.loop.topics import COMMAND, NOTE_ADDED, SETTING
+from sar_tui.model.language import in_language
 from sar_tui.model.messages import NoteAdded, SessionCommand, SettingChanged, Waiting
 from sar_tui.model.results_for_people import goal_text
 from sar_tui.model.visible_text import visible
@@ -256,7 +257,9 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
                     self._live.session.task.parameters, self._asked, self._stored(text)
                 )
             except ParameterError as error:
-                self.query_one("#problem", Static).update(self._problem(str(error)))
+                self.query_one("#problem", Static).update(
+                    self._problem(in_language(error, self.tr))
+                )
                 return
             value = getattr(changed, self._asked)
             bus.post(

@@ -22,7 +22,7 @@ from sar_tui.app.home.card import ParticipantCard
 from sar_tui.app.home.participant_list import ParticipantList
 from sar_tui.app.home.session_list import SessionList
 from sar_tui.app.home.words import weekday_words
-from sar_tui.model.language import OWN_NAMES, Language, language
+from sar_tui.model.language import OWN_NAMES, Language, in_language, language
 from sar_tui.plugins import Catalogue, PluginError, task_folder
 from sar_tui.store.connection import timing_flags
 from sar_tui.store.database import StoreError
@@ -217,7 +217,7 @@ class HomeScreen(Screen[None]):
         try:
             task = self.app.catalogue.task(name)
         except PluginError as error:  # it was removed or edited meanwhile
-            card.show_problem(who, str(error))
+            card.show_problem(who, in_language(error, self.app.tr))
             return
         app, tr = self.app, self.app.tr
         contents = read_card(app.database, app.folder, app.catalogue, who, task, today, tr)
@@ -284,7 +284,7 @@ class HomeScreen(Screen[None]):
         try:
             row = sessions.find(self.app.database, self.app.folder, event.option.id or "")
         except StoreError as error:
-            self.notify(str(error), severity="error", timeout=15)
+            self.notify(in_language(error, self.app.tr), severity="error", timeout=15)
             return
         if can_resume(row):
             self.app.begin_session(row["id"])
@@ -414,7 +414,7 @@ class HomeScreen(Screen[None]):
             try:
                 await self.app.patient_mode.begin(who)
             except StoreError as error:
-                self.notify(str(error), severity="warning", timeout=15)
+                self.notify(in_language(error, self.app.tr), severity="warning", timeout=15)
         else:
             self._ask_for_participant()
 
@@ -444,7 +444,7 @@ class HomeScreen(Screen[None]):
         try:
             return who, self.app.catalogue.task(name)
         except PluginError as error:  # it was removed or edited meanwhile
-            self.notify(str(error), severity="warning", timeout=15)
+            self.notify(in_language(error, self.app.tr), severity="warning", timeout=15)
             return None
 
     # --- while nobody presses a key: another day, and the operator's panel of a session to join
@@ -579,7 +579,7 @@ class Starting:
                 self._left_out = text
                 if text:
                     self._screen.notify(
-                        f"{text} {tr('Press START again to begin without it.')}",
+                        f"{in_language(text, tr)} {tr('Press START again to begin without it.')}",
                         severity="warning",
                         timeout=30,
                     )
@@ -591,15 +591,19 @@ class Starting:
                 )
         except ParameterError as error:
             self._screen.notify(
-                tr("The settings of {who} do not fit: {why}", who=codes[0], why=str(error)),
+                tr(
+                    "The settings of {who} do not fit: {why}",
+                    who=codes[0],
+                    why=in_language(error, tr),
+                ),
                 severity="warning",
                 timeout=15,
             )
         except StoreError as error:
-            self._screen.notify(str(error), severity="error", timeout=15)
+            self._screen.notify(in_language(error, tr), severity="error", timeout=15)
             self._screen.refresh_contents()  # opens a database anew that was removed
         except (PluginError, Failed) as error:
-            self._screen.notify(str(error), severity="warning", timeout=15)
+            self._screen.notify(in_language(error, tr), severity="warning", timeout=15)
         else:
             self._screen.app.begin_session(plan)
 

@@ -10,6 +10,7 @@ from textual.screen import ModalScreen
 from textual.widgets import Input, Static
 from textual.widgets.option_list import Option
 
+from sar_tui.model.language import in_language
 from sar_tui.store import participants
 from sar_tui.store.database import StoreError
 from sar_tui.tui.dismissed_once import DismissedOnce
@@ -44,7 +45,7 @@ class NewParticipantScreen(DismissedOnce[str | None], ModalScreen[str | None]):
             if participants.check_own(code) in participants.codes(self.app.database):
                 problem = self.app.tr("This code is taken.")
         except StoreError as error:
-            problem = str(error) if code.strip() else ""
+            problem = in_language(error, self.app.tr) if code.strip() else ""
         self.query_one("#problem", Static).update(problem)
         return bool(code.strip()) and not problem
 
@@ -58,7 +59,7 @@ class NewParticipantScreen(DismissedOnce[str | None], ModalScreen[str | None]):
         try:
             code = participants.add(self.app.database, event.value)
         except StoreError as error:
-            self.query_one("#problem", Static).update(str(error))
+            self.query_one("#problem", Static).update(in_language(error, self.app.tr))
         else:
             self.dismiss(code)
 

@@ -10,6 +10,7 @@ from textual.containers import Vertical
 from textual.screen import ModalScreen
 from textual.widgets import Input, Static
 
+from sar_tui.model.language import in_language
 from sar_tui.store.database import StoreError
 from sar_tui.store.passphrase import Passphrase
 from sar_tui.tui.dismissed_once import DismissedOnce
@@ -74,7 +75,7 @@ class PassphraseScreen(DismissedOnce[bool], ModalScreen[bool]):
         try:
             is_right = self._passphrase.check(event.value, self._where)
         except StoreError as error:
-            self._say(str(error))
+            self._say(in_language(error, self.tr))
             return
         if is_right:
             self.dismiss(True)

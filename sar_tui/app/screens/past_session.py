@@ -11,7 +11,7 @@ from textual.containers import Vertical
 from textual.widgets import Static
 
 from sar_tui.app.home.words import day_words
-from sar_tui.model.language import Language
+from sar_tui.model.language import Language, in_language
 from sar_tui.model.messages import AttemptEnded
 from sar_tui.model.results_for_people import axis, result_text
 from sar_tui.model.trial_types import Metric
@@ -112,7 +112,7 @@ class PastSessionScreen(DismissedOnce[None]):
         try:
             task = self.app.catalogue.task(self._row["task"])
         except PluginError as error:
-            self.notify(str(error), severity="warning", timeout=15)
+            self.notify(in_language(error, self.tr), severity="warning", timeout=15)
         else:
             self.app.push_screen(ProgressScreen(self._row["participant"], task))
 

@@ -18,7 +18,7 @@ from textual.widgets import Static
 from sar_tui.app.screens.record_form import RecordForm, RemoveRecord
 from sar_tui.drivers.login_name import login_name
 from sar_tui.loop.task import Task
-from sar_tui.model.language import BUNDLED, OWN_NAMES, Language
+from sar_tui.model.language import BUNDLED, OWN_NAMES, Language, in_language
 from sar_tui.records.kind import Kind, kinds
 from sar_tui.reports import progress_parts as parts
 from sar_tui.reports import progress_words
@@ -170,7 +170,9 @@ class ProgressScreen(DismissedOnce[None]):
             )
         except (StoreError, sqlite3.Error) as error:
             why = error if isinstance(error, StoreError) else explain(error)
-            self._problem = self.tr("The sessions cannot be read: {why}", why=str(why))
+            self._problem = self.tr(
+                "The sessions cannot be read: {why}", why=in_language(why, self.tr)
+            )
             return False
         return True
 
@@ -481,7 +483,7 @@ class ProgressScreen(DismissedOnce[None]):
             try:
                 records.correct(self.app.database, record.id, {}, removed=True, author=login_name())
             except StoreError as error:
-                self.notify(str(error), severity="error", timeout=20)
+                self.notify(in_language(error, self.tr), severity="error", timeout=20)
             self._entered(True)
 
         self.app.push_screen(RemoveRecord(record), remove)
@@ -491,7 +493,7 @@ class ProgressScreen(DismissedOnce[None]):
         try:
             return records.kind_of(record.kind)
         except StoreError as error:
-            self.notify(str(error), severity="error", timeout=20)
+            self.notify(in_language(error, self.tr), severity="error", timeout=20)
             return None
 
     def _entered(self, is_changed: bool | None) -> None:
@@ -544,7 +546,9 @@ class ProgressScreen(DismissedOnce[None]):
             path = unused(self.app.folder / f"{name}.html")
             write_private(path, text)
         except ChartsMissing as error:
-            self.app.call_from_thread(self.notify, str(error), severity="warning", timeout=20)
+            self.app.call_from_thread(
+                self.notify, in_language(error, self.tr), severity="warning", timeout=20
+            )
         except OSError as error:
             why = str(error.strerror or error)
             said = self.tr("The page cannot be written: {why}.", why=why)

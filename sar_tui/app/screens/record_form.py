@@ -12,6 +12,7 @@ from textual.screen import ModalScreen
 from textual.widgets import Input, Static
 
 from sar_tui.drivers.login_name import login_name
+from sar_tui.model.language import in_language
 from sar_tui.records.kind import Field, Kind, RecordError, Value
 from sar_tui.rules.declaration import show
 from sar_tui.store import participants, records
@@ -158,7 +159,7 @@ class RecordForm(DismissedOnce[bool], ModalScreen[bool]):
             try:
                 self._kind.field(str(event.input.id)).read(event.input.value, self.tr)
             except RecordError as error:
-                problem = str(error)
+                problem = in_language(error, self.tr)
         self.query_one("#problem", Static).update(problem)
 
     def _replaced(self) -> str:
@@ -186,7 +187,7 @@ class RecordForm(DismissedOnce[bool], ModalScreen[bool]):
         try:
             self._save(given.pop(_WHO, self._codes[0]), given.pop(_DATE), given)
         except StoreError as error:
-            self.query_one("#problem", Static).update(str(error))
+            self.query_one("#problem", Static).update(in_language(error, self.tr))
             self.query_one("#record-form").scroll_home(animate=False)
         else:
             self.dismiss(True)

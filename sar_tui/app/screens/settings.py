@@ -18,7 +18,7 @@ from sar_tui.app.settings.preview import PreviewPane, Previews, sparkline
 from sar_tui.app.settings.rules import Picture, RuleField, rules
 from sar_tui.drivers.login_name import login_name
 from sar_tui.loop.task import Task
-from sar_tui.model.language import Language, language
+from sar_tui.model.language import Language, in_language, language
 from sar_tui.model.theme import Theme
 from sar_tui.plugin_calls import PLUGIN_ERRORS, describe
 from sar_tui.plugins import DEFAULT_THEME, PluginError, task_folder
@@ -341,7 +341,7 @@ class SettingsScreen(DismissedOnce[None]):
                 check_sensors(parameters, seats)
             check_outputs(parameters)
         except ParameterError as error:
-            return error.problems
+            return {name: in_language(why, self.tr) for name, why in error.problems.items()}
         return self._language_problem(parameters.language)
 
     def _language_problem(self, language: str) -> dict[str, str]:
@@ -491,7 +491,11 @@ class SettingsScreen(DismissedOnce[None]):
         except PLUGIN_ERRORS as error:
             self._unplayable.add(rule)
             if rule == self._rule.looked_at:
-                why = str(error) if isinstance(error, Failed | StoreError) else describe(error)
+                why = (
+                    in_language(error, self.tr)
+                    if isinstance(error, Failed | StoreError)
+                    else describe(error)
+                )
                 told = self.tr("It cannot be played: {why}", why=why)
                 self.query_one("#preview", PreviewPane).tell(told)
             return False
@@ -632,19 +636,19 @@ class SettingsScreen(DismissedOnce[None]):
                 reason=reason,
             )
         except programmes.Superseded as error:
-            self._warning = str(error)
+            self._warning = in_language(error, self.tr)
             mine = self._unsaved()
             self._use_programme(error.newest)
             self._fill(mine)
             again = self.tr(
                 "Save again to see what differs from it, and to put yours on top of it."
             )
-            self.notify(f"{error} {again}", severity="warning", timeout=30)
+            self.notify(f"{self._warning} {again}", severity="warning", timeout=30)
             await self._check()
             return
         except StoreError as error:
-            told = self.tr("Not saved.")
-            self.notify(f"{told} {error}", severity="error", timeout=15)
+            told = f"{self.tr('Not saved.')} {in_language(error, self.tr)}"
+            self.notify(told, severity="error", timeout=15)
             return
         mine = self._unsaved()
         self._use_programme(self._programme)
@@ -675,7 +679,7 @@ class SettingsScreen(DismissedOnce[None]):
                 task, newest_of(self.app.database, self._participant, task.name, LOOKED_AT)
             )
         except (Failed, ParameterError) as error:
-            return str(error)
+            return in_language(error, self.tr)
         why = f" ({self.tr(start.why)})" if start.why else ""
         return self.tr("The next session starts at level {level}{why}.", level=start.level, why=why)
 
@@ -719,7 +723,7 @@ class SettingsScreen(DismissedOnce[None]):
             try:
                 presets[name] = find(self.app.folder, self._motor_task, name)
             except StoreError as error:
-                self.notify(str(error), severity="warning", timeout=15)
+                self.notify(in_language(error, self.tr), severity="warning", timeout=15)
 
         async def chosen(name: str | None) -> None:
             if name:
