@@ -19,7 +19,6 @@ from sar_tui.checks.task_translations import (
     declared,
     sentences_in,
     texts_in,
-    translated_at_once,
 )
 from sar_tui.loop.phrase_keys import PHRASE_KEYS, wording_problems
 from sar_tui.model.language import BUNDLED, read_words, slot_problem
@@ -112,7 +111,9 @@ def rooms(catalogue: Catalogue) -> Iterator[Room]:
         kind = catalogue.task(name)
         code = [path.read_text("utf-8") for path in task_folder(kind).glob("*.py")]
         presets = {read(path)["summary"] for path in task_folder(kind).glob("presets/*.toml")}
-        needed = declared(kind).union(presets, _settings(kind.Parameters), *map(texts_in, code))
+        needed = declared(kind).union(
+            presets, _settings(kind.Parameters), *map(texts_in, code), *map(sentences_in, code)
+        )
         inherited = translated_in(loop) | translated_in(rules)
         yield Room(task_folder(kind), needed, needed | strings(code), inherited)
 
@@ -229,7 +230,7 @@ def _room(name: str, *more: str, beside: tuple[str, ...]) -> Room:
     some that it may translate.
     """
     code = code_in(name, *more)
-    texts = set[str]().union(*(translated_at_once(source) for source in code))
+    texts = set[str]().union(*(texts_in(source) for source in code))
     needed = {text for text in texts if re.search("[a-z]", text)}
     return Room(_PRODUCT / name, needed, needed | strings([*code, *code_in(*beside)]))
 

@@ -25,9 +25,8 @@ _SYMBOLS = ("ms", "s", "Hz", "cm", "%", "/s")
 def problems(kind: type[Task]) -> list[str]:
     """Return what is missing or wrong in a task's files of translations, one sentence each."""
     folder = task_folder(kind)
-    texts = sorted(
-        declared(kind).union(*(texts_in(path.read_text("utf-8")) for path in folder.glob("*.py")))
-    )
+    code = [path.read_text("utf-8") for path in folder.glob("*.py")]
+    texts = sorted(declared(kind).union(*map(texts_in, code), *map(sentences_in, code)))
     return [
         problem
         for path in sorted(folder.glob("words.*.toml"))
@@ -119,20 +118,12 @@ def translated(catalogue: Catalogue, code: str) -> set[str]:
 
 
 def texts_in(source: str) -> set[str]:
-    """Return the texts that a module passes to ``tr`` or makes a `Sentence` of: literals or its
-    constants.
-    """
-    module = _Module(ast.parse(source))
-    return module.passed_to("tr") | module.passed_to("Sentence")
-
-
-def translated_at_once(source: str) -> set[str]:
-    """Return the texts that a module passes to ``tr``."""
+    """Return the texts that a module passes to ``tr``: literals or its constants."""
     return _Module(ast.parse(source)).passed_to("tr")
 
 
 def sentences_in(source: str) -> set[str]:
-    """Return the texts that a module makes a `Sentence` of."""
+    """Return the texts that a module makes a `Sentence` of, for therapists."""
     return _Module(ast.parse(source)).passed_to("Sentence")
 
 

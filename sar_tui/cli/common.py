@@ -333,10 +333,17 @@ def print_json(value: object) -> None:
     from sar_tui.model.visible_text import escaped
 
     try:
-        encoded = msgspec.json.encode(value).decode()
+        encoded = msgspec.json.encode(value, enc_hook=_plain_text).decode()
     except UnicodeEncodeError:  # a file's name that is not UTF-8
         encoded = json.dumps(msgspec.to_builtins(value), ensure_ascii=False)
     print(escaped(encoded))
+
+
+def _plain_text(value: object) -> str:
+    """Return a text of a subclass of ``str``, which msgspec does not encode, as a plain one."""
+    if isinstance(value, str):
+        return str(value)
+    raise NotImplementedError
 
 
 def checked_markers(given: Sequence[str] | None) -> tuple[str, ...]:

@@ -15,8 +15,7 @@ if TYPE_CHECKING:  # loaded with the first lock: lists of sessions rarely need o
 
 _TIMEOUT_SECONDS = 0.5
 """Longest wait for a lock that is taken: another program's ``is_held`` takes it for a moment."""
-
-
+_IN_USE = "{name} is in use already, in another window or program."
 _HELD = {
     "session": "The session {name} is in a live session already, in another window or program.",
     "participant": "The participant {name} is in a live session already, in another window or "
@@ -47,7 +46,7 @@ def hold(folder: Path, kind: str, name: str) -> "filelock.BaseFileLock":
         lock = filelock.FileLock(_path(folder, kind, name), mode=0o600)
         lock.acquire(timeout=_TIMEOUT_SECONDS)
     except filelock.Timeout:
-        raise Held(Sentence(_HELD[kind], name=name)) from None
+        raise Held(Sentence(_HELD.get(kind, _IN_USE), name=name)) from None
     except OSError as error:
         raise StoreError(
             Sentence(UNWRITABLE, folder=str(folder), why=os.strerror(error.errno or 0))

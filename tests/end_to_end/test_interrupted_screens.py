@@ -1,4 +1,4 @@
-"""Ctrl-C, Escape twice and a window that is too small, on every screen, in a real pseudo-terminal:
+"""Ctrl-C, Escape twice and windows of other sizes, on every screen, in a real pseudo-terminal:
 nothing is lost, and nothing begins.
 """
 
@@ -29,6 +29,8 @@ What = Literal["a small window", "ctrl+c", "escape twice"]
 FUNCTION_KEYS = {"f3": b"\x1bOR", "f4": b"\x1bOS", "f5": b"\x1b[15~", "f6": b"\x1b[17~"}
 FUNCTION_KEYS |= {"f12": b"\x1b[24~"}
 INTERRUPTED = 130
+BUSY = "One moment"
+LARGER = (100, 32), (160, 48)
 TABLES = ("sessions", "attempts", "trials", "records", "programmes", "participants")
 
 
@@ -58,10 +60,10 @@ class Chair:
             self.read(50)
 
     def still(self) -> str:
-        """Wait until the words no longer change, and return them."""
+        """Wait until the words no longer change and nothing is computed, and return them."""
         before = ""
-        for _ in range(20):
-            if before == (before := self.text()):
+        for _ in range(40):
+            if before == (before := self.text()) and BUSY not in before:
                 break
             self.read(600)
         return before
@@ -82,6 +84,13 @@ class Chair:
             self.read(200)
         self._reader.resize(*self._size)
         self.read(900)
+
+    def see_in_larger_windows(self, words: str) -> None:
+        """Wait for words in larger windows, and then in one as large as before."""
+        for size in (*LARGER, self._size):
+            self._reader.resize(*size)
+            self.read(900)
+            self.see(words)
 
     def do(self, what: What) -> None:
         """Interrupt the screen."""
@@ -155,6 +164,8 @@ def test_a_therapist_loses_nothing_and_begins_nothing(
     with therapist(data, place) as chair:
         shown = chair.still()
         chair.do("a small window")
+        assert chair.still() == shown
+        chair.see_in_larger_windows(place.words)
         assert chair.still() == shown
         chair.press(*["ctrl+c"] * place.stops)
         assert chair.terminal.wait() == INTERRUPTED
@@ -309,7 +320,7 @@ def test_a_panel_comes_back_and_changes_nothing_of_the_session(data: Path) -> No
         before = stored(data)
         chair.do("a small window")
         chair.do("escape twice")
-        chair.see("Nothing is pending")
+        chair.see_in_larger_windows("Nothing is pending")
         assert stored(data) == before
         assert terminals.reported("arbiter/state")[-1].get("pending", []) == []
         chair.press("ctrl+c")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.checks.task_translations import translated_at_once
+from sar_tui.checks.task_translations import texts_in
 from sar_tui.loop.task import Task
 from sar_tui.model import language as module
 from sar_tui.model.language import (
@@ -42,7 +42,7 @@ def test_every_text_of_the_framework_is_translated_and_no_translation_is_obsolet
         for path in (ROOT / room).rglob("*.py")
     )
     usual = Metric("x", unit="", better="lower")
-    texts = {Task.trials, usual.improved, usual.worsened}.union(*map(translated_at_once, code))
+    texts = {Task.trials, usual.improved, usual.worsened}.union(*map(texts_in, code))
     texts |= {text for step in QUESTIONS.values() for text in (step.text, *step.labels)}
     translations = read_words(ROOT / "loop" / "words.es.toml")
     assert set(translations) == texts | set(BORG_WORDS.values())

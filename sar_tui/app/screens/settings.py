@@ -18,7 +18,7 @@ from sar_tui.app.settings.preview import PreviewPane, Previews, sparkline
 from sar_tui.app.settings.rules import Picture, RuleField, rules
 from sar_tui.drivers.login_name import login_name
 from sar_tui.loop.task import Task
-from sar_tui.model.language import Language, in_language, language
+from sar_tui.model.language import Language, in_language, joined, language
 from sar_tui.model.theme import Theme
 from sar_tui.plugin_calls import PLUGIN_ERRORS, describe
 from sar_tui.plugins import DEFAULT_THEME, PluginError, task_folder
@@ -705,7 +705,9 @@ class SettingsScreen(DismissedOnce[None]):
         """
         kept, left_out = usable(self._motor_task.Parameters, version.parameters)
         if left_out:
-            self.notify(" ".join(left_out.values()), severity="warning", timeout=15)
+            self.notify(
+                in_language(joined(left_out.values()), self.tr), severity="warning", timeout=15
+            )
         self._ask_and_save(
             Programme(kept, version.theme),
             self.tr("Back to version {number}", number=version.version),
