@@ -90,8 +90,9 @@ def rooms(catalogue: Catalogue) -> Iterator[Room]:
     yield from (participants, therapists, rules)
     loop = _room("loop", "model", beside=("rules",))
     yield loop
-    panel = _room("operator", beside=("loop", "link"))
-    yield panel._replace(inherited=translated_in(therapists) | translated_in(loop))
+    panel = _room("operator", beside=("loop", "link", "outputs/node.py"))
+    above = translated_in(participants) | translated_in(therapists) | translated_in(loop)
+    yield panel._replace(inherited=above)
     reports = _room(
         "reports",
         "records",

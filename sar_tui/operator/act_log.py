@@ -1,7 +1,7 @@
 """Log of acts: this operator's and those of others, each with the session's answer. Pure."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from msgspec.structs import replace
 
@@ -23,55 +23,87 @@ from sar_tui.model.messages import (
     SessionCommand,
 )
 from sar_tui.model.units import MS
-from sar_tui.operator.event_text import MAX_LINES, Line, in_brackets, short_name
+from sar_tui.operator.event_text import (
+    MAX_LINES,
+    Line,
+    actor_name,
+    capitalized,
+    in_line,
+    kind_name,
+    mode_name,
+)
 from sar_tui.operator.text_charts import cut
 
 _ACTS = (COMMAND, DECISION, REMARK, MODE, NOTE_ADDED)
 _LONGEST = 36
 """Longest text of an act, in columns, so that there is room for its outcome."""
 _MAX_KINDS = 500
-_DOING = {
-    "Approved": "Approving",
-    "Cancelled": "Cancelling",
-    "Edited": "Editing",
-    "Ended": "Ending",
-    "Marked": "Marking",
-    "Noted": "Noting",
-    "Paused": "Pausing",
-    "Repeated": "Repeating",
-    "Resumed": "Resuming",
-    "Said": "Saying",
-    "Skipped": "Skipping",
-    "Stopped": "Stopping",
-    "Took": "Taking",
-    "Vetoed": "Vetoing",
-}
+Wait = Literal["", "response", "pause"]
+"""What a remark waits for: the end of a response or of a pause."""
 _COMMANDS = {
-    "skip": "Skipped the prompt",
-    "repeat": "Repeated the prompt",
-    "end": "Ended the session",
-    "undo": "Took back the last act",
+    "stop": ("Stopped", "Stopping"),
+    "pause": ("Paused", "Pausing"),
+    "resume": ("Resumed", "Resuming"),
+    "skip": ("Skipped the prompt", "Skipping the prompt"),
+    "skip rest": ("Ended the rest", "Ending the rest"),
+    "skip step": ("Skipped the question", "Skipping the question"),
+    "repeat": ("Repeated the prompt", "Repeating the prompt"),
+    "end": ("Ended the session", "Ending the session"),
+    "undo": ("Took back the last act", "Taking back the last act"),
 }
+"""Texts of commands, by name and reason: done, and under way."""
+_TOLD_AS_EVENTS = {"stop", "pause", "resume"}
+"""Commands of others that have lines of their own (see `event_text`, `session_state.Stop`)."""
+_FACES = {
+    "positive": "Positive face, same words: {kind}",
+    "neutral": "Neutral face, same words: {kind}",
+    "negative": "Negative face, same words: {kind}",
+}
+_UNDER_WAY = {
+    "": "{act} …",
+    "response": "{act} after the response …",
+    "pause": "{act} after the pause …",
+}
+"""Texts of acts that are not done yet, by what they wait for."""
+
+
+class Wording(NamedTuple):
+    """Texts of an act for the log, in the language of the panel.
+
+    Attributes:
+        done: once it is done: "Approved feedback".
+        doing: until then, and if it is not done: "Approving feedback".
+        removed: if it took away what was there, as a mark does: "Unmarked: assisted".
+    """
+
+    done: str
+    doing: str
+    removed: str = ""
+
+
+def same(text: str) -> Wording:
+    """Return the wording of an act whose text is the same before and after it is done."""
+    return Wording(text, text)
 
 
 class Act(NamedTuple):
     """An act, and the session's answer to it.
 
     Attributes:
-        text: for the log, once it is done: "Approved feedback".
+        wording: its texts.
         topic, message: as sent.
         by: who did it, if it was somebody else.
-        when: what a remark waits for: "after the response".
+        when: what a remark waits for.
         typed: text that the operator typed for it.
         answer: None until it comes.
         lost: why it may not come.
     """
 
-    text: str
+    wording: Wording
     topic: str
     message: Any
     by: str = ""
-    when: str = ""
+    when: Wait = ""
     typed: str = ""
     answer: ActAnswered | None = None
     lost: str = ""
@@ -98,39 +130,35 @@ class Act(NamedTuple):
             return is_late and self.message.text is not None
         return self.topic == topic and getattr(self.message, "action", "") == action
 
-    def line(self) -> Line:
+    def line(self, tr: Language) -> Line:
         """Return its line of the log. Only what is done is marked as good."""
-        at, answer = self.message.at, self.answer
+        at, answer, doing = self.message.at, self.answer, self._named(self.wording.doing)
         if answer is None:
             if not self.message.id:  # nobody awaits an answer
-                return Line(at, self._named(self.text))
+                return Line(at, self._named(self.wording.done))
             if self.lost:
-                return Line(
-                    at, f"{self._named(doing(self.text))}: not confirmed: {self.lost}", "bad"
-                )
-            when = f" {self.when}" if self.when else ""
-            return Line(at, f"{self._named(doing(self.text))}{when} …")
+                text = tr("{act}: not confirmed: {why}")
+                return Line(at, text.format(act=doing, why=self.lost), "bad")
+            return Line(at, tr(_UNDER_WAY[self.when]).format(act=doing))
         if answer.outcome == "done":
-            is_removed = answer.why == "removed"
-            text = self.text.replace("Marked", "Unmarked", 1) if is_removed else self.text
-            link = "" if self.by else f" · link {max(0, answer.at - at) / MS:.0f} ms"
-            return Line(at, f"{self._named(text)}{link}", "good")
-        fate = "too late" if answer.outcome == "late" else "not done"
-        parts = [f"{self._named(doing(self.text))}: {fate}", in_brackets(answer.why)]
-        kept = "; the text is kept" if self.typed else ""
-        return Line(at, f"{', '.join(filter(None, parts))}{kept}", "bad")
+            is_removed = answer.why == "removed" and self.wording.removed
+            done = self._named(self.wording.removed if is_removed else self.wording.done)
+            if self.by:
+                return Line(at, done, "good")
+            ms = round(max(0, answer.at - at) / MS)
+            return Line(at, tr("{act} · link {ms} ms").format(act=done, ms=ms), "good")
+        why, is_late = in_line(answer.why, tr), answer.outcome == "late"
+        if why:
+            text = tr("{act}: too late, {why}" if is_late else "{act}: not done, {why}")
+        else:
+            text = tr("{act}: too late" if is_late else "{act}: not done")
+        text = text.format(act=doing, why=why)
+        if self.typed:
+            text = tr("{outcome}; the text is kept").format(outcome=text)
+        return Line(at, text, "bad")
 
     def _named(self, text: str) -> str:
         return cut(f"{self.by}: {text}" if self.by else text, _LONGEST)
-
-
-def doing(text: str) -> str:
-    """Return the text of an act that is not done yet: "Approving feedback" for "Approved
-    feedback".
-    """
-    first, _, rest = text.partition(" ")
-    word = first.rstrip(":")
-    return f"{_DOING.get(word, word)}{first[len(word) :]} {rest}".strip()
 
 
 class ActLog:
@@ -153,9 +181,9 @@ class ActLog:
 
     @property
     def lines(self) -> list[Line]:
-        """All lines. A stop that is done has a line of its own (`stop.Stop`)."""
+        """All lines. A stop that is done has a line of its own (`session_state.Stop`)."""
         acts = [act for act in (*self.acts, *self.others) if not (act.is_done and _is_stop(act))]
-        return [*(act.line() for act in acts), *self._reports]
+        return [*(act.line(self._tr) for act in acts), *self._reports]
 
     def report(self, at: int, text: str) -> Line:
         """Log why something was not done; return its line."""
@@ -164,10 +192,15 @@ class ActLog:
         return line
 
     def add(
-        self, text: str, topic: Topic[Any], message: Message, when: str = "", typed: str = ""
+        self,
+        wording: Wording,
+        topic: Topic[Any],
+        message: Message,
+        when: Wait = "",
+        typed: str = "",
     ) -> None:
         """Log an act that is sent."""
-        act = Act(text, topic.name, message, when=when, typed=typed)
+        act = Act(wording, topic.name, message, when=when, typed=typed)
         self.acts = [*self.acts, act][-MAX_LINES:]
 
     def last_open(self, which: Callable[[Any], bool]) -> Act | None:
@@ -178,9 +211,9 @@ class ActLog:
         return next(found, None)
 
     def deciding(self, action: str) -> str:
-        """Return the decision on an action that is on its way; empty without one."""
+        """Return the text of the decision on an action that is on its way; empty without one."""
         act = self.last_open(lambda act: isinstance(act, Decision) and act.action == action)
-        return act.text if act else ""
+        return act.wording.doing if act else ""
 
     def unused_text(self, topic: Topic[Any], action: str = "") -> str:
         """Return the text typed last for a topic, or for a decision on an action, if that was not
@@ -212,14 +245,15 @@ class ActLog:
         message: Any = frame.message
         if message.id and any(act.message.id == message.id for act in self.acts):
             return
-        text = _text(message, me, self._kinds.get(getattr(message, "action", ""), "proposal"))
-        if text:
-            by = "you" if message.actor == me.name else short_name(message.actor)
+        kind = self._kinds.get(getattr(message, "action", ""), "proposal")
+        if wording := _wording(message, me, kind, self._tr):
+            is_mine = message.actor == me.name
+            by = self._tr("you") if is_mine else actor_name(message.actor, self._tr)
             # the therapist's keys have no time stamp
             timed = replace(message, at=message.at or frame.at)
             # a note that is published is in the record
             answer = answer_to(message, frame.at) if frame.topic is NOTE_ADDED else None
-            act = Act(text, frame.topic.name, timed, by=by, answer=answer)
+            act = Act(wording, frame.topic.name, timed, by=by, answer=answer)
             self.others = [*self.others, act][-MAX_LINES:]
 
     def _note_kind(self, message: Message) -> None:
@@ -240,48 +274,113 @@ def _is_stop(act: Act) -> bool:
     return isinstance(act.message, SessionCommand) and act.message.command == "stop"
 
 
-def _text(message: Message, me: Welcome, kind: str) -> str:  # noqa: PLR0911
-    """Return the text of an act of somebody else; empty for a pause, its end and a stop, which have
-    lines of their own.
+def _wording(  # noqa: PLR0911
+    message: Message, me: Welcome, kind: str, tr: Language
+) -> Wording | None:
+    """Return the wording of an act of somebody else; None for a pause, its end and a stop, which
+    have lines of their own.
 
     Args:
         message: the act.
         me: this panel at the session.
         kind: of the action that it decides on.
+        tr: language of the panel.
     """
     match message:
         case Decision():
-            return _decision(message, kind)
+            return decision_wording(message, kind, tr, tells_change=True)
+        case Remark(text=""):
+            return gesture_wording(message.gesture, tr)
         case Remark():
-            to = f" to {me.participants[message.seat]}" if len(me.participants) > 1 else ""
-            return (
-                f"Said{to} “{message.text}”"
-                if message.text
-                else f"Gesture: {message.gesture.replace('_', ' ')}"
-            )
+            to = me.participants[message.seat] if len(me.participants) > 1 else ""
+            return said_wording(message.text, to, tr)
         case ModeChanged():
-            return f"{message.kind.capitalize()}: {message.mode}"
+            return mode_wording(message, tr)
         case NoteAdded():
-            return f"Event: {message.label}" if message.label else f"Noted “{message.text}”"
-        case SessionCommand(command="skip", reason="rest"):
-            return "Ended the rest"
-        case SessionCommand(command="skip", reason="step"):
-            return "Skipped the question"
-        case SessionCommand(command="level"):
-            return f"Level {message.value}"
+            return note_wording(message, tr)
         case SessionCommand(command="mark"):
             titles = {mark.name: mark.title for mark in me.marks}
-            return f"Marked: {titles.get(message.reason, message.reason).lower()}"
-        case SessionCommand():
-            return _COMMANDS.get(message.command, "")
-    return ""
+            return mark_wording(titles.get(message.reason, message.reason), tr)
+        case SessionCommand(command="level"):
+            return same(tr("Level {level}", level=message.value))
+        case SessionCommand() if _key(message) in _COMMANDS.keys() - _TOLD_AS_EVENTS:
+            return command_wording(message, tr)
+    return None
 
 
-def _decision(decision: Decision, kind: str) -> str:
-    if decision.verdict != "edit":
-        return f"{'Approved' if decision.verdict == 'accept' else 'Vetoed'} {kind}"
-    if decision.text is not None:
-        return f"Edited {kind}: “{decision.text}”"
-    if decision.valence is not None:
-        return f"{decision.valence.capitalize()} face, same words: {kind}"
-    return f"Edited {kind}" + (f": level {decision.level}" if decision.level is not None else "")
+# --- the wording of acts; names and typed texts are put in by `format`: `tr` would change their
+# numbers
+
+
+def decision_wording(
+    decision: Decision, kind: str, tr: Language, *, tells_change: bool = False
+) -> Wording:
+    """Return the wording of a decision on an action of a kind. ``tells_change``: with the new text
+    or level.
+    """
+    kind = kind_name(kind, tr)
+    if decision.verdict == "accept":
+        wording = Wording(tr("Approved {kind}"), tr("Approving {kind}"))
+    elif decision.verdict == "veto":
+        wording = Wording(tr("Vetoed {kind}"), tr("Vetoing {kind}"))
+    elif decision.text is not None and tells_change:
+        wording = Wording(tr("Edited {kind}: “{text}”"), tr("Editing {kind}: “{text}”"))
+    elif decision.valence is not None:
+        wording = same(tr(_FACES[decision.valence]))
+    elif decision.level is not None and tells_change:
+        wording = Wording(tr("Edited {kind}: level {level}"), tr("Editing {kind}: level {level}"))
+    else:
+        wording = Wording(tr("Edited {kind}"), tr("Editing {kind}"))
+    return _filled(wording, kind=kind, text=decision.text, level=decision.level)
+
+
+def cancelled_wording(kind: str, tr: Language) -> Wording:
+    """Return the wording of a veto on an action of a kind that is under way or queued."""
+    wording = Wording(tr("Cancelled {kind}"), tr("Cancelling {kind}"))
+    return _filled(wording, kind=kind_name(kind, tr))
+
+
+def said_wording(text: str, to: str, tr: Language) -> Wording:
+    """Return the wording of a remark. ``to``: the addressee, if there are several participants."""
+    if to:
+        wording = Wording(tr("Said to {who} “{text}”"), tr("Saying to {who} “{text}”"))
+    else:
+        wording = Wording(tr("Said “{text}”"), tr("Saying “{text}”"))
+    return _filled(wording, who=to, text=text)
+
+
+def gesture_wording(gesture: str, tr: Language) -> Wording:
+    """Return the wording of a gesture, by its name in the theme."""
+    return same(tr("Gesture: {gesture}").format(gesture=gesture.replace("_", " ")))
+
+
+def mode_wording(changed: ModeChanged, tr: Language) -> Wording:
+    """Return the wording of a change of mode."""
+    return same(f"{capitalized(kind_name(changed.kind, tr))}: {mode_name(changed.mode, tr)}")
+
+
+def note_wording(note: NoteAdded, tr: Language) -> Wording:
+    """Return the wording of a note or an event mark."""
+    if note.label:
+        return same(tr("Event: {label}").format(label=note.label))
+    return _filled(Wording(tr("Noted “{text}”"), tr("Noting “{text}”")), text=note.text)
+
+
+def mark_wording(title: str, tr: Language) -> Wording:
+    """Return the wording of a mark on a trial."""
+    wording = Wording(tr("Marked: {mark}"), tr("Marking: {mark}"), tr("Unmarked: {mark}"))
+    return _filled(wording, mark=in_line(title, tr))
+
+
+def command_wording(act: SessionCommand, tr: Language) -> Wording:
+    """Return the wording of a command, unless it is about a level or a mark."""
+    done, doing = _COMMANDS[_key(act)]
+    return Wording(tr(done), tr(doing))
+
+
+def _key(act: SessionCommand) -> str:
+    return f"{act.command} {act.reason}".strip()
+
+
+def _filled(wording: Wording, **slots: object) -> Wording:
+    return Wording(*(text.format(**slots) for text in wording))

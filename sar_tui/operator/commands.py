@@ -25,10 +25,19 @@ from sar_tui.model.messages import (
     Valence,
 )
 from sar_tui.model.units import MS, SECOND
-from sar_tui.operator.act_log import ActLog
-from sar_tui.operator.event_text import short_name
+from sar_tui.operator.act_log import (
+    ActLog,
+    Wait,
+    Wording,
+    command_wording,
+    decision_wording,
+    note_wording,
+    said_wording,
+    same,
+)
+from sar_tui.operator.event_text import in_line, mode_name, short_name
 from sar_tui.operator.palette import MODES, Item
-from sar_tui.operator.phrases import addressed, addressee, fill_slots, slot_values
+from sar_tui.operator.phrases import addressed, addressee_code, fill_slots, not_known, slot_values
 from sar_tui.operator.session_state import SessionState
 
 TOO_SOON = 150 * MS
@@ -66,6 +75,7 @@ class Commands:
     """
 
     def __init__(self, tr: Language = ENGLISH) -> None:
+        self.tr = tr
         self.state = SessionState(tr)
         self.peer: Peer | None = None
         self.log = ActLog(tr)
@@ -84,7 +94,8 @@ class Commands:
             self.log.rejoined()
         if isinstance(event, Connection) and event.state != "connected":
             is_over = event.state == "ended"
-            self.log.lose_answers("the session is over" if is_over else "the connection was lost")
+            why = "the session is over" if is_over else "the connection was lost"
+            self.log.lose_answers(self.tr(why))
         if isinstance(event, list) and self.state.welcome:
             for frame in event:
                 self.log.receive(frame, self.state.welcome)
@@ -100,18 +111,17 @@ class Commands:
         """Return why an act would be refused; empty if it would be accepted. Without one, any that
         needs control.
         """
-        state = self.state
+        state, tr = self.state, self.tr
         if not state.is_connected:
-            return "There is no connection."
+            return tr("There is no connection.")
         if act and not needs_control(act):
             return ""
         if state.welcome and state.welcome.role == "observer":
-            return "You are an observer: you can only stop the agent."
-        return (
-            ""
-            if state.has_control
-            else f"{short_name(state.holder)} has control; {self.control_key} takes it."
-        )
+            return tr("You are an observer: you can only stop the agent.")
+        if state.has_control:
+            return ""
+        text = tr("{who} has control; {key} takes it.")
+        return text.format(who=short_name(state.holder), key=self.control_key)
 
     # --- proposals
 
@@ -143,17 +153,13 @@ class Commands:
         self, approval: PendingApproval, verdict: Literal["accept", "veto"], at: int
     ) -> bool:
         """Approve or veto a proposal."""
-        text = "Approved" if verdict == "accept" else "Vetoed"
-        return self._send_decision(
-            text, approval, Decision(action=approval.proposal.id, verdict=verdict), at
-        )
+        decision = Decision(action=approval.proposal.id, verdict=verdict)
+        return self._send_decision(approval, decision, at)
 
     def change_valence(self, approval: PendingApproval, valence: Valence, at: int) -> bool:
         """Send a proposal with the face, gesture and tone of another valence."""
         decision = Decision(action=approval.proposal.id, verdict="edit", valence=valence)
-        return self._send_decision(
-            f"{valence.capitalize()} face, same words:", approval, decision, at
-        )
+        return self._send_decision(approval, decision, at)
 
     def edit(self, approval: PendingApproval, text: str, at: int) -> bool:
         """Send a proposal with another text, gesture or level. Unchanged, it is approved."""
@@ -163,8 +169,8 @@ class Commands:
         decision = Decision(action=approval.proposal.id, verdict="edit")
         if approval.level is not None:
             if not text.isdecimal():
-                self.log.report(at, f"A level is a number, not {text!r}. Nothing was sent.")
-                return False
+                why = self.tr("A level is a number, not {text!r}.").format(text=text)
+                return self._not_sent(why, at)
             if not self._is_level(int(text), at):
                 return False
             decision = replace(decision, level=int(text))
@@ -176,51 +182,51 @@ class Commands:
             full = addressed(self.state, approval.proposal.seat, filled) if has_name else filled
             decision = replace(decision, text=full)
         elif self.state.theme and text.replace(" ", "_") not in self.state.theme.gestures:
-            self.log.report(at, f"The theme has no gesture {text!r}. Nothing was sent.")
-            return False
+            why = self.tr("The theme has no gesture {text!r}.").format(text=text)
+            return self._not_sent(why, at)
         else:
             decision = replace(decision, gesture=text.replace(" ", "_"))
-        return self._send_decision("Edited", approval, decision, at, typed=text)
+        return self._send_decision(approval, decision, at, typed=text)
 
     def _send_decision(
-        self, text: str, approval: PendingApproval, decision: Decision, at: int, typed: str = ""
+        self, approval: PendingApproval, decision: Decision, at: int, typed: str = ""
     ) -> bool:
         if self.log.deciding(decision.action):
             return False
         shown, since = self.shown
         if shown != decision.action or at - since < TOO_SOON:
-            self.log.report(at, "Too soon: that proposal had only just appeared. Nothing was sent.")
-            return False
-        text = f"{text} {approval.proposal.kind}"
-        return self.send(text, DECISION, replace(decision, seat=approval.proposal.seat), at, typed)
+            why = self.tr("Too soon: that proposal had only just appeared.")
+            return self._not_sent(why, at)
+        wording = decision_wording(decision, approval.proposal.kind, self.tr)
+        decision = replace(decision, seat=approval.proposal.seat)
+        return self.send(wording, DECISION, decision, at, typed)
 
     # --- the session
 
-    def command(self, text: str, command: Any, at: int, **more: Any) -> bool:
-        """Send a command to the session (see `SessionCommand`). ``text``: for the log."""
-        return self.send(text, COMMAND, SessionCommand(command=command, **more), at)
+    def command(self, command: Any, at: int, wording: Wording | None = None, **more: Any) -> bool:
+        """Send a command to the session (see `SessionCommand`). ``wording``: for the log, if it has
+        no usual one.
+        """
+        act = SessionCommand(command=command, **more)
+        return self.send(wording or command_wording(act, self.tr), COMMAND, act, at)
 
-    def prompt_command(self, text: str, command: Literal["skip", "repeat"], at: int) -> bool:
+    def prompt_command(self, command: Literal["skip", "repeat"], at: int) -> bool:
         """Skip or repeat the prompt that is shown or about to appear; skip a question, or a rest
         that must be taken.
         """
-        waiting = self.state.waiting
+        waiting, tr = self.state.waiting, self.tr
         if waiting and waiting.step and command == "skip":
             if waiting.step.step.required and not self.refusal():
-                self.log.report(
-                    at, "Nobody else can answer that: the session waits for it. Nothing was sent."
-                )
-                return False
-            what = "question" if waiting.step.step.is_question else "step"
-            return self.command(
-                f"Skipped the {what}", command, at, reason="step", value=waiting.step.number
-            )
+                why = tr("Nobody else can answer that: the session waits for it.")
+                return self._not_sent(why, at)
+            step = Wording(tr("Skipped the step"), tr("Skipping the step"))
+            wording = None if waiting.step.step.is_question else step
+            return self.command(command, at, wording, reason="step", value=waiting.step.number)
         if waiting and waiting.stage == "rest" and command == "skip":
-            return self.command("Ended the rest", command, at, reason="rest")
+            return self.command(command, at, reason="rest")
         if waiting and waiting.stage != "trial" and not self.refusal():
-            self.log.report(at, "No prompt is shown. Nothing was sent.")
-            return False
-        return self.command(text, command, at)
+            return self._not_sent(tr("No prompt is shown."), at)
+        return self.command(command, at)
 
     def may_resume(self, at: int) -> bool:
         """Return True if the pause key takes effect: it must be pressed twice to end a
@@ -239,8 +245,8 @@ class Commands:
     def pause(self, at: int) -> bool:
         """Pause the session, or resume it."""
         if self.state.is_paused:
-            return self.command("Resumed", "resume", at)
-        return self.command("Paused", "pause", at)
+            return self.command("resume", at)
+        return self.command("pause", at)
 
     def level(self, step: int, at: int) -> bool:
         """Raise or lower the level of the next attempt."""
@@ -248,11 +254,11 @@ class Commands:
         sent = self.log.last_open(lambda act: getattr(act, "command", "") == "level")
         level = sent.message.value if sent else state.next_level or state.level
         if level is None:
-            self.log.report(at, "The level is not known yet. Nothing was sent.")
-            return False
+            return self._not_sent(self.tr("The level is not known yet."), at)
         if not self._is_level(level + step, at):
             return False
-        return self.command(f"Level {level} → {level + step}", "level", at, value=level + step)
+        text = self.tr("Level {previous} → {level}", previous=level, level=level + step)
+        return self.command("level", at, same(text), value=level + step)
 
     def _is_level(self, level: int, at: int) -> bool:
         """Return True if the session can have a level; else log the nearest one that it can
@@ -266,9 +272,9 @@ class Commands:
         )
         if least <= level <= most:
             return True
-        limit = f"Level {least} is the lowest" if level < least else f"Level {most} is the highest"
-        self.log.report(at, f"{limit} level. Nothing was sent.")
-        return False
+        if level < least:
+            return self._not_sent(self.tr("Level {level} is the lowest level.", level=least), at)
+        return self._not_sent(self.tr("Level {level} is the highest level.", level=most), at)
 
     def hold(self, at: int) -> bool:
         """Let only the operator change the level, or restore the mode that was set before."""
@@ -276,42 +282,40 @@ class Commands:
         mode = state.arbiter.modes.get("difficulty") if state.arbiter else None
         if mode != "manual":
             self._mode_before_hold = mode
-            return self.send("Level held", MODE, ModeChanged(kind="difficulty", mode="manual"), at)
+            change = ModeChanged(kind="difficulty", mode="manual")
+            return self.send(same(self.tr("Level held")), MODE, change, at)
         planned = state.welcome.parameters.get("operator_difficulty") if state.welcome else None
         usual: Mode = planned if planned in MODES and planned != "manual" else "autonomous"
         before = self._mode_before_hold or usual
-        return self.send(f"Level: {before}", MODE, ModeChanged(kind="difficulty", mode=before), at)
+        wording = same(self.tr("Level: {mode}", mode=mode_name(before, self.tr)))
+        return self.send(wording, MODE, ModeChanged(kind="difficulty", mode=before), at)
 
     # --- speech and notes
 
     def pick(self, item: Item, at: int) -> bool:
         """Send the act of a palette item."""
         if item.topic is None:
-            self.log.report(at, f"Not said: {item.why}.")
+            self.log.report(at, self.tr("Not said: {why}.", why=item.why))
             return False
         if isinstance(item.message, SessionCommand) and item.message.command == "mark":
             return self._mark(item, item.message.reason, at)
-        return self.send(item.log_text, item.topic, item.message, at)
+        return self.send(item.wording, item.topic, item.message, at)
 
     def _mark(self, item: Item, name: str, at: int) -> bool:
         """Mark the trial. Another mark is replaced only if the key is pressed twice for the same
         trial.
         """
-        now = self.state.trial_mark
+        now, tr = self.state.trial_mark, self.tr
         if now.present not in ("", name) and self._mark_asked != (now, name) and not self.refusal():
             self._mark_asked = now, name
-            titles = (
-                {mark.name: mark.title.lower() for mark in self.state.welcome.marks}
-                if self.state.welcome
-                else {}
-            )
-            present = titles.get(now.present, now.present)
-            self.log.report(
-                at, f"Marked as {present} already. The same key again: {item.text.lower()} instead."
-            )
+            marks = self.state.welcome.marks if self.state.welcome else ()
+            titles = {mark.name: mark.title for mark in marks}
+            present = in_line(titles.get(now.present, now.present), tr)
+            text = tr("Marked as {present} already. The same key again: {mark} instead.")
+            self.log.report(at, text.format(present=present, mark=in_line(item.text, tr)))
             return False
         self._mark_asked = (TrialMark(), "")
-        return self.send(item.log_text, COMMAND, item.message, at)
+        return self.send(item.wording, COMMAND, item.message, at)
 
     def say(self, text: str, seat: str, at: int) -> bool:
         """Have the agent say a typed text."""
@@ -319,46 +323,55 @@ class Commands:
         if not filled:
             return False
         remark = Remark(text=addressed(self.state, seat, filled), source="free text", seat=seat)
-        return self.send(f"Said{addressee(self.state, seat)} “{filled}”", REMARK, remark, at, text)
+        wording = said_wording(filled, addressee_code(self.state, seat), self.tr)
+        return self.send(wording, REMARK, remark, at, text)
 
     def _fill(self, text: str, seat: str, at: int) -> str:
         """Return a typed text with its slots filled; empty if a value is not known yet."""
         filled, missing = fill_slots(text, slot_values(self.state, seat))
         if missing:
-            self.log.report(at, f"{{{missing}}} is not known yet. Nothing was sent.")
+            self._not_sent(f"{not_known(missing, self.tr)}.", at)
             return ""
         return filled
 
-    def _when(self) -> str:
+    def _when(self) -> Wait:
         """Return what a remark waits for."""
         if self.state.is_quiet:
-            return "after the response"
-        return "after the pause" if self.state.is_paused else ""
+            return "response"
+        return "pause" if self.state.is_paused else ""
 
     def note(self, text: str, at: int) -> bool:
         """Add a note to the record."""
-        return self.send(f"Noted “{text}”", NOTE_ADDED, NoteAdded(text=text), at, text)
+        note = NoteAdded(text=text)
+        return self.send(note_wording(note, self.tr), NOTE_ADDED, note, at, text)
 
     def event(self, label: str, at: int) -> bool:
         """Add an event mark to the record."""
-        return self.send(f"Event: {label}", NOTE_ADDED, NoteAdded(label=label), at)
+        event = NoteAdded(label=label)
+        return self.send(note_wording(event, self.tr), NOTE_ADDED, event, at)
 
     # --- sending
 
-    def send(self, text: str, topic: Topic[Any], message: Any, at: int, typed: str = "") -> bool:
-        """Send an act, or log why not. ``text``: for the log; ``typed``: what the operator typed
+    def send(
+        self, wording: Wording, topic: Topic[Any], message: Any, at: int, typed: str = ""
+    ) -> bool:
+        """Send an act, or log why not. ``wording``: for the log; ``typed``: what the operator typed
         for it.
         """
         if reason := self.refusal(message):
-            self.log.report(at, f"{reason} Nothing was sent.")
-            return False
+            return self._not_sent(reason, at)
         if self.peer is None or self.state.welcome is None:
             return False
         id = secrets.token_hex(8)
         act = replace(message, actor=self.state.welcome.name, at=at, id=id)
-        self.log.add(text, topic, act, self._when() if topic is REMARK else "", typed)
+        self.log.add(wording, topic, act, self._when() if topic is REMARK else "", typed)
         self.peer.send(topic, act)
         return True
+
+    def _not_sent(self, why: str, at: int) -> Literal[False]:
+        """Log why an act was not sent: a sentence."""
+        self.log.report(at, f"{why} {self.tr('Nothing was sent.')}")
+        return False
 
 
 def takes_valence(approval: PendingApproval) -> bool:

@@ -23,6 +23,7 @@ from sar_tui.loop.topics import (
     STORAGE,
     TRUNK_SENSOR,
 )
+from sar_tui.model.language import ENGLISH, Language
 from sar_tui.model.messages import (
     Action,
     ArbiterState,
@@ -69,6 +70,21 @@ def append(lines: tuple[Line, ...], line: Line) -> tuple[Line, ...]:
 
 _Text = tuple[str, Tone]
 
+_KINDS = {
+    "feedback": "feedback",
+    "encouragement": "encouragement",
+    "instruction": "instruction",
+    "gesture": "gesture",
+    "difficulty": "difficulty",
+    "filler": "filler",
+    "proposal": "proposal",
+}
+_MODES = {
+    "autonomous": "autonomous",
+    "veto": "veto",
+    "approve": "approve",
+    "manual": "manual",
+}
 _DROPPED = {
     "late": "The {kind} came too late: the session had moved on.",
     "stopped": "The waiting {kind} was stopped.",
@@ -76,20 +92,22 @@ _DROPPED = {
     "expired": "The {kind} expired: nobody decided in time.",
     "no operator": "The {kind} was dropped: there was no operator.",
 }
-_SENSOR: dict[str, _Text] = {
-    "attached": ("The motion sensor is connected.", "good"),
-    "detached": ("The motion sensor is disconnected.", "bad"),
-    "stalled": ("The motion sensor sends no data.", "bad"),
-    "flowing": ("The motion sensor sends data again.", "good"),
-    "ended": ("The recording that replaces the sensor has ended.", "plain"),
+_SENSOR = {
+    "attached": "The motion sensor is connected.",
+    "detached": "The motion sensor is disconnected.",
+    "stalled": "The motion sensor sends no data.",
+    "flowing": "The motion sensor sends data again.",
+    "ended": "The recording that replaces the sensor has ended.",
 }
-_TRUNK_SENSOR: dict[str, _Text] = {
-    "attached": ("The trunk sensor is connected.", "good"),
-    "detached": ("The trunk sensor is disconnected; reaches count all the same.", "bad"),
-    "stalled": ("The trunk sensor sends no data; reaches count all the same.", "bad"),
-    "flowing": ("The trunk sensor sends data again.", "good"),
-    "ended": ("The recording that replaces the trunk sensor has ended.", "plain"),
+_TRUNK_SENSOR = {
+    "attached": "The trunk sensor is connected.",
+    "detached": "The trunk sensor is disconnected; reaches count all the same.",
+    "stalled": "The trunk sensor sends no data; reaches count all the same.",
+    "flowing": "The trunk sensor sends data again.",
+    "ended": "The recording that replaces the trunk sensor has ended.",
 }
+_SENSOR_TONES: dict[str, Tone] = {"attached": "good", "flowing": "good", "ended": "plain"}
+"""Tones of a sensor's states; of all others: bad."""
 PAUSE_REASONS = {"tired": "tired", "pain": "in pain", "finished": "wants to end"}
 """Reasons for which a participant pauses."""
 _ACTS = {
@@ -100,13 +118,52 @@ _ACTS = {
     NOTE_ADDED.name: "a note",
     PROPOSAL_SEEN.name: "a report that a proposal was seen",
 }
-_SETTINGS = {"threshold": "the goal", "feedback_every": "the number of attempts between feedback"}
+_REQUESTS = {
+    **_ACTS,
+    "an act": "an act",
+    "a connection": "a connection",
+    "a heartbeat": "a heartbeat",
+    "a message": "a message",
+    "the link": "the link",
+}
+"""What a peer asked for and was refused, with what is answered each by itself."""
+_PRESENCE = {
+    "baton": ("You have control.", "{who} has control."),  # stored spelling of "took control"
+    "joined": ("You joined.", "{who} joined."),
+    "watching": ("You joined to watch.", "{who} joined to watch."),
+    "left": ("You left.", "{who} left."),
+    "unproven": (
+        "Your presence is not proven: {why}",
+        "{who}'s presence is not proven: {why}",
+    ),
+    "lost": ("You lost the connection.", "{who} lost the connection."),
+    "lost because": ("You lost the connection: {why}.", "{who} lost the connection: {why}."),
+}
+"""Texts of a change for the one who changed, and for all others."""
+_SETTINGS = {
+    "threshold": "The therapist set the goal to {value} from the next attempt on.",
+    "feedback_every": (
+        "The therapist set the number of attempts between feedback to {value} from the next "
+        "attempt on."
+    ),
+}
 _LEVEL_REASONS = {
     "success": "goal reached",
     "failure": "goal missed",
     "operator": "an operator",
     "mark": "a mark",
 }
+_GROUNDS = {"deadline": "nobody decided in time", "no operator": "no operator"}
+
+
+def kind_name(kind: str, tr: Language) -> str:
+    """Return the name of a kind of action."""
+    return tr(_KINDS.get(kind, kind))
+
+
+def mode_name(mode: str, tr: Language) -> str:
+    """Return the name of a mode."""
+    return tr(_MODES.get(mode, mode))
 
 
 def short_name(name: str) -> str:
@@ -114,144 +171,182 @@ def short_name(name: str) -> str:
     return name.partition(".")[2] or name
 
 
-def participant_name(me: Welcome) -> str:
+def actor_name(actor: str, tr: Language) -> str:
+    """Return the name of somebody who acts: an operator's own, or what the therapist is."""
+    return tr("therapist") if actor == "therapist" else short_name(actor)
+
+
+def participant_name(me: Welcome, tr: Language = ENGLISH) -> str:
     """Return the code of the participant, or "A participant" if there are several."""
-    return next(iter(me.participants.values())) if len(me.participants) == 1 else "A participant"
+    if len(me.participants) == 1:
+        return next(iter(me.participants.values()))
+    return tr("A participant")
 
 
-def stopper(actor: str, me: Welcome | None) -> str:
+def stopper(actor: str, me: Welcome | None, tr: Language) -> str:
     """Return who stopped the agent, for the log: the participant does so by F2."""
     if actor == "participant":
-        return f"{participant_name(me) if me else 'The participant'} pressed F2"
-    return (
-        "You stopped the agent"
-        if me and actor == me.name
-        else f"{short_name(actor)} stopped the agent"
-    )
+        who = participant_name(me, tr) if me else tr("The participant")
+        return tr("{who} pressed F2").format(who=who)
+    if me and actor == me.name:
+        return tr("You stopped the agent")
+    return tr("{who} stopped the agent").format(who=actor_name(actor, tr))
 
 
-def event_line(frame: Frame, me: Welcome | None, before: ArbiterState | None) -> Line | None:
+def in_line(sentence: str, tr: Language) -> str:
+    """Return a sentence or a title as part of a line: without full stop, and in English without
+    capital.
+    """
+    own = tr(sentence).rstrip(".")
+    return own[:1].lower() + own[1:] if tr.code.partition("-")[0] == "en" else own
+
+
+def capitalized(text: str) -> str:
+    """Return a text with its first letter as a capital, and the others as they are."""
+    return text[:1].upper() + text[1:]
+
+
+def event_line(
+    frame: Frame, me: Welcome | None, before: ArbiterState | None, tr: Language = ENGLISH
+) -> Line | None:
     """Return the log line of a message, or None if it needs none.
 
     Args:
         frame: the message.
         me: this panel at the session; its operator is called "you".
         before: the arbiter's state until then.
+        tr: language of the panel.
     """
     if isinstance(frame.message, SessionCommand):
-        text = _pause_or_resume(frame.message, me)
+        text = _pause_or_resume(frame.message, me, tr)
     else:
-        text = _text(frame.topic.name, frame.message, me.name if me else "", before)
+        text = _text(frame.topic.name, frame.message, me.name if me else "", before, tr)
     return Line(frame.at, *text) if text else None
 
 
-def _text(topic: str, message: Any, me: str, before: ArbiterState | None) -> _Text | None:
+def _text(
+    topic: str, message: Any, me: str, before: ArbiterState | None, tr: Language
+) -> _Text | None:
     text: _Text | None = None
     if topic == REFUSED.name:
         # this operator's acts are answered each by itself
         is_answered = message.actor == me and message.what in _ACTS
-        text = None if is_answered else (_refused(message, me), "bad")
+        text = None if is_answered else (_refused(message, me, tr), "bad")
     elif topic == PRESENCE.name:
-        text = _presence(message, me)
+        text = _presence(message, me, tr)
     elif topic == DROPPED.name:
-        text = _dropped(message, before)
+        text = _dropped(message, before, tr)
     elif topic == LEVEL_DECIDED.name:
-        text = _level_decided(message, me, before)
+        text = _level_decided(message, me, before, tr)
     elif topic == ACTION.name:
-        text = _unapproved(message)
+        text = _unapproved(message, tr)
     elif topic == LEVEL.name:
-        text = _level_changed(message)
+        text = _level_changed(message, tr)
     elif topic == GOAL.name:
-        text = _goal_changed(message)
-    elif topic == SENSOR.name:
-        text = _SENSOR.get(message.state)
-    elif topic == TRUNK_SENSOR.name:
-        text = _TRUNK_SENSOR.get(message.state)
+        text = _goal_changed(message, tr)
+    elif topic == SENSOR.name and message.state in _SENSOR:
+        text = tr(_SENSOR[message.state]), _SENSOR_TONES.get(message.state, "bad")
+    elif topic == TRUNK_SENSOR.name and message.state in _TRUNK_SENSOR:
+        text = tr(_TRUNK_SENSOR[message.state]), _SENSOR_TONES.get(message.state, "bad")
     elif topic == STORAGE.name:
-        text = _storage(message)
+        text = _storage(message, tr)
     elif topic == MARKERS.name:
-        text = _markers(message)
+        text = _markers(message, tr)
     elif topic == SETTING.name:
-        text = _setting_changed(message), "plain"
+        text = _setting_changed(message, tr), "plain"
     return text
 
 
-def _setting_changed(change: SettingChanged) -> str:
-    name = _SETTINGS.get(change.name, change.name)
-    return (
-        f"The {short_name(change.actor)} set {name} to {change.value:g} from the next attempt on."
+# Names, addresses and texts of others are put in by `format`: `tr` would change their numbers.
+
+
+def _setting_changed(change: SettingChanged, tr: Language) -> str:
+    value = f"{change.value:g}"
+    if change.name in _SETTINGS:
+        return tr(_SETTINGS[change.name], value=value)
+    return tr(
+        "The therapist set {name} to {value} from the next attempt on.",
+        name=change.name,
+        value=value,
     )
 
 
-def _markers(change: MarkersChanged) -> _Text | None:
+def _markers(change: MarkersChanged, tr: Language) -> _Text | None:
+    where = change.destination
     if change.state == "failing":
-        return f"No markers go to {change.destination}: {change.detail}", "bad"
+        text = tr("No markers go to {where}: {why}")
+        return text.format(where=where, why=tr(change.detail)), "bad"
     if change.state == "working":
-        return f"Markers go to {change.destination} again.", "good"
+        return tr("Markers go to {where} again.").format(where=where), "good"
     return None
 
 
-def _pause_or_resume(act: SessionCommand, me: Welcome | None) -> _Text | None:
+def _pause_or_resume(act: SessionCommand, me: Welcome | None, tr: Language) -> _Text | None:
     """Describe a pause, its end or a skipped attempt, unless this operator did it: the log has that
     already.
     """
     is_skipped = act.command == "skip" and act.reason == "attempt"
     if me is None or act.actor == me.name or not (is_skipped or act.command in ("pause", "resume")):
         return None
-    who = participant_name(me) if act.actor == "participant" else short_name(act.actor)
+    is_theirs = act.actor == "participant"
+    who = participant_name(me, tr) if is_theirs else actor_name(act.actor, tr)
     if is_skipped:
-        return f"{who} skipped the attempt.", "bad"
+        return tr("{who} skipped the attempt.").format(who=who), "bad"
     if act.command == "resume":
-        return f"{who} resumed.", "plain"
-    why = f": {PAUSE_REASONS[act.reason]}" if act.reason in PAUSE_REASONS else ""
-    return f"{who} paused{why}.", "bad" if why or act.actor == "participant" else "plain"
+        return tr("{who} resumed.").format(who=who), "plain"
+    if act.reason in PAUSE_REASONS:
+        why = tr(PAUSE_REASONS[act.reason])
+        return tr("{who} paused: {why}.").format(who=who, why=why), "bad"
+    return tr("{who} paused.").format(who=who), "bad" if is_theirs else "plain"
 
 
-def _refused(refused: PeerRequestRefused, me: str) -> str:
-    times = f" ({refused.count} times)" if refused.count > 1 else ""
-    whose = "" if refused.actor == me else f" for {short_name(refused.actor)}"
-    return f"Refused{whose}: {_ACTS.get(refused.what, refused.what)}{times}. {refused.why}"
+def _refused(refused: PeerRequestRefused, me: str, tr: Language) -> str:
+    what, why = tr(_REQUESTS.get(refused.what, refused.what)), tr(refused.why)
+    if refused.count > 1:
+        what = tr("{what} ({count} times)").format(what=what, count=refused.count)
+    if refused.actor == me:
+        return tr("Refused: {what}. {why}").format(what=what, why=why)
+    who = short_name(refused.actor)
+    return tr("Refused for {who}: {what}. {why}").format(who=who, what=what, why=why)
 
 
-def _presence(changed: OperatorChanged, me: str) -> _Text:
-    you = changed.actor == me
-    who = "You" if you else short_name(changed.actor)
-    match changed.state:
-        case "baton":  # stored spelling of "took control"
-            return f"{who} {'have' if you else 'has'} control.", "good" if you else "plain"
-        case "joined":
-            return f"{who} joined{' to watch' if changed.role == 'observer' else ''}.", "plain"
-        case "left":
-            return f"{who} left.", "plain"
-        case "unproven":
-            whose = "Your" if you else f"{who}'s"
-            return f"{whose} presence is not proven: {changed.detail}", "bad"
-    why = f": {changed.detail.rstrip('.')}" if changed.detail else ""
-    return f"{who} lost the connection{why}.", "bad"
+def _presence(changed: OperatorChanged, me: str, tr: Language) -> _Text:
+    state, is_me = changed.state, changed.actor == me
+    watches = state == "joined" and changed.role == "observer"
+    is_explained = state == "lost" and changed.detail
+    mine, theirs = _PRESENCE["watching" if watches else "lost because" if is_explained else state]
+    why = tr(changed.detail).rstrip(".") if is_explained else tr(changed.detail)
+    text = tr(mine if is_me else theirs).format(who=short_name(changed.actor), why=why)
+    if state in ("unproven", "lost"):
+        return text, "bad"
+    return text, "good" if state == "baton" and is_me else "plain"
 
 
-def _dropped(dropped: Dropped, before: ArbiterState | None) -> _Text | None:
+def _dropped(dropped: Dropped, before: ArbiterState | None, tr: Language) -> _Text | None:
     """Describe a dropped proposal, except a veto, one left to the operator, and a filler."""
     waiting = (
         (*(approval.proposal for approval in before.pending), *before.queued) if before else ()
     )
     kind = next((each.kind for each in waiting if each.id == dropped.id), "proposal")
-    text = _DROPPED.get(dropped.reason)
-    if not text or kind == "filler":
+    if dropped.reason not in _DROPPED or kind == "filler":
         return None
-    return text.format(kind=kind), "bad" if dropped.reason in ("late", "expired") else "plain"
+    text = tr(_DROPPED[dropped.reason], kind=kind_name(kind, tr))
+    return text, "bad" if dropped.reason in ("late", "expired") else "plain"
 
 
-def _unapproved(action: Action) -> _Text | None:
+def _unapproved(action: Action, tr: Language) -> _Text | None:
     """Describe an action that was done because nobody decided on it; the others can be seen and
     heard.
     """
     if action.ground == "deadline" and action.mode == "approve":
-        return f"Nobody decided in time: the {action.kind} was sent unchanged.", "bad"
+        kind = kind_name(action.kind, tr)
+        return tr("Nobody decided in time: the {kind} was sent unchanged.", kind=kind), "bad"
     return None
 
 
-def _level_decided(decided: LevelDecided, me: str, before: ArbiterState | None) -> _Text | None:
+def _level_decided(
+    decided: LevelDecided, me: str, before: ArbiterState | None, tr: Language
+) -> _Text | None:
     """Describe a decision on the level, unless an operator approved it (logged as an act) or did
     not veto it.
     """
@@ -260,41 +355,41 @@ def _level_decided(decided: LevelDecided, me: str, before: ArbiterState | None) 
     if decided.decision == "accepted" and (decided.ground == "operator" or mode == "veto"):
         return None
     tone: Tone = "bad" if decided.ground == "deadline" else "plain"
-    if decided.decision == "rejected":
-        level = f" {decided.level}" if decided.level else ""
-        return f"The level stays{level} ({_ground(decided, me)}).", tone
-    return f"The next level is {decided.level} ({_ground(decided, me)}).", tone
+    level, why = decided.level, _ground(decided, me, tr)
+    if decided.decision != "rejected":
+        return tr("The next level is {level} ({why}).", level=level, why=why), tone
+    if level:
+        return tr("The level stays {level} ({why}).", level=level, why=why), tone
+    return tr("The level stays ({why}).", why=why), tone
 
 
-def _ground(decided: LevelDecided, me: str) -> str:
+def _ground(decided: LevelDecided, me: str, tr: Language) -> str:
     if decided.ground == "operator":
-        return "you" if decided.actor == me else short_name(decided.actor)
-    return {"deadline": "nobody decided in time", "no operator": "no operator"}.get(
-        decided.ground, "nobody decided"
-    )
+        return tr("you") if decided.actor == me else short_name(decided.actor)
+    return tr(_GROUNDS.get(decided.ground, "nobody decided"))
 
 
-def _level_changed(changed: LevelChanged) -> _Text | None:
+def _level_changed(changed: LevelChanged, tr: Language) -> _Text | None:
     if changed.previous == changed.level:
         return None
-    why = "" if changed.reason in ("operator", "mark") else in_brackets(changed.why)
-    reason = why or _LEVEL_REASONS.get(changed.reason, changed.reason)
-    return f"Level {changed.previous} → {changed.level} ({reason}).", "plain"
+    why = "" if changed.reason in ("operator", "mark") else in_line(changed.why, tr)
+    text = tr(
+        "Level {previous} → {level} ({why}).",
+        previous=changed.previous,
+        level=changed.level,
+        why=why or tr(_LEVEL_REASONS.get(changed.reason, changed.reason)),
+    )
+    return text, "plain"
 
 
-def _goal_changed(changed: GoalChanged) -> _Text:
+def _goal_changed(changed: GoalChanged, tr: Language) -> _Text:
     values = f"{changed.previous:.4g} → {changed.goal:.4g} {changed.unit}".rstrip()
-    return f"Goal {values} ({in_brackets(changed.why)}).", "plain"
+    return tr("Goal {values} ({why}).", values=values, why=in_line(changed.why, tr)), "plain"
 
 
-def in_brackets(sentence: str) -> str:
-    """Return a sentence as it reads in brackets: without capital and full stop."""
-    return sentence[:1].lower() + sentence[1:].rstrip(".")
-
-
-def _storage(changed: StorageChanged) -> _Text:
+def _storage(changed: StorageChanged, tr: Language) -> _Text:
     if changed.working and changed.reason:
-        return changed.reason, "bad"
+        return tr(changed.reason), "bad"
     if changed.working:
-        return "The disk works again.", "good"
-    return f"Cannot write to the disk: {changed.reason}", "bad"
+        return tr("The disk works again."), "good"
+    return tr("Cannot write to the disk: {why}").format(why=tr(changed.reason)), "bad"

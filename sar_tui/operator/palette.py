@@ -8,6 +8,7 @@ from textual.content import Content
 
 from sar_tui.loop.bus import Topic
 from sar_tui.loop.topics import COMMAND, DECISION, MODE, REMARK
+from sar_tui.model.language import Language
 from sar_tui.model.messages import (
     Action,
     ControlledKind,
@@ -18,8 +19,25 @@ from sar_tui.model.messages import (
     Remark,
     SessionCommand,
 )
+from sar_tui.operator.act_log import (
+    Wording,
+    cancelled_wording,
+    gesture_wording,
+    mark_wording,
+    mode_wording,
+    said_wording,
+)
+from sar_tui.operator.event_text import kind_name, mode_name
 from sar_tui.operator.keymap import KeymapFile
-from sar_tui.operator.phrases import Filled, addressed, addressee, fill, slot_values, theme_phrases
+from sar_tui.operator.phrases import (
+    Filled,
+    addressed,
+    addressee_code,
+    fill,
+    not_known,
+    slot_values,
+    theme_phrases,
+)
 from sar_tui.operator.session_state import SessionState
 from sar_tui.operator.text_charts import Piece, cut
 
@@ -46,14 +64,14 @@ class Item(NamedTuple):
 
     Attributes:
         text: shown beside its number.
-        log_text: describes its act in the log.
+        wording: texts of its act in the log.
         topic, message: its act; None if it cannot be chosen now.
         why: reason why it cannot be chosen.
         is_current: True if it is under way.
     """
 
     text: str
-    log_text: str = ""
+    wording: Wording = Wording("", "")
     topic: Topic[Any] | None = None
     message: Message | None = None
     why: str = ""
@@ -77,13 +95,13 @@ class PhraseBook(NamedTuple):
     @classmethod
     def of(cls, state: SessionState, file: KeymapFile) -> "PhraseBook":
         """Return the operator's own phrases, then those of the active theme."""
-        own = {"Yours": list(file.own_phrases)} if file.phrases else {}
-        return cls({**own, **(theme_phrases(state.theme) if state.theme else {})})
+        own = {state.tr("Yours"): list(file.own_phrases)} if file.phrases else {}
+        return cls({**own, **(theme_phrases(state.theme, state.tr) if state.theme else {})})
 
 
 def pages(state: SessionState, book: PhraseBook, seat: str) -> list[Page]:
     """Return all pages in order, as of now."""
-    values = slot_values(state, seat)
+    values, tr = slot_values(state, seat), state.tr
     found: list[Page] = []
     for heading, phrases in book.headings.items():
         for begin in range(0, len(phrases), PER_PAGE):
@@ -95,85 +113,87 @@ def pages(state: SessionState, book: PhraseBook, seat: str) -> list[Page]:
                 )
             )
     if not found:
-        found.append(Page("phrases", "Phrases", (), "The theme's phrases are not known yet."))
+        empty = tr("The theme's phrases are not known yet.")
+        found.append(Page("phrases", tr("Phrases"), (), empty))
     return [*found, _gestures(state, seat), _marks(state), _modes(state), _queue(state)]
 
 
 def _phrase(filled: Filled, state: SessionState, seat: str) -> Item:
     if filled.missing:
-        return Item(filled.text, why=f"{{{filled.missing}}} is not known yet")
-    remark = msgspec.structs.replace(
-        filled.phrase.remark(addressed(state, seat, filled.text)), seat=seat
-    )
-    return Item(filled.text, f"Said{addressee(state, seat)} “{filled.text}”", REMARK, remark)
+        return Item(filled.text, why=not_known(filled.missing, state.tr))
+    text = filled.text
+    remark = msgspec.structs.replace(filled.phrase.remark(addressed(state, seat, text)), seat=seat)
+    return Item(text, said_wording(text, addressee_code(state, seat), state.tr), REMARK, remark)
 
 
 def _gestures(state: SessionState, seat: str) -> Page:
+    tr = state.tr
     names = list(state.theme.gestures)[:PER_PAGE] if state.theme else []
     items = [
-        Item(title, f"Gesture: {title}", REMARK, Remark(gesture=name, source="gesture", seat=seat))
+        Item(
+            name.replace("_", " "),
+            gesture_wording(name, tr),
+            REMARK,
+            Remark(gesture=name, source="gesture", seat=seat),
+        )
         for name in names
-        for title in [name.replace("_", " ")]
     ]
-    return Page("gestures", "Gestures", tuple(items), "The theme's gestures are not known yet.")
+    empty = tr("The theme's gestures are not known yet.")
+    return Page("gestures", tr("Gestures"), tuple(items), empty)
 
 
 def _marks(state: SessionState) -> Page:
+    tr = state.tr
     marks = state.welcome.marks[:PER_PAGE] if state.welcome else ()
     items = [
         Item(
-            mark.title,
-            f"Marked: {mark.title.lower()}",
+            tr(mark.title),
+            mark_wording(mark.title, tr),
             COMMAND,
             SessionCommand(command="mark", reason=mark.name),
         )
         for mark in marks
     ]
-    return Page("marks", "Marks", tuple(items), "This task has no marks.")
+    return Page("marks", tr("Marks"), tuple(items), tr("This task has no marks."))
 
 
 def _modes(state: SessionState) -> Page:
+    tr = state.tr
     modes = state.arbiter.modes if state.arbiter else {}
     items = []
     for kind in CONTROLLED_KINDS:
         if mode := modes.get(kind):
             after = MODES[(MODES.index(mode) + 1) % len(MODES)]
-            log_text, change = f"{kind.capitalize()}: {after}", ModeChanged(kind=kind, mode=after)
-            items.append(Item(f"{kind}: {mode}, {_MEANINGS[mode]}", log_text, MODE, change))
-    return Page(
-        "modes", "Modes: a number changes one", tuple(items), "The modes are not known yet."
-    )
+            change = ModeChanged(kind=kind, mode=after)
+            text = f"{kind_name(kind, tr)}: {mode_name(mode, tr)}, {tr(_MEANINGS[mode])}"
+            items.append(Item(text, mode_wording(change, tr), MODE, change))
+    title, empty = tr("Modes: a number changes one"), tr("The modes are not known yet.")
+    return Page("modes", title, tuple(items), empty)
 
 
 def _queue(state: SessionState) -> Page:
-    arbiter = state.arbiter
+    tr, arbiter = state.tr, state.arbiter
     queued = [(action, False) for action in arbiter.queued] if arbiter else []
     current = [(arbiter.current, True)] if arbiter and arbiter.current else []
     items = [
         Item(
-            _action(action),
-            f"Cancelled {action.kind}",
+            _action(action, tr),
+            cancelled_wording(action.kind, tr),
             DECISION,
             Decision(action=action.id, verdict="veto"),
             is_current=is_current,
         )
         for action, is_current in (*current, *queued)
     ]
-    return Page(
-        "queue",
-        "Queue: a number cancels one",
-        tuple(items[:PER_PAGE]),
-        "Nothing is under way or queued.",
-    )
+    title, empty = tr("Queue: a number cancels one"), tr("Nothing is under way or queued.")
+    return Page("queue", title, tuple(items[:PER_PAGE]), empty)
 
 
-def _action(action: Action) -> str:
-    said = (
-        f"“{action.text or action.spoken}”"
-        if action.text or action.spoken
-        else action.gesture or action.tone
-    )
-    return f"{action.kind} {said}"
+def _action(action: Action, tr: Language) -> str:
+    kind = kind_name(action.kind, tr)
+    if text := action.text or action.spoken:
+        return tr("{kind} “{text}”").format(kind=kind, text=text)
+    return f"{kind} {action.gesture or action.tone}"
 
 
 class Palette:

@@ -8,7 +8,7 @@ from typing import NamedTuple, get_args
 import msgspec
 
 import sar_tui.loop
-from sar_tui.model.language import language
+from sar_tui.model.language import ENGLISH, Language, language
 from sar_tui.model.messages import Remark, Valence
 from sar_tui.model.results_for_people import goal_text, result_text
 from sar_tui.model.theme import Theme
@@ -20,14 +20,22 @@ _FRAMEWORK = Path(sar_tui.loop.__file__).parent
 MAX_TEXT = 400
 """Characters of a phrase or a typed text."""
 SLOTS = ("participant", "level", "attempt", "result", "goal")
-_THEME_HEADINGS: dict[str, tuple[str, ...]] = {
-    "Encourage": ("encouragement",),
-    "Praise": ("positive_slight", "positive", "positive_strong"),
-    "Neutral": ("neutral",),
-    "Comfort": ("negative_slight", "negative", "negative_strong"),
-    "Rest, hello, goodbye": ("rest", "greeting", "welcome_back", "goodbye", "goodbye_early"),
+_HEADINGS = {
+    "encouragement": "Encourage",
+    "positive_slight": "Praise",
+    "positive": "Praise",
+    "positive_strong": "Praise",
+    "neutral": "Neutral",
+    "negative_slight": "Comfort",
+    "negative": "Comfort",
+    "negative_strong": "Comfort",
+    "rest": "Rest, hello, goodbye",
+    "greeting": "Rest, hello, goodbye",
+    "welcome_back": "Rest, hello, goodbye",
+    "goodbye": "Rest, hello, goodbye",
+    "goodbye_early": "Rest, hello, goodbye",
 }
-"""Phrase keys whose texts hold no result, by heading of the palette."""
+"""Headings of the palette by phrase key: those whose texts hold no result."""
 
 
 class Phrase(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -56,17 +64,22 @@ class Filled(NamedTuple):
     missing: str = ""
 
 
-def phrase_problem(text: str) -> str:
-    """Return what is wrong with a phrase or its slots; empty if nothing is."""
+def phrase_problem(text: str, tr: Language = ENGLISH) -> str:
+    """Return what is wrong with a phrase or its slots, in the language of the panel; empty if
+    nothing is.
+    """
     if not text.strip() or len(text) > MAX_TEXT or not text.isprintable():
-        return f"the phrase {text[:40]!r} is not one line of at most {MAX_TEXT} characters"
+        problem = tr("the phrase {phrase!r} is not one line of at most {most} characters")
+        return problem.format(phrase=text[:40], most=MAX_TEXT)
     try:
         parts = [part[1:] for part in string.Formatter().parse(text) if part[1] is not None]
     except ValueError as error:
-        return f"the phrase {text!r} has broken slots ({error})"
+        problem = tr("the phrase {phrase!r} has broken slots ({why})")
+        return problem.format(phrase=text, why=error)
     for name, form, conversion in parts:
         if name not in SLOTS or form or conversion:
-            return f"the phrase {text!r} has an unknown slot; known are {{{'}, {'.join(SLOTS)}}}"
+            problem = tr("the phrase {phrase!r} has an unknown slot; known are {known}")
+            return problem.format(phrase=text, known=f"{{{'}, {'.join(SLOTS)}}}")
     return ""
 
 
@@ -85,6 +98,11 @@ def fill_slots(text: str, values: dict[str, str]) -> tuple[str, str]:
     missing = [name for name in SLOTS if f"{{{name}}}" in text and name not in values]
     filled = re.sub(rf"{{({'|'.join(SLOTS)})}}", lambda found: values.get(found[1], found[0]), text)
     return filled, missing[0] if missing else ""
+
+
+def not_known(slot: str, tr: Language) -> str:
+    """Return that a slot has no value yet, without a full stop."""
+    return tr("{slot} is not known yet", slot=f"{{{slot}}}")
 
 
 def slot_values(state: SessionState, seat: str) -> dict[str, str]:
@@ -110,10 +128,18 @@ def slot_values(state: SessionState, seat: str) -> dict[str, str]:
     return values
 
 
-def addressee(state: SessionState, seat: str) -> str:
-    """Return the addressee if there are several: `` to P02``; empty for one participant."""
+def addressee_code(state: SessionState, seat: str) -> str:
+    """Return the code of the addressee if there are several participants; else empty."""
     people = state.welcome.participants if state.welcome else {}
-    return f" to {people.get(seat, seat)}" if len(people) > 1 else ""
+    return people.get(seat, seat) if len(people) > 1 else ""
+
+
+def addressee(state: SessionState, seat: str) -> str:
+    """Return the addressee for a heading, if there are several: `` to P02``; empty for one
+    participant.
+    """
+    code = addressee_code(state, seat)
+    return state.tr(" to {who}").format(who=code) if code else ""
 
 
 def addressed(state: SessionState, seat: str, text: str) -> str:
@@ -128,12 +154,13 @@ def metric_text(value: float, state: SessionState) -> str:
     return f"{value:.{decimals}f} {unit}".rstrip()
 
 
-def theme_phrases(theme: Theme) -> dict[str, list[Phrase]]:
-    """Return a theme's phrases without a result, by heading."""
-    return {
-        heading: [_phrase(theme, key, text) for key in keys for text in theme.phrases.get(key, ())]
-        for heading, keys in _THEME_HEADINGS.items()
-    }
+def theme_phrases(theme: Theme, tr: Language = ENGLISH) -> dict[str, list[Phrase]]:
+    """Return a theme's phrases without a result, by heading in the language of the panel."""
+    found: dict[str, list[Phrase]] = {}
+    for key in _HEADINGS:  # noqa: PLC0206
+        phrases = [_phrase(theme, key, text) for text in theme.phrases.get(key, ())]
+        found.setdefault(tr(_HEADINGS[key]), []).extend(phrases)
+    return found
 
 
 def _phrase(theme: Theme, key: str, text: str) -> Phrase:

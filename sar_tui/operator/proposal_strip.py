@@ -10,7 +10,6 @@ from textual.content import Content, Span
 from sar_tui.model.messages import Action, PendingApproval, Proposal
 from sar_tui.model.units import SECOND
 from sar_tui.operator import status_view
-from sar_tui.operator.act_log import doing
 from sar_tui.operator.commands import Commands, takes_valence
 from sar_tui.operator.event_text import short_name
 from sar_tui.operator.keymap import KEY_COMMANDS, KeymapFile, key_label, key_name
@@ -180,7 +179,7 @@ class ProposalStrip(Vertical):
         keys = decision_keys(self._file, has_words=takes_valence(approval))
         keys = control_hint(state, self._file) if commands.refusal() else keys
         sent = commands.log.deciding(id)
-        self._put("decision-keys", Content(f"{doing(sent)} …") if sent else keys)
+        self._put("decision-keys", Content(f"{sent} …") if sent else keys)
         self._put("entry-label", Content(self._label))
         others = other_proposals(pending, approval, now, width)
         self._put("others", Content(others))

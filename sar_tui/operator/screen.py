@@ -33,7 +33,7 @@ from sar_tui.operator.commands import CONFIRM_SECONDS, Commands, editable, takes
 from sar_tui.operator.event_text import Line
 from sar_tui.operator.keymap import KEY_COMMANDS, bindings
 from sar_tui.operator.palette import Palette, palette_page
-from sar_tui.operator.phrases import MAX_TEXT, addressee
+from sar_tui.operator.phrases import MAX_TEXT, addressee, addressee_code
 from sar_tui.operator.proposal_strip import ProposalStrip
 from sar_tui.operator.session_state import SessionState
 from sar_tui.operator.text_charts import trend, wrap
@@ -206,9 +206,10 @@ class PanelScreen(OrderedScreen[str]):
             return
         seconds = self.app.terminal_probe.take_longest_silence() / SECOND
         if seconds >= _SHORTEST_ABSENCE_S:
-            text = (
-                f"This terminal did not answer for {seconds:.0f} s. Meanwhile the session may "
-                "have gone on without it."
+            text = self.tr(
+                "This terminal did not answer for {seconds} s. Meanwhile the session may have gone "
+                "on without it.",
+                seconds=round(seconds),
             )
             self._absence = self.commands.log.report(self.commands.peer.now(), text)
             self._is_stale = True
@@ -425,30 +426,31 @@ class PanelScreen(OrderedScreen[str]):
             unused = self.commands.log.unused_text(DECISION, approval.proposal.id)
             text = unused or editable(approval, self.commands.state)
             self._open_entry(
-                "Edit:", text, lambda text, at: self._edited(approval, text, at), edited=approval
+                self.tr("Edit:"),
+                text,
+                lambda text, at: self._edited(approval, text, at),
+                edited=approval,
             )
         else:
-            self.commands.log.report(
-                self._at, "No proposal is pending: the agent will say what you type."
-            )
+            text = self.tr("No proposal is pending: the agent will say what you type.")
+            self.commands.log.report(self._at, text)
             self.action_say()
 
     def _edited(self, approval: PendingApproval, text: str, at: int) -> bool:
         if any(each.proposal.id == approval.proposal.id for each in self.commands.pending):
             return self.commands.edit(approval, text, at)
-        has_words = approval.level is None and approval.proposal.text
+        tr, has_words = self.tr, approval.level is None and approval.proposal.text
         what = "Nothing was sent; Enter says it anyway." if has_words else "Nothing was sent."
-        self.commands.log.report(at, f"Too late: it was already decided. {what}")
+        self.commands.log.report(at, f"{tr('Too late: it was already decided.')} {tr(what)}")
         if has_words:
-            self._open_entry(
-                "Say:", text, lambda text, at: self.commands.say(text, approval.proposal.seat, at)
-            )
+            seat = approval.proposal.seat
+            self._open_entry(tr("Say:"), text, lambda text, at: self.commands.say(text, seat, at))
         return not has_words
 
     # --- the session
 
     def action_stop(self) -> None:
-        self.commands.command("Stopped", "stop", self._at)
+        self.commands.command("stop", self._at)
         self.draw()
 
     def action_pause(self) -> None:
@@ -460,11 +462,11 @@ class PanelScreen(OrderedScreen[str]):
             self.ask_for(CONFIRM_SECONDS, "resume")
 
     def action_skip(self) -> None:
-        self.commands.prompt_command("Skipped the prompt", "skip", self._at)
+        self.commands.prompt_command("skip", self._at)
         self.draw()
 
     def action_repeat(self) -> None:
-        self.commands.prompt_command("Repeated the prompt", "repeat", self._at)
+        self.commands.prompt_command("repeat", self._at)
         self.draw()
 
     def action_level(self, step: int) -> None:
@@ -476,12 +478,12 @@ class PanelScreen(OrderedScreen[str]):
         self.draw()
 
     def action_undo(self) -> None:
-        self.commands.command("Took back the last act", "undo", self._at)
+        self.commands.command("undo", self._at)
         self.draw()
 
     def action_end(self) -> None:
         if self._confirm("end"):
-            self.commands.command("Ended the session", "end", self._at)
+            self.commands.command("end", self._at)
             self.draw()
 
     def action_close(self) -> None:
@@ -523,15 +525,19 @@ class PanelScreen(OrderedScreen[str]):
 
     def action_say(self) -> None:
         seat = self.palette.seat
-        to = addressee(self.commands.state, seat)
+        to = addressee_code(self.commands.state, seat)
+        label = self.tr("Say to {who}:").format(who=to) if to else self.tr("Say:")
         unused = self.commands.log.unused_text(REMARK)
-        self._open_entry(f"Say{to}:", unused, lambda text, at: self.commands.say(text, seat, at))
+        self._open_entry(label, unused, lambda text, at: self.commands.say(text, seat, at))
 
     def action_note(self) -> None:
         began = self._at
         unused = self.commands.log.unused_text(NOTE_ADDED)
         self._open_entry(
-            "Note:", unused, lambda text, at: self.commands.note(text, began), max_length=_MAX_NOTE
+            self.tr("Note:"),
+            unused,
+            lambda text, at: self.commands.note(text, began),
+            max_length=_MAX_NOTE,
         )
 
     def action_event(self, index: int) -> None:
@@ -583,7 +589,7 @@ class PanelScreen(OrderedScreen[str]):
     ) -> None:
         """Open the text field (see `ProposalStrip.open_entry`), unless nothing can be sent."""
         if reason := self.commands.refusal():
-            self.commands.log.report(self._at, f"{reason} Nothing can be sent.")
+            self.commands.log.report(self._at, f"{reason} {self.tr('Nothing can be sent.')}")
         else:
             self.strip.open_entry(label, text, then, max_length, edited)
         self.draw()

@@ -102,6 +102,7 @@ class Stop(NamedTuple):
         failed: outputs that could not stop, with the reason.
         still_at: when the last output was still (ns).
         is_past: the agent has acted since.
+        tr: language of the panel.
     """
 
     at: int
@@ -110,6 +111,7 @@ class Stop(NamedTuple):
     failed: tuple[tuple[str, str], ...] = ()
     still_at: int = 0
     is_past: bool = False
+    tr: Language = ENGLISH
 
     def reported(self, stopped: OutputStopped) -> "Stop":
         """Return the stop after an output has reported."""
@@ -125,20 +127,25 @@ class Stop(NamedTuple):
         """Return True while the outcome may change without a message of the session."""
         return bool(self.awaited) and now - self.at <= 2 * UNCONFIRMED
 
-    def outcome(self, now: int) -> tuple[str, Tone]:
+    def outcome(self, now: int, *, tells_time: bool = True) -> tuple[str, Tone]:
         """Return what is known at ``now`` (ns): stopping, stopped, or which output has not
-        confirmed it.
+        confirmed it. ``tells_time``: with the time that stopping took.
         """
+        tr = self.tr
         late = sorted(self.awaited) if now - self.at > UNCONFIRMED else []
-        names = [*(name for name, _ in self.failed), *late]
-        if names:
-            why = " ".join(detail for _, detail in self.failed)
-            return f"not confirmed: {', '.join(names)}{f' ({why})' if why else ''}", "bad"
+        if names := ", ".join([*(name for name, _ in self.failed), *late]):
+            if why := " ".join(tr(detail) for _, detail in self.failed):
+                return tr("not confirmed: {names} ({why})").format(names=names, why=why), "bad"
+            return tr("not confirmed: {names}").format(names=names), "bad"
         if self.awaited:
-            return f"stopping {', '.join(sorted(self.awaited))} …", "plain"
+            names = ", ".join(sorted(self.awaited))
+            return tr("stopping {names} …").format(names=names), "plain"
         if not self.still_at:
-            return "no output is open", "plain"
-        return f"stopped after {max(0, self.still_at - self.at) / MS:.0f} ms", "good"
+            return tr("no output is open"), "plain"
+        if not tells_time:
+            return tr("stopped"), "good"
+        ms = round(max(0, self.still_at - self.at) / MS)
+        return tr("stopped after {ms} ms", ms=ms), "good"
 
     def line(self, now: int) -> Line:
         """Return its line of the log."""
@@ -264,7 +271,7 @@ class SessionState(msgspec.Struct, frozen=True):
                 state = replace(state, agent=agent, trial_mark=trial_mark)
             if handler := _HANDLERS.get(frame.topic.name):
                 state = handler(state, frame.message)
-            if line := event_line(frame, self.welcome, before):
+            if line := event_line(frame, self.welcome, before, self.tr):
                 state = replace(state, log=append(state.log, line))
         return state
 
@@ -289,7 +296,8 @@ def _on_waiting(state: SessionState, waiting: Waiting) -> SessionState:
 
 def _on_command(state: SessionState, act: SessionCommand) -> SessionState:
     if act.command == "stop":
-        stop = Stop(act.at, stopper(act.actor, state.welcome), state.outputs)
+        by = stopper(act.actor, state.welcome, state.tr)
+        stop = Stop(act.at, by, state.outputs, tr=state.tr)
         return replace(state, stops=(*state.stops, stop)[-MAX_STOPS:])
     return replace(state, pauser=act.actor) if act.command == "pause" else state
 
@@ -343,9 +351,8 @@ def _on_sensor(state: SessionState, changed: SensorChanged) -> SessionState:
 
 def _on_report(state: SessionState, report: OutputReport) -> SessionState:
     if report.part == "say" and report.state in ("started", "failed"):
-        return replace(
-            state, voice=report.detail or "it failed" if report.state == "failed" else ""
-        )
+        why = report.detail or state.tr("it failed")
+        return replace(state, voice=why if report.state == "failed" else "")
     return state
 
 

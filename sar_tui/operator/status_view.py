@@ -290,8 +290,7 @@ def current_stop(state: SessionState) -> Stop | None:
 
 def _agent(state: SessionState, width: int, now: int) -> list[Piece]:
     if stop := current_stop(state):
-        text, tone = stop.outcome(now)
-        text = text.partition(" after ")[0]  # the log has the time that it took
+        text, tone = stop.outcome(now, tells_time=False)  # the log has the time that it took
         sign, style = _SIGNS[tone]
         return [(cut(f"{sign} {text[0].upper()}{text[1:]} · {stop.by}", width), style)]
     if state.voice:

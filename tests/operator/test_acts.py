@@ -31,6 +31,7 @@ from sar_tui.model.messages import Role
 from sar_tui.model.step import Step
 from sar_tui.model.units import MS, SECOND
 from sar_tui.operator import status_view
+from sar_tui.operator.act_log import mark_wording
 from sar_tui.operator.commands import Commands
 from sar_tui.operator.event_text import Line
 from sar_tui.operator.session_state import UNCONFIRMED, Stop
@@ -89,7 +90,7 @@ ACTS: list[tuple[Callable[[Commands], bool], str, str]] = [
     (lambda c: c.edit(PROPOSAL, "Good.", NOW), "Editing feedback", "Edited feedback"),
     (lambda c: c.pause(NOW), "Pausing", "Paused"),
     (
-        lambda c: c.prompt_command("Skipped the prompt", "skip", NOW),
+        lambda c: c.prompt_command("skip", NOW),
         "Skipping the prompt",
         "Skipped the prompt",
     ),
@@ -98,7 +99,7 @@ ACTS: list[tuple[Callable[[Commands], bool], str, str]] = [
     (lambda c: c.note("coughs", NOW), "Noting “coughs”", "Noted “coughs”"),
     (lambda c: c.event("phone rang", NOW), "Event: phone rang", "Event: phone rang"),
     (
-        lambda c: c.send("Marked: missed", COMMAND, command("mark", "missed"), NOW),
+        lambda c: c.send(mark_wording("missed", c.tr), COMMAND, command("mark", "missed"), NOW),
         "Marking: missed",
         "Marked: missed",
     ),
@@ -117,7 +118,7 @@ def test_an_act_is_marked_as_done_when_the_session_has_answered_so(
 
 def test_an_act_that_is_late_or_refused_is_never_marked_as_done(panel: Panel) -> None:
     for _ in range(2):
-        panel.commands.prompt_command("Skipped the prompt", "skip", NOW)
+        panel.commands.prompt_command("skip", NOW)
     panel.answer("late", "No prompt is shown.", 0)
     panel.answer("refused", "It did not arrive.", 1)
     assert panel.lines == [
@@ -167,7 +168,7 @@ def test_an_edit_that_comes_too_late_can_still_be_said(panel: Panel) -> None:
 def test_after_a_lost_connection_an_act_is_not_confirmed_until_its_answer_comes(
     panel: Panel, state: Any, why: str
 ) -> None:
-    panel.commands.command("Stopped", "stop", NOW)
+    panel.commands.command("stop", NOW)
     panel.commands.say("Well held.", "A", NOW)
     panel.commands.receive(Connection(state))
     panel.commands.receive(Connection("connected"))
@@ -184,11 +185,11 @@ def test_the_operator_skips_the_question_that_is_asked_unless_only_the_participa
     consent = Step(name="consent", text="?", kind="choice", labels=("yes", "no"), required="yes")
     asked = m.AskedStep(number=1, step=replace(consent, before=True))
     panel.receive(WAITING, b.waiting("step", "step", step=asked))
-    assert not panel.commands.prompt_command("Skipped the prompt", "skip", NOW)
+    assert not panel.commands.prompt_command("skip", NOW)
     assert panel.peer.sent == []
     effort = m.AskedStep(number=7, step=Step(name="effort", text="How hard?", kind="text"))
     panel.receive(WAITING, b.waiting("step", "step", step=effort))
-    assert panel.commands.prompt_command("Skipped the prompt", "skip", NOW)
+    assert panel.commands.prompt_command("skip", NOW)
     act = panel.peer.sent[-1][1]
     assert (act.command, act.reason, act.value) == ("skip", "step", 7)
 
@@ -204,7 +205,7 @@ def test_a_stop_is_confirmed_by_the_outputs_that_are_open(panel: Panel) -> None:
     for output in ("speech", "robot"):
         opened = m.OutputOpened(output=output, address=output, can=("say",))
         panel.receive(OUTPUT, opened)
-    assert panel.commands.command("Stopped", "stop", NOW)
+    assert panel.commands.command("stop", NOW)
     assert panel.lines == [("Stopping …", "plain")]
     panel.receive(COMMAND, panel.peer.sent[-1][1])
     panel.answer()

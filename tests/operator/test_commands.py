@@ -13,6 +13,7 @@ from sar_tui.model import messages as m
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS, SECOND
 from sar_tui.operator import proposal_strip
+from sar_tui.operator.act_log import Wording
 from sar_tui.operator.commands import TOO_SOON, by_urgency
 from sar_tui.operator.palette import Item
 from tests.operator import panel_driver as b
@@ -216,15 +217,17 @@ def test_an_operators_own_pause_is_ended_by_one_key_but_not_one_for_pain(panel: 
 def test_only_a_prompt_is_repeated_and_a_rest_can_be_skipped_too(panel: Panel) -> None:
     panel.receive(t.WAITING, b.waiting("enter", "attempt"))
     for command in ("skip", "repeat"):
-        assert not panel.commands.prompt_command("Skipped the prompt", command, NOW)  # type: ignore[arg-type]
+        assert not panel.commands.prompt_command(command, NOW)  # type: ignore[arg-type]
     assert panel.lines == [("No prompt is shown. Nothing was sent.", "bad")] * 2
     panel.receive(t.WAITING, b.waiting("rest", "rest"))
-    assert panel.commands.prompt_command("Skipped the prompt", "skip", NOW)
+    assert panel.commands.prompt_command("skip", NOW)
     assert [(act.command, act.reason) for act in panel.peer.of(t.COMMAND)] == [("skip", "rest")]
 
 
 def mark(name: str) -> Item:
-    return Item(name.capitalize(), "", t.COMMAND, m.SessionCommand(command="mark", reason=name))
+    return Item(
+        name.capitalize(), Wording("", ""), t.COMMAND, m.SessionCommand(command="mark", reason=name)
+    )
 
 
 def test_a_mark_replaces_another_only_if_its_key_is_pressed_twice_for_the_same_trial(
@@ -298,5 +301,5 @@ def test_without_control_or_connection_nothing_is_sent_but_a_stop(
     assert not panel.commands.note("coughs", NOW)
     assert not panel.commands.decide(PROPOSAL, "accept", NOW)
     assert panel.lines == [(f"{why} Nothing was sent.", "bad")] * 2
-    assert panel.commands.command("Stopped", "stop", NOW) is may_stop
+    assert panel.commands.command("stop", NOW) is may_stop
     assert [name for name, _ in panel.peer.sent] == [t.COMMAND.name] * may_stop
