@@ -27,6 +27,7 @@ from sar_tui.loop.topics import (
     WAITING,
 )
 from sar_tui.model import messages as m
+from sar_tui.model.language import ENGLISH, Language
 from sar_tui.model.messages import Role
 from sar_tui.model.step import Step
 from sar_tui.model.units import MS, SECOND
@@ -44,8 +45,8 @@ PROPOSAL = b.approval("p1")
 class Panel:
     """A panel's commands and log at a session, without a screen."""
 
-    def __init__(self, role: Role = "operator") -> None:
-        self.commands = Commands()
+    def __init__(self, role: Role = "operator", tr: Language = ENGLISH) -> None:
+        self.commands = Commands(tr)
         self.peer = b.FakePeer(self.commands.receive, role)
         self.commands.peer = self.peer
         self.commands.receive(Connection("connected"))
@@ -252,22 +253,25 @@ def test_everybody_sees_that_the_participant_pressed_f2_until_the_agent_acts_aga
 # --- those who watch
 
 
+OTHERS: list[tuple[Topic[Any], Any, str]] = [
+    (DECISION, decision("accept"), "Approved feedback"),
+    (DECISION, decision("edit", text="Good."), "Edited feedback: “Good.”"),
+    (DECISION, decision("edit", valence="negative"), "Negative face, same words: fe…"),
+    (DECISION, decision("edit", level=3), "Edited feedback: level 3"),
+    (REMARK, m.Remark(text="Well held."), "Said “Well held.”"),
+    (REMARK, m.Remark(gesture="lean_in"), "Gesture: lean in"),
+    (MODE, m.ModeChanged(kind="difficulty", mode="manual"), "Difficulty: manual"),
+    (COMMAND, command("level", value=5), "Level 5"),
+    (COMMAND, command("skip"), "Skipped the prompt"),
+    (COMMAND, command("skip", "rest"), "Ended the rest"),
+    (COMMAND, command("skip", "step", value=1), "Skipped the question"),
+    (COMMAND, command("mark", "missed"), "Marked: marker missed"),
+]
+
+
 @pytest.mark.parametrize(
     ("topic", "act", "done"),
-    [
-        (DECISION, decision("accept"), "Approved feedback"),
-        (DECISION, decision("edit", text="Good."), "Edited feedback: “Good.”"),
-        (DECISION, decision("edit", valence="negative"), "Negative face, same words: fe…"),
-        (DECISION, decision("edit", level=3), "Edited feedback: level 3"),
-        (REMARK, m.Remark(text="Well held."), "Said “Well held.”"),
-        (REMARK, m.Remark(gesture="lean_in"), "Gesture: lean in"),
-        (MODE, m.ModeChanged(kind="difficulty", mode="manual"), "Difficulty: manual"),
-        (COMMAND, command("level", value=5), "Level 5"),
-        (COMMAND, command("skip"), "Skipped the prompt"),
-        (COMMAND, command("skip", "rest"), "Ended the rest"),
-        (COMMAND, command("skip", "step", value=1), "Skipped the question"),
-        (COMMAND, command("mark", "missed"), "Marked: marker missed"),
-    ],
+    OTHERS,
     ids=lambda value: value if isinstance(value, str) else type(value).__name__,
 )
 def test_an_observer_sees_what_the_operator_does_and_when_it_is_done(
