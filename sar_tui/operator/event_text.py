@@ -1,5 +1,8 @@
 """Log line for each message of the session that an operator should know about."""
 
+import functools
+import re
+import string
 from typing import Any, Literal, NamedTuple
 
 from sar_tui.link.peer import Frame, Welcome
@@ -44,19 +47,22 @@ Tone = Literal["plain", "good", "bad"]
 
 
 class Line(NamedTuple):
-    """Line of the log: time (ns, session clock; 0 if unknown), text, tone, and how often in a row
-    it happened.
+    """Line of the log: time (ns, session clock; 0 if unknown), text, tone, how often in a row it
+    happened, and the language of the panel.
     """
 
     at: int
     text: str
     tone: Tone = "plain"
     times: int = 1
+    tr: Language = ENGLISH
 
     @property
     def text_with_count(self) -> str:
         """The text, with the count if it happened more than once."""
-        return f"{self.times} times: {self.text}" if self.times > 1 else self.text
+        if self.times == 1:
+            return self.text
+        return self.tr("{count} times: {text}").format(count=self.times, text=self.text)
 
 
 def append(lines: tuple[Line, ...], line: Line) -> tuple[Line, ...]:
@@ -153,6 +159,25 @@ _LEVEL_REASONS = {
     "operator": "an operator",
     "mark": "a mark",
 }
+_WITH_VALUES = (
+    "Goal reached.",
+    "Goal missed.",
+    "Goal reached {count} times in a row.",
+    "Goal missed {count} times in a row.",
+    "Goal reached; the target is {target} % of attempts.",
+    "Goal missed; the target is {target} % of attempts.",
+    "{reached} of {count} prompts reached the goal; the target is {target} %.",
+    "Number {place} of {count} in the list.",
+    "The goal is the last result at this level.",
+    "The goal is number {rank} of the last {count} results at this level.",
+    "An output failed: {names}.",
+    "No heartbeat for {ms} ms.",
+    "Its terminal did not answer for {ms} ms.",
+    "It sends more than {count} messages a second.",
+    "It is longer than {count} bytes.",
+    "A text is longer than {count} characters.",
+)
+"""Sentences that a session writes with values in them."""
 _GROUNDS = {"deadline": "nobody decided in time", "no operator": "no operator"}
 
 
@@ -193,11 +218,33 @@ def stopper(actor: str, me: Welcome | None, tr: Language) -> str:
     return tr("{who} stopped the agent").format(who=actor_name(actor, tr))
 
 
-def in_line(sentence: str, tr: Language) -> str:
-    """Return a sentence or a title as part of a line: without full stop, and in English without
-    capital.
+def session_text(sentence: str, tr: Language) -> str:
+    """Return a sentence that the session wrote in English, in the language of the panel if it is
+    known there.
     """
-    own = tr(sentence).rstrip(".")
+    for known in _WITH_VALUES:
+        if values := _pattern(known).fullmatch(sentence):
+            return tr(known, **values.groupdict())
+    return tr(sentence)
+
+
+@functools.cache
+def _pattern(text: str) -> re.Pattern[str]:
+    """Return a pattern that matches a text with anything in its slots."""
+    parts = string.Formatter().parse(text)
+    return re.compile(
+        "".join(
+            f"{re.escape(words)}(?P<{slot}>.+)" if slot else re.escape(words)
+            for words, slot, _, _ in parts
+        )
+    )
+
+
+def in_line(sentence: str, tr: Language) -> str:
+    """Return a sentence of the session or a title as part of a line: without full stop, and in
+    English without capital.
+    """
+    own = session_text(sentence, tr).rstrip(".")
     return own[:1].lower() + own[1:] if tr.code.partition("-")[0] == "en" else own
 
 
@@ -221,7 +268,7 @@ def event_line(
         text = _pause_or_resume(frame.message, me, tr)
     else:
         text = _text(frame.topic.name, frame.message, me.name if me else "", before, tr)
-    return Line(frame.at, *text) if text else None
+    return Line(frame.at, *text, tr=tr) if text else None
 
 
 def _text(
@@ -275,7 +322,7 @@ def _markers(change: MarkersChanged, tr: Language) -> _Text | None:
     where = change.destination
     if change.state == "failing":
         text = tr("No markers go to {where}: {why}")
-        return text.format(where=where, why=tr(change.detail)), "bad"
+        return text.format(where=where, why=session_text(change.detail, tr)), "bad"
     if change.state == "working":
         return tr("Markers go to {where} again.").format(where=where), "good"
     return None
@@ -301,7 +348,7 @@ def _pause_or_resume(act: SessionCommand, me: Welcome | None, tr: Language) -> _
 
 
 def _refused(refused: PeerRequestRefused, me: str, tr: Language) -> str:
-    what, why = tr(_REQUESTS.get(refused.what, refused.what)), tr(refused.why)
+    what, why = tr(_REQUESTS.get(refused.what, refused.what)), session_text(refused.why, tr)
     if refused.count > 1:
         what = tr("{what} ({count} times)").format(what=what, count=refused.count)
     if refused.actor == me:
@@ -315,7 +362,11 @@ def _presence(changed: OperatorChanged, me: str, tr: Language) -> _Text:
     watches = state == "joined" and changed.role == "observer"
     is_explained = state == "lost" and changed.detail
     mine, theirs = _PRESENCE["watching" if watches else "lost because" if is_explained else state]
-    why = tr(changed.detail).rstrip(".") if is_explained else tr(changed.detail)
+    why = (
+        session_text(changed.detail, tr).rstrip(".")
+        if is_explained
+        else session_text(changed.detail, tr)
+    )
     text = tr(mine if is_me else theirs).format(who=short_name(changed.actor), why=why)
     if state in ("unproven", "lost"):
         return text, "bad"
@@ -389,7 +440,7 @@ def _goal_changed(changed: GoalChanged, tr: Language) -> _Text:
 
 def _storage(changed: StorageChanged, tr: Language) -> _Text:
     if changed.working and changed.reason:
-        return tr(changed.reason), "bad"
+        return session_text(changed.reason, tr), "bad"
     if changed.working:
         return tr("The disk works again."), "good"
-    return tr("Cannot write to the disk: {why}").format(why=tr(changed.reason)), "bad"
+    return tr("Cannot write to the disk: {why}").format(why=session_text(changed.reason, tr)), "bad"

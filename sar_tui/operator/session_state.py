@@ -56,7 +56,15 @@ from sar_tui.model.messages import (
 )
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS, SECOND
-from sar_tui.operator.event_text import PAUSE_REASONS, Line, Tone, append, event_line, stopper
+from sar_tui.operator.event_text import (
+    PAUSE_REASONS,
+    Line,
+    Tone,
+    append,
+    event_line,
+    session_text,
+    stopper,
+)
 
 PARTICIPANT = "participant"
 """Actor of a participant's acts."""
@@ -134,7 +142,7 @@ class Stop(NamedTuple):
         tr = self.tr
         late = sorted(self.awaited) if now - self.at > UNCONFIRMED else []
         if names := ", ".join([*(name for name, _ in self.failed), *late]):
-            if why := " ".join(tr(detail) for _, detail in self.failed):
+            if why := " ".join(session_text(detail, tr) for _, detail in self.failed):
                 return tr("not confirmed: {names} ({why})").format(names=names, why=why), "bad"
             return tr("not confirmed: {names}").format(names=names), "bad"
         if self.awaited:

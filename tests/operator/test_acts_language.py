@@ -2,6 +2,7 @@
 that of the session.
 """
 
+import re
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -11,9 +12,10 @@ from msgspec.structs import replace
 
 from sar_tui import operator
 from sar_tui.checks.task_translations import texts_in
+from sar_tui.link import admission
 from sar_tui.link.peer import Connection
 from sar_tui.loop import topics as t
-from sar_tui.loop.answers import answer_to
+from sar_tui.loop.answers import OpenActs, answer_to
 from sar_tui.loop.bus import Topic
 from sar_tui.model import messages as m
 from sar_tui.model.language import Language, read_words
@@ -22,12 +24,25 @@ from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS
 from sar_tui.operator.app import panel_texts
 from sar_tui.operator.commands import Commands
-from sar_tui.operator.event_text import event_line
+from sar_tui.operator.event_text import event_line, session_text
 from sar_tui.operator.keymap import KeymapFile
 from sar_tui.operator.palette import Palette, PhraseBook, pages
 from sar_tui.operator.phrases import phrase_problem
 from sar_tui.operator.session_state import UNCONFIRMED, SessionState
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.difficulty import (
+    Bounds,
+    Difficulty,
+    OneUpOneDownSettings,
+    PercentileSettings,
+    ScoredAttempt,
+    SequenceSettings,
+    TargetSettings,
+    percentile_goal,
+    step_by_outcome,
+    step_in_list,
+    step_to_target,
+)
 from sar_tui.store.interface_language import choose_interface_language
 from tests.operator import panel_driver as b
 from tests.operator.test_acts import ACTS, NOW, OTHERS, PROPOSAL, Panel, command, decision, stopped
@@ -36,10 +51,9 @@ from tests.translations import OTHERS as LANGUAGES
 from tests.translations import code_in
 from tests.untranslated import english_in
 
-TEXTS = set[str]().union(
-    *map(texts_in, code_in("operator")),
-    read_words(Path(operator.__file__).parent / "words.es.toml"),
-)
+WORDS = Path(operator.__file__).parent / "words.es.toml"
+INHERITED = {"Marked: {mark}", "Paused", "goal reached", "you"}
+TEXTS = INHERITED.union(read_words(WORDS), *map(texts_in, code_in("operator")))
 """All texts of the panel, and the answers of the session that it translates."""
 ANSWERS = (
     "No prompt is shown.",
@@ -63,8 +77,7 @@ def tr(request: pytest.FixtureRequest) -> Language:
 
 def english(shown: Iterable[str], tr: Language) -> list[tuple[str, str]]:
     """Return the texts of the panel that are shown in English."""
-    own = {text: tr(text) for text in TEXTS}
-    return english_in(shown, own)
+    return english_in(shown, {text: tr.texts[text] for text in TEXTS & tr.texts.keys()})
 
 
 def lines(panel: Panel) -> list[str]:
@@ -117,8 +130,10 @@ def test_remarks_that_wait_or_are_not_confirmed_are_in_the_panels_language(
     panel.receive(t.WAITING, waiting)
     panel.commands.say("+++", "B", NOW)
     panel.commands.pause(NOW)
+    panel.commands.say("+++", "A", NOW)
     shown = lines(panel)
     panel.answer("refused", ANSWERS[0], 0)
+    panel.answer("done")
     panel.commands.receive(Connection(state))
     assert english([*shown, *lines(panel)], tr) == []
 
@@ -164,6 +179,7 @@ def too_soon(panel: Panel) -> None:
 
 
 def without_control(panel: Panel) -> None:
+    panel.commands.control_key = "b"
     panel.receive(t.PRESENCE, BEN)
     panel.commands.note("+++", NOW)
 
@@ -198,7 +214,7 @@ def without_connection(panel: Panel) -> None:
         lambda panel: panel.commands.edit(GESTURE, "+++", NOW),
     ],
 )
-def test_an_act_that_is_refused_here_says_why_in_the_panels_language(
+def test_an_act_that_depends_on_the_session_is_told_in_the_panels_language(
     act: Callable[[Panel], Any], calm: Theme, tr: Language
 ) -> None:
     panel = Panel(tr=tr)
@@ -206,6 +222,9 @@ def test_an_act_that_is_refused_here_says_why_in_the_panels_language(
     act(panel)
     shown = lines(panel)
     assert shown
+    if panel.peer.sent:
+        panel.answer()
+        shown += lines(panel)
     assert english(shown, tr) == []
 
 
@@ -252,6 +271,15 @@ def test_numbers_in_what_is_typed_stay_as_they_are(tr: Language) -> None:
 
 
 # --- events
+
+
+def test_a_count_of_events_is_in_the_panels_language(tr: Language) -> None:
+    panel = Panel(tr=tr)
+    for _ in range(3):
+        panel.receive(t.STORAGE, m.StorageChanged(working=True))
+    (shown,) = lines(panel)
+    assert shown.startswith("3")
+    assert english([shown], tr) == []
 
 
 def change(state: Any, actor: str = b.ANNA, **more: Any) -> m.OperatorChanged:
@@ -304,6 +332,8 @@ MORE_EVENTS: list[tuple[Topic[Any], m.Message]] = [
     (t.SETTING, m.SettingChanged(name="feedback_every", value=3)),
     (t.SETTING, m.SettingChanged(name="+++", value=0.5)),
     (t.STORAGE, m.StorageChanged(working=True)),
+    (t.PRESENCE, change("joined", "operator.ben")),
+    (t.PRESENCE, change("joined", role="observer")),
 ]
 
 
@@ -315,6 +345,51 @@ def test_events_are_told_in_the_panels_language(
 ) -> None:
     line = event_line(b.frame(topic, message), ME, BEFORE, tr)
     assert english([line.text] if line else [], tr) == []
+
+
+def reasons() -> Iterator[str]:
+    """Yield the reasons that the included policies give for another level or goal."""
+    bounds = Bounds(1, 9)
+    for outcome in ("success", "failure"):
+        attempt = ScoredAttempt(1, outcome, reached=4, prompts=9)  # type: ignore[arg-type]
+        for needed in (1, 2):
+            steps = OneUpOneDownSettings(consecutive_successes=needed, consecutive_failures=needed)
+            state = Difficulty(5)
+            for _ in range(needed):
+                state = step_by_outcome(state, attempt, steps, bounds)
+            yield state.why
+        for share in ("prompts", "attempts"):
+            target = TargetSettings(target_share=62.5, target_of=share)  # type: ignore[arg-type]
+            yield step_to_target(Difficulty(5), attempt, target, bounds).why
+    listed = SequenceSettings(level_sequence=(1, 2))
+    yield step_in_list(Difficulty(1), ScoredAttempt(1, "success"), listed, bounds).why
+    for results in ([1.0], [1.0, 2.0, 3.0]):
+        goal = percentile_goal(results, "lower", PercentileSettings())
+        yield goal.why if goal else ""
+
+
+def failures() -> Iterator[str]:
+    """Yield sentences of the session and of the link with values in them."""
+    answers: list[m.ActAnswered] = []
+    acts = OpenActs(answers.append)
+    acts.add_request("a1", m.Remark(id="1"), NOW)
+    acts.begin("a1", [("speech", "say"), ("robot", "say")])
+    for output in ("speech", "robot"):
+        acts.report(m.OutputReport(action="a1", output=output, part="say", state="failed", at=NOW))
+    yield answers[0].why
+    yield from (admission._TOO_FAST, admission._TOO_LONG)
+
+
+@pytest.mark.parametrize("why", [*reasons(), *failures()])
+def test_sentences_of_the_session_with_values_are_in_the_panels_language(
+    why: str, tr: Language
+) -> None:
+    assert why
+    own = session_text(why, tr)
+    assert own != why
+    assert "62.5" not in own
+    numbers = re.findall(r"\d+", why)
+    assert sorted(re.findall(r"\d+", own)) == sorted(numbers)
 
 
 def test_numbers_of_events_are_written_as_in_the_panels_language(tr: Language) -> None:
