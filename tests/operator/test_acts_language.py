@@ -24,7 +24,7 @@ from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS
 from sar_tui.operator.app import panel_texts
 from sar_tui.operator.commands import Commands
-from sar_tui.operator.event_text import event_line, session_text
+from sar_tui.operator.event_text import event_line, session_text, stopper
 from sar_tui.operator.keymap import KeymapFile
 from sar_tui.operator.palette import Palette, PhraseBook, pages
 from sar_tui.operator.phrases import phrase_problem
@@ -425,6 +425,13 @@ def test_a_stop_is_told_in_the_panels_language(actor: str, tr: Language) -> None
     panel.receive(t.STOPPED, stopped("speech", NOW, "It did not stop in time."))
     texts += shown()
     assert english(texts, tr) == []
+
+
+@pytest.mark.parametrize("me", [None, b.welcome(participants={"A": "P01", "B": "P02"})])
+def test_a_participant_who_is_not_known_is_named_in_the_panels_language(
+    me: Any, tr: Language
+) -> None:
+    assert english([stopper("participant", me, tr)], tr) == []
 
 
 # --- the palette
