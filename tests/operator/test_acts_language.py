@@ -21,13 +21,13 @@ from sar_tui.model import messages as m
 from sar_tui.model.language import Language, read_words
 from sar_tui.model.step import Step
 from sar_tui.model.theme import Theme
-from sar_tui.model.units import MS
+from sar_tui.model.units import MS, SECOND
 from sar_tui.operator.app import panel_texts
 from sar_tui.operator.commands import Commands
 from sar_tui.operator.event_text import event_line, session_text, stopper
 from sar_tui.operator.keymap import KeymapFile
 from sar_tui.operator.palette import Palette, PhraseBook, pages
-from sar_tui.operator.phrases import phrase_problem
+from sar_tui.operator.phrases import addressee, phrase_problem
 from sar_tui.operator.session_state import UNCONFIRMED, SessionState
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.difficulty import (
@@ -434,6 +434,13 @@ def test_a_participant_who_is_not_known_is_named_in_the_panels_language(
     assert english([stopper("participant", me, tr)], tr) == []
 
 
+def test_a_voice_that_fails_without_a_reason_is_told_in_the_panels_language(tr: Language) -> None:
+    report = m.OutputReport(action="a1", output="speech", part="say", state="failed", at=0)
+    panel = Panel(tr=tr)
+    panel.receive(t.REPORT, report)
+    assert english([panel.commands.state.voice], tr) == []
+
+
 # --- the palette
 
 
@@ -458,6 +465,7 @@ def test_the_palette_is_in_the_panels_language_and_its_phrases_in_that_of_the_se
         ),
     ]
     state = state.receive(frames)
+    shown.append(f"+{addressee(state, 'B')}")
     found = pages(state, PhraseBook.of(state, file), "B")
     shown += [page.title for page in found]
     shown += [text for page in found if page.kind in ("modes", "queue") for text in all_of(page)]
@@ -486,11 +494,13 @@ def test_a_broken_phrase_is_explained_in_the_panels_language(phrase: str, tr: La
 
 @pytest.mark.parametrize("code", LANGUAGES)
 async def test_the_texts_of_keys_are_in_the_panels_language(
-    catalogue: Catalogue, tmp_path: Path, code: str
+    catalogue: Catalogue, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, code: str
 ) -> None:
     choose_interface_language(tmp_path, code)
     async with b.open_panel(catalogue, tmp_path) as driver:
         panel, shown = driver.panel, []
+        probe = driver.app.terminal_probe
+        monkeypatch.setattr(probe, "take_longest_silence", lambda: 5 * SECOND)
         for people in ({"A": "P01"}, {"A": "P01", "B": "P02"}):
             await driver.join(participants=people)
             for key in ("t", "n", "e"):
@@ -510,5 +520,6 @@ async def test_the_texts_of_keys_are_in_the_panels_language(
         await driver.receive(Connection("lost"))
         await driver.press("t")
         shown += [line.text for line in panel.commands.log.lines]
+        assert any("5 s" in text for text in shown)
         assert len(shown) > 12
         assert english(shown, panel.tr) == []
