@@ -11,7 +11,7 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_args
 
 import msgspec
 
@@ -21,7 +21,9 @@ from sar_tui.checks.task_translations import (
     texts_in,
 )
 from sar_tui.loop.phrase_keys import PHRASE_KEYS, wording_problems
+from sar_tui.model import messages
 from sar_tui.model.language import BUNDLED, read_words, slot_problem
+from sar_tui.operator.keymap import EVENTS, KEY_COMMANDS
 from sar_tui.plugins import Catalogue, task_folder
 from sar_tui.records.kind import Kind, read_kind
 from sar_tui.rules import declaration
@@ -33,6 +35,15 @@ _PRODUCT = ROOT / "sar_tui"
 OTHERS = tuple(code for code in BUNDLED if code != "en")
 _UNITS = {"ms", "s", "min", "%", "cm", "rad/s"}
 """Units that are the same in all languages."""
+_NAMED = (
+    messages.Kind,
+    messages.Degree,
+    messages.EndStatus,
+    messages.Mode,
+    messages.SensorState,
+    messages.Valence,
+)
+"""Values whose names the operator's panel shows."""
 
 
 class Room(NamedTuple):
@@ -90,9 +101,10 @@ def rooms(catalogue: Catalogue) -> Iterator[Room]:
     yield from (participants, therapists, rules)
     loop = _room("loop", "model", beside=("rules",))
     yield loop
-    panel = _room("operator", beside=("loop", "link", "outputs/node.py"))
+    panel = _room("operator", "link/discovery.py", beside=("loop", "link", "outputs/node.py"))
     above = translated_in(participants) | translated_in(therapists) | translated_in(loop)
-    yield panel._replace(inherited=above)
+    shown = _names() | _texts_of_keys()
+    yield panel._replace(needed=panel.needed | shown, used=panel.used | shown, inherited=above)
     reports = _room(
         "reports",
         "records",
@@ -252,6 +264,17 @@ def _labels(source: str) -> set[str]:
             ):
                 found.add(label)
     return found
+
+
+def _names() -> set[str]:
+    """Return the names of values that the operator's panel shows."""
+    return {name for kind in _NAMED for name in get_args(kind)}
+
+
+def _texts_of_keys() -> set[str]:
+    """Return the texts about the keys of the operator's panel, and its event marks."""
+    texts = {text for key in KEY_COMMANDS for text in (key.label, key.description, key.group)}
+    return texts.union(EVENTS) - {""}
 
 
 def _about(theme: Path) -> set[str]:

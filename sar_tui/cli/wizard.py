@@ -186,7 +186,7 @@ def _one(data: Path, session: str | None) -> "JoinableSession":
             "XDG_RUNTIME_DIR, are "
             "not found."
         )
-    there = "; ".join(f"{each.session} ({each.description})" for each in live)
+    there = "; ".join(f"{each.session} ({each.description()})" for each in live)
     if not meant:
         raise Refused(f"No session that can be joined begins with {session}. These can: {there}.")
     if len(meant) > 1:

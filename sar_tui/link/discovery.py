@@ -17,6 +17,7 @@ import filelock
 import msgspec
 
 from sar_tui.link.errors import LinkError
+from sar_tui.model.language import ENGLISH, Language
 
 MAX_PATH_BYTES = 100
 """For a socket's path, the system allows 108 bytes (Linux) or 104 (macOS)."""
@@ -49,14 +50,14 @@ class JoinableSession(msgspec.Struct, frozen=True):
     participants: tuple[str, ...] = ()
     started: str = ""
 
-    @property
-    def description(self) -> str:
-        """Participant, task, and start in local time: "P01, keyboard, since 14:03"."""
-        parts = [" and ".join(self.participants), self.task]
+    def description(self, tr: Language = ENGLISH) -> str:
+        """Return participant, task, and start in local time: "P01, keyboard, since 14:03"."""
+        parts = [f" {tr('and')} ".join(self.participants), self.task]
         with contextlib.suppress(ValueError):
             began = datetime.fromisoformat(self.started).astimezone()
             is_today = began.date() == datetime.now().astimezone().date()
-            parts.append(f"since {began:%H:%M}" if is_today else f"since {began:%Y-%m-%d %H:%M}")
+            time = f"{began:%H:%M}" if is_today else f"{began:%Y-%m-%d %H:%M}"
+            parts.append(tr("since {time}", time=time))
         return ", ".join(filter(None, parts))
 
     @property

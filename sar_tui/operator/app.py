@@ -34,10 +34,8 @@ from sar_tui.widgets.language import app_texts
 from sar_tui.widgets.lists import OptionList
 
 LOOK_SECONDS = 1.0
-HOW_TO_START = (
-    "No session of this data folder can be joined. Start one with: sar-tui run TASK -p "
-    "CODE --operator"
-)
+HOW_TO_START = "No session of this data folder can be joined. Start one with: {command}"
+START_COMMAND = "sar-tui run TASK -p CODE --operator"
 
 
 class WizardApp(BaseApp):
@@ -148,7 +146,6 @@ class ChooseScreen(Screen[JoinableSession | None]):
     ChooseScreen #box { width: 70; height: auto; max-height: 80%; border: round $accent; padding: 0 1; }
     ChooseScreen #hint { width: 70; height: auto; margin: 1 0; color: $text-muted; }
     """
-    help_text = "The sessions of this data folder that an operator can join.\n"
     BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "leave", "Back")]
 
     app: Any
@@ -160,9 +157,14 @@ class ChooseScreen(Screen[JoinableSession | None]):
         self._others: list[str] = []
         self._found: dict[str, JoinableSession] = {}
 
+    @property
+    def help_text(self) -> str:
+        """What the app's help says of this screen."""
+        return f"{self.tr('The sessions of this data folder that an operator can join.')}\n"
+
     def compose(self) -> ComposeResult:
         box = OptionList(id="box", markup=False)
-        box.border_title = "Sessions to join"
+        box.border_title = self.tr("Sessions to join")
         yield box
         yield Static("", id="hint", markup=False)
         yield KeyFooter()
@@ -191,21 +193,24 @@ class ChooseScreen(Screen[JoinableSession | None]):
         box.clear_options()
         box.add_options(
             [
-                Option(f"{live.description}   {live.session}", id=live.session)
+                Option(f"{live.description(self.tr)}   {live.session}", id=live.session)
                 for live in self._found.values()
             ]
         )
         if self._found:
             box.highlighted = min(chosen, len(self._found) - 1)
         box.display = bool(self._found)
-        elsewhere = (
-            f"\n\nThere is a session of another data folder: {self._others[0]}"
-            if self._others
-            else ""
-        )
-        self.query_one("#hint", Static).update(
-            "Enter joins." if self._found else f"{HOW_TO_START}{elsewhere}\n\nWaiting for one …"
-        )
+        self.query_one("#hint", Static).update(self._hint())
+
+    def _hint(self) -> str:
+        tr = self.tr
+        if self._found:
+            return tr("Enter joins.")
+        hints = [tr(HOW_TO_START, command=START_COMMAND), tr("Waiting for one …")]
+        if self._others:
+            other = tr("There is a session of another data folder: {path}", path=self._others[0])
+            hints.insert(1, other)
+        return "\n\n".join(hints)
 
     @on(OptionList.OptionSelected, "#box")
     def _selected(self, event: OptionList.OptionSelected) -> None:

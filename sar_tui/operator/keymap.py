@@ -9,10 +9,12 @@ from typing import Annotated, Literal, NamedTuple
 
 import msgspec
 from msgspec import Meta
+from rich.cells import cell_len
 from textual.binding import Binding
 from textual.content import Content
 from textual.keys import KEY_NAME_REPLACEMENTS, Keys
 
+from sar_tui.model.language import ENGLISH, Language
 from sar_tui.operator import status_view
 from sar_tui.operator.phrases import Phrase, phrase_problem
 from sar_tui.operator.session_state import SessionState
@@ -32,8 +34,9 @@ class KeyCommand(NamedTuple):
         id: its name in the operator's file.
         keys: separated by commas, by Textual's names.
         action: the screen's action.
-        label: text in the footer.
-        description: text in the key help.
+        label: text beside the key: in the footer, of a proposal, or of the palette's pages; empty
+            if it is in none of them.
+        description: text in the key help. Of an event mark, with its name.
         group: heading in the key help.
         acts: True if it needs control of the session, so that it is not for observers.
         in_footer: True if the footer shows it.
@@ -50,14 +53,14 @@ class KeyCommand(NamedTuple):
 
 
 KEY_COMMANDS = (
-    KeyCommand("approve", "enter", "approve", "Approve", "Approve", "Proposals"),
-    KeyCommand("veto", "x,delete", "veto", "Veto", "Veto", "Proposals"),
-    KeyCommand("edit", "e", "edit", "Edit", "Edit the text or level", "Proposals"),
+    KeyCommand("approve", "enter", "approve", "approve", "Approve", "Proposals"),
+    KeyCommand("veto", "x,delete", "veto", "veto", "Veto", "Proposals"),
+    KeyCommand("edit", "e", "edit", "edit", "Edit the text or level", "Proposals"),
     KeyCommand(
         "positive",
         "plus",
         "valence('positive')",
-        "Positive",
+        "",
         "A positive face, same words",
         "Proposals",
     ),
@@ -65,7 +68,7 @@ KEY_COMMANDS = (
         "neutral",
         "equals_sign",
         "valence('neutral')",
-        "Neutral",
+        "",
         "A neutral face, same words",
         "Proposals",
     ),
@@ -73,16 +76,16 @@ KEY_COMMANDS = (
         "negative",
         "minus",
         "valence('negative')",
-        "Negative",
+        "",
         "A negative face, same words",
         "Proposals",
     ),
-    KeyCommand("next", "right,down", "select(1)", "Next", "Next proposal", "Proposals", acts=False),
+    KeyCommand("next", "right,down", "select(1)", "", "Next proposal", "Proposals", acts=False),
     KeyCommand(
         "previous",
         "left,up",
         "select(-1)",
-        "Previous",
+        "",
         "Previous proposal",
         "Proposals",
         acts=False,
@@ -105,28 +108,26 @@ KEY_COMMANDS = (
     KeyCommand("level-up", "u", "level(1)", "Up", "Level up", "Session", in_footer=True),
     KeyCommand("level-down", "d", "level(-1)", "Down", "Level down", "Session", in_footer=True),
     KeyCommand("hold", "h", "hold", "Hold", "Hold or release the level", "Session", in_footer=True),
-    KeyCommand("undo", "ctrl+z", "undo", "Undo", "Undo your act (10 s)", "Session"),
-    KeyCommand("end", "end", "end", "End", "End the session (asks once)", "Session"),
+    KeyCommand("undo", "ctrl+z", "undo", "Undo", "Undo your act (10 s)", "Session", in_footer=True),
+    KeyCommand("end", "end", "end", "", "End the session (asks once)", "Session"),
     *(
         KeyCommand(
             f"pick-{number % 10}",
             str(number % 10),
             f"pick({index})",
             "",
-            f"Number {number} of the palette",
+            "Choose from the page",
             "Palette",
         )
         for index, number in enumerate(range(1, 11))
     ),
-    KeyCommand("page", "tab", "page(1)", "Page", "Next page", "Palette", acts=False),
-    KeyCommand(
-        "page-back", "shift+tab", "page(-1)", "Page back", "Previous page", "Palette", acts=False
-    ),
-    KeyCommand("phrases", "p", "show('phrases')", "Phrases", "Phrases", "Palette", acts=False),
-    KeyCommand("gestures", "g", "show('gestures')", "Gestures", "Gestures", "Palette", acts=False),
-    KeyCommand("marks", "m", "show('marks')", "Marks", "Trial marks", "Palette", acts=False),
-    KeyCommand("modes", "o", "show('modes')", "Modes", "Modes: who decides", "Palette", acts=False),
-    KeyCommand("queue", "c", "show('queue')", "Queue", "Queued actions", "Palette", acts=False),
+    KeyCommand("page", "tab", "page(1)", "", "Next page", "Palette", acts=False),
+    KeyCommand("page-back", "shift+tab", "page(-1)", "", "Previous page", "Palette", acts=False),
+    KeyCommand("phrases", "p", "show('phrases')", "phrases", "Phrases", "Palette", acts=False),
+    KeyCommand("gestures", "g", "show('gestures')", "gestures", "Gestures", "Palette", acts=False),
+    KeyCommand("marks", "m", "show('marks')", "marks", "Trial marks", "Palette", acts=False),
+    KeyCommand("modes", "o", "show('modes')", "modes", "Modes: who decides", "Palette", acts=False),
+    KeyCommand("queue", "c", "show('queue')", "queue", "Queued actions", "Palette", acts=False),
     KeyCommand("say", "t", "say", "Say", "Say something", "Speech and notes", in_footer=True),
     KeyCommand("note", "n", "note", "Note", "Add a note", "Speech and notes", in_footer=True),
     *(
@@ -135,18 +136,18 @@ KEY_COMMANDS = (
             keys,
             f"event({number - 1})",
             "",
-            f"Event mark {number}",
+            "Event: {name}",
             "Speech and notes",
         )
         for number, keys in enumerate(EVENT_KEYS, 1)
     ),
-    KeyCommand("seat", "a", "seat", "Seat", "Switch participant", "Speech and notes"),
-    KeyCommand("control", "b", "take_control", "Control", "Take control", "Panel"),
+    KeyCommand("seat", "a", "seat", "", "Switch participant", "Speech and notes"),
+    KeyCommand("control", "b", "take_control", "", "Take control", "Panel"),
     KeyCommand(
         "keys", "f1,question_mark", "keys", "Keys", "All keys", "Panel", acts=False, in_footer=True
     ),
-    KeyCommand("close", "q", "close", "Leave", "Leave the panel (asks once)", "Panel", acts=False),
-    KeyCommand("leave", "escape", "leave", "Close", "Close what is open", "Panel", acts=False),
+    KeyCommand("close", "q", "close", "", "Leave the panel (asks once)", "Panel", acts=False),
+    KeyCommand("leave", "escape", "leave", "", "Close what is open", "Panel", acts=False),
 )
 
 
@@ -170,13 +171,17 @@ def split_keys(keys: str) -> list[str]:
     return list(dict.fromkeys(_textual_name(key.strip()) for key in keys.split(",")))
 
 
-def key_name(key: str) -> str:
+def key_name(key: str, tr: Language = ENGLISH) -> str:
     """Return the name of a key as it is written on a keyboard."""
-    *modifiers, name = key.split("+")
-    label = _NAMES.get(name) or (name.capitalize() if len(name) > 1 else name)
-    if name in _CHARACTERS:
-        label = _CHARACTERS[name]
-    return "-".join((*(modifier.capitalize() for modifier in modifiers), label))
+    return "-".join(
+        tr(_NAMES[name]) if name in _NAMES else _CHARACTERS.get(name) or _other_name(name)
+        for name in key.split("+")
+    )
+
+
+def _other_name(name: str) -> str:
+    """Return the name of a key that is the same in all languages: "F2", "x"."""
+    return name.capitalize() if len(name) > 1 else name
 
 
 def is_key(key: str) -> bool:
@@ -200,7 +205,27 @@ def _textual_name(key: str) -> str:
     return KEY_NAME_REPLACEMENTS.get(name, name)
 
 
-_NAMES = {"escape": "Esc", "delete": "Del", "left": "←", "right": "→", "up": "↑", "down": "↓"}
+_NAMES = {
+    "alt": "Alt",
+    "backspace": "Backspace",
+    "ctrl": "Ctrl",
+    "delete": "Del",
+    "down": "↓",
+    "end": "End",
+    "enter": "Enter",
+    "escape": "Esc",
+    "home": "Home",
+    "insert": "Insert",
+    "left": "←",
+    "pagedown": "Pagedown",
+    "pageup": "Pageup",
+    "right": "→",
+    "shift": "Shift",
+    "space": "Space",
+    "tab": "Tab",
+    "up": "↑",
+}
+"""Names of keys and modifiers that differ between keyboards, by Textual's names."""
 _CHARACTERS = {
     _textual_name(chr(code)): chr(code) for code in range(33, 127) if not chr(code).isalnum()
 }
@@ -239,35 +264,46 @@ class KeymapFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return split_keys(self.keys.get(command.id, command.keys))
 
 
-def read(folder: Path) -> tuple[KeymapFile, str]:
+def read(folder: Path, tr: Language = ENGLISH) -> tuple[KeymapFile, str]:
     """Read the operator's file. If something is wrong with it, return the defaults and a sentence
     that says what.
     """
     path = folder / FILE
     try:
         file = msgspec.toml.decode(path.read_bytes(), type=KeymapFile)
-        problem = _problem(file)
+        problem = _problem(file, tr)
     except FileNotFoundError:
         return KeymapFile(), ""
     except OSError as error:
-        file, problem = KeymapFile(), f"it cannot be read ({error.strerror})"
+        file, problem = KeymapFile(), tr("it cannot be read ({error})", error=error.strerror)
     except (msgspec.MsgspecError, UnicodeDecodeError) as error:
         file, problem = KeymapFile(), str(error)
-    return (KeymapFile(), f"{FILE} is ignored: {problem.rstrip('.')}.") if problem else (file, "")
+    if not problem:
+        return file, ""
+    return KeymapFile(), tr("{file} is ignored: {why}.", file=FILE, why=problem.rstrip("."))
 
 
-def _problem(file: KeymapFile) -> str:
+def _problem(file: KeymapFile, tr: Language) -> str:
     """Return what is wrong with the content, to follow a colon; empty if nothing is."""
     known = {command.id for command in KEY_COMMANDS}
     if unknown := [id for id in file.keys if id not in known]:
-        return f"there is no command {unknown[0]!r}"
+        return tr("there is no command {name}", name=repr(unknown[0]))
     taken: dict[str, str] = {}
     for command in KEY_COMMANDS:
         for key in file.keys_of(command):
             if not is_key(key):
-                return f"{key!r}, for {command.id}, is not the name of a key"
+                return tr(
+                    "{key}, for {command}, is not the name of a key",
+                    key=repr(key),
+                    command=command.id,
+                )
             if key in taken:
-                return f"the key {key_name(key)} is used for both {taken[key]} and {command.id}"
+                return tr(
+                    "the key {key} is used for both {first} and {second}",
+                    key=key_name(key, tr),
+                    first=taken[key],
+                    second=command.id,
+                )
             taken[key] = command.id
     return next(
         (found for phrase in file.own_phrases if (found := phrase_problem(phrase.text))), ""
@@ -284,16 +320,18 @@ _QUESTIONS = {
 _CONFIRMING = {"resume": "pause"}
 """Command whose key confirms a question, if it is not the question's own."""
 _PAGES = ("phrases", "gestures", "marks", "modes", "queue")
+_LEAST_USED = ("repeat", "hold", "note")
+"""Commands that the footer leaves out, in this order, until the others fit."""
 
 
-def key_label(id: str, file: KeymapFile) -> str:
+def key_label(id: str, file: KeymapFile, tr: Language) -> str:
     """Return the name of a command's first key."""
-    return key_name(file.keys_of(_BY_ID[id])[0])
+    return key_name(file.keys_of(_BY_ID[id])[0], tr)
 
 
-def palette_keys(file: KeymapFile) -> str:
+def palette_keys(file: KeymapFile, tr: Language) -> str:
     """Return the keys of the palette's pages."""
-    return " ".join(f"{key_label(id, file)} {_BY_ID[id].label.lower()}" for id in _PAGES)
+    return " ".join(f"{key_label(id, file, tr)} {tr(_BY_ID[id].label)}" for id in _PAGES)
 
 
 def question(name: str, state: SessionState, file: KeymapFile) -> str:
@@ -302,36 +340,44 @@ def question(name: str, state: SessionState, file: KeymapFile) -> str:
     """
     if not name or (name == "resume" and not state.is_their_pause):
         return ""
-    key = key_label(_CONFIRMING.get(name, name), file)
-    return _QUESTIONS[name].format(key=key, why=status_view.waiting_text(state))
+    key = key_label(_CONFIRMING.get(name, name), file, state.tr)
+    return state.tr(_QUESTIONS[name], key=key, why=status_view.waiting_text(state))
 
 
-def footer(file: KeymapFile, question: str, width: int, *, is_observer: bool) -> Content:
-    """Return the most used keys, or a question that must be answered first."""
+def footer(
+    file: KeymapFile, question: str, width: int, tr: Language, *, is_observer: bool
+) -> Content:
+    """Return the most used keys that there is room for, or a question that must be answered
+    first.
+    """
     if question:
         return Content.assemble((cut(question, width), "$warning bold"))
+    shown = {
+        command.id: (key_label(command.id, file, tr), tr(command.label))
+        for command in KEY_COMMANDS
+        if command.in_footer and not (is_observer and command.acts)
+    }
+    for id in _LEAST_USED:
+        if sum(cell_len(f"{key} {label} ") for key, label in shown.values()) > width + 1:
+            shown.pop(id, None)
     parts: list[Piece] = []
-    for command in KEY_COMMANDS:
-        if command.in_footer and not (is_observer and command.acts):
-            key = key_label(command.id, file)
-            if sum(len(text) for text, _ in parts) + len(key) + len(command.label) + 1 > width:
-                break
-            parts += [(key, "$accent bold"), (f" {command.label} ", "$text-muted")]
+    for key, label in shown.values():
+        parts += [(key, "$accent bold"), (f" {label} ", "$text-muted")]
     return Content.assemble(*parts)
 
 
-def help_sheet(file: KeymapFile, *, is_observer: bool) -> Content:
+def help_sheet(file: KeymapFile, tr: Language, *, is_observer: bool) -> Content:
     """Return all keys in two columns, under their headings."""
     groups: dict[str, list[KeyCommand]] = {}
     for command in _observer_commands() if is_observer else KEY_COMMANDS:
         groups.setdefault(command.group, []).append(command)
     rows: list[tuple[Piece, Piece]] = []
     for group, commands in groups.items():
-        rows.append(((group, "$accent bold"), ("", "")))
+        rows.append(((tr(group), "$accent bold"), ("", "")))
         rows += [
-            ((f"{_keys(command, file):<9} ", "bold"), (cut(text, _COLUMN - 11), ""))
+            ((f"{_keys(command, file, tr):<9} ", "bold"), (cut(text, _COLUMN - 11), ""))
             for command in commands
-            if (text := _description(command, file))
+            if (text := _description(command, file, tr))
         ]
     half = (len(rows) + 1) // 2
     parts: list[Piece] = []
@@ -350,19 +396,21 @@ def _observer_commands() -> list[KeyCommand]:
     return [command for command in KEY_COMMANDS if not command.acts and command.group != "Palette"]
 
 
-def _keys(command: KeyCommand, file: KeymapFile) -> str:
+def _keys(command: KeyCommand, file: KeymapFile, tr: Language) -> str:
     if command.id == "pick-1":  # stands for all ten
-        return f"{key_label(command.id, file)}…{key_label('pick-0', file)}"
-    return " ".join(key_name(key) for key in file.keys_of(command))
+        return f"{key_label(command.id, file, tr)}…{key_label('pick-0', file, tr)}"
+    return " ".join(key_name(key, tr) for key in file.keys_of(command))
 
 
-def _description(command: KeyCommand, file: KeymapFile) -> str:
+def _description(command: KeyCommand, file: KeymapFile, tr: Language) -> str:
     """Return the description; of an event mark, its name. Empty for a command without a line of its
     own.
     """
     if command.id.startswith("event-"):
         number = int(command.id.removeprefix("event-")) - 1
-        return f"Event: {file.events[number]}" if number < len(file.events) else ""
-    if command.id.startswith("pick-"):
-        return "Choose from the page" if command.id == "pick-1" else ""
-    return command.description
+        if number >= len(file.events):
+            return ""
+        return tr(command.description, name=tr(file.events[number]))
+    if command.id.startswith("pick-") and command.id != "pick-1":
+        return ""
+    return tr(command.description)

@@ -2,11 +2,13 @@
 
 from collections.abc import Callable
 
+from rich.cells import cell_len
 from textual import events
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
 from textual.content import Content, Span
 
+from sar_tui.model.language import ENGLISH, Language
 from sar_tui.model.messages import Action, PendingApproval, Proposal
 from sar_tui.model.units import SECOND
 from sar_tui.operator import status_view
@@ -30,13 +32,15 @@ class ProposalStrip(Vertical):
 
     Args:
         file: the operator's keys.
+        tr: language of the panel.
 
     Attributes:
         edited: the proposal whose text is typed, if one is edited.
     """
 
-    def __init__(self, file: KeymapFile) -> None:
+    def __init__(self, file: KeymapFile, tr: Language = ENGLISH) -> None:
         super().__init__()
+        self.tr = tr
         self._file = file
         self._is_tall = False
         self._label = ""
@@ -155,12 +159,13 @@ class ProposalStrip(Vertical):
 
     def _draw_empty(self, state: SessionState, loss: str, now: int) -> None:
         """Draw why nothing waits. ``loss``: the notice while the link is down."""
-        leave_key = key_label("close", self._file)
+        leave_key = key_label("close", self._file, self.tr)
         self._put("proposal", nothing_pending(state, loss, now, self._width, leave_key))
         self._put("decision-keys", Content(""))
         self._put("entry-label", Content(self._label))
         self._put("others", Content(""))
-        self._frame("Connection" if loss else "Proposals", self._subtitle(state))
+        heading = self.tr("Connection" if loss else "Proposals")
+        self._frame(heading, self._subtitle(state))
 
     def _draw_proposal(self, approval: PendingApproval, commands: Commands, now: int) -> None:
         """Draw a proposal that waits."""
@@ -175,29 +180,29 @@ class ProposalStrip(Vertical):
             for each in pending
             if each.deadline is not None
         }
-        self._put("proposal", body(approval, now, self._time_given.get(id), width))
-        keys = decision_keys(self._file, has_words=takes_valence(approval))
+        self._put("proposal", body(approval, now, self._time_given.get(id), width, self.tr))
+        keys = decision_keys(self._file, self.tr, has_words=takes_valence(approval))
         keys = control_hint(state, self._file) if commands.refusal() else keys
         sent = commands.log.deciding(id)
         self._put("decision-keys", Content(f"{sent} …") if sent else keys)
         self._put("entry-label", Content(self._label))
-        others = other_proposals(pending, approval, now, width)
+        others = other_proposals(pending, approval, now, width, self.tr)
         self._put("others", Content(others))
         to = addressee(state, approval.proposal.seat) if approval.level is None else ""
-        heading = title(approval, pending.index(approval) + 1, len(pending), to)
+        heading = title(approval, pending.index(approval) + 1, len(pending), to, self.tr)
         self._frame(heading, self._subtitle(state, "" if self._label else others))
 
     def _draw_expired_edit(self, edited: PendingApproval, commands: Commands, now: int) -> None:
         """Draw the proposal whose text is edited although it no longer waits."""
-        is_late = edited.deadline is not None and edited.deadline <= now
-        why = "Time is up" if is_late else "No longer pending"
-        others = other_proposals(commands.pending, None, now, self._width)
-        self._put("proposal", expired_edit(edited, self._width))
-        self._put("entry-label", Content(f"{why}:", [Span(0, len(why) + 1, "$warning bold")]))
+        tr, is_late = self.tr, edited.deadline is not None and edited.deadline <= now
+        why = tr("time is up" if is_late else "no longer pending")
+        label = tr("Time is up:" if is_late else "No longer pending:")
+        others = other_proposals(commands.pending, None, now, self._width, tr)
+        self._put("proposal", expired_edit(edited, self._width, tr))
+        self._put("entry-label", Content(label, [Span(0, len(label), "$warning bold")]))
         self._put("others", Content(others))
         self._frame(
-            f"{edited.proposal.kind.upper()} · {why.lower()}",
-            self._subtitle(commands.state, others),
+            f"{tr(edited.proposal.kind).upper()} · {why}", self._subtitle(commands.state, others)
         )
 
     def _subtitle(self, state: SessionState, others: str = "") -> str:
@@ -206,7 +211,9 @@ class ProposalStrip(Vertical):
         """
         if others and not self._is_tall:
             return cut(others, self._width - 4)
-        return "Enter sends, Esc cancels" if self._label else mode_summary(state, self._width - 4)
+        if self._label:
+            return self.tr("Enter sends, Esc cancels")
+        return mode_summary(state, self._width - 4)
 
     def _frame(self, title: str, subtitle: str) -> None:
         """Set the border's texts; as `Content`, because they may hold brackets."""
@@ -218,43 +225,50 @@ class ProposalStrip(Vertical):
         self.query_one(f"#{name}", CachedStatic).show(content)
 
 
-def title(approval: PendingApproval, number: int, count: int, to: str) -> str:
+def title(
+    approval: PendingApproval, number: int, count: int, to: str, tr: Language = ENGLISH
+) -> str:
     """Return a proposal's title: kind, addressee, valence, mode, changes, and its number if there
     are several.
     """
     proposal = approval.proposal
     parts = [
-        proposal.kind.upper() + to,
-        *filter(None, (proposal.valence, proposal.degree)),
-        approval.mode,
+        tr(proposal.kind).upper() + to,
+        *(tr(word) for word in (proposal.valence, proposal.degree) if word),
+        tr(approval.mode),
     ]
     parts += [proposal.evidence] if proposal.evidence else []
-    return " · ".join(parts) + (f" · {number} of {count}" if count > 1 else "")
+    parts += [tr("{number} of {total}", number=number, total=count)] if count > 1 else []
+    return " · ".join(parts)
 
 
-def proposal_text(proposal: Proposal | Action, level: int | None) -> str:
+def proposal_text(proposal: Proposal | Action, level: int | None, tr: Language = ENGLISH) -> str:
     """Return a proposal as it would be said or done."""
     if level is not None:
-        return f"{proposal.text or f'Level {level}'}, from the next attempt on"
-    text = proposal.text or proposal.spoken
-    return (
-        f"“{text}”"
-        if text
-        else f"[{(proposal.gesture or proposal.tone or proposal.face).replace('_', ' ')}]"
-    )
+        what = proposal.text or tr("Level {level}", level=level)
+        return tr("{what}, from the next attempt on", what=what)
+    if text := proposal.text or proposal.spoken:
+        before, _, after = tr("“{text}”").partition("{text}")
+        return f"{before}{text}{after}"  # as the participant reads it, with its decimal sign
+    return f"[{(proposal.gesture or proposal.tone or proposal.face).replace('_', ' ')}]"
 
 
-def time_left(approval: PendingApproval, now: int) -> str:
+_THEN = {"act": "acts by itself in {seconds} s", "drop": "is dropped in {seconds} s"}
+
+
+def time_left(approval: PendingApproval, now: int, tr: Language = ENGLISH) -> str:
     """Return the time left to decide, and what happens then."""
     if approval.deadline is None:
-        return "waits for you until the next attempt begins"
+        return tr("waits for you until the next attempt begins")
     seconds = max(0, approval.deadline - now) / SECOND
     if seconds == 0:
-        return "time is up"
-    return f"{'acts by itself' if approval.otherwise == 'act' else 'is dropped'} in {seconds:.1f} s"
+        return tr("time is up")
+    return tr(_THEN[approval.otherwise], seconds=f"{seconds:.1f}")
 
 
-def body(approval: PendingApproval, now: int, given: int | None, width: int) -> Content:
+def body(
+    approval: PendingApproval, now: int, given: int | None, width: int, tr: Language = ENGLISH
+) -> Content:
     """Return the text and the remaining time.
 
     Args:
@@ -262,32 +276,34 @@ def body(approval: PendingApproval, now: int, given: int | None, width: int) -> 
         now: session clock (ns).
         given: time to decide when it was first seen (ns).
         width: length of a line, in characters.
+        tr: language of the panel.
     """
-    words = two_lines(proposal_text(approval.proposal, approval.level), width)
-    time = time_left(approval, now)
+    words = two_lines(proposal_text(approval.proposal, approval.level, tr), width)
+    time = time_left(approval, now, tr)
     style = f"{_TONES.get(approval.proposal.valence or '', '$foreground')} bold"
     parts: list[Piece] = [(words, style), ("\n", "")]
     if approval.deadline is None or not given:
         return Content.assemble(*parts, (time, "$accent bold"))
-    full, empty = bar((approval.deadline - now) / given, width - 27)
+    longest = cell_len(tr(_THEN[approval.otherwise], seconds="100.0"))
+    full, empty = bar((approval.deadline - now) / given, width - longest - 2)
     urgent = "$warning" if approval.deadline - now < SECOND else "$accent"
     return Content.assemble(
         *parts, (full, urgent), (empty, "$text-muted"), (f"  {time}", f"{urgent} bold")
     )
 
 
-def decision_keys(file: KeymapFile, *, has_words: bool) -> Content:
+def decision_keys(file: KeymapFile, tr: Language, *, has_words: bool) -> Content:
     """Return the keys that decide."""
     parts: list[Piece] = []
     for command in KEY_COMMANDS:
         if command.id in _DECISION_KEYS and (has_words or command.id in _SIMPLE):
             style = "bold reverse" if command.id == "approve" else "bold"
-            key = key_name(file.keys_of(command)[0])
+            key = key_name(file.keys_of(command)[0], tr)
             parts += [
                 (f" {key} ", f"$accent {style}"),
-                (f" {command.label.lower()} " if command.id in _SIMPLE else "", ""),
+                (f" {tr(command.label)} " if command.id in _SIMPLE else "", ""),
             ]
-    parts.append((" other face, same words", "") if has_words else ("", ""))
+    parts.append((f" {tr('other face, same words')}", "") if has_words else ("", ""))
     return Content.assemble(*parts)
 
 
@@ -295,26 +311,25 @@ def control_hint(state: SessionState, file: KeymapFile) -> Content:
     """Return the text shown instead of those keys to an operator without control, or an
     observer.
     """
+    tr = state.tr
     if state.welcome and state.welcome.role == "observer":
-        return Content.assemble(("You are an observer.", "$text-muted"))
-    control = next(command for command in KEY_COMMANDS if command.id == "control")
-    key = key_name(file.keys_of(control)[0])
-    return Content.assemble(
-        (f"{short_name(state.holder)} decides; {key} takes control.", "$text-muted")
-    )
+        return Content.assemble((tr("You are an observer."), "$text-muted"))
+    name, key = short_name(state.holder), key_label("control", file, tr)
+    hint = tr("{name} decides; {key} takes control.", name=name, key=key)
+    return Content.assemble((hint, "$text-muted"))
 
 
-def expired_edit(approval: PendingApproval, width: int) -> Content:
+def expired_edit(approval: PendingApproval, width: int, tr: Language) -> Content:
     """Return a proposal that is edited but no longer pending, and what can be done with the
     text.
     """
     has_words = approval.level is None and approval.proposal.text
-    what = "Enter twice says it anyway, Esc discards it." if has_words else "Esc discards it."
-    words = two_lines(proposal_text(approval.proposal, approval.level), width)
+    what = tr("Enter twice says it anyway, Esc discards it." if has_words else "Esc discards it.")
+    words = two_lines(proposal_text(approval.proposal, approval.level, tr), width)
     return Content.assemble(
         (words, "$text-muted"),
         ("\n", ""),
-        (cut(f"Nothing was sent. {what}", width), "$warning bold"),
+        (cut(f"{tr('Nothing was sent.')} {what}", width), "$warning bold"),
     )
 
 
@@ -322,41 +337,45 @@ def nothing_pending(
     state: SessionState, loss: str, now: int, width: int, leave_key: str
 ) -> Content:
     """Return why nothing is pending: no proposal, no link, or the end of the session."""
+    tr = state.tr
     if state.ended:
-        report = " For the report: sar-tui report wizard last"
-        return Content.assemble(
-            (f"The session is over. {leave_key} leaves.", "bold"), (report, "$text-muted")
-        )
+        over = tr("The session is over. {key} leaves.", key=leave_key)
+        report = tr("For the report: {command}", command="sar-tui report wizard last")
+        return Content.assemble((over, "bold"), (f" {report}", "$text-muted"))
     if loss:
         return Content.assemble((two_lines(loss, width), "$warning bold"))
     if state.arbiter is None:
-        return Content.assemble(("Proposals are not known yet.", "$text-muted"))
+        return Content.assemble((tr("Proposals are not known yet."), "$text-muted"))
     if (action := state.scheduled) and action.due > now:
-        words = two_lines(
-            f"Nothing is pending. The {action.kind} is decided: {proposal_text(action, None)}",
-            width,
-        )
-        return Content.assemble(
-            (words, ""), (f"\ngoes out in {(action.due - now) / SECOND:.1f} s", "$accent bold")
-        )
+        decided = tr("Nothing is pending. The {kind} is decided:", kind=tr(action.kind))
+        words = two_lines(f"{decided} {proposal_text(action, None, tr)}", width)
+        due = tr("goes out in {seconds} s", seconds=f"{(action.due - now) / SECOND:.1f}")
+        return Content.assemble((words, ""), (f"\n{due}", "$accent bold"))
     if all(mode == "autonomous" for mode in state.arbiter.modes.values()):
-        return Content.assemble(
-            ("Nothing is pending: the agent decides everything by itself.", "$text-muted")
-        )
-    who = "you" if state.has_control else short_name(state.holder) or "an operator"
-    return Content.assemble((f"Nothing is pending for {who}.", "$text-muted"))
+        text = tr("Nothing is pending: the agent decides everything by itself.")
+    elif state.has_control:
+        text = tr("Nothing is pending for you.")
+    elif state.holder:
+        text = tr("Nothing is pending for {name}.", name=short_name(state.holder))
+    else:
+        text = tr("Nothing is pending for an operator.")
+    return Content.assemble((text, "$text-muted"))
 
 
 def other_proposals(
-    pending: tuple[PendingApproval, ...], chosen: PendingApproval | None, now: int, width: int
+    pending: tuple[PendingApproval, ...],
+    chosen: PendingApproval | None,
+    now: int,
+    width: int,
+    tr: Language,
 ) -> str:
     """Return the other proposals with their times, on one line."""
     others = [
-        f"{_time(each, now)}{each.proposal.kind} {proposal_text(each.proposal, each.level)}"
+        f"{_time(each, now)}{tr(each.proposal.kind)} {proposal_text(each.proposal, each.level, tr)}"
         for each in pending
         if each is not chosen
     ]
-    return cut(f"Also pending: {' · '.join(others)}", width) if others else ""
+    return cut(f"{tr('Also pending:')} {' · '.join(others)}", width) if others else ""
 
 
 def _time(approval: PendingApproval, now: int) -> str:
@@ -365,10 +384,14 @@ def _time(approval: PendingApproval, now: int) -> str:
 
 def mode_summary(state: SessionState, width: int) -> str:
     """Return the kinds of action by mode, without those that the agent decides by itself."""
+    tr = state.tr
     if state.arbiter is None:
-        return "modes not known yet"
+        return tr("modes not known yet")
     of = state.arbiter.modes
-    kinds = {mode: [kind for kind in CONTROLLED_KINDS if of.get(kind) == mode] for mode in MODES}
-    listed = [f"{mode}: {', '.join(kinds[mode])}" for mode in MODES[1:] if kinds[mode]]
-    rest = ["the rest: autonomous" if listed else "all: autonomous"] if kinds["autonomous"] else []
+    kinds = {
+        mode: [tr(kind) for kind in CONTROLLED_KINDS if of.get(kind) == mode] for mode in MODES
+    }
+    listed = [f"{tr(mode)}: {', '.join(kinds[mode])}" for mode in MODES[1:] if kinds[mode]]
+    others = tr("the rest: autonomous" if listed else "all: autonomous")
+    rest = [others] if kinds["autonomous"] else []
     return cut(" · ".join((*listed, *rest)), width)

@@ -110,13 +110,13 @@ class PanelScreen(OrderedScreen[str]):
         self.tr = tr
         self._wall_time = wall_time
         self._connect = connect
-        self.file, self._file_problem = keymap.read(folder)
+        self.file, self._file_problem = keymap.read(folder, tr)
         self._clock = clock or LiveClock(asyncio.get_running_loop())
         self._agent = AgentMirror(theme, self._clock)
         self.commands = Commands(tr)
-        self.commands.control_key = keymap.key_label("control", self.file)
+        self.commands.control_key = keymap.key_label("control", self.file, tr)
         self.palette = Palette(self.file)
-        self.strip = ProposalStrip(self.file)
+        self.strip = ProposalStrip(self.file, tr)
         self._selected = ""
         self._question = ""
         self._is_stale = True
@@ -133,24 +133,25 @@ class PanelScreen(OrderedScreen[str]):
             with Vertical(id="agent-frame"):
                 yield self._agent.widget
             activity = CachedStatic("activity")
-            activity.border_title = "What they do"
+            activity.border_title = self.tr("What they do")
             yield activity
         yield self.strip
         with Horizontal(id="lower"):
             with Vertical(id="palette-and-log"):
                 with Horizontal(id="palette-header"):
                     yield CachedStatic("palette-title")
-                    yield Static(keymap.palette_keys(self.file), id="palette-keys", markup=False)
+                    keys = keymap.palette_keys(self.file, self.tr)
+                    yield Static(keys, id="palette-keys", markup=False)
                 yield CachedStatic("palette")
                 log = CachedStatic("log")
-                log.border_title = "Log"
+                log.border_title = self.tr("Log")
                 yield log
             yield CachedStatic("trend")
         yield CachedStatic("footer")
         help_sheet = CachedStatic("key-help")
-        help_sheet.border_title = "Keys"
+        help_sheet.border_title = self.tr("Keys")
         yield help_sheet
-        yield TooSmallNotice(keymap.key_label("stop", self.file))
+        yield TooSmallNotice(keymap.key_label("stop", self.file, self.tr), self.tr)
 
     def on_mount(self) -> None:
         if isinstance(self._clock, LiveClock):
@@ -293,9 +294,8 @@ class PanelScreen(OrderedScreen[str]):
         self._is_stale, self._drawn_at = False, time.monotonic()
         now = peer.now()
         self._agent.show(state, now)
-        title = "What they see and hear"
-        self.query_one("#agent-frame").border_title = (
-            title if state.theme else f"{title}: {status_view.UNKNOWN}"
+        self.query_one("#agent-frame").border_title = self.tr(
+            "What they see and hear" if state.theme else "What they see and hear: not known yet"
         )
         link = status_view.link_status(state, self.commands.control_key)
         width = self._width("header")
@@ -319,10 +319,11 @@ class PanelScreen(OrderedScreen[str]):
         self._draw_trend()
         question = keymap.question(self._question, state, self.file)
         footer = keymap.footer(
-            self.file, question, self._width("footer"), is_observer=self.is_observer
+            self.file, question, self._width("footer"), self.tr, is_observer=self.is_observer
         )
         self._put("footer", footer)
-        self._put("key-help", keymap.help_sheet(self.file, is_observer=self.is_observer))
+        help_sheet = keymap.help_sheet(self.file, self.tr, is_observer=self.is_observer)
+        self._put("key-help", help_sheet)
 
     def _place_in_log(self, now: int, line: Line) -> tuple[bool, int]:
         """Return what lines are ordered by: their time, but what was just told of an absence stays
@@ -348,7 +349,7 @@ class PanelScreen(OrderedScreen[str]):
         self.set_class(self.is_observer, "observer")
         state, width = self.commands.state, self._width("palette")
         if self.strip.overflows:
-            self._put("palette-title", Content("What you type, in full"))
+            self._put("palette-title", Content(self.tr("What you type, in full")))
             typed = wrap(self.strip.typed, width, _PALETTE_ROWS)
             self._put("palette", Content("\n".join(typed)))
             return
@@ -356,7 +357,7 @@ class PanelScreen(OrderedScreen[str]):
         title = f"{page.title} {number + 1}/{count}"
         is_for_one = page.kind in ("phrases", "gestures")
         if to := addressee(state, self.palette.seat) if is_for_one else "":
-            title += f" ·{to} ({keymap.key_label('seat', self.file)})"
+            title += f" ·{to} ({keymap.key_label('seat', self.file, self.tr)})"
         self._put("palette-title", Content(title))
         self._put("palette", palette_page(page, width, _PALETTE_ROWS))
 
@@ -365,9 +366,11 @@ class PanelScreen(OrderedScreen[str]):
         if not plot.display or state.welcome is None:
             return
         seat, names = self.palette.seat, state.welcome.participants
-        plot.border_title = f"Attempts of {names.get(seat, seat)}" if len(names) > 1 else "Attempts"
-        size = plot.content_size
-        plot.show(trend(state.seat(seat).attempts, state.welcome.metric, size.width, size.height))
+        is_one = len(names) <= 1
+        who = names.get(seat, seat)
+        plot.border_title = self.tr("Attempts") if is_one else self.tr("Attempts of {who}", who=who)
+        size, metric = plot.content_size, state.welcome.metric
+        plot.show(trend(state.seat(seat).attempts, metric, size.width, size.height, self.tr))
 
     def _width(self, name: str) -> int:
         return self.query_one(f"#{name}").content_size.width

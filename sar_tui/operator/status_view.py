@@ -7,13 +7,12 @@ from rich.cells import cell_len
 from textual.content import Content
 
 from sar_tui.operator import text_charts
-from sar_tui.operator.event_text import PAUSE_REASONS, Line, participant_name, short_name
+from sar_tui.operator.event_text import PAUSE_REASONS, Line, short_name
 from sar_tui.operator.phrases import metric_text
 from sar_tui.operator.session_state import PARTICIPANT, Seat, SessionState, Stop
 from sar_tui.operator.text_charts import Piece, cut
 from sar_tui.reports.charts import sparkline
 
-UNKNOWN = "not known yet"
 _LABEL = 8
 """Characters of a participant's code beside their responses."""
 _WAITING = {
@@ -39,6 +38,13 @@ _REASONS = {
     "storage": "the disk",
     "held": "a key is held",
 }
+_LINK = {"connecting": "connecting", "lost": "connection lost", "ended": "no connection"}
+_WITHOUT_OPERATOR = {
+    "autonomous": "If it still runs, the session goes on by itself (autonomous).",
+    "silent": "If it still runs, the session goes on by itself, without anything that needs an "
+    "operator.",
+}
+_GOES_ON = "If it still runs, the session goes on by itself."
 _SIGNS = {"plain": ("·", "$text-muted"), "good": ("✓", "$success"), "bad": ("!", "$warning bold")}
 
 
@@ -48,35 +54,44 @@ def session_line(state: SessionState, width: int = 200) -> str:
 
     If the line is too long, the task and the participants are cut or left out: the level stays.
     """
-    welcome, waiting = state.welcome, state.waiting
+    tr, welcome = state.tr, state.welcome
     if welcome is None:
-        return "Operator"
-    progress = []
-    if state.ended:
-        progress.append(f"session {state.ended}")
-    elif waiting and waiting.attempt:
-        progress.append(_attempt_name(state, waiting.attempt))
-    if state.level is not None:
-        then = f", then {state.next_level}" if state.next_level not in (None, state.level) else ""
-        progress.append(f"level {state.level}{then}")
-    who = " and ".join(welcome.participants.values())
+        return tr("Operator")
+    progress = _progress(state)
+    who = f" {tr('and')} ".join(welcome.participants.values())
     for parts in ([welcome.title, who, *progress], [who, *progress], progress):
         line = " · ".join(part for part in parts if part)
         if cell_len(line) <= width:
             return line
-    return " · ".join(_shortened(part) for part in reversed(progress))
+    return " · ".join(reversed(_progress(state, is_short=True)))
 
 
-def _shortened(progress: str) -> str:
-    """Return an attempt or a level in fewer columns: "practice 1 of 2" as "practice 1/2"."""
-    return progress.replace("attempt ", "").replace(" of ", "/").replace(", then ", "→")
+def _progress(state: SessionState, *, is_short: bool = False) -> list[str]:
+    """Return the attempt, or how the session ended, and the level.
+
+    ``is_short``: in few columns, "practice 1/2" and "level 4→5".
+    """
+    tr, waiting, progress = state.tr, state.waiting, []
+    if state.ended:
+        progress.append(tr("session {status}", status=tr(state.ended)))
+    elif waiting and waiting.attempt:
+        progress.append(_attempt_name(state, waiting.attempt, is_short=is_short))
+    if state.level is None:
+        return progress
+    if state.next_level in (None, state.level):
+        level = tr("level {level}", level=state.level)
+    elif is_short:
+        level = tr("level {level}", level=f"{state.level}→{state.next_level}")
+    else:
+        level = tr("level {level}, then {next}", level=state.level, next=state.next_level)
+    return [*progress, level]
 
 
-def _attempt_name(state: SessionState, attempt: int) -> str:
+def _attempt_name(state: SessionState, attempt: int, *, is_short: bool) -> str:
     """Return the attempt as the participant's screen counts it: during feedback, still the one that
     ended.
     """
-    welcome, waiting = state.welcome, state.waiting
+    tr, welcome, waiting = state.tr, state.welcome, state.waiting
     done = [seat.attempt.attempt for seat in state.seats.values() if seat.attempt]
     if waiting and waiting.stage in ("answer", "review") and done:
         attempt = max(done)
@@ -84,70 +99,74 @@ def _attempt_name(state: SessionState, attempt: int) -> str:
     practice = int(welcome.parameters.get("practice_attempts", 0)) if welcome else 0
     total = welcome.attempts if welcome else 0
     if attempt <= practice:
-        return f"practice {attempt} of {practice}"
-    return f"attempt {attempt - practice} of {total - practice}"
+        if is_short:
+            return tr("practice {number}", number=f"{attempt}/{practice}")
+        return tr("practice {number} of {total}", number=attempt, total=practice)
+    number, total = attempt - practice, total - practice
+    if is_short:
+        return f"{number}/{total}"
+    return tr("attempt {number} of {total}", number=number, total=total)
 
 
 def link_status(state: SessionState, control_key: str = "b") -> Content:
     """Return the state of the link, who has control, and who else is there."""
-    connection = state.connection.state
+    tr, connection = state.tr, state.connection.state
     if state.ended:
-        return Content.assemble(("session over", "$text-muted"))
+        return Content.assemble((tr("session over"), "$text-muted"))
     if connection != "connected":
-        text = {"connecting": "connecting", "lost": "connection lost", "ended": "no connection"}[
-            connection
-        ]
-        return Content.assemble((f"○ {text}", "$warning bold"))
+        return Content.assemble((f"○ {tr(_LINK[connection])}", "$warning bold"))
+    holder = tr("{name} in control", name=short_name(state.holder))
+    takes = tr("{key} takes it", key=control_key)
     me = state.welcome.name if state.welcome else ""
     others = [name for name in state.peers if name not in (me, state.holder)]
     watchers = [short_name(name) for name in others if state.peers[name] == "observer"]
     parts: list[Piece] = [("● ", "$success")]
     if state.welcome and state.welcome.role == "observer":
-        parts.append(("you are observing", "bold"))
-        parts.append(
-            (f" · {short_name(state.holder)} in control", "$text-muted")
-            if state.holder
-            else ("", "")
-        )
+        parts.append((tr("you are observing"), "bold"))
+        parts.append((f" · {holder}", "$text-muted") if state.holder else ("", ""))
     elif state.holder == me and me:
-        parts.append(("in control", "$success bold"))
+        parts.append((tr("in control"), "$success bold"))
     elif state.holder:
-        parts.append((f"{short_name(state.holder)} in control", "$warning bold"))
-        parts.append((f" · {control_key} takes it", "$text-muted"))
+        parts.append((holder, "$warning bold"))
+        parts.append((f" · {takes}", "$text-muted"))
     elif not state.peers:
-        parts.append(("connected", "$success"))
+        parts.append((tr("connected"), "$success"))
     else:
-        parts.append(("nobody in control", "$warning bold"))
-        parts.append((f" · {control_key} takes it", "$text-muted"))
+        parts.append((tr("nobody in control"), "$warning bold"))
+        parts.append((f" · {takes}", "$text-muted"))
     parts.extend(
         (f" · {short_name(name)}", "$text-muted")
         for name in others
         if state.peers[name] == "operator"
     )
     if watchers:
-        watch = f"{watchers[0]} watches" if len(watchers) == 1 else f"{len(watchers)} watch"
+        watch = (
+            tr("{name} watches", name=watchers[0])
+            if len(watchers) == 1
+            else tr("{count} watch", count=len(watchers))
+        )
         parts.append((f" · {watch}", "$text-muted"))
     return Content.assemble(*parts)
 
 
 def link_loss(state: SessionState) -> str:
     """Return the notice shown while the link is down; empty while it is up."""
-    connection, parameters = state.connection, state.welcome.parameters if state.welcome else {}
-    why = f" ({connection.why.rstrip('.')})" if connection.why else ""
+    tr, connection = state.tr, state.connection
+    parameters = state.welcome.parameters if state.welcome else {}
+    reason = tr(connection.why)
+    why = reason.rstrip(".")
     if state.ended:
         return ""
     if connection.state == "ended":
-        return f"The link is closed{why}. The panel shows the last known state."
+        closed = tr("The link is closed ({why}).", why=why) if why else tr("The link is closed.")
+        return f"{closed} {tr('The panel shows the last known state.')}"
     if connection.state == "connecting" and connection.why:
-        return f"There is no connection yet: {connection.why}"
+        return tr("There is no connection yet: {why}", why=reason)
     if connection.state != "lost":
         return ""
-    modes = {
-        "autonomous": "by itself (autonomous)",
-        "silent": "by itself, without anything that needs an operator",
-    }
-    how = modes.get(str(parameters.get("operator_lost")), "by itself")
-    return f"Connection lost{why}. If it still runs, the session goes on {how}. Reconnecting."
+    lost = tr("Connection lost ({why}).", why=why) if why else tr("Connection lost.")
+    how = tr(_WITHOUT_OPERATOR.get(str(parameters.get("operator_lost")), _GOES_ON))
+    return f"{lost} {how} {tr('Reconnecting.')}"
 
 
 # --- the participant
@@ -160,7 +179,7 @@ def activity(state: SessionState, width: int, now: int = 0) -> Content:
     ``now``: on the session's clock (ns).
     """
     if state.welcome is None:
-        return Content.assemble((UNKNOWN.capitalize(), "$text-muted"))
+        return Content.assemble((state.tr("Not known yet"), "$text-muted"))
     seats = sorted({*state.welcome.participants, *state.seats}) or ["A"]
     style = "$warning bold reverse" if state.is_their_pause else "bold"
     rows: list[list[Piece]] = [[(cut(waiting_text(state), width), style)], _prompt(state, width)]
@@ -175,12 +194,12 @@ def activity(state: SessionState, width: int, now: int = 0) -> Content:
 
 def waiting_text(state: SessionState) -> str:
     """Return what the session waits for; for a pause, who made it and why."""
-    waiting = state.waiting
+    tr, waiting = state.tr, state.waiting
     if state.ended:
-        return f"The session is over ({state.ended})"
+        return tr("The session is over ({status})", status=tr(state.ended))
     if waiting is None:
-        return f"Session: {UNKNOWN}"
-    text = _WAITING[waiting.what]
+        return tr("Session: not known yet")
+    text = tr(_WAITING[waiting.what])
     if waiting.step:
         text = (
             f"{text}: {waiting.step.step.text}"
@@ -192,28 +211,37 @@ def waiting_text(state: SessionState) -> str:
         and state.arbiter
         and any(one.deadline for one in state.arbiter.pending)
     ):
-        text = "Waits for a decision"
+        text = tr("Waits for a decision")
     if waiting.what == "enter" and waiting.until:
-        text = "The next attempt begins by itself"
+        text = tr("The next attempt begins by itself")
     if (
         state.is_paused
         and waiting.reason in ("", *PAUSE_REASONS)
         and state.pauser
         and state.welcome
     ):
-        theirs = state.pauser == PARTICIPANT
-        text = f"{participant_name(state.welcome) if theirs else short_name(state.pauser)} paused"
-    if reason := _REASONS.get(waiting.reason):
+        text = _who_paused(state, list(state.welcome.participants.values()))
+    if reason := tr(_REASONS.get(waiting.reason, "")):
         text += f": {reason}"
     if waiting.stage == "trial":
-        return f"{text} · {waiting.trial} of {waiting.trials}"
-    return f"{text} · {stage}" if (stage := _STAGES.get(waiting.stage)) else text
+        return f"{text} · {tr('{number} of {total}', number=waiting.trial, total=waiting.trials)}"
+    return f"{text} · {stage}" if (stage := tr(_STAGES.get(waiting.stage, ""))) else text
+
+
+def _who_paused(state: SessionState, participants: list[str]) -> str:
+    if state.pauser != PARTICIPANT:
+        return state.tr("{who} paused", who=short_name(state.pauser))
+    if len(participants) == 1:
+        return state.tr("{who} paused", who=participants[0])
+    return state.tr("A participant paused")
 
 
 def _prompt(state: SessionState, width: int) -> list[Piece]:
     if state.prompt is None:
-        return [("No prompt is shown", "$text-muted")]
-    return [("Prompt  ", "$text-muted"), (cut(state.prompt.text, width - 8), "$accent bold")]
+        return [(state.tr("No prompt is shown"), "$text-muted")]
+    label = f"{state.tr('Prompt')}  "
+    text = cut(state.prompt.text, width - cell_len(label))
+    return [(label, "$text-muted"), (text, "$accent bold")]
 
 
 def _seat(
@@ -227,7 +255,7 @@ def _seat(
     done: list[Piece] = (
         text_charts.responses(seat.trials, room)
         if seat.trials
-        else [("No response yet", "$text-muted")]
+        else [(state.tr("No response yet"), "$text-muted")]
     )
     times = _times(state, seat, room)
     attempt = _attempt(state, seat, room, is_short=is_short)
@@ -241,44 +269,42 @@ def _seat(
 
 def _times(state: SessionState, seat: Seat, width: int) -> list[Piece]:
     if not seat.trials:
-        return [("No times yet", "$text-muted")]
+        return [(state.tr("No times yet"), "$text-muted")]
     decimals, unit = (state.welcome.decimals, state.welcome.unit) if state.welcome else (0, "")
     values = [text_charts.trial_value(trial) for trial in seat.trials]
     last = [f"{value:.{decimals}f}" if value is not None else "–" for value in values[-4:]]
-    text = f"{' '.join(last)} {unit}".rstrip()
+    text = state.tr.figures(f"{' '.join(last)} {unit}".rstrip())
     line = sparkline(values, min(20, width - len(text) - 1))
     return [(line, "$accent"), (" ", ""), (text, "")]
 
 
 def _attempt(state: SessionState, seat: Seat, width: int, *, is_short: bool) -> list[Piece]:
-    ended = seat.attempt
+    tr, ended = state.tr, seat.attempt
     if ended is None:
-        return [("No attempt finished yet", "$text-muted")]
+        return [(tr("No attempt finished yet"), "$text-muted")]
     decimals = state.welcome.decimals if state.welcome else 0
-    metric = f"{ended.metric:.{decimals}f}" if ended.metric is not None else "–"
-    goal = f" of {metric_text(ended.goal, state)}" if ended.goal is not None else ""
-    right = f", {ended.accuracy:.0%}" if ended.accuracy is not None else ""
+    result = tr.figures(f"{ended.metric:.{decimals}f}") if ended.metric is not None else "–"
     signs = {"success": ("✓ ", "$success"), "none": ("· ", "$text-muted")}
     sign = signs.get(ended.outcome, ("✗ ", "$warning bold"))
     if state.welcome and state.welcome.metric and state.welcome.metric.is_none:
-        metric = f"{ended.trials} prompts"
-    head = "" if is_short else f"Attempt {ended.attempt} "
-    return [(head, "$text-muted"), sign, (cut(f"{metric}{goal}{right}", width - len(head) - 2), "")]
+        result = tr("{count} prompts", count=ended.trials)
+    if ended.goal is not None:
+        result = tr("{result} of {goal}", result=result, goal=metric_text(ended.goal, state))
+    if ended.accuracy is not None:
+        result = tr("{result}, {share}", result=result, share=f"{ended.accuracy:.0%}")
+    head = "" if is_short else f"{tr('Attempt {number}', number=ended.attempt)} "
+    return [(head, "$text-muted"), sign, (cut(result, width - len(head) - 2), "")]
 
 
 def _hand(state: SessionState, seat: Seat, width: int) -> list[Piece]:
+    tr, sensor = state.tr, state.sensor
     if not seat.rates:
-        known = state.sensor is not None
-        return [
-            (
-                f"Motion sensor: {state.sensor.state}" if known and state.sensor else "",
-                "$text-muted",
-            )
-        ]
-    last = f" {abs(seat.rates[-1]):.1f} rad/s"
+        known = tr("Motion sensor: {state}", state=tr(sensor.state)) if sensor else ""
+        return [(known, "$text-muted")]
+    label, last = f"{tr('Hand')} ", tr.figures(f" {abs(seat.rates[-1]):.1f} rad/s")
     return [
-        ("Hand ", "$text-muted"),
-        (text_charts.motion(seat.rates, width - 5 - len(last)), "$accent"),
+        (label, "$text-muted"),
+        (text_charts.motion(seat.rates, width - len(label) - len(last)), "$accent"),
         (last, ""),
     ]
 
@@ -289,23 +315,20 @@ def current_stop(state: SessionState) -> Stop | None:
 
 
 def _agent(state: SessionState, width: int, now: int) -> list[Piece]:
+    tr = state.tr
     if stop := current_stop(state):
         text, tone = stop.outcome(now, tells_time=False)  # the log has the time that it took
         sign, style = _SIGNS[tone]
         return [(cut(f"{sign} {text[0].upper()}{text[1:]} · {stop.by}", width), style)]
     if state.voice:
-        return [(cut(f"No voice: {state.voice}", width), "$warning")]
+        return [(cut(tr("No voice: {why}", why=state.voice), width), "$warning")]
     if state.agent.acting is None:
-        return [(f"Agent: {UNKNOWN}", "$text-muted")]
+        return [(tr("Agent: not known yet"), "$text-muted")]
     current = state.arbiter.current if state.arbiter else None
     if not state.agent.acting:
-        return [("The agent is idle", "$text-muted")]
-    return [
-        (
-            "▶ The agent speaks" if current is None or current.spoken else "▶ The agent moves",
-            "$accent bold",
-        )
-    ]
+        return [(tr("The agent is idle"), "$text-muted")]
+    speaks = current is None or current.spoken
+    return [(f"▶ {tr('The agent speaks' if speaks else 'The agent moves')}", "$accent bold")]
 
 
 # --- the log

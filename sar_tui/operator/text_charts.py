@@ -6,6 +6,7 @@ from math import ceil
 from rich.cells import cell_len, set_cell_size
 from textual.content import Content
 
+from sar_tui.model.language import ENGLISH, Language
 from sar_tui.model.messages import AttemptEnded, TrialEnded
 from sar_tui.model.trial_types import Metric
 from sar_tui.reports.charts import BARS, MARKERS, attempts_figure, result_name
@@ -55,7 +56,11 @@ def motion(rates: Sequence[float], width: int) -> str:
 
 
 def trend(
-    attempts: Sequence[AttemptEnded], metric: Metric | None, width: int, height: int
+    attempts: Sequence[AttemptEnded],
+    metric: Metric | None,
+    width: int,
+    height: int,
+    tr: Language = ENGLISH,
 ) -> Content:
     """Return the plot of one participant's attempts.
 
@@ -63,12 +68,13 @@ def trend(
         attempts: in order; practice attempts are left out, as in the summary.
         metric: of the task; None if it is not known.
         width, height: in characters.
+        tr: language of the panel.
     """
     scored = [attempt for attempt in attempts if not attempt.practice]
     if metric is not None and metric.is_none:
-        return Content.assemble(("This task has no result", "$text-muted"))
+        return Content.assemble((tr("This task has no result"), "$text-muted"))
     if metric is None or not scored:
-        return Content.assemble(("No attempt finished yet", "$text-muted"))
+        return Content.assemble((tr("No attempt finished yet"), "$text-muted"))
     figure = attempts_figure(
         [attempt.level for attempt in scored],
         [attempt.metric for attempt in scored],
@@ -80,6 +86,7 @@ def trend(
         results=[
             result_name(attempt.outcome, attempt.metric, attempt.goal, metric) for attempt in scored
         ],
+        tr=tr,
     )
     plot = Content(figure)
     for name, marker in MARKERS.items():

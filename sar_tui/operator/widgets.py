@@ -4,6 +4,7 @@ from textual.content import Content
 from textual.geometry import Size
 from textual.widgets import Input, Static
 
+from sar_tui.model.language import Language
 from sar_tui.tui.too_small import MINIMUM, is_too_small
 
 
@@ -42,17 +43,28 @@ class TooSmallNotice(Static):
 
     Args:
         stop_key: label of the key that stops the agent, which keeps working.
+        tr: language of the panel.
     """
 
-    def __init__(self, stop_key: str) -> None:
+    def __init__(self, stop_key: str, tr: Language) -> None:
         super().__init__("", id="too-small", markup=False)
-        self._stop_key = stop_key
+        self._stop_key, self._tr = stop_key, tr
 
     def fit(self, size: Size) -> None:
         """Show or hide the notice for a window of this size."""
+        tr = self._tr
         self.display = is_too_small(size)
-        self.update(
-            f"This window is too small: it has {size.width} by {size.height} characters, and "
-            f"{MINIMUM.width} by {MINIMUM.height} are needed.\n\nPlease make it larger. "
-            f"Until then only {self._stop_key} (stop the agent) works. The session goes on."
+        problem = tr(
+            "This window is too small: it has {width} by {height} characters, and {least_width} by "
+            "{least_height} are needed.",
+            width=size.width,
+            height=size.height,
+            least_width=MINIMUM.width,
+            least_height=MINIMUM.height,
         )
+        advice = tr(
+            "Please make it larger. Until then only {key} (stop the agent) works. The session goes "
+            "on.",
+            key=self._stop_key,
+        )
+        self.update(f"{problem}\n\n{advice}")

@@ -235,7 +235,7 @@ def test_a_session_that_operators_may_join_is_found_while_it_runs(
     first, resumed = opened
     (live,) = first["joinable"]
     assert (live.session, live.task, live.participants) == (first["plan"].id, "keyboard", ("P01",))
-    assert live.description.startswith("P01, keyboard, since ")
+    assert live.description().startswith("P01, keyboard, since ")
     assert first["link"].link == first["plan"].id
     assert first["link"].pid is None  # its process has ended
     assert [live.session for live in resumed["joinable"]] == [session]

@@ -260,6 +260,18 @@ def session_frames(theme: Theme) -> list[Frame]:
     ]
 
 
+def rows_of(app: WizardApp) -> list[str]:
+    """Return the rows that an app shows."""
+    width, height = app.size
+    console = Console(
+        width=width, height=height, file=io.StringIO(), record=True, legacy_windows=False
+    )
+    console.print(
+        app.screen._compositor.render_update(full=True, screen_stack=app._background_screens)
+    )
+    return [row.rstrip() for row in console.export_text().splitlines()]
+
+
 class PanelDriver:
     """Presses keys on the panel, reads its screen and plays the session."""
 
@@ -341,16 +353,7 @@ class PanelDriver:
 
     @property
     def rows(self) -> list[str]:
-        width, height = self.app.size
-        console = Console(
-            width=width, height=height, file=io.StringIO(), record=True, legacy_windows=False
-        )
-        console.print(
-            self.app.screen._compositor.render_update(
-                full=True, screen_stack=self.app._background_screens
-            )
-        )
-        return [row.rstrip() for row in console.export_text().splitlines()]
+        return rows_of(self.app)
 
     @property
     def text(self) -> str:
