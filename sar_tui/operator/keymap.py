@@ -306,7 +306,7 @@ def _problem(file: KeymapFile, tr: Language) -> str:
                 )
             taken[key] = command.id
     return next(
-        (found for phrase in file.own_phrases if (found := phrase_problem(phrase.text))), ""
+        (found for phrase in file.own_phrases if (found := phrase_problem(phrase.text, tr))), ""
     )
 
 

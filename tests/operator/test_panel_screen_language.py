@@ -16,6 +16,7 @@ from sar_tui.loop import topics as t
 from sar_tui.model import messages as m
 from sar_tui.model.language import BUNDLED
 from sar_tui.model.step import Step
+from sar_tui.model.theme import Theme
 from sar_tui.model.trial_types import NO_METRIC, Metric
 from sar_tui.model.units import SECOND
 from sar_tui.operator import keymap
@@ -32,8 +33,6 @@ THEIRS = "¡Ñu!"
 """What participants read is in the language of their session, here in none that has a
 translation.
 """
-ELSEWHERE = ("palette-title", "palette", "log")
-"""Widgets that show what commands and events say."""
 _FRAMES = str.maketrans(dict.fromkeys("│┃", " "))
 """Borders, which stand between the rows of a text."""
 WAITS: tuple[tuple[Any, Any, dict[str, Any]], ...] = (
@@ -73,18 +72,10 @@ class Seen:
         self.lines: list[str] = []
 
     def look(self) -> None:
-        """Add the rows that are on the screen."""
-        panel = self.driver.panel
-        hidden, whole = panel.is_covered, list[str]()
-        regions = [panel.query_one(f"#{name}").region for name in ELSEWHERE]
-        for y, row in enumerate(self.driver.rows):
-            cut = row
-            for region in () if hidden else regions:
-                if region.y <= y < region.bottom and region.width:
-                    cut = cut[: region.x] + cut[region.right :]
-            self.lines.append(cut)
-            whole.append(cut.translate(_FRAMES))
-        self.lines.append(" ".join(whole))  # some texts take more than one row
+        """Add the rows that are on the screen, and all of them as one, as some texts take more than
+        one row.
+        """
+        self.lines += [*self.driver.rows, " ".join(self.driver.rows).translate(_FRAMES)]
 
     async def receive(self, *events: Any) -> None:
         """Receive events of the link, and look."""
@@ -122,7 +113,7 @@ def proposals(kind: str = "feedback", **other: Any) -> m.PendingApproval:
     return b.approval("p1", kind=kind, **{"text": THEIRS, "spoken": THEIRS, **other})
 
 
-async def attend(seen: Seen, catalogue: Catalogue) -> None:
+async def attend(seen: Seen, theme: Theme) -> None:
     """Attend a session from its beginning to its end, with all that the panel can show."""
     driver = seen.driver
     seen.look()
@@ -131,7 +122,7 @@ async def attend(seen: Seen, catalogue: Catalogue) -> None:
     opened = m.OutputOpened(output="screen", address="screen", can=("show",))
     await seen.receive(
         [
-            b.frame(t.THEME, m.ThemeApplied(theme=catalogue.theme("calm"))),
+            b.frame(t.THEME, m.ThemeApplied(theme=theme)),
             b.frame(t.OUTPUT, opened),
         ]
     )
@@ -157,7 +148,7 @@ async def attend(seen: Seen, catalogue: Catalogue) -> None:
         await seen.publish(t.ACTING, m.AgentActing(acting=acting))
     await decide(seen)
     await stop(seen)
-    await seen.press("end", "escape")
+    await seen.press("end", "escape", "t", "escape", "n", "escape")
     await watch(seen)
     await seen.press("q", "escape", "f1", "f1")
     for size in ((60, 20), SMALL):
@@ -266,7 +257,7 @@ async def test_nothing_that_the_panel_draws_stays_english(
     choose_interface_language(tmp_path, code)
     async with b.open_panel(catalogue, tmp_path, size=SMALL, joins=False) as driver:
         seen = Seen(driver)
-        await attend(seen, catalogue)
+        await attend(seen, catalogue.theme("calm", code))
     assert english_in(seen.lines, texts_of_panel(code)) == []
 
 
