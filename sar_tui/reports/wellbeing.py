@@ -44,10 +44,16 @@ def marks(told: Sequence[Record], tr: Language = ENGLISH) -> str:
     found = []
     for kind, name in _SHORT.items():
         mine = [record for record in told if record.kind == kind]
-        worst = max((_rating(record) or 0 for record in mine), default=0)
-        if worst or any(record.moment == "pause" for record in mine):
-            found.append(f"{tr(name)} {worst or ''}".strip())
+        rating = worst(mine, kind)
+        if rating or any(record.moment == "pause" for record in mine):
+            found.append(f"{tr(name)} {rating or ''}".strip())
     return ", ".join(found)
+
+
+def worst(told: Sequence[Record], kind: str) -> int | None:
+    """Return the worst rating of pain or tiredness; None if no number is known."""
+    ratings = (_rating(record) for record in told if record.kind == kind)
+    return max((rating for rating in ratings if rating is not None), default=None)
 
 
 def _rating(record: Record) -> int | None:

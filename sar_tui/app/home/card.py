@@ -1,9 +1,10 @@
 """A participant's card: their task and theme, their programme, how they are doing, and START."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from textual.app import ComposeResult
-from textual.containers import Container, Horizontal, Vertical
+from textual.containers import Center, Container, Horizontal, Vertical
 from textual.events import Resize
 from textual.widgets import Button, Static
 
@@ -34,6 +35,23 @@ _LABELS = {
     "progress": "Progress",
     "last": "Last",
 }
+
+
+class StartButton(Button):
+    """START, marked and with its key while Enter presses it."""
+
+    app: Any
+
+    def on_mount(self) -> None:
+        self._show_label()
+
+    def watch_has_focus(self, has_focus: bool) -> None:
+        super().watch_has_focus(has_focus)
+        self._show_label()
+
+    def _show_label(self) -> None:
+        start = self.app.tr("START")
+        self.label = f"▸ {start} · Enter" if self.has_focus else start
 
 
 class ParticipantCard(Vertical):
@@ -73,20 +91,30 @@ class ParticipantCard(Vertical):
         yield Static("", id="welcome", markup=False)
         with Vertical(id="go"):
             yield Static("", id="offer", markup=False)
-            yield Button(self.app.tr("START"), id="start", variant="primary")
+            with Center():
+                yield StartButton(id="start")
 
     def _label(self, name: str) -> Static:
         return Static(self.app.tr(_LABELS[name]), classes="label", markup=False)
 
-    def show(self, participant: str, title: str, found: "CardContents", offer: str) -> None:
-        """Show the card of a participant."""
+    def show(
+        self,
+        participant: str,
+        title: str,
+        found: "CardContents",
+        look: Sequence[str],
+        offer: str,
+    ) -> None:
+        """Show the card of a participant; ``look``: why they need a look today, a sentence each."""
         self.border_title = f"{participant} · {title}"
         self._found = found
         texts = {"progress": found.progress, "last": found.last}
-        self._write(texts | {"told": "\n".join(found.told), "offer": offer})
+        told = look or found.told
+        self._write(texts | {"told": "\n".join(told), "offer": offer})
         for name, text in texts.items():
             self.query_one(f"#{name}-row").display = bool(text)
-        self._tells = bool(found.told)
+        self._tells = bool(told)
+        self.query_one("#offer").display = bool(offer)
         without = "" if found.last else self.app.tr("No session yet. START begins the first one.")
         self.query_one(SessionChart).show(found.chart, without)
         self._show_programme()

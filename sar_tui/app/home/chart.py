@@ -26,9 +26,6 @@ _SPREAD = 8
 _LEAST_TOP = 4
 """A chart reaches at least to this level, so that the first levels do not fill it."""
 
-Row = tuple[str, str, bool]
-"""Label, text, and True for a row of bars."""
-
 
 class Bar(msgspec.Struct, frozen=True):
     """A session: its day, the height of its bar (0 to 1; more is better), its value, and the goals
@@ -56,7 +53,7 @@ def charted(line: "LineProgress", tr: Language) -> Chart:
 
     metric, factor = metric_for_people(line.metric)
     is_result = line.measure == "result"
-    label = tr("At goal")
+    label = tr("Level at goal")
     if is_result:
         label = tr("Result ({unit})", unit=metric.unit) if metric.unit else tr("Result")
     known = [each.at_goal.level for each in line.sessions if each.at_goal and each.at_goal.level]
@@ -76,7 +73,7 @@ def charted(line: "LineProgress", tr: Language) -> Chart:
             )
         reached = "" if each.reached is None else f"{each.reached}/{each.attempts}"
         bars.append(Bar(date.fromisoformat(each.began[:10]), height, value, reached))
-    return Chart(label[: LABEL - 1], bars)
+    return Chart(label, bars)
 
 
 def _at_goal(line: "LineProgress", session: "SessionProgress", highest: float) -> tuple[float, str]:
@@ -101,10 +98,12 @@ def _of_best(line: "LineProgress", mean: float, means: Sequence[float]) -> float
     return min(means) / mean if line.metric.better == "lower" else mean / max(means)
 
 
-def draw(chart: Chart, width: int, height: int, tr: Language) -> list[Row]:
-    """Return the rows of a chart, with as many of the newest sessions as there is room for.
+def draw(chart: Chart, width: int, height: int, tr: Language) -> list[Content]:
+    """Return the rows of a chart, with as many of the newest sessions as there is room for; the bar
+    of the last one stands out.
 
-    The goals reached and the dates are left out if there are too few rows.
+    With few rows the blank row above is left out first, then the dates, the goals reached, and the
+    caption.
     """
     narrowest, widest = _COLUMNS
     room = max(narrowest, width - LABEL)
@@ -112,17 +111,34 @@ def draw(chart: Chart, width: int, height: int, tr: Language) -> list[Row]:
     if not shown:
         return []
     column = min(widest, room // max(len(shown), min(_SPREAD, room // narrowest)))
-    below: list[Row] = [(chart.label, _cells([bar.value for bar in shown], column), False)]
-    if height > len(below) + 1 and any(bar.reached for bar in shown):
-        below.append((tr("Reached"), _cells([bar.reached for bar in shown], column), False))
-    if height > len(below) + 1:
-        below.append(("", _cells([short_day(bar.day, tr) for bar in shown], column), False))
-    rows = max(1, height - len(below))
-    above = [
-        _cells([_part(bar.height, row, rows) * _BAR for bar in shown], column)
-        for row in range(rows)
-    ]
-    return [*(("", text, True) for text in above), *below]
+
+    def row(label: str, texts: Sequence[str]) -> Content:
+        return Content.assemble((f"{label:<{LABEL}}", "$text-muted"), _cells(texts, column))
+
+    above: list[Content] = []
+    below = [row("", [bar.value for bar in shown])]
+    if height >= 3:
+        above = [Content.styled(_caption(chart.label, len(shown), tr), "$text-muted")]
+    if height >= 4 and any(bar.reached for bar in shown):
+        below.append(row(tr("Reached"), [bar.reached for bar in shown]))
+    if height > len(above) + len(below) + 1:
+        below.append(row("", [short_day(bar.day, tr) for bar in shown]))
+    if height > len(above) + len(below) + 2:
+        above.insert(0, Content(""))
+    rows = max(1, height - len(above) - len(below))
+    for number in range(rows):
+        parts = [_part(bar.height, number, rows) * _BAR for bar in shown]
+        *earlier, last = (f"{part:^{column}}" for part in parts)
+        above.append(
+            Content.assemble(
+                (" " * LABEL + "".join(earlier), "$text-muted"), (last, "$accent")
+            ).rstrip()
+        )
+    return [*above, *below]
+
+
+def _caption(label: str, count: int, tr: Language) -> str:
+    return label if count == 1 else tr("{what}, last {count} sessions", what=label, count=count)
 
 
 def _part(share: float, row: int, rows: int) -> str:
@@ -157,10 +173,4 @@ class SessionChart(Widget):
         rows = draw(self._chart, self.size.width, self.size.height, self.app.tr)
         if not rows:
             return Content(self._without)
-        return Content("\n").join(
-            Content.assemble(
-                (f"{label:<{LABEL}}", "$text-muted"),
-                (text, "$text-muted" if is_bar else "$foreground"),
-            )
-            for label, text, is_bar in rows
-        )
+        return Content("\n").join(rows)

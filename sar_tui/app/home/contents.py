@@ -23,7 +23,7 @@ from sar_tui.plugins import Catalogue, PluginError, task_folder
 from sar_tui.progress.lines import SessionResults
 from sar_tui.reports import progress_words
 from sar_tui.reports.progress import progress
-from sar_tui.reports.wellbeing import advice, marks
+from sar_tui.reports.wellbeing import advice, marks, worst
 from sar_tui.rules.declaration import ParameterError
 from sar_tui.rules.parameters import build, usable
 from sar_tui.rules.wellbeing import tell_therapist
@@ -40,6 +40,7 @@ from sar_tui.store import (
 )
 from sar_tui.store.records import Record
 from sar_tui.store.training_days import trained_at
+from sar_tui.store.wellbeing import PAIN, TIREDNESS
 
 _LISTED = 30
 _MODES = {"simulated": "simulated", "replayed": "replayed"}
@@ -55,7 +56,7 @@ class CardContents(msgspec.Struct, frozen=True):
         progress: the verdict on them.
         last: the last session.
         offer: of the newest session if it was interrupted.
-        told: what the therapist should know.
+        told: what the therapist should know of the last sessions, however long ago.
     """
 
     programme: str
@@ -118,7 +119,7 @@ def _programme(
     except PLUGIN_ERRORS:
         problem = tr("The task cannot be set up.")
         return problem, problem
-    next_one = Programme(saved.version, parameters.attempts, prompts, goal, *start)
+    next_one = Programme(parameters.attempts, prompts, goal, *start)
     return (
         words.programme_words(next_one, tr, is_roomy=False),
         words.programme_words(next_one, tr, is_roomy=True),
@@ -163,6 +164,11 @@ def read_sessions(
         means = [each.metric for each in attempts if each.metric is not None]
         judged = [each.reached for each in attempts if each.reached is not None]
         metric = _metric(row)
+        told = [
+            record
+            for record in felt.get(row["id"], [])
+            if participant in (None, record.participant)
+        ]
         return Line(
             day=began.date(),
             clock=f"{began:%H:%M}",
@@ -174,7 +180,9 @@ def read_sessions(
             if judged
             else "",
             minutes=round(sum(each.seconds for each in attempts) / 60),
-            note=_note(row, felt.get(row["id"], []), participant, tr, is_offered=row is offered),
+            pain=_rating(told, PAIN, tr),
+            tired=_rating(told, TIREDNESS, tr),
+            note=_note(row, participant, tr, is_offered=row is offered),
         )
 
     return Listed(rows, [line(row) for row in rows], offered)
@@ -185,25 +193,24 @@ def can_resume(row: sessions.Row) -> bool:
     return bool(row["status"] == "interrupted" and is_personal(row["mode"]) and not row["site"])
 
 
-def _note(
-    row: sessions.Row,
-    felt: list[Record],
-    participant: str | None,
-    tr: Language,
-    *,
-    is_offered: bool,
-) -> str:
-    """Return the status, if it is not the usual one, with pain and tiredness, and who else took
-    part.
-    """
+def _rating(told: Sequence[Record], kind: str, tr: Language) -> str:
+    """Return the worst rating of a symptom; "yes" if it was told in a pause without a number."""
+    rating = worst(told, kind)
+    in_pause = any(record.kind == kind and record.moment == "pause" for record in told)
+    if not rating and in_pause:
+        return tr("yes")
+    return "" if rating is None else str(rating)
+
+
+def _note(row: sessions.Row, participant: str | None, tr: Language, *, is_offered: bool) -> str:
+    """Return the status, if it is not the usual one, and who else took part."""
     status = words.status_words(row["status"], tr)
     if is_offered:
         status = tr("interrupted: Enter resumes")
     mode = "" if is_personal(row["mode"]) else tr(_MODES.get(row["mode"], str(row["mode"])))
     other = row["participant"] if participant == row["partner"] else row["partner"]
     together = tr("with {who}", who=other) if participant and other else ""
-    words_of_report = progress_words.words(tr.code, None)
-    return ", ".join(filter(None, (status, mode, together, marks(felt, words_of_report))))
+    return ", ".join(filter(None, (status, mode, together)))
 
 
 def _metric(row: sessions.Row) -> Metric | None:

@@ -3,7 +3,7 @@
 Each text is a whole sentence with slots, so that it can be translated.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import date
 from typing import Literal
 
@@ -36,6 +36,24 @@ HEADINGS: dict[Part, str] = {
 }
 """The sections, in order."""
 _REASONS: dict[ReasonKind, str] = {
+    "pain": "pain {value}",
+    "pain rose": "pain from {limit} to {value}",
+    "event": "adverse event",
+    "event without outcome": "open adverse event",
+    "new pain": "new pain",
+    "worse pain": "more pain",
+    "tired": "very tired",
+    "stuck": "level {value} for three sessions",
+    "mistake": "begun by mistake",
+    "interrupted": "interrupted",
+}
+"""Each reason in the list; at 80 by 24 a line has room for 28 columns."""
+_SEVERAL: dict[ReasonKind, str] = {
+    "event": "{value} adverse events",
+    "event without outcome": "{value} open adverse events",
+}
+"""The reasons for more than one event."""
+_SENTENCES: dict[ReasonKind, str] = {
     "pain": "Pain {value} {day}, limit {limit}.",
     "pain rose": "Pain from {limit} to {value} {day}.",
     "event": "Adverse event {day}, {word}.",
@@ -45,10 +63,9 @@ _REASONS: dict[ReasonKind, str] = {
     "tired": "Very tired after the last 2 sessions.",
     "stuck": "Level {value} for three sessions.",
     "mistake": "Begun by mistake {day}.",
-    "interrupted": "Interrupted {day}.",
 }
-"""Sentence of each reason; at 80 by 24 a line has room for 28 columns."""
-_SEVERAL: dict[ReasonKind, str] = {
+"""Each reason on the card, which says of its own if a session was interrupted."""
+_SEVERAL_SENTENCES: dict[ReasonKind, str] = {
     "event": "{value} adverse events this week.",
     "event without outcome": "{value} adverse events without an outcome.",
 }
@@ -67,19 +84,21 @@ class Entry(msgspec.Struct, frozen=True):
     Attributes:
         code: of the participant.
         part: where they stand.
-        look: why they need a look, a sentence each.
-        said: what else the day says of them.
+        why: why they stand there, in few words; empty if ``trained`` says it.
+        trained: when they trained last, and today's goals.
+        look: why they need a look, a sentence each, for the card.
     """
 
     code: str
     part: Part
-    look: Sequence[str]
-    said: str
+    why: str
+    trained: str
+    look: Sequence[str] = ()
 
     @property
     def words(self) -> str:
         """All that is said, for a search."""
-        return " ".join((*self.look, self.said))
+        return " ".join((self.why, *self.look, self.trained))
 
 
 class Day(msgspec.Struct, frozen=True):
@@ -110,8 +129,7 @@ def day_of(people: Sequence[Person], last: str | None, today: date, tr: Language
         part: Part = section(person.course, why, today)
         if person.code == last and part not in ("look", "due"):
             part = "last"
-        look = [_reason(reason, today, tr) for reason in why]
-        entry = Entry(person.code, part, look, _said(person, part, today, tr))
+        entry = _entry(person, part, why, today, tr)
         found.append((_order(person, part, why), place, entry))
     entries = [entry for *_, entry in sorted(found, key=lambda one: one[:2])]
     return Day(_sentence(people, entries, tr), entries)
@@ -127,10 +145,37 @@ def _order(person: Person, part: Part, why: Sequence[Reason]) -> tuple[float, ..
     return (place,)
 
 
-def _reason(reason: Reason, today: date, tr: Language) -> str:
-    is_several = reason.kind in _SEVERAL and reason.value > 1
+def _entry(person: Person, part: Part, why: Sequence[Reason], today: date, tr: Language) -> Entry:
+    course = person.course
+    said = [_said(reason, _REASONS, _SEVERAL, today, tr) for reason in why]
+    look = [
+        _said(reason, _SENTENCES, _SEVERAL_SENTENCES, today, tr)
+        for reason in why
+        if reason.kind in _SENTENCES
+    ]
+    if course.due and why:
+        look.append(f"{_due(course.due, today, tr)}.")
+    elif course.due:
+        said.append(_due(course.due, today, tr))
+    pain = worst_pain(course.rated, today)
+    if pain and not why:
+        said.append(tr("pain {pain} this week", pain=pain))
+    text = " · ".join(said)
+    return Entry(
+        person.code, part, f"{text[:1].upper()}{text[1:]}", _trained(person, today, tr), look
+    )
+
+
+def _said(
+    reason: Reason,
+    of_one: Mapping[ReasonKind, str],
+    of_several: Mapping[ReasonKind, str],
+    today: date,
+    tr: Language,
+) -> str:
+    is_several = reason.kind in of_several and reason.value > 1
     return tr(
-        _SEVERAL[reason.kind] if is_several else _REASONS[reason.kind],
+        of_several[reason.kind] if is_several else of_one[reason.kind],
         day=day_words(reason.day, today, tr) if reason.day else "",
         value=reason.value,
         limit=reason.limit,
@@ -138,53 +183,38 @@ def _reason(reason: Reason, today: date, tr: Language) -> str:
     )
 
 
-def _said(person: Person, part: Part, today: date, tr: Language) -> str:
-    """Return what is said of a person besides why they need a look."""
-    course = person.course
-    said = []
-    if course.due:
-        said.append(_due(course.due, today, tr))
-    if person.today:
-        said.append(_trained(person.today, tr))
-    if part == "look":  # the rest is less urgent than why they need a look
-        return " ".join(said)
-    if course.last is None:
-        said.append(tr("No session yet."))
-    elif not person.today:
-        said.append(_last(course.last, today, tr))
-    if pain := worst_pain(course.rated, today):
-        said.append(tr("Pain {pain} this week.", pain=pain))
-    return " ".join(said)
-
-
 def _due(due: date, today: date, tr: Language) -> str:
     if due == today:
-        return tr("Due today.")
-    return tr("Due since {day}.", day=day_words(due, today, tr))
+        return tr("Due today")
+    return tr("Due since {day}", day=day_words(due, today, tr))
 
 
-def _trained(total: DayTotal, tr: Language) -> str:
+def _trained(person: Person, today: date, tr: Language) -> str:
+    """Return when a person trained last, and how it went if it was today."""
+    if person.today:
+        return _trained_today(person.today, tr)
+    if person.course.last is None:
+        return tr("No session yet")
+    days = (today - person.course.last).days
+    if days == 1:
+        return tr("Trained yesterday")
+    if days >= COURSE_DAYS:
+        return tr("Trained last on {day}", day=day_words(person.course.last, today, tr))
+    return tr("Trained {days} days ago", days=days)
+
+
+def _trained_today(total: DayTotal, tr: Language) -> str:
     clock = f"{total.began:%H:%M}"
     if not total.attempts:
-        return tr("Today at {clock}, no attempt was finished.", clock=clock)
+        return tr("Today {clock}, no attempt", clock=clock)
     if not total.judged:
-        return tr("Today at {clock}, {minutes} min.", clock=clock, minutes=total.minutes)
+        return tr("Today {clock}, {minutes} min", clock=clock, minutes=total.minutes)
     return tr(
-        "Today at {clock}, {minutes} min, {reached} of {count} goals.",
+        "Today {clock}, {reached} of {count} goals",
         clock=clock,
-        minutes=total.minutes,
         reached=total.reached,
         count=total.judged,
     )
-
-
-def _last(last: date, today: date, tr: Language) -> str:
-    days = (today - last).days
-    if days == 1:
-        return tr("Trained yesterday.")
-    if days >= COURSE_DAYS:
-        return tr("Trained last on {day}.", day=day_words(last, today, tr))
-    return tr("Trained {days} days ago.", days=days)
 
 
 def _sentence(people: Sequence[Person], entries: Sequence[Entry], tr: Language) -> str:

@@ -1,6 +1,5 @@
 """The list of the day: people in sections, each with why they are there. Typing finds a person."""
 
-import textwrap
 from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
@@ -18,8 +17,9 @@ if TYPE_CHECKING:
 _NEW = "+"
 _BESIDE = 3
 """Columns of a line's padding and the scroll bar."""
-_NARROWEST = 12
-"""Fewest columns of what is said of a person."""
+_GAP = "  "
+_WIDE = 26
+"""Fewest columns of why a person is there, with those of when they trained behind them."""
 _LONGEST_CODE = 12
 """Longer codes are cut, so that there is room for what is said."""
 
@@ -55,6 +55,11 @@ class ParticipantList(MarkedList):
         return None if self.chosen == _NEW else self.chosen
 
     @property
+    def entry(self) -> "Entry | None":
+        """What the day says of the chosen participant."""
+        return next((each for each in self._known if each.code == self.code), None)
+
+    @property
     def is_empty(self) -> bool:
         """True if nobody is known yet."""
         return not self._known
@@ -73,7 +78,9 @@ class ParticipantList(MarkedList):
         found = self._found()
         tr: Language = self.app.tr
         self.clear_options()
-        self.add_options([*self._in_sections(found, tr), Option(tr("+ New participant"), id=_NEW)])
+        between = [Option("", disabled=True)] if found else []
+        new = Option(tr("+ New participant"), id=_NEW)
+        self.add_options([*self._in_sections(found, tr), *between, new])
         self.choose(chosen)
         if self.highlighted == 1:
             self.scroll_home(animate=False)  # the heading above it is shown, too
@@ -86,15 +93,23 @@ class ParticipantList(MarkedList):
     def _in_sections(self, entries: "Sequence[Entry]", tr: Language) -> Iterator[Option]:
         from sar_tui.app.home.day import heading
 
-        width = self.content_size.width - _BESIDE
         code_width = min(_LONGEST_CODE, max((len(each.code) for each in entries), default=0))
+        width = self.content_size.width - _BESIDE - code_width - len(_GAP)
+        trained_width = max((len(each.trained) for each in entries if each.why), default=0)
         above = ""
-        for part, members in groupby(entries, key=lambda each: each.part):
+        for part, group in groupby(entries, key=lambda each: each.part):
+            members = list(group)
             title = Content.styled(heading(part, tr), "bold $text-muted")
+            if part == "look":
+                title = Content.styled(f"! {heading(part, tr)} · {len(members)}", "bold $warning")
             yield Option(Content(above) + title, disabled=True)
             for each in members:
-                yield Option(_entry_lines(each, code_width, width), id=each.code)
-            above = "\n" if self.app.size.height >= 30 else ""
+                code = Content.styled(each.code, "bold").truncate(
+                    code_width, ellipsis=True, pad=True
+                )
+                said = _said(each, width, trained_width)
+                yield Option(Content.assemble(code, _GAP, said), id=each.code)
+            above = "\n"
 
     def on_resize(self, event: Resize) -> None:
         """Fit the lines into another width."""
@@ -145,16 +160,15 @@ class ParticipantList(MarkedList):
         )
 
 
-def _entry_lines(entry: "Entry", code_width: int, width: int) -> Content:
-    """Return what is said of a person, behind their code."""
-    room = max(_NARROWEST, width - code_width - 2)
-    said = [
-        *((line, "$warning") for text in entry.look for line in textwrap.wrap(text, room)),
-        *((line, "$text-muted") for line in textwrap.wrap(entry.said, room)),
-    ]
-    code = Content(entry.code).truncate(code_width, ellipsis=True, pad=True)
-    rows = []
-    for number, (line, style) in enumerate(said):
-        before = Content.styled(code.plain, "bold") if not number else Content(" " * code_width)
-        rows.append(Content.assemble(before, "  ", (line, style)))
-    return Content("\n").join(rows)
+def _said(entry: "Entry", width: int, trained_width: int) -> Content:
+    """Return what is said of a person in a line: why they are there, and behind it, where there is
+    room, when they trained.
+    """
+    if not entry.why:
+        return Content.styled(entry.trained, "$text-muted").truncate(width, ellipsis=True)
+    why = Content.styled(entry.why, "$warning" if entry.part == "look" else "")
+    why_width = width - trained_width - len(_GAP)
+    if why_width < _WIDE:
+        return why.truncate(width, ellipsis=True)
+    why = why.truncate(why_width, ellipsis=True, pad=True)
+    return Content.assemble(why, _GAP, (entry.trained, "$text-muted"))

@@ -194,14 +194,16 @@ _HEADINGS = {
     "level": "Level",
     "result": "Result",
     "reached": "Reached",
+    "pain": "Pain",
+    "tired": "Tired",
     "levels": "Levels",
     "minutes": "Minutes",
 }
 
 
 class Line(msgspec.Struct, frozen=True):
-    """A session: the cells of its line. ``levels`` are those of its attempts, ``note`` stands at
-    the end.
+    """A session: the cells of its line. ``levels`` are those of its attempts, ``pain`` and ``tired``
+    the worst ratings, ``note`` stands at the end.
     """
 
     day: date
@@ -213,6 +215,8 @@ class Line(msgspec.Struct, frozen=True):
     reached: str
     minutes: int
     note: str
+    pain: str = ""
+    tired: str = ""
 
 
 class Table:
@@ -242,6 +246,7 @@ class Table:
         if is_roomy or not names_who:
             columns |= {"level": 7 if is_roomy else 5, "result": 8 if is_roomy else 6}
         columns["reached"] = 8
+        columns |= {name: 4 for name in ("pain", "tired") if any(getattr(x, name) for x in lines)}
         longest = max((len(line.levels) for line in lines), default=0)
         columns["levels"] = min(max(longest + 1, 7), 40 if is_roomy else 12)
         if is_roomy:
@@ -266,15 +271,20 @@ class Table:
             "level": _from_to(line.levels),
             "result": line.result,
             "reached": line.reached,
+            "pain": line.pain.rjust(self._columns.get("pain", 0)),
+            "tired": line.tired.rjust(self._columns.get("tired", 0)),
             "levels": bars(line.levels, self._highest, self._columns["levels"]),
             "minutes": tr("{minutes} min", minutes=line.minutes) if line.minutes else "",
         }
         columns = dict(self._columns)
-        if sum(columns.values()) + len(columns) * len(_GAP) + len(line.note) > self._width:
-            del columns["levels"]  # why a session stands out says more
-            columns.pop("minutes", None)
-        drawn = _GAP.join(_fitted(cells[name], width) for name, width in columns.items())
-        return Content(f"{drawn}{_GAP}{line.note}").truncate(self._width, ellipsis=True)
+        for name in ("minutes", "levels", "tired", "pain"):
+            if sum(columns.values()) + len(columns) * len(_GAP) + len(line.note) > self._width:
+                columns.pop(name, None)  # why a session stands out says more
+        drawn = Content(_GAP).join(
+            Content.styled(_fitted(cells[name], width), "$text-muted" if name == "levels" else "")
+            for name, width in columns.items()
+        )
+        return (drawn + f"{_GAP}{line.note}").rstrip().truncate(self._width, ellipsis=True)
 
 
 def _from_to(levels: Sequence[int]) -> str:

@@ -18,12 +18,8 @@ _MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct",
 
 
 class Programme(msgspec.Struct, frozen=True):
-    """Figures of the next session of a task.
+    """Figures of the next session of a task. ``why`` says why it starts at the level."""
 
-    ``version`` is that of its programme, 0 without one; ``why`` says why it starts at the level.
-    """
-
-    version: int
     attempts: int
     prompts: int
     goal: str
@@ -61,34 +57,25 @@ def short_day(day: date, tr: Language) -> str:
 
 
 def programme_words(programme: Programme, tr: Language, *, is_roomy: bool) -> str:
-    """Return a programme in a line: "v3: 10 × 20 · goal 1.0 s · start level 4".
+    """Return a programme in two lines: "10 attempts of 20", "goal 1.0 s · start level 4".
 
-    With more room, or if settings were changed, it also says why it starts there.
+    With more room it is one line. Then, or if settings were changed, it also says why it starts
+    there.
     """
-    number, attempts, prompts = programme.version, programme.attempts, programme.prompts
-    if not is_roomy:
-        amount = f"{attempts} × {prompts}"
-        said = tr("v{number}: {amount}", number=number, amount=amount) if number else amount
-    else:
-        amount = (
-            tr("1 attempt of {prompts}", prompts=prompts)
-            if attempts == 1
-            else tr("{count} attempts of {prompts}", count=attempts, prompts=prompts)
-        )
-        said = (
-            tr("version {number}: {amount}", number=number, amount=amount)
-            if number
-            else tr("none saved: {amount}", amount=amount)
-        )
-    parts = [said]
-    if programme.goal:
-        parts.append(tr("goal {goal}", goal=programme.goal))
+    attempts, prompts = programme.attempts, programme.prompts
+    amount = (
+        tr("1 attempt of {prompts}", prompts=prompts)
+        if attempts == 1
+        else tr("{count} attempts of {prompts}", count=attempts, prompts=prompts)
+    )
+    parts = [tr("goal {goal}", goal=programme.goal)] if programme.goal else []
     is_told = programme.why and (
         is_roomy or any(what in programme.why for what in ("settings", "new goal"))
     )
     start = tr("start level {level}", level=programme.level)
     parts.append(f"{start} ({tr(programme.why)})" if is_told else start)
-    return " · ".join(parts)
+    between = " · " if is_roomy else "\n"
+    return f"{amount}{between}{' · '.join(parts)}"
 
 
 def progress_words(line: "LineProgress", others: int, tr: Language) -> str:

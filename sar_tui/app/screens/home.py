@@ -87,7 +87,7 @@ class HomeScreen(Screen[None]):
             ),
             tr(
                 "Type part of a code to find a person, or a word such as pain. Enter and Enter "
-                "again start. At goal: the level at which they just reach it. F6: Enter goes on "
+                "again start. Level at goal: the one at which they just reach it. F6: Enter goes on "
                 "with an interrupted session, Del dismisses it. + adds a person."
             ),
         )
@@ -221,9 +221,14 @@ class HomeScreen(Screen[None]):
             return
         app, tr = self.app, self.app.tr
         contents = read_card(app.database, app.folder, app.catalogue, who, task, today, tr)
-        offer = self.query_one(SessionList).offer
-        title = language(tr.code, task_folder(task))(task.title)
-        card.show(who, title, contents, offer_words(*offer, today, tr) if offer else "")
+        entry, offer = self._participants.entry, self.query_one(SessionList).offer
+        card.show(
+            who,
+            language(tr.code, task_folder(task))(task.title),
+            contents,
+            look=entry.look if entry else (),
+            offer=offer_words(*offer, today, tr) if offer else "",
+        )
         self._choose_saved_theme(who, name)
 
     def _choose_saved_theme(self, who: str, task: str) -> None:
@@ -387,7 +392,7 @@ class HomeScreen(Screen[None]):
         who = self._participants.code
         if focused == "participant":
             if who:
-                return tr("Press Enter to choose {who}.", who=who)
+                return tr("Press Enter twice to start a session of {who}.", who=who)
             return tr("Press Enter to add a participant.")
         if focused == "start":
             return tr("Press Enter to start a session of {who}.", who=who)
