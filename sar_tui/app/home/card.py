@@ -8,14 +8,12 @@ from textual.containers import Center, Container, Horizontal, Vertical
 from textual.events import Resize
 from textual.widgets import Button, Static
 
-from sar_tui.app.home.chart import SessionChart
+from sar_tui.app.home.chart import LABEL, SessionChart
 from sar_tui.widgets.lists import PickList
 
 if TYPE_CHECKING:
     from sar_tui.app.home.contents import CardContents
 
-_ROOMY = 80
-"""Columns from which on the programme is said in full."""
 _WELCOME = (
     "Nobody has trained here yet.",
     "1. Press Enter, and give the first person a code, such as P01. Never a name.",
@@ -122,8 +120,13 @@ class ParticipantCard(Vertical):
 
     def _show_programme(self) -> None:
         if found := self._found:
-            is_roomy = self.size.width >= _ROOMY
-            self._write({"programme": found.programme_in_full if is_roomy else found.programme})
+            room = self.content_size.width - LABEL
+            text = found.programme_in_full
+            if len(text) > room:
+                text = found.programme
+            if len(text) > room:
+                text = text.replace(" · ", "\n", 1)
+            self._write({"programme": text})
 
     def on_resize(self, event: Resize) -> None:
         """Say the programme in as many words as there is room for."""

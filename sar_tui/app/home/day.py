@@ -3,7 +3,7 @@
 Each text is a whole sentence with slots, so that it can be translated.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from datetime import date
 from typing import Literal
 
@@ -147,12 +147,14 @@ def _order(person: Person, part: Part, why: Sequence[Reason]) -> tuple[float, ..
 
 def _entry(person: Person, part: Part, why: Sequence[Reason], today: date, tr: Language) -> Entry:
     course = person.course
-    said = [_said(reason, _REASONS, _SEVERAL, today, tr) for reason in why]
-    look = [
-        _said(reason, _SENTENCES, _SEVERAL_SENTENCES, today, tr)
-        for reason in why
-        if reason.kind in _SENTENCES
-    ]
+    said, look = [], []
+    for reason in why:
+        slots = _slots(reason, today, tr)
+        is_several = reason.kind in _SEVERAL and reason.value > 1
+        said.append(tr(_SEVERAL[reason.kind] if is_several else _REASONS[reason.kind], **slots))
+        sentences = _SEVERAL_SENTENCES if is_several else _SENTENCES
+        if reason.kind in sentences:
+            look.append(tr(sentences[reason.kind], **slots))
     if course.due and why:
         look.append(f"{_due(course.due, today, tr)}.")
     elif course.due:
@@ -166,21 +168,13 @@ def _entry(person: Person, part: Part, why: Sequence[Reason], today: date, tr: L
     )
 
 
-def _said(
-    reason: Reason,
-    of_one: Mapping[ReasonKind, str],
-    of_several: Mapping[ReasonKind, str],
-    today: date,
-    tr: Language,
-) -> str:
-    is_several = reason.kind in of_several and reason.value > 1
-    return tr(
-        of_several[reason.kind] if is_several else of_one[reason.kind],
-        day=day_words(reason.day, today, tr) if reason.day else "",
-        value=reason.value,
-        limit=reason.limit,
-        word=tr(_SEVERITIES.get(reason.word, reason.word)),
-    )
+def _slots(reason: Reason, today: date, tr: Language) -> dict[str, object]:
+    return {
+        "day": day_words(reason.day, today, tr) if reason.day else "",
+        "value": reason.value,
+        "limit": reason.limit,
+        "word": tr(_SEVERITIES.get(reason.word, reason.word)),
+    }
 
 
 def _due(due: date, today: date, tr: Language) -> str:

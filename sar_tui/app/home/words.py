@@ -57,25 +57,24 @@ def short_day(day: date, tr: Language) -> str:
 
 
 def programme_words(programme: Programme, tr: Language, *, is_roomy: bool) -> str:
-    """Return a programme in two lines: "10 attempts of 20", "goal 1.0 s · start level 4".
+    """Return a programme in a line: "10 attempts of 20 · goal 1.0 s · start level 4".
 
-    With more room it is one line. Then, or if settings were changed, it also says why it starts
-    there.
+    With more room, or if settings were changed, it also says why it starts there.
     """
     attempts, prompts = programme.attempts, programme.prompts
-    amount = (
+    parts = [
         tr("1 attempt of {prompts}", prompts=prompts)
         if attempts == 1
         else tr("{count} attempts of {prompts}", count=attempts, prompts=prompts)
-    )
-    parts = [tr("goal {goal}", goal=programme.goal)] if programme.goal else []
+    ]
+    if programme.goal:
+        parts.append(tr("goal {goal}", goal=programme.goal))
     is_told = programme.why and (
         is_roomy or any(what in programme.why for what in ("settings", "new goal"))
     )
     start = tr("start level {level}", level=programme.level)
     parts.append(f"{start} ({tr(programme.why)})" if is_told else start)
-    between = " · " if is_roomy else "\n"
-    return f"{amount}{between}{' · '.join(parts)}"
+    return " · ".join(parts)
 
 
 def progress_words(line: "LineProgress", others: int, tr: Language) -> str:
