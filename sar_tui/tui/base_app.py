@@ -142,7 +142,7 @@ class Uncoloured(LineFilter):
         ]
 
 
-_BAR = 0.25
+_BAR = 0.15
 """Least difference in brightness, 0 to 1, between a bar and the background."""
 
 

@@ -104,13 +104,14 @@ async def test_the_card_tells_how_a_participant_does(
         told(database, "P01", "after", "pain", "3", session=second_session)
     async with opened() as driver:
         driver.see("2 people need a look. 1 person has trained today.")
-        driver.see("P02 Interrupted today.", "Interrupted today after 0")
-        driver.see("P01 Pain 6 today, limit 5.")
+        driver.see("! Need a look · 2", "P02 Interrupted", "Interrupted today after 0")
+        driver.see("P01 Pain 6")
         await driver.press("up")
-        driver.see("Programme v1: 2 × 2 · goal 1.0", "At goal >2 >3", "Reached 2/2 2/2")
+        driver.see("Pain 6 today, limit 5.", "Programme 2 attempts of 2", "goal 1.0 s")
+        driver.see("Level at goal, last 2 sessions", ">2 >3", "Reached 2/2 2/2")
         driver.see("Last session all too easy", "Today: 2 of 2 reached, pain 3, tired 4")
         await driver.press("f6")
-        driver.see("Sessions of P01", "pain 6", "pain 3, tired 4")
+        driver.see("Sessions of P01", "Pain Tired", "2 of 2 3 4", "2 of 2 6")
         driver.lacks("P02")
         await driver.press("escape", "down", "f6", "enter")
         assert driver.session_id == session
@@ -342,15 +343,15 @@ async def test_a_home_left_open_over_night_shows_the_new_day(
     async with open_session(attempts=1) as driver:
         await driver.do_session()
     async with opened() as driver:
-        driver.see("1 person has trained today.", "Today at ")
+        driver.see("1 person has trained today.", "1 of 1 goals")
         tomorrow = date.today() + timedelta(days=1)
         monkeypatch.setattr(driver.app, "today", lambda: tomorrow)
         screen = driver.app.screen
         assert isinstance(screen, HomeScreen)
         screen._look_again()
         await driver.settle()
-        driver.see("Nobody needs a look today.", "P01 Trained yesterday.", f"{tomorrow:%a}")
-        driver.lacks("Today at ")
+        driver.see("Nobody needs a look today.", "P01 Trained yesterday", f"{tomorrow:%a}")
+        driver.lacks("1 of 1 goals")
 
 
 async def test_who_had_pain_above_the_limit_this_week_is_on_the_first_screen(
@@ -364,9 +365,9 @@ async def test_who_had_pain_above_the_limit_this_week_is_on_the_first_screen(
         told(database, "P20", "before", "pain", "5")
     async with opened() as driver:
         driver.see("2 people need a look.")
-        driver.see("P13 Pain 9 today, limit 5. P07 Pain 6 today, limit 5.")
+        driver.see("P13 Pain 9", "P07 Pain 6")
         await driver.press("p", "a")
-        driver.see("find: PA (Esc)", "P20 No session yet. Pain 5 this week.")
+        driver.see("find: PA (Esc)", "P20 Pain 5 this week")
         driver.lacks("P21")
         await driver.press("escape", "down", "enter", "enter")
         driver.see("Welcome")
@@ -381,7 +382,7 @@ async def test_in_a_small_window_the_sessions_take_the_place_of_the_day_until_es
     home.see("Sessions of P01", "No session yet.", "Esc goes back")
     home.lacks("START")
     await home.press("escape")
-    home.see("START", "Press Enter to choose P01.")
+    home.see("START", "Press Enter twice to start a session of P01.")
     await home.resize(100, 32)
     home.see("START", "Sessions of P01")
     await home.press("f6")
@@ -389,10 +390,12 @@ async def test_in_a_small_window_the_sessions_take_the_place_of_the_day_until_es
 
 
 async def test_what_enter_does_is_said_where_the_focus_is(home: AppDriver) -> None:
-    home.see("Press Enter to choose P01.")
+    home.see("Press Enter twice to start a session of P01.")
+    home.lacks("▸ START")
     await home.press("enter")
-    home.see("Press Enter to start a session of P01.")
+    home.see("Press Enter to start a session of P01.", "▸ START · Enter")
     await home.press("escape", "end")
+    home.lacks("▸ START")
     home.see("Press Enter to add a participant.", "F6 shows the sessions of everyone.")
     await home.press("plus")
     assert home.screen_name == "NewParticipantScreen"

@@ -255,7 +255,11 @@ async def test_a_language_chosen_in_the_palette_is_that_of_the_home_at_once_and_
         driver.see("P01 · Keyboard reaction")
         await driver.press("ctrl+p", *"Deutsch", "enter")
         await driver.settle()
-        driver.see("Einstellungen", "Enter wählt P01.", "P01 · Reaktion mit Tasten")
+        driver.see(
+            "Einstellungen",
+            "Zweimal Enter beginnt eine Sitzung mit P01.",
+            "P01 · Reaktion mit Tasten",
+        )
         assert driver.screen_name == "HomeScreen"
         await driver.press("enter")
         driver.see("Enter beginnt eine Sitzung mit P01.")

@@ -99,8 +99,8 @@ async def test_pain_above_the_limit_before_a_session_is_a_reason_not_to_begin(
         stopped = [("before", "pain", 6, "left arm", "stopped"), ("before", "tiredness", 4)]
         assert answers(driver) == stopped
         assert driver.stored("SELECT DISTINCT session FROM records") == [(None,)]
-        driver.see("1 person needs a look.", "Pain 6 today, limit 5.")
-        driver.see("P01 · Keyboard reaction Pain was above the limit when it was last told.")
+        driver.see("1 person needs a look.", "P01 Pain 6")
+        driver.see("P01 · Keyboard reaction Pain 6 today, limit 5.")
 
         await driver.press("enter", *given("7", "3", "5"), "g")
         assert driver.screen_name == "SessionScreen"

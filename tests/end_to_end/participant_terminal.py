@@ -65,6 +65,16 @@ class ScreenReader:
         self._seen = len(self._terminal.output)
         return "\n".join(line.rstrip() for line in self._screen.display)
 
+    def reversed(self) -> list[str]:
+        """Return the reversed parts of each row that has some, with one space between them."""
+        self.text()
+        rows = (self._screen.buffer[row] for row in range(self._screen.lines))
+        found = (
+            "".join(row[x].data if row[x].reverse else " " for x in range(self._screen.columns))
+            for row in rows
+        )
+        return [" ".join(text.split()) for text in found if text.strip()]
+
     def resize(self, columns: int, rows: int) -> None:
         """Change the size of the terminal and of what is read."""
         self.text()

@@ -68,3 +68,20 @@ def test_without_colour_form_tells_what_is_chosen(data: Path) -> None:
     assert {one for each in sent for one in each} <= {0, *_FORMS}
     assert 1 in {one for each in sent for one in each}, "sentences are bold"
     told_by_form(screens)
+
+
+def test_without_colour_start_and_the_chosen_group_of_settings_are_reversed(data: Path) -> None:
+    exercise(data)
+    words = command("--data", str(data))
+    with Terminal(words, environment=TERMINALS["no colour"]) as terminal:
+        reader = ScreenReader(terminal)
+        terminal.wait_for("Press")
+        terminal.settle()
+        assert "START" in reader.reversed()
+        terminal.confirm("enter")
+        terminal.settle()
+        assert "▸ START · Enter" in reader.reversed()
+        terminal.confirm("f2")
+        terminal.wait_for("Difficulty")
+        terminal.settle()
+        assert "Difficulty" in reader.reversed()

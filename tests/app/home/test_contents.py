@@ -63,16 +63,30 @@ ENGLISH = Language()
 
 
 def line(
-    task: str = "Keyboard reaction", note: str = "", levels: tuple[int, ...] = (1, 2, 3)
+    task: str = "Keyboard reaction",
+    note: str = "",
+    levels: tuple[int, ...] = (1, 2, 3),
+    **felt: str,
 ) -> Line:
-    return Line(date(2026, 11, 17), "14:05", "P01", task, levels, "0.95 s", "2 of 3", 14, note)
+    day = date(2026, 11, 17)
+    return Line(day, "14:05", "P01", task, levels, "0.95 s", "2 of 3", 14, note, **felt)
 
 
 def test_a_session_is_a_line_of_results() -> None:
     table = Table([line()], 72, TODAY, ENGLISH, names_who=False)
     assert table.heading == "Date        Level Result Reached  Levels"
-    found = table.draw(line(note="tired 3")).plain
-    assert found == "Tue 17 Nov  1→3   0.95 s 2 of 3   ▁▂▃     tired 3"
+    found = table.draw(line(note="with P02")).plain
+    assert found == "Tue 17 Nov  1→3   0.95 s 2 of 3   ▁▂▃     with P02"
+
+
+def test_pain_and_tiredness_have_columns_if_they_were_asked() -> None:
+    asked = line(pain="0", tired="3")
+    table = Table([asked, line()], 72, TODAY, ENGLISH, names_who=False)
+    assert table.heading == "Date        Level Result Reached  Pain Tired Levels"
+    assert table.draw(asked).plain == "Tue 17 Nov  1→3   0.95 s 2 of 3      0     3 ▁▂▃"
+    assert table.draw(line()).plain == "Tue 17 Nov  1→3   0.95 s 2 of 3              ▁▂▃"
+    drawn = table.draw(line(pain="6", tired="3", note="interrupted: Enter resumes")).plain
+    assert drawn.split()[-5:] == ["6", "3", "interrupted:", "Enter", "resumes"]
 
 
 def test_tasks_are_named_if_they_differ_and_people_if_there_are_several() -> None:
@@ -98,7 +112,12 @@ def test_more_room_shows_more() -> None:
 @pytest.mark.parametrize("names_who", [True, False])
 def test_no_line_is_longer_than_its_room(width: int, names_who: bool) -> None:
     lines = [
-        line(note="interrupted: Enter resumes, pain 6, tired 7", levels=tuple(range(1, 60))),
+        line(
+            note="with P02, interrupted: Enter resumes",
+            levels=tuple(range(1, 60)),
+            pain="6",
+            tired="7",
+        ),
         line("Pairs"),
     ]
     table = Table(lines, width, TODAY, ENGLISH, names_who=names_who)
@@ -127,18 +146,13 @@ def test_people_read_seconds_and_other_units_as_they_are() -> None:
 
 
 def test_a_programme_is_said_in_a_line_that_fits() -> None:
-    programme = Programme(version=3, attempts=10, prompts=20, goal="1.0 s", level=4)
-    assert (
-        programme_words(programme, ENGLISH, is_roomy=False)
-        == "v3: 10 × 20 · goal 1.0 s · start level 4"
-    )
+    programme = Programme(attempts=10, prompts=20, goal="1.0 s", level=4, why="from the last times")
+    said = "10 attempts of 20 · goal 1.0 s · start level 4"
+    assert programme_words(programme, ENGLISH, is_roomy=False) == said
     found = programme_words(programme, ENGLISH, is_roomy=True)
-    assert found == "version 3: 10 attempts of 20 · goal 1.0 s · start level 4"
-    never_saved = Programme(version=0, attempts=1, prompts=1, goal="", level=1)
-    assert (
-        programme_words(never_saved, ENGLISH, is_roomy=True)
-        == "none saved: 1 attempt of 1 · start level 1"
-    )
+    assert found == f"{said} (from the last times)"
+    least = Programme(attempts=1, prompts=1, goal="", level=1)
+    assert programme_words(least, ENGLISH, is_roomy=True) == "1 attempt of 1 · start level 1"
 
 
 @pytest.mark.parametrize("base", [50.0, 450.0, 750.0])

@@ -75,7 +75,7 @@ def test_the_sentence_counts_the_visits_of_the_section_due() -> None:
     found = day(hurt, person("P02", 9, due=TODAY), last="P02")
     assert [(each.part, each.code) for each in found.entries] == [("look", "P01"), ("due", "P02")]
     assert found.sentence == "1 person needs a look. 1 more visit is due."
-    assert "Due today." in found.entries[0].said
+    assert found.entries[0].look[-1] == "Due today."
 
 
 @pytest.mark.parametrize(
@@ -96,7 +96,7 @@ def test_the_day_is_a_sentence(people: tuple[Person, ...], sentence: str) -> Non
     assert day(*people).sentence == sentence
 
 
-def test_a_reason_is_a_sentence_with_its_day() -> None:
+def test_a_reason_is_said_in_few_words_and_in_a_sentence_with_its_day() -> None:
     assert STUCK_SESSIONS == 3, "as the sentence says"
     stuck = [PastSession(ago(days), "keyboard", levels=(6,)) for days in (0, 2, 4)]
     found = only(
@@ -107,6 +107,7 @@ def test_a_reason_is_a_sentence_with_its_day() -> None:
             events=[Event(ago(1), "mild", has_outcome=False)],
         )
     )
+    assert found.why == "Pain 6 · open adverse event · level 6 for three sessions"
     assert found.look == [
         "Pain 6 Sat 21 Nov, limit 5.",
         "Adverse event yesterday, mild: no outcome yet.",
@@ -122,25 +123,33 @@ def test_several_events_are_one_sentence_and_a_severity_may_be_missing() -> None
         "2 adverse events without an outcome.",
         "2 adverse events this week.",
     ]
+    assert found.why == "2 open adverse events · 2 adverse events"
     unknown = person("P01", None, events=[Event(ago(1), "", has_outcome=True)])
     assert only(unknown).look == ["Adverse event yesterday, severity not recorded."]
     assert day(person("P01", None, events=events)).sentence == "1 person needs a look."
 
 
 @pytest.mark.parametrize(
-    ("one", "said"),
+    ("one", "why", "trained"),
     [
-        (person("P01", None), "No session yet."),
-        (person("P01", 0), "Today at 09:40, 21 min, 8 of 10 goals."),
-        (person("P01", 1), "Trained yesterday."),
-        (person("P01", 9), "Trained 9 days ago."),
-        (person("P01", 40), "Trained last on Fri 16 Oct."),
-        (person("P01", 3, due=TODAY), "Due today. Trained 3 days ago."),
-        (person("P01", 3, due=ago(1)), "Due since yesterday. Trained 3 days ago."),
-        (person("P01", 0, rated=in_pain(0, 2)), "Today at 09:40, 21 min, 8 of 10 goals. Pain 2 this week."),
-        (person("P01", 0, rated=in_pain(0, 6)), "Today at 09:40, 21 min, 8 of 10 goals."),
-        (person("P01", 3, rated=in_pain(3, 6)), ""),
+        (person("P01", None), "", "No session yet"),
+        (person("P01", 0), "", "Today 09:40, 8 of 10 goals"),
+        (person("P01", 1), "", "Trained yesterday"),
+        (person("P01", 9), "", "Trained 9 days ago"),
+        (person("P01", 40), "", "Trained last on Fri 16 Oct"),
+        (person("P01", 3, due=TODAY), "Due today", "Trained 3 days ago"),
+        (person("P01", 3, due=ago(1)), "Due since yesterday", "Trained 3 days ago"),
+        (person("P01", 0, rated=in_pain(0, 2)), "Pain 2 this week", "Today 09:40, 8 of 10 goals"),
+        (person("P01", 0, rated=in_pain(0, 6)), "Pain 6", "Today 09:40, 8 of 10 goals"),
+        (person("P01", 3, rated=in_pain(3, 6)), "Pain 6", "Trained 3 days ago"),
     ],
-)  # fmt: skip
-def test_it_is_said_when_a_person_trained_and_how_it_went(one: Person, said: str) -> None:
-    assert only(one).said == said
+)
+def test_it_is_said_why_a_person_is_there_and_when_they_trained(
+    one: Person, why: str, trained: str
+) -> None:
+    assert (only(one).why, only(one).trained) == (why, trained)
+
+
+def test_an_interrupted_session_is_left_to_the_card() -> None:
+    found = only(person("P01", sessions=[PastSession(TODAY, "keyboard", "interrupted")]))
+    assert (found.why, found.look) == ("Interrupted", [])
