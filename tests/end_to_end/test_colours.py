@@ -79,6 +79,7 @@ def test_without_colour_start_and_the_chosen_group_of_settings_are_reversed(data
         terminal.settle()
         assert "START" in reader.reversed()
         terminal.confirm("enter")
+        terminal.wait_for("▸ START")
         terminal.settle()
         assert "▸ START · Enter" in reader.reversed()
         terminal.confirm("f2")
