@@ -129,6 +129,11 @@ class PickList(MarkedList):
         super().watch_highlighted(highlighted)
         self._expand()
 
+    def on_resize(self) -> None:
+        """Show the chosen option in the list that has opened."""
+        if self.has_focus:
+            self.scroll_to_highlight(top=True)
+
     def _expand(self) -> None:
         """Show the summary of the chosen option while the list is open."""
         chosen = (self.chosen or "") if self.has_focus else ""
