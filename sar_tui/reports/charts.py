@@ -336,7 +336,11 @@ def round_numbers(low: float, high: float, most: int) -> list[float]:
     return [round(n * step, 10) for n in range(first, math.floor(high / step) + 1)][:most]
 
 
-POINT, BAND, AREA, RULE, CHOSEN = "●", "│", "░", "╌", "▲"
+POINT, BAND, RULE, CHOSEN = "●", "│", "╌", "▲"
+LIMIT = "▁"
+"""The limit of an area, on the lower edge of a row, so that each value is above it or below it."""
+BASELINE = "━"
+"""The axis below the sessions of the baseline."""
 TEN = "X"
 """Stands for 10 where there is room for one character."""
 ABOVE, BELOW, UNKNOWN = "^", "v", "?"
@@ -424,10 +428,10 @@ class Columns(msgspec.Struct, frozen=True):
         return "".join(line).rstrip()
 
     def numbers(self, values: Sequence[float | None], form: str) -> str:
-        """Return a row of numbers, formatted by ``form``, where they have room; else of bars."""
+        """Return a row of numbers, formatted by ``form``; empty if they have no room."""
         texts = [form.format(value) if value is not None else "·" for value in values]
         if max(map(len, texts), default=0) >= math.floor(self.step):
-            return self.bars(values)
+            return ""
         line = [" "] * self.width
         for session, text in enumerate(texts):
             begin = min(self.column(session), self.width - len(text))
@@ -450,34 +454,18 @@ class Columns(msgspec.Struct, frozen=True):
             )
         return "".join(line).rstrip()
 
-    def heights(self, values: Sequence[float], rows: int, form: str) -> list[str]:
-        """Return rows of bars from zero to the greatest value; ``·`` where it is zero.
-
-        Beside the foot of each bar stands its value, formatted by ``form``, if all have room.
-        """
+    def heights(self, values: Sequence[float]) -> str:
+        """Return a row of bars from zero to the greatest value; ``·`` where it is zero."""
         means = {
             column: statistics.fmean([values[session] for session in sessions])
             for column, sessions in self.groups()
         }
         highest = max(means.values(), default=0.0) or 1.0
-        lines = []
-        for below in reversed(range(rows)):
-            line = [" "] * self.width
-            for column, mean in means.items():
-                eighths = math.ceil(mean / highest * len(BARS) * rows - _ROUNDING)
-                line[column] = _part_of_bar(eighths - below * len(BARS))
-            lines.append(line)
-        foot, texts = lines[-1], {column: form.format(mean) for column, mean in means.items()}
-        ends = [*list(means)[1:], self.width + 1]
-        has_room = all(
-            column + 1 + len(texts[column]) < end for column, end in zip(means, ends, strict=True)
-        )
+        line = [" "] * self.width
         for column, mean in means.items():
-            if mean <= 0:
-                foot[column] = "·"
-            elif has_room:
-                foot[column + 1 : column + 1 + len(texts[column])] = texts[column]
-        return ["".join(line).rstrip() for line in lines]
+            eighths = math.ceil(mean / highest * len(BARS) - _ROUNDING)
+            line[column] = _part_of_bar(eighths) if mean > 0 else "·"
+        return "".join(line).rstrip()
 
     def dates(self, days: Sequence[str], months: Sequence[str]) -> str:
         """Return a row of dates as far as there is room; the last one is always there.
@@ -535,6 +523,7 @@ def session_chart(
     rule: float | None = None,
     chosen: int | None = None,
     marked: int | None = None,
+    baseline: Sequence[int] = (),
 ) -> list[str]:
     """Draw values over sessions. Those without a value have a row of their own above or below the
     others.
@@ -546,9 +535,11 @@ def session_chart(
         ticks: values with their labels.
         rows: number of rows above the axis.
         margin: columns for the labels and the axis.
-        area: values between which all is shaded.
+        area: values at which a thin line is drawn, if they are on the axis. Each value is on its
+            side of them, if need be a row further up or down.
         rule: value at which a dashed line is drawn.
         chosen, marked: sessions with a sign of their own on the axis.
+        baseline: sessions below which the axis is drawn heavier.
 
     Returns:
         ``rows`` + 1 lines.
@@ -557,13 +548,22 @@ def session_chart(
     above, below = (_signs(values, columns, signs) for signs in (ABOVE, BELOW + UNKNOWN))
     rows -= bool(above) + bool(below)
 
+    below_area, above_area = _borders(area, axis, rows)
+
     def row(value: float) -> int:
-        return rows - 1 - _part(value, low, high, rows - 1)
+        step = _part(value, low, high, rows - 1)
+        if area and below_area is not None:
+            is_in = value >= area[0] - _ROUNDING * abs(area[0])
+            step = max(step, below_area) if is_in else min(step, below_area - 1)
+        if area and above_area is not None:
+            is_in = value <= area[1] + _ROUNDING * abs(area[1])
+            step = min(step, above_area - 1) if is_in else max(step, above_area)
+        return rows - 1 - max(0, step)
 
     grid = [[" "] * columns.width for _ in range(rows)]
-    if area and area[0] <= high and area[1] >= low:
-        for line in range(row(min(area[1], high)), row(max(area[0], low)) + 1):
-            grid[line] = [AREA] * columns.width
+    for border in (below_area, above_area):
+        if border is not None:
+            grid[rows - 1 - border] = [LIMIT] * columns.width
     if rule is not None and low <= rule <= high:
         grid[row(rule)] = [RULE] * columns.width
     for column, sessions in columns.groups():
@@ -581,12 +581,41 @@ def session_chart(
         lines.append(f"{label}{axis_line}{''.join(cells)}".rstrip())
     edge = f"{'│':>{margin}}"
     lines = [*([edge + above] if above else []), *lines, *([edge + below] if below else [])]
-    return [*lines, foot(columns, margin, chosen, marked)]
+    return [*lines, foot(columns, margin, chosen, marked, baseline)]
 
 
-def foot(columns: Columns, margin: int, chosen: int | None, marked: int | None) -> str:
-    """Return the lower axis, with signs of the chosen session and the one it is compared with."""
+def _borders(
+    area: tuple[float, float] | None, axis: tuple[float, float], rows: int
+) -> tuple[int | None, int | None]:
+    """Return the rows, counted from below, on whose lower edges the limits of an area are; None for
+    one beyond the axis. There is a row between them, and one above and below.
+    """
+    low, high = axis
+    if area is None or low >= high:
+        return None, None
+
+    def border(value: float) -> int:
+        return round((value - low) / (high - low) * (rows - 1) + 0.5)
+
+    upper = max(min(2, rows - 1), min(rows - 1, border(area[1])))
+    lower = max(1, min(upper - 1, border(area[0])))
+    return lower if low <= area[0] <= high else None, upper if low <= area[1] <= high else None
+
+
+def foot(
+    columns: Columns,
+    margin: int,
+    chosen: int | None = None,
+    marked: int | None = None,
+    baseline: Sequence[int] = (),
+) -> str:
+    """Return the lower axis, with signs of the chosen session and the one it is compared with, and
+    a heavier part below the baseline.
+    """
     line = ["─"] * columns.width
+    if baseline:
+        first, last = columns.column(baseline[0]), columns.column(baseline[-1])
+        line[first : last + 1] = BASELINE * (last + 1 - first)
     for session, sign in ((marked, MARKED), (chosen, CHOSEN)):
         if session is not None:
             line[columns.column(session)] = sign

@@ -1,6 +1,4 @@
-"""The dose in words: marks of days that say it without colour, a table, and the last weeks in a
-sentence.
-"""
+"""The dose in words: marks of days that say it without colour, and the last weeks in a sentence."""
 
 from collections.abc import Callable, Sequence
 from datetime import date, timedelta
@@ -65,30 +63,6 @@ def calendar_lines(found: Progress, months: int, tr: Language) -> list[str]:
                 f"{'':9}{''.join(EVENT if day in on else ' ' for day in range(1, max(on) + 1))}"
             )
     return [*lines, "", legend(tr), *([f"{EVENT} {tr('adverse event')}"] if has_event else [])]
-
-
-def days_table(days: Sequence[Day], tr: Language) -> list[str]:
-    """Return the dose of each day in columns, with a heading."""
-    heads = ("date", "planned", "done", "repetitions", "min on task")
-    rows = [tuple(tr(head) for head in heads)]
-    rows += [
-        (
-            f"{mark(each)} {each.date}",
-            str(each.planned),
-            str(each.done),
-            str(each.repetitions),
-            tr.figures(f"{each.time_on_task_s / 60:.1f}"),
-        )
-        for each in days
-    ]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(heads))]
-    return [
-        "  ".join(
-            f"{cell:>{width}}" if column else f"{cell:<{width}}"
-            for column, (cell, width) in enumerate(pairs)
-        )
-        for pairs in (zip(row, widths, strict=True) for row in rows)
-    ]
 
 
 def days_text(days: int, tr: Language) -> str:

@@ -52,9 +52,9 @@ GLOSSARY: dict[str, Entry] = {
     ),
     "noise": Entry(
         "Noise and practice",
-        "The shaded area: sessions inside it do not differ from the baseline by more than noise "
-        "and practice. Its size is the MDC95, the smallest change between two sessions that is "
-        "more than noise.",
+        "The area between the thin lines, grey on the page: sessions inside it do not differ from "
+        "the baseline by more than noise and practice. Its size is the MDC95, the smallest change "
+        "between two sessions that is more than noise.",
         "The mean of sessions 2, 3 and 4, and to either side t · √2 · SD of these sessions (t of "
         "Student: 4.30). Upwards, their rise is added, as practice may bring as much again.",
         "Weir 2005, doi:10.1519/15184.1; docs/progress.md#noise-and-change",
@@ -97,7 +97,7 @@ GLOSSARY: dict[str, Entry] = {
     ),
     "dose": Entry(
         "Minutes",
-        "The dose: time on task in each session. The bars begin at 0.",
+        "The dose: time on task in each session. Bars begin at 0.",
         "From the beginning to the end of each attempt, without the rests between them.",
         "docs/progress.md#dose",
     ),
@@ -125,8 +125,7 @@ GLOSSARY: dict[str, Entry] = {
     ),
     "sessions": Entry(
         "Sessions",
-        "The sessions with the same settings, oldest first. ± is the SD between the attempts of a "
-        "session.",
+        "The sessions with the same settings. ± is the SD between the attempts of a session.",
         "Sessions are in one list only if they measured the same: task, version, goal, own "
         "settings of the task, and timing.",
         "docs/progress.md#what-is-compared",

@@ -7,6 +7,7 @@ from itertools import product
 
 from sar_tui.model.language import Language
 from sar_tui.progress.change import BASELINE, FAMILIARISATION, baseline
+from sar_tui.progress.scores import InstrumentChange
 from sar_tui.records.kind import kinds
 from sar_tui.reports import dose_words, progress_words
 from sar_tui.reports.charts import ABOVE, BELOW, EVENT, MARKED
@@ -22,10 +23,6 @@ OF_RESULTS = ("result", "correct", "quality")
 """Figures that are shown with the chart of mean results."""
 LISTS = ("sessions", "days", "records")
 """Figures that have a part of their own."""
-_FOR_TWO_CHARTS = 30
-"""Rows from which both charts are shown, one below the other."""
-_FEWEST_OF_A_TIMELINE = 16
-"""Rows below which sentences are left out beneath a timeline."""
 _MONTHS = 3
 
 
@@ -57,30 +54,21 @@ def picture(
     tr: Language,
     marked: str | None = None,
 ) -> list[TextRow]:
-    """Return the sessions over their dates, and with enough room what can be said of the line.
+    """Return the sessions over their dates.
 
     Args:
         line: the sessions.
         size: columns and rows.
         figure: the chosen one. Results are charted instead of the level at goal if it is one of
-            theirs; with enough room, both are.
+            theirs.
         chosen: number of the chosen session.
         tr: the language.
         marked: id of the session to compare it with.
     """
-    width, height = size
-    said = wrapped(progress_words.sentences(line, tr), min(width, 72))
-    if height - len(said) - 1 < _FEWEST_OF_A_TIMELINE:
-        said = []
-    room = height - len(said) - 1 if said else height
-    shown: Sequence[str] = ("result",) if figure in OF_RESULTS else ()
-    if room >= _FOR_TWO_CHARTS:
-        shown = ("level", "result")
-    drawn = timeline(
-        line, width, room, tr, shown=shown, chosen=chosen, marked=_number(line, marked)
-    )
-    below = [TextRow(""), *map(TextRow, said)] if said else []
-    return [*drawn, *below][:height]
+    shown = "result" if figure in OF_RESULTS else "level"
+    number = _number(line, marked)
+    drawn = timeline(line, *size, tr, shown=shown, chosen=chosen, marked=number)
+    return drawn[: size[1]]
 
 
 def listed(
@@ -110,14 +98,15 @@ def listed(
     width, height = size[0], size[1] - 1
     title, part = tr(GLOSSARY[name].title), ""
     if name == "sessions" and line:
-        rows = sessions_part(line, (width, height), chosen, tr, marked)
-        part = _part_shown(len(line.sessions), height - 1, chosen, tr)
+        rows = sessions_part(line, (width, height), chosen, found.today, tr, marked)
+        count = len(line.sessions)
+        part = _part_shown(count, height - 1, count - 1 - chosen, tr)
     elif name == "days":
         rows = days_part(found, (width, height), tr)
-    else:
+    elif is_chosen or line is None:
         rows = records_part(found, (width, height), record if is_chosen else None, tr)
-        if not is_chosen:
-            part = _part_shown(len(found.records), height - 1, len(found.records), tr)
+    else:
+        rows = records_summary(found, (width, height), tr)
     return [TextRow(f"{title}{part}", name, len(title)), *map(TextRow, rows)]
 
 
@@ -168,8 +157,8 @@ def _why_look(found: Progress, session: SessionProgress, tr: Language) -> str:
 _SIDES = {"easier": ABOVE, "harder": BELOW, "": "·"}
 """Signs of the charts for sessions whose level at goal is not known."""
 _COLUMNS = (
-    ("date", "levels", "mean ± SD", "correct", "goals", "at goal", "pain", "tired"),
-    ("date", "mean ± SD", "goals", "at goal", "pain"),
+    ("date", "at goal", "levels", "mean ± SD", "correct", "goals", "pain", "tired"),
+    ("date", "at goal", "mean ± SD", "goals", "pain"),
 )
 _FEW_COLUMNS = {"level": ("date", "level", "minutes", "pain")}
 _OTHER_FEW_COLUMNS = ("date", "mean", "minutes", "pain")
@@ -177,18 +166,24 @@ _OTHER_FEW_COLUMNS = ("date", "mean", "minutes", "pain")
 
 
 def sessions_part(
-    line: LineProgress, size: tuple[int, int], chosen: int, tr: Language, marked: str | None = None
+    line: LineProgress,
+    size: tuple[int, int],
+    chosen: int,
+    today: str,
+    tr: Language,
+    marked: str | None = None,
 ) -> list[str]:
-    """Return the sessions as a table with a cursor, with as many columns as there is room for;
-    ``marked`` is the id of the one to compare with.
+    """Return the sessions, newest first, as a table with a cursor, with as many columns as there is
+    room for; ``marked`` is the id of the one to compare with.
     """
     width, height = size
-    shown = window(len(line.sessions), max(1, height - 1), chosen)
+    last = len(line.sessions) - 1
+    shown = [last - number for number in window(last + 1, max(1, height - 1), last - chosen)]
     few = _FEW_COLUMNS.get(line.measure, _OTHER_FEW_COLUMNS)
     has_levels = line.measure != "result"
     wide = [[name for name in each if has_levels or name != "at goal"] for each in _COLUMNS]
     for columns, gap in product((*wide, few), ("  ", " ")):
-        table = _table(line, columns, gap, shown, chosen, tr, marked)
+        table = _table(line, columns, gap, shown, chosen, today, tr, marked)
         if max(map(len, table)) <= width:
             break
     return [row[:width].rstrip() for row in table]
@@ -198,14 +193,17 @@ def _table(
     line: LineProgress,
     columns: Sequence[str],
     gap: str,
-    shown: range,
+    shown: Sequence[int],
     chosen: int,
+    today: str,
     tr: Language,
     marked: str | None,
 ) -> list[str]:
-    at_goal = f"{tr('at goal')} ({tr(line.axis.unit or line.axis.name)})"
+    at_goal = tr("at goal")
+    if not line.places:
+        at_goal = f"{at_goal} ({tr(line.axis.unit or line.axis.name)})"
     rows = [[at_goal if head == "at goal" else tr(head) for head in columns]]
-    rows += [_cells(line, line.sessions[number], columns, tr) for number in shown]
+    rows += [_cells(line, line.sessions[number], columns, today, tr) for number in shown]
     widths = [max(len(row[column]) for row in rows) for column in range(len(columns))]
     lines = []
     for number, row in zip((None, *shown), rows, strict=True):
@@ -218,7 +216,7 @@ def _table(
 
 
 def days_part(found: Progress, size: tuple[int, int], tr: Language) -> list[str]:
-    """Return a mark for each day of the last months, and the last days in figures."""
+    """Return a mark for each day of the last months, and the last weeks in a sentence."""
     width, height = size
     if not found.days:
         return [tr("No live session yet.")]
@@ -226,24 +224,33 @@ def days_part(found: Progress, size: tuple[int, int], tr: Language) -> list[str]
         *dose_words.calendar_lines(found, _MONTHS, tr),
         "",
         *wrapped([dose_words.recent_text(found.recent, tr)], width),
-        "",
     ]
-    room = max(1, height - len(lines) - 1)
-    return [*lines, *dose_words.days_table(found.days[-room:], tr)][:height]
+    return lines[:height]
 
 
-def session_text(line: LineProgress, session: SessionProgress, tr: Language) -> list[str]:
-    """Return a session on two lines: its date, end and dose; what was said of pain and
-    tiredness.
+def session_text(
+    line: LineProgress, session: SessionProgress, today: str, tr: Language
+) -> list[str]:
+    """Return a session in parts: its date, level at goal, dose, and what was said of pain and
+    tiredness; and how it ended, unless it was completed.
     """
+    if line.places and session.at_goal:
+        reached = tr("level {level}", level=progress_words.level_band(line, session, tr))
+    else:
+        reached = progress_words.at_goal(line, session, tr)
+    if not reached and session.mean is not None and line.measure == "result":
+        reached = progress_words.result(line, session.mean, tr)
+    is_complete = session.status == "completed"
     parts = [
-        f"{progress_words.day(session.began)} {session.began[11:16]}",
-        progress_words.status(session.status, tr),
+        f"{progress_words.short_day(session.began, today, tr)} {session.began[11:16]}",
+        reached or tr(progress_words.SIDES[session.side]),
+        "" if is_complete else progress_words.status(session.status, tr),
         tr("{done}/{planned} attempts", done=session.attempts, planned=session.planned),
         tr("{repetitions} repetitions", repetitions=session.trials),
-        tr("{minutes} min", minutes=f"{session.time_on_task_s / 60:.1f}"),
+        tr("{minutes} min", minutes=tr.figures(f"{session.time_on_task_s / 60:.1f}")),
+        *progress_words.felt(session, tr),
     ]
-    return [" · ".join(parts), " · ".join(progress_words.felt(session, tr))]
+    return [part for part in parts if part]
 
 
 def _ends(line: LineProgress, tr: Language) -> list[str]:
@@ -285,17 +292,17 @@ def _number(line: LineProgress, session: str | None) -> int | None:
 
 
 def _cells(
-    line: LineProgress, session: SessionProgress, columns: Sequence[str], tr: Language
+    line: LineProgress, session: SessionProgress, columns: Sequence[str], today: str, tr: Language
 ) -> list[str]:
     unknown = tr(progress_words.SIDES[session.side])
     level = session.at_goal.level if session.at_goal else None
     cells = {
-        "date": progress_words.day(session.began),
+        "date": progress_words.short_day(session.began, today, tr),
         "levels": f"{session.first_level}→{session.last_level}",
         "mean ± SD": tr.figures(progress_words.mean(line, session)),
         "correct": f"{session.right / session.trials:.0%}" if session.trials else "",
         "goals": "" if session.reached is None else f"{session.reached}/{session.attempts}",
-        "at goal": progress_words.band(line, session, tr) or unknown,
+        "at goal": progress_words.level_band(line, session, tr) or unknown,
         "level": _SIDES[session.side] if level is None else tr.figures(f"{level:.1f}"),
         "mean": "" if session.mean is None else progress_words.result(line, session.mean, tr),
         "minutes": tr.figures(f"{session.time_on_task_s / 60:.1f}"),
@@ -313,9 +320,9 @@ def window(count: int, rows: int, chosen: int) -> range:
 
 def balanced(text: str, width: int) -> str:
     """Return a text on as few lines as fit a width, all of about the same length, with no line
-    between a number and its unit.
+    between a number and its unit, or beside an arrow.
     """
-    kept = re.sub(r"(?<=\d) (?=[^\W\d])", "\N{NO-BREAK SPACE}", text)
+    kept = re.sub(r"(?<=\d) (?=[^\W\d]|→)|(?<=→) ", "\N{NO-BREAK SPACE}", text)
     lines = textwrap.wrap(kept, width)
     for narrower in range(len(kept) // max(1, len(lines)), width):
         if len(tried := textwrap.wrap(kept, narrower)) <= len(lines):
@@ -335,39 +342,83 @@ def wrapped(sentences: Sequence[str], width: int, indent: str = "") -> list[str]
     ]
 
 
+def joined(parts: Sequence[str], width: int) -> list[str]:
+    """Return parts on lines, with dots between them and no line within a part."""
+    lines: list[str] = []
+    for part in parts:
+        if lines and len(longer := f"{lines[-1]} · {part}") <= width:
+            lines[-1] = longer
+        else:
+            lines.append(part)
+    return lines
+
+
 _FEWEST_LISTED = 2
+_MOST_SCORES = 6
+"""Scores of an instrument on a line."""
 _FOR_KINDS = 50
 """Columns from which the kinds of records have a column of their own."""
+
+
+def records_summary(found: Progress, size: tuple[int, int], tr: Language) -> list[str]:
+    """Return the scores of each instrument with their change on a line, and below them the other
+    records, newest first.
+    """
+    width, height = size
+    if not found.records:
+        return records_part(found, size, None, tr)
+    names = [each.instrument.name for each in found.instruments]
+    longest = max(map(len, names), default=0)
+    lines = [
+        f"{each.instrument.name:<{longest}}  {_scores(each, tr)}" for each in found.instruments
+    ]
+    others = [each for each in found.records if each.kind not in names]
+    _, rows = _record_rows(found, others, width, tr)
+    lines += [*([""] if lines and others else []), *("  ".join(row) for row in reversed(rows))]
+    return [_cut(line, width) if len(line) > width else line for line in lines[:height]]
+
+
+def _scores(found: InstrumentChange, tr: Language) -> str:
+    """Return scores and their change, "34 → 39 → 44  +10"; of many, the first and the last ones."""
+    scores = [tr.figures(f"{each.score:g}") for each in found.scores]
+    if len(scores) > _MOST_SCORES:
+        scores = [scores[0], "…", *scores[2 - _MOST_SCORES :]]
+    shown = " → ".join(scores)
+    return shown if found.change is None else f"{shown}  {tr.figures(f'{found.change:+g}')}"
 
 
 def records_part(
     found: Progress, size: tuple[int, int], chosen: int | None, tr: Language
 ) -> list[str]:
-    """Return the records by date, and the chosen one in full."""
+    """Return the records, newest first, and the chosen one in full."""
     width, height = size
     if not found.records:
         none = tr("Nothing is recorded yet. A records an event, or a score of another test.")
         return wrapped([none], width)[:height]
-    heads, rows = _record_rows(found.records, width, tr)
+    heads, rows = _record_rows(found, found.records, width, tr)
+    rows.reverse()
     if chosen is None:
         return _listed(heads, rows, [], size, None)
     in_full = wrapped([in_words(found, found.records[chosen], tr)], width)
-    return _listed(heads, rows, in_full, size, chosen)
+    return _listed(heads, rows, in_full, size, len(rows) - 1 - chosen)
 
 
 def _record_rows(
-    found: Sequence[Record], width: int, tr: Language
+    found: Progress, listed: Sequence[Record], width: int, tr: Language
 ) -> tuple[Sequence[str], list[Sequence[str]]]:
     """Return the heads and the rows of a list of records; in a narrow one the kind stands before
     the contents.
     """
+    dates = [progress_words.short_day(each.at, found.today, tr) for each in listed]
+    wide = max(map(len, dates), default=0)
+    dates = [f"{each:>{wide}}" for each in dates]
     if width >= _FOR_KINDS:
-        heads = (tr("date"), tr("kind"), tr("record"))
-        return heads, [(each.at, each.kind, _cut(contents(each, tr), width // 2)) for each in found]
-    cut = width - len("2026-03-02") - 5
-    texts = (f"{each.kind}: {contents(each, tr)}" for each in found)
-    rows = [(each.day, _cut(text, cut)) for each, text in zip(found, texts, strict=True)]
-    return (tr("date"), tr("record")), list(rows)
+        heads: Sequence[str] = (tr("date"), tr("kind"), tr("record"))
+        texts = [(each.kind, _cut(contents(each, tr), width // 2)) for each in listed]
+    else:
+        heads, cut = (tr("date"), tr("record")), width - wide - 5
+        texts = [(_cut(f"{each.kind}: {contents(each, tr)}", cut),) for each in listed]
+    return heads, [(at, *row) for at, row in zip(dates, texts, strict=True)]
 
 
 def contents(record: Record, tr: Language) -> str:
@@ -406,12 +457,12 @@ def _listed(
     size: tuple[int, int],
     chosen: int | None,
 ) -> list[str]:
-    """Return a table with a cursor on the chosen row, above other lines, as far as there is room.
-    Without a chosen row, the last ones are shown.
+    """Return a table with a cursor on the chosen row, above other lines, as far as there is
+    room.
     """
     width, height = size
     room = height - 1 - (len(below) + 1 if below else 0)
-    shown = window(len(rows), max(_FEWEST_LISTED, room), len(rows) if chosen is None else chosen)
+    shown = window(len(rows), max(_FEWEST_LISTED, room), chosen or 0)
     table = [heads, *(rows[number] for number in shown)]
     widths = [max(len(row[column]) for row in table) for column in range(len(heads))]
     lines = []

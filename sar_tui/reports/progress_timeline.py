@@ -2,19 +2,24 @@
 axis the dose, pain and tiredness.
 """
 
+import math
 import textwrap
 from collections.abc import Sequence
+from itertools import pairwise
 
 import msgspec
 
 from sar_tui.model.language import Language
+from sar_tui.progress.change import BASELINE as BASELINE_SESSIONS
+from sar_tui.progress.change import FAMILIARISATION
 from sar_tui.reports import charts, progress_words
 from sar_tui.reports.charts import (
     ABOVE,
-    AREA,
     BAND,
+    BASELINE,
     BELOW,
     EVENT,
+    LIMIT,
     POINT,
     RULE,
     TEN,
@@ -28,8 +33,10 @@ from sar_tui.reports.progress_charts import Chart, level_chart, needs_look, resu
 
 _FEWEST_ROWS, _MOST_ROWS = 4, 20
 """Rows of a chart, without its heading and axis."""
-_TALL_DOSE = (22, 34)
-"""Rows of a timeline from which the bars of the dose have one row more."""
+_FOR_BANDS = 12
+"""Rows of a chart from which all sessions have a band; in a lower one, the chosen one has."""
+_LEVELS_PER_ROW = (1 / 5, 1 / 4, 1 / 3, 1 / 2, 1, 3 / 2, 2, 3, 4, 5, 10, 20)
+"""Distances of the rows of a chart of levels, so that its labels are at equal distances."""
 _NAMES_SHARE = 4
 """Names of rows take at most this part of the width."""
 _LEAST_MARGIN = 8
@@ -60,6 +67,7 @@ class _Figure(msgspec.Struct, frozen=True, kw_only=True):
         chart: whose greater values are the upper ones.
         axis: lowest and highest value.
         ticks: values with their labels.
+        levels: number of the task's levels, if they are the values.
         heading: name of the axis.
         signs: legend.
     """
@@ -68,6 +76,7 @@ class _Figure(msgspec.Struct, frozen=True, kw_only=True):
     chart: Chart
     axis: tuple[float, float]
     ticks: Sequence[tuple[float, str]]
+    levels: int = 0
     heading: str
     signs: dict[str, str]
 
@@ -78,21 +87,21 @@ def timeline(
     height: int,
     tr: Language,
     *,
-    shown: Sequence[str] = (),
+    shown: str = "level",
     chosen: int | None = None,
     marked: int | None = None,
 ) -> list[TextRow]:
-    """Draw the sessions of a line over their dates: charts, and below them on the same axis the
+    """Draw the sessions of a line over their dates: a chart, and below it on the same axis the
     dose, pain and tiredness, and what needs a look.
 
-    Below mean results are bars for accuracy, and for each measure of how the movements were done.
+    Below mean results are rows for accuracy, and for each measure of how the movements were done.
 
     Args:
         line: the sessions.
         width, height: in characters.
         tr: the language.
-        shown: figures to draw as charts, ``level`` and ``result``; those that the line does not
-            have are left out. Empty: the level at goal, or results where no level is known.
+        shown: figure to draw as a chart, ``level`` or ``result``. If the line does not have it, the
+            other one is drawn.
         chosen: number of the session that has a sign on the axis.
         marked: number of the one that it is compared with, which has another.
 
@@ -100,38 +109,31 @@ def timeline(
         At most ``height`` rows if that is at least 14.
     """
     known = charted(line)
-    drawn = [_FIGURES[name](line, tr) for name in known if name in shown]
-    drawn = drawn or [_FIGURES[name](line, tr) for name in known[:1]]
-    has_results = any(figure.name == "result" for figure in drawn)
-    bars = qualities(line, tr) if has_results else []
+    name = shown if shown in known else next(iter(known), "")
+    figure = _FIGURES[name](line, tr) if name else None
+    bars = qualities(line, tr) if name == "result" else []
     felt = _felt(line.sessions, tr)
     names = [tr("minutes"), tr("look at"), *(name for name, *_ in bars), *felt]
     longest = max(len(label) for label in (*names, "")) + 1
-    labels = [len(label) + 1 for figure in drawn for _, label in figure.ticks]
+    labels = [len(label) + 1 for _, label in figure.ticks] if figure else []
     margin = max(_LEAST_MARGIN, *labels, min(longest, width // _NAMES_SHARE))
     columns = Columns(len(line.sessions), max(10, width - margin))
-    below = [
-        *_dose_rows(line, columns, margin, 1 + sum(height >= tall for tall in _TALL_DOSE), tr),
-        *_felt_rows(line, felt, columns, margin, tr),
-    ]
+    below = [_dose_row(line, columns, margin, tr), *_felt_rows(line, felt, columns, margin, tr)]
     notes = [
         TextRow(" " * margin + text)
         for text in textwrap.wrap(" ".join(_notes(columns, below, line, tr)), columns.width)
     ]
-    free = max(0, height - len(below) - 1 - (3 + _FEWEST_ROWS) * len(drawn))
+    free = max(0, height - len(below) - 4 - _FEWEST_ROWS)
     bars_drawn = _quality_rows(bars, columns, margin, tr)
-    bars_drawn = bars_drawn[: free if "result" in shown else max(0, free - len(notes))]
+    bars_drawn = bars_drawn[: free if shown == "result" else max(0, free - len(notes))]
     below = [*bars_drawn, *below, *notes[: free - len(bars_drawn)]]
-    months = tr("Jan Feb Mar Apr May Jun Jul Aug Sep Oct Nov Dec").split()
+    months = tr(progress_words.MONTHS).split()
     dates = columns.dates([each.began[:10] for each in line.sessions], months)
-    room = height - len(below) - 3 * max(1, len(drawn))
-    rows = max(_FEWEST_ROWS, min(_MOST_ROWS, room // max(1, len(drawn))))
-    found: list[TextRow] = []
-    for figure in drawn:
-        found += [TextRow("")] if found else []
-        found += _chart_rows(figure, columns, rows, margin, width, tr, chosen, marked)
-    if not drawn:
-        found.append(TextRow(charts.foot(columns, margin, chosen, marked)))
+    rows = max(_FEWEST_ROWS, min(_MOST_ROWS, height - len(below) - 3))
+    if figure:
+        found = _chart_rows(line, figure, columns, rows, margin, width, tr, chosen, marked)
+    else:
+        found = [TextRow(charts.foot(columns, margin, chosen, marked))]
     return [*found, TextRow((" " * margin + dates).rstrip()), *below]
 
 
@@ -145,28 +147,65 @@ def charted(line: LineProgress) -> list[str]:
 
 
 def _level_figure(line: LineProgress, tr: Language) -> _Figure:
-    """Return the level at goal over sessions with its 95 % bands, on an axis of levels."""
-    chart = level_chart(line, tr)
-    low, high = charts.limits(chart.values, chart.area or ())
-    low, high = (
-        max((place for place in line.places if place <= low), default=low),
-        min((place for place in line.places if place >= high), default=high),
-    )
-    if line.places:
-        ticks = [
-            (place, f"{level} ({_plain(line, place, tr)})")
-            for level, place in enumerate(line.places, 1)
-        ]
-        heading = f"{tr('level at goal')} ({chart.title})"
-    else:
+    """Return the level at goal over sessions with its 95 % bands, on an axis of levels; on that of
+    difficulty if the levels have no place there.
+    """
+    chart, count = level_chart(line, tr), len(line.places)
+    if count < 2:
+        low, high = charts.limits(chart.values, chart.area or ())
         ticks = [(value, _plain(line, value, tr)) for value in round_numbers(low, high, 5)]
         heading = chart.title
-    signs = {BAND: tr("95 % band")}
-    if chart.area:
-        signs[AREA] = tr("noise and practice")
+    else:
+        chart = _in_levels(chart, line.places)
+        limits = [each for each in chart.area or () if 1 <= each <= count]
+        known = [*limits, *(each.value for each in chart.values if each.value is not None)]
+        low, high = charts.limits(chart.values, limits)
+        low, high = max(low, min(1, *known)), min(high, max(count, *known))
+        ticks = [(level, str(level)) for level in range(1, count + 1)]
+        heading = tr("level at goal")
     return _Figure(
-        name="level", chart=chart, axis=(low, high), ticks=ticks, heading=heading, signs=signs
+        name="level",
+        chart=chart,
+        axis=(low, high),
+        ticks=ticks,
+        levels=count if count > 1 else 0,
+        heading=heading,
+        signs=_level_signs(line, tr),
     )
+
+
+def _in_levels(chart: Chart, places: Sequence[float]) -> Chart:
+    """Return a chart with levels instead of their difficulty."""
+
+    def level(difficulty: float | None) -> float | None:
+        return None if difficulty is None else _level(places, difficulty)
+
+    values = [Value(level(v.value), level(v.low), level(v.high), v.without) for v in chart.values]
+    area = (_level(places, chart.area[0]), _level(places, chart.area[1])) if chart.area else None
+    return msgspec.structs.replace(chart, values=values, area=area)
+
+
+def _level(places: Sequence[float], difficulty: float) -> float:
+    """Return the place between levels. Beyond them, levels go on at the same distance."""
+    ends = list(enumerate(pairwise(places), 1))
+    number, (easier, harder) = next((each for each in ends if difficulty <= each[1][1]), ends[-1])
+    return number + (difficulty - easier) / (harder - easier)
+
+
+def _level_signs(line: LineProgress, tr: Language) -> dict[str, str]:
+    """Return the legend of the level at goal, with the baseline and the limits in figures."""
+
+    def shown(difficulty: float) -> str:
+        if (count := len(line.places)) < 2:
+            return _plain(line, difficulty, tr)
+        return tr.figures(f"{max(1, min(count, _level(line.places, difficulty))):.1f}")
+
+    signs = {}
+    if base := line.baseline:
+        low, high = shown(base.mean - base.mdc95), shown(base.mean + base.mdc95 + base.rise)
+        signs[BASELINE] = tr("baseline {value}", value=shown(base.mean))
+        signs[LIMIT] = tr("noise and practice {low} to {high}", low=low, high=high)
+    return signs | {BAND: tr("95 % band")}
 
 
 def _result_figure(line: LineProgress, tr: Language) -> _Figure:
@@ -178,6 +217,9 @@ def _result_figure(line: LineProgress, tr: Language) -> _Figure:
     signs = {POINT: tr("mean"), BAND: tr("SD within the session")}
     if chart.rule is not None:
         signs[RULE] = tr("goal")
+    if line.baseline and line.measure == "result":
+        value = progress_words.figure(line, line.baseline.mean, tr)
+        signs[BASELINE] = tr("baseline {value}", value=value)
     return _Figure(
         name="result", chart=chart, axis=(low, high), ticks=ticks, heading=chart.title, signs=signs
     )
@@ -221,6 +263,7 @@ def qualities(line: LineProgress, tr: Language) -> list[tuple[str, list[float | 
 
 
 def _chart_rows(
+    line: LineProgress,
     figure: _Figure,
     columns: Columns,
     rows: int,
@@ -231,25 +274,36 @@ def _chart_rows(
     marked: int | None,
 ) -> list[TextRow]:
     """Draw a chart with its heading and legend."""
-    chart = figure.chart
+    chart, axis, ticks = figure.chart, figure.axis, figure.ticks
+    used = {value.without for value in chart.values}
+    if figure.levels:
+        signs = (used & {ABOVE} != set()) + (used & {BELOW, UNKNOWN} != set())
+        rows, axis, ticks = _evenly(figure, rows - signs)
+        rows += signs
+    values = chart.values
+    if rows < _FOR_BANDS:
+        values = [
+            each if number == chosen else Value(each.value, without=each.without)
+            for number, each in enumerate(values)
+        ]
     drawn = charts.session_chart(
-        chart.values,
+        values,
         columns,
-        axis=figure.axis,
-        ticks=figure.ticks,
+        axis=axis,
+        ticks=ticks,
         rows=rows,
         margin=margin,
         area=chart.area,
         rule=chart.rule,
         chosen=chosen,
         marked=marked,
+        baseline=_baseline(line) if BASELINE in figure.signs else (),
     )
     known = {
         ABOVE: tr("all too easy"),
         BELOW: tr("all too hard"),
         UNKNOWN: tr("not known"),
     }
-    used = {value.without for value in chart.values}
     legend = figure.signs | {sign: text for sign, text in known.items() if sign in used}
     heading = _heading(figure.heading, legend, width)
     return [
@@ -258,16 +312,45 @@ def _chart_rows(
     ]
 
 
+def _evenly(
+    figure: _Figure, rows: int
+) -> tuple[int, tuple[float, float], Sequence[tuple[float, str]]]:
+    """Return the rows that a chart of levels takes, of so many, and its axis and ticks, so that its
+    labels are at equal distances.
+    """
+    low, high = math.floor(figure.axis[0]), figure.axis[1]
+
+    def needed(levels: float) -> int:
+        return math.ceil((high - low) / levels) + 1
+
+    levels = next((each for each in _LEVELS_PER_ROW if needed(each) <= rows), _LEVELS_PER_ROW[-1])
+    taken = max(_FEWEST_ROWS, needed(levels))
+    ticks = [tick for tick in figure.ticks if _is_whole((tick[0] - low) / levels)]
+    return taken, (low, low + levels * (taken - 1)), ticks
+
+
+def _is_whole(number: float) -> bool:
+    return math.isclose(number, round(number), abs_tol=1e-6)
+
+
+def _baseline(line: LineProgress) -> Sequence[int]:
+    """Return the numbers of the sessions of the baseline; none if there is no baseline."""
+    known = [number for number, each in enumerate(line.sessions) if each.value is not None]
+    probes = known[FAMILIARISATION : FAMILIARISATION + BASELINE_SESSIONS]
+    return probes if line.baseline else []
+
+
 def _quality_rows(
     bars: Sequence[tuple[str, list[float | None], str]], columns: Columns, margin: int, tr: Language
 ) -> list[TextRow]:
     return [
         TextRow(
-            f"{_cut(name, margin):<{margin}}{tr.figures(columns.numbers(numbers, form))}".rstrip(),
+            f"{_cut(name, margin):<{margin}}{tr.figures(shown)}".rstrip(),
             "quality" if place else "correct",
             min(len(name), margin - 1),
         )
         for place, (name, numbers, form) in enumerate(bars)
+        for shown in [columns.numbers(numbers, form) or columns.bars(numbers)]
     ]
 
 
@@ -276,21 +359,11 @@ def _cut(name: str, margin: int) -> str:
     return name if len(name) < margin else f"{name[: margin - 2]}…"
 
 
-def _dose_rows(
-    line: LineProgress, columns: Columns, margin: int, rows: int, tr: Language
-) -> list[TextRow]:
-    """Return the minutes on task of each session as bars."""
-    minutes = [each.time_on_task_s / 60 for each in line.sessions]
-    drawn = columns.heights(minutes, rows, _minutes_form(minutes))
-    name = tr("minutes")
-    return [
-        TextRow(
-            f"{name if is_foot else '':<{margin}}{tr.figures(text)}".rstrip(),
-            "dose",
-            len(name) if is_foot else 0,
-        )
-        for text, is_foot in zip(drawn, [False] * (rows - 1) + [True], strict=True)
-    ]
+def _dose_row(line: LineProgress, columns: Columns, margin: int, tr: Language) -> TextRow:
+    """Return the minutes on task of each session; where there is no room, as bars."""
+    minutes, name = [each.time_on_task_s / 60 for each in line.sessions], tr("minutes")
+    shown = columns.numbers(minutes, _minutes_form(minutes)) or columns.heights(minutes)
+    return TextRow(f"{name:<{margin}}{tr.figures(shown)}".rstrip(), "dose", len(name))
 
 
 def _minutes_form(minutes: Sequence[float]) -> str:
@@ -361,9 +434,9 @@ def _notes(
     notes = []
     if columns.most > 1:
         notes.append(tr("A column holds up to {most} sessions.", most=columns.most))
-    feet = [row.text[row.name :] for row in below if row.figure == "dose"]
+    (dose,) = (row.text[row.name :] for row in below if row.figure == "dose")
     longest = max(each.time_on_task_s for each in line.sessions) / 60
-    if longest > 0 and not any(character.isdigit() for character in feet[-1]):
+    if longest > 0 and not any(character.isdigit() for character in dose):
         minutes = _minutes_form([longest]).format(longest)
         notes.append(tr("The longest session: {minutes} min.", minutes=minutes))
     if any(TEN in row.text[row.name :] for row in below if row.figure in ("pain", "tired")):

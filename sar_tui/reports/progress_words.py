@@ -31,6 +31,18 @@ def day(stamp: str) -> str:
     return stamp[:10]
 
 
+MONTHS = "Jan Feb Mar Apr May Jun Jul Aug Sep Oct Nov Dec"
+
+
+def short_day(stamp: str, today: str, tr: Language) -> str:
+    """Return the date of a stamp, with its year if it is not that of today: "20 Mar", "20 Mar
+    2025".
+    """
+    month = tr(MONTHS).split()[int(stamp[5:7]) - 1]
+    shown = f"{int(stamp[8:10])} {month}"
+    return shown if stamp[:4] == today[:4] else f"{shown} {stamp[:4]}"
+
+
 def figure(line: LineProgress, value: float, tr: Language) -> str:
     """Return a value of the line's measure as people read it: "10.4 keys", "0.950 s"."""
     if line.measure == "level":
@@ -99,6 +111,27 @@ def band(line: LineProgress, session: SessionProgress, tr: Language) -> str:
     """
     found = session.at_goal
     return f"{_number(line, found.difficulty, tr)} ({_limits(line, found, tr)})" if found else ""
+
+
+def level_band(line: LineProgress, session: SessionProgress, tr: Language) -> str:
+    """Return a session's level at goal with its band in levels, "9.3 (8.8 to 10.1)"; on the axis of
+    difficulty if levels have no place there; empty if it is not known.
+    """
+    found = session.at_goal
+    if found is None or not line.places:
+        return band(line, session, tr)
+
+    def shown(level: float | None, difficulty: float) -> str:
+        if level is not None:
+            return tr.figures(f"{level:.1f}")
+        return "<1" if difficulty < line.places[0] else f">{len(line.places)}"
+
+    limits = tr(
+        "{low} to {high}",
+        low=shown(found.level_low, found.low),
+        high=shown(found.level_high, found.high),
+    )
+    return f"{shown(found.level, found.difficulty)} ({limits})"
 
 
 def _limits(line: LineProgress, found: AtGoal, tr: Language) -> str:

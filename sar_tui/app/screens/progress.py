@@ -22,7 +22,7 @@ from sar_tui.model.language import BUNDLED, OWN_NAMES, Language, in_language
 from sar_tui.records.kind import Kind, kinds
 from sar_tui.reports import progress_parts as parts
 from sar_tui.reports import progress_words
-from sar_tui.reports.charts import AREA, BAND, BARS, CHOSEN, POINT, RULE
+from sar_tui.reports.charts import BAND, BARS, BASELINE, CHOSEN, LIMIT, POINT, RULE
 from sar_tui.reports.progress import LineProgress, Progress, compare, progress
 from sar_tui.reports.progress_glossary import GLOSSARY, explained
 from sar_tui.reports.progress_headline import headline, sessions_text
@@ -42,12 +42,18 @@ _SENTENCE = 72
 """Columns of the sentence."""
 _PAGE = 10
 """Sessions that Page Up and Page Down go back and on."""
-_BESIDE = ((156, 86), (100, 38))
-"""Columns of the window from which lists stand beside the picture, and columns of the lists."""
+_FOR_LISTS, _FOR_HALVES = 100, 156
+"""Columns of the window from which lists stand beside the picture, and have half of it."""
+_LISTS = 42
+"""Columns of the lists in a narrower window."""
 _FOR_DAYS = 36
-"""Rows beside the picture from which the days are among the lists."""
-_DAYS, _FEWEST_RECORDS = 14, 5
-"""Rows of the days and of the records among the lists."""
+"""Rows of the window from which the days stand below the picture."""
+_BOX = 2, 4
+"""Rows and columns of the border of a list."""
+_MOST_RECORDS = 8
+"""Rows of the records while they are not chosen."""
+_OUTLOOKS = {"improving": "Improving", "steady": "Steady", "behind": "Behind"}
+"""Words of the sentence that are explained."""
 NONE_YET = "No attempt has been finished yet. A adds an event, or a score of another test."
 
 
@@ -133,11 +139,19 @@ class ProgressScreen(DismissedOnce[None]):
         yield Heading("", id="sentence")
         yield Static("", id="told", classes="needs-a-look", markup=False)
         with Horizontal(id="body"):
-            yield _Drawing(self._draw, id="picture")
-            yield _Drawing(self._draw_beside, id="beside")
+            with Vertical(id="left"):
+                yield _Drawing(self._draw, id="picture")
+                yield self._box("days")
+            with Vertical(id="right"):
+                yield self._box("records")
+                yield self._box("sessions")
         yield Static("", id="chosen", classes="small", markup=False)
         yield KeyLine()
         yield KeyFooter(show_command_palette=False)
+
+    def _box(self, name: str) -> "_Drawing":
+        """Return a list with a border."""
+        return _Drawing(functools.partial(self._draw_list, name), id=name, classes="list")
 
     def on_mount(self) -> None:
         self.call_after_refresh(self._read)
@@ -199,14 +213,15 @@ class ProgressScreen(DismissedOnce[None]):
     @property
     def _beside(self) -> list[str]:
         """The lists that stand beside the picture."""
-        if self._shown_line is None or not self._beside_width:
+        if self._shown_line is None or self.size.width < _FOR_LISTS:
             return []
         has_days = self.size.height >= _FOR_DAYS and "days" in self._figures
-        return ["sessions", "days", "records"] if has_days else ["sessions", "records"]
+        return ["records", "sessions", *(["days"] if has_days else [])]
 
     @property
-    def _beside_width(self) -> int:
-        return next((wide for columns, wide in _BESIDE if self.size.width >= columns), 0)
+    def _lists_width(self) -> int:
+        width = self.size.width
+        return width // 2 if width >= _FOR_HALVES else _LISTS
 
     @property
     def _hidden(self) -> list[str]:
@@ -248,9 +263,7 @@ class ProgressScreen(DismissedOnce[None]):
         told = [f"! {text}" for text in advice(self.found.tell, self.tr)] if self.found else []
         self.query_one("#told", Static).update("\n".join(told))
         self.query_one("#told").display = bool(told)
-        beside = self.query_one("#beside")
-        beside.display = bool(self._beside)
-        beside.styles.width = self._beside_width
+        self._place_lists()
         about = self._about(line) if line and self.found else ""
         self.query_one("#chosen", Static).update(about)
         self.query_one("#chosen").display = bool(about)
@@ -258,10 +271,43 @@ class ProgressScreen(DismissedOnce[None]):
         for drawing in self.query(_Drawing):
             drawing.refresh()
 
+    def _place_lists(self) -> None:
+        """Show the lists that have a place, with as many rows as they need."""
+        beside, right = self._beside, self.query_one("#right")
+        right.display = bool(beside)
+        right.styles.width = self._lists_width
+        for box in self.query(".list"):
+            box.display = box.id in beside
+            box.set_class(box.id == self.figure, "-chosen")
+        if beside:
+            most = len(self._listed) + _MOST_RECORDS
+            is_full = self.figure == "records" and bool(self._listed)
+            records = self._list("records", (self._lists_width - _BOX[1], most))[1:]
+            if not is_full:
+                records = records[:_MOST_RECORDS]
+            self.query_one("#records").styles.height = len(records) + _BOX[0]
+            left = self.size.width - self._lists_width - _BOX[1]
+            self.query_one("#days").styles.height = (
+                len(self._list("days", (left, 99))) - 1 + _BOX[0]
+            )
+            self.call_after_refresh(self._name_lists)
+
+    def _name_lists(self) -> None:
+        """Give each list its title, with the part of it that its place has room for."""
+        for name in self._beside:
+            box = self.query_one(f"#{name}")
+            columns, rows = box.content_size
+            box.border_title = self._list(name, (columns, rows + 1))[0].text
+
     def _title(self, line: LineProgress | None) -> str:
+        """Return who and what, with as many settings as there is room for."""
         if line is None:
             return f"{self._participant} · {self.tr(self._motor_task.title)}"
-        return f"{self._participant} · {progress_words.heading(line, self.tr)}"
+        room = self.size.width - len(self._where(line)) - 4
+        parts = [self._participant, *progress_words.heading(line, self.tr).split(" · ")]
+        while len(parts) > 2 and len(" · ".join(parts)) > room:
+            parts.pop()
+        return " · ".join(parts)
 
     def _where(self, line: LineProgress | None) -> str:
         if line is None or self.found is None:
@@ -287,6 +333,11 @@ class ProgressScreen(DismissedOnce[None]):
             return ""
         if self.figure == "records" and self._listed:
             return self.tr("Press Enter to correct this record.")
+        line = self._shown_line
+        if self.figure == "verdict" and self.found and line:
+            word = _OUTLOOKS.get(headline(self.found, line, self.tr).outlook)
+            why = self.tr('Press Enter to see why it says "{word}".', word=self.tr(word or ""))
+            return why if word else self.tr("Press Enter to see why.")
         title = self.tr(GLOSSARY[self.figure].title)
         return self.tr('Press Enter to see what "{figure}" means.', figure=title)
 
@@ -300,21 +351,11 @@ class ProgressScreen(DismissedOnce[None]):
         drawn = parts.picture(line, size, self.figure, self._chosen, self.tr, self._marked)
         return colored(drawn, self.figure)
 
-    def _draw_beside(self, columns: int, rows: int) -> Content:
-        """Draw the lists, one below the other."""
-        names = self._beside
-        if self.found is None or not names:
+    def _draw_list(self, name: str, columns: int, rows: int) -> Content:
+        """Draw a list that has a border, whose title is there."""
+        if self.found is None or name not in self._beside:
             return Content("")
-        full = self.figure == "records" and self._listed
-        wanted = len(self._listed) + (7 if full else 2)
-        heights = {"records": max(_FEWEST_RECORDS, min(wanted, rows // 3)), "days": _DAYS}
-        rest = rows - sum(heights[name] + 1 for name in names if name in heights)
-        drawn: list[TextRow] = []
-        for name in names:
-            height = heights.get(name, rest)
-            shown = self._list(name, (columns, height))
-            drawn += [*shown, TextRow("")]
-        return colored(drawn, self.figure)
+        return colored(self._list(name, (columns, rows + 1))[1:], self.figure)
 
     def _list(self, name: str, size: tuple[int, int]) -> list[TextRow]:
         assert self.found
@@ -339,26 +380,33 @@ class ProgressScreen(DismissedOnce[None]):
         if self.figure in hidden and self.figure != "sessions":
             return ""
         chosen = line.sessions[self._chosen]
-        when, felt = parts.session_text(line, chosen, self.tr)
+        when, *told = parts.session_text(line, chosen, self.found.today, self.tr)
+        width = self.size.width - 4
+        said = parts.joined([when, *told], width)
         if self._marked == chosen.session:
-            felt = self.tr(
+            compared = self.tr(
                 "Left and Right: choose the session to compare it with. Esc: no comparison."
             )
         elif self._marked and (comparison := compare(self.found, self._marked, chosen.session)):
-            felt = self.tr(
+            compared = self.tr(
                 "{first} and {second}: {comparison}",
-                first=progress_words.day(comparison.earlier.began),
-                second=progress_words.day(comparison.later.began),
+                first=self._day(comparison.earlier.began),
+                second=self._day(comparison.later.began),
                 comparison=progress_words.compared(line, comparison, self.tr),
             )
-        said = [f"{parts.CURSOR} {when}", *parts.wrapped([felt], self.size.width - 4, indent="  ")]
-        if not self._marked:
+        if self._marked:
+            said = [said[0], *parts.wrapped([compared], width)]
+        else:
             keys = [self.tr("C: compare it with another")] if len(line.sessions) > 1 else []
             if hidden and self.figure not in hidden:
                 named = ", ".join(self.tr(GLOSSARY[name].title) for name in reversed(hidden))
                 keys.append(self.tr("Shift-Tab: {lists}", lists=named))
-            said += [f"  {' · '.join(keys)}"] if keys else []
-        return "\n".join(said)
+            said += [" · ".join(keys)] if keys else []
+        return f"{parts.CURSOR} " + "\n  ".join(said)
+
+    def _day(self, stamp: str) -> str:
+        assert self.found
+        return progress_words.short_day(stamp, self.found.today, self.tr)
 
     # --- keys
 
@@ -412,16 +460,18 @@ class ProgressScreen(DismissedOnce[None]):
             self.show()
 
     def action_go_down(self, step: int) -> None:
-        """Choose a later or earlier session; among the records, a record."""
+        """Choose an earlier or later session; among the records, a record. The newest ones are at
+        the top.
+        """
         if self.figure == "records" and self._listed:
-            self._choose_record(step)
+            self._choose_record(-step)
         else:
-            self.action_choose(step)
+            self.action_choose(-step)
 
     def action_choose_end(self, session: int) -> None:
         """Choose the first or the last session; among the records, a record."""
         count = max(len(self._listed), len(line.sessions) if (line := self._shown_line) else 0)
-        self.action_go_down(count if session else -count)
+        self.action_go_down(-count if session else count)
 
     def action_other_settings(self) -> None:
         """Show the sessions that had other settings."""
@@ -561,11 +611,11 @@ class ProgressScreen(DismissedOnce[None]):
 _COLORS = {
     POINT: "$accent",
     BAND: "$text-muted",
-    AREA: "$border",
+    BASELINE: "$accent",
     RULE: "$text-muted",
     CHOSEN: "$accent",
     parts.CURSOR: "$accent",
-    **dict.fromkeys(BARS, "$text-muted"),
+    **dict.fromkeys([*BARS, LIMIT], "$text-muted"),
 }
 _NAME, _CHOSEN_NAME, _LOOK = "bold", "$background on $accent bold", "$warning bold"
 
@@ -596,8 +646,8 @@ _SMALLEST = (30, 4)
 class _Drawing(Widget):
     """Text that is drawn to fit its place, given the columns and rows of it."""
 
-    def __init__(self, draw: Callable[[int, int], Content], id: str) -> None:
-        super().__init__(id=id)
+    def __init__(self, draw: Callable[[int, int], Content], id: str, classes: str = "") -> None:
+        super().__init__(id=id, classes=classes)
         self._drawn = draw
 
     def render(self) -> Content:
