@@ -336,9 +336,13 @@ def round_numbers(low: float, high: float, most: int) -> list[float]:
     return [round(n * step, 10) for n in range(first, math.floor(high / step) + 1)][:most]
 
 
-POINT, BAND, RULE, CHOSEN = "●", "│", "╌", "▲"
-LIMIT = "▁"
-"""The limit of an area, on the lower edge of a row, so that each value is above it or below it."""
+POINT, BAND, RULE, CHOSEN = "■", "│", "╌", "▲"
+HALVES = "▄▀"
+"""A value in the lower and in the upper half of a row."""
+LIMIT, LIMIT_BETWEEN = "▁", "─"
+"""The limit of an area, on the lower edge of a row and between its halves, so that each value is
+above it or below it.
+"""
 BASELINE = "━"
 """The axis below the sessions of the baseline."""
 TEN = "X"
@@ -536,7 +540,7 @@ def session_chart(
         rows: number of rows above the axis.
         margin: columns for the labels and the axis.
         area: values at which a thin line is drawn, if they are on the axis. Each value is on its
-            side of them, if need be a row further up or down.
+            side of them, if need be half a row further up or down.
         rule: value at which a dashed line is drawn.
         chosen, marked: sessions with a sign of their own on the axis.
         baseline: sessions below which the axis is drawn heavier.
@@ -548,32 +552,39 @@ def session_chart(
     above, below = (_signs(values, columns, signs) for signs in (ABOVE, BELOW + UNKNOWN))
     rows -= bool(above) + bool(below)
 
-    below_area, above_area = _borders(area, axis, rows)
+    highest = 2 * rows - 1
+    below_area, above_area = _borders(area, axis, highest)
 
-    def row(value: float) -> int:
-        step = _part(value, low, high, rows - 1)
+    def step(value: float) -> int:
+        """Return the half row of a value, counted from below."""
+        found = _part(value, low, high, highest)
         if area and below_area is not None:
             is_in = value >= area[0] - _ROUNDING * abs(area[0])
-            step = max(step, below_area) if is_in else min(step, below_area - 1)
+            found = max(found, below_area) if is_in else min(found, below_area - 1)
         if area and above_area is not None:
             is_in = value <= area[1] + _ROUNDING * abs(area[1])
-            step = min(step, above_area - 1) if is_in else max(step, above_area)
-        return rows - 1 - max(0, step)
+            found = min(found, above_area - 1) if is_in else max(found, above_area)
+        return found
+
+    def row(value: float) -> int:
+        return rows - 1 - step(value) // 2
 
     grid = [[" "] * columns.width for _ in range(rows)]
     for border in (below_area, above_area):
         if border is not None:
-            grid[rows - 1 - border] = [LIMIT] * columns.width
+            line = LIMIT_BETWEEN if border % 2 else LIMIT
+            grid[rows - 1 - border // 2] = [line] * columns.width
     if rule is not None and low <= rule <= high:
         grid[row(rule)] = [RULE] * columns.width
     for column, sessions in columns.groups():
-        _draw([values[session] for session in sessions], column, grid, row)
+        _draw([values[session] for session in sessions], column, grid, step)
     labels: dict[int, str] = {}
     for value, label in sorted(
-        ticks, key=lambda tick: -abs(low + (high - low) * _share(row(tick[0]), rows) - tick[0])
+        ticks,
+        key=lambda tick: -abs(_middle(_part(tick[0], low, high, highest), axis, highest) - tick[0]),
     ):
-        if low <= value <= high:
-            labels[row(value)] = label  # of several, the one next to the middle of the row
+        if low <= value <= high:  # of several, the one next to the middle of the row
+            labels[rows - 1 - _part(value, low, high, highest) // 2] = label
     lines = []
     for number, cells in enumerate(grid):
         axis_line = "┤" if number in labels else "│"
@@ -585,19 +596,19 @@ def session_chart(
 
 
 def _borders(
-    area: tuple[float, float] | None, axis: tuple[float, float], rows: int
+    area: tuple[float, float] | None, axis: tuple[float, float], highest: int
 ) -> tuple[int | None, int | None]:
-    """Return the rows, counted from below, on whose lower edges the limits of an area are; None for
-    one beyond the axis. There is a row between them, and one above and below.
+    """Return the half rows, counted from below, on whose lower edges the limits of an area are;
+    None for one beyond the axis. There is room between them, above and below.
     """
     low, high = axis
     if area is None or low >= high:
         return None, None
 
     def border(value: float) -> int:
-        return round((value - low) / (high - low) * (rows - 1) + 0.5)
+        return round((value - low) / (high - low) * highest + 0.5)
 
-    upper = max(min(2, rows - 1), min(rows - 1, border(area[1])))
+    upper = max(2, min(highest, border(area[1])))
     lower = max(1, min(upper - 1, border(area[0])))
     return lower if low <= area[0] <= high else None, upper if low <= area[1] <= high else None
 
@@ -623,7 +634,7 @@ def foot(
 
 
 def _draw(
-    values: Sequence[Value], column: int, grid: list[list[str]], row: Callable[[float], int]
+    values: Sequence[Value], column: int, grid: list[list[str]], step: Callable[[float], int]
 ) -> None:
     value = _mean([each.value for each in values])
     low = _mean([each.low for each in values])
@@ -631,9 +642,10 @@ def _draw(
     if value is None:
         return
     if low is not None and high is not None:
-        for line in range(row(high), row(low) + 1):
-            grid[line][column] = BAND
-    grid[row(value)][column] = POINT
+        for line in range(step(low) // 2, step(high) // 2 + 1):
+            grid[-1 - line][column] = BAND
+    line, half = divmod(step(value), 2)
+    grid[-1 - line][column] = HALVES[half]
 
 
 def _signs(values: Sequence[Value], columns: Columns, wanted: str) -> str:
@@ -664,9 +676,9 @@ def _part(value: float, low: float, high: float, steps: int) -> int:
     return max(0, min(steps, round((value - low) / (high - low) * steps)))
 
 
-def _share(row: int, rows: int) -> float:
-    """Return the height of the middle of a row on the axis, 0 to 1."""
-    return (rows - 1 - row) / max(1, rows - 1)
+def _middle(step: int, axis: tuple[float, float], highest: int) -> float:
+    """Return the value in the middle of the row of a half row."""
+    return axis[0] + (axis[1] - axis[0]) * (step // 2 * 2 + 0.5) / highest
 
 
 def _days(first: str, last: str) -> int:

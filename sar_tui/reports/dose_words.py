@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from datetime import date, timedelta
 
 from sar_tui.model.language import Language
+from sar_tui.reports import progress_words
 from sar_tui.reports.charts import EVENT
 from sar_tui.reports.dose import Day, Dose
 from sar_tui.reports.progress import Progress
@@ -70,14 +71,17 @@ def days_text(days: int, tr: Language) -> str:
     return tr("1 day") if days == 1 else tr("{days} days", days=str(days))
 
 
-def recent_text(found: Dose, tr: Language) -> str:
-    """Return the dose of the last weeks in a sentence."""
+def recent_text(found: Dose, tr: Language, today: str = "") -> str:
+    """Return the dose of the last weeks in a sentence; with short dates if today is given."""
+    first, last = found.first, found.last
+    if today:
+        first, last = (progress_words.short_day(day, today, tr) for day in (first, last))
     return tr(
         "From {first} to {last}: sessions on {days}, on {as_planned} of them all that was "
         "planned; {done} of "
         "{planned} attempts, {repetitions} repetitions, {minutes} min on task without rests.",
-        first=found.first,
-        last=found.last,
+        first=first,
+        last=last,
         days=days_text(found.days, tr),
         as_planned=str(found.as_planned),
         done=str(found.done),

@@ -157,7 +157,7 @@ def _why_look(found: Progress, session: SessionProgress, tr: Language) -> str:
 _SIDES = {"easier": ABOVE, "harder": BELOW, "": "·"}
 """Signs of the charts for sessions whose level at goal is not known."""
 _COLUMNS = (
-    ("date", "at goal", "levels", "mean ± SD", "correct", "goals", "pain", "tired"),
+    ("date", "at goal", "mean ± SD", "correct", "goals", "pain", "tired"),
     ("date", "at goal", "mean ± SD", "goals", "pain"),
 )
 _FEW_COLUMNS = {"level": ("date", "level", "minutes", "pain")}
@@ -223,7 +223,7 @@ def days_part(found: Progress, size: tuple[int, int], tr: Language) -> list[str]
     lines = [
         *dose_words.calendar_lines(found, _MONTHS, tr),
         "",
-        *wrapped([dose_words.recent_text(found.recent, tr)], width),
+        *wrapped([dose_words.recent_text(found.recent, tr, found.today)], width),
     ]
     return lines[:height]
 
@@ -368,13 +368,17 @@ def records_summary(found: Progress, size: tuple[int, int], tr: Language) -> lis
     if not found.records:
         return records_part(found, size, None, tr)
     names = [each.instrument.name for each in found.instruments]
-    longest = max(map(len, names), default=0)
-    lines = [
-        f"{each.instrument.name:<{longest}}  {_scores(each, tr)}" for each in found.instruments
-    ]
+    scores = [_scores(each, tr) for each in found.instruments]
+    table = list(zip(names, scores, strict=True))
+    if width >= _FOR_KINDS:
+        table = [
+            (*row, _when(each, found.today, tr))
+            for row, each in zip(table, found.instruments, strict=True)
+        ]
+    lines = _aligned(table)
     others = [each for each in found.records if each.kind not in names]
     _, rows = _record_rows(found, others, width, tr)
-    lines += [*([""] if lines and others else []), *("  ".join(row) for row in reversed(rows))]
+    lines += [*([""] if lines and others else []), *_aligned(rows[::-1])]
     return [_cut(line, width) if len(line) > width else line for line in lines[:height]]
 
 
@@ -385,6 +389,22 @@ def _scores(found: InstrumentChange, tr: Language) -> str:
         scores = [scores[0], "…", *scores[2 - _MOST_SCORES :]]
     shown = " → ".join(scores)
     return shown if found.change is None else f"{shown}  {tr.figures(f'{found.change:+g}')}"
+
+
+def _when(found: InstrumentChange, today: str, tr: Language) -> str:
+    """Return the dates of the first and the last score."""
+    first, last = found.scores[0].date, found.scores[-1].date
+    low, high = (progress_words.short_day(day, today, tr) for day in (first, last))
+    return low if first == last else tr("{low} to {high}", low=low, high=high)
+
+
+def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return rows of cells as lines, with the cells of a column below each other."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(f"{cell:<{size}}" for cell, size in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
 
 
 def records_part(
@@ -413,12 +433,12 @@ def _record_rows(
     wide = max(map(len, dates), default=0)
     dates = [f"{each:>{wide}}" for each in dates]
     if width >= _FOR_KINDS:
-        heads: Sequence[str] = (tr("date"), tr("kind"), tr("record"))
-        texts = [(each.kind, _cut(contents(each, tr), width // 2)) for each in listed]
+        heads = [tr("date"), tr("kind"), tr("record")]
+        texts = [[each.kind, _cut(contents(each, tr), width // 2)] for each in listed]
     else:
-        heads, cut = (tr("date"), tr("record")), width - wide - 5
-        texts = [(_cut(f"{each.kind}: {contents(each, tr)}", cut),) for each in listed]
-    return heads, [(at, *row) for at, row in zip(dates, texts, strict=True)]
+        heads, cut = [tr("date"), tr("record")], width - wide - 5
+        texts = [[_cut(f"{each.kind}: {contents(each, tr)}", cut)] for each in listed]
+    return heads, [[at, *row] for at, row in zip(dates, texts, strict=True)]
 
 
 def contents(record: Record, tr: Language) -> str:
@@ -464,10 +484,8 @@ def _listed(
     room = height - 1 - (len(below) + 1 if below else 0)
     shown = window(len(rows), max(_FEWEST_LISTED, room), chosen or 0)
     table = [heads, *(rows[number] for number in shown)]
-    widths = [max(len(row[column]) for row in table) for column in range(len(heads))]
     lines = []
-    for number, row in zip((None, *shown), table, strict=True):
-        cells = "  ".join(f"{cell:<{size}}" for cell, size in zip(row, widths, strict=True))
+    for number, cells in zip((None, *shown), _aligned(table), strict=True):
         sign = CURSOR if number is not None and number == chosen else " "
         lines.append(f"{sign} {cells}"[:width].rstrip())
     return [*lines, *(["", *below] if below else [])][:height]

@@ -35,8 +35,10 @@ _FEWEST_ROWS, _MOST_ROWS = 4, 20
 """Rows of a chart, without its heading and axis."""
 _FOR_BANDS = 12
 """Rows of a chart from which all sessions have a band; in a lower one, the chosen one has."""
-_LEVELS_PER_ROW = (1 / 5, 1 / 4, 1 / 3, 1 / 2, 1, 3 / 2, 2, 3, 4, 5, 10, 20)
-"""Distances of the rows of a chart of levels, so that its labels are at equal distances."""
+_LEVELS_PER_HALF_ROW = (1 / 10, 1 / 6, 1 / 4, 1 / 3, 1 / 2, 2 / 3, 3 / 4, 1, 3 / 2, 2, 5 / 2, 5, 10)
+"""Distances in a chart of levels, so that its labels are at equal distances."""
+_FOR_LEGEND = 20
+"""Rows of a timeline from which a legend that does not fit beside the heading has its own row."""
 _NAMES_SHARE = 4
 """Names of rows take at most this part of the width."""
 _LEAST_MARGIN = 8
@@ -129,12 +131,13 @@ def timeline(
     below = [*bars_drawn, *below, *notes[: free - len(bars_drawn)]]
     months = tr(progress_words.MONTHS).split()
     dates = columns.dates([each.began[:10] for each in line.sessions], months)
-    rows = max(_FEWEST_ROWS, min(_MOST_ROWS, height - len(below) - 3))
-    if figure:
-        found = _chart_rows(line, figure, columns, rows, margin, width, tr, chosen, marked)
-    else:
-        found = [TextRow(charts.foot(columns, margin, chosen, marked))]
-    return [*found, TextRow((" " * margin + dates).rstrip()), *below]
+    below = [TextRow((" " * margin + dates).rstrip()), *below]
+    if figure is None:
+        return [TextRow(charts.foot(columns, margin, chosen, marked)), *below]
+    headings = _headings(figure, width, 1 + (height >= _FOR_LEGEND), tr)
+    rows = max(_FEWEST_ROWS, min(_MOST_ROWS, height - len(below) - len(headings) - 1))
+    drawn = _chart_rows(line, figure, columns, rows, margin, chosen, marked)
+    return [*headings, *drawn, *below]
 
 
 def charted(line: LineProgress) -> list[str]:
@@ -268,12 +271,10 @@ def _chart_rows(
     columns: Columns,
     rows: int,
     margin: int,
-    width: int,
-    tr: Language,
     chosen: int | None,
     marked: int | None,
 ) -> list[TextRow]:
-    """Draw a chart with its heading and legend."""
+    """Draw a chart with its axis."""
     chart, axis, ticks = figure.chart, figure.axis, figure.ticks
     used = {value.without for value in chart.values}
     if figure.levels:
@@ -299,16 +300,31 @@ def _chart_rows(
         marked=marked,
         baseline=_baseline(line) if BASELINE in figure.signs else (),
     )
+    return [TextRow(text.rstrip(), figure.name) for text in drawn]
+
+
+def _headings(figure: _Figure, width: int, most: int, tr: Language) -> list[TextRow]:
+    """Return the name of the axis, and at the right as much of the legend as fits on so many
+    rows.
+    """
     known = {
         ABOVE: tr("all too easy"),
         BELOW: tr("all too hard"),
         UNKNOWN: tr("not known"),
     }
-    legend = figure.signs | {sign: text for sign, text in known.items() if sign in used}
-    heading = _heading(figure.heading, legend, width)
+    used = {value.without for value in figure.chart.values}
+    signs = figure.signs | {sign: text for sign, text in known.items() if sign in used}
+    rows = [figure.heading]
+    for sign, text in signs.items():
+        if len(longer := f"{rows[-1]}  {sign} {text}") <= width:
+            rows[-1] = longer
+        elif len(rows) < most:
+            rows.append(f"{sign} {text}")
+    name, size = figure.heading, len(figure.heading)
+    first = name + rows[0][size:].strip().rjust(width - size)
     return [
-        TextRow(heading.rstrip(), figure.name, len(figure.heading)),
-        *(TextRow(text.rstrip(), figure.name) for text in drawn),
+        TextRow(first.rstrip(), figure.name, size),
+        *(TextRow(row.rjust(width), figure.name) for row in rows[1:]),
     ]
 
 
@@ -321,12 +337,14 @@ def _evenly(
     low, high = math.floor(figure.axis[0]), figure.axis[1]
 
     def needed(levels: float) -> int:
-        return math.ceil((high - low) / levels) + 1
+        """Return the rows that it takes if levels are so far from each other."""
+        return math.ceil((math.ceil((high - low) / levels) + 1) / 2)
 
-    levels = next((each for each in _LEVELS_PER_ROW if needed(each) <= rows), _LEVELS_PER_ROW[-1])
+    distances = _LEVELS_PER_HALF_ROW
+    levels = next((each for each in distances if needed(each) <= rows), distances[-1])
     taken = max(_FEWEST_ROWS, needed(levels))
-    ticks = [tick for tick in figure.ticks if _is_whole((tick[0] - low) / levels)]
-    return taken, (low, low + levels * (taken - 1)), ticks
+    ticks = [tick for tick in figure.ticks if _is_whole((tick[0] - low) / (2 * levels))]
+    return taken, (low, low + levels * (2 * taken - 1)), ticks
 
 
 def _is_whole(number: float) -> bool:
@@ -362,7 +380,9 @@ def _cut(name: str, margin: int) -> str:
 def _dose_row(line: LineProgress, columns: Columns, margin: int, tr: Language) -> TextRow:
     """Return the minutes on task of each session; where there is no room, as bars."""
     minutes, name = [each.time_on_task_s / 60 for each in line.sessions], tr("minutes")
-    shown = columns.numbers(minutes, _minutes_form(minutes)) or columns.heights(minutes)
+    forms = (_minutes_form(minutes), "{:.0f}")
+    shown = next(filter(None, (columns.numbers(minutes, form) for form in forms)), "")
+    shown = shown or columns.heights(minutes)
     return TextRow(f"{name:<{margin}}{tr.figures(shown)}".rstrip(), "dose", len(name))
 
 
@@ -442,14 +462,6 @@ def _notes(
     if any(TEN in row.text[row.name :] for row in below if row.figure in ("pain", "tired")):
         notes.append(tr("{sign}: 10 of 10.", sign=TEN))
     return notes
-
-
-def _heading(name: str, signs: dict[str, str], width: int) -> str:
-    """Return the name of the axis, and at the right as much of the legend as fits."""
-    legend = [f"{sign} {text}" for sign, text in signs.items()]
-    while legend and len("  ".join([name, *legend])) > width:
-        legend.pop()
-    return name + "  ".join(legend).rjust(width - len(name))
 
 
 def _plain(line: LineProgress, difficulty: float, tr: Language) -> str:

@@ -22,7 +22,17 @@ from sar_tui.model.language import BUNDLED, OWN_NAMES, Language, in_language
 from sar_tui.records.kind import Kind, kinds
 from sar_tui.reports import progress_parts as parts
 from sar_tui.reports import progress_words
-from sar_tui.reports.charts import BAND, BARS, BASELINE, CHOSEN, LIMIT, POINT, RULE
+from sar_tui.reports.charts import (
+    BAND,
+    BARS,
+    BASELINE,
+    CHOSEN,
+    HALVES,
+    LIMIT,
+    LIMIT_BETWEEN,
+    POINT,
+    RULE,
+)
 from sar_tui.reports.progress import LineProgress, Progress, compare, progress
 from sar_tui.reports.progress_glossary import GLOSSARY, explained
 from sar_tui.reports.progress_headline import headline, sessions_text
@@ -608,15 +618,18 @@ class ProgressScreen(DismissedOnce[None]):
             self.app.call_from_thread(self.notify, f"{said}\n{path}", timeout=12)
 
 
-_COLORS = {
-    POINT: "$accent",
-    BAND: "$text-muted",
-    BASELINE: "$accent",
-    RULE: "$text-muted",
-    CHOSEN: "$accent",
-    parts.CURSOR: "$accent",
-    **dict.fromkeys([*BARS, LIMIT], "$text-muted"),
+_OF_CHARTS = {
+    **dict.fromkeys((POINT, *HALVES, BASELINE, CHOSEN), "$accent"),
+    **dict.fromkeys((BAND, LIMIT, LIMIT_BETWEEN, RULE), "$text-muted"),
 }
+_OF_BARS = dict.fromkeys(BARS, "$text-muted")
+_COLORS = {
+    "level": _OF_CHARTS,
+    "result": _OF_CHARTS,
+    **dict.fromkeys(("dose", "correct", "quality"), _OF_BARS),
+    "": {parts.CURSOR: "$accent"},
+}
+"""Colours of characters by the figure of their row."""
 _NAME, _CHOSEN_NAME, _LOOK = "bold", "$background on $accent bold", "$warning bold"
 
 
@@ -631,7 +644,8 @@ def _colored(row: TextRow, *, is_chosen: bool) -> Content:
     pieces: list[str | tuple[str, str]] = []
     if row.name:
         pieces.append((row.text[: row.name], _CHOSEN_NAME if is_chosen else _NAME))
-    for style, run in groupby(row.text[row.name :], lambda character: _COLORS.get(character, "")):
+    colors = _COLORS.get(row.figure, {})
+    for style, run in groupby(row.text[row.name :], lambda character: colors.get(character, "")):
         pieces.append(("".join(run), style))
     content = Content.assemble(*pieces)
     for first, last in row.looks:
