@@ -220,8 +220,13 @@ def days_part(found: Progress, size: tuple[int, int], tr: Language) -> list[str]
     width, height = size
     if not found.days:
         return [tr("No live session yet.")]
+    gap = "   "
     lines = [
-        *dose_words.calendar_lines(found, _MONTHS, tr),
+        row
+        for line in dose_words.calendar_lines(found, _MONTHS, tr)
+        for row in ([line] if len(line) <= width else joined(line.split(gap), width, gap))
+    ]
+    lines += [
         "",
         *wrapped([dose_words.recent_text(found.recent, tr, found.today)], width),
     ]
@@ -229,10 +234,11 @@ def days_part(found: Progress, size: tuple[int, int], tr: Language) -> list[str]
 
 
 def session_text(
-    line: LineProgress, session: SessionProgress, today: str, tr: Language
+    line: LineProgress, session: SessionProgress, today: str, tr: Language, width: int
 ) -> list[str]:
-    """Return a session in parts: its date, level at goal, dose, and what was said of pain and
-    tiredness; and how it ended, unless it was completed.
+    """Return a session on lines: its date, level at goal, dose, and what was said of pain and
+    tiredness; and how it ended, unless it was completed. Of the dose, less is said if it would take
+    a third line.
     """
     if line.places and session.at_goal:
         reached = tr("level {level}", level=progress_words.level_band(line, session, tr))
@@ -241,16 +247,20 @@ def session_text(
     if not reached and session.mean is not None and line.measure == "result":
         reached = progress_words.result(line, session.mean, tr)
     is_complete = session.status == "completed"
-    parts = [
+    first = [
         f"{progress_words.short_day(session.began, today, tr)} {session.began[11:16]}",
         reached or tr(progress_words.SIDES[session.side]),
         "" if is_complete else progress_words.status(session.status, tr),
+    ]
+    dose = [
         tr("{done}/{planned} attempts", done=session.attempts, planned=session.planned),
         tr("{repetitions} repetitions", repetitions=session.trials),
         tr("{minutes} min", minutes=tr.figures(f"{session.time_on_task_s / 60:.1f}")),
-        *progress_words.felt(session, tr),
     ]
-    return [part for part in parts if part]
+    felt = progress_words.felt(session, tr)
+    while len(said := joined([*filter(None, first), *dose, *felt], width)) > 2 and len(dose) > 1:
+        dose.pop()
+    return said
 
 
 def _ends(line: LineProgress, tr: Language) -> list[str]:
@@ -342,11 +352,11 @@ def wrapped(sentences: Sequence[str], width: int, indent: str = "") -> list[str]
     ]
 
 
-def joined(parts: Sequence[str], width: int) -> list[str]:
-    """Return parts on lines, with dots between them and no line within a part."""
+def joined(parts: Sequence[str], width: int, between: str = " · ") -> list[str]:
+    """Return parts on lines, each part on one line."""
     lines: list[str] = []
     for part in parts:
-        if lines and len(longer := f"{lines[-1]} · {part}") <= width:
+        if lines and len(longer := f"{lines[-1]}{between}{part}") <= width:
             lines[-1] = longer
         else:
             lines.append(part)
@@ -369,13 +379,10 @@ def records_summary(found: Progress, size: tuple[int, int], tr: Language) -> lis
         return records_part(found, size, None, tr)
     names = [each.instrument.name for each in found.instruments]
     scores = [_scores(each, tr) for each in found.instruments]
-    table = list(zip(names, scores, strict=True))
+    columns = [names, scores]
     if width >= _FOR_KINDS:
-        table = [
-            (*row, _when(each, found.today, tr))
-            for row, each in zip(table, found.instruments, strict=True)
-        ]
-    lines = _aligned(table)
+        columns.append([_when(each, found.today, tr) for each in found.instruments])
+    lines = _aligned(list(zip(*columns, strict=True)))
     others = [each for each in found.records if each.kind not in names]
     _, rows = _record_rows(found, others, width, tr)
     lines += [*([""] if lines and others else []), *_aligned(rows[::-1])]

@@ -3,6 +3,7 @@
 import re
 import tomllib
 from datetime import date
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal
 
@@ -284,9 +285,8 @@ def test_a_picture_fits_and_has_dose_and_pain_below_their_session(
     at = foot.index("▲")
     (bars,) = (row.text for row in drawn if row.figure == "dose" and row.name)
     (pain,) = (row.text for row in drawn if row.figure == "pain")
-    assert (bars[at], pain[at]) == ("█", "3"), "all sessions are as long"
-    charts = {row.figure for row in drawn if "┤" in row.text}
-    assert charts == ({"level", "result"} if size[1] == 40 else {"level"})
+    assert (bars[at], pain[at]) == ("█" if count == 100 else "1", "3"), "all are as long"
+    assert {row.figure for row in drawn if "┤" in row.text} == {"level"}
 
 
 def test_results_are_charted_where_they_or_their_measures_are_chosen(keyboard: type[Task]) -> None:
@@ -415,23 +415,39 @@ def test_the_chart_of_levels_has_minutes_pain_and_tiredness_on_its_axis(
     half = session(1, adapted(1, attempts=10))
     found = of(keyboard, session(0, adapted(0), felt=felt), half)
     drawn = drawn_of(found, keyboard, 78, 17, chosen=1)
-    assert len(drawn) == 17
-    assert drawn[0].startswith("level at goal (keys)")
-    assert any(re.match(r" *\d \(\d\)┤", row) for row in drawn)
+    assert len(drawn) <= 17
+    assert drawn[0].startswith("level at goal  ")
+    assert any(re.match(r" *\d┤", row) for row in drawn)
     below = [row.split() for row in drawn[-4:]]
     assert below == [
-        ["minutes", "█10", "▄5"], ["pain", "4", "·"], ["tired", "10", "·"], ["look", "at", "!"],
+        ["minutes", "10", "5"], ["pain", "4", "·"], ["tired", "10", "·"], ["look", "at", "!"],
     ]  # fmt: skip
-    assert drawn[-6].index("▲") == drawn[-3].index("·") == drawn[-4].index("▄")
+    assert drawn[-6].index("▲") == drawn[-3].index("·") == drawn[-4].index("5")
+
+
+def test_levels_have_labels_at_equal_distances_and_the_baseline_is_marked(
+    keyboard: type[Task],
+) -> None:
+    found = of(keyboard, *steady(8))
+    for height in range(14, 30):
+        drawn = drawn_of(found, keyboard, 78, height, chosen=7)
+        labels = [(row, int(text.split("┤")[0])) for row, text in enumerate(drawn) if "┤" in text]
+        steps = {(later - row, level - after) for (row, level), (later, after) in pairwise(labels)}
+        assert len(steps) == 1
+        legend = " ".join(drawn[:2])
+        assert re.search(r"━ baseline \d\.\d  ▁ noise and practice \d\.\d to \d+\.\d", legend)
+        (foot,) = (row for row in drawn if "└" in row)
+        (dates,) = (row for row in drawn if "Mar" in row or "Feb" in row)
+        assert foot.index("━") > dates.index("27 Feb"), "the first session is left out"
 
 
 def test_the_chart_of_results_has_accuracy_and_quality_in_figures(keyboard: type[Task]) -> None:
     played = (session(n, adapted(n), qualities={"sparc": -1.5 - n}) for n in (0, 1))
     found = of(keyboard, *played)
-    drawn = drawn_of(found, keyboard, 78, 16, shown=("result",))
+    drawn = drawn_of(found, keyboard, 78, 16, shown="result")
     assert drawn[-3].split() == ["correct", "95%", "95%"]
     assert drawn[-2].split() == ["smoothness", "(SPARC)", "-1.5", "-2.5"]
-    spanish = "\n".join(drawn_of(found, keyboard, 80, 20, "es", shown=("result",)))
+    spanish = "\n".join(drawn_of(found, keyboard, 80, 20, "es", shown="result"))
     assert "-1,5" in spanish
     assert "-1.5" not in spanish
     assert spanish.startswith("tiempo de reacción (s)")
@@ -448,7 +464,9 @@ def test_a_better_result_is_higher_up_whichever_way_is_better(
     (line,) = (found := of(keyboard, *played)).lines
     tr = progress_words.words("en", keyboard)
     drawn = drawn_of(found, keyboard, 80, 16)
-    first, second = sorted((row.index("●"), n) for n, row in enumerate(drawn) if n and "●" in row)
+    first, second = sorted(
+        (found.start(), n) for n, row in enumerate(drawn) for found in re.finditer("[▄▀]", row)
+    )
     assert (second[1] < first[1]) == (better == "lower"), "rows count from above"
     ticks = [float(row.split("┤")[0]) for row in drawn if "┤" in row]
     assert ticks == sorted(ticks, reverse=better == "higher")
@@ -458,12 +476,12 @@ def test_a_better_result_is_higher_up_whichever_way_is_better(
     assert ("better is up" in drawn[0]) == (better == "lower")
 
 
-def test_bars_of_the_dose_begin_at_zero_and_have_figures_where_there_is_room() -> None:
-    assert Columns(4, 40).heights([0, 5, 10, 20], 1, "{:.0f}") == [
-        "     ·         ▂5        ▄10       █20"
-    ]
-    assert Columns(4, 4).heights([0, 5, 10, 20], 2, "{:.0f}") == ["   █", "·▄██"]
-    assert Columns(2, 2).heights([0, 0], 1, "{:.0f}") == ["··"]
+def test_the_dose_is_in_figures_where_there_is_room_and_its_bars_begin_at_zero() -> None:
+    shown = Columns(4, 40).numbers([0, 5, 10, 20], "{:.0f}")
+    assert shown == "     0         5         10        20"
+    assert Columns(4, 4).numbers([0, 5, 10, 20], "{:.0f}") == ""
+    assert Columns(4, 4).heights([0, 5, 10, 20]) == "·▂▄█"
+    assert Columns(2, 2).heights([0, 0]) == "··"
 
 
 def test_values_that_differ_by_rounding_have_equal_bars() -> None:

@@ -1,9 +1,14 @@
 """Text charts of sessions: of one, of more than there are columns, and of those without a value."""
 
+from hypothesis import given
+from hypothesis import strategies as st
+
 from sar_tui.reports.charts import (
     ABOVE,
     BELOW,
-    POINT,
+    HALVES,
+    LIMIT,
+    LIMIT_BETWEEN,
     UNKNOWN,
     Columns,
     Value,
@@ -21,19 +26,58 @@ def draw(values: list[Value], width: int = 40, rows: int = 7, **more: object) ->
     return session_chart(values, columns, axis=axis, ticks=ticks, rows=rows, margin=6, **more)  # type: ignore[arg-type]
 
 
+def points(lines: list[str]) -> list[tuple[int, int]]:
+    """Return the column and the half row, counted from below, of each value in order."""
+    rows = [line for line in reversed(lines) if "└" not in line]
+    return sorted(
+        (column, 2 * row + HALVES.index(character))
+        for row, line in enumerate(rows)
+        for column, character in enumerate(line)
+        if character in HALVES
+    )
+
+
 def test_a_better_session_is_higher_and_later_ones_are_further_right() -> None:
     lines = draw([Value(1.0), Value(2.0), Value(3.0)])
-    places = [(line.index(POINT), row) for row, line in enumerate(lines) if POINT in line]
-    assert places == [(31, 0), (21, 3), (11, 6)]
+    assert points(lines) == [(11, 0), (21, 6), (31, 13)]
     assert lines[0].startswith(" high┤")
     for values in ([Value(0.0)], [Value(5.0), Value(5.0)]):
-        assert sum(line.count(POINT) for line in draw(values)) == len(values)
+        assert len(points(draw(values))) == len(values)
 
 
 def test_bands_are_drawn_and_a_very_wide_one_does_not_flatten_the_others() -> None:
     steady = [Value(value, value - 1, value + 1) for value in (1.0, 2.0, 3.0)]
     low, high = limits([*steady, Value(2.0, -50.0, 50.0)])
     assert -1 < low < high < 5
+
+
+@given(
+    st.lists(st.floats(0, 20), min_size=1, max_size=12),
+    st.floats(0, 20),
+    st.floats(0, 20),
+    st.integers(3, 20),
+)
+def test_no_value_is_on_the_other_side_of_a_limit(
+    values: list[float], one: float, other: float, rows: int
+) -> None:
+    low, high = sorted((one, other))
+    columns = Columns(len(values), 40)
+    axis = limits([Value(value) for value in values], (low, high))
+    drawn = session_chart(
+        [Value(value) for value in values],
+        columns, axis=axis, ticks=[], rows=rows, margin=6, area=(low, high),
+    )  # fmt: skip
+    lines = [
+        2 * row + (LIMIT_BETWEEN in line)
+        for row, line in enumerate(reversed(drawn[:-1]))
+        if LIMIT in line or LIMIT_BETWEEN in line
+    ]
+    if len(lines) < 2:
+        return  # both limits are in one row
+    for value, (_, half) in zip(values, points(drawn), strict=True):
+        if abs(value - low) > 1e-6 and abs(value - high) > 1e-6:
+            assert (value > low) == (half >= lines[0])
+            assert (value > high) == (half >= lines[1])
 
 
 def test_sessions_without_a_value_have_a_sign_in_a_row_of_their_own() -> None:
@@ -73,4 +117,4 @@ def test_each_row_has_the_label_next_to_its_middle() -> None:
     ticks = [(float(place), str(place)) for place in range(11)]
     values, columns, axis = [Value(0.0), Value(10.0)], Columns(2, 40), (0.0, 10.0)
     lines = session_chart(values, columns, axis=axis, ticks=ticks, rows=3, margin=6)
-    assert [line.split("┤")[0].strip() for line in lines[:3]] == ["10", "5", "0"]
+    assert [line.split("┤")[0].strip() for line in lines[:3]] == ["9", "5", "1"]

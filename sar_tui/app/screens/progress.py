@@ -60,8 +60,6 @@ _FOR_DAYS = 36
 """Rows of the window from which the days stand below the picture."""
 _BOX = 2, 4
 """Rows and columns of the border of a list."""
-_MOST_RECORDS = 8
-"""Rows of the records while they are not chosen."""
 _OUTLOOKS = {"improving": "Improving", "steady": "Steady", "behind": "Behind"}
 """Words of the sentence that are explained."""
 NONE_YET = "No attempt has been finished yet. A adds an event, or a score of another test."
@@ -110,7 +108,7 @@ class ProgressScreen(DismissedOnce[None]):
         self._line = 0
         self._chosen = 0
         self._marked: str | None = None
-        self._record = 0
+        self._record: int | None = None
 
     @functools.cached_property
     def tr(self) -> Language:
@@ -290,12 +288,9 @@ class ProgressScreen(DismissedOnce[None]):
             box.display = box.id in beside
             box.set_class(box.id == self.figure, "-chosen")
         if beside:
-            most = len(self._listed) + _MOST_RECORDS
-            is_full = self.figure == "records" and bool(self._listed)
-            records = self._list("records", (self._lists_width - _BOX[1], most))[1:]
-            if not is_full:
-                records = records[:_MOST_RECORDS]
-            self.query_one("#records").styles.height = len(records) + _BOX[0]
+            columns = self._lists_width - _BOX[1]
+            records = self._list("records", (columns, self.size.height // 2))
+            self.query_one("#records").styles.height = len(records) - 1 + _BOX[0]
             left = self.size.width - self._lists_width - _BOX[1]
             self.query_one("#days").styles.height = (
                 len(self._list("days", (left, 99))) - 1 + _BOX[0]
@@ -390,9 +385,8 @@ class ProgressScreen(DismissedOnce[None]):
         if self.figure in hidden and self.figure != "sessions":
             return ""
         chosen = line.sessions[self._chosen]
-        when, *told = parts.session_text(line, chosen, self.found.today, self.tr)
         width = self.size.width - 4
-        said = parts.joined([when, *told], width)
+        said = parts.session_text(line, chosen, self.found.today, self.tr, width)
         if self._marked == chosen.session:
             compared = self.tr(
                 "Left and Right: choose the session to compare it with. Esc: no comparison."
@@ -512,7 +506,9 @@ class ProgressScreen(DismissedOnce[None]):
 
     @property
     def _chosen_record(self) -> int:
-        return max(0, min(len(self._listed) - 1, self._record))
+        """Number of the chosen record; the newest one before any is chosen."""
+        last = len(self._listed) - 1
+        return last if self._record is None else max(0, min(last, self._record))
 
     def _choose_record(self, step: int) -> None:
         self._record = max(0, min(len(self._listed) - 1, self._chosen_record + step))
