@@ -34,7 +34,7 @@ from sar_tui.reports.progress_charts import Chart, level_chart, needs_look, resu
 _FEWEST_ROWS, _MOST_ROWS = 4, 20
 """Rows of a chart, without its heading and axis."""
 _FOR_BANDS = 12
-"""Rows of a chart from which all sessions have a band; in a lower one, the chosen one has."""
+"""Rows of a chart from which all sessions have a band, and not only the chosen one."""
 _LEVELS_PER_HALF_ROW = (1 / 10, 1 / 6, 1 / 4, 1 / 3, 1 / 2, 2 / 3, 3 / 4, 1, 3 / 2, 2, 5 / 2, 5, 10)
 """Distances in a chart of levels, so that its labels are at equal distances."""
 _FOR_LEGEND = 20
@@ -282,7 +282,7 @@ def _chart_rows(
         rows, axis, ticks = _evenly(figure, rows - signs)
         rows += signs
     values = chart.values
-    if rows < _FOR_BANDS:
+    if rows < _FOR_BANDS and chosen is not None:
         values = [
             each if number == chosen else Value(each.value, without=each.without)
             for number, each in enumerate(values)
