@@ -24,7 +24,7 @@ def test_progress_is_shown_as_a_table_json_a_note_and_a_comparison(
     call: Call, trained: list[str]
 ) -> None:
     called = call("progress p01")
-    called.shows("P01 · Keyboard reaction · goal 1.0 s · simulated · Prompts per attempt 5", "▄ ")
+    called.shows("P01 · Keyboard reaction · goal 1.0 s · simulated · Prompts per attempt 5", "▄")
     called.shows(*(session[:6] for session in trained), "Level at goal in the last session: level ")
     found = call("progress P01 --json").json
     assert (found["participant"], found["days"]) == ("P01", [])
