@@ -29,7 +29,7 @@ from sar_tui.rules.parameters import TaskParameters, build
 from sar_tui.rules.policies import own_settings
 from sar_tui.runs.plan import Failed, set_up
 from sar_tui.runs.simulate import goes_on, people
-from sar_tui.runs.start_level import started_after
+from sar_tui.runs.start_level import start_after
 from sar_tui.simulation.participant_model import PEOPLE, Person
 
 T = TypeVar("T")
@@ -109,6 +109,7 @@ class Preview(msgspec.Struct, frozen=True):
         follows: the level or the goal, if one of them changes with the person.
         metric: of the results and goals.
         aims_at_prompts: True if the level follows the share of prompts that reach the goal.
+        why_start: where the level of the first attempt is from; empty if there is nothing to say.
     """
 
     attempts: tuple[Played, ...]
@@ -116,6 +117,7 @@ class Preview(msgspec.Struct, frozen=True):
     follows: Literal["level", "goal", ""]
     metric: Metric
     aims_at_prompts: bool = False
+    why_start: str = ""
 
     @property
     def highest(self) -> int:
@@ -171,8 +173,9 @@ def play_ahead(
         Failed: the task cannot be set up, or fails.
     """
     task = set_up(kind, msgspec.structs.replace(parameters, **_LEFT_OUT))
-    started = started_after(task, sessions)
-    task = set_up(kind, msgspec.structs.replace(started, start_from="fixed"))
+    start = start_after(task, sessions)
+    started = msgspec.structs.replace(task.parameters, start_level=start.level, start_from="fixed")
+    task = set_up(kind, started)
     session = yield from _play(task, theme, stand_in.person)
     attempts = tuple(
         _played(
@@ -189,6 +192,7 @@ def play_ahead(
         follows="goal" if moves_goal(task.parameters) else follows,
         metric=kind.metric,
         aims_at_prompts=_aims_at_prompts(parameters),
+        why_start=start.why,
     )
 
 

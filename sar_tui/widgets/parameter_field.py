@@ -40,8 +40,8 @@ class _NumberInput(Input):
 
 
 class ParameterField(Widget):
-    """Title, value and unit in a line; below it, while it is edited, what it means. In a large
-    window its first sentence always stands there.
+    """Title, value and unit in a line; below it, while it is edited, what it means, unless the
+    screen shows that elsewhere.
 
     It has its value and problem even while it is not mounted. It draws everything except the value
     itself, because a form of many fields would be slow with a widget for each text.
@@ -86,7 +86,7 @@ class ParameterField(Widget):
         """Problem of the value; empty for none."""
         self.used_by = ""
         """Policies that use it, if none of them is chosen; empty if it has an effect."""
-        self._is_small = True
+        self._is_note_elsewhere = False
         self._drawn: object = None
 
     def compose(self) -> ComposeResult:
@@ -137,20 +137,17 @@ class ParameterField(Widget):
         return self.field.labels.get(shown, shown) or self.tr("none")
 
     def _note_lines(self) -> list[str]:
-        """Return the lines below the title: the first sentence if it is not edited, in a small
-        window none.
-        """
+        """Return the lines below the title while it is edited: the problem at least."""
+        note = ""
         if self.has_focus_within:
-            note = self.note
-        else:
-            note = "" if self._is_small else self.problem or _first_sentence(self.field.help)
+            note = self.problem if self._is_note_elsewhere else self.note
         width = max(12, min(self.content_size.width - _MARK, _LONGEST_LINE))
         return [line for text in note.split("\n") for line in textwrap.wrap(text, width)]
 
-    def use_size(self, is_small: bool) -> None:
-        """Show what it means always, or in a small window while it is edited."""
-        if is_small != self._is_small:
-            self._is_small = is_small
+    def put_note_elsewhere(self, is_elsewhere: bool) -> None:
+        """Leave it to the screen to show the note, or show it below the title."""
+        if is_elsewhere != self._is_note_elsewhere:
+            self._is_note_elsewhere = is_elsewhere
             self.redraw()
 
     def redraw(self) -> None:
@@ -250,7 +247,7 @@ class ParameterField(Widget):
         self.call_after_refresh(self.scroll_visible, animate=False, immediate=True)
 
     def on_descendant_blur(self) -> None:
-        """Hide the note, or all but its beginning."""
+        """Hide the note."""
         self.redraw()
 
     def show_problem(self, problem: str, used_by: str = "") -> None:
@@ -260,12 +257,6 @@ class ParameterField(Widget):
         self.problem, self.used_by = problem, used_by
         self.display = bool(problem) or not used_by
         self.redraw()
-
-
-def _first_sentence(text: str) -> str:
-    """Return a text up to its first full stop that a blank follows."""
-    sentence, stop, _ = text.partition(". ")
-    return f"{sentence}{stop.strip()}"
 
 
 # --- a list of words

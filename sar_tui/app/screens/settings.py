@@ -47,6 +47,8 @@ from sar_tui.widgets.parameter_field import CHANGED, UNSAVED, ParameterField
 
 _RULE = "difficulty_policy"
 """The setting that chooses a rule of difficulty. Its group comes first."""
+_FIRST = (_RULE, "start_from", "start_level")
+"""The first settings of that group."""
 _LEVELS = ("start_level", "min_level", "max_level")
 """Parameters that are levels: their help says what the level is."""
 _EXAMPLE = tuple(level for level in range(1, 6) for _ in range(4))
@@ -60,12 +62,12 @@ _PAUSE_S = 0.15
 _BESIDE = 130
 """Columns from which the preview stands beside the fields."""
 _TALL = 40
-"""Rows from which all rules are shown, and fields say what they mean, with a blank row between."""
+"""Rows from which all rules are always shown, and there is a blank row between fields."""
 
 
 class SettingsScreen(DismissedOnce[None]):
     """Groups at the left; the fields of one group; below them, or beside, a preview of what they
-    lead to.
+    lead to. Beside it stands what the focused field means, too.
 
     Leaving saves nothing and asks nothing: unsaved values are kept while the program runs, and are
     there again when the settings of this person and task are opened.
@@ -128,6 +130,7 @@ class SettingsScreen(DismissedOnce[None]):
                 "The preview is a simulation of 20 attempts. It plays anew after each change: ● "
                 "the goal is reached, ○ it is not. Nothing of it is stored."
             ),
+            self._about_numbers,
             tr(
                 "◆ differs from what is saved, ● from the default, ! must be corrected. Page "
                 "Down and Page Up go from group to group. / finds a setting by a word (F3 where "
@@ -140,6 +143,14 @@ class SettingsScreen(DismissedOnce[None]):
             ),
         )
         return "\n\n".join(paragraphs) + "\n"
+
+    @property
+    def _about_numbers(self) -> str:
+        return self.tr(
+            "The number beside a rule counts the goals that are reached. More is not better: by "
+            "default Step by step makes it harder until about half are reached, A goal of their "
+            "own until about 7 of 10."
+        )
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Show the key that discards changes if there are some, or if some were discarded."""
@@ -185,7 +196,9 @@ class SettingsScreen(DismissedOnce[None]):
                 with Vertical(id="fields"):
                     yield Static("", id="sentence", classes="sentence", markup=False)
                     yield from self._panels
-                yield PreviewPane(self._participant, tr, id="preview")
+                with Vertical(id="outcome"):
+                    yield PreviewPane(self._participant, tr, id="preview")
+                    yield Static("", id="note", markup=False)
         yield KeyLine(id="key")
         yield KeyFooter()
 
@@ -222,7 +235,8 @@ class SettingsScreen(DismissedOnce[None]):
                 )
             self._fields += made
             title = tr(heading) if heading else self._title
-            self._panels.append(FieldPanel(title, self._sentence_of(heading), made))
+            more = tr("more settings ↓")
+            self._panels.append(FieldPanel(title, self._sentence_of(heading), made, more))
         self._panels.sort(key=lambda panel: self._rule not in panel.fields)
 
     @property
@@ -270,8 +284,9 @@ class SettingsScreen(DismissedOnce[None]):
         columns, rows = self.app.size
         self.set_class(columns >= _BESIDE, "-beside")
         self.set_class(rows >= _TALL, "-tall")
+        self._rule.use_size(rows < _TALL)
         for widget in self._fields:
-            widget.use_size(rows < _TALL)
+            widget.put_note_elsewhere(columns >= _BESIDE)
         self._show_preview_if_it_belongs()
 
     # --- values
@@ -308,6 +323,7 @@ class SettingsScreen(DismissedOnce[None]):
             widget.show_problem(problems.get(name, ""), unused.get(name, ""))
         self._count()
         self._show_key()
+        self._show_note()
         self.refresh_bindings()
         self._play_preview()
 
@@ -325,12 +341,29 @@ class SettingsScreen(DismissedOnce[None]):
             leaves = tr("Esc leaves without; F2 brings it back.")
             key.show(f"{saves} {leaves}", tr("Ctrl-S"))
         else:
-            key.show(tr("Everything is saved. Esc goes back."), "Esc")
+            leaves = tr("Everything is saved. Esc goes back.")
+            looks = (
+                tr("↑ ↓ look at a rule, Enter chooses it.") if self._rule.has_focus_within else ""
+            )
+            key.show(" ".join(filter(None, (looks, leaves))), "↑ ↓", "Esc")
         version = self._programme.version
         name = tr("version {number}", number=version) if version else tr("defaults")
         changes = tr("{sign} {count} not saved", sign=UNSAVED, count=unsaved) if unsaved else ""
         where = "   ".join(filter(None, (changes, name)))
         self.query_one("#version", Static).update(where)
+
+    def on_descendant_focus(self) -> None:
+        self._show_note()
+
+    def _show_note(self) -> None:
+        """Show what the focused field means, if there is room beside."""
+        note = Content("")
+        if self._rule.has_focus_within:
+            note = Content(self._about_numbers)
+        for widget in self._fields:
+            if widget.has_focus_within and widget is not self._rule:
+                note = Content.assemble((widget.field.title, "bold"), "\n", widget.note)
+        self.query_one("#note", Static).update(note)
 
     def _problems(self) -> dict[str, str]:
         try:
@@ -529,7 +562,7 @@ class SettingsScreen(DismissedOnce[None]):
         highest = max((preview.highest for preview in found.values()), default=1)
         self._rule.show_pictures(
             {
-                name: Picture(sparkline(preview, highest), self._goals(preview))
+                name: Picture(sparkline(preview, highest), self._reached(preview))
                 for name, preview in found.items()
             }
         )
@@ -538,14 +571,14 @@ class SettingsScreen(DismissedOnce[None]):
             title = rules(self.tr)[looked_at].title
             if self._is_example(looked_at):
                 title = self.tr("{rule}, for example", rule=title)
-            self.query_one("#preview", PreviewPane).show(title, found[looked_at], previews.stand_in)
+            self.query_one("#preview", PreviewPane).show(
+                title, found[looked_at], previews.stand_in, highest
+            )
         return rule in found
 
-    def _goals(self, preview: Preview) -> str:
-        if not preview.with_goal:
-            return ""
-        reached = preview.reached
-        return self.tr("1 goal") if reached == 1 else self.tr("{count} goals", count=reached)
+    def _reached(self, preview: Preview) -> str:
+        reached, count = preview.reached, preview.with_goal
+        return self.tr("{reached} of {count}", reached=reached, count=count) if count else ""
 
     # --- going to a setting
 
@@ -805,13 +838,13 @@ class SettingsScreen(DismissedOnce[None]):
 
 
 def _rank(field: Field) -> int:
-    """Return the place of a setting in its group: the rule of difficulty, then those that a rule
-    alone uses, then all others.
+    """Return the place of a setting in its group: the rule of difficulty, where it starts, then
+    those that a rule alone uses, then all others.
     """
-    if field.name == _RULE:
-        return 0
+    if field.name in _FIRST:
+        return _FIRST.index(field.name)
     of_rules = (policy.settings.__struct_fields__ for policy in DIFFICULTY.values())
-    return 1 if any(field.name in names for names in of_rules) else 2
+    return len(_FIRST) + (not any(field.name in names for names in of_rules))
 
 
 def _choice_of(policies: str) -> str:
@@ -835,15 +868,24 @@ class FieldPanel(VerticalScroll, can_focus=False, inherit_bindings=False):
         title: in the list of groups.
         sentence: above the fields.
         fields: of the group.
+        more: stands below them if there are more.
     """
 
-    DEFAULT_CSS = "FieldPanel { display: none; height: 1fr; }"
+    DEFAULT_CSS = """
+    FieldPanel {
+        display: none; height: 1fr; border-bottom: blank; border-subtitle-align: left;
+        border-subtitle-color: $text-muted;
+    }
+    """
 
-    def __init__(self, title: str, sentence: str, fields: Iterable[ParameterField]) -> None:
+    def __init__(
+        self, title: str, sentence: str, fields: Iterable[ParameterField], more: str
+    ) -> None:
         super().__init__()
         self.title = title
         self.sentence = sentence
         self.fields = tuple(fields)
+        self._more = more
 
     def compose(self) -> ComposeResult:
         """Compose nothing: see `show`."""
@@ -873,8 +915,20 @@ class FieldPanel(VerticalScroll, can_focus=False, inherit_bindings=False):
         )
         return next((f"{sign} {count}" for sign, count in counts if count), "")
 
+    def watch_scroll_y(self, old_value: float, new_value: float) -> None:
+        super().watch_scroll_y(old_value, new_value)
+        self._tell_more()
+
+    def watch_virtual_size(self) -> None:
+        self._tell_more()
+
+    def _tell_more(self) -> None:
+        """Say below the fields if there are more."""
+        self.border_subtitle = self._more if self.scroll_y < self.max_scroll_y else ""
+
     def on_resize(self) -> None:
         """Keep the focused field in view in a smaller window."""
+        self._tell_more()
         for field in self.fields:
             if field.has_focus_within:
                 self.call_after_refresh(field.scroll_visible, animate=False, immediate=True)

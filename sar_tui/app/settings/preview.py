@@ -34,12 +34,11 @@ T = TypeVar("T")
 _SLICE_S = 0.008
 """Seconds of work between two looks at the keyboard."""
 _REACHED, _MISSED, _NO_GOAL = "●", "○", "·"
-_LABEL = 5
-"""Columns of the numbers at the left of the chart."""
+_BLANK_AND_BARS = f" {BARS}"
 _WIDEST = 3
 """Most columns of an attempt."""
-_LOWEST, _TALLEST = 4, 20
-"""Rows of the chart below the fields, and beside them."""
+_LOWEST, _TALLEST = 4, 12
+"""Rows of the bars below the fields, and beside them."""
 _MOST_APART = 3
 """Most rows from a level to the next."""
 _NEAR = 2
@@ -113,7 +112,7 @@ async def _in_slices(work: Generator[None, None, T]) -> T:
 
 def sentence(preview: Preview, tr: Language) -> str:
     """Say in one or two sentences what happens."""
-    return " ".join(filter(None, (_goals(preview, tr), _course(preview, tr))))
+    return " ".join(filter(None, (_goals(preview, tr), _course(preview, tr), _start(preview, tr))))
 
 
 def _goals(preview: Preview, tr: Language) -> str:
@@ -159,6 +158,13 @@ def _course_of_level(preview: Preview, tr: Language) -> str:
     return tr("The level moves between {low} and {high}.", low=min(levels), high=max(levels))
 
 
+def _start(preview: Preview, tr: Language) -> str:
+    if not preview.why_start:
+        return ""
+    level, why = preview.attempts[0].level, tr(preview.why_start)
+    return tr("It starts at {level} ({why}).", level=level, why=why)
+
+
 def source(stand_in: StandIn, participant: str, tr: Language) -> str:
     """Say who is simulated."""
     if stand_in.sessions == 1:
@@ -181,55 +187,74 @@ def source(stand_in: StandIn, participant: str, tr: Language) -> str:
 
 
 def sparkline(preview: Preview, highest: int) -> str:
-    """Draw how hard each attempt is, in one line.
+    """Draw the level of each attempt, in one line.
 
     Args:
         preview: the attempts.
-        highest: the level that is drawn as the tallest bar.
+        highest: the level that is drawn as the tallest bar; level 1 is the smallest.
     """
-    hardness = _hardness(preview)
-    low, high = 1.0, float(highest)
-    if preview.follows == "goal":
-        low, high = min(hardness), max(hardness)
-    span = high - low
-    return "".join(
-        BARS[round((value - low) / span * (len(BARS) - 1))] if span else BARS[0]
-        for value in hardness
-    )
+    return "".join(BARS[_part(each.level, 1, highest, len(BARS)) - 1] for each in preview.attempts)
 
 
-def chart(preview: Preview, columns: int, rows: int) -> list[Content]:
-    """Draw each attempt, ● with its goal reached and ○ without, at the height of its level or
-    goal.
+def chart(preview: Preview, highest: int, columns: int, rows: int, tr: Language) -> list[Content]:
+    """Draw the level of each attempt as a bar, or its goal if that is what changes; below it ● if
+    the goal was reached, and ○ if not; below that, if there is room, the number of the attempt.
 
     Args:
         preview: the attempts.
-        columns, rows: the most that the drawing may take.
+        highest: the level that is drawn as the tallest bar; level 1 is the smallest.
+        columns: the most that the drawing may take.
+        rows: the most that the bars may take.
+        tr: the language.
     """
-    hardness = _hardness(preview)
-    low, high = min(hardness), max(hardness)
-    is_goal = preview.follows == "goal"
-    steps = rows - 1 if is_goal else min(rows - 1, round(high - low))
-    apart = 1 if is_goal else max(1, min(_MOST_APART, rows // (steps + 1)))
-    places = [round((value - low) / ((high - low) or 1.0) * steps) for value in hardness]
-    step = max(1, min(_WIDEST, (columns - _LABEL - 1) // len(places)))
-    drawn: list[Content] = []
-    for row in range(steps, -1, -1):
-        value = low + (high - low) * row / (steps or 1)
-        is_labelled = row in (0, steps) or (not is_goal and steps == high - low)
-        marks = (
-            _mark(each) if place == row else (" ", "")
-            for each, place in zip(preview.attempts, places, strict=True)
-        )
-        label = _figure(abs(value)) if is_labelled else ""
-        drawn.append(
-            Content.assemble(
-                (f"{label:>{_LABEL}} ", "$text-muted"),
-                *((f"{mark:{step}}", style) for mark, style in marks),
-            )
-        )
-        drawn += [Content("")] * ((apart - 1) if row else 0)
+    heights, labels, rows = _bars(preview, highest, rows, tr)
+    count = len(preview.attempts)
+    reached = f"{_REACHED} {tr('reached')}" if preview.with_goal else ""
+    attempt = tr("attempt") if rows > _LOWEST else ""
+    width = max(map(len, (reached, attempt, *labels.values()))) + 1
+    step = max(1, min(_WIDEST, (columns - width) // count))
+
+    def line(label: str, *parts: tuple[str, str]) -> Content:
+        return Content.assemble((f"{label:>{width - 1}} ", "$text-muted"), *parts)
+
+    drawn = []
+    for row in range(rows - 1, -1, -1):
+        cells = (_BLANK_AND_BARS[max(0, min(8, height - 8 * row))] for height in heights)
+        bars = "".join(f"{cell * max(1, step - 1):{step}}" for cell in cells)
+        drawn.append(line(labels.get(row, ""), (bars, "$accent")))
+    marks = [(f"{mark:{step}}", style) for mark, style in map(_mark, preview.attempts)]
+    drawn.append(line(reached, *marks))
+    if attempt:
+        drawn.append(line(attempt, (f"{1:<{step * (count - 1)}}{count}", "$text-muted")))
     return drawn
+
+
+def _bars(
+    preview: Preview, highest: int, rows: int, tr: Language
+) -> tuple[list[int], dict[int, str], int]:
+    """Return the heights of the bars in eighths of a row, the labels by row from the lowest, and
+    the number of rows. Each level has rows of its own if there are enough.
+    """
+    if preview.follows == "goal":
+        hardness = _hardness(preview)
+        low, high = min(hardness), max(hardness)
+        heights = [_part(value, low, high, 8 * rows) for value in hardness]
+        labels = {0: _figure(abs(low)), rows - 1: f"{tr('goal')} {_figure(abs(high))}"}
+        return heights, labels, rows
+    levels = [each.level for each in preview.attempts]
+    if apart := min(_MOST_APART, rows // highest):
+        labels = {apart * level - 1: str(level) for level in range(1, highest + 1)}
+        heights, rows = [8 * apart * level for level in levels], apart * highest
+    else:
+        labels = {0: "1", rows - 1: str(highest)}
+        heights = [_part(level, 1, highest, 8 * rows) for level in levels]
+    labels[rows - 1] = f"{tr('level')} {highest}"
+    return heights, labels, rows
+
+
+def _part(value: float, low: float, high: float, most: int) -> int:
+    """Return the height of a bar between 1 and the most."""
+    return 1 + round((value - low) / (high - low) * (most - 1)) if high > low else 1
 
 
 def _figure(value: float) -> str:
@@ -238,9 +263,7 @@ def _figure(value: float) -> str:
 
 
 def _hardness(preview: Preview) -> list[float]:
-    """Return a number for each attempt that grows with its difficulty: its level, or its goal."""
-    if preview.follows != "goal":
-        return [float(each.level) for each in preview.attempts]
+    """Return a number for each attempt that grows as its goal gets harder."""
     sign = -1.0 if preview.metric.better == "lower" else 1.0
     goals = [each.goal for each in preview.attempts if each.goal is not None]
     known = goals[0] if goals else 0.0
@@ -272,17 +295,20 @@ class PreviewPane(Widget):
         self._participant = participant
         self.tr = tr
         self._preview: Preview | None = None
+        self._highest = 1
         self._heading = self._source = self._told = ""
 
-    def show(self, heading: str, preview: Preview, stand_in: StandIn) -> None:
+    def show(self, heading: str, preview: Preview, stand_in: StandIn, highest: int) -> None:
         """Show a preview.
 
         Args:
             heading: what is played.
             preview: the attempts.
             stand_in: who played them.
+            highest: the level that is drawn as the tallest bar.
         """
         self._heading, self._preview, self._told = heading, preview, ""
+        self._highest = highest
         self._source = source(stand_in, self._participant, self.tr)
         self.refresh(layout=True)
 
@@ -306,8 +332,8 @@ class PreviewPane(Widget):
         title = Content(self.tr("Preview: {count} simulated attempts", count=ATTEMPTS))
         if self._preview is None:
             return Content("\n").join([title.stylize("bold"), Content(self._told)])
-        drawn = chart(self._preview, columns, self._rows)
-        above = [Content("")] * (_LOWEST - len(drawn))
+        drawn = chart(self._preview, self._highest, columns, self._rows, self.tr)
+        above = [Content("")] * (self._rows - len(drawn))
         parts = [
             [Content.assemble((title.plain, "bold"), (f"  {self._heading}", "$accent"))],
             [*above, *drawn],

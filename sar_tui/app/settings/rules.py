@@ -8,6 +8,7 @@ from textual import on
 from textual.app import ComposeResult
 from textual.content import Content
 from textual.message import Message
+from textual.widgets import Static
 from textual.widgets.option_list import Option
 
 from sar_tui.model.language import Language
@@ -29,10 +30,10 @@ class Rule(NamedTuple):
 
 
 class Picture(NamedTuple):
-    """Outcome of a rule: how hard its attempts are, in one line, and how many goals are reached."""
+    """Outcome of a rule: the levels of its attempts, in one line, and how many goals are reached."""
 
     line: str
-    goals: str
+    reached: str
 
 
 def rules(tr: Language) -> dict[str, Rule]:
@@ -59,7 +60,7 @@ class RuleList(OptionList):
     RuleList > .option-list--option { padding: 0; }
     RuleList > .option-list--option-highlighted { background: $background; color: $foreground; text-style: none; }
     RuleList:focus > .option-list--option-highlighted {
-        background: $surface; color: $foreground; text-style: none;
+        background: $surface; color: $accent; text-style: bold;
     }
     """
 
@@ -88,18 +89,23 @@ class RuleField(ParameterField):
         tr: the language.
     """
 
-    DEFAULT_CSS = "RuleField { height: auto; }"
+    DEFAULT_CSS = """
+    RuleField { height: auto; }
+    RuleField > .heading { height: 1; margin-left: 2; color: $text-muted; text-style: bold; }
+    """
 
     class LookedAt(Message):
         """The cursor is on another rule, or the list was left."""
 
     def __init__(self, field: Field, value: object, saved: object, tr: Language) -> None:
         super().__init__(field, value, saved, (), tr)
+        self._is_small = True
         self._rules = rules(tr)
         self._pictures: Mapping[str, Picture] = {}
 
     def compose(self) -> ComposeResult:
         yield RuleList(markup=False, compact=True)
+        yield Static(self.tr("What this rule uses"), classes="heading", markup=False)
 
     def on_mount(self) -> None:
         self._fill()
@@ -179,15 +185,15 @@ class RuleField(ParameterField):
             was = self._rules[saved].title if saved in self._rules else saved
             before = self.tr("was {value}", value=was)
         room = self.content_size.width - _MARK - width - _PICTURE - 2
-        goals = picture.goals if len(picture.goals) <= room else ""  # the preview says it, too
+        reached = picture.reached if len(picture.reached) <= room else ""  # the preview says it
         below = " ".join(filter(None, (rule.sentence, before)))
         wrapped = textwrap.wrap(below, max(20, self.content_size.width - _MARK))
         return Content.assemble(
             (f"{sign or (_CHOSEN if is_chosen else ''):{_MARK}}", "$accent"),
             (f"{rule.title:{width}}", style),
             (f" {picture.line:{_PICTURE}}", "$accent" if is_chosen else "$text-muted"),
-            (f" {goals}", "$text-muted"),
-            *((f"\n{'':{_MARK}}{line}", "$text-muted") for line in wrapped),
+            (f" {reached}", "$text-muted not bold"),
+            *((f"\n{'':{_MARK}}{line}", "$text-muted not bold") for line in wrapped),
             "" if self._is_small else "\n",
         )
 
