@@ -147,9 +147,9 @@ class SettingsScreen(DismissedOnce[None]):
     @property
     def _about_numbers(self) -> str:
         return self.tr(
-            "The number beside a rule counts the goals that are reached. More is not better: by "
-            "default Step by step makes it harder until about half are reached, A goal of their "
-            "own until about 7 of 10."
+            "The picture of a rule is the level of each attempt; the number counts the goals that "
+            "are reached. More is not better: by default Step by step makes it harder until about "
+            "half are reached, A goal of their own until about 7 of 10."
         )
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
@@ -920,15 +920,15 @@ class FieldPanel(VerticalScroll, can_focus=False, inherit_bindings=False):
         self._tell_more()
 
     def watch_virtual_size(self) -> None:
-        self._tell_more()
-
-    def _tell_more(self) -> None:
-        """Say below the fields if there are more."""
-        self.border_subtitle = self._more if self.scroll_y < self.max_scroll_y else ""
+        self.on_resize()
 
     def on_resize(self) -> None:
-        """Keep the focused field in view in a smaller window."""
+        """Keep the focused field in view in a smaller window, and where fields above it change."""
         self._tell_more()
         for field in self.fields:
             if field.has_focus_within:
                 self.call_after_refresh(field.scroll_visible, animate=False, immediate=True)
+
+    def _tell_more(self) -> None:
+        """Say below the fields if there are more."""
+        self.border_subtitle = self._more if self.scroll_y < self.max_scroll_y else ""
