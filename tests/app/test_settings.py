@@ -10,14 +10,16 @@ import msgspec
 import pytest
 
 from sar_tui.app.screens.settings import FieldPanel, SettingsScreen
-from sar_tui.app.settings.preview import PreviewPane
+from sar_tui.app.settings.preview import PreviewPane, chart
 from sar_tui.app.settings.rules import RuleField
 from sar_tui.loop.task import Task
+from sar_tui.model.language import Language
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.declaration import meta, show
 from sar_tui.rules.parameters import build, fields
 from sar_tui.rules.policies import DIFFICULTY
 from sar_tui.runs.plan import make_plan
+from sar_tui.runs.preview import Played, Preview
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import programmes
@@ -292,19 +294,20 @@ async def test_arrows_pass_over_choices_and_do_not_open_them(form: AppDriver) ->
 
 
 @pytest.mark.slow
-async def test_fields_say_what_they_mean_while_they_are_edited_and_always_in_a_large_window(
+async def test_fields_say_what_they_mean_while_they_are_edited_below_or_beside(
     form: AppDriver,
 ) -> None:
-    meaning, limits = "Number of keys in an attempt.", "1 to 200."
+    first, second = "Number of keys in an attempt. 1 to 200.", "The keys that prompts are drawn"
     await form.press("pagedown")
-    form.see(meaning, limits)
+    form.see(first)
     await form.press("down")
-    form.lacks(meaning)
+    form.see(second)
+    form.lacks(first)
     await form.resize(160, 48)
-    form.see(meaning, "The keys that prompts are drawn from.")
-    form.lacks(limits)
-    await form.resize(80, 24)
-    form.lacks(meaning)
+    form.see(f"Keys {second}")
+    await form.press("up")
+    form.see(first)
+    form.lacks(second)
 
 
 @pytest.mark.usefixtures("a_participant")
@@ -408,9 +411,8 @@ async def test_a_preset_leaves_nothing_of_the_one_before(opened: OpenApp, data: 
 
 async def test_a_rule_is_looked_at_before_it_is_chosen(form: AppDriver) -> None:
     fixed = await preview(form)
-    form.see(
-        "✓ Step by step", "20 goals", "An average person: P01 has too few", "Everything is saved."
-    )
+    form.see("✓ Step by step", "15 of 20", "An average person: P01 has too few", "more settings ↓")
+    form.see("↑ ↓ look at a rule, Enter chooses it. Everything is saved.")
     await form.press("down")
     form.see("Enter chooses this rule.")
     assert await preview(form) != fixed
@@ -500,6 +502,15 @@ async def test_a_rule_that_fails_is_said_to_when_it_is_looked_at_and_spoils_no_o
         assert (await preview(form)).startswith("It cannot be played: The task keyboard")
         await form.press("down")
         assert "goals reached." in await preview(form)
+
+
+def test_each_level_has_a_height_of_its_own(keyboard: type[Task]) -> None:
+    attempts = tuple(Played(level, True, 1.0) for level in range(1, 21))
+    played = Preview(attempts, 20, "level", keyboard.metric)
+    for rows in (4, 12, 30):
+        lines = [line.plain for line in chart(played, 20, 60, rows, Language())]
+        heights = {"".join(column) for column in zip(*lines[:-1], strict=False)}
+        assert len(heights) >= 20
 
 
 # --- leaving without saving

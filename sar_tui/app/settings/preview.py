@@ -209,10 +209,10 @@ def chart(preview: Preview, highest: int, columns: int, rows: int, tr: Language)
     """
     heights, labels, rows = _bars(preview, highest, rows, tr)
     count = len(preview.attempts)
-    reached = f"{_REACHED} {tr('reached')}" if preview.with_goal else ""
+    reached = tr("● reached") if preview.with_goal else ""
     attempt = tr("attempt") if rows > _LOWEST else ""
     width = max(map(len, (reached, attempt, *labels.values()))) + 1
-    step = max(1, min(_WIDEST, (columns - width) // count))
+    step = max(1, min(_WIDEST, (columns - width + 1) // count))
 
     def line(label: str, *parts: tuple[str, str]) -> Content:
         return Content.assemble((f"{label:>{width - 1}} ", "$text-muted"), *parts)
@@ -221,9 +221,9 @@ def chart(preview: Preview, highest: int, columns: int, rows: int, tr: Language)
     for row in range(rows - 1, -1, -1):
         cells = (_BLANK_AND_BARS[max(0, min(8, height - 8 * row))] for height in heights)
         bars = "".join(f"{cell * max(1, step - 1):{step}}" for cell in cells)
-        drawn.append(line(labels.get(row, ""), (bars, "$accent")))
+        drawn.append(line(labels.get(row, ""), (bars.rstrip(), "$accent")))
     marks = [(f"{mark:{step}}", style) for mark, style in map(_mark, preview.attempts)]
-    drawn.append(line(reached, *marks))
+    drawn.append(line(reached, *marks).rstrip())
     if attempt:
         drawn.append(line(attempt, (f"{1:<{step * (count - 1)}}{count}", "$text-muted")))
     return drawn
