@@ -142,4 +142,6 @@ class HelpScreen(DismissedOnce[None], ModalScreen[None]):
             if binding.binding.show and binding.enabled and name and name not in seen:
                 seen.add(name)
                 table.add_row(self.app.get_key_display(binding.binding), tr(name).capitalize())
+        if self.app.use_command_palette:
+            table.add_row(f"{tr('Ctrl')}-P", tr("Everything that can be done here"))
         return table

@@ -14,7 +14,7 @@ _LETTER = 9
 """Columns of a letter in half blocks, with the gap to the next one."""
 ONE_LINE, TWO_LINES = 4, 9
 """Rows of one and of two lines in half blocks."""
-_TALL = 40
+TALL = 40
 """Least rows of a window in which a sentence may take two lines of large letters, beside all else."""
 _HEIGHTS = (8, ONE_LINE)
 """Rows of a letter in whole blocks and in half blocks; a letter in whole blocks is twice as wide."""
@@ -28,7 +28,7 @@ def is_roomy(columns: int, rows: int) -> bool:
 
 def most_rows(size: Size) -> int:
     """Return the most rows of a sentence that shares a window of this size with other things."""
-    return TWO_LINES if size.height >= _TALL else ONE_LINE
+    return TWO_LINES if size.height >= TALL else ONE_LINE
 
 
 def in_blocks(text: str, columns: int, rows: int) -> list[str]:

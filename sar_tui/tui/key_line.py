@@ -90,13 +90,13 @@ class KeyLine(Widget):
             return Content(before)
         if not self._is_large:
             return Content.assemble(before, (found, "$background on $accent"), after)
-        edge = "─" * (len(found) + 2)
+        cap = f"{_GAP * 2}{found}{_GAP * 2}"
         left, right = _GAP * len(before), _GAP * len(after)  # keep the cap where it is centred
         rows = (
-            (left, f"╭{edge}╮", right),
-            (before, f"│ {found} │", after),
-            (left, f"╰{edge}╯", right),
+            (left, "▄" * len(cap), "$accent", right),
+            (before, cap, "$background on $accent", after),
+            (left, "▀" * len(cap), "$accent", right),
         )
         return Content("\n").join(
-            Content.assemble(text, (cap, "$accent"), more) for text, cap, more in rows
+            Content.assemble(text, (drawn, style), more) for text, drawn, style, more in rows
         )

@@ -1,16 +1,16 @@
 """The options of a question, drawn with characters: boxes of a scale, a line, a list, typed words."""
 
 from textual.content import Content
-from textual.renderables.digits import DIGITS, DIGITS3X3
 
 from sar_tui.model.step import FULL, Entry, Step, points
+from sar_tui.widgets.block_digits import draw_digits
 
 SMALLEST_SCALE = 44
 """Columns of eleven boxes beside each other."""
-_BOXES = (4, 11)
+_BOXES = (4, 13)
 """Least and most columns of a box of a scale."""
-_LARGE_BOX = 8
-"""Columns from which on the number in a box is three rows high."""
+_LARGE_BOX, _LARGEST_BOX = 8, 13
+"""Columns from which on the number in a box is three rows high, and in block letters."""
 _LINE = 51
 """Columns of a line."""
 _TALL = 9
@@ -66,7 +66,7 @@ def _boxes(step: Step, entry: Entry, columns: int) -> str:
 def _box(text: str, width: int, border: tuple[str, str, str]) -> list[str]:
     top, side, bottom = border
     inner = width - 2
-    rows = _large_digits(text) if width >= _LARGE_BOX else [text]
+    rows = _number(text, width)
     return [
         f"{top[0]}{top[1] * inner}{top[2]}",
         *(f"{side}{row.center(inner)}{side}" for row in rows),
@@ -74,14 +74,23 @@ def _box(text: str, width: int, border: tuple[str, str, str]) -> list[str]:
     ]
 
 
-def _large_digits(text: str) -> list[str]:
-    """Return a number in digits of three rows."""
-    drawn = [DIGITS3X3[3 * DIGITS.index(digit) :][:3] for digit in text]
-    return ["".join(row.ljust(3) for row in rows) for rows in zip(*drawn, strict=True)]
+def _number(text: str, width: int) -> list[str]:
+    """Return the rows of the number in a box of this width."""
+    if width < _LARGE_BOX:
+        return [text]
+    if width < _LARGEST_BOX:
+        return draw_digits(text)
+    # its fonts take longer to load than the rest of a small window's modules
+    from sar_tui.widgets.large_characters import draw
+
+    digits = [draw(digit, 8, 4) for digit in text]
+    return [" ".join(rows) for rows in zip(*digits, strict=True)]
 
 
 def with_chosen(text: str) -> Content:
-    """Return a drawn scale with the chosen box in the colour of what is chosen."""
+    """Return a drawn scale with the chosen box filled, border and all, in the colour of what is
+    chosen.
+    """
     content = Content(text)
     corner = text.find(_HEAVY[0][0])
     if corner < 0:
@@ -93,6 +102,9 @@ def with_chosen(text: str) -> Content:
         if row[left : left + 1] in (_HEAVY[0][0], _HEAVY[1], _HEAVY[2][0]):
             at = begin + left
             content = content.stylize("$background on $accent", at, at + width)
+            is_edge = row[left] != _HEAVY[1]
+            for start, end in ((0, width),) if is_edge else ((0, 1), (width - 1, width)):
+                content = content.stylize("$accent", at + start, at + end)
         begin += len(row) + 1
     return content
 

@@ -1,21 +1,24 @@
-"""A line that grows with the result, with its goal marked on it: readable without colour, and in no
-need of figures.
-"""
+"""A result and its goal as two bars from zero on one scale, with words that say which is better."""
 
+from collections.abc import Sequence
+from itertools import groupby
 from typing import NamedTuple
 
 from textual.content import Content
 
 from sar_tui.model.language import Language
 from sar_tui.model.messages import Feedback
-from sar_tui.model.results_for_people import goal_text
+from sar_tui.model.results_for_people import decimals_for, goal_text, result_text
 from sar_tui.model.trial_types import Metric
 
-LONGEST, SHORTEST = 40, 12
-"""Columns of the line, without the words beside it."""
+SHORTEST, LONGEST = 12, 72
+"""Columns of the longer bar, without the words beside it."""
 FARTHEST = 2.0
-"""The line ends in an arrow at this multiple of the goal: a longer one would tell nothing more."""
-DONE, REST, GOAL, BEYOND, REACHED = "━", "─", "┊", "▶", "✓"
+"""A bar ends in an arrow at this multiple of the goal: a longer one would tell nothing more."""
+BAR, THICK, BEYOND = "━", "█", "▶"
+REACHED, OPEN = "✓", "○"
+_GAP = "\N{NO-BREAK SPACE}"
+"""A space that stays where lines are centred."""
 
 
 class GoalBar(NamedTuple):
@@ -52,55 +55,87 @@ def bar_of(feedback: Feedback, metric: Metric, who: str = "") -> GoalBar | None:
     return GoalBar(metric, value, feedback.goal, who)
 
 
-def draw_bars(bars: list[GoalBar], width: int, tr: Language) -> Content:
-    """Return a row for each bar: "you ━━━━━━────────────┊ goal: less than 1 second ✓". Empty if
-    there is no room.
+def rows_of_bars(bars: Sequence[GoalBar], *, is_large: bool = False) -> int:
+    """Return the rows that `draw_bars` takes."""
+    drawn = len(bars) + len(_by_goal(bars))
+    return (3 * drawn - 1 if is_large else drawn) + 2 * (len(bars) == 1)
 
-    The mark is there if the goal is reached.
+
+def draw_bars(
+    bars: Sequence[GoalBar], width: int, tr: Language, *, is_large: bool = False
+) -> Content:
+    """Return a bar for each result, and one for its goal below it. Empty if there is no room.
+
+    A result alone is judged in words below them; of several, each has a sign at its end.
+
+    Args:
+        bars: the results, those with the same goal beside each other.
+        width: columns that may be taken.
+        tr: language of the words.
+        is_large: bars are two rows thick, with a blank row between them.
     """
-    names = [bar.who or tr("you") for bar in bars]
-    goals = [_goal(bar, tr) for bar in bars]
-    left, right = (max((len(text) for text in texts), default=0) for texts in (names, goals))
-    columns = min(LONGEST, width - left - right - 2)
+    rows = [row for same in _by_goal(bars) for row in _rows(same, tr)]
+    names, values = (max(len(row[part]) for row in rows) for part in (0, 1))
+    columns = min(LONGEST, width - names - values - 2 - 2 * (len(bars) > 1))
     if columns < SHORTEST:
         return Content("")
+    longest = max(row.length for row in rows)
+    drawn = []
+    for row in rows:
+        bar = _bar(row, round(row.length / longest * columns), THICK if is_large else BAR)
+        rest = _GAP * (columns - len(bar))
+        sign = f"{_GAP}{row.sign or _GAP}" if len(bars) > 1 else ""
+        words = f"{row.name:{_GAP}>{names}}{_GAP}{row.value:{_GAP}>{values}}{_GAP}"
+        drawn.append(Content.assemble(words, (bar, row.style), rest, sign))
+        if is_large:
+            below = _GAP * len(words), (bar, row.style), rest, _GAP * len(sign)
+            drawn += [Content.assemble(*below), Content("")]
+    if is_large:
+        drawn.pop()
+    if len(bars) == 1:
+        drawn += [Content(""), _verdict(bars[0], tr)]
+    return Content("\n").join(drawn)
+
+
+class _Row(NamedTuple):
+    """A bar with its words. ``length``: in parts of the goal; ``sign``: says that it is reached."""
+
+    name: str
+    value: str
+    length: float
+    style: str
+    sign: str = ""
+
+
+def _by_goal(bars: Sequence[GoalBar]) -> list[list[GoalBar]]:
+    return [list(same) for _, same in groupby(bars, lambda bar: bar.goal)]
+
+
+def _rows(bars: Sequence[GoalBar], tr: Language) -> list[_Row]:
+    """Return the rows of results with the same goal, and that of the goal."""
     rows = []
-    for name, bar, goal in zip(names, bars, goals, strict=True):
-        done, rest = line(bar, columns)
-        row = (
-            (f"{name:>{left}} ", "$text-muted"),
-            (done, "$accent"),
-            (rest, "$text-muted"),
-            f" {goal:<{right}}",
+    for bar in bars:
+        decimals = decimals_for(bar.metric, bar.value, bar.goal)
+        value = result_text(bar.metric, bar.value, tr, decimals)
+        style = "$success" if bar.is_reached else "$accent"
+        length = min(bar.value / bar.goal, FARTHEST)
+        rows.append(
+            _Row(bar.who or tr("you"), value, length, style, REACHED if bar.is_reached else OPEN)
         )
-        rows.append(Content.assemble(*row))
-    return Content("\n").join(rows)
+    metric, goal = bars[0].metric, bars[0].goal
+    return [*rows, _Row(tr("goal"), goal_text(metric, goal, tr), 1.0, "$text-muted")]
 
 
-def line(bar: GoalBar, columns: int) -> tuple[str, str]:
-    """Return the part of the line up to the result, with the goal if that is nearer, and the part
-    beyond.
-
-    A better result has the longer line: of a time, the goal in parts of the result is drawn. The
-    goal is at the right end if the result has not passed it; else the result is there.
-    """
-    reached, whole = bar.value, bar.goal
-    if bar.metric.better == "lower":
-        reached, whole = whole, reached
-    share = reached / whole if whole else FARTHEST
-    if share <= 1:
-        done = min(columns - 1, round(share * (columns - 1)))
-        return DONE * done, REST * (columns - 1 - done) + GOAL
-    at = max(1, round((columns - 1) / min(share, FARTHEST)))
-    at = min(at, columns - 2)
-    tip = BEYOND if share > FARTHEST else DONE
-    return DONE * at + GOAL + DONE * (columns - at - 2) + tip, ""
+def _bar(row: _Row, columns: int, part: str) -> str:
+    """Return a bar; an arrow ends one that is longer than all that is drawn."""
+    if row.length >= FARTHEST:
+        return part * (columns - 1) + BEYOND
+    return part * max(1, columns)
 
 
-def _goal(bar: GoalBar, tr: Language) -> str:
-    goal = goal_text(bar.metric, bar.goal, tr)
-    if bar.metric.better == "lower":
-        words = tr("goal: less than {goal}", goal=goal)
-    else:
-        words = tr("goal: more than {goal}", goal=goal)
-    return f"{words} {REACHED}" if bar.is_reached else words
+def _verdict(bar: GoalBar, tr: Language) -> Content:
+    """Return whether the goal is reached, in words with a sign."""
+    if bar.is_reached:
+        words = tr("{better} than your goal", better=tr(bar.metric.improved))
+        return Content.styled(f"{words} {REACHED}", "bold $success")
+    return Content(f"{tr('not yet at your goal')} {OPEN}")

@@ -13,14 +13,24 @@ class KeyFooter(Footer):
 
     Textual composes it whenever the focus moves, which takes longer than everything else that a key
     press does.
+
+    Args:
+        for_participant: leaves out the keys of a therapist, which F1 names: to leave the app, and
+            everything by name.
     """
 
     _keys: tuple[tuple[object, ...], ...] | None = None
+
+    def __init__(self, *, for_participant: bool = False, show_command_palette: bool = True) -> None:
+        super().__init__(show_command_palette=show_command_palette and not for_participant)
+        self._hidden = {"quit"} if for_participant else set()
 
     def compose(self) -> ComposeResult:
         tr = language_of(self.app)
         for part in super().compose():
             if isinstance(part, FooterKey):
+                if part.action in self._hidden:
+                    continue
                 part.description = tr(part.description)
                 if not part.has_class("-command-palette"):
                     # otherwise each key is styled as compact, its default, and then again

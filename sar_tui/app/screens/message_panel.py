@@ -3,20 +3,25 @@
 from rich.text import Text
 from textual.app import ComposeResult
 from textual.containers import Vertical
+from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
 from sar_tui.app.screens.waiting_text import WaitingText
 from sar_tui.model.results_for_people import result_text
 from sar_tui.model.spoken_text import sentences
+from sar_tui.tui.base_app import on_linux_console
 from sar_tui.tui.heading import ONE_LINE, TWO_LINES, Heading, in_blocks, is_roomy
 from sar_tui.widgets.answer_options import with_chosen
-from sar_tui.widgets.goal_bar import GoalBar, draw_bars
+from sar_tui.widgets.block_digits import draw_result
+from sar_tui.widgets.goal_bar import GoalBar, draw_bars, rows_of_bars
 from sar_tui.widgets.language import language_of
 from sar_tui.widgets.task_view import Drawing
 
 _DRAWING_ROWS, _DRAWING_COLUMNS = 7, 72
 """Least rows of a drawing, with the blank one above it, and most columns."""
+_BARS = 68
+"""Most columns of the bars and their words, but for a result that is wider."""
 
 
 class MessagePanel(Vertical):
@@ -34,7 +39,7 @@ class MessagePanel(Vertical):
         self._drawing: Drawing | None = None
 
     def compose(self) -> ComposeResult:
-        yield Heading(id="figure", largest=ONE_LINE)
+        yield Static("", id="figure", classes="sentence", markup=False)
         yield Static("", id="result")
         yield Heading(id="headline")
         yield Static("", id="text", markup=False)
@@ -62,36 +67,45 @@ class MessagePanel(Vertical):
         width, height = self.content_size
         left = height - rows_of(self._text, width) - bool(self._ask)
         drawing = self._drawing if left >= _DRAWING_ROWS else None
-        has_bars = bool(self._bars) and left >= len(self._bars) + 1 + (
-            _DRAWING_ROWS if drawing else 0
-        )
-        bars = draw_bars(self._bars, width, language_of(self.app)) if has_bars else ""
+        left -= _DRAWING_ROWS if drawing else 0
+        is_large = is_roomy(*self.app.size) and not drawing
+        # where little is left, thin bars, and then no figure
+        bars, figure, rows = Content(""), [""], 0
+        for thick, figure in ((is_large, self._figure(width, is_large)), (False, [])):
+            rows = rows_of_bars(self._bars, is_large=thick) + 1 + (len(figure) + 1) * bool(figure)
+            if self._bars and rows <= left:
+                room = max(_BARS, len(figure[0])) if figure else _BARS
+                tr = language_of(self.app)
+                bars = draw_bars(self._bars, min(width, room), tr, is_large=thick)
+                break
+        if not bars:
+            figure, rows = [], 0
         area = self.query_one(DrawingArea)
         area.styles.margin = (1, 0, 0, max(0, (width - _DRAWING_COLUMNS) // 2))
         area.show(drawing)
-        text, rows, figure = self._text.text, 1, ""
-        if is_roomy(*self.app.size) and not drawing:
-            more = (len(self._bars) + 1) * has_bars + bool(self._ask)
-            figure = self._figure(width, height - more) if has_bars else ""
-            more += (ONE_LINE + 1) * bool(figure)
-            text, rows = spread(self._text, width, height - more)
-        drawn = self.query_one("#figure", Heading)
+        text, headline_rows = self._text.text, 1
+        if is_large:
+            text, headline_rows = spread(self._text, width, height - rows - bool(self._ask))
+        drawn = self.query_one("#figure", Static)
         drawn.set_class(bool(figure) and self._bars[0].is_reached, "well-done")
-        drawn.show(figure)
+        self._put("figure", "\n".join(figure))
         self._put("result", bars)
-        self.query_one("#headline", Heading).show(self._text.headline, 1 if figure else rows)
+        self.query_one("#headline", Heading).show(self._text.headline, 1 if figure else headline_rows)
         self._put("text", with_chosen(text))
         self._put("ask", self._ask)
 
-    def _figure(self, width: int, height: int) -> str:
-        """Return the result of the last attempt, if it can be drawn large; empty if not, or if
-        there are several.
+    def _figure(self, width: int, is_large: bool) -> list[str]:
+        """Return the rows of the result of the last attempt, if it can be drawn large; none if not,
+        or if there are several.
         """
-        if len(self._bars) > 1 or height - rows_of(self._text, width) <= ONE_LINE:
-            return ""
+        if len(self._bars) != 1:
+            return []
         bar = self._bars[0]
-        figure = result_text(bar.metric, bar.value, language_of(self.app))
-        return figure if in_blocks(figure, width, ONE_LINE) else ""
+        text = result_text(bar.metric, bar.value, language_of(self.app))
+        if is_large:
+            return in_blocks(text, width, ONE_LINE)
+        # its font has no half blocks
+        return [] if on_linux_console() else draw_result(text)
 
     def _put(self, name: str, words: object) -> None:
         part = self.query_one(f"#{name}", Static)

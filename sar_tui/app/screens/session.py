@@ -115,7 +115,7 @@ class SessionScreen(DismissedOnce[None]):
 
     def compose(self) -> ComposeResult:
         yield self.stage
-        yield KeyFooter()
+        yield KeyFooter(for_participant=True)
 
     def on_mount(self) -> None:
         self._live.begin(self.app, self._broken)

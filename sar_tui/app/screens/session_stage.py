@@ -106,7 +106,7 @@ class SessionStage(Vertical):
         self.agent = SessionAgent(self._forget_results)
         self.waiting: Waiting | None = None
         self.shown = "message"
-        self._position = ""
+        self._position = self._ended_position = ""
         self._agent_seat = ""
         self._bars: dict[str, GoalBar] = {}
         self._goal = ""
@@ -268,8 +268,9 @@ class SessionStage(Vertical):
             self.show_position(self.waiting)
 
     def end_attempt(self, ended: AttemptEnded) -> None:
-        """Show the number of attempts done."""
+        """Show the number of attempts done, and keep which attempt it was."""
         self._show_attempts(ended.attempt)
+        self._ended_position = self._position
 
     def feedback_given(self, feedback: Feedback) -> None:
         """Show the result beside its goal, with the words that tell it."""
@@ -509,6 +510,7 @@ class SessionStage(Vertical):
         stage = self.waiting.stage if self.waiting else ""
         is_between = name == "message" and stage in ("instructions", *_BETWEEN)
         self.query_one("#trials").display = not is_between  # they are of the last attempt
+        self.query_one("#attempts", ProgressLine).show_signs(is_between)
         has_choices = name == "menu" and self.app.switch is not None
         self.query_one(KeyLine).display = name in ("message", "summary") or has_choices
         self.screen.refresh_bindings()
@@ -532,7 +534,7 @@ class SessionStage(Vertical):
 
     def show_position(self, waiting: Waiting) -> None:
         """Show the mark of the trial, or attempt and level, in the corner; and the progress at the
-        bottom.
+        bottom. The attempt is the last one while its result is shown.
         """
         # after the last attempt: there is no next level to show
         is_over = waiting.trial > waiting.trials
@@ -540,7 +542,9 @@ class SessionStage(Vertical):
         if not is_over:
             level = self.tr("level {level}", level=waiting.level)
             self._position = f"{waiting.attempt_name.capitalize()} · {level}"
-        parts = (self.marks.text, "" if self.marks.asks else self._position)
+        is_result_shown = waiting.stage == "attempt" and bool(self._bars)
+        position = self._ended_position if is_result_shown else self._position
+        parts = (self.marks.text, "" if self.marks.asks else position)
         self.query_one("#where", Static).update(" · ".join(filter(None, parts)))
 
     def _show_attempts(self, done: int) -> None:
@@ -559,20 +563,33 @@ class SessionStage(Vertical):
 
 
 class ProgressLine(Widget):
-    """Shows "Prompts 3 of 20 ━━───────". It has no timer, and changes only by ``show``."""
+    """Shows "Prompts 3 of 20 ━━───────", or a sign for each: "■ ■ ■ □ □". It has no timer, and
+    changes only by its methods.
+    """
 
-    DEFAULT_CSS = "ProgressLine { height: 1; width: 1fr; margin-right: 2; }"
+    DEFAULT_CSS = "ProgressLine { height: 1; width: 1fr; margin-right: 2; text-align: center; }"
 
     def __init__(self, id: str | None = None) -> None:
         super().__init__(id=id)
         self._what, self._done, self._total = "", 0, 0
+        self._as_signs = False
 
     def show(self, what: str, done: int, total: int) -> None:
         """Show that ``done`` of ``total`` are done; ``what`` is in the screen's language."""
         self._what, self._done, self._total = what, done, total
         self.refresh()
 
+    def show_signs(self, as_signs: bool) -> None:
+        """Show a sign for each, if there is room, or words with a bar."""
+        self._as_signs = as_signs
+        self.refresh()
+
     def render(self) -> Content:
+        if self._as_signs and 0 < 2 * self._total <= self.size.width:
+            left = self._total - self._done
+            return Content.assemble(
+                ("■ " * self._done, "$accent"), ("□ " * left, "$text-muted")
+            ).rstrip()
         tr = language_of(self.app)
         words = (
             tr("{what} {done} of {total}", what=self._what, done=self._done, total=self._total)

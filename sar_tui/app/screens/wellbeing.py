@@ -13,7 +13,7 @@ from textual.widgets import Static
 from sar_tui.app.patient_mode import keys_in_mode
 from sar_tui.app.screens.switch_choices import answers
 from sar_tui.app.screens.waiting_text import decline_text, how_to_answer, option_sentences
-from sar_tui.model.gesture import REST
+from sar_tui.model.gesture import Pose
 from sar_tui.model.language import Language
 from sar_tui.model.spoken_text import sentences
 from sar_tui.model.step import Entry, Step, points, press, translated
@@ -22,7 +22,7 @@ from sar_tui.rules.scanning import Choice
 from sar_tui.rules.wellbeing import PAIN_ENDS, Advice, Moment, PainLimits, stop_now
 from sar_tui.store.wellbeing import NOT_SAID
 from sar_tui.tui.dismissed_once import DismissedOnce
-from sar_tui.tui.heading import ROOMY, Heading, most_rows
+from sar_tui.tui.heading import ROOMY, TALL, Heading, most_rows
 from sar_tui.tui.key_line import KeyLine
 from sar_tui.tui.language import translated as translated_keys
 from sar_tui.widgets.answer_options import options_text, with_chosen
@@ -62,7 +62,7 @@ QUESTIONS: dict[Question, Step] = {
 }
 _CHOICE_KEYS = frozenset("0123456789")
 """Keys that choose, as the arrows do, and answer nothing yet."""
-_FACE = "listening"
+_FACE, _LISTENS = "listening", Pose(lean=1)
 _MARGINS = 12
 """Columns beside the scale, at both sides together."""
 
@@ -373,7 +373,7 @@ class WellbeingScreen(DismissedOnce[bool]):
         self._said: list[str] = []
         self._marked: Entry | None = None
         face = theme.faces[_FACE] if _FACE in theme.faces else theme.faces["neutral"]
-        self._agent = "\n".join(draw(face.splitlines(), REST))
+        self._agent = "\n".join(draw(face.splitlines(), _LISTENS)).strip("\n")
         self.only_chooses = self._interview.only_chooses
 
     @property
@@ -409,10 +409,11 @@ class WellbeingScreen(DismissedOnce[bool]):
             yield Static("", id="who", classes="small", markup=False)
             yield Heading(id="question")
             yield Static("", id="options", markup=False)
+            yield Static("", id="keys", classes="body", markup=False)
             yield Static("", id="decline", classes="body", markup=False)
             yield Static("", id="given", classes="small", markup=False)
         yield KeyLine(grows=True)
-        yield KeyFooter()
+        yield KeyFooter(for_participant=True)
 
     def on_mount(self) -> None:
         self._show()
@@ -480,16 +481,20 @@ class WellbeingScreen(DismissedOnce[bool]):
             asked = asked._replace(decline="", given="" if interview.is_advising else given)
         self._said = asked._replace(press="").sentences
         columns, rows = app.size
+        self.set_class(rows >= TALL, "tall")
         if interview.is_advising:
             options: str | Content = " ".join(asked.said).replace(". ", ".\n")
         else:
             entry, room = self._marked or interview.entry, columns - _MARGINS
             options = with_chosen(options_text(interview.step, entry, room))
+        is_scale = interview.step.kind == "number" and not interview.is_advising
+        keys = self.tr("← → or type a number") if is_scale and app.switch is None else ""
         has_room = rows >= ROOMY[1] or interview.is_advising
         self.query_one("#asking").display = has_room or interview.step.kind == "number"
         self.query_one("#question", Heading).show(asked.text, most_rows(app.size))
         self._put("who", asked.who)
         self._put("options", options)
+        self._put("keys", keys)
         self._put("decline", asked.decline)
         self._put("given", asked.given)
         self.query_one(KeyLine).show(asked.press, self.tr("Enter"))
