@@ -9,7 +9,8 @@ PAIN = Step(name="pain", text="How much?", kind="number", labels=("none", "worst
 def filled(columns: int, chosen: int) -> list[str]:
     """Return what stands in the filled part of each row."""
     content = with_chosen(options_text(PAIN, Entry(chosen=(chosen,)), columns))
-    return [content.plain[span.start : span.end] for span in content.spans]
+    spans = [span for span in content.spans if "on $accent" in str(span.style)]
+    return [content.plain[span.start : span.end] for span in spans]
 
 
 def test_only_the_rows_of_the_chosen_box_are_filled() -> None:
@@ -25,6 +26,12 @@ def test_large_digits_are_filled_whole_in_each_box() -> None:
         rows = filled(100, number)
         assert [len(row) for row in rows] == [9] * 5, number
         assert [row[0] for row in rows] == ["┏", "┃", "┃", "┃", "┗"], number
+
+
+def test_in_a_large_window_a_number_is_in_block_letters() -> None:
+    rows = filled(148, 10)
+    assert [len(row) for row in rows] == [13] * 6
+    assert all("█" in row or "▀" in row for row in rows[1:-1])
 
 
 def test_without_a_choice_nothing_is_filled() -> None:

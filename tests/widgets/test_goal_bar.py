@@ -1,4 +1,4 @@
-"""The bar from a participant's result to the goal."""
+"""The bars of a participant's result and the goal."""
 
 from typing import Any
 
@@ -7,9 +7,10 @@ import pytest
 from sar_tui.model.language import Language
 from sar_tui.model.messages import Feedback, FeedbackChoice
 from sar_tui.model.trial_types import Metric
-from sar_tui.widgets.goal_bar import GoalBar, bar_of, draw_bars, line
+from sar_tui.widgets.goal_bar import GoalBar, bar_of, draw_bars, rows_of_bars
 
 TIME = Metric("reaction_time", unit="ms", better="lower")
+FAST = Metric("reaction_time", unit="ms", better="lower", improved="faster", worsened="slower")
 TAPS = Metric("taps", unit="taps", better="higher")
 CHOICE: dict[str, Any] = {
     "schedule": "every", "due": True, "why": "", "content": "results", "form": "both",
@@ -27,51 +28,75 @@ def feedback(
 
 
 def drawn(*bars: GoalBar, width: int = 68) -> list[str]:
-    return draw_bars(list(bars), width, Language()).plain.splitlines()
+    drawn = draw_bars(list(bars), width, Language()).plain.replace("\N{NO-BREAK SPACE}", " ")
+    return [line.rstrip() for line in drawn.splitlines()]
 
 
 @pytest.mark.parametrize(
-    ("metric", "value", "looks"),
+    ("value", "you", "goal"),
     [
-        (TAPS, 0, "───────────────────┊"), (TAPS, 400, "━━━━━━━━───────────┊"),
-        (TAPS, 1000, "━━━━━━━━━━━━━━━━━━━┊"), (TAPS, 1900, "━━━━━━━━━━┊━━━━━━━━━"),
-        (TAPS, 60_000, "━━━━━━━━━━┊━━━━━━━━▶"), (TIME, 60_000, "───────────────────┊"),
-        (TIME, 2000, "━━━━━━━━━━─────────┊"), (TIME, 1000, "━━━━━━━━━━━━━━━━━━━┊"),
-        (TIME, 600, "━━━━━━━━━━━┊━━━━━━━━"), (TIME, 400, "━━━━━━━━━━┊━━━━━━━━▶"),
-        (TIME, 0, "━━━━━━━━━━┊━━━━━━━━━"),
+        (0, 1, 40), (400, 16, 40), (1000, 40, 40), (1600, 40, 25), (2000, 40, 20), (60_000, 40, 20),
     ],
 )  # fmt: skip
-def test_the_better_the_result_the_longer_the_line_and_past_the_goal_if_it_is_reached(
-    metric: Metric, value: float, looks: str
+@pytest.mark.parametrize("metric", [TIME, TAPS])
+def test_both_bars_begin_at_zero_and_have_one_scale(
+    metric: Metric, value: float, you: int, goal: int
 ) -> None:
-    assert "".join(line(GoalBar(metric, value, 1000.0), 20)) == looks
-
-
-def test_the_words_say_on_which_side_of_the_goal_it_is_good() -> None:
-    assert "━━━━━━ goal: less than 1 second" in drawn(GoalBar(TIME, 600, 1000))[0]
-    assert "━━━━━━ goal: more than 10 taps" in drawn(GoalBar(TAPS, 12, 10))[0]
+    bar = GoalBar(metric, value, 1000.0)
+    words = len(drawn(bar)[0].rstrip("━▶"))
+    lines = drawn(bar, width=words + 40)
+    assert [line.count("━") + line.count("▶") for line in lines[:2]] == [you, goal]
+    assert lines[0].endswith("▶") == (value >= 2000)
 
 
 @pytest.mark.parametrize(
-    ("bar", "is_reached"),
+    ("bar", "words"),
     [
-        (GoalBar(TIME, 400, 1000), True), (GoalBar(TIME, 1000, 1000), False),
-        (GoalBar(TIME, 1900, 1000), False), (GoalBar(TAPS, 12, 10), True),
-        (GoalBar(TAPS, 10, 10), False), (GoalBar(TAPS, 4, 10), False),
+        (GoalBar(FAST, 400, 1000), "faster than your goal ✓"),
+        (GoalBar(FAST, 1000, 1000), "not yet at your goal ○"),
+        (GoalBar(TAPS, 12, 10), "better than your goal ✓"),
+        (GoalBar(TAPS, 10, 10), "not yet at your goal ○"),
     ],
 )  # fmt: skip
-def test_a_mark_says_that_the_goal_is_reached(bar: GoalBar, is_reached: bool) -> None:
-    assert drawn(bar)[0].endswith(" ✓") == is_reached
+def test_words_say_which_side_of_the_goal_is_good(bar: GoalBar, words: str) -> None:
+    assert drawn(bar)[-2:] == ["", words]
 
 
-def test_two_participants_have_a_bar_each_from_the_same_column() -> None:
-    first, second = drawn(GoalBar(TIME, 400, 1000, "Ana"), GoalBar(TIME, 700, 1000, "P02"))
-    assert first.startswith("Ana ━")
-    assert second.startswith("P02 ━")
+def test_a_result_and_its_goal_are_labelled_with_their_units() -> None:
+    you, goal = drawn(GoalBar(TIME, 450, 700))[:2]
+    assert you.startswith(" you 0.45 seconds ━")
+    assert goal.startswith("goal  0.7 seconds ━")
+
+
+def test_a_result_that_looks_like_its_goal_has_one_more_decimal() -> None:
+    assert "0.699 seconds" in drawn(GoalBar(TIME, 699, 700))[0]
+
+
+def test_two_participants_have_a_bar_each_above_their_goal() -> None:
+    first, second, goal = drawn(GoalBar(TIME, 400, 1000, "Ana"), GoalBar(TIME, 1700, 1000, "P02"))
+    assert first.startswith(" Ana 0.40 seconds ━")
+    assert second.startswith(" P02 1.70 seconds ━")
+    assert goal.startswith("goal     1 second ━")
+    assert (first[-1], second[-1]) == ("✓", "○")
+
+
+@pytest.mark.parametrize("is_large", [False, True])
+@pytest.mark.parametrize(
+    "bars",
+    [
+        [GoalBar(TIME, 400, 1000)],
+        [GoalBar(TIME, 400, 1000, "Ana"), GoalBar(TIME, 700, 1000, "P02")],
+        [GoalBar(TIME, 400, 1000, "Ana"), GoalBar(TIME, 700, 900, "P02")],
+    ],
+)
+def test_bars_take_as_many_rows_as_foretold(bars: list[GoalBar], is_large: bool) -> None:
+    rows = draw_bars(bars, 68, Language(), is_large=is_large).plain.split("\n")
+    assert len(rows) == rows_of_bars(bars, is_large=is_large)
+    assert len({len(row) for row in rows if "━" in row}) <= 1
 
 
 def test_a_narrow_window_has_no_bar() -> None:
-    assert drawn(GoalBar(TIME, 400, 1000), width=30) == []
+    assert drawn(GoalBar(TIME, 400, 1000), width=28) == []
 
 
 def test_feedback_in_figures_has_a_bar() -> None:

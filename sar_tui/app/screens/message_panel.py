@@ -11,7 +11,7 @@ from sar_tui.app.screens.waiting_text import WaitingText
 from sar_tui.model.results_for_people import result_text
 from sar_tui.model.spoken_text import sentences
 from sar_tui.tui.base_app import on_linux_console
-from sar_tui.tui.heading import ONE_LINE, TWO_LINES, Heading, in_blocks, is_roomy
+from sar_tui.tui.heading import ONE_LINE, TALL, TWO_LINES, Heading, in_blocks, is_roomy
 from sar_tui.widgets.answer_options import with_chosen
 from sar_tui.widgets.block_digits import draw_result
 from sar_tui.widgets.goal_bar import GoalBar, draw_bars, rows_of_bars
@@ -70,9 +70,13 @@ class MessagePanel(Vertical):
         left -= _DRAWING_ROWS if drawing else 0
         is_large = is_roomy(*self.app.size) and not drawing
         # where little is left, thin bars, and then no figure
-        bars, figure, rows = Content(""), [""], 0
-        for thick, figure in ((is_large, self._figure(width, is_large)), (False, [])):
-            rows = rows_of_bars(self._bars, is_large=thick) + 1 + (len(figure) + 1) * bool(figure)
+        bars, rows = Content(""), 0
+        gap = 3 if self.app.size.height >= TALL else 1
+        drawn = self._figure(width, is_large)
+        for thick, figure in ((is_large, drawn), (False, drawn), (False, [])):
+            rows = (
+                rows_of_bars(self._bars, is_large=thick) + gap + (len(figure) + gap) * bool(figure)
+            )
             if self._bars and rows <= left:
                 room = max(_BARS, len(figure[0])) if figure else _BARS
                 tr = language_of(self.app)
@@ -86,11 +90,13 @@ class MessagePanel(Vertical):
         text, headline_rows = self._text.text, 1
         if is_large:
             text, headline_rows = spread(self._text, width, height - rows - bool(self._ask))
-        drawn = self.query_one("#figure", Static)
-        drawn.set_class(bool(figure) and self._bars[0].is_reached, "well-done")
+        is_reached = bool(figure) and self._bars[0].is_reached
+        self.query_one("#figure").set_class(is_reached, "well-done")
         self._put("figure", "\n".join(figure))
         self._put("result", bars)
-        self.query_one("#headline", Heading).show(self._text.headline, 1 if figure else headline_rows)
+        self.query_one("#headline", Heading).show(
+            self._text.headline, 1 if figure else headline_rows
+        )
         self._put("text", with_chosen(text))
         self._put("ask", self._ask)
 

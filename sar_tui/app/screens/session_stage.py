@@ -170,8 +170,9 @@ class SessionStage(Vertical):
             self._pictures.close()
 
     def on_resize(self) -> None:
-        """Give the pause menu more room in a large window."""
+        """Give all parts more room in a large window."""
         self.set_class(is_roomy(*self.app.size), "roomy")
+        self.set_class(self.app.size.height >= _FULL_HEIGHT, "tall")
 
     @property
     def message(self) -> MessagePanel:
@@ -502,8 +503,7 @@ class SessionStage(Vertical):
         """Show one widget in the middle of the screen."""
         self.shown = name
         if name != "message":
-            is_silent = name == "menu" and self.agent.widget.display
-            self._seat_agent("pause" if is_silent else "")
+            self._seat_agent(self._seat_above(name) if self.agent.widget.display else "")
         self.query_one("#stage", ContentSwitcher).current = name
         self.screen.set_focus(self.menu if name == "menu" else None)
         self.query_one("#progress").display = name != "summary"
@@ -514,6 +514,12 @@ class SessionStage(Vertical):
         has_choices = name == "menu" and self.app.switch is not None
         self.query_one(KeyLine).display = name in ("message", "summary") or has_choices
         self.screen.refresh_bindings()
+
+    def _seat_above(self, name: str) -> str:
+        """Return the agent's place above a widget that is no text."""
+        if name == "summary":
+            return "between" if self.app.size.height >= _FULL_HEIGHT else "drawn"
+        return "pause" if name == "menu" else ""
 
     def _seat_agent(self, where: str) -> None:
         """Let the agent speak from the middle, ``between`` two attempts or ``drawn`` above a

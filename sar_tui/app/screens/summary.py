@@ -14,17 +14,21 @@ from sar_tui.model.messages import AttemptEnded
 from sar_tui.model.results_for_people import result_text
 from sar_tui.model.spoken_text import sentences
 from sar_tui.model.trial_types import Metric
-from sar_tui.tui.heading import Heading, is_roomy
+from sar_tui.tui.heading import ONE_LINE, Heading, is_roomy
 from sar_tui.widgets.language import language_of
 
 REACHED, OPEN = "●", "○"
 """An attempt that reached its goal, and one that did not."""
+_SPACE = "\N{NO-BREAK SPACE}"
+"""A space that stays where lines are centred."""
 _GAP = 4
 """Columns between words and the picture beside them."""
 _LARGEST = 8
 """Most rows of the praise in a large window."""
-_TALL, _WIDEST = 5, 6
-"""Rows of the picture of levels in a large window, and most columns of an attempt."""
+_LOW, _TALL = 2, 5
+"""Rows of the picture of levels, in a large window the latter."""
+_NARROW, _WIDEST = 3, 6
+"""Most columns of an attempt, in a large window the latter."""
 
 
 class Summary(Vertical):
@@ -122,6 +126,7 @@ class Summary(Vertical):
         praise.show(end.headline)
         self._put("which", self._session)
         self._put("facts", end.text or self._facts(tr))
+        self.query_one("#facts").set_class(len(self._attempts) == 1, "body")
         self._put("earlier", self._earlier)
         self._put("next", self._next)
 
@@ -132,7 +137,8 @@ class Summary(Vertical):
 
     def _facts(self, tr: Language) -> Content:
         """Return words and picture of each seat, with all pictures below each other."""
-        is_large = is_roomy(*self.app.size) and len(self._attempts) == 1
+        if len(self._attempts) == 1 and (alone := self._facts_of_one(self._attempts[0], tr)):
+            return alone
         room = self.content_size.width or self.app.size.width
         parts: list[Content] = []
         for index, attempts in enumerate(self._attempts):
@@ -141,9 +147,26 @@ class Summary(Vertical):
             if self._names:
                 parts.append(Content.styled(self._names[index], "$text-muted"))
             words = facts(attempts, self._metric, tr)
-            parts += below(words, attempts, room, tr) if is_large else beside(words, attempts, room)
+            parts += beside(words, attempts, room)
             parts += map(Content, self._more_facts(attempts))
         return Content("\n").join(parts)
+
+    def _facts_of_one(self, attempts: Sequence[AttemptEnded], tr: Language) -> Content:
+        """Return words with the picture below them, as large as there is room; empty if there is
+        none.
+        """
+        said = [*facts(attempts, self._metric, tr), *self._more_facts(attempts)]
+        width, height = self.content_size
+        is_large = is_roomy(*self.app.size)
+        others = [text for text in (self._session, self._earlier, self._next) if text]
+        left = height - (ONE_LINE if is_large else 1) - sum(1 + text.count("\n") for text in others)
+        for large in (True, False) if is_large else (False,):
+            words = ("\n\n" if large else "\n").join(said)
+            picture = draw_picture(attempts, width, tr, is_large=large)
+            whole = Content("\n\n").join((Content(words), picture)) if picture else Content(words)
+            if whole.plain.count("\n") + 1 + (4 if large else 2) <= left:
+                return whole
+        return Content("")
 
 
 class _Ending(NamedTuple):
@@ -207,20 +230,38 @@ def beside(words: list[str], attempts: Sequence[AttemptEnded], room: int) -> lis
     return [Content(str(line).ljust(left + _GAP)).append(row) for line, row in rows]
 
 
-def below(
-    words: list[str], attempts: Sequence[AttemptEnded], room: int, tr: Language
-) -> list[Content]:
-    """Return words with a large picture below them, and what its marks say."""
+def draw_picture(
+    attempts: Sequence[AttemptEnded], room: int, tr: Language, *, is_large: bool
+) -> Content:
+    """Return the levels as columns above a mark for each attempt, with words for both. Empty
+    without a goal that was reached.
+    """
     if not _is_good(attempts):
-        return [*map(Content, words)]
-    step = max(1, min(_WIDEST, room // len(attempts)))
-    return [
-        *map(Content, words),
-        Content(""),
-        *_levels(attempts, _TALL, step),
-        _marks(attempts, step),
-        Content.assemble((REACHED, "$success"), (f" {tr('goal reached')}", "$text-muted")),
+        return Content("")
+    levels = [attempt.level for attempt in attempts]
+    goals, first, last = tr("goals"), tr("level {level}", level=levels[0]), str(max(levels))
+    left, right = max(len(goals), len(first)) + 1, len(last) + 1
+    most = _WIDEST if is_large else _NARROW
+    step = max(1, min(most, (room - left - right) // len(attempts)))
+    rows = _levels(attempts, _TALL if is_large else _LOW, step)
+    marks = _marks(attempts, step)
+    named = [("", row, "") for row in rows]
+    if rows:
+        named[0] = ("", rows[0], last)
+        named[-1] = (first, rows[-1], last if len(rows) == 1 else "")
+    named.append((goals, marks, ""))
+    legend = Content.assemble((REACHED, "$success"), f"{_SPACE}{tr('reached')}")
+    if any(attempt.outcome != "success" for attempt in attempts):
+        legend += Content(f"{_SPACE * 3}{OPEN}{_SPACE}{tr('not yet')}")
+    lines = [
+        Content.assemble(
+            (f"{name:{_SPACE}>{left - 1}}{_SPACE}", "$text-muted"),
+            row,
+            (f"{end:{_SPACE}<{right}}", "$text-muted"),
+        )
+        for name, row, end in named
     ]
+    return Content("\n").join((*lines, legend))
 
 
 def _is_good(attempts: Sequence[AttemptEnded]) -> bool:
@@ -233,7 +274,10 @@ def _marks(attempts: Sequence[AttemptEnded], step: int) -> Content:
     marks = [REACHED if attempt.outcome == "success" else OPEN for attempt in attempts]
     return Content.assemble(
         *(
-            (mark.center(max(1, step - 1)).ljust(step), "$success" if mark == REACHED else "")
+            (
+                mark.center(max(1, step - 1)).ljust(step).replace(" ", _SPACE),
+                "$success" if mark == REACHED else "",
+            )
             for mark in marks
         )
     )
@@ -254,7 +298,7 @@ def _levels(attempts: Sequence[AttemptEnded], rows: int, step: int) -> list[Cont
         "".join((_cell(height - row * len(BARS), BARS) * width).ljust(step) for height in heights)
         for row in reversed(range(rows))
     ]
-    return [Content.styled(line, "$accent") for line in lines]
+    return [Content.styled(line.replace(" ", _SPACE), "$accent") for line in lines]
 
 
 def _cell(filled: int, bars: str) -> str:
