@@ -256,7 +256,7 @@ async def test_encouragement_replaces_feedback_that_was_read(open_session: OpenS
         assert driver.said == feedback
         await driver.wait(20_000)
         assert driver.said == encouragement
-        assert driver.sees("goal: less than 1 second ✓"), "its figure stays"
+        assert driver.sees("faster than your goal ✓"), "its figure stays"
         await driver.do_attempt(await driver.begin())
         await driver.wait(4000)
         following = driver.messages("arbiter/action")[-1]

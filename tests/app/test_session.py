@@ -16,20 +16,20 @@ from tests.runs.test_resume import interrupted
 async def test_a_session_from_start_to_summary(open_session: OpenSession) -> None:
     async with open_session(practice_attempts=1) as driver:
         await driver.press("enter")
-        driver.see("Practice 0 of 1", "in less than 1 second on average, with 2 of 2")
+        driver.see("Practice 1 of 1 · level 1", "in less than 1 second on average, with 2 of 2")
         await driver.do_attempt(await driver.begin())
-        driver.see("Practice is over.", "Attempts 0 of 2", "Attempt 1 of 2 · level 1")
+        driver.see("Practice is over.", "Practice 1 of 1 · level 1", "□ □")
         await driver.do_attempt(await driver.begin())
         driver.lacks("Practice is over.")
-        driver.see("Attempts 1 of 2")
+        driver.see("■ □")
         driver.lacks("Keys 2 of 2")
         assert "0.40 seconds" in driver.said
-        assert "you ━━━━━━━━━━━━━━━━━━┊━━━━━━━━━━━━━━━━━▶ goal: less than 1 second ✓" in driver.text
-        driver.see("Attempt 2 of 2 · level 2")
+        driver.see("you 0.40 seconds ━━━━━━━━", "goal 1 second ━━━━━━━━", "faster than your goal ✓")
+        driver.see("Attempt 1 of 2 · level 1")
 
         await driver.do_attempt(await driver.begin())
         assert driver.waiting.stage == "review"
-        driver.see("Attempt 2 of 2 · level 2", "Attempts 2 of 2")
+        driver.see("Attempt 2 of 2 · level 2", "■ ■")
         said = driver.messages("arbiter/action")[-1]["text"]
         assert "0.40 seconds" in said
         assert said in driver.said
@@ -99,7 +99,7 @@ async def test_after_the_last_attempt_it_resumes(
     async with opened(session) as driver:
         driver.see("Press Enter to see how it went.")
         assert "level" not in driver.rows[0]
-        driver.see("Attempts 2 of 2")
+        driver.see("■ ■")
         await driver.press("enter")
         driver.see("2 of 2 goals reached")
     assert driver.stored("SELECT status FROM sessions") == [("completed",)]
@@ -133,7 +133,7 @@ async def test_an_attempt_that_begins_again_counts_once_and_the_next_one_begins_
         assert driver.app.live
         driver.app.live.operate(SessionCommand(command="resume"))
         await driver.settle()
-        driver.see("This attempt begins again.", "Attempts 0 of 3")
+        driver.see("This attempt begins again.", "□ □ □")
         assert (await driver.begin()).attempt == 2
         driver.see("Attempt 1 of 3")
         for _ in range(19):

@@ -112,7 +112,7 @@ async def test_only_a_large_window_draws_the_headline_and_the_key(driver: AppDri
     assert "█" not in driver.text
     await driver.resize(100, 30)
     assert "█" in driver.text
-    assert "│ Enter │" in driver.text
+    assert "▄▄▄▄▄▄▄▄▄" in driver.text
     driver.see("Press that key as fast as you")
     await driver.resize(80, 24)
     assert "█" not in driver.text

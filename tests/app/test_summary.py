@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.app.screens.summary import below, beside, facts
+from sar_tui.app.screens.summary import beside, draw_picture, facts
 from sar_tui.model.language import Language
 from sar_tui.model.messages import AttemptEnded
 from sar_tui.model.trial_types import Metric
@@ -37,7 +37,15 @@ NO_DAY = attempts((1, 1400.0, False), (1, None, False))
 
 def drawn(played: Sequence[AttemptEnded], room: int = 80) -> list[str]:
     """Return a participant's words and picture, in a small window."""
-    return [line.plain.rstrip() for line in beside(facts(played, TIME, Language()), played, room)]
+    lines = beside(facts(played, TIME, Language()), played, room)
+    return [line.plain.replace("\N{NO-BREAK SPACE}", " ").rstrip() for line in lines]
+
+
+def picture(played: Sequence[AttemptEnded], *, is_large: bool = False) -> list[str]:
+    """Return one participant's picture, with its words."""
+    content = draw_picture(played, 70, Language(), is_large=is_large)
+    lines = content.plain.replace("\N{NO-BREAK SPACE}", " ").split("\n")
+    return [line.rstrip() for line in lines]
 
 
 def test_the_picture_has_a_mark_for_each_attempt_and_levels_that_never_fall() -> None:
@@ -67,24 +75,31 @@ def test_where_the_level_only_fell_no_level_is_told() -> None:
 @pytest.mark.parametrize("room", [80, 40])
 def test_without_a_goal_reached_nothing_is_drawn(room: int) -> None:
     assert drawn(NO_DAY, room) == ["You did 2 attempts."]
-    assert [line.plain for line in below(["You did 2 attempts."], NO_DAY, room, Language())] == [
-        "You did 2 attempts."
-    ]
+    assert picture(NO_DAY) == [""]
 
 
 def test_the_picture_is_below_the_words_where_there_is_no_room_beside_them() -> None:
     assert len(drawn(GOOD_DAY, 50)) == len(drawn(GOOD_DAY)) + 2
 
 
-def test_in_a_large_window_the_picture_is_tall() -> None:
-    lines = below(["words"], GOOD_DAY, 88, Language())
-    heights = [
-        sum(line.plain.ljust(30)[column] != " " for line in lines[2:-2])
-        for column in range(0, 30, 6)
+def test_words_say_what_the_picture_shows() -> None:
+    assert picture(GOOD_DAY) == [
+        "              ▃▃ ▆▆ ██ 5",
+        "level 1 ▁▁ ▅▅ ██ ██ ██",
+        "  goals ●  ●  ●  ●  ○",
+        "● reached   ○ not yet",
     ]
+
+
+def test_where_all_goals_were_reached_nothing_is_said_of_others() -> None:
+    assert picture(GOOD_DAY[:1]) == ["  goals ●", "● reached"]
+
+
+def test_in_a_large_window_the_picture_is_tall() -> None:
+    lines = picture(GOOD_DAY, is_large=True)[:-2]
+    heights = [sum(line.ljust(40)[column] != " " for line in lines) for column in range(8, 38, 6)]
     assert heights == sorted(heights)
-    assert heights[-1] == len(lines) - 4 > 1
-    assert lines[-1].plain == "● goal reached"
+    assert heights[-1] == len(lines) == 5
 
 
 async def test_a_completed_session_is_praised_with_its_number_and_the_next_meeting(

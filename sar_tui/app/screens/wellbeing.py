@@ -22,7 +22,7 @@ from sar_tui.rules.scanning import Choice
 from sar_tui.rules.wellbeing import PAIN_ENDS, Advice, Moment, PainLimits, stop_now
 from sar_tui.store.wellbeing import NOT_SAID
 from sar_tui.tui.dismissed_once import DismissedOnce
-from sar_tui.tui.heading import ROOMY, TALL, Heading, most_rows
+from sar_tui.tui.heading import ROOMY, Heading, most_rows
 from sar_tui.tui.key_line import KeyLine
 from sar_tui.tui.language import translated as translated_keys
 from sar_tui.widgets.answer_options import options_text, with_chosen
@@ -65,6 +65,8 @@ _CHOICE_KEYS = frozenset("0123456789")
 _FACE, _LISTENS = "listening", Pose(lean=1)
 _MARGINS = 12
 """Columns beside the scale, at both sides together."""
+_TALL = 46
+"""Least rows of a window in which two blank rows are between the parts."""
 
 
 _ADVICE: dict[Moment, str] = {
@@ -481,7 +483,7 @@ class WellbeingScreen(DismissedOnce[bool]):
             asked = asked._replace(decline="", given="" if interview.is_advising else given)
         self._said = asked._replace(press="").sentences
         columns, rows = app.size
-        self.set_class(rows >= TALL, "tall")
+        self.set_class(rows >= _TALL, "tall")
         if interview.is_advising:
             options: str | Content = " ".join(asked.said).replace(". ", ".\n")
         else:
