@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.app.screens.summary import beside, draw_picture, facts
+from sar_tui.app.screens.summary import LARGE, SMALL, Layout, beside, draw_picture, facts
 from sar_tui.model.language import Language
 from sar_tui.model.messages import AttemptEnded
 from sar_tui.model.trial_types import Metric
@@ -41,9 +41,9 @@ def drawn(played: Sequence[AttemptEnded], room: int = 80) -> list[str]:
     return [line.plain.replace("\N{NO-BREAK SPACE}", " ").rstrip() for line in lines]
 
 
-def picture(played: Sequence[AttemptEnded], *, is_large: bool = False) -> list[str]:
+def picture(played: Sequence[AttemptEnded], layout: Layout = SMALL) -> list[str]:
     """Return one participant's picture, with its words."""
-    content = draw_picture(played, 70, Language(), is_large=is_large)
+    content = draw_picture(played, 70, Language(), layout)
     lines = content.plain.replace("\N{NO-BREAK SPACE}", " ").split("\n")
     return [line.rstrip() for line in lines]
 
@@ -96,7 +96,7 @@ def test_where_all_goals_were_reached_nothing_is_said_of_others() -> None:
 
 
 def test_in_a_large_window_the_picture_is_tall() -> None:
-    lines = picture(GOOD_DAY, is_large=True)[:-2]
+    lines = picture(GOOD_DAY, LARGE)[:-2]
     heights = [sum(line.ljust(40)[column] != " " for line in lines) for column in range(8, 38, 6)]
     assert heights == sorted(heights)
     assert heights[-1] == len(lines) == 5

@@ -121,7 +121,7 @@ class MessagePanel(Vertical):
 
 def rows_of(text: WaitingText, width: int) -> int:
     """Return the rows of a message as it is written, with the blank ones between its parts."""
-    parts = [_rows(part, width) for part in (text.headline, text.text) if part]
+    parts = [rows_of_text(part, width) for part in (text.headline, text.text) if part]
     return sum(parts) + max(0, len(parts) - 1)
 
 
@@ -137,7 +137,8 @@ def spread(text: WaitingText, width: int, height: int) -> tuple[str, int]:
     return lines, min(TWO_LINES, 1 + max(0, left))
 
 
-def _rows(text: str, width: int) -> int:
+def rows_of_text(text: str, width: int) -> int:
+    """Return the rows of a text in lines of so many columns; none of an empty text."""
     return sum(-(-max(1, len(line)) // max(1, width)) for line in text.split("\n")) if text else 0
 
 

@@ -9,6 +9,7 @@ from textual.containers import Center, Vertical
 from textual.content import Content
 from textual.widgets import Static
 
+from sar_tui.app.screens.message_panel import rows_of_text
 from sar_tui.model.language import Language
 from sar_tui.model.messages import AttemptEnded
 from sar_tui.model.results_for_people import result_text
@@ -25,10 +26,32 @@ _GAP = 4
 """Columns between words and the picture beside them."""
 _LARGEST = 8
 """Most rows of the praise in a large window."""
-_LOW, _TALL = 2, 5
-"""Rows of the picture of levels, in a large window the latter."""
-_NARROW, _WIDEST = 3, 6
-"""Most columns of an attempt, in a large window the latter."""
+
+
+class Layout(NamedTuple):
+    """Sizes of one participant's facts.
+
+    Attributes:
+        between: what parts one fact from the next.
+        before_picture: what parts the facts from the picture.
+        rows: of the picture of levels.
+        widest: most columns of an attempt.
+        margins: blank rows above and below all of it.
+    """
+
+    between: str
+    before_picture: str
+    rows: int
+    widest: int
+    margins: int
+
+
+_LAYOUTS = (
+    LARGE := Layout("\n\n", "\n\n", 5, 6, margins=6),
+    SMALL := Layout("\n", "\n\n", 2, 3, margins=2),
+    Layout("\n", "\n", 1, 3, margins=2),
+)
+"""From the largest to the smallest."""
 
 
 class Summary(Vertical):
@@ -125,8 +148,9 @@ class Summary(Vertical):
         praise.set_classes("well-done" if self._status == "completed" else "sentence")
         praise.show(end.headline)
         self._put("which", self._session)
-        self._put("facts", end.text or self._facts(tr))
-        self.query_one("#facts").set_class(len(self._attempts) == 1, "body")
+        alone = self._facts_of_one(tr) if len(self._attempts) == 1 else Content("")
+        self._put("facts", end.text or alone or self._facts(tr))
+        self.query_one("#facts").set_class(bool(end.text or alone), "body")
         self._put("earlier", self._earlier)
         self._put("next", self._next)
 
@@ -137,8 +161,6 @@ class Summary(Vertical):
 
     def _facts(self, tr: Language) -> Content:
         """Return words and picture of each seat, with all pictures below each other."""
-        if len(self._attempts) == 1 and (alone := self._facts_of_one(self._attempts[0], tr)):
-            return alone
         room = self.content_size.width or self.app.size.width
         parts: list[Content] = []
         for index, attempts in enumerate(self._attempts):
@@ -151,20 +173,25 @@ class Summary(Vertical):
             parts += map(Content, self._more_facts(attempts))
         return Content("\n").join(parts)
 
-    def _facts_of_one(self, attempts: Sequence[AttemptEnded], tr: Language) -> Content:
+    def _facts_of_one(self, tr: Language) -> Content:
         """Return words with the picture below them, as large as there is room; empty if there is
         none.
         """
+        attempts = self._attempts[0]
         said = [*facts(attempts, self._metric, tr), *self._more_facts(attempts)]
         width, height = self.content_size
         is_large = is_roomy(*self.app.size)
-        others = [text for text in (self._session, self._earlier, self._next) if text]
-        left = height - (ONE_LINE if is_large else 1) - sum(1 + text.count("\n") for text in others)
-        for large in (True, False) if is_large else (False,):
-            words = ("\n\n" if large else "\n").join(said)
-            picture = draw_picture(attempts, width, tr, is_large=large)
-            whole = Content("\n\n").join((Content(words), picture)) if picture else Content(words)
-            if whole.plain.count("\n") + 1 + (4 if large else 2) <= left:
+        others = (self._session, self._earlier, self._next)
+        left = (
+            height
+            - (ONE_LINE if is_large else 1)
+            - sum(rows_of_text(text, width) for text in others)
+        )
+        for layout in _LAYOUTS if is_large else _LAYOUTS[1:]:
+            picture = draw_picture(attempts, width, tr, layout)
+            parts = [Content(layout.between.join(said)), *([picture] if picture else [])]
+            whole = Content(layout.before_picture).join(parts)
+            if whole.plain.count("\n") + 1 + layout.margins <= left:
                 return whole
         return Content("")
 
@@ -231,7 +258,7 @@ def beside(words: list[str], attempts: Sequence[AttemptEnded], room: int) -> lis
 
 
 def draw_picture(
-    attempts: Sequence[AttemptEnded], room: int, tr: Language, *, is_large: bool
+    attempts: Sequence[AttemptEnded], room: int, tr: Language, layout: Layout
 ) -> Content:
     """Return the levels as columns above a mark for each attempt, with words for both. Empty
     without a goal that was reached.
@@ -241,9 +268,8 @@ def draw_picture(
     levels = [attempt.level for attempt in attempts]
     goals, first, last = tr("goals"), tr("level {level}", level=levels[0]), str(max(levels))
     left, right = max(len(goals), len(first)) + 1, len(last) + 1
-    most = _WIDEST if is_large else _NARROW
-    step = max(1, min(most, (room - left - right) // len(attempts)))
-    rows = _levels(attempts, _TALL if is_large else _LOW, step)
+    step = max(1, min(layout.widest, (room - left - right) // len(attempts)))
+    rows = _levels(attempts, layout.rows, step)
     marks = _marks(attempts, step)
     named = [("", row, "") for row in rows]
     if rows:
