@@ -15,6 +15,7 @@ from sar_tui.model.spoken_text import sentences
 from sar_tui.model.units import MS, SECOND
 from sar_tui.rules.keys import LONGEST_INTERVAL, KeyGuard
 from sar_tui.tui.dismissed_once import DismissedOnce
+from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.language import language_of
 
 _ALWAYS = frozenset(("ctrl+c", "ctrl+q", "f2"))
@@ -142,6 +143,7 @@ class HelpScreen(DismissedOnce[None], ModalScreen[None]):
             if binding.binding.show and binding.enabled and name and name not in seen:
                 seen.add(name)
                 table.add_row(self.app.get_key_display(binding.binding), tr(name).capitalize())
-        if self.app.use_command_palette:
+        is_hidden = any(footer.for_participant for footer in self._about.query(KeyFooter))
+        if is_hidden and self.app.use_command_palette:
             table.add_row(f"{tr('Ctrl')}-P", tr("Everything that can be done here"))
         return table

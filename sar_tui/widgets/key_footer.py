@@ -23,13 +23,13 @@ class KeyFooter(Footer):
 
     def __init__(self, *, for_participant: bool = False, show_command_palette: bool = True) -> None:
         super().__init__(show_command_palette=show_command_palette and not for_participant)
-        self._hidden = {"quit"} if for_participant else set()
+        self.for_participant = for_participant
 
     def compose(self) -> ComposeResult:
         tr = language_of(self.app)
         for part in super().compose():
             if isinstance(part, FooterKey):
-                if part.action in self._hidden:
+                if self.for_participant and part.action == "quit":
                     continue
                 part.description = tr(part.description)
                 if not part.has_class("-command-palette"):

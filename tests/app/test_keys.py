@@ -53,7 +53,8 @@ async def test_a_question_mark_opens_help_except_in_a_trial(open_session: OpenSe
     async with open_session(levels="?x") as driver:
         await driver.press("?")
         assert driver.screen_name == "HelpScreen"
-        driver.see("Press that key as fast as you", "To pause, press Escape")
+        driver.see("Press that key as fast as you", "To pause, press Escape", "Ctrl-Q Quit")
+        driver.see("Ctrl-P Everything that can be done here")
         await driver.press("enter")
         driver.see("Press Enter to go on.")
         await driver.to_first_prompt()

@@ -84,7 +84,7 @@ def test_the_picture_is_below_the_words_where_there_is_no_room_beside_them() -> 
 
 def test_words_say_what_the_picture_shows() -> None:
     assert picture(GOOD_DAY) == [
-        "              ▃▃ ▆▆ ██ 5",
+        "              ▁▁ ▄▄ ██ 5",
         "level 1 ▁▁ ▅▅ ██ ██ ██",
         "  goals ●  ●  ●  ●  ○",
         "● reached   ○ not yet",
