@@ -75,7 +75,8 @@ def draw_bars(
         is_large: bars are two rows thick, with a blank row between them.
     """
     rows = [row for same in _by_goal(bars) for row in _rows(same, tr)]
-    names, values = max(len(row.name) for row in rows), max(len(row.value) for row in rows)
+    names = max(len(row.name) for row in rows)
+    values = max(len(row.value) for row in rows)
     columns = min(LONGEST, width - names - values - 2 - 2 * (len(bars) > 1))
     if columns < SHORTEST:
         return Content("")

@@ -108,8 +108,8 @@ class MessagePanel(Vertical):
             return []
         bar = self._bars[0]
         text = result_text(bar.metric, bar.value, language_of(self.app))
-        if is_large:
-            return in_blocks(text, width, ONE_LINE)
+        if is_large and (drawn := in_blocks(text, width, ONE_LINE)):
+            return drawn
         # its font has no half blocks
         return [] if on_linux_console() else draw_result(text)
 
