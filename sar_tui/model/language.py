@@ -38,7 +38,7 @@ class Language:
             english: own for english, own in (texts or {}).items() if not slot_problem(english, own)
         }
 
-    def __call__(self, text: str, **slots: object) -> str:
+    def __call__(self, text: str, /, **slots: object) -> str:
         """Return a text in this language, with its slots filled; without ``slots``, braces are
         kept.
 
@@ -89,7 +89,7 @@ class Sentence(str):
     english: str
     slots: dict[str, object]
 
-    def __new__(cls, english: str, **slots: object) -> "Sentence":
+    def __new__(cls, english: str, /, **slots: object) -> "Sentence":
         made = super().__new__(cls, _said(english, slots, ENGLISH))
         made.english, made.slots = english, slots
         return made

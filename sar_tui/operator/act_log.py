@@ -39,7 +39,7 @@ _LONGEST = 36
 """Longest text of an act, in columns, so that there is room for its outcome."""
 _MAX_KINDS = 500
 Wait = Literal["", "response", "pause"]
-"""What a remark waits for: the end of a response or of a pause."""
+"""Events that a remark waits for: the end of a response or of a pause."""
 _COMMANDS = {
     "stop": ("Stopped", "Stopping"),
     "pause": ("Paused", "Pausing"),

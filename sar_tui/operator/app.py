@@ -159,7 +159,7 @@ class ChooseScreen(Screen[JoinableSession | None]):
 
     @property
     def help_text(self) -> str:
-        """What the app's help says of this screen."""
+        """Explanation of this screen in the help."""
         return f"{self.tr('The sessions of this data folder that an operator can join.')}\n"
 
     def compose(self) -> ComposeResult:

@@ -132,7 +132,7 @@ _REQUESTS = {
     "a message": "a message",
     "the link": "the link",
 }
-"""What a peer asked for and was refused, with what is answered each by itself."""
+"""Requests of peers that are refused, with those that are answered each by itself."""
 _PRESENCE = {
     "baton": ("You have control.", "{who} has control."),  # stored spelling of "took control"
     "joined": ("You joined.", "{who} joined."),

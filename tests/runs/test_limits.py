@@ -88,7 +88,7 @@ def test_what_was_done_earlier_today_counts_and_another_session_is_refused_kindl
     assert play(data, catalogue, attempts=2, attempts_a_day=3) == (2, ENOUGH)
     with pytest.raises(Failed) as refused:
         begin(data, catalogue, attempts_a_day=3)
-    assert "limit of 3 attempts a day is reached" in str(refused.value)
+    assert "the limit of the programme is reached (Attempts a day: 3)" in str(refused.value)
     begin(data, catalogue, attempts_a_day=4)[0].close()
 
 

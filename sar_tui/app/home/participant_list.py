@@ -56,7 +56,7 @@ class ParticipantList(MarkedList):
 
     @property
     def entry(self) -> "Entry | None":
-        """What the day says of the chosen participant."""
+        """The entry of the day on the chosen participant."""
         return next((each for each in self._known if each.code == self.code), None)
 
     @property

@@ -340,9 +340,10 @@ class ProgressScreen(DismissedOnce[None]):
             return self.tr("Press Enter to correct this record.")
         line = self._shown_line
         if self.figure == "verdict" and self.found and line:
-            word = _OUTLOOKS.get(headline(self.found, line, self.tr).outlook)
-            why = self.tr('Press Enter to see why it says "{word}".', word=self.tr(word or ""))
-            return why if word else self.tr("Press Enter to see why.")
+            word = self.tr(_OUTLOOKS.get(headline(self.found, line, self.tr).outlook, ""))
+            if not word:
+                return self.tr("Press Enter to see why.")
+            return self.tr('Press Enter to see why it says "{word}".', word=word)
         title = self.tr(GLOSSARY[self.figure].title)
         return self.tr('Press Enter to see what "{figure}" means.', figure=title)
 
