@@ -10,6 +10,7 @@ from tests import translations
 from tests.translations import OTHERS, Room
 
 
+@pytest.mark.slow
 def test_no_bundled_language_lacks_a_text() -> None:
     assert translations.problems() == []
 

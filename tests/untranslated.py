@@ -16,8 +16,10 @@ def english_in(shown: Iterable[str], translations: Mapping[str, str]) -> list[tu
     for text, own in translations.items():
         if not any(words.strip() for words, *_ in string.Formatter().parse(text)):
             continue  # it has no words of its own
-        pattern = _pattern(text)
-        if text != own and (where := next((line for line in lines if pattern.search(line)), None)):
+        pattern, literals = _pattern(text), _literals(text)
+        likely = (line for line in lines if all(words in line for words in literals))
+        where = next((line for line in likely if pattern.search(line)), None)
+        if text != own and where:
             found.append((text, where))
     return found
 
@@ -42,3 +44,8 @@ def _parts(text: str) -> Iterator[str]:
         yield re.escape(re.sub(r"\s+", " ", words))
         if slot is not None:
             yield r"\S.*?"
+
+
+def _literals(text: str) -> list[str]:
+    """Return what stands between the slots of a text."""
+    return [re.sub(r"\s+", " ", words) for words, *_ in string.Formatter().parse(text)]

@@ -158,6 +158,7 @@ async def test_an_unsaved_code_stays(opened: OpenApp, monkeypatch: pytest.Monkey
         driver.see("The disk is full.", "P07")
 
 
+@pytest.mark.slow
 async def test_unsaved_messages_are_reported_when_the_session_is_left(
     opened: OpenApp, data: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -173,6 +173,7 @@ async def test_without_a_participant_nothing_starts_and_imprecise_timing_is_told
             driver.app.clear_notifications()
 
 
+@pytest.mark.slow
 async def test_a_theme_that_is_chosen_is_stored_for_its_participant(
     opened: OpenApp, data: Path
 ) -> None:
@@ -252,6 +253,7 @@ async def test_an_interrupted_session_is_dismissed_taken_back_and_resumed(
     assert found == [(1, 1), (1, 2), (2, 1), (2, 2)]
 
 
+@pytest.mark.slow
 async def test_a_session_in_another_program_is_shown_so_far_and_not_dismissed(
     opened: OpenApp, open_session: OpenSession, data: Path
 ) -> None:

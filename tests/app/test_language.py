@@ -42,6 +42,7 @@ def plan(
 # --- the app's own words
 
 
+@pytest.mark.slow
 def test_every_text_of_the_app_is_translated_and_no_translation_is_obsolete(
     catalogue: Catalogue,
 ) -> None:
@@ -101,6 +102,7 @@ SEEN = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("code", LANGUAGES)
 async def test_a_session_of_keys_is_in_another_language(
     opened: OpenApp, catalogue: Catalogue, code: str
@@ -271,6 +273,7 @@ async def test_a_language_chosen_in_the_palette_is_that_of_the_home_at_once_and_
         driver.see("Einstellungen", "Noch keine Sitzung. START beginnt die erste.")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("code", LANGUAGES)
 async def test_no_screen_around_the_home_has_english_words(
     opened: OpenApp, data: Path, code: str

@@ -329,6 +329,7 @@ def test_figures_that_a_voice_misreads_become_words(language: str, text: str, sa
     assert in_words(text, app_language(language)) == said
 
 
+@pytest.mark.slow
 @needs_speech
 @pytest.mark.parametrize("language", ["en", "de", "es"])
 async def test_a_session_is_spoken_to_files_with_every_sentence(

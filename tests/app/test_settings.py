@@ -177,6 +177,7 @@ async def test_values_are_checked_as_they_are_typed(
     assert stored_settings(data)["attempts"] == 20
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_an_unknown_sensor_is_told(first_run: AppDriver, catalogue: Catalogue) -> None:
     first_run.app.push_screen(SettingsScreen("P01", catalogue.task("reaching")))
@@ -248,6 +249,7 @@ async def test_a_language_that_the_theme_lacks_is_told(opened: OpenApp, data: Pa
     assert stored_settings(data)["language"] == "es"
 
 
+@pytest.mark.slow
 async def test_settings_that_became_invalid_are_told_and_can_be_set(
     opened: OpenApp, data: Path
 ) -> None:
@@ -459,6 +461,7 @@ async def test_the_preview_follows_each_change_and_stores_nothing(
     assert stored(data, "SELECT count(*) FROM sessions") == [(0,)]
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_the_preview_says_whom_it_is_like(
     opened: OpenApp, data: Path, catalogue: Catalogue
@@ -486,6 +489,7 @@ async def test_a_rule_that_is_gone_is_shown_until_another_is_chosen(
         driver.lacks("gone here")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_a_rule_that_fails_is_said_to_when_it_is_looked_at_and_spoils_no_other(
     opened: OpenApp, monkeypatch: pytest.MonkeyPatch

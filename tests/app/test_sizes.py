@@ -35,6 +35,7 @@ async def shrink_and_grow(driver: AppDriver) -> None:
     assert driver.screen_name == before
 
 
+@pytest.mark.slow
 async def test_home_and_the_settings_survive_any_size(home: AppDriver) -> None:
     await shrink_and_grow(home)
     await home.press("f2")
@@ -44,6 +45,7 @@ async def test_home_and_the_settings_survive_any_size(home: AppDriver) -> None:
     assert home.screen_name == "SettingsScreen"
 
 
+@pytest.mark.slow
 async def test_progress_survives_any_size(
     opened: OpenApp, data: Path, catalogue: Catalogue
 ) -> None:
@@ -58,6 +60,7 @@ async def test_progress_survives_any_size(
         assert driver.screen_name == "ExplanationScreen"
 
 
+@pytest.mark.slow
 async def test_the_sensor_check_opens_in_any_size(opened: OpenApp, catalogue: Catalogue) -> None:
     settings = {"imu": "simulated"}
     planned = make_plan(catalogue, "reaching", ["P01"], settings, seed=7)

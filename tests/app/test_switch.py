@@ -173,6 +173,7 @@ async def test_a_session_with_space_alone(data: Path, catalogue: Catalogue, task
         assert_whole(driver, task)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("task", SETTINGS)
 async def test_presses_that_bounce_begin_nothing_twice(
     data: Path, catalogue: Catalogue, task: str
@@ -185,6 +186,7 @@ async def test_presses_that_bounce_begin_nothing_twice(
         assert set(outcomes) == {"taken", "held"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("task", SETTINGS)
 async def test_a_session_with_two_switches(data: Path, catalogue: Catalogue, task: str) -> None:
     plan = planned(catalogue, task, switch="two", **SETTINGS[task])
@@ -246,6 +248,7 @@ async def pressed(data: Path, catalogue: Catalogue, times: int, who: str = "P01"
     return [msgspec.json.decode(text) for (text,) in stored(data, query)]
 
 
+@pytest.mark.slow
 async def test_the_scan_interval_goes_on_from_a_persons_earlier_sessions(
     data: Path, catalogue: Catalogue
 ) -> None:

@@ -55,6 +55,7 @@ def programme(checkout: Path, call: Call) -> None:
     assert call("programme import P01 keyboard", file, "--reason", "Tires early", "--new").code == 0
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("programme")
 def test_after_a_day_of_use_git_adds_nothing(checkout: Path, call: Call) -> None:
     data = checkout / "data"

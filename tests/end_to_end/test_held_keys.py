@@ -151,6 +151,7 @@ FIRST: tuple[Step, ...] = (
 )
 
 
+@pytest.mark.slow
 def test_the_first_screens_are_not_skipped_by_a_held_key(data: Path) -> None:
     exercise(data, **SETTINGS)
     with patient(data) as terminal:

@@ -139,6 +139,7 @@ def test_a_whole_session_is_read_as_lines_and_recorded_like_any_other(data: Path
     assert replays_identically(data)
 
 
+@pytest.mark.slow
 def test_an_answer_is_taken_back_in_lines(data: Path) -> None:
     with Terminal(plain(data, prompts_per_attempt=1, questions="effort")) as terminal:
         to_the_attempt(terminal)
@@ -164,6 +165,7 @@ def test_an_answer_is_taken_back_in_lines(data: Path) -> None:
     assert replays_identically(data)
 
 
+@pytest.mark.slow
 def test_escape_opens_a_menu_of_numbers_and_the_session_is_resumed_after_a_signal(
     data: Path,
 ) -> None:
@@ -197,6 +199,7 @@ def test_escape_opens_a_menu_of_numbers_and_the_session_is_resumed_after_a_signa
     assert rows(data, "SELECT count(*) FROM trials") == [(3,)]
 
 
+@pytest.mark.slow
 def test_keys_that_are_held_or_come_too_soon_do_not_answer_the_advice_not_to_train(
     data: Path,
 ) -> None:
@@ -218,6 +221,7 @@ def test_keys_that_are_held_or_come_too_soon_do_not_answer_the_advice_not_to_tra
     assert json.loads(kept[-1][0])["advice"] == "went on"
 
 
+@pytest.mark.slow
 def test_operators_and_markers_are_served_as_on_a_screen(data: Path) -> None:
     with udp_receiver() as receiver:
         words = [*plain(data), "--operator", "--markers", receiver.address]
@@ -280,6 +284,7 @@ def test_a_participant_trains_alone_in_lines(data: Path) -> None:
         assert "quiet" not in " ".join(lines(terminal))
 
 
+@pytest.mark.slow
 def test_a_participant_in_pain_who_trains_alone_is_told_to_rest(data: Path) -> None:
     with Terminal(alone(data, ask_wellbeing=True)) as terminal:
         answer(

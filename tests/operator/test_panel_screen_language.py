@@ -250,6 +250,7 @@ def texts_of_panel(code: str) -> dict[str, str]:
     return {**texts, **headings}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("code", OTHERS)
 async def test_nothing_that_the_panel_draws_stays_english(
     catalogue: Catalogue, tmp_path: Path, code: str
@@ -261,6 +262,7 @@ async def test_nothing_that_the_panel_draws_stays_english(
     assert english_in(seen.lines, texts_of_panel(code)) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("code", OTHERS)
 async def test_the_plot_of_a_wide_panel_is_in_another_language(
     catalogue: Catalogue, tmp_path: Path, code: str
