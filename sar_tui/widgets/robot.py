@@ -90,6 +90,15 @@ def _put_head(cells: Cells, face: Sequence[str], pose: Pose, *, leans: bool) -> 
             is_outside = not line[:column].strip() or not line[column:].strip()
             if character != " " or not is_outside:
                 _put(cells, left + column, top + row, character)
+    if bottom == _SHOULDERS:
+        _join(cells)
+
+
+def _join(cells: Cells) -> None:
+    """Draw a neck between a head and the shoulders right below it."""
+    for column in (WIDTH // 2 - 1, WIDTH // 2 + 1):
+        if cells[_SHOULDERS - 1][column] == cells[_SHOULDERS][column] == "─":
+            cells[_SHOULDERS - 1][column], cells[_SHOULDERS][column] = "┬", "┴"
 
 
 def _turned(face: Sequence[str], step: int) -> list[str]:
