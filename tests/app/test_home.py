@@ -159,6 +159,7 @@ async def test_a_task_that_does_not_load_or_is_removed_while_it_is_chosen_is_tol
         assert driver.screen_name == "HomeScreen"
 
 
+@pytest.mark.slow
 async def test_without_a_participant_nothing_starts_and_imprecise_timing_is_told(
     opened: OpenApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -14,6 +14,7 @@ def flags_of_the_trial(driver: AppDriver) -> str:
     return str(flags)
 
 
+@pytest.mark.slow
 async def test_characters_typed_into_forms_and_the_palette_are_never_recorded(
     first_run: AppDriver,
 ) -> None:

@@ -247,6 +247,7 @@ def test_each_text_for_a_child_differs_from_that_for_an_adult(
 # --- the therapist's screens
 
 
+@pytest.mark.slow
 async def test_a_language_chosen_in_the_palette_is_that_of_the_home_at_once_and_from_then_on(
     opened: OpenApp, data: Path
 ) -> None:

@@ -71,6 +71,7 @@ async def test_in_turn_the_letter_is_in_ones_half(opened: OpenApp, play: Play) -
         assert [fault.error for fault in driver.session.faults] == []
 
 
+@pytest.mark.slow
 async def test_in_a_race_each_half_has_a_letter_and_its_own_results(
     opened: OpenApp, play: Play
 ) -> None:

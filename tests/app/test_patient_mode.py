@@ -177,6 +177,7 @@ async def test_an_attempt_can_be_left_out_in_ones_own_language(opened: OpenApp, 
         assert not list(flaws(database)), "nothing of the record is missing"
 
 
+@pytest.mark.slow
 async def test_neither_screens_nor_help_name_a_way_out(opened: OpenApp, data: Path) -> None:
     known(data, "P88", task="reaching", **REACHING, ask_wellbeing=True)
     others = ("Quit", "Ctrl-Q", "Settings", "F12", "F2 on the first screen", "F7")
@@ -215,6 +216,7 @@ async def test_it_begins_from_the_first_screen_and_the_passphrase_ends_it_there(
     assert first_run.screen_name == "SettingsScreen", "all keys work again"
 
 
+@pytest.mark.slow
 async def test_in_a_session_the_keys_that_leave_pause_it_and_a_removed_passphrase_still_guards(
     alone: AppDriver, data: Path
 ) -> None:

@@ -123,6 +123,7 @@ async def form(a_participant: None, opened: OpenApp) -> AsyncIterator[AppDriver]
         yield driver
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_any_parameter_has_a_field(opened: OpenApp, data: Path, keyboard: type[Task]) -> None:
     class More(keyboard.Parameters, frozen=True, kw_only=True):  # type: ignore[name-defined, misc]
@@ -213,6 +214,7 @@ async def test_one_field_is_reset_or_all_of_them(form: AppDriver) -> None:
     assert not any(widget.is_changed for widget in every_field(form))
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_saved_settings_apply_to_the_next_session(opened: OpenApp, data: Path) -> None:
     known(data, "P02", attempts=2)
@@ -285,6 +287,7 @@ async def test_arrows_and_page_keys_move_between_groups(form: AppDriver) -> None
     assert open_panels(form) == ["Timing"]
 
 
+@pytest.mark.slow
 async def test_arrows_pass_over_choices_and_do_not_open_them(form: AppDriver) -> None:
     await go_to(form, "prompts_per_attempt")
     await form.press("down", "down", "down")
@@ -449,6 +452,7 @@ async def test_only_the_settings_that_a_rule_uses_are_shown(form: AppDriver) -> 
     assert "Target is used by another choice: target." in told(form)
 
 
+@pytest.mark.slow
 async def test_the_preview_follows_each_change_and_stores_nothing(
     form: AppDriver, data: Path
 ) -> None:
@@ -520,6 +524,7 @@ def test_each_level_has_a_height_of_its_own(keyboard: type[Task]) -> None:
 # --- leaving without saving
 
 
+@pytest.mark.slow
 async def test_leaving_asks_nothing_and_saves_nothing_and_coming_back_finds_what_was_typed(
     form: AppDriver, data: Path
 ) -> None:
@@ -559,6 +564,7 @@ def three_versions(data: Path) -> None:
             )
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("three_versions")
 async def test_a_version_is_compared_and_brought_back_as_a_new_one(opened: OpenApp) -> None:
     async with opened() as driver:

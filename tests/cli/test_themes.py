@@ -141,6 +141,7 @@ def test_an_existing_folder_is_never_overwritten(call: Call, evening: Path) -> N
 # --- checked
 
 
+@pytest.mark.slow
 def test_the_bundled_themes_pass_their_check_and_contrast_is_measured(call: Call) -> None:
     for name in ("calm", "high-contrast", "playful"):
         called = call("themes check", name)

@@ -92,6 +92,7 @@ def test_default_session_opens_no_socket(data: Path) -> None:
         assert sample.own <= 2, "only the two ends of the event loop's own wake-up socket"
 
 
+@pytest.mark.slow
 def test_session_with_operator_listens_on_one_private_socket(data: Path) -> None:
     with SessionTerminals(data) as terminals:
         participant = terminals.participant("--operator", prompts_per_attempt=1, attempts=1)

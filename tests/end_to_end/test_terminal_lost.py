@@ -39,6 +39,7 @@ SETTINGS = {
 }
 
 
+@pytest.mark.slow
 def test_an_operator_behind_a_frozen_connection_is_lost_and_comes_back(data: Path) -> None:
     with SessionTerminals(data) as terminals:
         participant = terminals.participant("--operator", **SETTINGS)

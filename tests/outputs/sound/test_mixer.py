@@ -64,6 +64,7 @@ def talking(theme: Theme, *program: list[str], **options: Any) -> AbstractContex
 # --- what is killed, stands still, hangs or crashes
 
 
+@pytest.mark.slow
 def test_a_voice_killed_in_mid_utterance_fails_it_and_the_next_is_spoken(
     calm: Theme, tmp_path: Path
 ) -> None:
@@ -78,6 +79,7 @@ def test_a_voice_killed_in_mid_utterance_fails_it_and_the_next_is_spoken(
         assert len(pids(file)) == 2
 
 
+@pytest.mark.slow
 def test_an_engine_that_hangs_is_aborted_by_a_stop(calm: Theme) -> None:
     with talking(calm, program_with(HANGS_IN_C)) as listener:
         listener.tones.tone("go", "go")
@@ -114,6 +116,7 @@ def test_a_voice_that_never_comes_to_an_end_is_killed(
         assert not is_alive(pids(file)[0])
 
 
+@pytest.mark.slow
 def test_an_engine_that_crashes_fails_what_it_was_to_say_and_the_rest_is_spoken(
     calm: Theme,
 ) -> None:

@@ -103,6 +103,7 @@ def test_times_are_those_of_the_programs_own_clock() -> None:
     assert ended.at - started.at > 150_000_000
 
 
+@pytest.mark.slow
 def test_neither_a_stop_of_a_job_that_is_over_nor_getting_ready_disturbs_what_is_under_way() -> (
     None
 ):
