@@ -30,7 +30,7 @@ from tests.untranslated import english_in
 
 SMALL, LARGE = (80, 24), (120, 40)
 THEIRS = "¡Ñu!"
-"""What participants read is in the language of their session, here in none that has a
+"""A text that participants read, in the language of their session: here in none that has a
 translation.
 """
 _FRAMES = str.maketrans(dict.fromkeys("│┃", " "))
