@@ -1,6 +1,5 @@
 """The parts of the progress screen, as rows of text that fit a width and a height."""
 
-import re
 import textwrap
 from collections.abc import Iterator, Sequence
 from itertools import product
@@ -326,19 +325,6 @@ def window(count: int, rows: int, chosen: int) -> range:
     """Return the numbers of the rows to show, with the chosen one among them."""
     first = max(0, min(chosen - rows // 2, count - rows))
     return range(first, min(count, first + rows))
-
-
-def balanced(text: str, width: int) -> str:
-    """Return a text on as few lines as fit a width, all of about the same length, with no line
-    between a number and its unit, or beside an arrow.
-    """
-    kept = re.sub(r"(?<=\d) (?=[^\W\d]|→)|(?<=→) ", "\N{NO-BREAK SPACE}", text)
-    lines = textwrap.wrap(kept, width)
-    for narrower in range(len(kept) // max(1, len(lines)), width):
-        if len(tried := textwrap.wrap(kept, narrower)) <= len(lines):
-            lines = tried
-            break
-    return "\n".join(lines).replace("\N{NO-BREAK SPACE}", " ")
 
 
 def wrapped(sentences: Sequence[str], width: int, indent: str = "") -> list[str]:

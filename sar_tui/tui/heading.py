@@ -2,6 +2,7 @@
 (docs/design-language.md).
 """
 
+import re
 from collections.abc import Iterator, Sequence
 
 from textual.content import Content
@@ -19,6 +20,8 @@ TALL = 40
 _HEIGHTS = (8, ONE_LINE)
 """Rows of a letter in whole blocks and in half blocks; a letter in whole blocks is twice as wide."""
 _MOST_LINES = 2
+_FIGURES = re.compile(r"\d+(?:[.,]\d+)?(?: \w+ \d+)?")
+"""A number, or two with a word between them: ``9 of 10``."""
 
 
 def is_roomy(columns: int, rows: int) -> bool:
@@ -54,6 +57,17 @@ def in_blocks(text: str, columns: int, rows: int) -> list[str]:
                 rows_of_lines = (row for letters in drawn for row in (*_block(letters), ""))
                 return list(rows_of_lines)[:-1]
     return []
+
+
+def figures_in_blocks(text: str, columns: int) -> list[str]:
+    """Return the lines of a text with its first figures in block letters, the words beside their
+    last row; none if it does not begin with figures, or if there is no room.
+    """
+    if not (found := _FIGURES.match(text)):
+        return []
+    words = text[found.end() :]
+    drawn = in_blocks(found[0], columns - len(words), ONE_LINE)
+    return _block([*drawn[:-1], drawn[-1] + words]) if drawn else []
 
 
 def spaced(text: str, columns: int) -> str:

@@ -7,11 +7,15 @@ from typing import Any
 from rich.text import Text
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
+from textual.content import Content
+from textual.css.scalar import Unit
+from textual.geometry import Size
 from textual.widget import Widget
 from textual.widgets import Static
 
 from sar_tui.loop.clock import Clock, Handle
 from sar_tui.model.gesture import REST, Gesture, Pose
+from sar_tui.model.line_breaks import balanced
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS, SECOND
 from sar_tui.widgets.robot import HEIGHT, WIDTH, draw, posed, with_mouth
@@ -20,6 +24,8 @@ FRAME = SECOND // 15
 """Time between two frames of a moving robot."""
 MOUTH = SECOND // 6
 """Time between opening and shutting the mouth while a voice sounds."""
+_SENTENCE = 72
+"""Columns of words in a box whose width is not known yet."""
 _VALENCES = ("positive", "neutral", "negative")
 
 
@@ -71,8 +77,8 @@ class Agent(Horizontal):
         self._picture: Any = picture(classes="picture") if picture and folder else None
         self._folder = folder
         self._pictures: dict[str, Any] = {}
-        self._said = Static(classes="said", markup=False)
-        self._more = Static(classes="more", markup=False)
+        self._said = _Words(classes="said", markup=False)
+        self._more = _Words(classes="more", markup=False)
         self._note = Static(classes="note", markup=False)
         self._has_words = False
         self._joined = ""
@@ -273,6 +279,28 @@ class Agent(Horizontal):
     def _put(self, words: Static, text: str) -> None:
         words.display = bool(text)
         words.update(text)
+
+
+class _Words(Static):
+    """Words of the agent, on lines of about the same length, and no wider than the longest."""
+
+    def _balanced(self, columns: int) -> Content:
+        return Content(balanced(str(self.content), columns or _SENTENCE))
+
+    def get_content_width(self, container: Size, viewport: Size) -> int:
+        columns = container.width
+        box = self.parent
+        if isinstance(box, Widget) and (most := box.styles.max_width) and most.unit is Unit.CELLS:
+            columns = int(most.value) - box.gutter.width
+        return max(
+            line.cell_length for line in self._balanced(columns).split("\n", allow_blank=True)
+        )
+
+    def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
+        return self._balanced(width).get_height({}, max(1, width))
+
+    def render(self) -> Content:
+        return self._balanced(self.content_size.width)
 
 
 # --- a picture

@@ -9,6 +9,7 @@ from sar_tui.app.screens.summary import LARGE, SMALL, Layout, beside, draw_pictu
 from sar_tui.model.language import Language
 from sar_tui.model.messages import AttemptEnded
 from sar_tui.model.trial_types import Metric
+from sar_tui.tui.heading import figures_in_blocks
 from tests.app.app_driver import AppDriver, OpenApp, OpenSession, open_app
 from tests.tasks.test_documented_tasks import documented
 
@@ -96,10 +97,26 @@ def test_where_all_goals_were_reached_nothing_is_said_of_others() -> None:
 
 
 def test_in_a_large_window_the_picture_is_tall() -> None:
-    lines = picture(GOOD_DAY, LARGE)[:-2]
+    *lines, blank, _, _ = picture(GOOD_DAY, LARGE)
     heights = [sum(line.ljust(40)[column] != " " for line in lines) for column in range(8, 38, 6)]
     assert heights == sorted(heights)
     assert heights[-1] == len(lines) == 5
+    assert blank == ""
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("9 of 10 goals reached", " goals reached"),
+        ("9 von 10 Zielen erreicht", " Zielen erreicht"),
+        ("0.45 seconds", " seconds"),
+    ],
+)
+def test_only_figures_are_in_block_letters(text: str, words: str) -> None:
+    drawn = [line.replace("\N{NO-BREAK SPACE}", " ") for line in figures_in_blocks(text, 100)]
+    assert drawn[-1].endswith(words)
+    assert len({len(line) for line in drawn}) == 1
+    assert figures_in_blocks(text, 20) == []
 
 
 async def test_a_completed_session_is_praised_with_its_number_and_the_next_meeting(

@@ -11,7 +11,7 @@ from sar_tui.app.screens.waiting_text import WaitingText
 from sar_tui.model.results_for_people import result_text
 from sar_tui.model.spoken_text import sentences
 from sar_tui.tui.base_app import on_linux_console
-from sar_tui.tui.heading import ONE_LINE, TALL, TWO_LINES, Heading, in_blocks, is_roomy
+from sar_tui.tui.heading import TALL, TWO_LINES, Heading, figures_in_blocks, is_roomy
 from sar_tui.widgets.answer_options import with_chosen
 from sar_tui.widgets.block_digits import draw_result
 from sar_tui.widgets.goal_bar import GoalBar, draw_bars, rows_of_bars
@@ -20,8 +20,10 @@ from sar_tui.widgets.task_view import Drawing
 
 _DRAWING_ROWS, _DRAWING_COLUMNS = 7, 72
 """Least rows of a drawing, with the blank one above it, and most columns."""
-_BARS = 68
-"""Most columns of the bars and their words, but for a result that is wider."""
+_BARS, _LARGE_BARS = 68, 92
+"""Most columns of the bars and their words, in a small and in a large window."""
+_PADDING = 2
+"""Rows that the band of the headline takes besides, in a tall window."""
 
 
 class MessagePanel(Vertical):
@@ -68,19 +70,21 @@ class MessagePanel(Vertical):
         left = height - rows_of(self._text, width) - bool(self._ask)
         drawing = self._drawing if left >= _DRAWING_ROWS else None
         left -= _DRAWING_ROWS if drawing else 0
+        is_tall = self.app.size.height >= TALL
+        padding = _PADDING if self._bars and is_tall else 0
+        left -= padding
         is_large = is_roomy(*self.app.size) and not drawing
         # where little is left, thin bars, and then no figure
         bars, rows = Content(""), 0
-        gap = 3 if self.app.size.height >= TALL else 1
+        gap = 3 if is_tall else 1
         drawn = self._figure(width, is_large)
         for thick, figure in ((is_large, drawn), (False, drawn), (False, [])):
             rows = (
                 rows_of_bars(self._bars, is_large=thick) + gap + (len(figure) + gap) * bool(figure)
             )
             if self._bars and rows <= left:
-                room = max(_BARS, len(figure[0])) if figure else _BARS
-                tr = language_of(self.app)
-                bars = draw_bars(self._bars, min(width, room), tr, is_large=thick)
+                room = min(width, _LARGE_BARS if is_large else _BARS)
+                bars = draw_bars(self._bars, room, language_of(self.app), is_large=thick)
                 break
         if not bars:
             figure, rows = [], 0
@@ -89,14 +93,17 @@ class MessagePanel(Vertical):
         area.show(drawing)
         text, headline_rows = self._text.text, 1
         if is_large:
-            text, headline_rows = spread(self._text, width, height - rows - bool(self._ask))
+            rest = height - rows - padding - bool(self._ask)
+            text, headline_rows = spread(self._text, width, rest)
         is_reached = bool(figure) and self._bars[0].is_reached
         self.query_one("#figure").set_class(is_reached, "well-done")
         self._put("figure", "\n".join(figure))
         self._put("result", bars)
-        self.query_one("#headline", Heading).show(
-            self._text.headline, 1 if figure else headline_rows
-        )
+        headline = self.query_one("#headline", Heading)
+        headline.set_class(bool(bars), "band")
+        side = max(0, (width - _LARGE_BARS) // 2)
+        headline.styles.margin = (0, side, 0 if is_tall else 1, side) if bars else None
+        headline.show(self._text.headline, 1 if figure else headline_rows)
         self._put("text", with_chosen(text))
         self._put("ask", self._ask)
 
@@ -108,7 +115,7 @@ class MessagePanel(Vertical):
             return []
         bar = self._bars[0]
         text = result_text(bar.metric, bar.value, language_of(self.app))
-        if is_large and (drawn := in_blocks(text, width, ONE_LINE)):
+        if is_large and (drawn := figures_in_blocks(text, width)):
             return drawn
         # its font has no half blocks
         return [] if on_linux_console() else draw_result(text)

@@ -19,6 +19,7 @@ from sar_tui.app.screens.record_form import RecordForm, RemoveRecord
 from sar_tui.drivers.login_name import login_name
 from sar_tui.loop.task import Task
 from sar_tui.model.language import BUNDLED, OWN_NAMES, Language, in_language
+from sar_tui.model.line_breaks import balanced
 from sar_tui.records.kind import Kind, kinds
 from sar_tui.reports import progress_parts as parts
 from sar_tui.reports import progress_words
@@ -331,7 +332,7 @@ class ProgressScreen(DismissedOnce[None]):
         if self.found is None:
             return self._problem
         text = headline(self.found, line, self.tr).text if line else self.tr(NONE_YET)
-        return parts.balanced(text, max(_SMALLEST[0], min(self.size.width - 4, _SENTENCE)))
+        return balanced(text, max(_SMALLEST[0], min(self.size.width - 4, _SENTENCE)))
 
     def _key(self) -> str:
         if not self.figure:

@@ -15,7 +15,7 @@ from sar_tui.model.messages import AttemptEnded
 from sar_tui.model.results_for_people import result_text
 from sar_tui.model.spoken_text import sentences
 from sar_tui.model.trial_types import Metric
-from sar_tui.tui.heading import ONE_LINE, Heading, is_roomy
+from sar_tui.tui.heading import ONE_LINE, Heading, figures_in_blocks, is_roomy
 from sar_tui.widgets.language import language_of
 
 REACHED, OPEN = "●", "○"
@@ -37,6 +37,8 @@ class Layout(NamedTuple):
         rows: of the picture of levels.
         widest: most columns of an attempt.
         margins: blank rows above and below all of it.
+        has_figures: the goals that were reached are told in block letters.
+        gap: blank rows between levels and marks.
     """
 
     between: str
@@ -44,10 +46,14 @@ class Layout(NamedTuple):
     rows: int
     widest: int
     margins: int
+    has_figures: bool = False
+    gap: int = 0
 
 
 _LAYOUTS = (
-    LARGE := Layout("\n\n", "\n\n", 5, 6, margins=6),
+    LARGE := Layout("\n\n", "\n\n", 5, 6, margins=6, has_figures=True, gap=1),
+    LARGE._replace(has_figures=False),
+    LARGE._replace(has_figures=False, gap=0),
     SMALL := Layout("\n", "\n\n", 2, 3, margins=2),
     Layout("\n", "\n", 1, 3, margins=2),
 )
@@ -187,9 +193,15 @@ class Summary(Vertical):
             - (ONE_LINE if is_large else 1)
             - sum(rows_of_text(text, width) for text in others)
         )
-        for layout in _LAYOUTS if is_large else _LAYOUTS[1:]:
+        for layout in _LAYOUTS if is_large else _LAYOUTS[_LAYOUTS.index(SMALL) :]:
             picture = draw_picture(attempts, width, tr, layout)
-            parts = [Content(layout.between.join(said)), *([picture] if picture else [])]
+            first = said[0]
+            if layout.has_figures and _is_good(attempts):
+                first = "\n".join(figures_in_blocks(first, width)) or first
+            words = Content(layout.between).join(
+                [Content.styled(first, _style_of_goals(attempts)), *map(Content, said[1:])]
+            )
+            parts = [words, *([picture] if picture else [])]
             whole = Content(layout.before_picture).join(parts)
             if whole.plain.count("\n") + 1 + layout.margins <= left:
                 return whole
@@ -275,6 +287,7 @@ def draw_picture(
     if rows:
         named[0] = ("", rows[0], last)
         named[-1] = (first, rows[-1], last if len(rows) == 1 else "")
+        named += [("", Content(_SPACE * marks.cell_length), "")] * layout.gap
     named.append((goals, marks, ""))
     legend = Content.assemble((REACHED, "$success"), f"{_SPACE}{tr('reached')}")
     if any(attempt.outcome != "success" for attempt in attempts):
@@ -293,6 +306,14 @@ def draw_picture(
 def _is_good(attempts: Sequence[AttemptEnded]) -> bool:
     """Return True if there is something to be glad of: a picture of no goals would not be kind."""
     return any(attempt.outcome == "success" for attempt in attempts)
+
+
+def _style_of_goals(attempts: Sequence[AttemptEnded]) -> str:
+    """Return the style of the number of goals that were reached: green only if they are most."""
+    if not _is_good(attempts):
+        return ""
+    reached = sum(attempt.outcome == "success" for attempt in attempts)
+    return "bold $success" if 2 * reached >= len(attempts) else "bold"
 
 
 def _marks(attempts: Sequence[AttemptEnded], step: int) -> Content:
