@@ -4,8 +4,10 @@ from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
+from rich.segment import Segment
 from textual.content import Content
 from textual.events import Key, Resize
+from textual.strip import Strip
 from textual.widgets.option_list import Option
 
 from sar_tui.model.language import Language
@@ -110,6 +112,15 @@ class ParticipantList(MarkedList):
                 said = _said(each, width, trained_width)
                 yield Option(Content.assemble(code, _GAP, said), id=each.code)
             above = "\n"
+
+    def render_line(self, y: int) -> Strip:
+        """Draw a line; all words of the chosen one have the same colour."""
+        strip = super().render_line(y)
+        line = self.scroll_offset.y + y
+        if line < len(self._lines) and self._lines[line][0] == self.highlighted:
+            style = self.get_visual_style("option-list--option", "option-list--option-highlighted")
+            return Strip(Segment.apply_style(strip, post_style=style.rich_style))
+        return strip
 
     def on_resize(self, event: Resize) -> None:
         """Fit the lines into another width."""
