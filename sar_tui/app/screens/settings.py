@@ -472,6 +472,7 @@ class SettingsScreen(DismissedOnce[None]):
 
     @on(RuleField.LookedAt)
     def _look_at_rule(self) -> None:
+        self.set_class(self._rule.has_focus_within, "-looking")
         self._show_key()
         self._play_preview()
 

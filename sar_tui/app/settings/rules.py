@@ -1,13 +1,14 @@
 """The rules of difficulty, to choose one of: a name, a picture of what happens, and a sentence."""
 
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from textual import on
 from textual.app import ComposeResult
 from textual.content import Content
 from textual.message import Message
+from textual.strip import Strip
 from textual.widgets import Static
 from textual.widgets.option_list import Option
 
@@ -64,6 +65,13 @@ class RuleList(OptionList):
     }
     """
 
+    def render_line(self, y: int) -> Strip:
+        """Draw a line; the blank one below a rule never has its background."""
+        strip = super().render_line(y)
+        if strip.text.strip():
+            return strip
+        return Strip.blank(strip.cell_length, self.rich_style)
+
     def action_cursor_down(self) -> None:
         if (self.highlighted or 0) >= self.option_count - 1:
             self.screen.focus_next()
@@ -80,8 +88,8 @@ class RuleList(OptionList):
 class RuleField(ParameterField):
     """The setting that chooses a rule of difficulty.
 
-    In a small window it shows the chosen rule alone, unless it has the focus. A rule that is not
-    there any more is shown, too.
+    In a small window it shows the chosen rule alone, unless it has the focus, and describes only
+    the rule that is looked at, below the list. A rule that is not there any more is shown, too.
 
     Args:
         field: the declaration.
@@ -91,6 +99,12 @@ class RuleField(ParameterField):
 
     DEFAULT_CSS = """
     RuleField { height: auto; }
+    RuleField > .columns { height: 1; color: $text-muted; text-wrap: nowrap; text-overflow: ellipsis; }
+    RuleField > .described { display: none; height: auto; margin-left: 2; color: $text-muted; }
+    RuleField.-small > .columns { display: none; }
+    RuleField.-small > .described { display: block; }
+    RuleField.-small:focus-within > .columns { display: block; margin-top: 1; }
+    RuleField.-small:focus-within > .described { margin: 0 0 1 2; }
     RuleField > .heading { height: 1; margin-left: 2; color: $text-muted; text-style: bold; }
     """
 
@@ -104,7 +118,9 @@ class RuleField(ParameterField):
         self._pictures: Mapping[str, Picture] = {}
 
     def compose(self) -> ComposeResult:
+        yield Static("", classes="columns", markup=False)
         yield RuleList(markup=False, compact=True)
+        yield Static("", classes="described", markup=False)
         yield Static(self.tr("What this rule uses"), classes="heading", markup=False)
 
     def on_mount(self) -> None:
@@ -165,6 +181,7 @@ class RuleField(ParameterField):
         if value not in known:
             known = {value: Rule(value or self.tr("none"), self.problem), **known}
         names = list(known) if self.is_open else [value]
+        self.set_class(self._is_small, "-small")
         width = max(len(rule.title) for rule in known.values())
         at = self.looked_at
         with self.prevent(OptionList.OptionHighlighted):
@@ -173,21 +190,39 @@ class RuleField(ParameterField):
                 [Option(self._option(name, known[name], width), id=name) for name in names]
             )
             self._list.highlighted = names.index(at if at in names else value)
+        said = self.tr("level in 20 attempts · goals")
+        indent = min(_MARK + width + 1, self.content_size.width - len(said))
+        self.query_one(".columns", Static).update(f"{'':{max(0, indent)}}{said}")
+        self._describe([known[name] for name in names])
+
+    def _describe(self, shown: Sequence[Rule] = ()) -> None:
+        """Describe the rule that is looked at below the list, with room for each of those shown, so
+        that nothing below it moves.
+        """
+        described, looked_at = self.query_one(".described", Static), self.looked_at
+        rule = self._rules.get(looked_at) or Rule("", self.problem)
+        described.update("\n".join(self._wrapped(looked_at, rule)))
+        if shown:
+            described.styles.min_height = max(len(self._wrapped("", each)) for each in shown)
+
+    def _wrapped(self, name: str, rule: Rule) -> list[str]:
+        """Return what is said of a rule, on lines."""
+        before = ""
+        if name == show(self.value) and self.is_unsaved:
+            saved = show(self.saved)
+            was = self._rules[saved].title if saved in self._rules else saved
+            before = self.tr("was {value}", value=was)
+        below = " ".join(filter(None, (rule.sentence, before)))
+        return textwrap.wrap(below, max(20, self.content_size.width - _MARK))
 
     def _option(self, name: str, rule: Rule, width: int) -> Content:
         is_chosen = name == show(self.value)
         picture = self._pictures.get(name, Picture("", ""))
         sign = self._mark[0] if is_chosen and (self.problem or self.is_unsaved) else ""
         style = "$warning" if is_chosen and self.problem else "bold" if is_chosen else ""
-        before = ""
-        if is_chosen and self.is_unsaved:
-            saved = show(self.saved)
-            was = self._rules[saved].title if saved in self._rules else saved
-            before = self.tr("was {value}", value=was)
         room = self.content_size.width - _MARK - width - _PICTURE - 2
         reached = picture.reached if len(picture.reached) <= room else ""  # the preview says it
-        below = " ".join(filter(None, (rule.sentence, before)))
-        wrapped = textwrap.wrap(below, max(20, self.content_size.width - _MARK))
+        wrapped = [] if self._is_small else self._wrapped(name, rule)
         return Content.assemble(
             (f"{sign or (_CHOSEN if is_chosen else ''):{_MARK}}", "$accent"),
             (f"{rule.title:{width}}", style),
@@ -212,6 +247,7 @@ class RuleField(ParameterField):
     @on(OptionList.OptionHighlighted)
     def _moved(self, event: OptionList.OptionHighlighted) -> None:
         event.stop()
+        self._describe()
         self.post_message(self.LookedAt())
 
     @on(OptionList.OptionSelected)
