@@ -339,12 +339,10 @@ def round_numbers(low: float, high: float, most: int) -> list[float]:
 POINT, BAND, RULE, CHOSEN = "■", "│", "╌", "▲"
 HALVES = "▄▀"
 """A value in the lower and in the upper half of a row."""
-LIMIT, LIMIT_BETWEEN = "▁", "─"
-"""The limit of an area, on the lower edge of a row and between its halves, so that each value is
-above it or below it.
-"""
+LIMIT = "─"
+"""The limit of an area, between the halves of a row, so that each value is above it or below it."""
 BASELINE = "━"
-"""The axis below the sessions of the baseline."""
+"""The mean of the sessions of the baseline."""
 TEN = "X"
 """Stands for 10 where there is room for one character."""
 ABOVE, BELOW, UNKNOWN = "^", "v", "?"
@@ -543,7 +541,7 @@ def session_chart(
             side of them, if need be half a row further up or down.
         rule: value at which a dashed line is drawn.
         chosen, marked: sessions with a sign of their own on the axis.
-        baseline: sessions below which the axis is drawn heavier.
+        baseline: sessions over which their mean is drawn as a heavy line.
 
     Returns:
         ``rows`` + 1 lines.
@@ -572,10 +570,12 @@ def session_chart(
     grid = [[" "] * columns.width for _ in range(rows)]
     for border in (below_area, above_area):
         if border is not None:
-            line = LIMIT_BETWEEN if border % 2 else LIMIT
-            grid[rows - 1 - border // 2] = [line] * columns.width
+            grid[rows - 1 - border // 2] = [LIMIT] * columns.width
     if rule is not None and low <= rule <= high:
         grid[row(rule)] = [RULE] * columns.width
+    if (mean := _mean([values[session].value for session in baseline])) is not None:
+        first, last = columns.column(baseline[0]), columns.column(baseline[-1])
+        grid[row(mean)][first : last + 1] = BASELINE * (last + 1 - first)
     for column, sessions in columns.groups():
         _draw([values[session] for session in sessions], column, grid, step)
     labels: dict[int, str] = {}
@@ -592,24 +592,24 @@ def session_chart(
         lines.append(f"{label}{axis_line}{''.join(cells)}".rstrip())
     edge = f"{'│':>{margin}}"
     lines = [*([edge + above] if above else []), *lines, *([edge + below] if below else [])]
-    return [*lines, foot(columns, margin, chosen, marked, baseline)]
+    return [*lines, foot(columns, margin, chosen, marked)]
 
 
 def _borders(
     area: tuple[float, float] | None, axis: tuple[float, float], highest: int
 ) -> tuple[int | None, int | None]:
-    """Return the half rows, counted from below, on whose lower edges the limits of an area are;
-    None for one beyond the axis. There is room between them, above and below.
+    """Return the upper halves of rows, counted in half rows from below, on whose lower edges the
+    limits of an area are; None for one beyond the axis. There is room between them, above and below.
     """
     low, high = axis
     if area is None or low >= high:
         return None, None
 
     def border(value: float) -> int:
-        return round((value - low) / (high - low) * highest + 0.5)
+        return 2 * round(((value - low) / (high - low) * highest - 0.5) / 2) + 1
 
-    upper = max(2, min(highest, border(area[1])))
-    lower = max(1, min(upper - 1, border(area[0])))
+    upper = max(3, min(highest, border(area[1])))
+    lower = max(1, min(upper - 2, border(area[0])))
     return lower if low <= area[0] <= high else None, upper if low <= area[1] <= high else None
 
 
@@ -618,15 +618,9 @@ def foot(
     margin: int,
     chosen: int | None = None,
     marked: int | None = None,
-    baseline: Sequence[int] = (),
 ) -> str:
-    """Return the lower axis, with signs of the chosen session and the one it is compared with, and
-    a heavier part below the baseline.
-    """
+    """Return the lower axis, with signs of the chosen session and the one it is compared with."""
     line = ["─"] * columns.width
-    if baseline:
-        first, last = columns.column(baseline[0]), columns.column(baseline[-1])
-        line[first : last + 1] = BASELINE * (last + 1 - first)
     for session, sign in ((marked, MARKED), (chosen, CHOSEN)):
         if session is not None:
             line[columns.column(session)] = sign

@@ -53,15 +53,17 @@ def calendar_lines(found: Progress, months: int, tr: Language) -> list[str]:
     the legend.
     """
     shown = calendar(found.days, date.fromisoformat(found.today))[-months:]
-    lines = [f"{'':9}1   5    10   15   20   25   30"]
+    names = [progress_words.month(month, tr) for month, _ in shown]
+    margin = max(map(len, names), default=0) + 2
+    lines = [f"{'':{margin}}1   5    10   15   20   25   30"]
     has_event = False
-    for month, marks in shown:
-        lines.append(f"{month}  {marks}")
+    for (month, marks), name in zip(shown, names, strict=True):
+        lines.append(f"{name:{margin}}{marks}")
         on = {int(event.at[8:10]) for event in found.events if event.at[:7] == month}
         if on:
             has_event = True
             lines.append(
-                f"{'':9}{''.join(EVENT if day in on else ' ' for day in range(1, max(on) + 1))}"
+                f"{'':{margin}}{''.join(EVENT if day in on else ' ' for day in range(1, max(on) + 1))}"
             )
     return [*lines, "", legend(tr), *([f"{EVENT} {tr('adverse event')}"] if has_event else [])]
 

@@ -43,6 +43,11 @@ def short_day(stamp: str, today: str, tr: Language) -> str:
     return shown if stamp[:4] == today[:4] else f"{shown} {stamp[:4]}"
 
 
+def month(stamp: str, tr: Language) -> str:
+    """Return the month of a stamp: "Mar 2026"."""
+    return f"{tr(MONTHS).split()[int(stamp[5:7]) - 1]} {stamp[:4]}"
+
+
 def figure(line: LineProgress, value: float, tr: Language) -> str:
     """Return a value of the line's measure as people read it: "10.4 keys", "0.950 s"."""
     if line.measure == "level":

@@ -240,7 +240,7 @@ def test_an_adverse_event_stands_below_its_session_and_its_day(keyboard: type[Ta
     marks = drawn_of(found, keyboard, 80, 24)[-1]
     assert (marks.split("  ")[0], marks.count("!")) == ("look at", 3)
     calendar = "\n".join(dose_words.calendar_lines(found, 3, tr))
-    february = f"2026-02  {'·' * 26}■■\n         !{' ' * 26}!\n"
+    february = f"Feb 2026  {'·' * 26}■■\n          !{' ' * 26}!\n"
     assert february in calendar
     assert "! adverse event" in calendar
 
@@ -435,10 +435,10 @@ def test_levels_have_labels_at_equal_distances_and_the_baseline_is_marked(
         steps = {(later - row, level - after) for (row, level), (later, after) in pairwise(labels)}
         assert len(steps) == 1
         legend = " ".join(drawn[:2])
-        assert re.search(r"━ baseline \d\.\d  ▁ noise and practice \d\.\d to \d+\.\d", legend)
-        (foot,) = (row for row in drawn if "└" in row)
+        assert re.search(r"━ baseline \d\.\d  ─ noise and practice \d\.\d to \d+\.\d", legend)
+        (mean,) = (row for row in drawn[2:] if "━" in row)
         (dates,) = (row for row in drawn if "Mar" in row or "Feb" in row)
-        assert foot.index("━") > dates.index("27 Feb"), "the first session is left out"
+        assert mean.index("━") > dates.index("27 Feb"), "the first session is left out"
 
 
 def test_the_chart_of_results_has_accuracy_and_quality_in_figures(keyboard: type[Task]) -> None:

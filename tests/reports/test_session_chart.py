@@ -8,7 +8,6 @@ from sar_tui.reports.charts import (
     BELOW,
     HALVES,
     LIMIT,
-    LIMIT_BETWEEN,
     UNKNOWN,
     Columns,
     Value,
@@ -67,11 +66,7 @@ def test_no_value_is_on_the_other_side_of_a_limit(
         [Value(value) for value in values],
         columns, axis=axis, ticks=[], rows=rows, margin=6, area=(low, high),
     )  # fmt: skip
-    lines = [
-        2 * row + (LIMIT_BETWEEN in line)
-        for row, line in enumerate(reversed(drawn[:-1]))
-        if LIMIT in line or LIMIT_BETWEEN in line
-    ]
+    lines = [2 * row + 1 for row, line in enumerate(reversed(drawn[:-1])) if LIMIT in line]
     if len(lines) < 2:
         return  # both limits are in one row
     for value, (_, half) in zip(values, points(drawn), strict=True):

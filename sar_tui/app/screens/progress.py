@@ -30,7 +30,6 @@ from sar_tui.reports.charts import (
     CHOSEN,
     HALVES,
     LIMIT,
-    LIMIT_BETWEEN,
     POINT,
     RULE,
 )
@@ -618,7 +617,7 @@ class ProgressScreen(DismissedOnce[None]):
 
 _OF_CHARTS = {
     **dict.fromkeys((POINT, *HALVES, BASELINE, CHOSEN), "$accent"),
-    **dict.fromkeys((BAND, LIMIT, LIMIT_BETWEEN, RULE), "$text-muted"),
+    **dict.fromkeys((BAND, LIMIT, RULE), "$text-muted"),
 }
 _OF_BARS = dict.fromkeys(BARS, "$text-muted")
 _COLORS = {
