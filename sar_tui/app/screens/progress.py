@@ -291,6 +291,8 @@ class ProgressScreen(DismissedOnce[None]):
             columns = self._lists_width - _BOX[1]
             records = self._list("records", (columns, self.size.height // 2))
             self.query_one("#records").styles.height = len(records) - 1 + _BOX[0]
+            sessions = self._list("sessions", (columns, self.size.height))
+            self.query_one("#sessions").styles.max_height = len(sessions) - 1 + _BOX[0]
             left = self.size.width - self._lists_width - _BOX[1]
             self.query_one("#days").styles.height = (
                 len(self._list("days", (left, 99))) - 1 + _BOX[0]
