@@ -145,7 +145,7 @@ async def test_each_list_is_beside_the_picture_or_one_key_away(
         driver.see("2 sessions: too few to say.", "level at goal")
         for title, shown in (
             ("Records", "Nothing is recorded yet."),
-            ("Days", "2026-03 ■■"),
+            ("Days", "Mar 2026 ■■"),
             ("Sessions", "▸ 2 Mar"),
         ):
             await driver.press("shift+tab")

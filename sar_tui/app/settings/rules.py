@@ -191,6 +191,8 @@ class RuleField(ParameterField):
             )
             self._list.highlighted = names.index(at if at in names else value)
         said = self.tr("level in 20 attempts · goals")
+        if any(len(each.reached) > self._room(width) for each in self._pictures.values()):
+            said = said.partition(" · ")[0]
         indent = min(_MARK + width + 1, self.content_size.width - len(said))
         self.query_one(".columns", Static).update(f"{'':{max(0, indent)}}{said}")
         self._describe([known[name] for name in names])
@@ -215,13 +217,17 @@ class RuleField(ParameterField):
         below = " ".join(filter(None, (rule.sentence, before)))
         return textwrap.wrap(below, max(20, self.content_size.width - _MARK))
 
+    def _room(self, width: int) -> int:
+        """Return the columns beside the pictures, given those of the names of rules."""
+        return self.content_size.width - _MARK - width - _PICTURE - 2
+
     def _option(self, name: str, rule: Rule, width: int) -> Content:
         is_chosen = name == show(self.value)
         picture = self._pictures.get(name, Picture("", ""))
         sign = self._mark[0] if is_chosen and (self.problem or self.is_unsaved) else ""
         style = "$warning" if is_chosen and self.problem else "bold" if is_chosen else ""
-        room = self.content_size.width - _MARK - width - _PICTURE - 2
-        reached = picture.reached if len(picture.reached) <= room else ""  # the preview says it
+        has_room = len(picture.reached) <= self._room(width)
+        reached = picture.reached if has_room else ""  # the preview says it
         wrapped = [] if self._is_small else self._wrapped(name, rule)
         return Content.assemble(
             (f"{sign or (_CHOSEN if is_chosen else ''):{_MARK}}", "$accent"),
