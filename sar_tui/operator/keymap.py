@@ -173,15 +173,18 @@ def split_keys(keys: str) -> list[str]:
 
 def key_name(key: str, tr: Language = ENGLISH) -> str:
     """Return the name of a key as it is written on a keyboard."""
+    parts = key.split("+")
     return "-".join(
-        tr(_NAMES[name]) if name in _NAMES else _CHARACTERS.get(name) or _other_name(name)
-        for name in key.split("+")
+        tr(_NAMES[name])
+        if name in _NAMES
+        else _CHARACTERS.get(name) or _other_name(name, is_alone=len(parts) == 1)
+        for name in parts
     )
 
 
-def _other_name(name: str) -> str:
-    """Return the name of a key that is the same in all languages: "F2", "x"."""
-    return name.capitalize() if len(name) > 1 else name
+def _other_name(name: str, *, is_alone: bool) -> str:
+    """Return the name of a key that is the same in all languages: "F2", "x", "Z" of Ctrl-Z."""
+    return name if is_alone and len(name) == 1 else name.capitalize()
 
 
 def is_key(key: str) -> bool:

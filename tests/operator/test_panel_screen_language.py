@@ -342,7 +342,7 @@ def test_keys_fit_their_places_in_each_language(code: str) -> None:
     sheet = keymap.help_sheet(file, tr, is_observer=False).plain
     assert "…" not in sheet.replace("1…0", "")
     assert max(map(cell_len, sheet.splitlines())) <= 76
-    assert tr("Ctrl") + "-z" in sheet
+    assert tr("Ctrl") + "-Z" in sheet
 
 
 async def test_a_wide_footer_names_all_the_keys(catalogue: Catalogue, tmp_path: Path) -> None:
@@ -350,4 +350,4 @@ async def test_a_wide_footer_names_all_the_keys(catalogue: Catalogue, tmp_path: 
         assert "r Repeat" in driver.rows[-1]
     async with b.open_panel(catalogue, tmp_path, size=SMALL) as driver:
         assert "r Repeat" not in driver.rows[-1]
-        assert "Ctrl-z Undo" in driver.rows[-1]
+        assert "Ctrl-Z Undo" in driver.rows[-1]

@@ -90,7 +90,7 @@ def test_an_unreadable_file_is_ignored(tmp_path: Path) -> None:
 
 def test_keys_are_named_as_on_the_keyboard() -> None:
     called = [key_name(key) for key in ("enter", "plus", "ctrl+t", "f2", "escape", "x")]
-    assert called == ["Enter", "+", "Ctrl-t", "F2", "Esc", "x"]
+    assert called == ["Enter", "+", "Ctrl-T", "F2", "Esc", "x"]
 
 
 def test_slots_are_filled_from_the_state(state: SessionState) -> None:
