@@ -339,6 +339,8 @@ def round_numbers(low: float, high: float, most: int) -> list[float]:
 POINT, BAND, RULE, CHOSEN = "■", "│", "╌", "▲"
 HALVES = "▄▀"
 """A value in the lower and in the upper half of a row."""
+BAND_HALVES = "╷╵"
+"""The end of a band in the lower and in the upper half of a row."""
 LIMIT = "─"
 """The limit of an area, between the halves of a row, so that each value is above it or below it."""
 BASELINE = "━"
@@ -636,8 +638,10 @@ def _draw(
     if value is None:
         return
     if low is not None and high is not None:
-        for line in range(step(low) // 2, step(high) // 2 + 1):
-            grid[-1 - line][column] = BAND
+        bottom, top = step(low), step(high)
+        for line in range(bottom // 2, top // 2 + 1):
+            halves = [half for half in (0, 1) if bottom <= 2 * line + half <= top]
+            grid[-1 - line][column] = BAND if len(halves) == 2 else BAND_HALVES[halves[0]]
     line, half = divmod(step(value), 2)
     grid[-1 - line][column] = HALVES[half]
 
