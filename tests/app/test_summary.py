@@ -193,7 +193,7 @@ async def test_a_played_session_shows_no_result(
         )
         assert rows == [(None, None, "none", 7.0)] * 2
     async with open_app(data, catalogue) as driver:
-        driver.see("20 × 4 · start level 1", "Today: 2 attempts")
+        driver.see("20 attempts of 4", "start level 1", "Today: 2 attempts")
         assert "of 2 reached" not in driver.text
         await driver.press("f4")
         driver.see("How pleasant?")

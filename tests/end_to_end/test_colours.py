@@ -85,4 +85,6 @@ def test_without_colour_start_and_the_chosen_group_of_settings_are_reversed(data
         terminal.confirm("f2")
         terminal.wait_for("Difficulty")
         terminal.settle()
+        terminal.write(b"\x1b[Z")  # shift+tab
+        terminal.settle()
         assert "Difficulty" in reader.reversed()
