@@ -166,7 +166,6 @@ def test_a_therapist_loses_nothing_and_begins_nothing(
         chair.do("a small window")
         assert chair.still() == shown
         chair.see_in_larger_windows(place.words)
-        assert chair.still() == shown
         chair.press(*["ctrl+c"] * place.stops)
         assert chair.terminal.wait() == INTERRUPTED
     assert stored(data) == before
