@@ -110,6 +110,8 @@ class ScriptedParticipant:
         """
         patience = round(patience_s * SECOND)
         deadline = time.monotonic_ns() + patience
+        if self._due is None:
+            self._find_prompt()  # somebody else may have read it
         while (prompts is None or len(self.presses) < prompts) and not self.terminal.ended:
             now = time.monotonic_ns()
             if until is not None and now >= until:

@@ -174,6 +174,19 @@ def test_a_participant_can_stop_and_go_on(baseline: Terminal, tmp_path: Path) ->
     assert len(rows(tmp_path)) == 12
 
 
+def test_a_prompt_that_somebody_else_has_read_is_answered(
+    baseline: Terminal, tmp_path: Path
+) -> None:
+    participant = ScriptedParticipant(baseline, random_answers(1, 1, 2))
+    participant.run(1)
+    baseline.settle(silence_ms=300)
+    participant.run(12)
+    assert baseline.wait() == 0
+    assert [row["response"] for row in rows(tmp_path)] == [
+        press.expected for press in participant.presses
+    ]
+
+
 def test_a_participant_stops_at_the_given_time_even_before_responding(baseline: Terminal) -> None:
     participant = ScriptedParticipant(baseline, random_answers(1, 60_000, 60_000))
     baseline.wait_for("Enter")
