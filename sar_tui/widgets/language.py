@@ -6,10 +6,10 @@ from typing import Any
 from textual.app import App
 
 from sar_tui.model.language import Language, language
-from sar_tui.rules.declaration import COMMON
 
 _PARTICIPANTS = Path(__file__).parents[1] / "app"
 _THERAPISTS = _PARTICIPANTS / "therapist"
+_SETTINGS = Path(__file__).parents[1] / "rules"
 
 
 def language_of(app: App[Any]) -> Language:
@@ -20,4 +20,4 @@ def language_of(app: App[Any]) -> Language:
 
 def app_texts(code: str) -> Language:
     """Return the texts of settings, and of the app's screens: for therapists and participants."""
-    return language(code, COMMON, _THERAPISTS, _PARTICIPANTS)
+    return language(code, _SETTINGS, _THERAPISTS, _PARTICIPANTS)
