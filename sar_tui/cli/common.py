@@ -335,7 +335,7 @@ def print_json(value: object) -> None:
     try:
         encoded = msgspec.json.encode(value, enc_hook=_plain_text).decode()
     except UnicodeEncodeError:  # a file's name that is not UTF-8
-        encoded = json.dumps(msgspec.to_builtins(value), ensure_ascii=False)
+        encoded = json.dumps(msgspec.to_builtins(value, enc_hook=_plain_text), ensure_ascii=False)
     print(escaped(encoded))
 
 
@@ -343,7 +343,7 @@ def _plain_text(value: object) -> str:
     """Return a text of a subclass of ``str``, which msgspec does not encode, as a plain one."""
     if isinstance(value, str):
         return str(value)
-    raise NotImplementedError
+    raise TypeError(f"{type(value).__name__} cannot be written as JSON.")
 
 
 def checked_markers(given: Sequence[str] | None) -> tuple[str, ...]:

@@ -3,6 +3,7 @@ presets.
 """
 
 import io
+import json
 import tomllib
 from contextlib import closing
 from pathlib import Path
@@ -12,7 +13,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sar_tui.cli.common import print_json
 from sar_tui.loop.task import Task
+from sar_tui.model.language import Sentence
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.parameters import build, changed, fields
 from sar_tui.runs.plan import make_plan
@@ -295,3 +298,11 @@ def test_a_session_is_stored_with_all_its_settings_and_none_of_the_session_befor
         assert stored.keys() == {field.name for field in fields(kind.Parameters)}
         programme = {"prompts_per_attempt": 2, "feedback_every": 2, "attempts": 1}
         assert changed(build(kind.Parameters, stored)) == {**programme, **condition}
+
+
+@pytest.mark.parametrize("more", [{}, {"file": "\udcff"}])
+def test_the_reason_of_a_setting_is_a_plain_text_in_json(
+    more: dict[str, str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    print_json({"why": Sentence("It is {n}.", n=1), **more})
+    assert json.loads(capsys.readouterr().out)["why"] == "It is 1."
