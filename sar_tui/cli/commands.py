@@ -58,6 +58,7 @@ COMMANDS = {
     "markers": "markers:markers",
     "agent": "wizard:agent",
     "link": "link:app",
+    "study": "study:app",
     "report": "report:app",
     "programme": "programme:app",
     "tasks": "tasks:app",

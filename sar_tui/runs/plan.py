@@ -13,6 +13,7 @@ from sar_tui.loop.task import Task
 from sar_tui.model.language import Sentence, joined
 from sar_tui.model.session_mode import SessionMode
 from sar_tui.model.step import Step
+from sar_tui.model.study_place import StudyPlace
 from sar_tui.plugin_calls import PLUGIN_ERRORS, describe
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.declaration import ParameterError
@@ -34,6 +35,7 @@ class Plan(msgspec.Struct, frozen=True):
         left_out: values of the programme that this version of the task cannot use, and for each why
             not.
         steps: between attempts, beside the task's own.
+        study: the place in a study; None if it is of none.
     """
 
     task: type[Task]
@@ -47,6 +49,7 @@ class Plan(msgspec.Struct, frozen=True):
     programme: int | None = None
     left_out: Mapping[str, str] = {}
     steps: tuple[Step, ...] = ()
+    study: StudyPlace | None = None
 
     @property
     def participants(self) -> tuple[str, ...]:
@@ -75,6 +78,7 @@ def make_plan(
     mode: SessionMode = "live",
     id: str = "",
     steps: tuple[Step, ...] = (),
+    study: StudyPlace | None = None,
 ) -> Plan:
     """Plan a session, and check everything that can be checked before its devices are opened.
 
@@ -92,7 +96,8 @@ def make_plan(
         seed: decides everything random; drawn by default.
         mode: live, simulated, or of a demonstration.
         id: the session's id; drawn when the session starts by default.
-        steps: between attempts, beside the task's own (see `rules.step_file.read_steps`).
+        steps: between attempts, beside the task's own (see `rules.questions.read_steps`).
+        study: its place in a study.
 
     Raises:
         StoreError: a code is not valid, or of another site, or the codes do not match the task's
@@ -136,6 +141,7 @@ def make_plan(
         programme=saved.version or None,
         left_out=left_out,
         steps=steps,
+        study=study,
     )
 
 

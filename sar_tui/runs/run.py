@@ -188,6 +188,7 @@ def start(
             mode=plan.mode,
             partner=codes[1] if len(codes) > 1 else "",
             programme=plan.programme,
+            study=plan.study,
             now=began,
             **provenance,
         )

@@ -27,6 +27,7 @@ _KEPT = (
     "messages",
     "imu_chunks",
     "programmes",
+    "studies",
 )
 """Tables whose rows are never deleted: a copy has at least those that there were before."""
 _TOLD_EVERY = 10_000

@@ -175,7 +175,11 @@ def facts_hash(
     found = (
         database.execute(f"SELECT {_FACTS} FROM sessions WHERE id=?", (session,)).fetchone() or ()
     )
-    return _values_hash("facts", [*found, sorted(participants.items())])
+    (study,) = database.execute("SELECT study FROM sessions WHERE id=?", (session,)).fetchone() or (
+        None,
+    )
+    added = [] if study is None else [study]  # sessions of earlier releases have the same hash
+    return _values_hash("facts", [*found, *added, sorted(participants.items())])
 
 
 def seats(database: sqlite3.Connection, session: str) -> dict[str, str]:

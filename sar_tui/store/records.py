@@ -301,12 +301,17 @@ def _of_day(db: sqlite3.Connection, record: Record) -> Record | None:
 
 
 def _insert(db: sqlite3.Connection, record: Record) -> Record:
+    with transaction(db) as connection:
+        store(connection, record)
+    return record
+
+
+def store(connection: sqlite3.Connection, record: Record) -> None:
+    """Store a record that was checked, in a transaction of the caller."""
     check_own(record.participant)
     values = msgspec.structs.asdict(record)
     values["content"] = msgspec.json.encode(record.content).decode()
-    with transaction(db) as connection:
-        connection.execute(tables.RECORDS.insert(*values), tuple(values.values()))
-    return record
+    connection.execute(tables.RECORDS.insert(*values), tuple(values.values()))
 
 
 # --- reading

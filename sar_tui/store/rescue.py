@@ -301,6 +301,7 @@ def _extent(database: sqlite3.Connection, session: str) -> tuple[int, int, int]:
 
 _NOT_OF_SESSIONS = (
     "site", "same_people", "conflicts", "participants", "programmes", "records",
+    "studies",
 )  # fmt: skip
 
 

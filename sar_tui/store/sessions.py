@@ -20,6 +20,7 @@ from sar_tui.loop.task import Task
 from sar_tui.loop.topics import SWITCH
 from sar_tui.model.messages import AttemptEnded
 from sar_tui.model.session_mode import SessionMode
+from sar_tui.model.study_place import StudyPlace
 from sar_tui.rules.parameters import TaskParameters, fields
 from sar_tui.store import imu, log_hashes, messages
 from sar_tui.store.counted import COUNTS
@@ -52,6 +53,7 @@ def create(
     mode: SessionMode,
     partner: str = "",
     programme: int | None = None,
+    study: StudyPlace | None = None,
     now: datetime | None = None,
 ) -> None:
     """Store a new session and the seats of its participants.
@@ -62,6 +64,7 @@ def create(
         session: an id from ``new_id``.
         partner: the code of the participant at seat B, if there is one.
         programme: the version of the participant's programme; None if there is none.
+        study: its place in a study; None if it is of none.
         now: when it begins; None for the present.
     """
     with transaction(db) as connection:
@@ -79,6 +82,7 @@ def create(
             machine=machine,
             mode=mode,
             programme=programme,
+            **({"study": study} if study else {}),
         )
         store(connection, SEATS, session=session, seat="A", participant=participant)
         if partner:

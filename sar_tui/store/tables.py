@@ -279,6 +279,33 @@ SESSIONS = Table(
             more="Of the first participant's, in a task for two.",
         ),
         Column(
+            "study",
+            "json",
+            "The study, and the place of the session in it; missing: it is of none.",
+            privacy="parts",
+            since=201,
+            parts=(
+                Column("study", "string", "Name of the study."),
+                Column(
+                    "version", "integer", "Version of the study's plan.", exported="study_version"
+                ),
+                Column("visit", "string", "Visit of the study."),
+                Column("block", "string", "Block of the visit."),
+                Column(
+                    "condition",
+                    "string",
+                    "Condition of the study; of a blind one a neutral code.",
+                    exported="study_condition",
+                ),
+                Column(
+                    "position",
+                    "integer",
+                    "Position of the condition in the person's order, from 1.",
+                    exported="order_position",
+                ),
+            ),
+        ),
+        Column(
             "parameters",
             "json",
             "Every parameter of the task, also those set for this session only, by `--set`.",
@@ -1426,6 +1453,47 @@ RECORDS = Table(
     ),
 )
 
+STUDIES = Table(
+    "studies",
+    "A version of the plan of a study, as it was frozen",
+    key=("name", "version", "site"),
+    since=201,
+    more="Append-only.",
+    columns=(
+        Column("name", "string", "Name of the study.", required=True, form="kind", sql="NOT NULL"),
+        Column("version", "integer", "Version of the plan.", required=True, sql="NOT NULL"),
+        Column(
+            "frozen_at", "datetime", "When it was frozen, UTC.", privacy="time", form="date",
+            sql="NOT NULL",
+        ),
+        Column(
+            "frozen_by", "string", "The login name of who did.", privacy="person",
+            sql="NOT NULL",
+        ),
+        Column(
+            "reason", "string", "Why it differs from the version before; empty of the first one.",
+            privacy="text", form="reason", sql="NOT NULL",
+        ),
+        Column(
+            "mode", "string", "A study with people (live), or a rehearsal with simulated ones.",
+            levels=("live", "simulated"), form="word", sql="NOT NULL",
+        ),
+        Column("sha256", "string", "SHA-256 of the plan.", form="any", sql="NOT NULL"),
+        Column(
+            "commitment", "string",
+            "SHA-256 of the key from which the assignments follow; empty: nobody is allocated.",
+            form="any", sql="NOT NULL",
+        ),
+        Column("plan", "string", "The plan, TOML.", privacy="inner", form="any", sql="NOT NULL"),
+        Column(
+            "conditions", "json",
+            "The conditions with the value of every setting.",
+            privacy="inner", form="any", sql="NOT NULL",
+        ),
+        _SITE,
+    ),
+)  # fmt: skip
+
 # --- the database itself
 # --------------------------------------------------------------------------------------------------
 
@@ -1585,6 +1653,7 @@ TABLES = {
         MESSAGES,
         PROGRAMMES,
         RECORDS,
+        STUDIES,
         EXPORTS,
         SITE,
         SAME_PEOPLE,

@@ -34,6 +34,7 @@ _RECORDS = (
         "'version ' || version || ' of the record ' || id || ' (' || kind || ')'",
         may_lack="session",
     ),
+    _Records("studies", "'version ' || version || ' of the study ' || name"),
     _Records("exports", "'export of ' || exported_at"),
 )
 _OTHERWISE = "The {what} is {own}'s by what {site} has, and is not so here. It is left out."

@@ -1,4 +1,4 @@
-"""Merge of the rows beside sessions: participants, programmes, records of people, exports."""
+"""Merge of the rows beside sessions: participants, programmes, records of people, studies, exports."""
 
 import sqlite3
 from collections.abc import Sequence
@@ -28,7 +28,7 @@ def merge_records(db: sqlite3.Connection, people: People) -> dict[str, int]:
     """Add the records that only ``other`` has to the main database, and return the numbers of
     changed rows by table.
     """
-    changed = {"participants": _participants(db), "exports": _exports(db)}
+    changed = {"participants": _participants(db), "exports": _exports(db), "studies": _studies(db)}
     for records in _TABLES:
         changed[records.table] = _merge(db, people, records)
     db.execute(
@@ -51,6 +51,15 @@ def _exports(db: sqlite3.Connection) -> int:
         f"INSERT INTO main.exports ({', '.join(names)}) SELECT {', '.join(names)} FROM "
         "other.exports AS there"
         f" WHERE NOT EXISTS (SELECT 1 FROM main.exports AS here WHERE {same}) ORDER BY number"
+    ).rowcount
+
+
+def _studies(db: sqlite3.Connection) -> int:
+    """Add plans that the other site froze: each site has its own row of a version."""
+    names = ", ".join(TABLES["studies"].names)
+    return db.execute(
+        f"INSERT OR IGNORE INTO main.studies ({names}) SELECT {names} FROM other.studies"
+        " ORDER BY name, version, site"
     ).rowcount
 
 

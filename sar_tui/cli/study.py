@@ -1,0 +1,621 @@
+"""``sar-tui study``: a study from its plan to its tables."""
+
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from sar_tui.cli.common import (
+    AsJson,
+    Home,
+    Markers,
+    New,
+    Plain,
+    SyncFlash,
+    are_new,
+    checked_markers,
+    console,
+    is_plain,
+    named_path,
+    need_terminal,
+    print_json,
+    write_new,
+)
+from sar_tui.cli.errors import Refused
+from sar_tui.tui.exit_codes import FAILED
+
+if TYPE_CHECKING:
+    from sar_tui.study.ledger import Frozen
+    from sar_tui.study.next_block import Person
+    from sar_tui.study.plan import Study
+    from sar_tui.study.schedule import Next
+
+app = typer.Typer(rich_markup_mode=None, no_args_is_help=True)
+
+PlanFile = Annotated[
+    Path,
+    typer.Argument(
+        parser=named_path, metavar="FILE", help="The plan, study.toml.", show_default=False
+    ),
+]
+Code = Annotated[
+    str, typer.Argument(metavar="CODE", help="The participant's code.", show_default=False)
+]
+Which = Annotated[
+    str,
+    typer.Option(
+        "--study", metavar="NAME", show_default=False, help="The study, if there are several."
+    ),
+]
+Key = Annotated[
+    Path | None,
+    typer.Option(
+        "--key",
+        parser=named_path,
+        metavar="FILE",
+        show_default=False,
+        help="The file with the study's key. Default: in the user's configuration folder.",
+    ),
+]
+Reason = Annotated[
+    str, typer.Option("--reason", metavar="TEXT", show_default=False, help="Why, for the record.")
+]
+
+
+@app.callback()
+def study() -> None:
+    """Plan a study, enrol people, run what is due, and export it."""
+
+
+@contextmanager
+def study_errors() -> "Iterator[None]":
+    """Turn errors of a plan and of the allocation into Refused."""
+    from sar_tui.study.allocation import AllocationError
+    from sar_tui.study.plan import PlanError
+
+    try:
+        yield
+    except (PlanError, AllocationError) as error:
+        raise Refused(str(error)) from error
+
+
+def key_of(plan: "Study", given: Path | None) -> Path:
+    """Return the file of a study's key."""
+    from sar_tui.study.secret import key_file
+
+    return given or key_file(plan.name)
+
+
+def checked_plan(home: Home, file: Path) -> "tuple[str, Study]":
+    """Read a plan, and check it with the tasks, themes and forms that are here.
+
+    Raises:
+        Refused: it cannot be used.
+    """
+    from sar_tui.study.conditions import problems_here
+    from sar_tui.study.plan import read_plan
+    from sar_tui.study.toml_lines import TomlLines
+
+    with study_errors():
+        plan = read_plan(file)
+    text = file.read_text(encoding="utf-8")
+    lines = TomlLines(text, str(file))
+    found = [lines.at(key, said) for key, said in problems_here(plan, home.catalogue())]
+    if found:
+        raise Refused("\n".join(found))
+    return text, plan
+
+
+@app.command("check")
+def check(home: Home, file: PlanFile) -> None:
+    """Check a plan: each mistake with its line; without one, what it plans."""
+    from sar_tui.study.summary import summary
+
+    _, plan = checked_plan(home, file)
+    out = console()
+    for line in summary(plan):
+        out.print(line, soft_wrap=True)
+
+
+@app.command("freeze")
+def freeze(home: Home, file: PlanFile, key: Key = None) -> None:
+    """Freeze a plan before the first enrolment, which otherwise does it."""
+    _freeze(home, file, key, reason="")
+
+
+@app.command("amend")
+def amend(home: Home, file: PlanFile, reason: Reason = "", key: Key = None) -> None:
+    """Freeze a later version of a plan, with the reason for the change."""
+    if not reason.strip():
+        raise Refused("Say why the plan changes: --reason …")
+    _freeze(home, file, key, reason=reason.strip())
+
+
+def _freeze(home: Home, file: Path, key: Path | None, *, reason: str) -> None:
+    from sar_tui.drivers.login_name import login_name
+    from sar_tui.study import enrolment
+
+    text, plan = checked_plan(home, file)
+    where = key_of(plan, key)
+    with home.writable_database() as database, study_errors():
+        enrolment.freeze(
+            database,
+            home.catalogue(),
+            text,
+            plan,
+            where,
+            mode="live",
+            author=login_name(),
+            reason=reason,
+        )
+    print(f"The study {plan.name} is frozen in version {plan.version}.")
+    if enrolment.needs_key(plan):
+        print(f"Its key is {where}. Other sites need a copy; keep it away from the data.")
+
+
+@app.command("enrol")
+def enrol(
+    home: Home,
+    participant: Code,
+    plan: Annotated[
+        Path | None,
+        typer.Option(
+            "--plan",
+            parser=named_path,
+            metavar="FILE",
+            show_default=False,
+            help="The plan, with the first person: it is frozen then.",
+        ),
+    ] = None,
+    factor: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--factor",
+            metavar="NAME=VALUE",
+            show_default=False,
+            help="A factor of the allocation. May be repeated.",
+        ),
+    ] = None,
+    replaces: Annotated[
+        str,
+        typer.Option(
+            "--replaces",
+            metavar="CODE",
+            show_default=False,
+            help="The person who left, whose group and order this one gets.",
+        ),
+    ] = "",
+    listed: Annotated[
+        Path | None,
+        typer.Option(
+            "--list",
+            parser=named_path,
+            metavar="FILE.csv",
+            show_default=False,
+            help="A list of groups made elsewhere, with the columns group and stratum.",
+        ),
+    ] = None,
+    name: Which = "",
+    key: Key = None,
+    new: New = False,
+    as_json: AsJson = False,
+) -> None:
+    """Enrol a person: they come to a group and to an order of conditions."""
+    from sar_tui.cli.common import read_settings
+    from sar_tui.drivers.login_name import login_name
+    from sar_tui.store.participants import check_own
+    from sar_tui.study import enrolment, ledger
+
+    code = check_own(participant)
+    factors = {k: str(v) for k, v in read_settings(factor, "--factor age=young").items()}
+    if plan is not None:
+        _freeze_first(home, plan, key)
+    with home.writable_database() as database, study_errors():
+        frozen = ledger.find(database, name or (_name_in(plan) if plan else ""))
+        are_new(database, [code], said=new)
+        enrolled = enrolment.enrol(
+            database,
+            frozen,
+            code,
+            key_of(frozen.plan, key),
+            factors=factors,
+            replaces=check_own(replaces) if replaces else "",
+            listed=listed,
+            author=login_name(),
+        )
+    if as_json:
+        print_json(enrolled)
+        return
+    group = f" in the group {enrolled.group}" if enrolled.group else ""
+    print(f"{code} is number {enrolled.number} of the study {frozen.plan.name}{group}.")
+    if frozen.plan.consent:
+        print(f"Before the first session: sar-tui study consent {code} --answer yes")
+    print(f"What is due: sar-tui study next {code}")
+
+
+def _name_in(file: Path) -> str:
+    from sar_tui.study.plan import read_plan
+
+    return read_plan(file).name
+
+
+def _freeze_first(home: Home, file: Path, key: Path | None) -> None:
+    """Freeze the plan of the first person; later the same text again."""
+    from sar_tui.study import ledger
+
+    text, plan = checked_plan(home, file)
+    with home.database() as database:
+        last = ledger.newest(database, plan.name)
+    if last is None or last.sha256 != ledger.sha256_of(text):
+        _freeze(home, file, key, reason="")
+
+
+@app.command("consent")
+def consent(
+    home: Home,
+    participant: Code,
+    answer: Annotated[
+        str, typer.Option("--answer", metavar="yes|no|withdrawn", show_default=False, help="It.")
+    ],
+    scope: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--scope",
+            metavar="PART",
+            show_default=False,
+            help="A part that was agreed to, such as video. May be repeated.",
+        ),
+    ] = None,
+    witness: Annotated[
+        str,
+        typer.Option("--witness", metavar="CODE", show_default=False, help="A witness, as a code."),
+    ] = "",
+    on: Annotated[
+        str,
+        typer.Option("--on", metavar="DATE", show_default=False, help="The day. Default: today."),
+    ] = "",
+    name: Which = "",
+) -> None:
+    """Record a person's consent to a study, a refusal, or a withdrawal of the consent."""
+    from sar_tui.drivers.login_name import login_name
+    from sar_tui.store import records
+    from sar_tui.store.participants import check_own
+    from sar_tui.study import ledger
+
+    code = check_own(participant)
+    with home.writable_database() as database, study_errors():
+        plan = ledger.find(database, name).plan
+        if plan.consent is None:
+            raise Refused(f"The plan of {plan.name} asks for no consent.")
+        given = tuple(scope or ())
+        if wrong := [part for part in given if part not in plan.consent.scope]:
+            known = ", ".join(plan.consent.scope) or "none"
+            raise Refused(f"The consent has no part {wrong[0]!r}. Its parts: {known}.")
+        if plan.consent.witness and answer == "yes" and not witness:
+            raise Refused("This consent needs a witness: --witness CODE")
+        content = {
+            "study": plan.name,
+            "version": plan.consent.version,
+            "answer": answer,
+            "scope": ", ".join(given),
+            "witness": witness,
+        }
+        kind = records.kind_of(ledger.CONSENT)
+        records.add(database, kind, code, on, content, author=login_name())
+    said = {"yes": "agreed to", "no": "did not agree to"}.get(answer, "withdrew the consent to")
+    print(f"{code} {said} the study {plan.name}, version {plan.consent.version} of its text.")
+
+
+@app.command("next")
+def next_command(
+    home: Home,
+    participant: Code,
+    visit: Annotated[
+        str,
+        typer.Option(
+            "--visit", metavar="NAME", show_default=False, help="Another visit; needs a reason."
+        ),
+    ] = "",
+    block: Annotated[
+        str,
+        typer.Option(
+            "--block", metavar="NAME", show_default=False, help="Another block; needs a reason."
+        ),
+    ] = "",
+    reason: Reason = "",
+    show: Annotated[
+        bool, typer.Option("--show", help="Say what is due, and begin nothing.")
+    ] = False,
+    once: Annotated[
+        bool, typer.Option("--once", help="Begin one block, not all of today.")
+    ] = False,
+    name: Which = "",
+    key: Key = None,
+    markers: Markers = None,
+    sync_flash: SyncFlash = False,
+    plain: Plain = False,
+    as_json: AsJson = False,
+) -> None:
+    """Begin what is due for a person: the next blocks of the visit, one after another."""
+    from sar_tui.store.database import StoreError
+    from sar_tui.store.participants import check_own
+    from sar_tui.study.next_block import in_words
+
+    code = check_own(participant)
+    if show or as_json:
+        one, found = _due(home, code, name, key, visit, block, reason or "looked at")
+        _show_due(one, found, as_json)
+        return
+    addresses = checked_markers(markers)
+    as_lines = is_plain(plain)
+    need_terminal(plain=as_lines, sync_flash=sync_flash)
+    done = 0
+    while True:
+        try:
+            one, found = _due(home, code, name, key, visit, block, reason)
+        except StoreError:
+            if done:
+                break  # nothing more today
+            raise
+        assert found.item
+        if done and found.state != "due":
+            break
+        print(f"{in_words(one, found.item)}", file=sys.stderr)
+        ended = _begin(home, one, found, reason, addresses, plain=as_lines, flash=sync_flash)
+        done += 1
+        if ended:
+            raise typer.Exit(ended)
+        if once or visit or block or not _is_done(home, one, found):
+            break
+        reason = ""
+    _print_after(home, code, name, key)
+
+
+def _due(
+    home: Home, code: str, name: str, key: Path | None, visit: str, block: str, reason: str
+) -> "tuple[Person, Next]":
+    from sar_tui.study import ledger, next_block
+
+    with home.database() as database, study_errors():
+        frozen = ledger.find(database, name)
+        one = next_block.person(database, frozen, code, key_of(frozen.plan, key))
+        found = next_block.due(
+            database, one, datetime.now(UTC), visit=visit, block=block, reason=reason
+        )
+    return one, found
+
+
+def _show_due(one: "Person", found: "Next", as_json: bool) -> None:
+    from sar_tui.study.next_block import in_words
+
+    assert found.item
+    item = found.item
+    if as_json:
+        condition = one.names.conditions.get(item.condition, "")
+        print_json(
+            {
+                "participant": one.enrolled.participant,
+                "study": one.frozen.plan.name,
+                "version": one.frozen.plan.version,
+                "visit": item.visit.name,
+                "block": item.block.name,
+                "condition": condition or None,
+                "form": item.block.form or None,
+                "position": item.position,
+                "state": found.state,
+                "resume": found.resume or None,
+            }
+        )
+        return
+    goes_on = " It goes on where it was." if found.resume else ""
+    print(f"{one.enrolled.participant}: {in_words(one, item)}, {found.state}.{goes_on}")
+
+
+def _begin(
+    home: Home,
+    one: "Person",
+    found: "Next",
+    reason: str,
+    markers: Sequence[str],
+    *,
+    plain: bool,
+    flash: bool,
+) -> int:
+    """Begin a block, and return the exit code of its app; 0 if it ended well."""
+    from sar_tui.cli.common import checked_settings
+    from sar_tui.drivers.login_name import login_name
+    from sar_tui.study import next_block
+
+    assert found.item
+    if found.item.block.form:
+        return _fill_form(home, one, found, plain=plain)
+    catalogue = home.catalogue()
+    condition = one.frozen.plan.conditions[found.item.condition]
+    with home.writable_database() as database:
+        with study_errors(), checked_settings(catalogue.task(condition.task)):
+            plan = next_block.plan_of(database, catalogue, one, found)
+        next_block.note_deviations(database, one, found, reason, author=login_name())
+    what: dict[str, Any] = {"resume": found.resume} if found.resume else {"plan": plan}
+    if plain:
+        from sar_tui.app.plain import run_plain
+
+        return run_plain(home.folder, catalogue, found.resume or plan, markers=markers)
+    from sar_tui.app.app import run_app
+
+    return run_app(home.folder, catalogue, markers=markers, sync_flash=flash, **what)
+
+
+def _fill_form(home: Home, one: "Person", found: "Next", *, plain: bool) -> int:
+    raise Refused("Forms cannot be filled in here yet.")
+
+
+def _is_done(home: Home, one: "Person", found: "Next") -> bool:
+    """Return True if a block that was begun is done now."""
+    from sar_tui.study import ledger
+    from sar_tui.study.schedule import finished
+
+    assert found.item
+    plan = one.frozen.plan
+    with home.database() as database:
+        played = ledger.played(database, plan.name, one.frozen.mode, one.enrolled.participant)
+    return found.item.key in finished(plan, played, datetime.now(UTC))
+
+
+def _print_after(home: Home, code: str, name: str, key: Path | None) -> None:
+    """Say what comes next, after the last block of today."""
+    from sar_tui.study import ledger, next_block
+    from sar_tui.study.schedule import visit_days
+
+    with home.database() as database, study_errors():
+        frozen = ledger.find(database, name)
+        one = next_block.person(database, frozen, code, key_of(frozen.plan, key))
+    for day in visit_days(frozen.plan, one.items, one.played, datetime.now(UTC)):
+        if day.state not in ("done", "missed"):
+            when = f" from {day.first} to {day.last}" if day.first else ""
+            print(f"{code}: the visit {day.visit.name} has {day.of - day.done} to do{when}.")
+            return
+    print(f"{code} has done all of the study {frozen.plan.name}.")
+
+
+@app.command("exit")
+def exit_study(
+    home: Home,
+    participant: Code,
+    what: Annotated[
+        str,
+        typer.Option(
+            "--what",
+            metavar="withdrawn|excluded|lost|not eligible",
+            show_default=False,
+            help="How the participation ends.",
+        ),
+    ] = "withdrawn",
+    reason: Reason = "",
+    name: Which = "",
+) -> None:
+    """End a person's participation in a study; what was recorded is kept."""
+    from sar_tui.drivers.login_name import login_name
+    from sar_tui.store.participants import check_own
+    from sar_tui.study import ledger
+
+    if not reason.strip():
+        raise Refused("Say why: --reason …")
+    code = check_own(participant)
+    with home.writable_database() as database, study_errors():
+        plan = ledger.find(database, name).plan
+        enrolled = ledger.enrolment(database, plan.name, code)
+        if enrolled.ended:
+            raise Refused(f"{code} has left the study {plan.name} already: {enrolled.ended}.")
+        content = {"study": plan.name, "what": what, "reason": reason}
+        ledger.note(database, ledger.EXIT, code, content, author=login_name())
+    print(f"{code} takes part in the study {plan.name} no longer: {what}.")
+
+
+@app.command("deviation")
+def deviation(
+    home: Home,
+    participant: Code,
+    reason: Reason = "",
+    visit: Annotated[str, typer.Option("--visit", metavar="NAME", show_default=False)] = "",
+    block: Annotated[str, typer.Option("--block", metavar="NAME", show_default=False)] = "",
+    name: Which = "",
+) -> None:
+    """Record that something differed from the plan, such as an interruption from outside."""
+    from sar_tui.drivers.login_name import login_name
+    from sar_tui.store.participants import check_own
+    from sar_tui.study import ledger
+
+    if not reason.strip():
+        raise Refused("Say what differed: --reason …")
+    code = check_own(participant)
+    with home.writable_database() as database, study_errors():
+        plan = ledger.find(database, name).plan
+        ledger.enrolment(database, plan.name, code)
+        content: dict[str, int | str] = {
+            "study": plan.name,
+            "version": plan.version,
+            "visit": visit,
+            "block": block,
+            "what": "other",
+            "reason": reason,
+        }
+        ledger.note(database, ledger.DEVIATION, code, content, author=login_name())
+    print(f"It is recorded for {code}.")
+
+
+@app.command("reveal")
+def reveal(
+    home: Home, participant: Code, reason: Reason = "", name: Which = "", key: Key = None
+) -> None:
+    """Break the code of a person in a blind study: say the group, and record who asked and why."""
+    from sar_tui.drivers.login_name import login_name
+    from sar_tui.store.participants import check_own
+    from sar_tui.study import ledger, next_block
+
+    if not reason.strip():
+        raise Refused("A code is broken for a reason only: --reason …")
+    code = check_own(participant)
+    with home.writable_database() as database, study_errors():
+        frozen = ledger.find(database, name)
+        one = next_block.person(database, frozen, code, key_of(frozen.plan, key))
+        content = {"study": frozen.plan.name, "reason": reason}
+        ledger.note(database, ledger.CODE_BREAK, code, content, author=login_name())
+    print(f"{code} is in the group {one.names.group(one.enrolled.group)}. It is recorded.")
+
+
+@app.command("status")
+def status(home: Home, name: Which = "", key: Key = None, as_json: AsJson = False) -> None:
+    """Show who has done what: a row a person, a column a visit."""
+    from sar_tui.study.status import grid
+
+    with home.database() as database, study_errors():
+        from sar_tui.study import ledger
+
+        frozen = ledger.find(database, name)
+        rows = grid(database, frozen, key_of(frozen.plan, key), datetime.now(UTC))
+    if as_json:
+        print_json({"study": frozen.plan.name, "version": frozen.plan.version, "people": rows})
+        return
+    _print_status(frozen, rows)
+
+
+def _print_status(frozen: "Frozen", rows: "Sequence[Any]") -> None:
+    from sar_tui.cli.tables import Column, Listing, print_listing
+
+    def of_visit(visit: str) -> "Callable[[Any], str]":
+        return lambda row: row.visits[visit].words
+
+    visits = tuple(Column(visit.name, of_visit(visit.name)) for visit in frozen.plan.visits)
+    print_listing(
+        Listing(
+            "people",
+            empty=f"Nobody is enrolled in the study {frozen.plan.name} yet.",
+            columns=(
+                Column("who", lambda row: row.participant),
+                Column("group", lambda row: row.group),
+                *visits,
+                Column("deviations", lambda row: str(row.deviations or "")),
+                Column("ended", lambda row: row.ended),
+            ),
+            folds=True,
+            whole=("who",),
+        ),
+        list(rows),
+        False,
+    )
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text of a study into a new file, and say so."""
+    write_new(path, text)
+    print(f"{path} is written.")
+
+
+def failed(message: str) -> typer.Exit:
+    """Say why a command failed, and return its exit."""
+    print(message, file=sys.stderr)
+    return typer.Exit(FAILED)

@@ -1,0 +1,1 @@
+"""Studies: the plan, who is enrolled, what is due, and what came of it."""

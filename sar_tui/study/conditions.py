@@ -1,0 +1,173 @@
+"""Conditions of a study as complete settings of sessions, checked with the tasks and themes that
+are here.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import msgspec
+
+from sar_tui.model.step import Step
+from sar_tui.model.study_place import StudyPlace
+from sar_tui.plugins import Catalogue, PluginError
+from sar_tui.records.kind import KindError
+from sar_tui.records.kind import find as find_kind
+from sar_tui.rules.declaration import ParameterError
+from sar_tui.rules.parameters import fields
+from sar_tui.runs.plan import Failed, Plan, make_plan
+from sar_tui.store.programmes import Programme
+from sar_tui.study.plan import OWN, Block, Condition, Problem, Study
+
+
+def problems_here(plan: Study, catalogue: Catalogue) -> Iterator[Problem]:
+    """Yield what a plan names and is not here, or cannot be: tasks, themes, settings, levels,
+    forms.
+    """
+    for name, condition in plan.conditions.items():
+        for key, said in _condition_problems(plan, catalogue, condition):
+            yield ("conditions", name, *key), said
+    for at, visit in enumerate(plan.visits):
+        for number, block in enumerate(visit.blocks):
+            for said in _block_problems(plan, catalogue, block):
+                yield ("visits", at, "blocks", number), said
+
+
+def _condition_problems(
+    plan: Study, catalogue: Catalogue, condition: Condition
+) -> Iterator[Problem]:
+    try:
+        task = catalogue.task(condition.task)
+    except PluginError as error:
+        yield ("task",), str(error)
+        return
+    known = {field.name for field in fields(task.Parameters)}
+    for name in condition.settings:
+        if name not in known:
+            yield ("settings", name), f"The task {task.name} has no setting {name}."
+            return
+    try:
+        session_plan(plan, catalogue, condition, None, "P01", {})
+    except ParameterError as error:
+        for name, said in error.problems.items():
+            yield ("settings", name), said
+    except (PluginError, Failed) as error:
+        yield ("theme",), str(error)
+
+
+def _block_problems(plan: Study, catalogue: Catalogue, block: Block) -> Iterator[str]:
+    if block.form:
+        try:
+            find_kind(block.form)
+        except KindError as error:
+            yield str(error)
+        return
+    for name in dict.fromkeys((block.condition, *block.conditions)):
+        if name not in plan.conditions:
+            continue
+        try:
+            session_plan(plan, catalogue, plan.conditions[name], block, "P01", {})
+        except ParameterError as error:
+            yield f"With the condition {name}: {error}"
+        except (PluginError, Failed):
+            continue  # told of the condition
+
+
+def session_plan(
+    plan: Study,
+    catalogue: Catalogue,
+    condition: Condition,
+    block: Block | None,
+    participant: str,
+    own: Mapping[str, Any],
+    *,
+    level: int | None = None,
+    place: StudyPlace | None = None,
+    seed: int | None = None,
+    mode: str = "live",
+    id: str = "",
+) -> Plan:
+    """Return the plan of a session: every setting is that of the condition, the block, or its
+    default, but for those that belong to the person.
+
+    Args:
+        plan: the study.
+        catalogue: where task and theme are found.
+        condition: of the session.
+        block: of the session; None for the condition alone.
+        participant: code of the person.
+        own: settings of the participant's programme, of which those are used that the plan lists.
+        level: the level that is carried over from another block; None if none is.
+        place: of the session in the study.
+        seed, mode, id: as for `make_plan`.
+
+    Raises:
+        StoreError, PluginError, ParameterError, Failed: as `make_plan`.
+    """
+    task = catalogue.task(condition.task)
+    known = {field.name for field in fields(task.Parameters)}
+    personal = {name: value for name, value in own.items() if name in plan.from_person}
+    settings = {
+        **{name: value for name, value in personal.items() if name in known},
+        **condition.settings,
+        **(_of_block(block, level) if block else {}),
+    }
+    settings.setdefault("start_from", "fixed")
+    return make_plan(
+        catalogue,
+        task,
+        [participant],
+        settings,
+        saved=Programme(theme=condition.theme),
+        steps=_steps(block) if block else (),
+        seed=seed,
+        mode=mode,  # type: ignore[arg-type]
+        id=id,
+        study=place,
+    )
+
+
+def _of_block(block: Block, level: int | None) -> dict[str, Any]:
+    """Return the settings that a block decides."""
+    found: dict[str, Any] = {}
+    if block.attempts is not None:
+        found["attempts"] = block.attempts
+    if block.practice is not None:
+        found["practice_attempts"] = block.practice
+    if not block.gives_feedback:
+        found["feedback_schedule"] = "none"
+    if block.level == OWN:
+        found["start_from"] = "estimate"
+    elif isinstance(block.level, int):
+        found["start_level"] = block.level
+    elif level is not None:
+        found["start_level"] = level
+    return found
+
+
+def _steps(block: Block) -> tuple[Step, ...]:
+    """Return what comes before the first attempt of a block."""
+    steps = []
+    if block.rest_s:
+        rest = "Take a rest. It goes on by itself."
+        steps.append(
+            Step(name="rest", kind="rest", text=rest, seconds=float(block.rest_s), before=True)
+        )
+    if block.instructions:
+        steps.append(Step(name="instructions", text=block.instructions, before=True))
+    return tuple(steps)
+
+
+def resolved(plan: Study, catalogue: Catalogue) -> dict[str, dict[str, Any]]:
+    """Return every condition with the version of its task and the value of each setting, as it is
+    frozen.
+    """
+    found = {}
+    for name, condition in plan.conditions.items():
+        session = session_plan(plan, catalogue, condition, None, "P01", {})
+        found[name] = {
+            "task": session.task.name,
+            "task_version": session.task.version,
+            "theme": session.theme,
+            "parameters": msgspec.to_builtins(session.parameters),
+        }
+    return found

@@ -1,0 +1,255 @@
+"""Enrolment: the plan is frozen with the first person, and each person comes to a group and to an
+order of conditions.
+"""
+
+import sqlite3
+from collections.abc import Mapping
+from datetime import datetime
+from pathlib import Path
+from typing import NamedTuple
+
+from sar_tui.plugins import Catalogue
+from sar_tui.store import sites
+from sar_tui.store.database import StoreError, transaction
+from sar_tui.study import conditions, ledger, secret
+from sar_tui.study.allocation import (
+    AllocationError,
+    Assigned,
+    Draws,
+    ListedGroup,
+    assign,
+    neutral_codes,
+    row_of_order,
+)
+from sar_tui.study.ledger import Enrolment, Frozen, Mode
+from sar_tui.study.plan import Allocation, Study, orders
+
+
+class Names(NamedTuple):
+    """Names of groups and conditions as people may see them: neutral codes in a blind study."""
+
+    groups: Mapping[str, str]
+    conditions: Mapping[str, str]
+
+    def group(self, shown: str) -> str:
+        """Return the name of a group that is shown so."""
+        return {code: name for name, code in self.groups.items()}.get(shown, shown)
+
+
+def names_of(plan: Study, draws: Draws | None) -> Names:
+    """Return the names as people may see them.
+
+    Args:
+        plan: the study.
+        draws: from its key; None if nobody is allocated.
+    """
+    if not plan.allocation.blind or draws is None:
+        return Names({name: name for name in plan.groups}, {name: name for name in plan.conditions})
+    return Names(
+        neutral_codes(draws, list(plan.groups), "G"),
+        neutral_codes(draws, list(plan.conditions), "C"),
+    )
+
+
+def needs_key(plan: Study) -> bool:
+    """Return True if something about people of the study is drawn."""
+    return plan.is_allocated or bool(plan.squares)
+
+
+def freeze(
+    db: sqlite3.Connection,
+    catalogue: Catalogue,
+    text: str,
+    plan: Study,
+    key: Path,
+    *,
+    mode: Mode,
+    author: str,
+    reason: str = "",
+    now: datetime | None = None,
+) -> None:
+    """Freeze a version of a plan, with a key for what is drawn: a new one if there is none yet.
+
+    Raises:
+        StoreError: as `ledger.freeze`; or the key is not that of the version before.
+        AllocationError: the key cannot be read or written.
+    """
+    last = ledger.newest(db, plan.name)
+    commitment = ""
+    if needs_key(plan):
+        draws = secret.read(key) if key.exists() or last else secret.create(key)
+        commitment = draws.commitment
+        if last and last.commitment not in ("", commitment):
+            raise StoreError(_OTHER_KEY.format(key=key, study=plan.name), bad_input=True)
+    ledger.freeze(
+        db,
+        text,
+        plan,
+        conditions.resolved(plan, catalogue),
+        commitment=commitment,
+        mode=mode,
+        author=author,
+        reason=reason,
+        now=now,
+    )
+
+
+_OTHER_KEY = "{key} is not the key with which the study {study} was frozen."
+
+
+def draws_of(frozen: Frozen, key: Path) -> Draws | None:
+    """Return what is drawn with the key of a frozen study; None if it needs none.
+
+    Raises:
+        AllocationError: the key is not here, or is another one.
+    """
+    if not needs_key(frozen.plan):
+        return None
+    draws = secret.read(key)
+    if draws.commitment != frozen.commitment:
+        raise AllocationError(_OTHER_KEY.format(key=key, study=frozen.plan.name))
+    return draws
+
+
+def enrol(
+    db: sqlite3.Connection,
+    frozen: Frozen,
+    participant: str,
+    key: Path,
+    *,
+    factors: Mapping[str, str] = {},
+    replaces: str = "",
+    listed: Path | None = None,
+    author: str = "",
+    now: datetime | None = None,
+) -> Enrolment:
+    """Enrol a person, and draw their group and orders in the same transaction.
+
+    Args:
+        db: the database.
+        frozen: the study.
+        participant: a code, which is known or new.
+        key: file of the study's key.
+        factors: values of the strata, by name.
+        replaces: code of a person who has left, whose group and orders this one gets.
+        listed: a list of groups made elsewhere.
+        author: who enrols.
+        now: when; None for the present.
+
+    Raises:
+        StoreError: the person is enrolled already, a factor is missing, or the disk cannot write.
+        AllocationError: the key or the list cannot be used.
+    """
+    plan = frozen.plan
+    code = ledger.know(db, participant, now)
+    draws = draws_of(frozen, key)
+    given = _checked_factors(plan.allocation, factors)
+    rows = secret.read_list(listed, tuple(plan.groups)) if listed else ()
+    names = names_of(plan, draws)
+    with transaction(db) as connection:
+        people = [
+            one
+            for one in ledger.enrolments(connection, plan.name)
+            if ledger.is_own(one.participant)
+        ]
+        if earlier := next((one for one in people if one.participant == code), None):
+            raise StoreError(
+                f"{code} is in the study {plan.name} already, as number {earlier.number}.",
+                bad_input=True,
+            )
+        stratum = "|".join(filter(None, (sites.own(connection), *given.values())))
+        group, numbers = "", tuple[int, ...]()
+        if replaces:
+            group, numbers = _of_replaced(plan, people, replaces, names)
+        elif draws:
+            group = _drawn(plan, draws, people, stratum, given, rows, names)
+            numbers = _orders(plan, draws, people, stratum, names.groups.get(group, group))
+        enrolled = Enrolment(
+            participant=code,
+            study=plan.name,
+            version=plan.version,
+            number=len(people) + 1,
+            group=names.groups.get(group, group),
+            stratum=stratum,
+            orders=numbers,
+            replaces=replaces,
+        )
+        ledger.enrol(connection, enrolled, author=author, now=now)
+    return enrolled
+
+
+def _checked_factors(given: Allocation, factors: Mapping[str, str]) -> dict[str, str]:
+    for name, value in factors.items():
+        if name not in given.strata:
+            known = f"There are: {', '.join(given.strata)}." if given.strata else "There are none."
+            raise StoreError(f"The plan has no factor {name}. {known}", bad_input=True)
+        if value not in given.strata[name]:
+            raise StoreError(
+                f"{name} is {' or '.join(given.strata[name])}, not {value!r:.40}.", bad_input=True
+            )
+    for name, values in given.strata.items():
+        if name not in factors:
+            example = f"--factor {name}={values[0]}"
+            raise StoreError(f"The factor {name} is missing: add {example}.", bad_input=True)
+    return {name: factors[name] for name in given.strata}
+
+
+def _of_replaced(
+    plan: Study, people: list[Enrolment], replaces: str, names: Names
+) -> tuple[str, tuple[int, ...]]:
+    for one in people:
+        if one.participant == replaces:
+            if not one.ended:
+                raise StoreError(
+                    f"{replaces} still takes part: end it first, sar-tui study exit {replaces}",
+                    bad_input=True,
+                )
+            return names.group(one.group), one.orders
+    raise StoreError(f"{replaces} is not in the study {plan.name}.", bad_input=True)
+
+
+def _drawn(
+    plan: Study,
+    draws: Draws,
+    people: list[Enrolment],
+    stratum: str,
+    factors: Mapping[str, str],
+    rows: tuple[ListedGroup, ...],
+    names: Names,
+) -> str:
+    """Return the group of the next person, by its name."""
+    if not plan.groups:
+        return ""
+    if plan.allocation.method == "list" and not rows:
+        raise AllocationError("The groups of this study are listed elsewhere: add --list FILE.")
+    before = [
+        Assigned(
+            group=names.group(one.group),
+            stratum=one.stratum,
+            factors=dict(
+                zip(plan.allocation.strata, one.stratum.split("|")[-len(factors) :], strict=False)
+            ),
+        )
+        for one in people
+        if not one.replaces
+    ]
+    weights = {name: group.weight for name, group in plan.groups.items()}
+    return assign(plan.allocation, weights, draws, before, stratum, factors, rows)
+
+
+def _orders(
+    plan: Study, draws: Draws, people: list[Enrolment], stratum: str, group: str
+) -> tuple[int, ...]:
+    """Return the rows of the orders of the next person, balanced within group and stratum."""
+    alike = sum(
+        one.group == group and one.stratum == stratum and not one.replaces for one in people
+    )
+    return tuple(
+        row_of_order(draws, len(orders(plan, each)), alike, "|".join(each), group, stratum)
+        for each in plan.squares
+    )
+
+
+def group_named(plan: Study, enrolled: Enrolment, names: Names) -> str:
+    """Return the name of a person's group."""
+    return names.group(enrolled.group) if plan.groups else ""

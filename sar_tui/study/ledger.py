@@ -1,0 +1,384 @@
+"""The ledger of studies in the database: frozen plans, who is enrolled, and what differed.
+
+Nothing in it is ever changed. Plans are in the table ``studies``; enrolments, deviations, consent
+and ends of participation are records of people (`store.records`), and so are exported, merged and
+kept as these are.
+"""
+
+import hashlib
+import sqlite3
+from collections.abc import Mapping, Sequence
+from datetime import datetime
+from typing import Any, Literal
+
+import msgspec
+
+from sar_tui.records.kind import Value
+from sar_tui.store import records
+from sar_tui.store.counted import COUNTS
+from sar_tui.store.database import StoreError, store, transaction
+from sar_tui.store.participants import add as add_participant
+from sar_tui.store.participants import check_own
+from sar_tui.store.records import Record
+from sar_tui.store.tables import STUDIES
+from sar_tui.store.training_days import UTC_OFFSET, trained_at, utc
+from sar_tui.study.plan import Study, parse_plan
+
+Mode = Literal["live", "simulated"]
+ENROLMENT, DEVIATION, CONSENT = "enrolment", "deviation", "consent"
+EXIT, CODE_BREAK, FORM = "study-exit", "code-break", "form-filled"
+
+
+class Frozen(msgspec.Struct, frozen=True, kw_only=True):
+    """A version of a plan as it was frozen.
+
+    Attributes:
+        plan: the study; ``text``: as TOML. ``sha256``: of the text.
+        commitment: of the key from which assignments follow; empty if nobody is allocated.
+        mode: with people, or a rehearsal.
+        site: that froze it; empty for this one.
+    """
+
+    plan: Study
+    text: str
+    sha256: str
+    commitment: str
+    mode: Mode
+    frozen_at: str
+    frozen_by: str
+    reason: str
+    site: str
+
+
+class Enrolment(msgspec.Struct, frozen=True, kw_only=True):
+    """A person in a study.
+
+    Attributes:
+        number: of the person at the site, from 1.
+        group: that they came to, in a blind study a neutral code; empty without groups.
+        orders: numbers of the rows of orders, in the order of the plan's ``squares``.
+        at: when, UTC.
+        ended: how the participation ended; empty if it goes on.
+    """
+
+    participant: str
+    study: str
+    version: int
+    number: int
+    group: str = ""
+    stratum: str = ""
+    orders: tuple[int, ...] = ()
+    replaces: str = ""
+    at: str = ""
+    ended: str = ""
+    why_ended: str = ""
+
+
+class Played(msgspec.Struct, frozen=True, kw_only=True):
+    """A session of a study, or a form that was filled in.
+
+    Attributes:
+        id: of the session, or of the record of the answers.
+        status: of the session; ``completed`` for a form.
+        day: local date on which it began. ``ended``: when, UTC.
+    """
+
+    id: str
+    participant: str
+    visit: str
+    block: str
+    condition: str = ""
+    position: int = 1
+    version: int = 1
+    status: str = "completed"
+    day: str = ""
+    ended: str = ""
+
+
+# --- plans
+
+
+def sha256_of(text: str) -> str:
+    """Return the hash of a plan."""
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def freeze(
+    db: sqlite3.Connection,
+    text: str,
+    plan: Study,
+    conditions: Mapping[str, Any],
+    *,
+    commitment: str,
+    mode: Mode,
+    author: str,
+    reason: str = "",
+    now: datetime | None = None,
+) -> None:
+    """Store a version of a plan that is not there yet.
+
+    Raises:
+        StoreError: another plan of this name and version is there, the version does not follow the
+            last one, or the disk cannot write.
+    """
+    with transaction(db) as connection:
+        last = newest(connection, plan.name)
+        if last and last.plan.version == plan.version and last.sha256 == sha256_of(text):
+            return
+        if last and plan.version <= last.plan.version:
+            raise StoreError(
+                f"Version {last.plan.version} of the study {plan.name} was frozen as another "
+                f"text. Write version = {last.plan.version + 1} for a changed plan, and give the "
+                "reason: sar-tui study amend FILE --reason …",
+                bad_input=True,
+            )
+        if last and not reason:
+            raise StoreError(
+                f"The study {plan.name} is frozen in version {last.plan.version}. A later version "
+                "needs a reason: sar-tui study amend FILE --reason …",
+                bad_input=True,
+            )
+        store(
+            connection,
+            STUDIES,
+            name=plan.name,
+            version=plan.version,
+            frozen_at=utc(now),
+            frozen_by=author,
+            reason=reason,
+            mode=mode,
+            sha256=sha256_of(text),
+            commitment=commitment,
+            plan=text,
+            conditions=conditions,
+        )
+
+
+_COLUMNS = "plan, sha256, commitment, mode, frozen_at, frozen_by, reason, site, name"
+
+
+def versions(db: sqlite3.Connection, name: str) -> list[Frozen]:
+    """Return the frozen versions of a study, the oldest first; of a version that several sites
+    froze, this site's.
+    """
+    rows = db.execute(
+        f"SELECT {_COLUMNS} FROM studies WHERE name=? ORDER BY version, site DESC", (name,)
+    )
+    found = {}
+    for row in rows:
+        frozen = _frozen(row)
+        found[frozen.plan.version] = frozen
+    return list(found.values())
+
+
+def newest(db: sqlite3.Connection, name: str) -> Frozen | None:
+    """Return the newest frozen version of a study; None if there is none."""
+    found = versions(db, name)
+    return found[-1] if found else None
+
+
+def _frozen(row: Sequence[Any]) -> Frozen:
+    text, sha256, commitment, mode, at, by, reason, site, name = row
+    return Frozen(
+        plan=parse_plan(text, f"study {name}"),
+        text=text,
+        sha256=sha256,
+        commitment=commitment,
+        mode=mode,
+        frozen_at=at,
+        frozen_by=by,
+        reason=reason,
+        site=site,
+    )
+
+
+def names(db: sqlite3.Connection) -> list[str]:
+    """Return the names of the studies, in the order in which they were frozen."""
+    rows = db.execute("SELECT name FROM studies GROUP BY name ORDER BY min(frozen_at), name")
+    return [name for (name,) in rows]
+
+
+def find(db: sqlite3.Connection, name: str = "") -> Frozen:
+    """Return the newest version of a study; without a name, of the only one.
+
+    Raises:
+        StoreError: there is no such study, none at all, or more than one.
+    """
+    known = names(db)
+    if name in known or (not name and len(known) == 1):
+        found = newest(db, name or known[0])
+        assert found
+        return found
+    if not known:
+        raise StoreError(
+            "No study is frozen here. Enrol the first person with its plan: sar-tui study enrol "
+            "P01 --plan study.toml",
+            bad_input=True,
+        )
+    listed = ", ".join(known)
+    said = f"There is no study {name}. There are: {listed}." if name else (
+        f"There are several studies: {listed}. Name one: --study {known[0]}"
+    )  # fmt: skip
+    raise StoreError(said, bad_input=True)
+
+
+# --- people
+
+
+def enrol(
+    connection: sqlite3.Connection, enrolled: Enrolment, *, author: str, now: datetime | None
+) -> None:
+    """Store an enrolment, in a transaction of the caller.
+
+    Its id follows from the study and the number of the person, so that no number is used twice.
+    """
+    content: dict[str, Value] = {
+        "study": enrolled.study,
+        "version": enrolled.version,
+        "number": enrolled.number,
+    }
+    orders = ", ".join(map(str, enrolled.orders))
+    texts = {
+        "group": enrolled.group,
+        "stratum": enrolled.stratum,
+        "order": orders,
+        "replaces": enrolled.replaces,
+    }
+    content |= {name: text for name, text in texts.items() if text}
+    records.store(
+        connection,
+        Record(
+            id=f"{enrolled.study}-{enrolled.number}",
+            kind=ENROLMENT,
+            participant=enrolled.participant,
+            at=utc(now),
+            content=content,
+            recorded_at=utc(now),
+            recorded_by=author,
+        ),
+    )
+
+
+def enrolments(db: sqlite3.Connection, study: str) -> list[Enrolment]:
+    """Return the people of a study, in the order of their enrolment."""
+    ends = {
+        record.participant: record
+        for record in records.listing(db, kinds=(EXIT,))
+        if record.content["study"] == study
+    }
+    found = []
+    for record in records.listing(db, kinds=(ENROLMENT,)):
+        content = record.content
+        if content["study"] != study:
+            continue
+        end = ends.get(record.participant)
+        orders = str(content.get("order", ""))
+        found.append(
+            Enrolment(
+                participant=record.participant,
+                study=study,
+                version=int(content["version"]),
+                number=int(content["number"]),
+                group=str(content.get("group", "")),
+                stratum=str(content.get("stratum", "")),
+                orders=tuple(map(int, filter(None, orders.split(",")))),
+                replaces=str(content.get("replaces", "")),
+                at=record.at,
+                ended=str(end.content["what"]) if end else "",
+                why_ended=str(end.content["reason"]) if end else "",
+            )
+        )
+    return found
+
+
+def is_own(participant: str) -> bool:
+    """Return True if a participant is one of this site."""
+    return "@" not in participant
+
+
+def enrolment(db: sqlite3.Connection, study: str, participant: str) -> Enrolment:
+    """Return the enrolment of a person. Raises StoreError if they are not in the study."""
+    for one in enrolments(db, study):
+        if one.participant == participant:
+            return one
+    raise StoreError(
+        f"{participant} is not enrolled in the study {study}: sar-tui study enrol {participant}",
+        bad_input=True,
+    )
+
+
+def note(
+    db: sqlite3.Connection,
+    kind: str,
+    participant: str,
+    content: Mapping[str, Value],
+    *,
+    author: str,
+    now: datetime | None = None,
+) -> None:
+    """Store a record of a study on a person: a deviation, an end, a form, a look at the group.
+
+    Raises:
+        StoreError: the participant is of another site, or the disk cannot write.
+    """
+    check_own(participant)
+    given = {name: value for name, value in content.items() if value not in (None, "")}
+    records.add(db, records.kind_of(kind), participant, "", given, author=author, now=now)
+
+
+def of_study(db: sqlite3.Connection, kind: str, study: str) -> list[Record]:
+    """Return the records of a kind that belong to a study, by time."""
+    return [each for each in records.listing(db, kinds=(kind,)) if each.content["study"] == study]
+
+
+def consent_of(db: sqlite3.Connection, study: str, participant: str) -> Record | None:
+    """Return the last consent of a person to a study; None without one."""
+    found = [
+        each
+        for each in records.listing(db, kinds=(CONSENT,), participant=participant)
+        if each.content["study"] == study
+    ]
+    return max(found, key=lambda each: (each.day, each.recorded_at), default=None)
+
+
+def played(
+    db: sqlite3.Connection, study: str, mode: Mode, participant: str | None = None
+) -> list[Played]:
+    """Return the sessions of a study that count, and the forms that were filled in, by time."""
+    counted = COUNTS if mode == "live" else "sessions.mode='simulated'"
+    rows = db.execute(
+        "SELECT sessions.id, participant, status, started_at, ended_at, study,"
+        f" {UTC_OFFSET} FROM sessions"
+        " JOIN seats ON seats.session=sessions.id AND seat='A'"
+        f" WHERE study IS NOT NULL AND json_extract(study, '$.study')=? AND {counted}"
+        " AND (?2 IS NULL OR participant=?2) ORDER BY sessions.rowid",
+        (study, participant),
+    )
+    found = []
+    for id, who, status, began, ended, place, offset_s in rows:
+        values = msgspec.json.decode(place)
+        del values["study"]
+        day = trained_at(began, offset_s).strftime("%Y-%m-%d")
+        found.append(
+            Played(id=id, participant=who, status=status, day=day, ended=ended or began, **values)
+        )
+    for record in of_study(db, FORM, study):
+        if participant in (None, record.participant):
+            content = record.content
+            found.append(
+                Played(
+                    id=str(content["record"]),
+                    participant=record.participant,
+                    visit=str(content["visit"]),
+                    block=str(content["block"]),
+                    version=int(content["version"]),
+                    day=trained_at(record.at, None).strftime("%Y-%m-%d"),
+                    ended=record.at,
+                )
+            )
+    return sorted(found, key=lambda one: one.ended)
+
+
+def know(db: sqlite3.Connection, participant: str, now: datetime | None = None) -> str:
+    """Add a participant, and return the code as it is stored. Raises StoreError."""
+    return add_participant(db, participant, now)

@@ -1,0 +1,278 @@
+"""The next block of a person: what it is, whether it may begin, and the plan of its session."""
+
+import sqlite3
+from datetime import datetime
+from pathlib import Path
+from typing import NamedTuple
+
+from sar_tui.model.study_place import StudyPlace
+from sar_tui.plugins import Catalogue
+from sar_tui.runs.plan import Plan
+from sar_tui.store import programmes, sessions
+from sar_tui.store.database import StoreError
+from sar_tui.study import ledger
+from sar_tui.study.conditions import session_plan
+from sar_tui.study.enrolment import Names, draws_of, group_named, names_of
+from sar_tui.study.ledger import Enrolment, Frozen, Played
+from sar_tui.study.plan import OWN
+from sar_tui.study.schedule import Item, Next, items, next_item
+
+
+class Person(NamedTuple):
+    """A person of a study, with all that was done."""
+
+    frozen: Frozen
+    enrolled: Enrolment
+    names: Names
+    items: list[Item]
+    played: list[Played]
+
+
+class NeedsReason(StoreError):
+    """A block is possible, and differs from the plan: a reason must be given.
+
+    Attributes:
+        what: as the kind ``deviation`` has it.
+    """
+
+    def __init__(self, message: str, what: str) -> None:
+        super().__init__(message, bad_input=True)
+        self.what = what
+
+
+def person(db: sqlite3.Connection, frozen: Frozen, participant: str, key: Path) -> Person:
+    """Return a person of a study.
+
+    Raises:
+        StoreError: they are not enrolled.
+        AllocationError: the key is not here.
+    """
+    enrolled = ledger.enrolment(db, frozen.plan.name, participant)
+    names = names_of(frozen.plan, draws_of(frozen, key))
+    group = group_named(frozen.plan, enrolled, names)
+    return Person(
+        frozen=frozen,
+        enrolled=enrolled,
+        names=names,
+        items=list(items(frozen.plan, enrolled, group)),
+        played=ledger.played(db, frozen.plan.name, frozen.mode, participant),
+    )
+
+
+def due(
+    db: sqlite3.Connection,
+    one: Person,
+    now: datetime,
+    *,
+    visit: str = "",
+    block: str = "",
+    reason: str = "",
+) -> Next:
+    """Return the next block of a person, if it may begin.
+
+    Args:
+        db: the database.
+        one: the person.
+        now: the present.
+        visit, block: those that are wanted, if others than the next ones; needs a reason.
+        reason: why it differs from the plan.
+
+    Raises:
+        StoreError: there is nothing more, participation has ended, or consent is missing.
+        NeedsReason: it differs from the plan, and no reason was given.
+    """
+    plan, who = one.frozen.plan, one.enrolled.participant
+    if one.enrolled.ended:
+        raise StoreError(
+            f"{who} takes part no longer: {one.enrolled.ended} ({one.enrolled.why_ended}).",
+            bad_input=True,
+        )
+    check_consent(db, one)
+    if visit or block:
+        return _wanted(one, now, visit, block, reason)
+    found = next_item(plan, one.items, one.played, now)
+    if found.item is None:
+        missed = "".join(f" The visit {each.name} was missed." for each in found.passed)
+        raise StoreError(f"{who} has done all of the study {plan.name}.{missed}", bad_input=True)
+    assert found.day
+    if found.state in ("early", "late") and not reason:
+        first, last = found.day.first, found.day.last
+        raise NeedsReason(
+            f"The visit {found.item.visit.name} of {who} is from {first} to {last}: today is too "
+            f"{found.state}. If it is to be today, say why: --reason …",
+            found.state,
+        )
+    return found
+
+
+def _wanted(one: Person, now: datetime, visit: str, block: str, reason: str) -> Next:
+    """Return a block that was asked for out of order."""
+    alike = [
+        item
+        for item in one.items
+        if visit in ("", item.visit.name) and block in ("", item.block.name)
+    ]
+    if not alike:
+        raise StoreError(
+            f"{one.enrolled.participant} has no block {block or 'of any name'} in the visit "
+            f"{visit or 'of any name'}.",
+            bad_input=True,
+        )
+    done = {(each.visit, each.block, each.position) for each in one.played}
+    item = next((each for each in alike if each.key not in done), alike[0])
+    following = next_item(one.frozen.plan, one.items, one.played, now)
+    if following.item and item.key == following.item.key and following.state == "due":
+        return following
+    what = "repeated" if item.key in done else "out of order"
+    if not reason:
+        raise NeedsReason(
+            f"The block {item.block.name} of the visit {item.visit.name} is {what}. If it is to "
+            "be now, say why: --reason …",
+            what,
+        )
+    return Next(item=item, state="due", repeats=item.key in done)
+
+
+def check_consent(db: sqlite3.Connection, one: Person) -> None:
+    """Raise StoreError if the plan needs a consent that this person has not given."""
+    wanted = one.frozen.plan.consent
+    if wanted is None or one.frozen.mode == "simulated":
+        return
+    who, study = one.enrolled.participant, one.frozen.plan.name
+    given = ledger.consent_of(db, study, who)
+    how = f"sar-tui study consent {who} --answer yes"
+    if given is None:
+        raise StoreError(
+            f"{who} has not agreed to the study {study} yet. When they have: {how}", bad_input=True
+        )
+    answer = given.content["answer"]
+    if answer != "yes":
+        said = "did not agree to" if answer == "no" else "has withdrawn the consent to"
+        raise StoreError(f"{who} {said} the study {study}: no session starts.", bad_input=True)
+    if given.content["version"] != wanted.version:
+        raise StoreError(
+            f"{who} agreed to version {given.content['version']} of the text; this plan needs "
+            f"version {wanted.version}. When they have agreed to that: {how}",
+            bad_input=True,
+        )
+
+
+def plan_of(
+    db: sqlite3.Connection,
+    catalogue: Catalogue,
+    one: Person,
+    found: Next,
+    *,
+    seed: int | None = None,
+) -> Plan:
+    """Return the plan of the session of a block.
+
+    Raises:
+        StoreError: the level is to be carried over from a block that was not done.
+        PluginError, ParameterError, Failed: the condition cannot run here.
+    """
+    item = found.item
+    assert item
+    plan, who = one.frozen.plan, one.enrolled.participant
+    condition = plan.conditions[item.condition]
+    own = programmes.newest(db, who, condition.task).parameters
+    return session_plan(
+        plan,
+        catalogue,
+        condition,
+        item.block,
+        who,
+        own,
+        level=_carried_level(db, one, item),
+        place=place_of(one, item),
+        seed=seed,
+        mode=one.frozen.mode,
+        id=sessions.new_id(),
+    )
+
+
+def place_of(one: Person, item: Item) -> StudyPlace:
+    """Return what is stored with the session of a block."""
+    return StudyPlace(
+        study=one.frozen.plan.name,
+        version=one.frozen.plan.version,
+        visit=item.visit.name,
+        block=item.block.name,
+        condition=one.names.conditions[item.condition],
+        position=item.position,
+    )
+
+
+def _carried_level(db: sqlite3.Connection, one: Person, item: Item) -> int | None:
+    """Return the last level of the block that a level is carried over from; None if none is."""
+    level = item.block.level
+    if not isinstance(level, str) or level == OWN:
+        return None
+    visit, _, block = level.partition("/")
+    for each in reversed(one.played):
+        if (each.visit, each.block) == (visit, block) and each.status in ("completed", "aborted"):
+            attempts = [
+                row for row in sessions.rows(db, "attempts", each.id) if not row["practice"]
+            ]
+            if attempts:
+                return int(attempts[-1]["level"])
+    raise StoreError(
+        f"The level of {item.block.name} is that of the block {level}, which "
+        f"{one.enrolled.participant} has not done.",
+        bad_input=True,
+    )
+
+
+def note_deviations(
+    db: sqlite3.Connection,
+    one: Person,
+    found: Next,
+    reason: str,
+    *,
+    author: str,
+    now: datetime | None = None,
+) -> None:
+    """Record what differs from the plan when a block begins: visits that were missed, a day that is
+    early or late, an order, a block that is begun again.
+    """
+    assert found.item
+    noted = {
+        (each.participant, each.content.get("visit"), each.content["what"])
+        for each in ledger.of_study(db, ledger.DEVIATION, one.frozen.plan.name)
+    }
+    who = one.enrolled.participant
+    entries = [("missed", visit.name, "", "") for visit in found.passed]
+    name, block = found.item.visit.name, found.item.block.name
+    if found.state in ("early", "late"):
+        entries.append((found.state, name, "", reason))
+    elif reason:
+        entries.append(("repeated" if found.repeats else "out of order", name, block, reason))
+    elif found.repeats:
+        entries.append(("repeated", name, block, "the session before was cut off"))
+    for what, visit, of_block, why in entries:
+        if what in ("missed", "early", "late") and (who, visit, what) in noted:
+            continue
+        ledger.note(
+            db,
+            ledger.DEVIATION,
+            who,
+            {
+                "study": one.frozen.plan.name,
+                "version": one.frozen.plan.version,
+                "visit": visit,
+                "block": of_block,
+                "what": what,
+                "reason": why,
+            },
+            author=author,
+            now=now,
+        )
+
+
+def in_words(one: Person, item: Item) -> str:
+    """Return what a block is, as whoever is blind may see it: "Visit 2, block 3 (C1)"."""
+    plan = one.frozen.plan
+    visit = [each.name for each in plan.visits].index(item.visit.name) + 1
+    mine = [each.key for each in one.items if each.visit.name == item.visit.name]
+    what = item.block.form or one.names.conditions[item.condition]
+    return f"Visit {visit}, block {mine.index(item.key) + 1} ({what})"
