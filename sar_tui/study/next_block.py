@@ -269,6 +269,27 @@ def note_deviations(
         )
 
 
+def note_form(
+    db: sqlite3.Connection,
+    one: Person,
+    found: Next,
+    record: str,
+    *,
+    author: str,
+    now: datetime | None = None,
+) -> None:
+    """Record that a form of a study was filled in."""
+    assert found.item
+    content: dict[str, int | str] = {
+        "study": one.frozen.plan.name,
+        "version": one.frozen.plan.version,
+        "visit": found.item.visit.name,
+        "block": found.item.block.name,
+        "record": record,
+    }
+    ledger.note(db, ledger.FORM, one.enrolled.participant, content, author=author, now=now)
+
+
 def in_words(one: Person, item: Item) -> str:
     """Return what a block is, as whoever is blind may see it: "Visit 2, block 3 (C1)"."""
     plan = one.frozen.plan
