@@ -26,12 +26,12 @@ from sar_tui.cli.common import (
     write_new,
 )
 from sar_tui.cli.errors import Refused
-from sar_tui.tui.exit_codes import FAILED
 
 if TYPE_CHECKING:
     from sar_tui.study.ledger import Frozen
     from sar_tui.study.next_block import Person
     from sar_tui.study.plan import Study
+    from sar_tui.study.rehearsal import Rehearsed
     from sar_tui.study.schedule import Next
 
 app = typer.Typer(rich_markup_mode=None, no_args_is_help=True)
@@ -609,13 +609,181 @@ def _print_status(frozen: "Frozen", rows: "Sequence[Any]") -> None:
     )
 
 
-def write_text(path: Path, text: str) -> None:
-    """Write a text of a study into a new file, and say so."""
-    write_new(path, text)
-    print(f"{path} is written.")
+@app.command("new")
+def new_study(
+    home: Home,
+    to: Annotated[
+        Path,
+        typer.Option("--to", parser=named_path, metavar="FILE", help="The new file."),
+    ] = Path("study.toml"),
+    name: Annotated[
+        str,
+        typer.Option(prompt="Name of the study (a-z, 0-9, -)", metavar="NAME", show_default=False),
+    ] = "my-study",
+    task: Annotated[
+        str, typer.Option(prompt="Task", metavar="TASK", show_default=False)
+    ] = "keyboard",
+    conditions: Annotated[
+        str,
+        typer.Option(
+            prompt="Conditions, with spaces between them", metavar="NAMES", show_default=False
+        ),
+    ] = "praise silence",
+    within: Annotated[
+        bool,
+        typer.Option(
+            "--within/--groups",
+            prompt="Does each person do all conditions (else: groups)?",
+            show_default=False,
+        ),
+    ] = False,
+    days: Annotated[
+        str,
+        typer.Option(prompt="Days of the visits, from 0", metavar="DAYS", show_default=False),
+    ] = "0",
+) -> None:
+    """Write a new plan from the answers to five questions."""
+    from sar_tui.study.new_plan import new_plan
+    from sar_tui.study.plan import parse_plan
+
+    kind = home.catalogue().task(task)
+    try:
+        numbers = [int(day) for day in days.replace(",", " ").split()]
+    except ValueError:
+        raise Refused(f"Days are numbers, such as 0 7 14, not {days!r:.40}.") from None
+    listed = conditions.replace(",", " ").split()
+    text = new_plan(name, kind.name, listed, within=within, days=numbers)
+    with study_errors():
+        parse_plan(text, str(to))
+    write_new(to, text)
+    print(f"{to} is written. Change it, then: sar-tui study check {to}")
 
 
-def failed(message: str) -> typer.Exit:
-    """Say why a command failed, and return its exit."""
-    print(message, file=sys.stderr)
-    return typer.Exit(FAILED)
+@app.command("export")
+def export(
+    home: Home,
+    to: Annotated[
+        Path,
+        typer.Option(
+            "--to", parser=named_path, metavar="DIR", show_default=False, help="A new folder."
+        ),
+    ],
+    name: Which = "",
+    as_json: AsJson = False,
+) -> None:
+    """Write the results as two tables, long and wide, with their description."""
+    from sar_tui.cli.common import warn_of_git
+    from sar_tui.study import ledger, results
+
+    with home.database() as database, study_errors():
+        written = results.export(database, ledger.find(database, name), to)
+    if as_json:
+        print_json({"files": [str(path) for path in written]})
+    else:
+        print(f"{', '.join(path.name for path in written)} are in {to}.")
+    warn_of_git(to)
+
+
+@app.command("prereg")
+def prereg(
+    home: Home,
+    file: PlanFile,
+    to: Annotated[
+        Path | None,
+        typer.Option(
+            "--to", parser=named_path, metavar="FILE", show_default=False, help="A new file."
+        ),
+    ] = None,
+) -> None:
+    """Write the preregistration, in the order of AsPredicted's questions."""
+    from sar_tui.study.ledger import sha256_of
+    from sar_tui.study.preregistration import preregistration
+
+    text, plan = checked_plan(home, file)
+    written = preregistration(plan, sha256_of(text))
+    if to is None:
+        print(written, end="")
+    else:
+        write_new(to, written)
+        print(f"{to} is written.")
+
+
+@app.command("rehearse")
+def rehearse(
+    home: Home,
+    file: PlanFile,
+    to: Annotated[
+        Path,
+        typer.Option(
+            "--to", parser=named_path, metavar="DIR", show_default=False, help="A new folder."
+        ),
+    ],
+    people: Annotated[int, typer.Option("--people", min=1, max=500, help="Number of people.")] = 12,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Of all but groups.")] = 1,
+    misses: Annotated[
+        float, typer.Option("--misses", min=0, max=1, help="Share of visits that are missed.")
+    ] = 0.0,
+    late: Annotated[
+        float, typer.Option("--late", min=0, max=1, help="Share of visits that are late.")
+    ] = 0.0,
+    leaves: Annotated[
+        float, typer.Option("--leaves", min=0, max=1, help="Share who leave after a visit.")
+    ] = 0.0,
+    as_json: AsJson = False,
+) -> None:
+    """Let simulated people go through a whole plan, in a folder with a ledger of its own."""
+    from sar_tui.cli.progress_line import progress_line
+    from sar_tui.drivers.files import make_private
+    from sar_tui.study.rehearsal import Habits, monday
+    from sar_tui.study.rehearsal import rehearse as run
+
+    text, plan = checked_plan(home, file)
+    if to.exists() and any(to.iterdir()):
+        raise Refused(f"{to} is not empty: name a new folder.")
+    make_private(to)
+    with study_errors(), progress_line("Rehearsing") as tell:
+        found = run(
+            plan,
+            text,
+            home.catalogue(),
+            to,
+            to / "rehearsal.key",
+            people=people,
+            seed=seed,
+            start=monday(datetime.now(UTC)),
+            habits=Habits(misses=misses, late=late, leaves=leaves),
+            progress=lambda done, of: tell("Rehearsing", done, of),
+        )
+    if as_json:
+        print_json({"sites": found})
+        return
+    _print_rehearsed(found)
+
+
+def _print_rehearsed(found: "Sequence[Rehearsed]") -> None:
+    from statistics import mean
+
+    from sar_tui.cli.tables import Column, Listing, print_listing
+
+    times: dict[tuple[str, str, str], list[float]] = {}
+    for site in found:
+        for each in site.times:
+            times.setdefault((each.visit, each.block, each.condition), []).append(each.seconds)
+    print_listing(
+        Listing(
+            "blocks",
+            empty="Nobody did a block.",
+            columns=(
+                Column("visit", lambda row: row[0][0]),
+                Column("block", lambda row: row[0][1]),
+                Column("condition", lambda row: row[0][2]),
+                Column("people", lambda row: str(len(row[1]))),
+                Column("minutes", lambda row: f"{mean(row[1]) / 60:.1f}"),
+                Column("longest", lambda row: f"{max(row[1]) / 60:.1f}"),
+            ),
+        ),
+        list(times.items()),
+        False,
+    )
+    for site in found:
+        print(f"{len(site.people)} people: sar-tui --data {site.folder} study status")

@@ -122,7 +122,7 @@ def _resource(table: Table, path: Path) -> dict[str, Any]:
             "header": True,
         },
         "schema": {
-            "fields": [_field(column) for column in table.columns],
+            "fields": [described_field(column) for column in table.columns],
             "missingValues": [""],
             "primaryKey": list(table.key),
             "foreignKeys": [
@@ -136,7 +136,7 @@ def _resource(table: Table, path: Path) -> dict[str, Any]:
     }
 
 
-def _field(column: Column) -> dict[str, Any]:
+def described_field(column: Column) -> dict[str, Any]:
     constraints: dict[str, Any] = {}
     if column.required:
         constraints["required"] = True

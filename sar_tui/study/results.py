@@ -1,0 +1,245 @@
+"""Results of a study as two tables: a row for each block of a person, and a row for each person.
+
+In a blind study both have the neutral codes of groups and conditions, and nothing that tells what
+these are.
+"""
+
+import sqlite3
+from collections.abc import Iterator, Mapping, Sequence
+from datetime import date
+from pathlib import Path
+from statistics import fmean
+from typing import Any
+
+import msgspec
+
+from sar_tui import __version__
+from sar_tui.drivers.files import make_private
+from sar_tui.export.columns import Column
+from sar_tui.export.csv_file import CsvWriter
+from sar_tui.export.formats.csv import described_field
+from sar_tui.store import records, sessions
+from sar_tui.store.database import StoreError
+from sar_tui.study import ledger
+from sar_tui.study.ledger import Enrolment, Frozen, Played
+from sar_tui.study.plan import Block, Study
+
+Row = dict[str, Any]
+LONG, WIDE = "long", "wide"
+_OF_PERSON = ("site", "group", "stratum", "order")
+_MEASURES = ("metric", "accuracy", "success_rate", "level", "score")
+"""Columns of the long table that the wide one has for each block."""
+
+
+def _column(name: str, meaning: str, type: str = "string", unit: str = "") -> Column:
+    return Column(name, meaning, type, unit=unit, treatment="open")  # type: ignore[arg-type]
+
+
+LONG_COLUMNS = (
+    _column("study", "Name of the study."),
+    _column("version", "Version of its plan.", "integer"),
+    _column("site", "Code of the site; missing: it has none."),
+    _column("participant", "Code of the participant."),
+    _column("group", "Group that the person came to; of a blind study a neutral code."),
+    _column("stratum", "Site and factors of the allocation."),
+    _column("order", "Number of the person's order of conditions, from 1; several with commas."),
+    _column("visit", "Visit."),
+    _column("block", "Block of the visit."),
+    _column("purpose", "Training, practice, probe, retention or transfer."),
+    _column("condition", "Condition; of a blind study a neutral code; missing for a form."),
+    _column("position", "Position of the condition in the person's order, from 1.", "integer"),
+    _column("form", "The form that was filled in; missing for a session."),
+    _column("session", "Id of the session, or of the record of the answers."),
+    _column("status", "Completed, aborted (ended by a person) or interrupted (cut off)."),
+    _column("day", "Days since the first session of the person.", "integer", "d"),
+    _column("attempts", "Attempts that count.", "integer"),
+    _column("metric", "Mean of the attempts' measure.", "number"),
+    _column("metric_unit", "Its unit."),
+    _column("accuracy", "Mean accuracy of the attempts, 0 to 1.", "number"),
+    _column("success_rate", "Share of the attempts that reached the goal.", "number"),
+    _column("level", "Mean level of the attempts.", "number"),
+    _column("last_level", "Level of the last attempt.", "integer"),
+    _column("score", "Score of the form.", "number"),
+    _column("deviations", "Deviations from the plan that are recorded.", "integer"),
+)
+
+
+def long_rows(db: sqlite3.Connection, frozen: Frozen) -> list[Row]:
+    """Return a row for each block that was begun, by person in the order of enrolment."""
+    plan = frozen.plan
+    deviations = ledger.of_study(db, ledger.DEVIATION, plan.name)
+    everything = ledger.played(db, plan.name, frozen.mode)
+    found = []
+    for enrolled in ledger.enrolments(db, plan.name):
+        own = [one for one in everything if one.participant == enrolled.participant]
+        noted = [each for each in deviations if each.participant == enrolled.participant]
+        first = min((one.day for one in own), default="")
+        for one in own:
+            deviated = sum(
+                each.content.get("visit") == one.visit
+                and each.content.get("block") in (None, one.block)
+                for each in noted
+            )
+            row = {
+                **_of_person(db, plan, enrolled),
+                **_place(plan, one),
+                "day": (date.fromisoformat(one.day) - date.fromisoformat(first)).days,
+                **_results(db, one),
+                "deviations": deviated,
+            }
+            found.append(row)
+    return found
+
+
+def _of_person(db: sqlite3.Connection, plan: Study, enrolled: Enrolment) -> Row:
+    _, _, site = enrolled.participant.partition("@")
+    own = db.execute("SELECT code FROM site").fetchone()
+    return {
+        "study": plan.name,
+        "site": site or (own[0] if own else None),
+        "participant": enrolled.participant,
+        "group": enrolled.group or None,
+        "stratum": enrolled.stratum or None,
+        "order": ",".join(str(number + 1) for number in enrolled.orders) or None,
+    }
+
+
+def _place(plan: Study, one: Played) -> Row:
+    block = _block(plan, one)
+    return {
+        "version": one.version,
+        "visit": one.visit,
+        "block": one.block,
+        "purpose": block.purpose if block else None,
+        "condition": one.condition or None,
+        "position": one.position,
+        "form": (block.form or None) if block else None,
+        "session": one.id,
+        "status": one.status,
+    }
+
+
+def _block(plan: Study, one: Played) -> Block | None:
+    """Return a block of the plan; None if a later version has it no more."""
+    try:
+        return plan.block(one.visit, one.block)
+    except KeyError:
+        return None
+
+
+def _results(db: sqlite3.Connection, one: Played) -> Row:
+    if not one.condition:
+        content = records.find_record(db, one.id).content
+        return {"score": content.get("score")}
+    attempts = [row for row in sessions.rows(db, "attempts", one.id) if not row["practice"]]
+    metrics = [row["metric"] for row in attempts if row["metric"] is not None]
+    accuracies = [row["accuracy"] for row in attempts if row["accuracy"] is not None]
+    return {
+        "attempts": len(attempts),
+        "metric": fmean(metrics) if metrics else None,
+        "metric_unit": attempts[0]["metric_unit"] if attempts else None,
+        "accuracy": fmean(accuracies) if accuracies else None,
+        "success_rate": (
+            fmean(row["outcome"] == "success" for row in attempts) if attempts else None
+        ),
+        "level": fmean(row["level"] for row in attempts) if attempts else None,
+        "last_level": attempts[-1]["level"] if attempts else None,
+    }
+
+
+def wide(rows: Sequence[Row], people: Sequence[str]) -> tuple[list[Column], list[Row]]:
+    """Return the columns and the rows of the wide table: of each block and condition its measures.
+
+    Of a block that was begun again the last session counts.
+    """
+    by_person: dict[str, Row] = {who: {"participant": who} for who in people}
+    columns = {"participant": _column("participant", "Code of the participant.")}
+    for name in _OF_PERSON:
+        columns[name] = next(each for each in LONG_COLUMNS if each.name == name)
+    declared = {each.name: each for each in LONG_COLUMNS}
+    for row in rows:
+        mine = by_person[row["participant"]]
+        mine |= {name: row[name] for name in _OF_PERSON}
+        part = "_".join(filter(None, (row["visit"], row["block"], _distinct(row, rows))))
+        for name in _MEASURES:
+            if row.get(name) is None:
+                continue
+            key = f"{part}_{name}".replace("-", "_")
+            where = f"In the block {row['block']} of the visit {row['visit']}"
+            under = f", condition {row['condition']}" if _distinct(row, rows) else ""
+            columns.setdefault(
+                key,
+                msgspec.structs.replace(
+                    declared[name], name=key, meaning=f"{where}{under}: {declared[name].meaning}"
+                ),
+            )
+            mine[key] = row[name]
+    return list(columns.values()), list(by_person.values())
+
+
+def _distinct(row: Row, rows: Sequence[Row]) -> str:
+    """Return the condition of a row if a person has several in its block; else an empty text."""
+    place = row["visit"], row["block"]
+    positions = (each["position"] for each in rows if (each["visit"], each["block"]) == place)
+    return str(row["condition"]) if any(position > 1 for position in positions) else ""
+
+
+def export(db: sqlite3.Connection, frozen: Frozen, folder: Path) -> list[Path]:
+    """Write both tables and their description (``datapackage.json``) into a new or empty folder.
+
+    Raises:
+        StoreError: the folder has files, or cannot be written.
+    """
+    rows = long_rows(db, frozen)
+    people = [each.participant for each in ledger.enrolments(db, frozen.plan.name)]
+    columns, persons = wide(rows, people)
+    tables: Mapping[str, tuple[Sequence[Column], Sequence[Row], str]] = {
+        LONG: (LONG_COLUMNS, rows, "A row for each block of a person"),
+        WIDE: (columns, persons, "A row for each person"),
+    }
+    try:
+        if folder.exists() and any(folder.iterdir()):
+            raise StoreError(f"{folder} is not empty: name a new folder.", bad_input=True)
+        make_private(folder)
+        for name, (heads, content, _) in tables.items():
+            with (folder / f"{name}.csv").open("w", encoding="utf-8", newline="") as file:
+                writer = CsvWriter(file)
+                writer.row(column.name for column in heads)
+                writer.rows([row.get(column.name) for column in heads] for row in content)
+        package = {
+            "profile": "tabular-data-package",
+            "name": f"study-{frozen.plan.name}",
+            "title": frozen.plan.title or frozen.plan.name,
+            "sar_tui": __version__,
+            "plan_version": frozen.plan.version,
+            "plan_sha256": frozen.sha256,
+            "resources": list(_resources(tables)),
+        }
+        path = folder / "datapackage.json"
+        path.write_bytes(msgspec.json.format(msgspec.json.encode(package)) + b"\n")
+        written = [*(folder / f"{name}.csv" for name in tables), path]
+        for each in written:
+            each.chmod(0o600)
+    except OSError as error:
+        raise StoreError(f"{folder} cannot be written: {error.strerror}.") from error
+    return written
+
+
+def _resources(
+    tables: Mapping[str, tuple[Sequence[Column], Sequence[Row], str]],
+) -> Iterator[dict[str, Any]]:
+    for name, (columns, _, title) in tables.items():
+        yield {
+            "name": name,
+            "title": title,
+            "path": f"{name}.csv",
+            "profile": "tabular-data-resource",
+            "format": "csv",
+            "encoding": "utf-8",
+            "dialect": {"lineTerminator": "\r\n"},
+            "schema": {
+                "fields": [described_field(column) for column in columns],
+                "missingValues": [""],
+                "primaryKey": ["session"] if name == LONG else ["participant"],
+            },
+        }
