@@ -326,12 +326,13 @@ def _names(plan: Study) -> Iterator[Problem]:
     for key, name in named:
         if not _NAME.fullmatch(name):
             yield key, f"A name {_NAMED}, unlike {name!r:.40}."
-    if twice := _twice([visit.name for visit in plan.visits]):
-        yield ("visits",), f"Two visits are named {twice!r}."
+    for at in _repeated([visit.name for visit in plan.visits]):
+        yield ("visits", at, "name"), f"Two visits are named {plan.visits[at].name!r}."
 
 
-def _twice(names: list[str]) -> str:
-    return next((name for name in names if names.count(name) > 1), "")
+def _repeated(names: list[str]) -> Iterator[int]:
+    """Yield where a name stands that was there before."""
+    return (at for at, name in enumerate(names) if name in names[:at])
 
 
 def _no_condition(plan: Study, name: str) -> str:
@@ -348,8 +349,9 @@ def _visit_problems(plan: Study, at: int, visit: Visit) -> Iterator[Problem]:
         yield (*here, "day"), f"Day {visit.day} is not after that of the visit {earlier.name}."
     if not visit.blocks:
         yield here, f"The visit {visit.name} has no blocks."
-    if twice := _twice([block.name for block in visit.blocks]):
-        yield (*here, "blocks"), f"Two blocks of the visit {visit.name} are named {twice!r}."
+    for number in _repeated([block.name for block in visit.blocks]):
+        said = f"Two blocks of the visit {visit.name} are named {visit.blocks[number].name!r}."
+        yield (*here, "blocks", number, "name"), said
     for number, block in enumerate(visit.blocks):
         for key, problem in _block_problems(plan, visit, block):
             yield (*here, "blocks", number, *key), problem

@@ -1,0 +1,100 @@
+"""A mistake in a plan is told with its line and the reason."""
+
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from sar_tui.plugins import Catalogue
+from sar_tui.study.conditions import problems_here
+from sar_tui.study.plan import PlanError, orders, parse_plan, read_plan
+from sar_tui.study.toml_lines import TomlLines
+from tests.study.plans import TWO_GROUPS, plan
+
+MISTAKES = (
+    ('condition = "praised"', 'condition = "prised"', 8, "no condition 'prised'"),
+    ("[groups.silent]\n", "[groups.Silent]\n", 9, "A name begins with a letter a to z"),
+    ("attempts = 3\nlevel = 3", "attempts = 0\nlevel = 3", 36, "1 to 200, not 0"),
+    ("attempts = 3\nlevel = 3", 'attempts = "many"\nlevel = 3', 36, "Expected `int"),
+    ("level = 3", "levle = 3", 37, "nothing named levle"),
+    ('level = "first/baseline"', 'level = "second/training"', 51, "It is one of: first/baseline"),
+    ('order = "latin square"', 'order = "greek"', 41, "Invalid enum value 'greek'"),
+    ('conditions = ["slow", "fast"]', 'conditions = ["slow"]', 40, "two or more"),
+    ("day = 7", "day = 0", 45, "not after that of the visit first"),
+    ("window = [2, 2]", "window = [2]", 46, "length 2"),
+    ('block = "training"\ncompared', 'block = "play"\ncompared', 27, "no block 'play'"),
+    ('title = "Praise', "title = Praise", 3, "not valid TOML"),
+    ('name = "second"\nday', 'name = "first"\nday', 44, "Two visits are named 'first'"),
+    ("baseline = {", "base = {", 29, "nothing named base"),
+)
+
+
+@pytest.mark.parametrize(("old", "new", "line", "reason"), MISTAKES)
+def test_a_mistake_is_told_with_its_line(old: str, new: str, line: int, reason: str) -> None:
+    assert TWO_GROUPS.count(old) >= 1
+    with pytest.raises(PlanError) as told:
+        parse_plan(TWO_GROUPS.replace(old, new, 1), "study.toml")
+    assert str(told.value).startswith(f"study.toml, line {line}: ")
+    assert reason in str(told.value)
+    assert str(told.value).endswith(".")
+
+
+HERE = (
+    ('task = "keyboard"', 'task = "keybord"', 13, "keybord"),
+    ("threshold = 1500", "treshold = 1500", 20, "no setting treshold"),
+    ("threshold = 1500", "threshold = -5", 20, "Goal"),
+    ("level = 3", "level = 99", 33, "no level 99"),
+)
+
+
+@pytest.mark.parametrize(("old", "new", "line", "reason"), HERE)
+def test_what_is_not_here_is_told_with_its_line(old: str, new: str, line: int, reason: str) -> None:
+    text = TWO_GROUPS.replace(old, new, 1)
+    (key, said), *_ = problems_here(parse_plan(text, "study.toml"), Catalogue(()))
+    told = TomlLines(text, "study.toml").at(key, said)
+    assert told.startswith(f"study.toml, line {line}: ")
+    assert reason in told
+
+
+def test_a_plan_without_mistakes_can_be_used_here() -> None:
+    assert not [*problems_here(plan(), Catalogue(()))]
+
+
+def test_a_file_that_cannot_be_read_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(PlanError, match="cannot be read"):
+        read_plan(tmp_path / "none.toml")
+    (tmp_path / "latin.toml").write_bytes(b"name = '\xe4'")
+    with pytest.raises(PlanError, match="not a text in UTF-8"):
+        read_plan(tmp_path / "latin.toml")
+
+
+@pytest.mark.parametrize("count", range(2, 9))
+def test_each_condition_is_once_at_each_position(count: int) -> None:
+    names = tuple("abcdefgh"[:count])
+    for order in ("latin square", "williams"):
+        text = TWO_GROUPS.replace('"latin square"', f'"{order}"')
+        changed = plan(text)
+        square = orders_of(changed, names, order)
+        for position in range(count):
+            column = [row[position] for row in square]
+            assert all(column.count(name) == len(square) // count for name in names)
+
+
+@pytest.mark.parametrize("count", range(2, 9))
+def test_in_a_williams_design_each_condition_follows_each_other_equally_often(count: int) -> None:
+    names = tuple("abcdefgh"[:count])
+    square = orders_of(plan(), names, "williams")
+    pairs = [pair for row in square for pair in pairwise(row)]
+    counts = {pair: pairs.count(pair) for pair in set(pairs)}
+    assert len(counts) == count * (count - 1)
+    assert len(set(counts.values())) == 1
+
+
+def orders_of(study: object, names: tuple[str, ...], order: str) -> tuple[tuple[str, ...], ...]:
+    from sar_tui.study.latin_squares import rows
+
+    return rows(names, order)  # type: ignore[arg-type]
+
+
+def test_the_orders_of_a_plan_are_those_of_its_square() -> None:
+    assert orders(plan(), ("slow", "fast")) == (("slow", "fast"), ("fast", "slow"))
