@@ -1,0 +1,176 @@
+"""A plan is frozen once, and a draw is neither lost nor done twice, whatever happens meanwhile."""
+
+import random
+import signal
+import subprocess
+import sys
+import time
+from contextlib import closing
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+from sar_tui.plugins import Catalogue
+from sar_tui.store.database import StoreError, connect
+from sar_tui.study import enrolment, ledger, secret
+from sar_tui.study.allocation import AllocationError, Assigned, assign
+from sar_tui.study.ledger import Frozen
+from tests.study.plans import TWO_GROUPS, plan
+
+
+class Place(NamedTuple):
+    """A data folder with a frozen study, and the file of its key."""
+
+    folder: Path
+    key: Path
+
+
+def freeze(place: Place, text: str = TWO_GROUPS, reason: str = "") -> Frozen:
+    with closing(connect(place.folder)) as db:
+        enrolment.freeze(
+            db, Catalogue(()), text, plan(text), place.key, mode="live", author="me", reason=reason
+        )
+        return ledger.find(db)
+
+
+@pytest.fixture
+def place(tmp_path: Path) -> Place:
+    found = Place(tmp_path / "data", tmp_path / "praise.key")
+    freeze(found)
+    return found
+
+
+def people(place: Place) -> list[ledger.Enrolment]:
+    with closing(connect(place.folder)) as db:
+        return ledger.enrolments(db, "praise")
+
+
+def check_draws(place: Place) -> None:
+    """Check that the people of the ledger have consecutive numbers, and the groups of the key."""
+    found = people(place)
+    assert [one.number for one in found] == list(range(1, len(found) + 1))
+    assert len({one.participant for one in found}) == len(found)
+    draws, study, before = secret.read(place.key), plan(), list[Assigned]()
+    weights = dict.fromkeys(study.groups, 1)
+    for one in found:
+        group = assign(study.allocation, weights, draws, before, one.stratum)
+        assert one.group == group
+        before.append(Assigned(group=group, stratum=one.stratum))
+
+
+def test_a_changed_plan_needs_a_new_version_and_a_reason(place: Place) -> None:
+    freeze(place)  # the same again changes nothing
+    changed = TWO_GROUPS.replace("attempts = 3", "attempts = 4", 1)
+    with pytest.raises(
+        StoreError, match="Version 1 of the study praise was frozen as another text"
+    ):
+        freeze(place, changed)
+    newer = changed.replace('name = "praise"', 'name = "praise"\nversion = 2', 1)
+    with pytest.raises(StoreError, match="needs a reason"):
+        freeze(place, newer)
+    frozen = freeze(place, newer, reason="too short")
+    assert (frozen.plan.version, frozen.reason) == (2, "too short")
+    with closing(connect(place.folder)) as db:
+        assert [each.plan.version for each in ledger.versions(db, "praise")] == [1, 2]
+
+
+def test_a_frozen_plan_has_each_setting_of_its_conditions(place: Place) -> None:
+    import msgspec
+
+    with closing(connect(place.folder)) as db:
+        (text,) = db.execute("SELECT conditions FROM studies").fetchone()
+    slow = msgspec.json.decode(text)["slow"]
+    assert slow["parameters"]["threshold"] == 1500
+    assert slow["parameters"]["attempts"] == 20
+    assert slow["theme"] == "calm"
+
+
+def test_the_key_of_another_study_is_refused(place: Place, tmp_path: Path) -> None:
+    other = tmp_path / "other.key"
+    secret.create(other)
+    with closing(connect(place.folder)) as db:
+        with pytest.raises(AllocationError, match="is not the key with which"):
+            enrolment.enrol(db, ledger.find(db), "P01", other)
+        with pytest.raises(AllocationError, match="copy it from the computer"):
+            enrolment.enrol(db, ledger.find(db), "P01", tmp_path / "none.key")
+    assert people(place) == []
+
+
+def test_nobody_is_enrolled_twice(place: Place) -> None:
+    with closing(connect(place.folder)) as db:
+        frozen = ledger.find(db)
+        enrolment.enrol(db, frozen, "P01", place.key)
+        with pytest.raises(StoreError, match="P01 is in the study praise already, as number 1"):
+            enrolment.enrol(db, frozen, "P01", place.key)
+    assert len(people(place)) == 1
+
+
+def test_whoever_replaces_a_person_gets_their_group_and_order(place: Place) -> None:
+    with closing(connect(place.folder)) as db:
+        frozen = ledger.find(db)
+        first = enrolment.enrol(db, frozen, "P01", place.key)
+        with pytest.raises(StoreError, match="P01 still takes part"):
+            enrolment.enrol(db, frozen, "P02", place.key, replaces="P01")
+        content = {"study": "praise", "what": "lost", "reason": "moved away"}
+        ledger.note(db, ledger.EXIT, "P01", content, author="me")
+        second = enrolment.enrol(db, frozen, "P02", place.key, replaces="P01")
+        assert (second.group, second.orders) == (first.group, first.orders)
+        enrolment.enrol(db, frozen, "P03", place.key)
+    drawn = [one for one in people(place) if not one.replaces]
+    assert len(drawn) == 2
+
+
+def test_a_factor_is_asked_for(tmp_path: Path) -> None:
+    text = TWO_GROUPS.replace("[outcome]", '[allocation.strata]\nage = ["young", "old"]\n[outcome]')
+    place = Place(tmp_path / "data", tmp_path / "praise.key")
+    frozen = freeze(place, text)
+    with closing(connect(place.folder)) as db:
+        with pytest.raises(StoreError, match="The factor age is missing: add --factor age=young"):
+            enrolment.enrol(db, frozen, "P01", place.key)
+        with pytest.raises(StoreError, match="age is young or old, not 'middle'"):
+            enrolment.enrol(db, frozen, "P01", place.key, factors={"age": "middle"})
+        found = enrolment.enrol(db, frozen, "P01", place.key, factors={"age": "old"})
+    assert found.stratum == "old"
+
+
+def start(place: Place, prefix: str, number: int) -> "subprocess.Popen[str]":
+    return subprocess.Popen(
+        [
+            sys.executable,
+            "-m",
+            "tests.study.enrolling",
+            place.folder,
+            place.key,
+            prefix,
+            str(number),
+        ],
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+
+
+def test_two_stations_that_draw_at_once_draw_nothing_twice(place: Place) -> None:
+    stations = [start(place, prefix, 8) for prefix in "AB"]
+    said = [line for each in stations for line in each.communicate()[0].splitlines()]
+    assert len(said) == 16
+    check_draws(place)
+
+
+@pytest.mark.slow
+def test_a_draw_that_is_cut_off_is_neither_lost_nor_done_twice(place: Place) -> None:
+    """Killed at 100 moments: what was said is stored, and the next draw goes on after it."""
+    moments = random.Random(3)
+    told: list[str] = []
+    for number in range(100):
+        station = start(place, f"K{number}-", 50)
+        assert station.stdout
+        told.append(station.stdout.readline().strip())
+        time.sleep(moments.uniform(0, 0.03))
+        station.send_signal(signal.SIGKILL)
+        told += [line for line in station.communicate()[0].splitlines() if " " in line]
+    stored = {f"{one.participant} {one.group}" for one in people(place)}
+    assert len(told) >= 100
+    # the last line may be cut off within a word
+    assert {line for line in told if line.split()[1] in ("praise", "silent")} <= stored
+    check_draws(place)
