@@ -1,0 +1,149 @@
+"""A whole study at two sites: in the right conditions, the same merged in either direction, and
+analysed with what was simulated as the result.
+"""
+
+import shutil
+from collections import Counter
+from contextlib import closing
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import NamedTuple
+
+import frictionless
+import pandas
+import pytest
+
+from sar_tui.plugins import Catalogue
+from sar_tui.simulation.participant_model import PEOPLE
+from sar_tui.store.database import connect
+from sar_tui.store.merge.merge import merge
+from sar_tui.study import ledger, results
+from sar_tui.study.rehearsal import Habits, Rehearsed, rehearse
+from sar_tui.study.status import grid
+from tests.study.plans import TWO_GROUPS, plan
+
+START = datetime(2026, 3, 2, tzinfo=UTC)
+LATER = datetime(2026, 6, 1, tzinfo=UTC)
+BLIND = TWO_GROUPS.replace("[outcome]", "[allocation]\nblind = true\n[outcome]", 1)
+EFFECT_MS = 150.0
+
+
+class Played(NamedTuple):
+    """A rehearsal, and the file of its key."""
+
+    sites: list[Rehearsed]
+    key: Path
+
+
+def play(folder: Path, text: str = TWO_GROUPS, *, people: int = 24, habits: Habits) -> Played:
+    key = folder / "rehearsal.key"
+    sites = rehearse(
+        plan(text),
+        text,
+        Catalogue(()),
+        folder,
+        key,
+        people=people,
+        seed=1,
+        start=START,
+        habits=habits,
+        persons=lambda number: PEOPLE["average"],
+        effects={"unpraised": EFFECT_MS},
+    )
+    return Played(sites, key)
+
+
+@pytest.fixture(scope="module")
+def played(tmp_path_factory: pytest.TempPathFactory) -> Played:
+    habits = Habits(misses=0.15, late=0.15)
+    return play(tmp_path_factory.mktemp("study"), habits=habits)
+
+
+def long_rows(folder: Path) -> list[results.Row]:
+    with closing(connect(folder)) as db:
+        return results.long_rows(db, ledger.find(db))
+
+
+def test_each_site_has_both_groups_and_both_orders(played: Played) -> None:
+    for site in played.sites:
+        with closing(connect(site.folder)) as db:
+            people = ledger.enrolments(db, "praise")
+        assert len(people) == 12
+        assert abs(Counter(one.group for one in people)["praise"] - 6) <= 2
+        for group in ("praise", "silent"):
+            orders = Counter(one.orders for one in people if one.group == group)
+            assert abs(orders[0,] - orders[1,]) <= 1
+
+
+def test_missed_and_late_visits_are_listed(played: Played) -> None:
+    for site in played.sites:
+        with closing(connect(site.folder)) as db:
+            rows = grid(db, ledger.find(db), played.key, LATER)
+            noted = ledger.of_study(db, ledger.DEVIATION, "praise")
+        for row in rows:
+            cell = row.visits["second"]
+            is_noted = any(each.participant == row.participant for each in noted)
+            assert cell.deviated == is_noted
+            assert (cell.state == "done") or (cell.done, cell.state) == (0, "late")
+    assert any(row.visits["second"].state == "late" for row in rows)
+
+
+def test_a_merge_in_either_direction_gives_the_same_table(played: Played, tmp_path: Path) -> None:
+    first, second = (site.folder for site in played.sites)
+
+    def merged(into: Path, other: Path) -> list[results.Row]:
+        copy = tmp_path / into.name
+        shutil.copytree(into, copy)
+        merge(copy, other, start=lambda _: lambda done, of: None)
+        rows = long_rows(copy)
+        for row in rows:  # each site calls its own people by their codes alone
+            row["participant"] = row["participant"].partition("@")[0]
+        return sorted(rows, key=lambda row: row["session"])
+
+    both = merged(first, second)
+    assert len(both) == len(long_rows(first)) + len(long_rows(second))
+    assert both == merged(second, first)
+
+
+def test_ten_lines_of_pandas_give_the_outcome_that_was_simulated(
+    played: Played, tmp_path: Path
+) -> None:
+    for site in played.sites:
+        with closing(connect(site.folder)) as db:
+            results.export(db, ledger.find(db), tmp_path / site.site)
+    read = (pandas.read_csv(tmp_path / site / "wide.csv") for site in ("BERN", "GENF"))
+    wide = pandas.concat(read, ignore_index=True)
+    change = wide.second_training_metric - wide.first_baseline_metric
+    by_group = change.groupby(wide.group).agg(["mean", "sem", "count"])
+    praise, silent = by_group.loc["praise"], by_group.loc["silent"]
+    difference = silent["mean"] - praise["mean"]
+    error = (silent["sem"] ** 2 + praise["sem"] ** 2) ** 0.5
+    assert abs(difference - EFFECT_MS) < 3 * error
+    assert difference > 2 * error
+
+
+def test_the_tables_are_as_they_are_described(played: Played, tmp_path: Path) -> None:
+    with closing(connect(played.sites[0].folder)) as db:
+        results.export(db, ledger.find(db), tmp_path / "out")
+    report = frictionless.validate(str(tmp_path / "out" / "datapackage.json"))
+    assert report.valid, report.to_summary()
+
+
+def test_a_blind_study_tells_no_condition_in_what_it_exports(tmp_path: Path) -> None:
+    found = play(tmp_path, BLIND, people=4, habits=Habits())
+    names = [b"prais", b"silen", b"slow", b"fast"]
+    for site in found.sites:
+        with closing(connect(site.folder)) as db:
+            frozen = ledger.find(db)
+            out = tmp_path / f"out-{site.site}"
+            for path in results.export(db, frozen, out):
+                content = path.read_bytes().replace(b"praise,1,", b"").replace(b"study-praise", b"")
+                content = content.replace(b"Praise and reaction time", b"")
+                assert not [name for name in names if name in content.lower()], path
+            rows = grid(db, frozen, found.key, LATER)
+            assert {row.group for row in rows} <= {"G1", "G2"}
+            for table in ("sessions", "records"):
+                column = "study" if table == "sessions" else "content"
+                for (text,) in db.execute(f"SELECT {column} FROM {table}").fetchall():
+                    said = text.replace('"study":"praise"', "")
+                    assert not any(name in said.encode() for name in names)
