@@ -130,6 +130,40 @@ def intervention(
     _tell_left_out(selection)
 
 
+@app.command("study")
+def study(
+    home: Home,
+    name: Annotated[
+        str,
+        typer.Argument(metavar="[STUDY]", show_default=False, help="If there are several."),
+    ] = "",
+    key: Annotated[
+        Path | None,
+        typer.Option(
+            "--key",
+            parser=named_path,
+            metavar="FILE",
+            show_default=False,
+            help="The file with the study's key.",
+        ),
+    ] = None,
+    html: AsPage = None,
+    as_json: AsJson = False,
+) -> None:
+    """Report on a study: flow of participants, dose, deviations, what is missing."""
+    from datetime import UTC, datetime
+
+    from sar_tui.study import ledger
+    from sar_tui.study.report import make_report, sections
+    from sar_tui.study.secret import key_file
+
+    with home.database() as database:
+        frozen = ledger.find(database, name)
+        where = key or key_file(frozen.plan.name)
+        found = make_report(database, frozen, where, datetime.now(UTC))
+    _put_out(found, sections(found), f"Report on the study {frozen.plan.name}", html, as_json)
+
+
 def _one_session(home: Home, name: str, html: Path | None, as_json: bool) -> None:
     from sar_tui.reports import logged_messages, wizard_words
     from sar_tui.reports.wizard import report as make_report
