@@ -1,5 +1,5 @@
-"""Lines of comparable sessions. Sessions with other settings, seats or versions of the task never
-share a line.
+"""Lines of comparable sessions. Sessions with other settings, seats or versions of the task, and of
+other conditions of a study, never share a line.
 """
 
 import math
@@ -50,6 +50,7 @@ class SessionResults(msgspec.Struct, frozen=True):
         seconds: time on the task, without the time between attempts.
         qualities: means of the measures of how it was done, by name.
         felt: what the participant said of pain and tiredness.
+        study: names of the study and of its condition; empty if it is of none.
     """
 
     session: str
@@ -69,6 +70,7 @@ class SessionResults(msgspec.Struct, frozen=True):
     seconds: float
     qualities: Mapping[str, float]
     felt: SessionRatings = SessionRatings()
+    study: str = ""
 
 
 class Point(msgspec.Struct, frozen=True):
@@ -104,6 +106,11 @@ class Line(msgspec.Struct, frozen=True, dict=True):
     def last(self) -> SessionResults:
         """The results of the last session."""
         return self.points[-1].results
+
+    @property
+    def study(self) -> str:
+        """The study and its condition that all are of; empty if they are of none."""
+        return self.last.study
 
     @property
     def fixed_level(self) -> int | None:
@@ -184,7 +191,7 @@ def lines(
         kind = kind if kind and kind.version == each.task_version else None
         settings = _compared(kind, each.parameters)
         key = msgspec.json.encode(
-            (each.task, each.task_version, each.seat, each.mode, each.metric, settings)
+            (each.task, each.task_version, each.seat, each.mode, each.metric, each.study, settings)
         )
         members = grouped.pop(key, (kind, settings, []))
         members[2].append(each)
@@ -227,12 +234,13 @@ def settings_of(task: Task) -> dict[str, Any]:
 
 def is_comparable(session: SessionResults, task: Task, settings: Mapping[str, Any]) -> bool:
     """Return True for a live session of one participant with results, of a task with these shared
-    settings.
+    settings, and of no study: nothing is carried over from its conditions.
     """
     kind = type(task)
     return (
         (session.task, session.task_version, session.seat) == (kind.name, kind.version, "A")
         and is_personal(session.mode)
+        and not session.study
         and bool(session.results)
         and _compared(kind, session.parameters) == settings
     )

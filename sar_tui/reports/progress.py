@@ -89,6 +89,7 @@ class LineProgress(msgspec.Struct, frozen=True):
         baseline: None before it has enough sessions.
         verdict: on the last session whose value is known, against the baseline; ``judged``: its id.
         measured: the measures of attempts that the task declares.
+        study: names of the study and of its condition; empty if the sessions are of none.
     """
 
     task: str
@@ -108,6 +109,7 @@ class LineProgress(msgspec.Struct, frozen=True):
     verdict: Verdict
     judged: str | None
     measured: tuple[Measure, ...]
+    study: str = ""
 
 
 class Progress(msgspec.Struct, frozen=True):
@@ -222,6 +224,7 @@ def _line(line: Line, began_in: Mapping[str, list[str]]) -> LineProgress:
         measure=line.measure,
         settings=(settings := _differing(line)),
         titles=_titles(line.task, settings) if line.task else {},
+        study=line.study,
         sessions=[_session(line, point, rising, began_in) for point in line.points],
         between_sd=stdev(means) if len(means) > 1 else None,
         baseline=line.baseline,

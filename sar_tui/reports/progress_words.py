@@ -400,10 +400,12 @@ def goal(line: LineProgress, tr: Language) -> str:
 
 
 def heading(line: LineProgress, tr: Language) -> str:
-    """Return the heading of a line: the task, the seat of a pair, the goal, and settings that are
-    not the default.
+    """Return the heading of a line: the task, the study and its condition, the seat of a pair, the
+    goal, and settings that are not the default.
     """
     parts = [tr(line.title)]
+    if line.study:
+        parts.append(tr("study {study}", study=line.study))
     if line.seat != "A":
         parts.append(tr("seat {seat}", seat=line.seat))
     if line.goal is not None:

@@ -20,7 +20,7 @@ from sar_tui.store.training_days import UTC_OFFSET, trained_at
 _SESSIONS = (
     "SELECT id, started_at, sessions.task, mode, status, seat, parameters, json_extract(software, "
     "'$.task'),"
-    f" {UTC_OFFSET}"
+    f" {UTC_OFFSET}, json_extract(study, '$.study'), json_extract(study, '$.condition')"
     " FROM seats CROSS JOIN sessions ON sessions.id=seats.session"
     f" WHERE participant=:who AND {KEPT} AND json_type(software, '$.task.metric') IS NOT NULL "
     "{of_task} {among}"
@@ -109,7 +109,7 @@ def _results(
         of_task="AND sessions.task=:task" if task is not None else "", among=among
     )
     for row in db.execute(query, values):
-        found, began, of_task, mode, status, seat, parameters, software, offset = row
+        found, began, of_task, mode, status, seat, parameters, software, offset, *study = row
         attempts = stored.get((found, seat), [])
         made_by, stored_parameters = msgspec.json.decode(software), msgspec.json.decode(parameters)
         yield SessionResults(
@@ -129,6 +129,7 @@ def _results(
             right=sum(result.correct for result, *_ in attempts),
             seconds=sum(lasted for *_, lasted in attempts) / 1e9,
             qualities=qualities.get((found, seat), {}),
+            study=", ".join(filter(None, study)),
             felt=wellbeing.ratings(
                 felt.get((found, seat), ()), seat, wellbeing.limits_in(stored_parameters)
             ),
