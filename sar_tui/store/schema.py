@@ -107,7 +107,18 @@ _WHO = (
     "(SELECT participant FROM seats WHERE seats.session={row}.session AND seats.seat={row}.seat) "
     "AS participant, "
     + SITE.format(column="sessions.site")
-    + " AS site, {row}.session, task, mode, sessions.status AS session_status, {row}.attempt"
+    + " AS site, {row}.session, task, mode, sessions.status AS session_status, "
+    + ", ".join(
+        f"json_extract(sessions.study, '$.{part}') AS {name}"
+        for part, name in (
+            ("study", "study"),
+            ("visit", "visit"),
+            ("block", "block"),
+            ("condition", "study_condition"),
+            ("position", "order_position"),
+        )
+    )
+    + ", {row}.attempt"
 )
 _TIME = (
     "(SELECT strftime('%Y-%m-%dT%H:%M:%f+00:00', json_extract(clock_anchor, '$.utc'),"
