@@ -1,0 +1,1 @@
+"""Studies: what a plan (``study.toml``) says, and what follows from it."""
