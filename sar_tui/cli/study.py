@@ -26,6 +26,7 @@ from sar_tui.cli.common import (
     write_new,
 )
 from sar_tui.cli.errors import Refused
+from sar_tui.cli.study_power import power
 
 if TYPE_CHECKING:
     from sar_tui.study.ledger import Frozen
@@ -108,6 +109,9 @@ def checked_plan(home: Home, file: Path) -> "tuple[str, Study]":
     if found:
         raise Refused("\n".join(found))
     return text, plan
+
+
+app.command("power")(power)
 
 
 @app.command("check")

@@ -696,8 +696,23 @@ def sparkline(values: Sequence[float | None], width: int) -> str:
     )
 
 
-def curve(x: Sequence[float], y: Sequence[float], width: int, height: int) -> list[str]:
-    """Draw a curve with its axes."""
+def curve(
+    x: Sequence[float],
+    y: Sequence[float],
+    width: int,
+    height: int,
+    *,
+    axis: tuple[float, float] | None = None,
+    rule: float | None = None,
+) -> list[str]:
+    """Draw a curve with its axes.
+
+    Args:
+        x, y: of its points.
+        width, height: in characters.
+        axis: lowest and highest value; both axes get round numbers. None: those of the curve.
+        rule: value at which a dashed line is drawn.
+    """
     import plotext
 
     plotext.clear_figure()
@@ -706,6 +721,12 @@ def curve(x: Sequence[float], y: Sequence[float], width: int, height: int) -> li
         plotext.theme("clear")
         plotext.plotsize(width, height)
         plotext.xlim(min(x), max(x))
+        if axis is not None:
+            plotext.ylim(*axis)
+            plotext.yticks(round_numbers(*axis, max(2, height // 3)))
+            plotext.xticks(round_numbers(min(x), max(x), max(2, width // 10)))
+        if rule is not None:
+            plotext.plot([min(x), max(x)], [rule] * 2, marker=RULE)
         plotext.plot(list(x), list(y), marker="braille")
         body = plotext.uncolorize(str(plotext.build()))
     finally:

@@ -225,6 +225,27 @@ def connect_to_read(folder: Path) -> sqlite3.Connection:
     return database
 
 
+def connect_unchanged(folder: Path) -> sqlite3.Connection:
+    """Open the database of another data folder to read it, and write nothing there.
+
+    Raises:
+        StoreError: there is none, it cannot be read, or its data is of another version.
+    """
+    path = folder / FILE
+    database = _open_read_only(path) if path.is_file() else None
+    if database is None:
+        raise StoreError(f"{folder} has no database that can be read.", bad_input=True)
+    if (version := version_of(database, path)) != VERSION:
+        database.close()
+        raise StoreError(
+            f"The data in {folder} is of another version of sar-tui (data version {version}, and "
+            f"this one reads {VERSION}). Let this one bring it up to date: sar-tui sessions --data "
+            f"{folder}",
+            bad_input=True,
+        )
+    return database
+
+
 def _open_read_only(path: Path) -> sqlite3.Connection | None:
     """Open a database whose folder cannot be written to; None if it cannot be read either."""
     log, _ = sidecars(path)

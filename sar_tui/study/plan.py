@@ -12,7 +12,9 @@ from typing import Any, Literal
 
 import msgspec
 
+from sar_tui.store.database import StoreError
 from sar_tui.study.latin_squares import Order, rows
+from sar_tui.study.outcome import MEASURES, Outcome, read_power
 from sar_tui.study.toml_lines import Path as Key
 from sar_tui.study.toml_lines import TomlLines
 
@@ -162,34 +164,6 @@ class Consent(_Declared, frozen=True, kw_only=True):
     version: str
     scope: tuple[str, ...] = ()
     witness: bool = False
-
-
-class Where(_Declared, frozen=True, kw_only=True):
-    """A block of a visit."""
-
-    visit: str
-    block: str
-
-
-class Outcome(_Declared, frozen=True, kw_only=True):
-    """The primary outcome.
-
-    Attributes:
-        measure: ``metric`` of the task, ``accuracy``, ``level``, ``success_rate``; or
-            ``FORM.score``.
-        visit, block: where it is measured.
-        compared: between ``groups``, ``within`` people between their conditions, or between
-            ``groups, baseline`` as covariate.
-        baseline: of the last.
-        conditions: the two that are compared within people, if there are more.
-    """
-
-    measure: str = "metric"
-    visit: str
-    block: str
-    compared: Literal["groups", "within", "groups, baseline"] = "groups"
-    baseline: Where | None = None
-    conditions: tuple[str, ...] = ()
 
 
 class Study(_Declared, frozen=True, kw_only=True):
@@ -438,15 +412,19 @@ def _outcome_problems(plan: Study) -> Iterator[Problem]:
         compared = outcome.conditions or block.conditions
         if len(compared) != 2 or not set(compared) <= set(block.conditions):
             yield ("outcome", "conditions"), "Name the two conditions that are compared."
-    form, dot, _ = outcome.measure.partition(".")
-    if not dot and form not in ("metric", "accuracy", "level", "success_rate"):
+    if outcome.is_form and not outcome.measure.endswith(".score"):
         yield (
             ("outcome", "measure"),
             (
-                "The measure is metric, accuracy, level, success_rate, or the score of a form such as "
-                f"SUS.score, not {outcome.measure!r:.40}."
+                f"The measure is {', '.join(MEASURES)}, or the score of a form such as SUS.score, not "
+                f"{outcome.measure!r:.40}."
             ),
         )
+    if plan.power:
+        try:
+            read_power({"power": plan.power}, outcome)
+        except StoreError as error:
+            yield ("power",), str(error)
 
 
 def orders(plan: Study, conditions: tuple[str, ...]) -> tuple[tuple[str, ...], ...]:

@@ -3,7 +3,8 @@
 from collections.abc import Iterator
 
 from sar_tui.study.allocation import sizes
-from sar_tui.study.plan import Outcome, Study
+from sar_tui.study.outcome import Outcome
+from sar_tui.study.plan import Study
 
 _TO_ADD = "(To be written: [prereg] {key} in the plan.)"
 QUESTIONS = {

@@ -3,12 +3,22 @@
 import statistics
 from itertools import pairwise
 
+import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.model.random_streams import RandomStreams
-from sar_tui.simulation.participant_model import PEOPLE, Person
+from sar_tui.simulation.participant_model import (
+    MEAN_MS,
+    PEOPLE,
+    PERSON_SD_MS,
+    SESSION_SD_MS,
+    Person,
+    drawn,
+    in_session,
+    population,
+)
 
 STEADY = Person(
     "steady", 300, 150, sigma_ms=80, tau_ms=120, errors=0.1, misses=0.05, practice=0, fatigue=0
@@ -70,3 +80,31 @@ def test_the_same_moment_is_the_same_each_time_and_each_person_is_their_own() ->
     for person in PEOPLE.values():
         assert draws(person, count=5) == draws(person, count=5)
     assert len({tuple(draws(person, count=5)) for person in PEOPLE.values()}) == 3
+
+
+# --- people who differ
+
+
+def test_people_differ_as_published_and_stay_the_same() -> None:
+    people = population(2000, seed=4)
+    model = PEOPLE["average"]
+    means = [person.mean_ms(4, 1) / model.mean_ms(4, 1) for person in people]
+    assert statistics.mean(means) == pytest.approx(1, abs=0.01)
+    assert statistics.stdev(means) == pytest.approx(PERSON_SD_MS / MEAN_MS, rel=0.05)
+    assert population(3, seed=4) == people[:3]
+    assert population(3, seed=5) != people[:3]
+
+
+def test_a_person_differs_from_session_to_session() -> None:
+    person = drawn(PEOPLE["competent"], seed=1)
+    sessions = [in_session(person, seed) for seed in range(2000)]
+    means = [session.base_ms / person.base_ms for session in sessions]
+    assert statistics.stdev(means) == pytest.approx(SESSION_SD_MS / MEAN_MS, rel=0.05)
+    assert sessions[0] == in_session(person, 0)
+    assert person != PEOPLE["competent"]
+    assert (
+        msgspec.structs.replace(
+            person, base_ms=PEOPLE["competent"].base_ms, per_bit_ms=PEOPLE["competent"].per_bit_ms
+        )
+        == PEOPLE["competent"]
+    )
