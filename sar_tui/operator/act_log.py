@@ -29,8 +29,6 @@ from sar_tui.operator.event_text import (
     actor_name,
     capitalized,
     in_line,
-    kind_name,
-    mode_name,
 )
 from sar_tui.operator.text_charts import cut
 
@@ -318,7 +316,7 @@ def decision_wording(
     """Return the wording of a decision on an action of a kind. ``tells_change``: with the new text
     or level.
     """
-    kind = kind_name(kind, tr)
+    kind = tr(kind)
     if decision.verdict == "accept":
         wording = Wording(tr("Approved {kind}"), tr("Approving {kind}"))
     elif decision.verdict == "veto":
@@ -337,7 +335,7 @@ def decision_wording(
 def cancelled_wording(kind: str, tr: Language) -> Wording:
     """Return the wording of a veto on an action of a kind that is under way or queued."""
     wording = Wording(tr("Cancelled {kind}"), tr("Cancelling {kind}"))
-    return _filled(wording, kind=kind_name(kind, tr))
+    return _filled(wording, kind=tr(kind))
 
 
 def said_wording(text: str, to: str, tr: Language) -> Wording:
@@ -356,7 +354,7 @@ def gesture_wording(gesture: str, tr: Language) -> Wording:
 
 def mode_wording(changed: ModeChanged, tr: Language) -> Wording:
     """Return the wording of a change of mode."""
-    return same(f"{capitalized(kind_name(changed.kind, tr))}: {mode_name(changed.mode, tr)}")
+    return same(f"{capitalized(tr(changed.kind))}: {tr(changed.mode)}")
 
 
 def note_wording(note: NoteAdded, tr: Language) -> Wording:

@@ -76,21 +76,6 @@ def append(lines: tuple[Line, ...], line: Line) -> tuple[Line, ...]:
 
 _Text = tuple[str, Tone]
 
-_KINDS = {
-    "feedback": "feedback",
-    "encouragement": "encouragement",
-    "instruction": "instruction",
-    "gesture": "gesture",
-    "difficulty": "difficulty",
-    "filler": "filler",
-    "proposal": "proposal",
-}
-_MODES = {
-    "autonomous": "autonomous",
-    "veto": "veto",
-    "approve": "approve",
-    "manual": "manual",
-}
 _DROPPED = {
     "late": "The {kind} came too late: the session had moved on.",
     "stopped": "The waiting {kind} was stopped.",
@@ -179,16 +164,6 @@ _WITH_VALUES = (
 )
 """Sentences that a session writes with values in them."""
 _GROUNDS = {"deadline": "nobody decided in time", "no operator": "no operator"}
-
-
-def kind_name(kind: str, tr: Language) -> str:
-    """Return the name of a kind of action."""
-    return tr(_KINDS.get(kind, kind))
-
-
-def mode_name(mode: str, tr: Language) -> str:
-    """Return the name of a mode."""
-    return tr(_MODES.get(mode, mode))
 
 
 def short_name(name: str) -> str:
@@ -381,7 +356,7 @@ def _dropped(dropped: Dropped, before: ArbiterState | None, tr: Language) -> _Te
     kind = next((each.kind for each in waiting if each.id == dropped.id), "proposal")
     if dropped.reason not in _DROPPED or kind == "filler":
         return None
-    text = tr(_DROPPED[dropped.reason], kind=kind_name(kind, tr))
+    text = tr(_DROPPED[dropped.reason], kind=tr(kind))
     return text, "bad" if dropped.reason in ("late", "expired") else "plain"
 
 
@@ -390,8 +365,8 @@ def _unapproved(action: Action, tr: Language) -> _Text | None:
     heard.
     """
     if action.ground == "deadline" and action.mode == "approve":
-        kind = kind_name(action.kind, tr)
-        return tr("Nobody decided in time: the {kind} was sent unchanged.", kind=kind), "bad"
+        text = tr("Nobody decided in time: the {kind} was sent unchanged.", kind=tr(action.kind))
+        return text, "bad"
     return None
 
 

@@ -382,11 +382,11 @@ async def test_a_change_by_somebody_else_is_told_and_kept(opened: OpenApp, data:
             )
         await save(driver)
         driver.see(
-            "The programme of P01 was changed meanwhile: version 2 by Ben (Pain). Nothing was saved."
+            "The programme of P01 was changed meanwhile: version 2 (Ben: Pain). Nothing was saved."
         )
         assert stored_settings(data)["attempts"] == 5
         await driver.press("ctrl+s")
-        driver.see("version 2 by Ben (Pain)", "● Attempts 5 → 9")
+        driver.see("version 2 (Ben: Pain)", "● Attempts 5 → 9")
         await driver.enter("Agreed")
         assert "Saved: version 3." in told(driver)
     assert stored(
