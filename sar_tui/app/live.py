@@ -250,8 +250,8 @@ class LiveSession:
         self.run.session.bus.post(COMMAND, act)
 
     def undo_keys(self, *actors: str) -> tuple[str, ...]:
-        """Return the keys that take back now what one of these people did last. Backspace deletes
-        while somebody types.
+        """Return the keys that take back now what one of these people did last. In a trial,
+        Backspace may be a response; while somebody types, it deletes.
         """
         if self.session.undoable(*actors) is None:
             return ()
