@@ -255,7 +255,7 @@ class LiveSession:
         """
         if self.session.undoable(*actors) is None:
             return ()
-        return ("ctrl+z",) if self.session.is_typing else ("ctrl+z", "backspace")
+        return ("ctrl+z",) if self.session.takes_backspace else ("ctrl+z", "backspace")
 
     def undo(self, *actors: str) -> None:
         """Take back what one of these people did last, if it can be."""
