@@ -246,7 +246,7 @@ class ActLog:
         kind = self._kinds.get(getattr(message, "action", ""), "proposal")
         if wording := _wording(message, me, kind, self._tr):
             is_mine = message.actor == me.name
-            by = self._tr("you") if is_mine else actor_name(message.actor, self._tr)
+            by = self._tr("you") if is_mine else actor_name(message.actor, me, self._tr)
             # the therapist's keys have no time stamp
             timed = replace(message, at=message.at or frame.at)
             # a note that is published is in the record

@@ -171,13 +171,16 @@ def short_name(name: str) -> str:
     return name.partition(".")[2] or name
 
 
-def actor_name(actor: str, tr: Language) -> str:
-    """Return the name of somebody who acts: an operator's own, or what the therapist is."""
-    return tr("therapist") if actor == "therapist" else short_name(actor)
-
-
-def participant_name(me: Welcome, tr: Language = ENGLISH) -> str:
-    """Return the code of the participant, or "A participant" if there are several."""
+def actor_name(actor: str, me: Welcome | None, tr: Language) -> str:
+    """Return the name of somebody who acts: an operator's own, "therapist", or the code of the
+    participant if there is one.
+    """
+    if actor == "therapist":
+        return tr("therapist")
+    if actor != "participant":
+        return short_name(actor)
+    if me is None:
+        return tr("The participant")
     if len(me.participants) == 1:
         return next(iter(me.participants.values()))
     return tr("A participant")
@@ -186,11 +189,10 @@ def participant_name(me: Welcome, tr: Language = ENGLISH) -> str:
 def stopper(actor: str, me: Welcome | None, tr: Language) -> str:
     """Return who stopped the agent, for the log: the participant does so by F2."""
     if actor == "participant":
-        who = participant_name(me, tr) if me else tr("The participant")
-        return tr("{who} pressed F2").format(who=who)
+        return tr("{who} pressed F2").format(who=actor_name(actor, me, tr))
     if me and actor == me.name:
         return tr("You stopped the agent")
-    return tr("{who} stopped the agent").format(who=actor_name(actor, tr))
+    return tr("{who} stopped the agent").format(who=actor_name(actor, me, tr))
 
 
 def session_text(sentence: str, tr: Language) -> str:
@@ -311,7 +313,7 @@ def _pause_or_resume(act: SessionCommand, me: Welcome | None, tr: Language) -> _
     if me is None or act.actor == me.name or not (is_skipped or act.command in ("pause", "resume")):
         return None
     is_theirs = act.actor == "participant"
-    who = participant_name(me, tr) if is_theirs else actor_name(act.actor, tr)
+    who = actor_name(act.actor, me, tr)
     if is_skipped:
         return tr("{who} skipped the attempt.").format(who=who), "bad"
     if act.command == "resume":
