@@ -49,7 +49,7 @@ _COMMANDS = {
     "end": ("Ended the session", "Ending the session"),
     "undo": ("Took back the last act", "Taking back the last act"),
 }
-"""Texts of commands, by name and reason: done, and under way."""
+"""Texts of commands, by name, of a skip also by what is skipped: done, and under way."""
 _TOLD_AS_EVENTS = {"stop", "pause", "resume"}
 """Commands of others that have lines of their own (see `event_text`, `session_state.Stop`)."""
 _FACES = {
@@ -377,7 +377,7 @@ def command_wording(act: SessionCommand, tr: Language) -> Wording:
 
 
 def _key(act: SessionCommand) -> str:
-    return f"{act.command} {act.reason}".strip()
+    return f"skip {act.reason}".strip() if act.command == "skip" else act.command
 
 
 def _filled(wording: Wording, **slots: object) -> Wording:

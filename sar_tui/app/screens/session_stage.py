@@ -587,8 +587,9 @@ class ProgressLine(Widget):
 
     def show_signs(self, as_signs: bool) -> None:
         """Show a sign for each, if there is room, or words with a bar."""
-        self._as_signs = as_signs
-        self.refresh()
+        if as_signs != self._as_signs:
+            self._as_signs = as_signs
+            self.refresh()
 
     def render(self) -> Content:
         if self._as_signs and 0 < 2 * self._total <= self.size.width:
