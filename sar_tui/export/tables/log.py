@@ -71,17 +71,8 @@ _ROLE = stored("notes.author.role", name="taken_back_by", meaning="Who did it, a
 def _taken_back(damage: Damage, database: sqlite3.Connection, session: str) -> Iterator[Values]:
     found = messages_of_topic(database, session, TAKEN_BACK.name, damage)
     for number, (run, at, act) in enumerate(found, 1):
-        by = role(act.get("actor"), _ROLE.levels)
-        yield (
-            session,
-            number,
-            run,
-            act.get("done"),
-            at,
-            act.get("what"),
-            act.get("number") or None,
-            by,
-        )
+        of, by = act.get("number") or None, role(act.get("actor"), _ROLE.levels)
+        yield session, number, run, act.get("done"), at, act.get("what"), of, by
 
 
 def taken_back(damage: Damage) -> Table:
