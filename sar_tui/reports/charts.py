@@ -584,7 +584,7 @@ def session_chart(
     rows -= bool(above) + bool(below)
 
     highest = 2 * rows - 1
-    below_area, above_area = _borders(area, axis, highest)
+    below_area, above_area = _borders(area, axis, highest, is_shaded=is_shaded)
 
     def step(value: float) -> int:
         """Return the half row of a value, counted from below."""
@@ -598,25 +598,15 @@ def session_chart(
         return found
 
     canvas = _Canvas(rows, columns.width, is_shaded)
-    in_area: list[int] = []
+    named: dict[str, list[int]] = {LIMIT: []}
     if area and area[0] <= high and area[1] >= low:
-        first = 0 if below_area is None else below_area
-        last = highest if above_area is None else above_area - 1
-        in_area = list(range((first + 1) // 2, (last + 1) // 2))[::-1]
-        borders = [border // 2 for border in (above_area, below_area) if border is not None]
-        if is_shaded:
-            canvas.fill(range(first, last + 1), "area")
-            in_area += borders
-        else:
-            for border in borders:
-                canvas.rule(border, LIMIT)
-            in_area = borders + in_area
-    named = {LIMIT: in_area}
+        named[LIMIT] = canvas.area(below_area, above_area)
     for sign, value in ((BASELINE, baseline), (RULE, rule)):
         if value is not None and low <= value <= high:
-            named[sign] = [step(value) // 2]
-            canvas.rule(named[sign][0], LIMIT if is_shaded and sign == BASELINE else sign)
-            named[LIMIT] = [row for row in named[LIMIT] if row != named[sign][0]]
+            line = step(value) // 2
+            canvas.rule(line, LIMIT if is_shaded and sign == BASELINE else sign)
+            named[LIMIT] = [row for row in named[LIMIT] if row != line]
+            named[sign] = [line]
     for column, sessions in columns.groups():
         canvas.draw([values[session] for session in sessions], column, step)
     wanted = names or {}
@@ -625,13 +615,7 @@ def session_chart(
         for sign in (BASELINE, RULE, LIMIT)
         if named.get(sign) and sign in wanted and not canvas.name(wanted[sign], named[sign])
     ]
-    labels: dict[int, str] = {}
-    for value, label in sorted(
-        ticks,
-        key=lambda tick: -abs(_middle(_part(tick[0], low, high, highest), axis, highest) - tick[0]),
-    ):
-        if low <= value <= high:  # of several, the one next to the middle of the row
-            labels[_part(value, low, high, highest) // 2] = label
+    labels = _labels(ticks, axis, highest)
     lines: list[str] = []
     runs: list[list[Run]] = []
     for number in reversed(range(rows)):
@@ -647,9 +631,24 @@ def session_chart(
     if below:
         lines.append(edge + below)
         runs.append([])
-    return SessionChart(
-        [*lines, foot(columns, margin, chosen, marked)], [*runs, []], unnamed
-    )
+    return SessionChart([*lines, foot(columns, margin, chosen, marked)], [*runs, []], unnamed)
+
+
+def _labels(
+    ticks: Sequence[tuple[float, str]], axis: tuple[float, float], highest: int
+) -> dict[int, str]:
+    """Return the label of each row, counted from below, that has one: of several, that of the tick
+    next to its middle.
+    """
+
+    def distance(value: float) -> float:
+        return abs(_middle(_part(value, *axis, highest), axis, highest) - value)
+
+    return {
+        _part(value, *axis, highest) // 2: label
+        for value, label in sorted(ticks, key=lambda tick: -distance(tick[0]))
+        if axis[0] <= value <= axis[1]
+    }
 
 
 class _Canvas:
@@ -664,10 +663,23 @@ class _Canvas:
         self._signs = [[" "] * width for _ in range(rows)]
         self._names: set[tuple[int, int]] = set()
 
-    def fill(self, halves: Sequence[int], role: Role) -> None:
-        """Fill half rows."""
-        for half in halves:
-            self._halves[half] = [role] * self._width
+    def area(self, lower: int | None, upper: int | None) -> list[int]:
+        """Draw an area between two edges of half rows; None for one beyond the axis.
+
+        Returns:
+            Rows for its name, the best ones first.
+        """
+        first = 0 if lower is None else lower
+        last = (len(self._halves) if upper is None else upper) - 1
+        inside = list(reversed(range((first + 1) // 2, (last + 1) // 2)))
+        borders = [edge // 2 for edge in (upper, lower) if edge is not None]
+        if not self._is_shaded:
+            for row in borders:
+                self.rule(row, LIMIT)
+            return borders + inside
+        for half in range(first, last + 1):
+            self._halves[half] = ["area"] * self._width
+        return inside + [row for row in borders if row not in inside and 2 * row <= last]
 
     def rule(self, row: int, sign: str) -> None:
         """Draw a line over the whole width."""
@@ -740,33 +752,34 @@ class _Canvas:
 
 
 def _shaded(lower: Role, upper: Role) -> tuple[str, Role, Role]:
-    """Return a character for two halves, the part that it shows, and the part behind it. Strokes
-    and shades are behind it: so they have no gaps between rows, whatever the font.
+    """Return a character for two halves, the part that it shows, and the part behind it. Whole
+    cells have no character, so that strokes have no gaps between rows, whatever the font.
     """
     if lower == upper:
         return " ", "", lower
-    halves = lower, upper
-    shown: Role = next(role for role in _IN_FRONT if role in halves)
-    half = halves.index(shown)
-    return HALVES[half], shown or "ground", halves[1 - half]
-
-
-_IN_FRONT: tuple[Role, ...] = ("point", "", "area")
-"""Of two halves that differ, the first of these has the character."""
+    if lower == "point":
+        return HALVES[0], lower, upper
+    return HALVES[1], upper or "ground", lower
 
 
 def _borders(
-    area: tuple[float, float] | None, axis: tuple[float, float], highest: int
+    area: tuple[float, float] | None,
+    axis: tuple[float, float],
+    highest: int,
+    *,
+    is_shaded: bool,
 ) -> tuple[int | None, int | None]:
-    """Return the upper halves of rows, counted in half rows from below, on whose lower edges the
-    limits of an area are; None for one beyond the axis. There is room between them, above and below.
+    """Return the half rows, counted from below, on whose lower edges the limits of an area are; None
+    for one beyond the axis. There is room between them, above and below. A line is in the middle of
+    a row; a shade may begin between rows, too.
     """
     low, high = axis
     if area is None or low >= high:
         return None, None
 
     def border(value: float) -> int:
-        return 2 * round(((value - low) / (high - low) * highest - 0.5) / 2) + 1
+        halves = (value - low) / (high - low) * highest + 0.5
+        return round(halves) if is_shaded else 2 * round((halves - 1) / 2) + 1
 
     upper = max(3, min(highest, border(area[1])))
     lower = max(1, min(upper - 2, border(area[0])))

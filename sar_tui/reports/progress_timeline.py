@@ -38,7 +38,25 @@ _FEWEST_ROWS, _MOST_ROWS = 4, 40
 """Rows of a chart, without its heading and axis."""
 _FOR_BANDS = 12
 """Rows of a chart on the screen from which sessions have their bands."""
-_LEVELS_PER_HALF_ROW = (1 / 12, 1 / 10, 1 / 8, 1 / 6, 1 / 5, 1 / 4, 1 / 3, 1 / 2, 2 / 3, 3 / 4, 1, 3 / 2, 2, 5 / 2, 5, 10)
+_LEVELS_PER_HALF_ROW = (
+    1 / 12,
+    1 / 10,
+    1 / 8,
+    1 / 6,
+    1 / 5,
+    1 / 4,
+    1 / 3,
+    1 / 2,
+    2 / 3,
+    3 / 4,
+    1,
+    5 / 4,
+    3 / 2,
+    2,
+    5 / 2,
+    5,
+    10,
+)
 """Distances in a chart of levels, so that its labels are at equal distances."""
 _FOR_LEGEND = 20
 """Rows of a timeline from which a legend that does not fit beside the heading has its own row."""
@@ -227,9 +245,8 @@ def _level_names(line: LineProgress, tr: Language) -> dict[str, str]:
     if line.baseline is None:
         return {}
     mean, count = line.baseline.mean, len(line.places)
-    if count < 2:
-        value = _plain(line, mean, tr)
-    else:
+    value = _plain(line, mean, tr)
+    if count > 1:
         value = tr.figures(f"{max(1, min(count, _level(line.places, mean))):.1f}")
     return {
         BASELINE: tr("baseline {value}", value=value),
@@ -388,9 +405,7 @@ def _with_shade(row: TextRow) -> TextRow:
     return msgspec.structs.replace(row, text=text, runs=[Run(first, last, "", "area")])
 
 
-def _evenly(
-    figure: _Figure, rows: int
-) -> tuple[tuple[float, float], Sequence[tuple[float, str]]]:
+def _evenly(figure: _Figure, rows: int) -> tuple[tuple[float, float], Sequence[tuple[float, str]]]:
     """Return the axis and the ticks of a chart of levels with so many rows, so that its labels are
     at equal distances.
     """

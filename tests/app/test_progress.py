@@ -79,7 +79,7 @@ async def test_sessions_are_compared(opened: OpenApp, data: Path, catalogue: Cat
         driver.see("These are earlier sessions, with other settings. 2 sessions: too few to say.")
         assert driver.rows[-1].rstrip().endswith("Help")
         assert any(row.split() == ["pain", "0", "1"] for row in driver.rows)
-        driver.see("▸ 2 Mar 10:00", "pain 1 before")
+        driver.see("▸ 2 Mar 10:00", "12/12 attempts · 60 repetitions")
         await driver.press("c", "left")
         driver.see("▸ 1 Mar 10:00", "1 Mar and 2 Mar: From")
         driver.see("How much is noise is not yet known")
@@ -126,8 +126,8 @@ async def test_the_command_palette_has_figures_and_keys_by_name(
         await open_progress(driver, catalogue)
         found = list(driver.app.get_system_commands(driver.app.screen))
         names = [each.title for each in found]
-        assert {"Level at goal", "Records", "Add", "Note", "Page", "Help"} <= set(names)
-        assert {"Compare", "Charts"}.isdisjoint(names), "there is one session"
+        assert {"Level at goal", "Records", "Add", "Note", "Print page", "Help"} <= set(names)
+        assert {"Compare", "Other chart"}.isdisjoint(names), "there is one session"
         choose = next(each for each in found if each.title == "Records").callback
         choose()
         await driver.settle()

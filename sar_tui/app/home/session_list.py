@@ -253,9 +253,9 @@ class Table:
         if is_roomy:
             columns["minutes"] = 7
         self._columns = {name: max(columns[name], len(tr(_HEADINGS[name]))) for name in columns}
-        needed = sum(self._columns.values())
+        needed = sum(self._columns.values()) + max((len(line.note) for line in lines), default=0)
         wide, narrow = _GAPS
-        is_wide = needed + len(wide) * (len(columns) - 1) <= width
+        is_wide = needed + len(wide) * len(columns) <= width
         self._gap = wide if is_wide else narrow
 
     @property

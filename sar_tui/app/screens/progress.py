@@ -68,7 +68,7 @@ class ProgressScreen(DismissedOnce[None]):
         Binding("escape,f4", "leave", "Back", id="back"),
         Binding("enter", "open", "Explain", show=False, id="explain"),
         Binding("tab", "figure(1)", "Next view", id="next-figure"),
-        Binding("shift+tab", "figure(-1)", "Previous view", show=False, id="previous-figure"),
+        Binding("shift+tab", "figure(-1)", "Previous figure", show=False, id="previous-figure"),
         Binding("right", "choose(1)", "Session", key_display="←→", id="next-session"),
         Binding("left", "choose(-1)", "Previous session", show=False, id="previous-session"),
         Binding("down", "go_down(1)", "Down", show=False, id="down"),
@@ -78,7 +78,7 @@ class ProgressScreen(DismissedOnce[None]):
         Binding("home", "choose_end(0)", "First session", show=False, id="first-session"),
         Binding("end", "choose_end(-1)", "Last session", show=False, id="last-session"),
         Binding("c", "compare", "Compare", id="compare"),
-        Binding("s", "other_settings", "Other goals", id="other-settings"),
+        Binding("s", "other_settings", "Other chart", id="other-settings"),
         Binding("a", "add_record", "Add", id="add-record"),
         Binding(
             "delete,backspace", "remove_record", "Remove", key_display="Del", id="remove-record"
@@ -103,6 +103,7 @@ class ProgressScreen(DismissedOnce[None]):
         self._chosen = 0
         self._marked: str | None = None
         self._record: int | None = None
+        self._rows: dict[str, int] = {}
 
     @functools.cached_property
     def tr(self) -> Language:
@@ -282,13 +283,25 @@ class ProgressScreen(DismissedOnce[None]):
             box.set_class(box.id == self.figure, "-chosen")
         if beside:
             columns = self._lists_width - _BOX[1]
-            records = self._list("records", (columns, self.size.height // 2))
-            self.query_one("#records").styles.height = len(records) - 1 + _BOX[0]
-            sessions = self._list("sessions", (columns, self.size.height))
-            self.query_one("#sessions").styles.max_height = len(sessions) - 1 + _BOX[0]
-            days = self._list("days", (columns, self.size.height))
-            self.query_one("#days").styles.height = len(days) - 1 + _BOX[0]
-            self.call_after_refresh(self._name_lists)
+            self._rows = {
+                name: len(self._list(name, (columns, self.size.height))) - 1 + _BOX[0]
+                for name in beside
+            }
+            self.query_one("#records").styles.height = self._rows["records"]
+            self.query_one("#sessions").styles.max_height = self._rows["sessions"]
+            self.query_one("#days").styles.min_height = self._rows.get("days", 0)
+            self.call_after_refresh(self._fit_lists)
+
+    def _fit_lists(self) -> None:
+        """Let the days have the rows that the sessions do not need."""
+        beside, sessions = self._beside, self.query_one("#sessions")
+        if "days" in beside:
+            others = self._rows["records"] + self._rows["days"]
+            room = self.query_one("#right").size.height - others
+            sessions.styles.height = max(_BOX[0] + 2, min(self._rows["sessions"], room))
+        else:
+            sessions.styles.height = "1fr"
+        self.call_after_refresh(self._name_lists)
 
     def _name_lists(self) -> None:
         """Give each list its title, with the part of it that its place has room for."""
@@ -425,7 +438,7 @@ class ProgressScreen(DismissedOnce[None]):
             )
         for action, title, help in (
             ("compare", tr("Compare"), tr("Compare the chosen session with another")),
-            ("other_settings", tr("Other goals"), tr("Sessions with other settings")),
+            ("other_settings", tr("Other chart"), tr("Sessions with other settings")),
             ("add_record", tr("Add"), tr("An adverse event, or a score of another test")),
             ("note", tr("Note"), tr("A paragraph to paste into a record")),
             ("page", tr("Print page"), tr("A page with charts, to print")),
@@ -616,7 +629,11 @@ class ProgressScreen(DismissedOnce[None]):
 
 _SHADED = ("256", "truecolor")
 """Names of Rich for colours that have shades."""
-_OF_CHARTS = {POINT: "$accent", CHOSEN: "$accent", **dict.fromkeys((BAND, LIMIT, RULE), "$text-muted")}
+_OF_CHARTS = {
+    POINT: "$accent",
+    CHOSEN: "$accent",
+    **dict.fromkeys((BAND, LIMIT, RULE), "$text-muted"),
+}
 _PARTS: dict[Role, tuple[str, float]] = {
     "point": ("accent", 1.0),
     "band": ("accent", 0.45),

@@ -165,17 +165,16 @@ def test_the_card_and_the_note_give_one_verdict(keyboard: type[Task], base: floa
     note = report_words.note("P01", line, Language())
     card, sentence = {
         50.0: (
-            "better than noise and practice explain",
+            "real improvement",
             "is better than that: a change that noise and practice do",
         ),
         450.0: ("no change can be shown", "no change can be shown"),
-        750.0: ("worse than noise explains", "is worse than that: a change that noise does not"),
+        750.0: ("real decline", "is worse than that: a change that noise does not"),
     }[base]
     assert sentence in note
     assert line.sessions[-1].at_goal is not None
     assert (
-        progress_words(line, 0, ENGLISH)
-        == f"Level {line.sessions[-1].at_goal.level:.1f} at goal: {card}"
+        progress_words(line, 0, ENGLISH) == f"Level {line.sessions[-1].at_goal.level:.1f}: {card}"
     )
     assert progress_words(line, 5, ENGLISH).endswith(f"{card} (5 with other settings)")
 
@@ -189,9 +188,9 @@ def test_the_card_says_which_session_the_verdict_is_on(keyboard: type[Task]) -> 
             progress("P01", sessions, {"keyboard": keyboard}.get).lines[-1], 0, ENGLISH
         )
 
-    assert said(played[:3]).endswith("at goal: change not yet known")
+    assert said(played[:3]).endswith(": change not yet known")
     assert said([*played, *easy]) == (
-        "Last session all too easy. 2026-03-03: Level 3.2 at goal, no change can be shown"
+        "Last session all too easy. 2026-03-03: Level 3.2, no change can be shown"
     )
     found = said([session(1, [AttemptResult(level, 400.0, 20) for level in (1, 2, 3)])])
     assert found == "Last session all too easy"
