@@ -690,10 +690,10 @@ def _colored(row: TextRow, chart: Mapping[str, str], *, is_chosen: bool) -> Cont
     content = Content.assemble(*pieces)
     for first, last in row.looks:
         content = content.stylize(_LOOK, first, last)
-    for run in row.runs:
-        shown, behind = chart.get(run.shown, ""), chart.get(run.behind, "")
+    for part in row.runs:
+        shown, behind = chart.get(part.shown, ""), chart.get(part.behind, "")
         style = f"{shown} on {behind}" if behind else shown
-        content = content.stylize(style.strip(), run.first, run.last)
+        content = content.stylize(style.strip(), part.first, part.last)
     return content.stylize(_CHOSEN_ROW) if row.is_chosen else content
 
 
