@@ -672,14 +672,14 @@ class _Canvas:
         first = 0 if lower is None else lower
         last = (len(self._halves) if upper is None else upper) - 1
         inside = list(reversed(range((first + 1) // 2, (last + 1) // 2)))
-        borders = [edge // 2 for edge in (upper, lower) if edge is not None]
         if not self._is_shaded:
+            borders = [edge // 2 for edge in (upper, lower) if edge is not None]
             for row in borders:
                 self.rule(row, LIMIT)
             return borders + inside
         for half in range(first, last + 1):
             self._halves[half] = ["area"] * self._width
-        return inside + [row for row in borders if row not in inside and 2 * row <= last]
+        return inside
 
     def rule(self, row: int, sign: str) -> None:
         """Draw a line over the whole width."""

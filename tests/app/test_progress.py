@@ -155,8 +155,10 @@ async def test_each_list_is_beside_the_picture_or_one_key_away(
 
 
 async def test_pictures_of_the_screen_at_three_sizes(
-    opened: OpenApp, data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setenv("COLORTERM", "truecolor")
+    monkeypatch.delenv("NO_COLOR", raising=False)
     trained(data, catalogue, *[1000] * 6)
     with closing(connect(data)) as database:
         score(database, "P01", "BBT", "2026-03-01", 20)
@@ -238,6 +240,7 @@ async def test_keys_of_records_are_shown_where_a_record_is_chosen(
     async with opened() as driver:
         await open_progress(driver, catalogue)
         assert "Remove" not in driver.rows[-1]
+        assert "Note" not in driver.rows[-1], "it is left out where there is no room"
         assert "←→ Session" in driver.rows[-1]
         await driver.press("shift+tab")
         assert "Del Remove" in driver.rows[-1]
