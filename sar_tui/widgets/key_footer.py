@@ -62,7 +62,7 @@ class KeyFooter(Footer):
 
     def bindings_changed(self, screen: Screen[object]) -> None:
         """Compose the keys anew if they differ from those shown."""
-        keys = tuple(
+        keys: tuple[tuple[object, ...], ...] = tuple(
             (binding.key, binding.description, binding.action, binding.group, enabled)
             for _, binding, enabled, _ in screen.active_bindings.values()
             if binding.show
