@@ -4,6 +4,7 @@ sentence.
 
 import asyncio
 import statistics
+import textwrap
 import time
 from collections.abc import Callable, Generator, Sequence
 from typing import TypeVar
@@ -40,6 +41,8 @@ _WIDEST = 3
 """Most columns of an attempt."""
 _LOWEST, _TALLEST = 4, 12
 """Rows of the bars below the fields, and beside them."""
+_MOST_LINES = 2
+"""Most lines of the sentence below the fields."""
 _MOST_APART = 3
 """Most rows from a level to the next."""
 _HALF = 0.005
@@ -348,11 +351,22 @@ class PreviewPane(Widget):
         parts = [
             [Content.assemble((title.plain, "bold"), (f"  {self._heading}", "$accent"))],
             [*above, *drawn],
-            [Content(sentence(self._preview, self.tr))],
+            [Content(self._sentence(columns))],
             [Content(self._source).stylize("$text-muted")],
         ]
         blank = "\n\n" if self._is_beside else "\n"
         return Content(blank).join(Content("\n").join(lines) for lines in parts)
+
+    def _sentence(self, columns: int) -> str:
+        """Return what happens; in a small window without the start, which the picture shows, if
+        that makes it too long.
+        """
+        preview, tr = self._preview, self.tr
+        assert preview is not None
+        whole = sentence(preview, tr)
+        if self._is_beside or len(textwrap.wrap(whole, max(1, columns))) <= _MOST_LINES:
+            return whole
+        return sentence(msgspec.structs.replace(preview, why_start=""), tr)
 
     @property
     def _is_beside(self) -> bool:
