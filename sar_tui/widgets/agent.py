@@ -1,6 +1,6 @@
 """The agent: a small drawn robot that speaks, looks and moves, with its words beside it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -81,7 +81,8 @@ class Agent(Horizontal):
         self._more = _Words(classes="more", markup=False)
         self._note = Static(classes="note", markup=False)
         self._has_words = False
-        self._joined = ""
+        self._text = self._joined = ""
+        self._left_out: Sequence[str] = ()
         self._still: Pose | None = None
 
     def compose(self) -> ComposeResult:
@@ -120,11 +121,19 @@ class Agent(Horizontal):
         elif text:
             self._has_words = True
             self.update_classes({"speaks": True} | {name: valence == name for name in _VALENCES})
-            self._said.update(text)
-            self._joined = ""
+            self._text, self._joined = text, ""
+            self._said.update(_without(text, self._left_out))
             self._put(self._more, "")
         if face:
             self.look(face)
+
+    def leave_out(self, phrases: Sequence[str]) -> None:
+        """Leave phrases out of the words, unless they are all of them, because they can be read
+        elsewhere on the screen.
+        """
+        if phrases != self._left_out:
+            self._left_out = phrases
+            self._said.update(_without(self._text, phrases))
 
     def clear(self, face: str) -> None:
         """Remove the words, and look ahead."""
@@ -132,7 +141,7 @@ class Agent(Horizontal):
             self._has_words = False
             self.remove_class("speaks")
             self._said.update("")
-            self._joined = ""
+            self._text = self._joined = ""
             self._put(self._more, "")
         self._gaze = "ahead"
         self.look(face)
@@ -279,6 +288,14 @@ class Agent(Horizontal):
     def _put(self, words: Static, text: str) -> None:
         words.display = bool(text)
         words.update(text)
+
+
+def _without(text: str, phrases: Sequence[str]) -> str:
+    """Return a text without some phrases; the text if nothing else is in it."""
+    left = text
+    for phrase in phrases:
+        left = left.replace(phrase, "")
+    return " ".join(left.split()) or text if left != text else text
 
 
 class _Words(Static):

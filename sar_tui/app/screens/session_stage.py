@@ -27,6 +27,7 @@ from sar_tui.app.screens.waiting_text import (
 )
 from sar_tui.loop.agent_state import AWAITED
 from sar_tui.loop.clock import Clock, Handle
+from sar_tui.loop.feedback_text import result_phrases
 from sar_tui.loop.marks import TrialMark
 from sar_tui.loop.session import Session
 from sar_tui.loop.topics import RECALL
@@ -109,6 +110,7 @@ class SessionStage(Vertical):
         self._position = self._ended_position = ""
         self._agent_seat = ""
         self._bars: dict[str, GoalBar] = {}
+        self._result_phrases: tuple[str, ...] = ()
         self._goal = ""
         self._asked = ""
         self._marked: Entry | None = None
@@ -150,7 +152,7 @@ class SessionStage(Vertical):
             yield Static("", id="where", markup=False)
         yield Static("", id="above")
         with ContentSwitcher(initial="message", id="stage"):
-            yield MessagePanel(id="message")
+            yield MessagePanel(self._leave_out_result, id="message")
             yield BigPrompt(id="prompt", draw=view.prompt_lines, pictures=self._pictures)
             yield PauseMenu(id="menu")
             yield Summary(session.task.metric, view.facts, id="summary")
@@ -281,12 +283,17 @@ class SessionStage(Vertical):
             self._bars[feedback.seat] = bar
         else:
             self._bars.pop(feedback.seat, None)
+        self._result_phrases = result_phrases(feedback, task, self._staged.session.theme)
         self._show_again()
 
     def feedback_over(self) -> None:
         """Remove the result: the agent speaks of something else."""
         self._forget_results()
         self._show_again()
+
+    def _leave_out_result(self, is_shown: bool) -> None:
+        """Let the agent's words on the screen not repeat the result that is shown."""
+        self.agent.leave_out(self._result_phrases if is_shown else ())
 
     def _forget_results(self) -> None:
         self._bars = {}
