@@ -47,10 +47,12 @@ class Agent(Horizontal):
     Agent {{ height: auto; min-height: {HEIGHT}; max-height: 13; padding: 0 1; }}
     Agent > .picture {{ width: {WIDTH}; height: {HEIGHT}; display: none; }}
     Agent > .robot {{ width: {WIDTH}; height: {HEIGHT}; color: $accent; }}
-    Agent > .words {{ width: 1fr; height: auto; padding: 1 1 0 2; }}
-    Agent > .words > Static {{ width: 100%; height: auto; }}
-    Agent > .words > .more, Agent > .words > .note {{ margin-top: 1; display: none; }}
-    Agent > .words > .note {{ color: $text-muted; }}
+    Agent > .beside {{ width: 1fr; height: auto; align-horizontal: center; }}
+    Agent .words {{ width: 100%; height: auto; padding: 1 1 0 2; }}
+    Agent .words > Static {{ width: 100%; height: auto; }}
+    Agent .words > .more, Agent .words > .note {{ margin-top: 1; display: none; }}
+    Agent .words > .note {{ color: $text-muted; }}
+    Agent .below {{ width: auto; height: auto; margin-top: 1; text-align: center; display: none; }}
     Agent > .tail {{ display: none; width: 1; height: 1; margin: 3 0 0 1; color: $accent; }}
     """
 
@@ -80,6 +82,7 @@ class Agent(Horizontal):
         self._said = _Words(classes="said", markup=False)
         self._more = _Words(classes="more", markup=False)
         self._note = Static(classes="note", markup=False)
+        self._below = Static(classes="below")
         self._has_words = False
         self._text = self._joined = ""
         self._left_out: Sequence[str] = ()
@@ -90,10 +93,12 @@ class Agent(Horizontal):
             yield self._picture
         yield self._robot
         yield Static("◁", classes="tail")
-        with Vertical(classes="words"):
-            yield self._said
-            yield self._more
-            yield self._note
+        with Vertical(classes="beside"):
+            with Vertical(classes="words"):
+                yield self._said
+                yield self._more
+                yield self._note
+            yield self._below
 
     def on_mount(self) -> None:
         self._load_pictures()
@@ -155,6 +160,11 @@ class Agent(Horizontal):
     def note(self, text: str) -> None:
         """Show a note below the words, which the agent does not say; empty for none."""
         self._put(self._note, text)
+
+    def show_below(self, words: Content) -> None:
+        """Show words below the box with those of the agent; empty for none."""
+        self._below.display = bool(words)
+        self._below.update(words)
 
     def apply_theme(self, theme: Theme) -> None:
         """Use the faces of another theme."""

@@ -84,7 +84,7 @@ def draw_bars(
     longest = max(row.length for row in rows)
     hint = _hint(bars, tr)
     shortest = min(row.length for row in rows) / longest
-    beside_hint = int((columns - len(hint)) / shortest) if hint else columns
+    beside_hint = int((columns - len(hint)) / shortest) if hint and shortest else columns
     if beside_hint >= SHORTEST:
         most = min(columns, beside_hint)
     else:

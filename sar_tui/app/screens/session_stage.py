@@ -155,7 +155,7 @@ class SessionStage(Vertical):
             yield MessagePanel(self._leave_out_result, id="message")
             yield BigPrompt(id="prompt", draw=view.prompt_lines, pictures=self._pictures)
             yield PauseMenu(id="menu")
-            yield Summary(session.task.metric, view.facts, id="summary")
+            yield Summary(session.task.metric, view.facts, self._praise_beside, id="summary")
         yield self.agent.widget
         with Horizontal(id="progress"):
             yield ProgressLine(id="trials")
@@ -428,6 +428,7 @@ class SessionStage(Vertical):
         drawing = None
         if stage in ("attempt", "review"):
             drawing = self._staged.view.between_attempts()
+        self.set_class(bool(bars), "result")
         self.message.show(text, bars, drawing, ask)
         self.ask(text.press)
         self._seat_agent(self._seat_beside(stage, is_between, has_drawing=bool(drawing)))
@@ -498,6 +499,15 @@ class SessionStage(Vertical):
             return self.tr("Next: exercise {number} of {total}", number=number, total=total)
         days = self._staged.session.task.parameters.days_between_visits
         return meeting_text(self.app.today(), days, self.tr)
+
+    def _praise_beside(self, words: Content) -> bool:
+        """Show words below those of the agent in a small window. Returns False in a large one, and
+        without an agent.
+        """
+        agent = self.agent.widget
+        is_beside = agent.display and not is_roomy(*self.app.size)
+        agent.show_below(words if is_beside else Content(""))
+        return is_beside
 
     def _attempts(self) -> list[Sequence[AttemptEnded]]:
         """Return the attempts that are finished, of each seat."""

@@ -63,7 +63,7 @@ QUESTIONS: dict[Question, Step] = {
 _CHOICE_KEYS = frozenset("0123456789")
 """Keys that choose, as the arrows do, and answer nothing yet."""
 _FACE, _LISTENS = "listening", Pose(lean=1)
-_MARGINS = 12
+_MARGINS = 2
 """Columns beside the scale, at both sides together."""
 _TALL = 46
 """Least rows of a window in which two blank rows are between the parts."""
