@@ -47,12 +47,12 @@ class Agent(Horizontal):
     Agent {{ height: auto; min-height: {HEIGHT}; max-height: 13; padding: 0 1; }}
     Agent > .picture {{ width: {WIDTH}; height: {HEIGHT}; display: none; }}
     Agent > .robot {{ width: {WIDTH}; height: {HEIGHT}; color: $accent; }}
-    Agent > .beside {{ width: 1fr; height: auto; align-horizontal: center; }}
+    Agent > .beside {{ width: 1fr; height: auto; }}
     Agent .words {{ width: 100%; height: auto; padding: 1 1 0 2; }}
     Agent .words > Static {{ width: 100%; height: auto; }}
     Agent .words > .more, Agent .words > .note {{ margin-top: 1; display: none; }}
     Agent .words > .note {{ color: $text-muted; }}
-    Agent .below {{ width: auto; height: auto; margin-top: 1; text-align: center; display: none; }}
+    Agent .below {{ width: auto; height: auto; margin: 1 0 0 2; display: none; }}
     Agent > .tail {{ display: none; width: 1; height: 1; margin: 3 0 0 1; color: $accent; }}
     """
 

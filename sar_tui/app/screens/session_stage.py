@@ -64,8 +64,8 @@ _BEFORE = ("instructions", "attempt", "paused")
 """Stages in which the agent is in the middle too, if there is room."""
 _FULL_HEIGHT = 40
 """Least rows of a window in which a drawing, or the instructions, leave room above the agent."""
-_MARGINS = 12
-"""Columns beside a text, at both sides together."""
+_MARGINS = 2
+"""Columns beside a scale, at both sides together."""
 
 
 class StagedSession(Protocol):
@@ -428,7 +428,8 @@ class SessionStage(Vertical):
         drawing = None
         if stage in ("attempt", "review"):
             drawing = self._staged.view.between_attempts()
-        self.set_class(bool(bars), "result")
+        is_scale = waiting.step is not None and waiting.step.step.kind == "number"
+        self.update_classes({"result": bool(bars), "scale": is_scale})
         self.message.show(text, bars, drawing, ask)
         self.ask(text.press)
         self._seat_agent(self._seat_beside(stage, is_between, has_drawing=bool(drawing)))
@@ -520,6 +521,7 @@ class SessionStage(Vertical):
         """Show one widget in the middle of the screen."""
         self.shown = name
         if name != "message":
+            self.remove_class("result")
             self._seat_agent(self._seat_above(name) if self.agent.widget.display else "")
         self.query_one("#stage", ContentSwitcher).current = name
         self.screen.set_focus(self.menu if name == "menu" else None)
