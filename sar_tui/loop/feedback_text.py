@@ -339,9 +339,7 @@ def result_phrases(feedback: Feedback, task: Task, theme: Theme) -> tuple[str, .
     if feedback.metric is None:
         return ()
     slots = _value_and_goal(task, feedback.metric, feedback.goal)
-    return tuple(
-        wording.format(**slots) for wording in theme.phrases[f"{feedback.valence}_first"]
-    )
+    return tuple(wording.format(**slots) for wording in theme.phrases[f"{feedback.valence}_first"])
 
 
 def _value_and_goal(task: Task, value: float, goal: float) -> dict[str, str]:

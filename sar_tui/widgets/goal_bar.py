@@ -82,17 +82,16 @@ def draw_bars(
     if columns < SHORTEST:
         return Content("")
     longest = max(row.length for row in rows)
+    shortest = min(row.length for row in rows)
     hint = _hint(bars, tr)
-    shortest = min(row.length for row in rows) / longest
-    beside_hint = int((columns - len(hint)) / shortest) if hint and shortest else columns
-    if beside_hint >= SHORTEST:
-        most = min(columns, beside_hint)
-    else:
-        most, hint = columns, ""
+    if columns - len(hint) < SHORTEST:
+        hint = ""
+    part = max(shortest / longest, 1 / columns)
+    most = min(columns, int((columns - len(hint)) / part))
     drawn = []
     for row in rows:
         bar = _bar(row, round(row.length / longest * most), THICK if is_large else BAR)
-        said = hint if row.length == shortest * longest else ""
+        said = hint if row.length == shortest else ""
         rest = _GAP * (columns - len(bar) - len(said))
         sign = f"{_GAP}{row.sign or _GAP}" if len(bars) > 1 else ""
         words = f"{row.name:{_GAP}>{names}}{_GAP}{row.value:{_GAP}>{values}}{_GAP}"

@@ -125,7 +125,9 @@ class MessagePanel(Vertical):
         self.query_one("#figure").set_class(is_reached, "well-done")
         shown = self.query_one("#verdict", Heading)
         shown.set_classes("well-done" if is_reached else "body")
-        shown.show(verdict(bar, language_of(self.app)) if bar else "", most_rows if is_reached else 1)
+        shown.show(
+            verdict(bar, language_of(self.app)) if bar else "", most_rows if is_reached else 1
+        )
 
     def _figure(self, width: int, is_large: bool) -> list[str]:
         """Return the rows of the result of the last attempt, if it can be drawn large; none if not,
