@@ -1,6 +1,7 @@
 """Draws the pictures of the documentation from the app itself: ``python -m docs.pictures``."""
 
 import asyncio
+import os
 import re
 import tempfile
 from contextlib import closing
@@ -65,7 +66,11 @@ TODAY = datetime(2026, 3, 20, 14, 15).astimezone()
 
 
 def demonstration(data: Path, catalogue: Catalogue, clock: VirtualClock) -> SarTui:
-    """Return the app on a demonstration folder, on the day for which it was made."""
+    """Return the app on a demonstration folder, on the day for which it was made. It has all colours,
+    whatever this terminal has.
+    """
+    os.environ["COLORTERM"] = "truecolor"
+    os.environ.pop("NO_COLOR", None)
     app = SarTui(data, catalogue, clock=clock)
     app.today = TODAY.date
     return app

@@ -15,11 +15,7 @@ from typing import Any, NamedTuple, get_args
 
 import msgspec
 
-from sar_tui.checks.task_translations import (
-    declared,
-    sentences_in,
-    texts_in,
-)
+from sar_tui.checks.task_translations import declared, sentences_in, texts_in
 from sar_tui.loop.phrase_keys import PHRASE_KEYS, wording_problems
 from sar_tui.model import messages
 from sar_tui.model.language import BUNDLED, read_words, slot_problem

@@ -250,12 +250,12 @@ class LiveSession:
         self.run.session.bus.post(COMMAND, act)
 
     def undo_keys(self, *actors: str) -> tuple[str, ...]:
-        """Return the keys that take back now what one of these people did last. Backspace deletes
-        while somebody types.
+        """Return the keys that take back now what one of these people did last. In a trial,
+        Backspace may be a response; while somebody types, it deletes.
         """
         if self.session.undoable(*actors) is None:
             return ()
-        return ("ctrl+z",) if self.session.is_typing else ("ctrl+z", "backspace")
+        return ("ctrl+z",) if self.session.takes_backspace else ("ctrl+z", "backspace")
 
     def undo(self, *actors: str) -> None:
         """Take back what one of these people did last, if it can be."""

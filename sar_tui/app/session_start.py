@@ -209,7 +209,7 @@ class SessionStart:
             self._refuse(in_language(error, self._app.tr), resumed=isinstance(what, str))
             return
         except sqlite3.Error as error:
-            self._refuse(str(explain(error)))
+            self._refuse(in_language(explain(error), self._app.tr))
             return
         self.feeds = ()
         if self._asked_since:

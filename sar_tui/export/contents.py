@@ -21,7 +21,7 @@ from sar_tui.export.run_time import run_starts
 from sar_tui.export.tables.agent import actions, outputs
 from sar_tui.export.tables.answers import answers
 from sar_tui.export.tables.imu import IMU_STREAMS, imu, sensor_faults
-from sar_tui.export.tables.log import EVENTS, notes, sync_signals
+from sar_tui.export.tables.log import EVENTS, notes, sync_signals, taken_back
 from sar_tui.export.tables.parameters import PROGRAMMES, Fields, parameters, programme_parameters
 from sar_tui.export.tables.records import records
 from sar_tui.export.tables.results import attempts, trials
@@ -86,6 +86,7 @@ class Contents:
             actions(damage),
             outputs(damage),
             notes(damage),
+            taken_back(damage),
             IMU_STREAMS,
             sensor_faults(damage),
             imu(self._report),

@@ -15,6 +15,7 @@ from sar_tui.loop.feedback_comparison import (
 from sar_tui.loop.task import Task
 from sar_tui.model.messages import AttemptEnded, Degree, Feedback, Form, RecalledAttempts, Valence
 from sar_tui.model.results_for_people import decimals_for, difference_text, goal_text, result_text
+from sar_tui.model.theme import Theme
 from sar_tui.model.trial_types import Quality
 from sar_tui.rules.judgement import RACED
 
@@ -163,26 +164,20 @@ class FeedbackText:
             )
         tr, metric = self._task.tr, self._task.metric
         decimals = decimals_for(metric, feedback.metric, feedback.goal)
-        value, goal = (
-            result_text(metric, feedback.metric, tr, decimals),
-            goal_text(metric, feedback.goal, tr),
-        )
+        slots = _value_and_goal(self._task, feedback.metric, feedback.goal)
         before = self._reference(feedback, recalled)
         if before is None:
-            return self._word(f"{feedback.valence}_first", value=value, goal=goal)
+            return self._word(f"{feedback.valence}_first", **slots)
         reference = self._reference_name(feedback, recalled)
         difference = difference_text(metric, feedback.metric, before, tr, decimals)
         if not difference:
-            return self._word(
-                f"{feedback.valence}_same", value=value, goal=goal, reference=reference
-            )
+            return self._word(f"{feedback.valence}_same", **slots, reference=reference)
         if not self._is_real(feedback, recalled, before):
-            return self._word(f"{feedback.valence}_first", value=value, goal=goal)
+            return self._word(f"{feedback.valence}_first", **slots)
         improved = metric.is_better(feedback.metric, before)
         return self._word(
             f"{feedback.valence}_{'improved' if improved else 'worsened'}",
-            value=value,
-            goal=goal,
+            **slots,
             difference=difference,
             change=tr(metric.improved if improved else metric.worsened),
             reference=reference,
@@ -253,15 +248,12 @@ class FeedbackText:
             figures = self._word("summary_empty_figures", **counts)
         else:
             figures = self._word(
-                "summary_figures", **counts, **self._value_and_goal(feedback.metric, feedback.goal)
+                "summary_figures",
+                **counts,
+                **_value_and_goal(self._task, feedback.metric, feedback.goal),
             )
         beside = figures if feedback.choice.form == "both" else ""
         return _Pair(self._word.beside(beside, f"summary_{feedback.valence}"), figures)
-
-    def _value_and_goal(self, value: float, goal: float) -> dict[str, str]:
-        metric, tr = self._task.metric, self._task.tr
-        shown = result_text(metric, value, tr, decimals_for(metric, value, goal))
-        return {"value": shown, "goal": goal_text(metric, goal, tr)}
 
     # --- knowledge of performance
 
@@ -338,6 +330,22 @@ class FeedbackText:
         else:
             figures = f"{said} {self._figures(feedback, recalled)}"
         return _PerformanceText(said, figures, valence)
+
+
+def result_phrases(feedback: Feedback, task: Task, theme: Theme) -> tuple[str, ...]:
+    """Return the phrases of a theme that tell the result of an attempt, and at most whether it
+    reached its goal. Empty without a result.
+    """
+    if feedback.metric is None:
+        return ()
+    slots = _value_and_goal(task, feedback.metric, feedback.goal)
+    return tuple(wording.format(**slots) for wording in theme.phrases[f"{feedback.valence}_first"])
+
+
+def _value_and_goal(task: Task, value: float, goal: float) -> dict[str, str]:
+    metric, tr = task.metric, task.tr
+    shown = result_text(metric, value, tr, decimals_for(metric, value, goal))
+    return {"value": shown, "goal": goal_text(metric, goal, tr)}
 
 
 def _graded(feedback: Feedback) -> str:

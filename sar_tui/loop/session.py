@@ -144,11 +144,11 @@ class Session:
         return max(found, key=lambda done: done.at, default=None)
 
     @property
-    def is_typing(self) -> bool:
-        """True while keys are letters of a response, or of an answer in words."""
-        trial, asked = self._event_handler.open_trial, self._script.steps.asked
-        is_response = trial is not None and trial.expects_text
-        return is_response or (asked is not None and asked.step.kind == "text")
+    def takes_backspace(self) -> bool:
+        """True while Backspace may be a response, or deletes a letter of an answer in words."""
+        asked = self._script.steps.asked
+        is_typing = asked is not None and asked.step.kind == "text"
+        return self._event_handler.open_trial is not None or is_typing
 
     @property
     def pictures_to_come(self) -> tuple[str, ...]:

@@ -18,6 +18,8 @@ _DECIMAL_POINT = frozenset(
 """Languages with a decimal point, not a comma."""
 _SPACED_PERCENT = frozenset("cs da de es fi fr nb ru sk sv".split())
 """Languages with a space before the percent sign."""
+_DECIMAL = re.compile(r"(?<![^\W\d]-)(?<!\d\.)(?<![/\\])\b(\d+)\.(\d+)(?![/\\]|\.\w)")
+"""A decimal number, but no part of a path, an address or a version."""
 
 
 class Language:
@@ -60,12 +62,12 @@ class Language:
         return self.figures(value)
 
     def figures(self, text: str) -> str:
-        """Return a text with this language's decimal sign in its numbers: 0,5 for 0.5 in
-        Spanish.
+        """Return a text with this language's decimal sign in its numbers: 0,5 for 0.5 in Spanish.
+        Paths, addresses and versions stay as they are.
         """
         if self._has_decimal_point:
             return text
-        return re.sub(r"(\d)\.(\d)", r"\1,\2", text)
+        return _DECIMAL.sub(r"\1,\2", text)
 
     def including(self, texts: Mapping[str, str]) -> "Language":
         """Return this language with more translations, which take precedence."""
@@ -98,10 +100,16 @@ class Sentence(str):
 def in_language(text: object, tr: Language) -> str:
     """Return a sentence in a language, or that of an error; other texts as they are translated."""
     if isinstance(text, Exception):
-        text = text.args[0] if text.args and isinstance(text.args[0], str) else str(text)
+        text = error_text(text)
     if isinstance(text, Sentence):
         return _said(text.english, text.slots, tr)
     return tr(str(text))
+
+
+def error_text(error: Exception) -> str:
+    """Return the text of an error: as a sentence, if it was raised with one."""
+    first = error.args[0] if error.args else None
+    return first if isinstance(first, Sentence) else str(error)
 
 
 def joined(sentences: Iterable[str]) -> Sentence:

@@ -29,8 +29,6 @@ from sar_tui.operator.event_text import (
     actor_name,
     capitalized,
     in_line,
-    kind_name,
-    mode_name,
 )
 from sar_tui.operator.text_charts import cut
 
@@ -51,7 +49,7 @@ _COMMANDS = {
     "end": ("Ended the session", "Ending the session"),
     "undo": ("Took back the last act", "Taking back the last act"),
 }
-"""Texts of commands, by name and reason: done, and under way."""
+"""Texts of commands, by name, of a skip also by what is skipped: done, and under way."""
 _TOLD_AS_EVENTS = {"stop", "pause", "resume"}
 """Commands of others that have lines of their own (see `event_text`, `session_state.Stop`)."""
 _FACES = {
@@ -248,7 +246,7 @@ class ActLog:
         kind = self._kinds.get(getattr(message, "action", ""), "proposal")
         if wording := _wording(message, me, kind, self._tr):
             is_mine = message.actor == me.name
-            by = self._tr("you") if is_mine else actor_name(message.actor, self._tr)
+            by = self._tr("you") if is_mine else actor_name(message.actor, me, self._tr)
             # the therapist's keys have no time stamp
             timed = replace(message, at=message.at or frame.at)
             # a note that is published is in the record
@@ -318,7 +316,7 @@ def decision_wording(
     """Return the wording of a decision on an action of a kind. ``tells_change``: with the new text
     or level.
     """
-    kind = kind_name(kind, tr)
+    kind = tr(kind)
     if decision.verdict == "accept":
         wording = Wording(tr("Approved {kind}"), tr("Approving {kind}"))
     elif decision.verdict == "veto":
@@ -337,7 +335,7 @@ def decision_wording(
 def cancelled_wording(kind: str, tr: Language) -> Wording:
     """Return the wording of a veto on an action of a kind that is under way or queued."""
     wording = Wording(tr("Cancelled {kind}"), tr("Cancelling {kind}"))
-    return _filled(wording, kind=kind_name(kind, tr))
+    return _filled(wording, kind=tr(kind))
 
 
 def said_wording(text: str, to: str, tr: Language) -> Wording:
@@ -356,7 +354,7 @@ def gesture_wording(gesture: str, tr: Language) -> Wording:
 
 def mode_wording(changed: ModeChanged, tr: Language) -> Wording:
     """Return the wording of a change of mode."""
-    return same(f"{capitalized(kind_name(changed.kind, tr))}: {mode_name(changed.mode, tr)}")
+    return same(f"{capitalized(tr(changed.kind))}: {tr(changed.mode)}")
 
 
 def note_wording(note: NoteAdded, tr: Language) -> Wording:
@@ -379,7 +377,7 @@ def command_wording(act: SessionCommand, tr: Language) -> Wording:
 
 
 def _key(act: SessionCommand) -> str:
-    return f"{act.command} {act.reason}".strip()
+    return f"skip {act.reason}".strip() if act.command == "skip" else act.command
 
 
 def _filled(wording: Wording, **slots: object) -> Wording:

@@ -35,7 +35,7 @@ from sar_tui.operator.act_log import (
     said_wording,
     same,
 )
-from sar_tui.operator.event_text import in_line, mode_name, short_name
+from sar_tui.operator.event_text import in_line, short_name
 from sar_tui.operator.palette import MODES, Item
 from sar_tui.operator.phrases import addressed, addressee_code, fill_slots, not_known, slot_values
 from sar_tui.operator.session_state import SessionState
@@ -287,7 +287,7 @@ class Commands:
         planned = state.welcome.parameters.get("operator_difficulty") if state.welcome else None
         usual: Mode = planned if planned in MODES and planned != "manual" else "autonomous"
         before = self._mode_before_hold or usual
-        wording = same(self.tr("Level: {mode}", mode=mode_name(before, self.tr)))
+        wording = same(self.tr("Level: {mode}", mode=self.tr(before)))
         return self.send(wording, MODE, ModeChanged(kind="difficulty", mode=before), at)
 
     # --- speech and notes

@@ -76,21 +76,6 @@ def append(lines: tuple[Line, ...], line: Line) -> tuple[Line, ...]:
 
 _Text = tuple[str, Tone]
 
-_KINDS = {
-    "feedback": "feedback",
-    "encouragement": "encouragement",
-    "instruction": "instruction",
-    "gesture": "gesture",
-    "difficulty": "difficulty",
-    "filler": "filler",
-    "proposal": "proposal",
-}
-_MODES = {
-    "autonomous": "autonomous",
-    "veto": "veto",
-    "approve": "approve",
-    "manual": "manual",
-}
 _DROPPED = {
     "late": "The {kind} came too late: the session had moved on.",
     "stopped": "The waiting {kind} was stopped.",
@@ -181,28 +166,21 @@ _WITH_VALUES = (
 _GROUNDS = {"deadline": "nobody decided in time", "no operator": "no operator"}
 
 
-def kind_name(kind: str, tr: Language) -> str:
-    """Return the name of a kind of action."""
-    return tr(_KINDS.get(kind, kind))
-
-
-def mode_name(mode: str, tr: Language) -> str:
-    """Return the name of a mode."""
-    return tr(_MODES.get(mode, mode))
-
-
 def short_name(name: str) -> str:
     """Return a peer's name without its role: ``op1`` for ``operator.op1``."""
     return name.partition(".")[2] or name
 
 
-def actor_name(actor: str, tr: Language) -> str:
-    """Return the name of somebody who acts: an operator's own, or what the therapist is."""
-    return tr("therapist") if actor == "therapist" else short_name(actor)
-
-
-def participant_name(me: Welcome, tr: Language = ENGLISH) -> str:
-    """Return the code of the participant, or "A participant" if there are several."""
+def actor_name(actor: str, me: Welcome | None, tr: Language) -> str:
+    """Return the name of somebody who acts: an operator's own, "therapist", or the code of the
+    participant if there is one.
+    """
+    if actor == "therapist":
+        return tr("therapist")
+    if actor != "participant":
+        return short_name(actor)
+    if me is None:
+        return tr("The participant")
     if len(me.participants) == 1:
         return next(iter(me.participants.values()))
     return tr("A participant")
@@ -211,11 +189,10 @@ def participant_name(me: Welcome, tr: Language = ENGLISH) -> str:
 def stopper(actor: str, me: Welcome | None, tr: Language) -> str:
     """Return who stopped the agent, for the log: the participant does so by F2."""
     if actor == "participant":
-        who = participant_name(me, tr) if me else tr("The participant")
-        return tr("{who} pressed F2").format(who=who)
+        return tr("{who} pressed F2").format(who=actor_name(actor, me, tr))
     if me and actor == me.name:
         return tr("You stopped the agent")
-    return tr("{who} stopped the agent").format(who=actor_name(actor, tr))
+    return tr("{who} stopped the agent").format(who=actor_name(actor, me, tr))
 
 
 def session_text(sentence: str, tr: Language) -> str:
@@ -336,7 +313,7 @@ def _pause_or_resume(act: SessionCommand, me: Welcome | None, tr: Language) -> _
     if me is None or act.actor == me.name or not (is_skipped or act.command in ("pause", "resume")):
         return None
     is_theirs = act.actor == "participant"
-    who = participant_name(me, tr) if is_theirs else actor_name(act.actor, tr)
+    who = actor_name(act.actor, me, tr)
     if is_skipped:
         return tr("{who} skipped the attempt.").format(who=who), "bad"
     if act.command == "resume":
@@ -381,7 +358,7 @@ def _dropped(dropped: Dropped, before: ArbiterState | None, tr: Language) -> _Te
     kind = next((each.kind for each in waiting if each.id == dropped.id), "proposal")
     if dropped.reason not in _DROPPED or kind == "filler":
         return None
-    text = tr(_DROPPED[dropped.reason], kind=kind_name(kind, tr))
+    text = tr(_DROPPED[dropped.reason], kind=tr(kind))
     return text, "bad" if dropped.reason in ("late", "expired") else "plain"
 
 
@@ -390,8 +367,8 @@ def _unapproved(action: Action, tr: Language) -> _Text | None:
     heard.
     """
     if action.ground == "deadline" and action.mode == "approve":
-        kind = kind_name(action.kind, tr)
-        return tr("Nobody decided in time: the {kind} was sent unchanged.", kind=kind), "bad"
+        text = tr("Nobody decided in time: the {kind} was sent unchanged.", kind=tr(action.kind))
+        return text, "bad"
     return None
 
 

@@ -27,7 +27,6 @@ from sar_tui.operator.act_log import (
     mode_wording,
     said_wording,
 )
-from sar_tui.operator.event_text import kind_name, mode_name
 from sar_tui.operator.keymap import KeymapFile
 from sar_tui.operator.phrases import (
     Filled,
@@ -165,7 +164,7 @@ def _modes(state: SessionState) -> Page:
         if mode := modes.get(kind):
             after = MODES[(MODES.index(mode) + 1) % len(MODES)]
             change = ModeChanged(kind=kind, mode=after)
-            text = f"{kind_name(kind, tr)}: {mode_name(mode, tr)}, {tr(_MEANINGS[mode])}"
+            text = f"{tr(kind)}: {tr(mode)}, {tr(_MEANINGS[mode])}"
             items.append(Item(text, mode_wording(change, tr), MODE, change))
     title, empty = tr("Modes: a number changes one"), tr("The modes are not known yet.")
     return Page("modes", title, tuple(items), empty)
@@ -190,7 +189,7 @@ def _queue(state: SessionState) -> Page:
 
 
 def _action(action: Action, tr: Language) -> str:
-    kind = kind_name(action.kind, tr)
+    kind = tr(action.kind)
     if text := action.text or action.spoken:
         return tr("{kind} “{text}”").format(kind=kind, text=text)
     return f"{kind} {action.gesture or action.tone}"

@@ -344,7 +344,7 @@ BAND_HALVES = "╷╵"
 LIMIT = "─"
 """The limit of an area, between the halves of a row, so that each value is above it or below it."""
 BASELINE = "━"
-"""The mean of the sessions of the baseline."""
+"""The mean of the sessions of the baseline, where nothing is shaded."""
 TEN = "X"
 """Stands for 10 where there is room for one character."""
 ABOVE, BELOW, UNKNOWN = "^", "v", "?"
@@ -515,6 +515,31 @@ def limits(values: Sequence[Value], more: Sequence[float] = ()) -> tuple[float, 
     return low, high
 
 
+Role = Literal["", "point", "band", "line", "label", "area", "ground"]
+"""Part of a chart that a character belongs to; ``ground`` is what shows where nothing is."""
+
+
+class Run(NamedTuple):
+    """Characters of a row that look alike: the first column and the one after the last, and the
+    parts of the chart that they show and have behind them.
+    """
+
+    first: int
+    last: int
+    shown: Role
+    behind: Role = ""
+
+
+class SessionChart(NamedTuple):
+    """A chart of sessions: its rows, the parts that their characters show, and the signs whose
+    names have no room in it.
+    """
+
+    rows: list[str]
+    runs: list[list[Run]]
+    unnamed: list[str]
+
+
 def session_chart(
     values: Sequence[Value],
     columns: Columns,
@@ -525,10 +550,12 @@ def session_chart(
     margin: int,
     area: tuple[float, float] | None = None,
     rule: float | None = None,
+    baseline: float | None = None,
+    names: Mapping[str, str] | None = None,
     chosen: int | None = None,
     marked: int | None = None,
-    baseline: Sequence[int] = (),
-) -> list[str]:
+    is_shaded: bool = False,
+) -> SessionChart:
     """Draw values over sessions. Those without a value have a row of their own above or below the
     others.
 
@@ -539,21 +566,25 @@ def session_chart(
         ticks: values with their labels.
         rows: number of rows above the axis.
         margin: columns for the labels and the axis.
-        area: values at which a thin line is drawn, if they are on the axis. Each value is on its
-            side of them, if need be half a row further up or down.
+        area: values with a thin line at each that is on the axis, or a shade between them. Each
+            value is on its side of them, if need be half a row further up or down.
         rule: value at which a dashed line is drawn.
+        baseline: value at which another line is drawn.
+        names: of the area (`LIMIT`), the rule and the baseline, which stand at them if there is
+            room.
         chosen, marked: sessions with a sign of their own on the axis.
-        baseline: sessions over which their mean is drawn as a heavy line.
+        is_shaded: True if colours are shown behind characters. The area is a shade then, and a band
+            an unbroken stroke with the point in it.
 
     Returns:
-        ``rows`` + 1 lines.
+        ``rows`` + 1 rows.
     """
     low, high = axis
     above, below = (_signs(values, columns, signs) for signs in (ABOVE, BELOW + UNKNOWN))
     rows -= bool(above) + bool(below)
 
     highest = 2 * rows - 1
-    below_area, above_area = _borders(area, axis, highest)
+    below_area, above_area = _borders(area, axis, highest, is_shaded=is_shaded)
 
     def step(value: float) -> int:
         """Return the half row of a value, counted from below."""
@@ -566,49 +597,189 @@ def session_chart(
             found = min(found, above_area - 1) if is_in else max(found, above_area)
         return found
 
-    def row(value: float) -> int:
-        return rows - 1 - step(value) // 2
-
-    grid = [[" "] * columns.width for _ in range(rows)]
-    for border in (below_area, above_area):
-        if border is not None:
-            grid[rows - 1 - border // 2] = [LIMIT] * columns.width
-    if rule is not None and low <= rule <= high:
-        grid[row(rule)] = [RULE] * columns.width
-    if (mean := _mean([values[session].value for session in baseline])) is not None:
-        first, last = columns.column(baseline[0]), columns.column(baseline[-1])
-        grid[row(mean)][first : last + 1] = BASELINE * (last + 1 - first)
+    canvas = _Canvas(rows, columns.width, is_shaded)
+    named: dict[str, list[int]] = {LIMIT: []}
+    if area and area[0] <= high and area[1] >= low:
+        named[LIMIT] = canvas.area(below_area, above_area)
+    for sign, value in ((BASELINE, baseline), (RULE, rule)):
+        if value is not None and low <= value <= high:
+            line = step(value) // 2
+            canvas.rule(line, LIMIT if is_shaded and sign == BASELINE else sign)
+            named[LIMIT] = [row for row in named[LIMIT] if row != line]
+            named[sign] = [line]
     for column, sessions in columns.groups():
-        _draw([values[session] for session in sessions], column, grid, step)
-    labels: dict[int, str] = {}
-    for value, label in sorted(
-        ticks,
-        key=lambda tick: -abs(_middle(_part(tick[0], low, high, highest), axis, highest) - tick[0]),
-    ):
-        if low <= value <= high:  # of several, the one next to the middle of the row
-            labels[rows - 1 - _part(value, low, high, highest) // 2] = label
-    lines = []
-    for number, cells in enumerate(grid):
+        canvas.draw([values[session] for session in sessions], column, step)
+    wanted = names or {}
+    unnamed = [
+        sign
+        for sign in (BASELINE, RULE, LIMIT)
+        if named.get(sign) and sign in wanted and not canvas.name(wanted[sign], named[sign])
+    ]
+    labels = _labels(ticks, axis, highest)
+    lines: list[str] = []
+    runs: list[list[Run]] = []
+    for number in reversed(range(rows)):
         axis_line = "┤" if number in labels else "│"
         label = f"{labels.get(number, ''):>{margin - 1}}"
-        lines.append(f"{label}{axis_line}{''.join(cells)}".rstrip())
+        text, own = canvas.row(number, margin)
+        lines.append(f"{label}{axis_line}{text}")
+        runs.append(own)
     edge = f"{'│':>{margin}}"
-    lines = [*([edge + above] if above else []), *lines, *([edge + below] if below else [])]
-    return [*lines, foot(columns, margin, chosen, marked)]
+    if above:
+        lines.insert(0, edge + above)
+        runs.insert(0, [])
+    if below:
+        lines.append(edge + below)
+        runs.append([])
+    return SessionChart([*lines, foot(columns, margin, chosen, marked)], [*runs, []], unnamed)
+
+
+def _labels(
+    ticks: Sequence[tuple[float, str]], axis: tuple[float, float], highest: int
+) -> dict[int, str]:
+    """Return the label of each row, counted from below, that has one: of several, that of the tick
+    next to its middle.
+    """
+
+    def distance(value: float) -> float:
+        return abs(_middle(_part(value, *axis, highest), axis, highest) - value)
+
+    return {
+        _part(value, *axis, highest) // 2: label
+        for value, label in sorted(ticks, key=lambda tick: -distance(tick[0]))
+        if axis[0] <= value <= axis[1]
+    }
+
+
+class _Canvas:
+    """The cells of a chart: each has two halves, one above the other, and may have a character,
+    which is drawn where no value and no band is. Rows and half rows count from below.
+    """
+
+    def __init__(self, rows: int, width: int, is_shaded: bool) -> None:
+        self._width = width
+        self._is_shaded = is_shaded
+        self._halves: list[list[Role]] = [[""] * width for _ in range(2 * rows)]
+        self._signs = [[" "] * width for _ in range(rows)]
+        self._names: set[tuple[int, int]] = set()
+
+    def area(self, lower: int | None, upper: int | None) -> list[int]:
+        """Draw an area between two edges of half rows; None for one beyond the axis.
+
+        Returns:
+            Rows for its name, the best ones first.
+        """
+        first = 0 if lower is None else lower
+        last = (len(self._halves) if upper is None else upper) - 1
+        inside = list(reversed(range((first + 1) // 2, (last + 1) // 2)))
+        if not self._is_shaded:
+            borders = [edge // 2 for edge in (upper, lower) if edge is not None]
+            for row in borders:
+                self.rule(row, LIMIT)
+            return borders + inside
+        for half in range(first, last + 1):
+            self._halves[half] = ["area"] * self._width
+        return inside
+
+    def rule(self, row: int, sign: str) -> None:
+        """Draw a line over the whole width."""
+        self._signs[row] = [sign] * self._width
+
+    def draw(self, values: Sequence[Value], column: int, step: Callable[[float], int]) -> None:
+        """Draw the mean of values with its band, given the half row of a value."""
+        value = _mean([each.value for each in values])
+        low = _mean([each.low for each in values])
+        high = _mean([each.high for each in values])
+        if value is None:
+            return
+        if low is not None and high is not None:
+            for half in range(step(low), step(high) + 1):
+                self._halves[half][column] = "band"
+        self._halves[step(value)][column] = "point"
+
+    def name(self, text: str, rows: Sequence[int]) -> bool:
+        """Write a name as far right as there is room in one of the rows, the first ones first;
+        return False if there is none.
+        """
+        spaced = f" {text} "
+        for row in rows:
+            taken = {
+                column
+                for column in range(self._width)
+                if (row, column) in self._names or {"point", "band"} & set(self._cell(row, column))
+            }
+            for first in range(self._width - len(spaced) + 1, -1, -1):
+                place = range(first, min(self._width, first + len(spaced)))
+                if taken.isdisjoint(place):
+                    self._signs[row][place[0] : place[-1] + 1] = spaced[: len(place)]
+                    self._names |= {(row, column) for column in place}
+                    return True
+        return False
+
+    def row(self, row: int, margin: int) -> tuple[str, list[Run]]:
+        """Return a row, without blanks at its end, and the parts that its characters show, which
+        begins after a margin.
+        """
+        cells = [self._drawn(row, column) for column in range(self._width)]
+        while cells and cells[-1] == (" ", "", ""):
+            cells.pop()
+        runs, first = [], margin
+        for (shown, behind), alike in groupby(cells, key=lambda cell: cell[1:]):
+            last = first + len(list(alike))
+            if shown or behind:
+                runs.append(Run(first, last, shown, behind))
+            first = last
+        return "".join(character for character, *_ in cells), runs
+
+    def _cell(self, row: int, column: int) -> tuple[Role, Role]:
+        """Return the lower and the upper half of a cell."""
+        return self._halves[2 * row][column], self._halves[2 * row + 1][column]
+
+    def _drawn(self, row: int, column: int) -> tuple[str, Role, Role]:
+        """Return a character, the part that it shows, and the part behind it."""
+        halves, sign = self._cell(row, column), self._signs[row][column]
+        is_name = (row, column) in self._names
+        if (is_name or sign != " ") and not {"point", "band"} & set(halves):
+            return sign, "label" if is_name else "line", "area" if "area" in halves else ""
+        if self._is_shaded:
+            return _shaded(*halves)
+        if "point" in halves:
+            return HALVES[halves.index("point")], "point", ""
+        if "band" in halves:
+            both = halves[0] == halves[1]
+            return BAND if both else BAND_HALVES[halves.index("band")], "band", ""
+        return " ", "", ""
+
+
+def _shaded(lower: Role, upper: Role) -> tuple[str, Role, Role]:
+    """Return a character for two halves, the part that it shows, and the part behind it. Whole
+    cells have no character, so that strokes have no gaps between rows, whatever the font.
+    """
+    if lower == upper:
+        return " ", "", lower
+    if lower == "point":
+        return HALVES[0], lower, upper
+    return HALVES[1], upper or "ground", lower
 
 
 def _borders(
-    area: tuple[float, float] | None, axis: tuple[float, float], highest: int
+    area: tuple[float, float] | None,
+    axis: tuple[float, float],
+    highest: int,
+    *,
+    is_shaded: bool,
 ) -> tuple[int | None, int | None]:
-    """Return the upper halves of rows, counted in half rows from below, on whose lower edges the
-    limits of an area are; None for one beyond the axis. There is room between them, above and below.
+    """Return the half rows, counted from below, on whose lower edges the limits of an area are; None
+    for one beyond the axis. There is room between them, above and below. A line is in the middle of
+    a row; a shade may begin between rows, too.
     """
     low, high = axis
     if area is None or low >= high:
         return None, None
 
     def border(value: float) -> int:
-        return 2 * round(((value - low) / (high - low) * highest - 0.5) / 2) + 1
+        halves = (value - low) / (high - low) * highest + 0.5
+        return round(halves) if is_shaded else 2 * round((halves - 1) / 2) + 1
 
     upper = max(3, min(highest, border(area[1])))
     lower = max(1, min(upper - 2, border(area[0])))
@@ -627,23 +798,6 @@ def foot(
         if session is not None:
             line[columns.column(session)] = sign
     return f"{'└':>{margin}}{''.join(line)}"
-
-
-def _draw(
-    values: Sequence[Value], column: int, grid: list[list[str]], step: Callable[[float], int]
-) -> None:
-    value = _mean([each.value for each in values])
-    low = _mean([each.low for each in values])
-    high = _mean([each.high for each in values])
-    if value is None:
-        return
-    if low is not None and high is not None:
-        bottom, top = step(low), step(high)
-        for line in range(bottom // 2, top // 2 + 1):
-            halves = [half for half in (0, 1) if bottom <= 2 * line + half <= top]
-            grid[-1 - line][column] = BAND if len(halves) == 2 else BAND_HALVES[halves[0]]
-    line, half = divmod(step(value), 2)
-    grid[-1 - line][column] = HALVES[half]
 
 
 def _signs(values: Sequence[Value], columns: Columns, wanted: str) -> str:

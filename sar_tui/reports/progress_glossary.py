@@ -52,9 +52,9 @@ GLOSSARY: dict[str, Entry] = {
     ),
     "noise": Entry(
         "Noise and practice",
-        "The area between the thin lines, grey on the page: sessions inside it do not differ from "
-        "the baseline by more than noise and practice. Its size is the MDC95, the smallest change "
-        "between two sessions that is more than noise.",
+        "The shaded area, between thin lines where colours are missing: sessions inside it do not "
+        "differ from the baseline by more than noise and practice. Its size is the MDC95, the "
+        "smallest change between two sessions that is more than noise.",
         "The mean of sessions 2, 3 and 4, and to either side t · √2 · SD of these sessions (t of "
         "Student: 4.30). Upwards, their rise is added, as practice may bring as much again.",
         "Weir 2005, doi:10.1519/15184.1; docs/progress.md#noise-and-change",

@@ -52,6 +52,8 @@ def picture(
     chosen: int,
     tr: Language,
     marked: str | None = None,
+    *,
+    is_shaded: bool = False,
 ) -> list[TextRow]:
     """Return the sessions over their dates.
 
@@ -63,10 +65,13 @@ def picture(
         chosen: number of the chosen session.
         tr: the language.
         marked: id of the session to compare it with.
+        is_shaded: True if colours are shown behind characters.
     """
     shown = "result" if figure in OF_RESULTS else "level"
     number = _number(line, marked)
-    drawn = timeline(line, *size, tr, shown=shown, chosen=chosen, marked=number)
+    drawn = timeline(
+        line, *size, tr, shown=shown, chosen=chosen, marked=number, is_shaded=is_shaded
+    )
     return drawn[: size[1]]
 
 
@@ -106,7 +111,13 @@ def listed(
         rows = records_part(found, (width, height), record if is_chosen else None, tr)
     else:
         rows = records_summary(found, (width, height), tr)
-    return [TextRow(f"{title}{part}", name, len(title)), *map(TextRow, rows)]
+    return [
+        TextRow(f"{title}{part}", name, len(title)),
+        *(
+            TextRow(row.ljust(width), is_chosen=True) if row.startswith(CURSOR) else TextRow(row)
+            for row in rows
+        ),
+    ]
 
 
 def _part_shown(count: int, rows: int, chosen: int, tr: Language) -> str:
@@ -233,11 +244,18 @@ def days_part(found: Progress, size: tuple[int, int], tr: Language) -> list[str]
 
 
 def session_text(
-    line: LineProgress, session: SessionProgress, today: str, tr: Language, width: int
-) -> list[str]:
-    """Return a session on lines: its date, level at goal, dose, and what was said of pain and
-    tiredness; and how it ended, unless it was completed. Of the dose, less is said if it would take
-    a third line.
+    line: LineProgress,
+    session: SessionProgress,
+    today: str,
+    tr: Language,
+    width: int,
+    figure: str = "",
+) -> str:
+    """Return a session in a row: its date, level at goal, dose, and what was said of pain and
+    tiredness; and how it ended, unless it was completed.
+
+    If there is no room for all, the dose goes first where pain or tiredness is the chosen figure;
+    else what stands below the chart.
     """
     if line.places and session.at_goal:
         reached = tr("level {level}", level=progress_words.level_band(line, session, tr))
@@ -246,20 +264,26 @@ def session_text(
     if not reached and session.mean is not None and line.measure == "result":
         reached = progress_words.result(line, session.mean, tr)
     is_complete = session.status == "completed"
-    first = [
+    begin = [
         f"{progress_words.short_day(session.began, today, tr)} {session.began[11:16]}",
         reached or tr(progress_words.SIDES[session.side]),
         "" if is_complete else progress_words.status(session.status, tr),
     ]
+    minutes = tr("{minutes} min", minutes=tr.figures(f"{session.time_on_task_s / 60:.1f}"))
     dose = [
         tr("{done}/{planned} attempts", done=session.attempts, planned=session.planned),
         tr("{repetitions} repetitions", repetitions=session.trials),
-        tr("{minutes} min", minutes=tr.figures(f"{session.time_on_task_s / 60:.1f}")),
+        minutes,
     ]
     felt = progress_words.felt(session, tr)
-    while len(said := joined([*filter(None, first), *dose, *felt], width)) > 2 and len(dose) > 1:
-        dose.pop()
-    return said
+    said = [*filter(None, begin), *dose, *felt]
+    least_first = [*reversed(dose), *reversed(felt)]
+    if figure not in ("pain", "tired"):
+        least_first = [minutes, *reversed(felt), *reversed(dose[:-1])]
+    for part in least_first:
+        if len(" · ".join(said)) > width:
+            said.remove(part)
+    return " · ".join(said)
 
 
 def _ends(line: LineProgress, tr: Language) -> list[str]:

@@ -6,6 +6,7 @@ import math
 import textwrap
 from collections.abc import Sequence
 from itertools import pairwise
+from statistics import fmean
 
 import msgspec
 
@@ -25,17 +26,37 @@ from sar_tui.reports.charts import (
     TEN,
     UNKNOWN,
     Columns,
+    Run,
+    SessionChart,
     Value,
     round_numbers,
 )
 from sar_tui.reports.progress import LineProgress, SessionProgress
 from sar_tui.reports.progress_charts import Chart, level_chart, needs_look, result_chart
 
-_FEWEST_ROWS, _MOST_ROWS = 4, 20
+_FEWEST_ROWS, _MOST_ROWS = 4, 40
 """Rows of a chart, without its heading and axis."""
 _FOR_BANDS = 12
-"""Rows of a chart from which all sessions have a band, and not only the chosen one."""
-_LEVELS_PER_HALF_ROW = (1 / 10, 1 / 6, 1 / 4, 1 / 3, 1 / 2, 2 / 3, 3 / 4, 1, 3 / 2, 2, 5 / 2, 5, 10)
+"""Rows of a chart on the screen from which sessions have their bands."""
+_LEVELS_PER_HALF_ROW = (
+    1 / 12,
+    1 / 10,
+    1 / 8,
+    1 / 6,
+    1 / 5,
+    1 / 4,
+    1 / 3,
+    1 / 2,
+    2 / 3,
+    3 / 4,
+    1,
+    5 / 4,
+    3 / 2,
+    2,
+    5 / 2,
+    5,
+    10,
+)
 """Distances in a chart of levels, so that its labels are at equal distances."""
 _FOR_LEGEND = 20
 """Rows of a timeline from which a legend that does not fit beside the heading has its own row."""
@@ -53,12 +74,16 @@ class TextRow(msgspec.Struct, frozen=True):
         figure: name of the figure that it shows, as in `progress_glossary`; empty for an axis.
         name: number of columns at the left that hold the name of the figure.
         looks: columns, from and to, with what needs a look.
+        runs: parts of a chart that its characters show.
+        is_chosen: True for the row of the chosen session in a list.
     """
 
     text: str
     figure: str = ""
     name: int = 0
     looks: Sequence[tuple[int, int]] = ()
+    runs: Sequence[Run] = ()
+    is_chosen: bool = False
 
 
 class _Figure(msgspec.Struct, frozen=True, kw_only=True):
@@ -71,7 +96,9 @@ class _Figure(msgspec.Struct, frozen=True, kw_only=True):
         ticks: values with their labels.
         levels: number of the task's levels, if they are the values.
         heading: name of the axis.
-        signs: legend.
+        baseline: value of the line of the baseline.
+        names: of the area and the lines.
+        point, band: what these show; without ``point``, it is the heading.
     """
 
     name: str
@@ -80,7 +107,10 @@ class _Figure(msgspec.Struct, frozen=True, kw_only=True):
     ticks: Sequence[tuple[float, str]]
     levels: int = 0
     heading: str
-    signs: dict[str, str]
+    baseline: float | None = None
+    names: dict[str, str]
+    point: str = ""
+    band: str
 
 
 def timeline(
@@ -92,6 +122,7 @@ def timeline(
     shown: str = "level",
     chosen: int | None = None,
     marked: int | None = None,
+    is_shaded: bool = False,
 ) -> list[TextRow]:
     """Draw the sessions of a line over their dates: a chart, and below it on the same axis the
     dose, pain and tiredness, and what needs a look.
@@ -106,6 +137,7 @@ def timeline(
             other one is drawn.
         chosen: number of the session that has a sign on the axis.
         marked: number of the one that it is compared with, which has another.
+        is_shaded: True if colours are shown behind characters.
 
     Returns:
         At most ``height`` rows if that is at least 14.
@@ -134,10 +166,20 @@ def timeline(
     below = [TextRow((" " * margin + dates).rstrip()), *below]
     if figure is None:
         return [TextRow(charts.foot(columns, margin, chosen, marked)), *below]
-    headings = _headings(figure, width, 1 + (height >= _FOR_LEGEND), tr)
-    rows = max(_FEWEST_ROWS, min(_MOST_ROWS, height - len(below) - len(headings) - 1))
-    drawn = _chart_rows(line, figure, columns, rows, margin, chosen, marked)
-    return [*headings, *drawn, *below]
+    most, headings = 1 + (height >= _FOR_LEGEND), [TextRow("")]
+    for _ in range(most):
+        rows = max(_FEWEST_ROWS, min(_MOST_ROWS, height - len(below) - len(headings) - 1))
+        has_bands = rows >= _FOR_BANDS or chosen is None
+        drawn = _chart(figure, columns, rows, margin, chosen, marked, has_bands, is_shaded)
+        rows_needed = len(headings)
+        headings = _headings(figure, drawn.unnamed, has_bands, is_shaded, width, most, tr)
+        if len(headings) == rows_needed:
+            break
+    charted_rows = [
+        TextRow(text, figure.name, runs=runs)
+        for text, runs in zip(drawn.rows, drawn.runs, strict=True)
+    ]
+    return [*headings, *charted_rows, *below]
 
 
 def charted(line: LineProgress) -> list[str]:
@@ -154,6 +196,7 @@ def _level_figure(line: LineProgress, tr: Language) -> _Figure:
     difficulty if the levels have no place there.
     """
     chart, count = level_chart(line, tr), len(line.places)
+    base = line.baseline.mean if line.baseline else None
     if count < 2:
         low, high = charts.limits(chart.values, chart.area or ())
         ticks = [(value, _plain(line, value, tr)) for value in round_numbers(low, high, 5)]
@@ -173,7 +216,9 @@ def _level_figure(line: LineProgress, tr: Language) -> _Figure:
         ticks=ticks,
         levels=count if count > 1 else 0,
         heading=heading,
-        signs=_level_signs(line, tr),
+        baseline=None if base is None else _level(line.places, base) if count > 1 else base,
+        names=_level_names(line, tr),
+        band=tr("95 % band"),
     )
 
 
@@ -195,20 +240,18 @@ def _level(places: Sequence[float], difficulty: float) -> float:
     return number + (difficulty - easier) / (harder - easier)
 
 
-def _level_signs(line: LineProgress, tr: Language) -> dict[str, str]:
-    """Return the legend of the level at goal, with the baseline and the limits in figures."""
-
-    def shown(difficulty: float) -> str:
-        if (count := len(line.places)) < 2:
-            return _plain(line, difficulty, tr)
-        return tr.figures(f"{max(1, min(count, _level(line.places, difficulty))):.1f}")
-
-    signs = {}
-    if base := line.baseline:
-        low, high = shown(base.mean - base.mdc95), shown(base.mean + base.mdc95 + base.rise)
-        signs[BASELINE] = tr("baseline {value}", value=shown(base.mean))
-        signs[LIMIT] = tr("noise and practice {low} to {high}", low=low, high=high)
-    return signs | {BAND: tr("95 % band")}
+def _level_names(line: LineProgress, tr: Language) -> dict[str, str]:
+    """Return the names of the baseline, with its level at goal, and of the area around it."""
+    if line.baseline is None:
+        return {}
+    mean, count = line.baseline.mean, len(line.places)
+    value = _plain(line, mean, tr)
+    if count > 1:
+        value = tr.figures(f"{max(1, min(count, _level(line.places, mean))):.1f}")
+    return {
+        BASELINE: tr("baseline {value}", value=value),
+        LIMIT: tr("noise and practice"),
+    }
 
 
 def _result_figure(line: LineProgress, tr: Language) -> _Figure:
@@ -217,14 +260,24 @@ def _result_figure(line: LineProgress, tr: Language) -> _Figure:
     up = -1 if chart.is_turned else 1
     low, high = charts.limits(chart.values, [] if chart.rule is None else [chart.rule])
     ticks = [(value, tr.figures(f"{up * value:zg}")) for value in round_numbers(low, high, 5)]
-    signs = {POINT: tr("mean"), BAND: tr("SD within the session")}
+    names, baseline = {}, None
     if chart.rule is not None:
-        signs[RULE] = tr("goal")
+        names[RULE] = tr("goal {goal}", goal=progress_words.goal(line, tr))
     if line.baseline and line.measure == "result":
         value = progress_words.figure(line, line.baseline.mean, tr)
-        signs[BASELINE] = tr("baseline {value}", value=value)
+        names[BASELINE] = tr("baseline {value}", value=value)
+        probes = [chart.values[number].value for number in _baseline(line)]
+        baseline = fmean(value for value in probes if value is not None)
     return _Figure(
-        name="result", chart=chart, axis=(low, high), ticks=ticks, heading=chart.title, signs=signs
+        name="result",
+        chart=chart,
+        axis=(low, high),
+        ticks=ticks,
+        heading=chart.title,
+        baseline=baseline,
+        names=names,
+        point=tr("mean"),
+        band=tr("SD within the session"),
     )
 
 
@@ -265,29 +318,26 @@ def qualities(line: LineProgress, tr: Language) -> list[tuple[str, list[float | 
     ]
 
 
-def _chart_rows(
-    line: LineProgress,
+def _chart(
     figure: _Figure,
     columns: Columns,
     rows: int,
     margin: int,
     chosen: int | None,
     marked: int | None,
-) -> list[TextRow]:
+    has_bands: bool,
+    is_shaded: bool,
+) -> SessionChart:
     """Draw a chart with its axis."""
     chart, axis, ticks = figure.chart, figure.axis, figure.ticks
-    used = {value.without for value in chart.values}
     if figure.levels:
+        used = {value.without for value in chart.values}
         signs = (used & {ABOVE} != set()) + (used & {BELOW, UNKNOWN} != set())
-        rows, axis, ticks = _evenly(figure, rows - signs)
-        rows += signs
+        axis, ticks = _evenly(figure, rows - signs)
     values = chart.values
-    if rows < _FOR_BANDS and chosen is not None:
-        values = [
-            each if number == chosen else Value(each.value, without=each.without)
-            for number, each in enumerate(values)
-        ]
-    drawn = charts.session_chart(
+    if not has_bands:
+        values = [Value(each.value, without=each.without) for each in values]
+    return charts.session_chart(
         values,
         columns,
         axis=axis,
@@ -296,43 +346,68 @@ def _chart_rows(
         margin=margin,
         area=chart.area,
         rule=chart.rule,
+        baseline=figure.baseline,
+        names=figure.names,
         chosen=chosen,
         marked=marked,
-        baseline=_baseline(line) if BASELINE in figure.signs else (),
+        is_shaded=is_shaded,
     )
-    return [TextRow(text.rstrip(), figure.name) for text in drawn]
 
 
-def _headings(figure: _Figure, width: int, most: int, tr: Language) -> list[TextRow]:
+def _headings(
+    figure: _Figure,
+    unnamed: Sequence[str],
+    has_bands: bool,
+    is_shaded: bool,
+    width: int,
+    most: int,
+    tr: Language,
+) -> list[TextRow]:
     """Return the name of the axis, and at the right as much of the legend as fits on so many
-    rows.
+    rows: of what has no name in the chart.
     """
-    known = {
-        ABOVE: tr("all too easy"),
-        BELOW: tr("all too hard"),
-        UNKNOWN: tr("not known"),
-    }
+    known = {ABOVE: tr("all too easy"), BELOW: tr("all too hard"), UNKNOWN: tr("not known")}
     used = {value.without for value in figure.chart.values}
-    signs = figure.signs | {sign: text for sign, text in known.items() if sign in used}
+    signs = [f"{POINT} {figure.point}"] if figure.point else []
+    signs += [f"{_LEGEND_SIGNS[is_shaded][sign]} {figure.names[sign]}" for sign in unnamed]
+    if has_bands:
+        signs.append(tr("bar: {band}", band=figure.band) if is_shaded else f"{BAND} {figure.band}")
+    signs += [f"{sign} {text}" for sign, text in known.items() if sign in used]
     rows = [figure.heading]
-    for sign, text in signs.items():
-        if len(longer := f"{rows[-1]}  {sign} {text}") <= width:
+    for sign in signs:
+        if len(longer := f"{rows[-1]}  {sign}") <= width:
             rows[-1] = longer
         elif len(rows) < most:
-            rows.append(f"{sign} {text}")
+            rows.append(sign)
     name, size = figure.heading, len(figure.heading)
     first = name + rows[0][size:].strip().rjust(width - size)
-    return [
-        TextRow(first.rstrip(), figure.name, size),
-        *(TextRow(row.rjust(width), figure.name) for row in rows[1:]),
-    ]
+    made = [TextRow(first.rstrip(), figure.name, size)]
+    made += [TextRow(row.rjust(width), figure.name) for row in rows[1:]]
+    return [_with_shade(row) for row in made] if is_shaded else made
 
 
-def _evenly(
-    figure: _Figure, rows: int
-) -> tuple[int, tuple[float, float], Sequence[tuple[float, str]]]:
-    """Return the rows that a chart of levels takes, of so many, and its axis and ticks, so that its
-    labels are at equal distances.
+_SHADE = "░░"
+_LEGEND_SIGNS = (
+    {BASELINE: BASELINE, RULE: RULE, LIMIT: LIMIT},
+    {BASELINE: LIMIT, RULE: RULE, LIMIT: _SHADE},
+)
+"""Signs of the legend for the lines and the area, without and with a shade."""
+
+
+def _with_shade(row: TextRow) -> TextRow:
+    """Return a row of a legend whose sign for a shade is one."""
+    first = row.text.find(_SHADE)
+    if first < 0:
+        return row
+    last = first + len(_SHADE)
+    blank = " " * len(_SHADE)
+    text = f"{row.text[:first]}{blank}{row.text[last:]}"
+    return msgspec.structs.replace(row, text=text, runs=[Run(first, last, "", "area")])
+
+
+def _evenly(figure: _Figure, rows: int) -> tuple[tuple[float, float], Sequence[tuple[float, str]]]:
+    """Return the axis and the ticks of a chart of levels with so many rows, so that its labels are
+    at equal distances.
     """
     low, high = math.floor(figure.axis[0]), figure.axis[1]
 
@@ -342,9 +417,8 @@ def _evenly(
 
     distances = _LEVELS_PER_HALF_ROW
     levels = next((each for each in distances if needed(each) <= rows), distances[-1])
-    taken = max(_FEWEST_ROWS, needed(levels))
     ticks = [tick for tick in figure.ticks if _is_whole((tick[0] - low) / (2 * levels))]
-    return taken, (low, low + levels * (2 * taken - 1)), ticks
+    return (low, low + levels * (2 * rows - 1)), ticks
 
 
 def _is_whole(number: float) -> bool:

@@ -352,8 +352,8 @@ def _verdict(line: LineProgress, tr: Language) -> str:
 
 
 _SHORT_VERDICTS = {
-    "more": "better than noise and practice explain",
-    "less": "worse than noise explains",
+    "more": "real improvement",
+    "less": "real decline",
     "noise": "no change can be shown",
     "not yet known": "change not yet known",
 }
@@ -365,8 +365,8 @@ _SHORT_SIDES = {
 
 
 def standing(line: LineProgress, tr: Language) -> str:
-    """Return the verdict in a few words, with the value that it is on: "Level 4.5 at goal: no
-    change can be shown".
+    """Return the verdict in a few words, with the value that it is on: "Level 4.5: no change can be
+    shown".
 
     If the last session has no known value it says so first, and names the day of the one that has.
     """
@@ -389,7 +389,7 @@ def _standing_value(line: LineProgress, session: SessionProgress, tr: Language) 
         return tr("Mean {value} at level {level}", value=value, level=str(session.last_level))
     if session.at_goal.level is None:
         return tr("{value} at goal", value=figure(line, session.at_goal.difficulty, tr))
-    return tr("Level {level} at goal", level=tr.figures(f"{session.at_goal.level:.1f}"))
+    return tr("Level {level}", level=tr.figures(f"{session.at_goal.level:.1f}"))
 
 
 def goal(line: LineProgress, tr: Language) -> str:

@@ -1,5 +1,7 @@
 """Declares parameters: title, unit, bounds and help; reads, shows and translates them."""
 
+import math
+import re
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
@@ -19,6 +21,10 @@ _LONG = 60
 """Largest number of characters of a value that an error message quotes."""
 ENDLESS = 1e5
 """Upper bounds from here on are not told: nobody gets near them."""
+_MS_IN_S = 1000.0
+_MS = re.compile(r"(\d+(?:\.\d+)?) ms\b")
+_TYPED = re.compile(r"([-+]?(?:\d+(?:[.,]\d*)?|[.,]\d+))\s*(ms|s|%)?")
+"""A number as people type it: 0.9, 0,9, 900 ms, 80 %."""
 
 
 def meta(
@@ -28,9 +34,13 @@ def meta(
     takes: str = "",
     group: str = "",
     personal: bool = False,
+    labels: Mapping[str, str] | None = None,
     **bounds: Any,
 ) -> Meta:
     """Describe a parameter for the people who set it.
+
+    The settings form shows milliseconds ("ms") in seconds, and a number of 0 to 1 without a unit as
+    a percentage. What is stored stays the same.
 
     Args:
         title: its name on the settings form.
@@ -41,11 +51,13 @@ def meta(
             that a task redeclares keeps its heading.
         personal: True if it belongs to the person or the place (hand, language, sensor, limits),
             not to the exercise, so that no preset changes it (see `runs.presets`).
+        labels: choices in words, where those that are stored say too little to a therapist.
         bounds: ``ge`` and ``le`` (both inclusive), or ``min_length``, ``max_length``, ``pattern``.
             Those of a tuple's items stand in its type: ``tuple[Annotated[float, Meta(ge=0, le=1)],
             ...]``.
     """
     extra = {"unit": unit, "takes": takes, "group": group, "personal": personal}
+    extra["labels"] = dict(labels or {})
     return Meta(title=title, description=help or None, extra=extra, **bounds)
 
 
@@ -97,12 +109,63 @@ class Field(msgspec.Struct, frozen=True):
 
     @property
     def bounds(self) -> str:
-        """The allowed values, in words: "1 to 200"."""
+        """The allowed values, in words: "1 to 200", "estimate (last results), fixed"."""
         if self.choices:
-            return ", ".join(self.choices)
+            return ", ".join(map(self._explained, self.choices))
         if self.kind == "list":
             return f"{' '.join(filter(None, (self.items, self._range)))}, spaced"
         return "yes or no" if self.kind == "bool" else self._range
+
+    def _explained(self, choice: str) -> str:
+        label = self.labels.get(choice)
+        return f"{choice} ({label})" if label else choice
+
+    @property
+    def size(self) -> float:
+        """The stored value of 1 on the settings form: 1000 ms for 1 s, 0.01 for 1 %, else 1."""
+        if self.kind not in ("int", "float"):
+            return 1.0
+        if self.unit == "ms":
+            return _MS_IN_S
+        is_share = self.kind == "float" and not self.unit and (self.ge, self.le) == (0, 1)
+        return 0.01 if is_share else 1.0
+
+    @property
+    def on_form(self) -> "Field":
+        """The same in the unit of the settings form: that unit, and the bounds in it. Its default
+        is as it is stored.
+        """
+        if self.size == 1:
+            return self
+        low, high = (
+            bound if bound is None or bound >= ENDLESS else bound / self.size
+            for bound in (self.ge, self.le)
+        )
+        unit = "s" if self.size == _MS_IN_S else "%"
+        return msgspec.structs.replace(self, kind="float", unit=unit, ge=low, le=high)
+
+    def shown(self, value: object, tr: Language) -> str:
+        """Return a stored value as the settings form shows it: "0.9" for 900 ms. What is not a
+        number stays as it is.
+        """
+        text = show(value)
+        if self.kind not in ("int", "float") or (number := _number(text)) is None:
+            return self.labels.get(text, text)
+        return tr.figures(text if self.size == 1 else f"{number / self.size:.10g}")
+
+    def stored(self, typed: str) -> str:
+        """Return what was typed into the settings form as it is stored: "900" for 0.9 s. What is
+        not a number stays as it is.
+        """
+        found = _TYPED.fullmatch(typed.strip())
+        if self.kind not in ("int", "float") or not found:
+            return typed
+        text, unit = found[1].replace(",", "."), found[2]
+        if unit and unit not in (self.unit, self.on_form.unit):
+            return typed
+        if self.size == 1 or unit == self.unit:
+            return text
+        return f"{float(text) * self.size:.10g}"
 
     @property
     def _range(self) -> Sentence:
@@ -245,6 +308,22 @@ def show(value: object) -> str:
     return str(value)
 
 
+def _number(text: str) -> float | None:
+    """Return the number that a text is; None if it is none."""
+    try:
+        number = float(text)
+    except ValueError:
+        return None
+    return number if math.isfinite(number) else None
+
+
+def in_seconds(text: str) -> str:
+    """Return a text about settings with its milliseconds in seconds, as the settings form has
+    them.
+    """
+    return _MS.sub(lambda found: f"{float(found[1]) / _MS_IN_S:g} s", text)
+
+
 def translated(field: Field, tr: Language) -> Field:
     """Return a setting in another language. What has no translation stays English; its name and
     values are the same.
@@ -256,10 +335,15 @@ def translated(field: Field, tr: Language) -> Field:
         help="\n".join(map(tr, field.help.split("\n"))),
         takes=tr(field.takes),
         group=tr(field.group),
-        labels={choice: own for choice in field.choices if (own := tr(choice)) != choice},
+        labels={
+            choice: own
+            for choice in field.choices
+            if (own := tr(field.labels.get(choice, choice))) != choice
+        },
     )
 
 
 def texts(field: Field) -> set[str]:
     """Return the texts of a setting that have a translation."""
-    return {field.title, field.unit, field.help, field.takes, field.group} - {""}
+    named = {field.title, field.unit, field.help, field.takes, field.group}
+    return (named | {*field.labels.values()}) - {""}

@@ -19,6 +19,7 @@ setting = in_group("Difficulty")
 
 BY_OUTCOME = "one-up-one-down"
 """The default policy. Each change of its level has the outcome of an attempt as its reason."""
+_EXACT = 1e-6
 MOST_RESULTS = 99
 """Largest number of results at a level that a goal may be made from."""
 
@@ -84,6 +85,11 @@ def stay(state: Difficulty, attempt: ScoredAttempt, settings: Any, bounds: Bound
     return state
 
 
+def no_share(settings: Any) -> float:
+    """Return 0: a policy that does not follow the person aims at no share of successes."""
+    return 0.0
+
+
 class DifficultyPolicy(NamedTuple):
     """A rule for the level of the next attempt, or for its goal.
 
@@ -99,6 +105,9 @@ class DifficultyPolicy(NamedTuple):
             None: the task's own. Without this function the goal is always the task's own.
         start: returns the level of the first attempt, from the start level, within the bounds.
         title: a few words for the list of policies; empty: its name.
+        aim: returns the share of attempts, 0 to 1, that succeed once level or goal fit the person;
+            0: it aims at none. Without this function the preview of the settings says nothing of
+            it.
     """
 
     summary: str
@@ -109,6 +118,7 @@ class DifficultyPolicy(NamedTuple):
     ) = None
     start: Callable[[int, Any, Bounds], int] = start_at
     title: str = ""
+    aim: Callable[[Any], float] | None = None
 
     @property
     def moves_level(self) -> bool:
@@ -184,6 +194,27 @@ def step_by_outcome(
         return Difficulty(state.level, streak)
     times = f" {needed} times in a row" if needed > 1 else ""
     return Difficulty(level, why=f"Goal {done}{times}." if level != state.level else "")
+
+
+def balance(settings: OneUpOneDownSettings) -> float:
+    """Return the share of successes at which the level rises as often as it falls: 0.5 for one
+    success and one failure, 0.71 for two successes and one failure (Levitt 1971).
+    """
+    up, down = settings.consecutive_successes, settings.consecutive_failures
+    low, high = 0.0, 1.0
+    while high - low > _EXACT:
+        share = (low + high) / 2
+        if _rises_first(share, up, down) < 0.5:
+            low = share
+        else:
+            high = share
+    return (low + high) / 2
+
+
+def _rises_first(share: float, up: int, down: int) -> float:
+    """Return the probability of ``up`` successes in a row before ``down`` failures in a row."""
+    rises, falls = share ** (up - 1), (1 - share) ** (down - 1)
+    return rises * (1 - (1 - share) ** down) / (rises + falls - rises * falls)
 
 
 class SequenceSettings(Settings, frozen=True, kw_only=True):
@@ -265,6 +296,11 @@ class TargetSettings(Settings, frozen=True, kw_only=True):
     ] = 2.0
 
 
+def target(settings: TargetSettings) -> float:
+    """Return the share that should reach the goal."""
+    return settings.target_share / 100
+
+
 class Place(NamedTuple):
     """A place between the levels, the direction of the last step (-1, 0 or 1), and how often it has
     turned.
@@ -286,8 +322,7 @@ def step_to_target(
     kept, but never below a floor, so that the level still follows a person who learns or tires.
     """
     before = state.memory or Place(state.level)
-    aim = settings.target_share / 100
-    off = _share_reached(attempt, settings) - aim
+    off = _share_reached(attempt, settings) - target(settings)
     direction = (off > 0) - (off < 0)
     turns = before.turns + (direction * before.direction < 0)
     moved = before.place + max(settings.target_step, FIRST_STEP / (1 + turns)) * off
@@ -349,8 +384,7 @@ def rank_among(results: int, settings: PercentileSettings) -> int:
     """
     if results >= settings.percentile_results:
         return settings.percentile_rank
-    share = settings.percentile_rank / (settings.percentile_results + 1)
-    return max(1, min(results, math.floor(share * (results + 1) + 0.5)))
+    return max(1, min(results, math.floor(share_of_rank(settings) * (results + 1) + 0.5)))
 
 
 def percentile_goal(
@@ -382,19 +416,28 @@ def percentile_goal(
     )
 
 
+def share_of_rank(settings: PercentileSettings) -> float:
+    """Return the share of attempts that are better than the k-th best of the last m."""
+    return settings.percentile_rank / (settings.percentile_results + 1)
+
+
 INCLUDED: Mapping[str, DifficultyPolicy] = {
-    "fixed": DifficultyPolicy("Level and goal stay as you set them.", title="Stays as it is"),
+    "fixed": DifficultyPolicy(
+        "Level and goal stay as you set them.", title="Stays as it is", aim=no_share
+    ),
     BY_OUTCOME: DifficultyPolicy(
         "Harder when it goes well, easier when it does not.",
         OneUpOneDownSettings,
         step_by_outcome,
         title="Step by step",
+        aim=balance,
     ),
     "percentile": DifficultyPolicy(
         "The level stays; the goal follows the results.",
         PercentileSettings,
         goal=percentile_goal,
         title="A goal of their own",
+        aim=share_of_rank,
     ),
     "sequence": DifficultyPolicy(
         "You list the level of each attempt.",
@@ -402,12 +445,14 @@ INCLUDED: Mapping[str, DifficultyPolicy] = {
         step_in_list,
         start=start_of_list,
         title="A list of levels",
+        aim=no_share,
     ),
     "target": DifficultyPolicy(
         "Aims at 7 of 10 prompts, or at the share you set.",
         TargetSettings,
         step_to_target,
         title="A share of successes",
+        aim=target,
     ),
 }
 """Included policies by name: a value of the setting ``difficulty_policy``."""

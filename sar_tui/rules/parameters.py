@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal, TypeVar
 import msgspec
 from msgspec import inspect
 
-from sar_tui.model.language import Language, Sentence
+from sar_tui.model.language import Sentence
 from sar_tui.model.messages import Mode
 from sar_tui.model.trial_types import LONGEST_SHOW_MS
 from sar_tui.plugin_calls import PLUGIN_ERRORS, calling, describe
@@ -26,7 +26,6 @@ from sar_tui.rules.declaration import (
     in_group,
     read,
     show,
-    translated,
 )
 from sar_tui.rules.difficulty import BY_OUTCOME
 from sar_tui.rules.questions import QUESTIONS
@@ -265,7 +264,7 @@ class TaskParameters(Settings, frozen=True, kw_only=True):
         float,
         _difficulty(
             "Neutral band",
-            help="Feedback is neutral within this distance of the goal, on either side.",
+            help="A result this close to the goal, on either side, is called neither good nor bad.",
             ge=0,
             le=1e6,
         ),
@@ -274,7 +273,8 @@ class TaskParameters(Settings, frozen=True, kw_only=True):
         float,
         _difficulty(
             "Minimum accuracy",
-            help="Share of right responses that an attempt needs to succeed, 0 to 1.",
+            help="The goal counts as reached only if at least this share of the responses is "
+            "right.",
             ge=0,
             le=1,
         ),
@@ -283,8 +283,7 @@ class TaskParameters(Settings, frozen=True, kw_only=True):
         int,
         _difficulty(
             "Start level",
-            help="The level of the first attempt; of the first session only, unless it starts "
-            "from fixed.",
+            help="The level of the first attempt. It is shown where no earlier result decides.",
             ge=1,
             le=100,
         ),
@@ -293,9 +292,10 @@ class TaskParameters(Settings, frozen=True, kw_only=True):
         Literal["estimate", "last level", "fixed"],
         _difficulty(
             "Start from",
-            help="estimate: the level at which the last session's times just reached the goal. "
-            "last level: the one it "
-            "ended at. fixed: the start level, as it is.",
+            help="last results: the level at which the last session's times just reached the "
+            "goal. last level: the one it ended at. fixed level: the same for each session, which "
+            "you set.",
+            labels={"estimate": "last results", "fixed": "fixed level"},
         ),
     ] = "estimate"
     min_level: Annotated[
@@ -317,7 +317,11 @@ class TaskParameters(Settings, frozen=True, kw_only=True):
 
     feedback_form: Annotated[
         Literal["qualitative", "quantitative", "both"],
-        _feedback("Feedback form", help="In words, in figures, or both."),
+        _feedback(
+            "Feedback form",
+            help="In words, in figures, or both.",
+            labels={"qualitative": "in words", "quantitative": "in figures"},
+        ),
     ] = "both"
     feedback_compared_with: Annotated[
         Literal["last attempt", "best attempt", "session's mean", "goal"],
@@ -366,7 +370,7 @@ class TaskParameters(Settings, frozen=True, kw_only=True):
         _access(
             "Scan interval",
             "ms",
-            "Time for which the mark stays on a choice, 500 or more. 0: it follows the person's "
+            "Time for which the mark stays on a choice, 500 ms or more. 0: it follows the person's "
             "presses.",
             ge=0,
             le=SLOWEST_MS,
@@ -823,25 +827,18 @@ def changed(parameters: TaskParameters) -> dict[str, Any]:
 
 
 class Change(msgspec.Struct, frozen=True, omit_defaults=True):
-    """A parameter with two values. Its title is its name if it does not exist any more.
-
-    ``labels``: values as they are shown in another language.
-    """
+    """A parameter with two values. Its title is its name if it does not exist any more."""
 
     name: str
     title: str
     unit: str
     before: Any
     after: Any
-    labels: Mapping[str, str] = {}
 
     @property
     def text(self) -> str:
         """The change in words: "Goal 1000 → 900 ms"."""
-        values = [
-            self.labels.get(shown, shown) or "none"
-            for shown in (show(self.before), show(self.after))
-        ]
+        values = [show(value) or "none" for value in (self.before, self.after)]
         return " ".join(filter(None, (self.title, " → ".join(values), self.unit)))
 
 
@@ -849,14 +846,12 @@ def changes(
     parameters: type[TaskParameters],
     before: Mapping[str, Any],
     after: Mapping[str, Any],
-    tr: Language | None = None,
 ) -> tuple[Change, ...]:
-    """Return what differs between two sets of values, in the order of the declaration; in a
-    language, or English.
+    """Return what differs between two sets of values, in the order of the declaration.
 
     A value that is missing is the default; of a parameter that does not exist any more it is None.
     """
-    declared = {field.name: translated(field, tr or Language()) for field in fields(parameters)}
+    declared = {field.name: field for field in fields(parameters)}
     gone = [name for name in (*before, *after) if name not in declared]
     found = []
     for name in dict.fromkeys((*declared, *gone)):
@@ -864,8 +859,6 @@ def changes(
         default = field.default if field else None
         old, new = before.get(name, default), after.get(name, default)
         if show(old) != show(new):
-            title, unit, labels = (
-                (field.title, field.unit, field.labels) if field else (name, "", {})
-            )
-            found.append(Change(name, title, unit, old, new, labels))
+            title, unit = (field.title, field.unit) if field else (name, "")
+            found.append(Change(name, title, unit, old, new))
     return tuple(found)

@@ -193,6 +193,7 @@ def _add(name: str, policy: object, taken: Collection[str]) -> set[str]:
             step=_checked(name, policy.step, Difficulty),
             goal=policy.goal and _checked(name, policy.goal, Goal, type(None)),
             start=_checked(name, policy.start, int),
+            aim=policy.aim and _checked(name, policy.aim, float, int),
         )
     else:
         FEEDBACK[name] = policy._replace(

@@ -10,7 +10,7 @@ import msgspec
 
 from sar_tui.loop.session import problem_of_nodes
 from sar_tui.loop.task import Task
-from sar_tui.model.language import Sentence, joined
+from sar_tui.model.language import Sentence, error_text, joined
 from sar_tui.model.session_mode import SessionMode
 from sar_tui.model.step import Step
 from sar_tui.model.study_place import StudyPlace
@@ -184,7 +184,8 @@ def check_seats(task: type[Task], codes: Sequence[str]) -> None:
         )
         problem = Sentence(text, task=task.name)
     elif len(set(codes)) < len(codes):
-        problem = f"{codes[0]} cannot sit at both seats: name two participants."
+        text = "{who} cannot sit at both seats: name two participants."
+        problem = Sentence(text, who=codes[0])
     if problem:
         raise StoreError(problem, bad_input=True)
 
@@ -213,7 +214,7 @@ def check_outputs(parameters: TaskParameters) -> None:
     try:
         check(parameters.outputs, parameters.speech)
     except OutputError as error:
-        raise ParameterError({"outputs": error.args[0]}) from error
+        raise ParameterError({"outputs": error_text(error)}) from error
 
 
 def set_up(kind: type[Task], parameters: TaskParameters) -> Task:

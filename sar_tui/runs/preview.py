@@ -26,7 +26,7 @@ from sar_tui.rules.declaration import ParameterError
 from sar_tui.rules.difficulty import TargetSettings
 from sar_tui.rules.level_choice import bounds, moves_goal
 from sar_tui.rules.parameters import TaskParameters, build
-from sar_tui.rules.policies import own_settings
+from sar_tui.rules.policies import DIFFICULTY, own_settings
 from sar_tui.runs.plan import Failed, set_up
 from sar_tui.runs.simulate import goes_on, people
 from sar_tui.runs.start_level import start_after
@@ -108,6 +108,8 @@ class Preview(msgspec.Struct, frozen=True):
         levels: the highest level that can be reached.
         follows: the level or the goal, if one of them changes with the person.
         metric: of the results and goals.
+        aim: the share of attempts, or of prompts, that the rule aims at; 0 if it aims at none, None
+            if that is not known.
         aims_at_prompts: True if the level follows the share of prompts that reach the goal.
         why_start: where the level of the first attempt is from; empty if there is nothing to say.
     """
@@ -116,6 +118,7 @@ class Preview(msgspec.Struct, frozen=True):
     levels: int
     follows: Literal["level", "goal", ""]
     metric: Metric
+    aim: float | None = None
     aims_at_prompts: bool = False
     why_start: str = ""
 
@@ -191,9 +194,15 @@ def play_ahead(
         levels=bounds(task.parameters, task.levels).highest,
         follows="goal" if moves_goal(task.parameters) else follows,
         metric=kind.metric,
+        aim=_aim(parameters),
         aims_at_prompts=_aims_at_prompts(parameters),
         why_start=start.why,
     )
+
+
+def _aim(parameters: TaskParameters) -> float | None:
+    policy = DIFFICULTY[parameters.difficulty_policy]
+    return policy.aim(own_settings(policy.settings, parameters)) if policy.aim else None
 
 
 def _aims_at_prompts(parameters: TaskParameters) -> bool:

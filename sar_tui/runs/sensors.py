@@ -19,7 +19,7 @@ from sar_tui.inputs.sources import open_source, simulated_hand, source_names
 from sar_tui.loop.clock import Clock, VirtualClock
 from sar_tui.loop.node import Node
 from sar_tui.loop.task import Task
-from sar_tui.model.language import Sentence
+from sar_tui.model.language import Sentence, error_text
 from sar_tui.model.messages import BodyPart
 from sar_tui.model.random_streams import RandomStreams
 from sar_tui.motion.synthesis import ReachShape
@@ -94,7 +94,7 @@ def open_sensor(
         else:
             source = open_source(f"{kind}:{rest}" if rest else kind, seed=seed, clock=virtual)
     except SourceError as error:
-        raise ParameterError({sensor_parameter(seat, part): error.args[0]}) from error
+        raise ParameterError({sensor_parameter(seat, part): error_text(error)}) from error
     return ImuFeed(source, clock.now, seat, part)
 
 

@@ -22,10 +22,14 @@ more.
 
 
 class Start(NamedTuple):
-    """The level at which a session starts, and why, in words; empty if there is nothing to say."""
+    """The level at which a session starts, and why, in words; empty if there is nothing to say.
+
+    ``from_results``: False if it is the start level as it is set.
+    """
 
     level: int
     why: str
+    from_results: bool = False
 
 
 def with_start_level(database: sqlite3.Connection, task: Task, participant: str) -> TaskParameters:
@@ -74,7 +78,7 @@ def start_after(task: Task, sessions: Iterable[SessionResults]) -> Start:
         given.min_level,
         min(_level(last, task, by_estimate=by_estimate), given.max_level, task.levels),
     )
-    return Start(level, why if by_estimate else "as the last one ended")
+    return Start(level, why if by_estimate else "as the last one ended", from_results=True)
 
 
 def _around_goal(points: Sequence[Point], task: Task) -> Point:

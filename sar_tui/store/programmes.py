@@ -43,16 +43,16 @@ class Superseded(StoreError):
     """Another version was saved meanwhile, which is ``newest``. Nothing was saved."""
 
     def __init__(self, participant: str, newest: Programme) -> None:
+        why = ": ".join(filter(None, (newest.author, newest.reason)))
         told = Sentence(
-            "The programme of {who} was changed meanwhile: version {version} by {author} "
-            "({reason}). Nothing was saved."
-            if newest.author and newest.reason
+            "The programme of {who} was changed meanwhile: version {version} ({why}). Nothing was "
+            "saved."
+            if why
             else "The programme of {who} was changed meanwhile: version {version}. Nothing was "
             "saved.",
             who=participant,
             version=newest.version,
-            author=newest.author,
-            reason=newest.reason,
+            why=why,
         )
         super().__init__(told, bad_input=True)
         self.newest = newest

@@ -59,15 +59,24 @@ def in_blocks(text: str, columns: int, rows: int) -> list[str]:
     return []
 
 
-def figures_in_blocks(text: str, columns: int) -> list[str]:
-    """Return the lines of a text with its first figures in block letters, the words beside their
-    last row; none if it does not begin with figures, or if there is no room.
+def figures_in_blocks(text: str, columns: int, *, is_below: bool = False) -> list[str]:
+    """Return the lines of a text with its first figures in block letters; none if it does not
+    begin with figures, or if there is no room.
+
+    Args:
+        text: the text.
+        columns: the most that it may take.
+        is_below: the words are in the middle below the figures, else beside their last row.
     """
     if not (found := _FIGURES.match(text)):
         return []
     words = text[found.end() :]
-    drawn = in_blocks(found[0], columns - len(words), ONE_LINE)
-    return _block([*drawn[:-1], drawn[-1] + words]) if drawn else []
+    drawn = in_blocks(found[0], columns if is_below else columns - len(words), ONE_LINE)
+    if not drawn:
+        return []
+    if is_below:
+        return _block([*drawn, words.strip().center(max(map(len, drawn)))])
+    return _block([*drawn[:-1], drawn[-1] + words])
 
 
 def spaced(text: str, columns: int) -> str:

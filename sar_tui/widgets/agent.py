@@ -1,6 +1,6 @@
 """The agent: a small drawn robot that speaks, looks and moves, with its words beside it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -47,10 +47,12 @@ class Agent(Horizontal):
     Agent {{ height: auto; min-height: {HEIGHT}; max-height: 13; padding: 0 1; }}
     Agent > .picture {{ width: {WIDTH}; height: {HEIGHT}; display: none; }}
     Agent > .robot {{ width: {WIDTH}; height: {HEIGHT}; color: $accent; }}
-    Agent > .words {{ width: 1fr; height: auto; padding: 1 1 0 2; }}
-    Agent > .words > Static {{ width: 100%; height: auto; }}
-    Agent > .words > .more, Agent > .words > .note {{ margin-top: 1; display: none; }}
-    Agent > .words > .note {{ color: $text-muted; }}
+    Agent > .beside {{ width: 1fr; height: auto; }}
+    Agent .words {{ width: 100%; height: auto; padding: 1 1 0 2; }}
+    Agent .words > Static {{ width: 100%; height: auto; }}
+    Agent .words > .more, Agent .words > .note {{ margin-top: 1; display: none; }}
+    Agent .words > .note {{ color: $text-muted; }}
+    Agent .below {{ width: auto; height: auto; margin: 1 0 0 2; display: none; }}
     Agent > .tail {{ display: none; width: 1; height: 1; margin: 3 0 0 1; color: $accent; }}
     """
 
@@ -80,8 +82,10 @@ class Agent(Horizontal):
         self._said = _Words(classes="said", markup=False)
         self._more = _Words(classes="more", markup=False)
         self._note = Static(classes="note", markup=False)
+        self._below = Static(classes="below")
         self._has_words = False
-        self._joined = ""
+        self._text = self._joined = ""
+        self._left_out: Sequence[str] = ()
         self._still: Pose | None = None
 
     def compose(self) -> ComposeResult:
@@ -89,10 +93,12 @@ class Agent(Horizontal):
             yield self._picture
         yield self._robot
         yield Static("◁", classes="tail")
-        with Vertical(classes="words"):
-            yield self._said
-            yield self._more
-            yield self._note
+        with Vertical(classes="beside"):
+            with Vertical(classes="words"):
+                yield self._said
+                yield self._more
+                yield self._note
+            yield self._below
 
     def on_mount(self) -> None:
         self._load_pictures()
@@ -120,11 +126,19 @@ class Agent(Horizontal):
         elif text:
             self._has_words = True
             self.update_classes({"speaks": True} | {name: valence == name for name in _VALENCES})
-            self._said.update(text)
-            self._joined = ""
+            self._text, self._joined = text, ""
+            self._said.update(_without(text, self._left_out))
             self._put(self._more, "")
         if face:
             self.look(face)
+
+    def leave_out(self, phrases: Sequence[str]) -> None:
+        """Leave phrases out of the words, unless they are all of them, because they can be read
+        elsewhere on the screen.
+        """
+        if phrases != self._left_out:
+            self._left_out = phrases
+            self._said.update(_without(self._text, phrases))
 
     def clear(self, face: str) -> None:
         """Remove the words, and look ahead."""
@@ -132,7 +146,7 @@ class Agent(Horizontal):
             self._has_words = False
             self.remove_class("speaks")
             self._said.update("")
-            self._joined = ""
+            self._text = self._joined = ""
             self._put(self._more, "")
         self._gaze = "ahead"
         self.look(face)
@@ -146,6 +160,11 @@ class Agent(Horizontal):
     def note(self, text: str) -> None:
         """Show a note below the words, which the agent does not say; empty for none."""
         self._put(self._note, text)
+
+    def show_below(self, words: Content) -> None:
+        """Show words below the box with those of the agent; empty for none."""
+        self._below.display = bool(words)
+        self._below.update(words)
 
     def apply_theme(self, theme: Theme) -> None:
         """Use the faces of another theme."""
@@ -279,6 +298,14 @@ class Agent(Horizontal):
     def _put(self, words: Static, text: str) -> None:
         words.display = bool(text)
         words.update(text)
+
+
+def _without(text: str, phrases: Sequence[str]) -> str:
+    """Return a text without some phrases; the text if nothing else is in it."""
+    left = text
+    for phrase in phrases:
+        left = left.replace(phrase, "")
+    return " ".join(left.split()) or text if left != text else text
 
 
 class _Words(Static):

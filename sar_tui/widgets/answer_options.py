@@ -55,6 +55,8 @@ def _boxes(step: Step, entry: Entry, columns: int) -> str:
     scale = points(step)
     least, most = _BOXES
     width = min(max(columns // len(scale), least), most)
+    if width > least and width % 2 == 0:
+        width -= 1  # a digit has a middle only in an odd number of columns
     drawn = [
         _box(point.typed, width, _HEAVY if index in entry.chosen else _LIGHT)
         for index, point in enumerate(scale)

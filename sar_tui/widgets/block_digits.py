@@ -18,6 +18,10 @@ _DIGITS = {
     ",": (" ", " ", "█"),
 }
 _NUMBER = re.compile(r"\d+(?:[.,]\d+)?")
+_SHARE = re.compile(r"(\d+)( \w+ )(\d+) ")
+"""Two numbers with a word between them: ``9 of 10``."""
+_GAP = "\N{NO-BREAK SPACE}"
+"""A space that stays where lines are centred."""
 
 
 def draw_digits(number: str) -> list[str]:
@@ -35,4 +39,20 @@ def draw_result(text: str) -> list[str]:
     unit = text[found.end() :]
     *upper, last = draw_digits(found[0])
     rows = (*(row + " " * len(unit) for row in upper), last + unit)
-    return [row.replace(" ", "\N{NO-BREAK SPACE}") for row in rows]  # kept where it is centred
+    return [row.replace(" ", _GAP) for row in rows]
+
+
+def draw_share(text: str) -> list[str]:
+    """Return the rows of a text such as ``9 of 10 goals reached``, its words below the numbers;
+    none if it begins otherwise.
+    """
+    found = _SHARE.match(text)
+    if not found:
+        return []
+    part, word, whole = found.groups()
+    between = (" " * len(word), word, " " * len(word))
+    drawn = zip(draw_digits(part), between, draw_digits(whole), strict=True)
+    words = text[found.end() :]
+    rows = ["".join(parts) for parts in drawn]
+    width = max(len(words), len(rows[0]))
+    return [row.center(width).replace(" ", _GAP) for row in (*rows, words)]

@@ -1,4 +1,4 @@
-"""A result and its goal as two bars from zero on one scale, with words that say which is better."""
+"""A result and its goal as two bars from zero on one scale, and the words that judge it."""
 
 from collections.abc import Sequence
 from itertools import groupby
@@ -8,7 +8,7 @@ from textual.content import Content
 
 from sar_tui.model.language import Language
 from sar_tui.model.messages import Feedback
-from sar_tui.model.results_for_people import decimals_for, goal_text, result_text
+from sar_tui.model.results_for_people import decimals_for, result_text
 from sar_tui.model.trial_types import Metric
 
 SHORTEST, LONGEST = 12, 72
@@ -58,7 +58,7 @@ def bar_of(feedback: Feedback, metric: Metric, who: str = "") -> GoalBar | None:
 def rows_of_bars(bars: Sequence[GoalBar], *, is_large: bool = False) -> int:
     """Return the rows that `draw_bars` takes."""
     drawn = len(bars) + len(_by_goal(bars))
-    return (3 * drawn - 1 if is_large else drawn) + 2 * (len(bars) == 1)
+    return 3 * drawn - 1 if is_large else drawn
 
 
 def draw_bars(
@@ -66,7 +66,8 @@ def draw_bars(
 ) -> Content:
     """Return a bar for each result, and one for its goal below it. Empty if there is no room.
 
-    A result alone is judged in words below them; of several, each has a sign at its end.
+    Of several results each has a sign at its end. Beside a result alone words say it where the
+    shorter bar is the better one.
 
     Args:
         bars: the results, those with the same goal beside each other.
@@ -81,21 +82,40 @@ def draw_bars(
     if columns < SHORTEST:
         return Content("")
     longest = max(row.length for row in rows)
+    shortest = min(row.length for row in rows)
+    hint = _hint(bars, tr)
+    if columns - len(hint) < SHORTEST:
+        hint = ""
+    part = max(shortest / longest, 1 / columns)
+    most = min(columns, int((columns - len(hint)) / part))
     drawn = []
     for row in rows:
-        bar = _bar(row, round(row.length / longest * columns), THICK if is_large else BAR)
-        rest = _GAP * (columns - len(bar))
+        bar = _bar(row, round(row.length / longest * most), THICK if is_large else BAR)
+        said = hint if row.length == shortest else ""
+        rest = _GAP * (columns - len(bar) - len(said))
         sign = f"{_GAP}{row.sign or _GAP}" if len(bars) > 1 else ""
         words = f"{row.name:{_GAP}>{names}}{_GAP}{row.value:{_GAP}>{values}}{_GAP}"
-        drawn.append(Content.assemble(words, (bar, row.style), rest, sign))
+        drawn.append(Content.assemble(words, (bar, row.style), (said, "$text-muted"), rest, sign))
         if is_large:
-            below = _GAP * len(words), (bar, row.style), rest, _GAP * len(sign)
+            below = _GAP * len(words), (bar, row.style), rest, _GAP * (len(sign) + len(said))
             drawn += [Content.assemble(*below), Content("")]
     if is_large:
         drawn.pop()
-    if len(bars) == 1:
-        drawn += [Content(""), _verdict(bars[0], tr)]
     return Content("\n").join(drawn)
+
+
+def verdict(bar: GoalBar, tr: Language) -> str:
+    """Return whether the goal is reached, in words; if it is not, with a sign."""
+    return tr("Goal reached") if bar.is_reached else f"{tr('Not yet at your goal')} {OPEN}"
+
+
+def _hint(bars: Sequence[GoalBar], tr: Language) -> str:
+    """Return that the shorter bar is the better one, for a result alone; empty if the longer is."""
+    metric = bars[0].metric
+    if len(bars) > 1 or metric.better != "lower":
+        return ""
+    words = tr("shorter is {better}", better=tr(metric.improved))
+    return f"  {words}".replace(" ", _GAP)
 
 
 class _Row(NamedTuple):
@@ -115,16 +135,17 @@ def _by_goal(bars: Sequence[GoalBar]) -> list[list[GoalBar]]:
 def _rows(bars: Sequence[GoalBar], tr: Language) -> list[_Row]:
     """Return the rows of results with the same goal, and that of the goal."""
     rows = []
+    metric, goal = bars[0].metric, bars[0].goal
+    decimals = max(decimals_for(metric, bar.value, goal) or 0 for bar in bars)
     for bar in bars:
-        decimals = decimals_for(bar.metric, bar.value, bar.goal)
         value = result_text(bar.metric, bar.value, tr, decimals)
         style = "$success" if bar.is_reached else "$accent"
         length = min(bar.value / bar.goal, FARTHEST)
         rows.append(
             _Row(bar.who or tr("you"), value, length, style, REACHED if bar.is_reached else OPEN)
         )
-    metric, goal = bars[0].metric, bars[0].goal
-    return [*rows, _Row(tr("goal"), goal_text(metric, goal, tr), 1.0, "$text-muted")]
+    value = result_text(metric, goal, tr, decimals)
+    return [*rows, _Row(tr("goal"), value, 1.0, "$text-muted")]
 
 
 def _bar(row: _Row, columns: int, part: str) -> str:
@@ -132,11 +153,3 @@ def _bar(row: _Row, columns: int, part: str) -> str:
     if row.length >= FARTHEST:
         return part * (columns - 1) + BEYOND
     return part * max(1, columns)
-
-
-def _verdict(bar: GoalBar, tr: Language) -> Content:
-    """Return whether the goal is reached, in words with a sign."""
-    if bar.is_reached:
-        words = tr("{better} than your goal", better=tr(bar.metric.improved))
-        return Content.styled(f"{words} {REACHED}", "bold $success")
-    return Content(f"{tr('not yet at your goal')} {OPEN}")

@@ -18,7 +18,8 @@ FONT = "clb8x8"
 _WIDTH = 9
 """Columns of a character, with the gap to the next one."""
 _WITHOUT_DOT = {"i": "ı", "j": "ȷ"}
-_SPACE = (" " * _WIDTH,) * 8
+_SPACE = (" " * 5,) * 8
+"""The gap between words is narrower than a character."""
 
 
 @cache

@@ -12,12 +12,13 @@ from textual.widget import Widget
 from textual.widgets import Input
 
 from sar_tui.model.language import Language
-from sar_tui.rules.declaration import ENDLESS, Field, show
+from sar_tui.rules.declaration import ENDLESS, Field, in_seconds, show
 from sar_tui.widgets.choice import Choice, ChoiceList
 from sar_tui.widgets.lists import OptionList
 
 _YES_NO = ("yes", "no")
-_MARK, _TITLE, _EDITOR = 2, 24, 17
+_NUMBERS = ("int", "float")
+_MARK, _TITLE, _EDITOR, _NUMBER = 2, 24, 17, 9
 """Columns."""
 _LONGEST_LINE = 72
 """Most columns of a line of the note."""
@@ -27,7 +28,7 @@ CHANGED = "●"
 """Sign of a value that differs from the default."""
 
 
-class _NumberInput(Input):
+class NumberInput(Input):
     """Input of numbers, which leaves the key / to the screen."""
 
     def check_consume_key(self, key: str, character: str | None) -> bool:
@@ -42,6 +43,9 @@ class _NumberInput(Input):
 class ParameterField(Widget):
     """Title, value and unit in a line; below it, while it is edited, what it means, unless the
     screen shows that elsewhere.
+
+    Numbers are shown and typed in the unit of the form (`Field.on_form`), with the decimal sign of
+    the language, and kept as they are stored.
 
     It has its value and problem even while it is not mounted. It draws everything except the value
     itself, because a form of many fields would be slow with a widget for each text.
@@ -59,6 +63,7 @@ class ParameterField(Widget):
     ParameterField > Input, ParameterField > Choice, ParameterField > WordPicker {{
         width: {_EDITOR}; margin: 0 0 0 {_MARK + _TITLE};
     }}
+    ParameterField > NumberInput {{ width: {_NUMBER}; }}
     """
 
     class Changed(Message):
@@ -77,7 +82,9 @@ class ParameterField(Widget):
         self.tr = tr or Language()
         self.known = tuple(known)
         self.value = value
-        """The saved value or the default; after an edit, a bool or the typed text."""
+        """The saved value or the default; after an edit, a bool or the typed text, of a number as it
+        is stored.
+        """
         self.saved = saved
         """The saved value or the default."""
         self.more = ""
@@ -90,7 +97,7 @@ class ParameterField(Widget):
         self._drawn: object = None
 
     def compose(self) -> ComposeResult:
-        value = show(self.value)
+        value = self._text
         match self.field.kind:
             case "choice":
                 yield Choice(self.field.choices, str(self.value), self.field.labels)
@@ -103,20 +110,27 @@ class ParameterField(Widget):
             case "list" if self.known:
                 yield WordPicker(self.known, value)
             case "int" | "float":
-                yield _NumberInput(value, compact=True)
+                yield NumberInput(value, compact=True)
             case _:
                 yield Input(value, compact=True)
+
+    @property
+    def _text(self) -> str:
+        """The value as it is typed."""
+        is_number = self.field.kind in _NUMBERS
+        return self.field.shown(self.value, self.tr) if is_number else show(self.value)
 
     def render(self) -> Content:
         """Draw everything except the value, for which room is left."""
         mark, colour = self._mark
         title = ("bold " if self.has_focus_within else "") + (colour if self.problem else "")
         before = self.tr("was {value}", value=self._shown(self.saved)) if self.is_unsaved else ""
-        beside = " ".join(filter(None, (self.field.unit, before)))
+        field = self.field
+        beside = " ".join(filter(None, (field.on_form.unit, before)))
         line = Content.assemble(
             (f"{mark:{_MARK}}", colour or "$accent"),
-            (f"{self.field.title:{_TITLE}}", title.strip()),
-            (f"{'':{_EDITOR}} {beside}", "$text-muted"),
+            (f"{field.title:{_TITLE}}", title.strip()),
+            (f"{'':{_NUMBER if field.kind in _NUMBERS else _EDITOR}} {beside}", "$text-muted"),
         ).truncate(self.content_size.width, ellipsis=True)
         colour = "$warning" if self.problem else "$text-muted"
         note = (Content.assemble(f"\n{'':{_MARK}}", (text, colour)) for text in self._note_lines())
@@ -133,8 +147,7 @@ class ParameterField(Widget):
 
     def _shown(self, value: object) -> str:
         """Return a value as it is shown."""
-        shown = show(value)
-        return self.field.labels.get(shown, shown) or self.tr("none")
+        return self.field.shown(value, self.tr) or self.tr("none")
 
     def _note_lines(self) -> list[str]:
         """Return the lines below the title while it is edited: the problem at least."""
@@ -169,22 +182,50 @@ class ParameterField(Widget):
         if self.problem:
             return self.problem
         said = [self.field.help, self._limits()]
-        if self.is_changed:
-            said.append(self.tr("Default: {value}.", value=self._shown(self.field.default)))
-        return " ".join(filter(None, (*said, self.more)))
+        if self.is_changed or self._is_note_elsewhere:
+            value = f"{self._shown(self.field.default)} {self.field.on_form.unit}".rstrip()
+            said.append(self.tr("Default: {value}.", value=value))
+        note = " ".join(filter(None, (*said, self.more)))
+        return self.tr.figures(in_seconds(note)) if self._is_in_seconds else note
+
+    @property
+    def _is_in_seconds(self) -> bool:
+        return self.field.unit == "ms"
+
+    def explained(self, problem: str) -> str:
+        """Return a problem of the value in the unit of the form."""
+        field, tr = self.field.on_form, self.tr
+        if field is self.field:
+            return problem
+        if self._is_within(1):
+            return tr.figures(in_seconds(problem))
+        told = tr(
+            "{title} is a number, {range}, not {shown}.",
+            title=field.title,
+            range=self._range(field),
+            shown=self._text or tr("empty"),
+        )
+        if not (self._is_in_seconds and self._is_within(1 / self.field.size)):
+            return told
+        return f"{told} {tr('For milliseconds, type {text} ms.', text=self._text)}"
+
+    def _is_within(self, factor: float) -> bool:
+        """Return True if the value times a factor is a number within its bounds."""
+        try:
+            number = float(show(self.value)) * factor
+        except ValueError:
+            return False
+        low, high = self.field.ge, self.field.le
+        return (low is None or low <= number) and (high is None or number <= high)
 
     def _limits(self) -> str:
         """Return the bounds of a number, or what a list may hold, as a sentence; empty where there
         is a choice.
         """
-        field, tr = self.field, self.tr
+        field, tr = self.field.on_form, self.tr
         if field.kind in ("choice", "bool", "text") or self.known:
             return ""
-        low, high = (
-            (f"{field.ge:g}", f"{field.le:g}")
-            if field.ge is not None and field.le is not None
-            else ("", "")
-        )
+        low, high = _bounds(field)
         if field.kind == "list":
             of_numbers = (
                 tr("Numbers {low} to {high}, spaced.", low=low, high=high)
@@ -192,14 +233,19 @@ class ParameterField(Widget):
                 else tr("Numbers, spaced.")
             )
             return of_numbers if field.items == "numbers" else tr("Words, spaced.")
+        return f"{self._range(field)}." if low else ""
+
+    def _range(self, field: Field) -> str:
+        """Return the bounds of a number with its unit: "0.1 to 60 s"."""
+        low, high = _bounds(field)
         if not low:
             return ""
         said = (
-            tr("{low} to {high}", low=low, high=high)
+            self.tr("{low} to {high}", low=low, high=high)
             if (field.le or 0) < ENDLESS
-            else tr("{low} or more", low=low)
+            else self.tr("{low} or more", low=low)
         )
-        return f"{said} {field.unit}".strip() + "."
+        return f"{said} {field.unit}".strip()
 
     @property
     def is_changed(self) -> bool:
@@ -226,7 +272,7 @@ class ParameterField(Widget):
         self.value = value
         for editor in self.query("Input, Choice"):
             if isinstance(editor, Input | Choice):
-                editor.value = show(value)
+                editor.value = self._text
                 if isinstance(editor, Input) and editor.has_focus:
                     editor.select_all()
 
@@ -234,8 +280,9 @@ class ParameterField(Widget):
     @on(Choice.Changed)
     def _edited(self, event: Input.Changed | Choice.Changed) -> None:
         event.stop()
-        if event.value != show(self.value):
-            self.value = event.value == _YES_NO[0] if self.field.kind == "bool" else event.value
+        value = self.field.stored(event.value)
+        if value != show(self.value):
+            self.value = value == _YES_NO[0] if self.field.kind == "bool" else value
             self.post_message(self.Changed())
 
     def on_descendant_focus(self) -> None:
@@ -247,7 +294,10 @@ class ParameterField(Widget):
         self.call_after_refresh(self.scroll_visible, animate=False, immediate=True)
 
     def on_descendant_blur(self) -> None:
-        """Hide the note."""
+        """Hide the note, and show a number that was typed with a unit in that of the form."""
+        for editor in self.query(Input):
+            if self.field.kind in _NUMBERS and not self.problem:
+                editor.value = self._text
         self.redraw()
 
     def show_problem(self, problem: str, used_by: str = "") -> None:
@@ -257,6 +307,13 @@ class ParameterField(Widget):
         self.problem, self.used_by = problem, used_by
         self.display = bool(problem) or not used_by
         self.redraw()
+
+
+def _bounds(field: Field) -> tuple[str, str]:
+    """Return the lowest and the highest number as texts; empty without bounds."""
+    if field.ge is None or field.le is None:
+        return "", ""
+    return f"{field.ge:g}", f"{field.le:g}"
 
 
 # --- a list of words

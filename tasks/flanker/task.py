@@ -41,7 +41,7 @@ class FlankerParameters(TaskParameters, frozen=True, kw_only=True):
         int, meta("Rows per attempt", help="Number of rows of arrows in an attempt.", ge=4, le=200)
     ] = 20
     incongruent: Annotated[
-        float, meta("Incongruent", help="Share of rows whose arrows disagree, 0 to 1.", ge=0, le=1)
+        float, meta("Incongruent", help="Share of rows whose arrows disagree.", ge=0, le=1)
     ] = 0.5
     attempts: Annotated[
         int, meta("Attempts", help="Number of attempts in a session.", ge=1, le=200)

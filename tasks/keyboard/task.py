@@ -49,7 +49,7 @@ class KeyboardParameters(TaskParameters, frozen=True, kw_only=True):
         meta(
             "Neutral band",
             "ms",
-            "Feedback is neutral within this distance of the goal, on either side.",
+            "A result this close to the goal, on either side, is called neither good nor bad.",
             ge=0,
             le=5000,
         ),

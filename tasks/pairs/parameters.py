@@ -142,7 +142,7 @@ class PairsParameters(TaskParameters, frozen=True, kw_only=True):
         meta(
             "Neutral band",
             "ms",
-            "Feedback is neutral within this distance of the goal, on either side.",
+            "A result this close to the goal, on either side, is called neither good nor bad.",
             ge=0,
             le=5000,
         ),
@@ -170,7 +170,7 @@ class PairsParameters(TaskParameters, frozen=True, kw_only=True):
         float,
         meta(
             "Congruent share",
-            help="Share of prompts on the side that the agent looks to, 0 to 1.",
+            help="Share of prompts on the side that the agent looks to.",
             ge=0,
             le=1,
             group="Joint attention",

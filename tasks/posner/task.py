@@ -46,7 +46,7 @@ class PosnerParameters(TaskParameters, frozen=True, kw_only=True):
         float,
         meta(
             "Valid cues",
-            help="Share of looks to the side of the star. 0.5: they tell nothing.",
+            help="Share of looks to the side of the star. Half: they tell nothing.",
             ge=0,
             le=1,
         ),

@@ -219,7 +219,7 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
         meta(
             "Neutral band",
             "% of the goal",
-            "Feedback is neutral within this distance of the goal.",
+            "A result this close to the goal, on either side, is called neither good nor bad.",
             ge=0,
             le=50,
         ),
@@ -283,7 +283,7 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
         float,
         meta(
             "Minimum accuracy",
-            help="The share of reaches that must be complete, 0 to 1.",
+            help="The share of reaches that must be complete.",
             ge=0,
             le=1,
         ),

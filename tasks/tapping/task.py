@@ -53,7 +53,7 @@ class TappingParameters(TaskParameters, frozen=True, kw_only=True):
         meta(
             "Neutral band",
             "taps",
-            "Feedback is neutral within this distance of the goal.",
+            "A result this close to the goal, on either side, is called neither good nor bad.",
             ge=0,
             le=100,
         ),

@@ -104,7 +104,7 @@ class TrackingTempoParameters(TaskParameters, frozen=True, kw_only=True):
         meta(
             "Neutral band",
             "%",
-            "Feedback is neutral within this distance of the goal.",
+            "A result this close to the goal, on either side, is called neither good nor bad.",
             ge=0,
             le=20,
         ),

@@ -286,7 +286,7 @@ class AppDriver:
     @property
     def said(self) -> str:
         """The text beside the agent's face."""
-        words = self.app.screen.query_one("#agent > .words").region
+        words = self.app.screen.query_one("#agent .words").region
         beside = " ".join(row[words.x :] for row in self.rows[words.y : words.bottom])
         return " ".join(beside.translate(_FRAMES).split())
 

@@ -55,7 +55,7 @@ async def test_the_menu_is_used_with_arrows_and_enter(driver: AppDriver) -> None
 async def test_the_agent_rests_with_the_participant(driver: AppDriver) -> None:
     await driver.do_attempt(await driver.to_first_prompt())
     assert driver.said
-    assert "faster than your goal" in driver.text
+    assert "G O A L   R E A C H E D" in driver.text
     said = driver.said
     await driver.press("escape")
     assert driver.said == ""
@@ -68,7 +68,7 @@ async def test_the_agent_rests_with_the_participant(driver: AppDriver) -> None:
     assert "●   ●" in driver.text
     assert "─   ─ z" not in driver.text
     await driver.press("enter")
-    assert "faster than your goal" not in driver.text, "no result without its words"
+    assert "G O A L   R E A C H E D" not in driver.text, "no result without its words"
     driver.see("Your goal: ")
 
 

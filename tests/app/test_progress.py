@@ -79,7 +79,7 @@ async def test_sessions_are_compared(opened: OpenApp, data: Path, catalogue: Cat
         driver.see("These are earlier sessions, with other settings. 2 sessions: too few to say.")
         assert driver.rows[-1].rstrip().endswith("Help")
         assert any(row.split() == ["pain", "0", "1"] for row in driver.rows)
-        driver.see("▸ 2 Mar 10:00", "pain 1 before")
+        driver.see("▸ 2 Mar 10:00", "12/12 attempts · 60 repetitions")
         await driver.press("c", "left")
         driver.see("▸ 1 Mar 10:00", "1 Mar and 2 Mar: From")
         driver.see("How much is noise is not yet known")
@@ -126,8 +126,8 @@ async def test_the_command_palette_has_figures_and_keys_by_name(
         await open_progress(driver, catalogue)
         found = list(driver.app.get_system_commands(driver.app.screen))
         names = [each.title for each in found]
-        assert {"Level at goal", "Records", "Add", "Note", "Page", "Help"} <= set(names)
-        assert {"Compare", "Charts"}.isdisjoint(names), "there is one session"
+        assert {"Level at goal", "Records", "Add", "Note", "Print page", "Help"} <= set(names)
+        assert {"Compare", "Other chart"}.isdisjoint(names), "there is one session"
         choose = next(each for each in found if each.title == "Records").callback
         choose()
         await driver.settle()
@@ -155,8 +155,10 @@ async def test_each_list_is_beside_the_picture_or_one_key_away(
 
 
 async def test_pictures_of_the_screen_at_three_sizes(
-    opened: OpenApp, data: Path, catalogue: Catalogue
+    opened: OpenApp, data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setenv("COLORTERM", "truecolor")
+    monkeypatch.delenv("NO_COLOR", raising=False)
     trained(data, catalogue, *[1000] * 6)
     with closing(connect(data)) as database:
         score(database, "P01", "BBT", "2026-03-01", 20)
@@ -238,6 +240,7 @@ async def test_keys_of_records_are_shown_where_a_record_is_chosen(
     async with opened() as driver:
         await open_progress(driver, catalogue)
         assert "Remove" not in driver.rows[-1]
+        assert "Note" not in driver.rows[-1], "it is left out where there is no room"
         assert "←→ Session" in driver.rows[-1]
         await driver.press("shift+tab")
         assert "Del Remove" in driver.rows[-1]

@@ -97,7 +97,7 @@ def words(text: str) -> set[str]:
 
 _SEEN = (
     "#question", "#decline", "#given", "#headline", "#text", "#ask", "#praise", "#which", "#facts",
-    "#earlier", "#next", "KeyLine", "#menu", "#agent > .words", "#hello", "#exercise", "#how",
+    "#earlier", "#next", "KeyLine", "#menu", "#agent .words", "#agent .below", "#hello", "#exercise", "#how",
 )  # fmt: skip
 """The parts of the screens that say something. The others are the place, progress and keys."""
 

@@ -23,8 +23,9 @@ async def test_a_session_from_start_to_summary(open_session: OpenSession) -> Non
         driver.lacks("Practice is over.")
         driver.see("■ □")
         driver.lacks("Keys 2 of 2")
-        assert "0.40 seconds" in driver.said
-        driver.see("you 0.40 seconds ━━━━━━━━", "goal 1 second ━━━━━━━━", "faster than your goal ✓")
+        assert "0.40 seconds" not in driver.said, "it is shown already"
+        driver.see("G O A L R E A C H E D")
+        driver.see("you 0.40 seconds ━━━━━━━━", "shorter is faster", "goal 1.00 seconds ━━━━━━━━")
         driver.see("Attempt 1 of 2 · level 1")
 
         await driver.do_attempt(await driver.begin())
@@ -37,10 +38,8 @@ async def test_a_session_from_start_to_summary(open_session: OpenSession) -> Non
 
         await driver.see_the_summary()
         assert driver.session.ended
-        driver.see(
-            "2 of 2 goals reached", "You began at level 1 and finished at level 2", "0.40 seconds"
-        )
-        driver.see("● ●")
+        driver.see("▀▀█ ▀▀█ █▀▀ of █▀▀ ▀▀▀ ▀▀▀ goals reached", "Your best: 0.40 seconds")
+        driver.see("██ 2 level 1 ▁▁ ██ goal reached ● ●")
         await driver.press("enter")
         assert not driver.app.is_running
         assert driver.app.return_code == 0
@@ -101,7 +100,7 @@ async def test_after_the_last_attempt_it_resumes(
         assert "level" not in driver.rows[0]
         driver.see("■ ■")
         await driver.press("enter")
-        driver.see("2 of 2 goals reached")
+        driver.see("of █▀▀ ▀▀▀ ▀▀▀ goals reached")
     assert driver.stored("SELECT status FROM sessions") == [("completed",)]
 
 

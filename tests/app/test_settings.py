@@ -161,9 +161,9 @@ async def test_values_are_checked_as_they_are_typed(
     assert meaning(form) == "Number of attempts in a session. 1 to 200. Default: 20."
     form.see("◆ Attempts 2 was 20", "◆ 1 not saved")
     form.lacks("must be corrected")
-    await fill(form, "foreperiod_min_ms", "1800")
-    assert meaning(form) == "Shortest wait (1800 ms) is above the longest (1500 ms)."
-    await fill(form, "foreperiod_max_ms", "1900")
+    await fill(form, "foreperiod_min_ms", "1.8")
+    assert meaning(form) == "Shortest wait (1.8 s) is above the longest (1.5 s)."
+    await fill(form, "foreperiod_max_ms", "1.9")
     assert field(form, "foreperiod_min_ms").problem == ""
     await fill(form, "start_level", "21")
     found = meaning(form)
@@ -176,6 +176,43 @@ async def test_values_are_checked_as_they_are_typed(
     assert field(form, "attempts").has_focus_within, "the invalid value"
     assert meaning(form) == "Attempts is a whole number, 1 to 200, not 0."
     assert stored_settings(data)["attempts"] == 20
+
+
+async def test_numbers_are_shown_and_typed_in_the_units_of_therapists(form: AppDriver) -> None:
+    await fill(form, "threshold", "900")
+    assert meaning(form) == (
+        "Goal is a number, 0.1 to 60 s, not 900. For milliseconds, type 900 ms."
+    )
+    await fill(form, "threshold", "900 ms")
+    assert field(form, "threshold").value == "900"
+    await go_to(form, "min_accuracy")
+    form.see("◆ Goal 0.9 s was 1", "Minimum accuracy 80 %")
+    await fill(form, "min_accuracy", "101")
+    assert meaning(form) == "Minimum accuracy is a number, 0 to 100 %, not 101."
+    await fill(form, "min_accuracy", "72,5")
+    assert field(form, "min_accuracy").value == "0.725"
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_the_start_level_is_shown_where_it_is_used(
+    opened: OpenApp, data: Path, catalogue: Catalogue
+) -> None:
+    plan = make_plan(catalogue, "keyboard", ["P01"], {"attempts": 8}, seed=1, mode="simulated")
+    session = simulate(plan, PEOPLE["poor"], data, catalogue)
+    with closing(connect(data)) as database, database:
+        database.execute("UPDATE sessions SET mode='live' WHERE id=?", (session,))
+    known(data, "P01")
+    async with opened() as driver:
+        await driver.press("f2")
+        assert not field(driver, "start_level").display
+        await driver.press("f3")
+        await driver.enter("start_level")
+        assert field(driver, "start_from").has_focus_within
+        assert "Start level is used by another choice: fixed level." in told(driver)
+        await driver.press("enter", "down", "enter")
+        assert field(driver, "start_from").value == "fixed"
+        driver.see("fixed level ▼")
+        assert field(driver, "start_level").display
 
 
 @pytest.mark.slow
@@ -279,6 +316,7 @@ async def test_arrows_and_page_keys_move_between_groups(form: AppDriver) -> None
     assert form.app.focused is form.app.screen.query_one("#groups")
     assert open_panels(form) == ["Limits"]
     form.see("How much is enough?")
+    form.see("Enter goes to Limits.")
     await form.press("enter")
     assert field(form, "session_minutes").has_focus_within
     await form.press("pageup")
@@ -344,10 +382,10 @@ async def test_saving_asks_for_a_reason_and_keeps_it(opened: OpenApp, data: Path
     async with opened() as driver:
         await driver.press("f2", "ctrl+s")
         assert (driver.screen_name, told(driver)) == ("SettingsScreen", "")
-        driver.see("Everything is saved.")
-        await fill(driver, "threshold", "900")
+        driver.see("saved version 1")
+        await fill(driver, "threshold", "0.9")
         await driver.press("ctrl+s")
-        driver.see("● Goal 1000 → 900 ms")
+        driver.see("● Goal 1 → 0.9 s")
         await driver.press("enter")
         driver.see("A few words are enough.")
         await driver.press("escape")
@@ -357,7 +395,8 @@ async def test_saving_asks_for_a_reason_and_keeps_it(opened: OpenApp, data: Path
         await driver.press("down")
         await driver.write("end", "ctrl+u")
         await driver.enter("Ana")
-        driver.see("P01, Keyboard reaction: settings", "version 2", "Everything is saved.")
+        driver.see("P01, Keyboard reaction: settings", "saved version 2")
+        driver.lacks("not saved")
         found = driver.stored("SELECT version, author, reason FROM programmes ORDER BY version")
         assert found == [(1, "", ""), (2, "Ana", "Reached it")]
         settings = stored_settings(data)
@@ -382,11 +421,11 @@ async def test_a_change_by_somebody_else_is_told_and_kept(opened: OpenApp, data:
             )
         await save(driver)
         driver.see(
-            "The programme of P01 was changed meanwhile: version 2 by Ben (Pain). Nothing was saved."
+            "The programme of P01 was changed meanwhile: version 2 (Ben: Pain). Nothing was saved."
         )
         assert stored_settings(data)["attempts"] == 5
         await driver.press("ctrl+s")
-        driver.see("version 2 by Ben (Pain)", "● Attempts 5 → 9")
+        driver.see("version 2 (Ben: Pain)", "● Attempts 5 → 9")
         await driver.enter("Agreed")
         assert "Saved: version 3." in told(driver)
     assert stored(
@@ -417,7 +456,7 @@ async def test_a_preset_leaves_nothing_of_the_one_before(opened: OpenApp, data: 
 async def test_a_rule_is_looked_at_before_it_is_chosen(form: AppDriver) -> None:
     fixed = await preview(form)
     form.see("✓ Step by step", "15 of 20", "An average person: P01 has too few", "more settings ↓")
-    form.see("↑ ↓ look at a rule, Enter chooses it. Everything is saved.")
+    form.see("↑ ↓ look at a rule, Enter chooses it.", "Aims at about half of the goals: 15 of 20.")
     await form.press("down")
     form.see("Enter chooses this rule.")
     assert await preview(form) != fixed
@@ -456,10 +495,11 @@ async def test_only_the_settings_that_a_rule_uses_are_shown(form: AppDriver) -> 
 async def test_the_preview_follows_each_change_and_stores_nothing(
     form: AppDriver, data: Path
 ) -> None:
-    await fill(form, "threshold", "9000")
-    assert await preview(form) == ("20 of 20 goals reached. The level rises all the time, to 20.")
-    await fill(form, "threshold", "150")
-    assert await preview(form) == ("0 of 20 goals reached. The level stays at 1.")
+    await fill(form, "threshold", "9")
+    aims = "Aims at about half of the goals:"
+    assert await preview(form) == f"{aims} 20 of 20. The level rises all the time, to 20."
+    await fill(form, "threshold", "0.15")
+    assert await preview(form) == f"{aims} 0 of 20. The level stays at 1."
     await form.write("x")
     assert await preview(form) == "Correct what is marked ! to see it."
     assert stored(data, "SELECT count(*) FROM sessions") == [(0,)]
@@ -504,12 +544,12 @@ async def test_a_rule_that_fails_is_said_to_when_it_is_looked_at_and_spoils_no_o
     monkeypatch.setitem(DIFFICULTY, "percentile", DIFFICULTY["percentile"]._replace(goal=fail))
     async with opened() as form:
         await form.press("f2")
-        assert "goals reached." in await preview(form)
+        assert "Aims at" in await preview(form)
         form.see("A share of successes ▁")
         await form.press("down")
         assert (await preview(form)).startswith("It cannot be played: The task keyboard")
         await form.press("down")
-        assert "goals reached." in await preview(form)
+        assert "Aims at" in await preview(form)
 
 
 def test_each_level_has_a_height_of_its_own(keyboard: type[Task]) -> None:
@@ -538,7 +578,8 @@ async def test_leaving_asks_nothing_and_saves_nothing_and_coming_back_finds_what
     form.see("◆ 1 not saved")
     assert told(form) == "Back, and not saved: Attempts. F7 discards that."
     await form.press("f7")
-    form.see("Everything is saved.")
+    form.see("saved version 1")
+    form.lacks("not saved")
     assert "Discarded: Attempts. F7 brings that back." in told(form)
     await form.press("f7")
     form.see("◆ 1 not saved")
@@ -569,7 +610,7 @@ def three_versions(data: Path) -> None:
 async def test_a_version_is_compared_and_brought_back_as_a_new_one(opened: OpenApp) -> None:
     async with opened() as driver:
         await driver.press("f2")
-        await fill(driver, "threshold", "900")
+        await fill(driver, "threshold", "0.9")
         await driver.press("f5")
         driver.see("3", "Ben", "Pain", "These are the settings now.")
         await driver.press("enter")

@@ -10,6 +10,7 @@ from sar_tui.model.language import Language
 from sar_tui.model.messages import AttemptEnded
 from sar_tui.model.trial_types import Metric
 from sar_tui.tui.heading import figures_in_blocks
+from sar_tui.widgets.block_digits import draw_share
 from tests.app.app_driver import AppDriver, OpenApp, OpenSession, open_app
 from tests.tasks.test_documented_tasks import documented
 
@@ -85,20 +86,19 @@ def test_the_picture_is_below_the_words_where_there_is_no_room_beside_them() -> 
 
 def test_words_say_what_the_picture_shows() -> None:
     assert picture(GOOD_DAY) == [
-        "              ▁▁ ▄▄ ██ 5",
-        "level 1 ▁▁ ▅▅ ██ ██ ██",
-        "  goals ●  ●  ●  ●  ○",
-        "● reached   ○ not yet",
+        "                   ▁▁ ▄▄ ██ 5",
+        "     level 1 ▁▁ ▅▅ ██ ██ ██",
+        "goal reached ●  ●  ●  ●  ○",
     ]
 
 
-def test_where_all_goals_were_reached_nothing_is_said_of_others() -> None:
-    assert picture(GOOD_DAY[:1]) == ["  goals ●", "● reached"]
+def test_where_no_level_rose_only_the_marks_are_drawn() -> None:
+    assert picture(GOOD_DAY[:1]) == ["goal reached ●"]
 
 
 def test_in_a_large_window_the_picture_is_tall() -> None:
-    *lines, blank, _, _ = picture(GOOD_DAY, LARGE)
-    heights = [sum(line.ljust(40)[column] != " " for line in lines) for column in range(8, 38, 6)]
+    *lines, blank, _ = picture(GOOD_DAY, LARGE)
+    heights = [sum(line.ljust(45)[column] != " " for line in lines) for column in range(13, 43, 6)]
     assert heights == sorted(heights)
     assert heights[-1] == len(lines) == 5
     assert blank == ""
@@ -117,6 +117,21 @@ def test_only_figures_are_in_block_letters(text: str, words: str) -> None:
     assert drawn[-1].endswith(words)
     assert len({len(line) for line in drawn}) == 1
     assert figures_in_blocks(text, 20) == []
+
+
+def test_the_words_of_large_figures_stand_in_the_middle_below_them() -> None:
+    assert [
+        row.replace("\N{NO-BREAK SPACE}", " ") for row in draw_share("9 of 10 goals reached")
+    ] == [
+        "█▀█    ▀█ █▀█",
+        "▀▀█ of  █ █ █",
+        "▀▀▀     ▀ ▀▀▀",
+        "goals reached",
+    ]
+    *_, words = figures_in_blocks("9 of 10 goals reached", 100, is_below=True)
+    sides = words.split("goals\N{NO-BREAK SPACE}reached")
+    assert abs(len(sides[0]) - len(sides[1])) <= 1
+    assert draw_share("You did 1 attempt.") == []
 
 
 async def test_a_completed_session_is_praised_with_its_number_and_the_next_meeting(
@@ -163,7 +178,7 @@ async def test_only_a_later_like_session_is_compared(open_session: OpenSession) 
     for settings in ({}, {}, {"threshold": 900.0}):
         async with open_session(max_level=1, **settings) as driver:
             await to_comparison(driver)
-            driver.see("2 of 2 goals reached")
+            driver.see("▀▀█ ▀▀█ █▀▀ of █▀▀ ▀▀▀ ▀▀▀ goals reached")
             compared.append(driver.sees("Today 0.40 seconds, "))
     assert compared == [False, True, False]
 

@@ -82,8 +82,8 @@ async def test_an_attempt_begun_by_mistake_is_begun_later(
 ) -> None:
     async with open_session(attempts=1) as driver:
         await driver.to_first_prompt()
-        driver.see(OFFER)
-        await driver.press("backspace")
+        driver.see("Ctrl-Z Take back")
+        await driver.press("ctrl+z")
         await driver.wait(500)
         driver.see("This attempt begins again", "Press Enter")
         await driver.do_attempt(await driver.begin())
@@ -94,6 +94,15 @@ async def test_an_attempt_begun_by_mistake_is_begun_later(
         found = [flaw.what for flaw in flaws(database)]
     assert told == ["Attempt 1 was begun by mistake; attempt 2 began it again."]
     assert found == [], "nothing of the record is missing"
+
+
+async def test_backspace_is_a_response_while_one_is_awaited(open_session: OpenSession) -> None:
+    async with open_session(attempts=1) as driver:
+        await driver.to_first_prompt()
+        await driver.press("backspace")
+        await driver.wait(500)
+    assert driver.stored("SELECT attempt, trial, response FROM trials") == [(1, 1, "backspace")]
+    assert driver.messages("event_handler/taken_back") == []
 
 
 async def test_a_change_of_the_therapist_is_taken_back(open_session: OpenSession) -> None:

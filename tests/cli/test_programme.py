@@ -137,7 +137,7 @@ def test_a_file_exported_before_another_change_is_refused_unless_it_is_meant(
     save(data, 1, "ben", "Tired", attempts=8)
     edit(file, "attempts = 12", "attempts = 15")
     refused = call("programme import P07 keyboard", file, *WHY)
-    refused.refused("changed meanwhile: version 2 by ben (Tired). Nothing was saved.")
+    refused.refused("changed meanwhile: version 2 (ben: Tired). Nothing was saved.")
     assert newest(data).parameters == {"attempts": 8}
     assert call("programme import P07 keyboard", file, "--anyway", *WHY).code == 0
     assert (newest(data).version, newest(data).parameters) == (3, {"attempts": 15})

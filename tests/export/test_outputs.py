@@ -33,6 +33,18 @@ def test_each_part_of_an_action_and_each_signal_for_cameras_has_its_times(tmp_pa
     assert row == {"session": "s1", "signal": 1, "run": 1, "at_ns": 5, **flash}
 
 
+def test_what_was_taken_back_leaves_without_the_name_of_who_did_it(tmp_path: Path) -> None:
+    store_trials(tmp_path, [])
+    answer = {"what": "answer", "number": 3, "actor": "participant", "done": 5, "at": 9}
+    level = {"what": "level", "act": "0f", "actor": "operator.ann", "done": 20, "at": 30}
+    store_messages(tmp_path, "event_handler/taken_back", [answer, level])
+    names = ("act", "run", "done_ns", "at_ns", "what", "number", "taken_back_by")
+    assert [tuple(row[name] for name in names) for row in csv_of(tmp_path, "taken_back")] == [
+        (1, 1, 5, 9, "answer", 3, "participant"),
+        (2, 1, 20, 30, "level", None, "operator"),
+    ]
+
+
 def store_reports(data: Path, reports: list[tuple[str, str, str, str, int]]) -> None:
     names = ("action", "output", "deed", "state", "at")
     store_messages(data, "output/report", [dict(zip(names, each, strict=True)) for each in reports])

@@ -158,6 +158,13 @@ def test_a_full_stop_is_not_a_decimal_point() -> None:
     assert tr("{first} {next}", first="Marker 1.", next="Then 2.") == "Marker 1. Then 2."
 
 
+@pytest.mark.parametrize(
+    "name", ["/data/study-1.2/x.db", "/data/1.2/x", "C:\\1.2", "127.0.0.1:8000", "run 1.2.csv"]
+)
+def test_paths_and_addresses_have_no_decimal_numbers(name: str) -> None:
+    assert Language("de").figures(f"{name} -0.5 s.") == f"{name} -0,5 s."
+
+
 # --- sentences of errors
 
 

@@ -264,6 +264,7 @@ OTHERS: list[tuple[Topic[Any], Any, str]] = [
     (COMMAND, command("level", value=5), "Level 5"),
     (COMMAND, command("skip"), "Skipped the prompt"),
     (COMMAND, command("skip", "rest"), "Ended the rest"),
+    (COMMAND, command("end", "finished"), "Ended the session"),
     (COMMAND, command("skip", "step", value=1), "Skipped the question"),
     (COMMAND, command("mark", "missed"), "Marked: marker missed"),
 ]

@@ -246,7 +246,7 @@ MORE_OTHERS: list[tuple[Topic[Any], Any]] = [
 ]
 
 
-@pytest.mark.parametrize("actor", [b.ANNA, "operator.ben", "therapist"])
+@pytest.mark.parametrize("actor", [b.ANNA, "operator.ben", "therapist", "participant"])
 @pytest.mark.parametrize(
     ("topic", "act"), [*((topic, act) for topic, act, _ in OTHERS), *MORE_OTHERS]
 )
@@ -258,7 +258,9 @@ def test_what_others_do_is_told_in_the_panels_language(
     panel.receive(topic, act)
     shown = lines(panel)
     panel.receive(t.ANSWERED, answer_to(act, NOW))
-    assert english([*shown, *lines(panel)], tr) == []
+    shown += lines(panel)
+    assert english(shown, tr) == []
+    assert not any("participant" in line for line in shown), "they are named by their code"
 
 
 def test_numbers_in_what_is_typed_stay_as_they_are(tr: Language) -> None:

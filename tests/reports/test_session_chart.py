@@ -5,11 +5,13 @@ from hypothesis import strategies as st
 
 from sar_tui.reports.charts import (
     ABOVE,
+    BASELINE,
     BELOW,
     HALVES,
     LIMIT,
     UNKNOWN,
     Columns,
+    SessionChart,
     Value,
     limits,
     session_chart,
@@ -18,11 +20,15 @@ from sar_tui.reports.charts import (
 MONTHS = "Jan Feb Mar Apr May Jun Jul Aug Sep Oct Nov Dec".split()
 
 
-def draw(values: list[Value], width: int = 40, rows: int = 7, **more: object) -> list[str]:
+def chart(values: list[Value], width: int = 40, rows: int = 7, **more: object) -> SessionChart:
     columns = Columns(len(values), width)
     axis = limits(values)
     ticks = [(axis[0], "low"), (axis[1], "high")]
     return session_chart(values, columns, axis=axis, ticks=ticks, rows=rows, margin=6, **more)  # type: ignore[arg-type]
+
+
+def draw(values: list[Value], width: int = 40, rows: int = 7, **more: object) -> list[str]:
+    return chart(values, width, rows, **more).rows
 
 
 def points(lines: list[str]) -> list[tuple[int, int]]:
@@ -65,7 +71,7 @@ def test_no_value_is_on_the_other_side_of_a_limit(
     drawn = session_chart(
         [Value(value) for value in values],
         columns, axis=axis, ticks=[], rows=rows, margin=6, area=(low, high),
-    )  # fmt: skip
+    ).rows  # fmt: skip
     lines = [2 * row + 1 for row, line in enumerate(reversed(drawn[:-1])) if LIMIT in line]
     if len(lines) < 2:
         return  # both limits are in one row
@@ -73,6 +79,47 @@ def test_no_value_is_on_the_other_side_of_a_limit(
         if abs(value - low) > 1e-6 and abs(value - high) > 1e-6:
             assert (value > low) == (half >= lines[0])
             assert (value > high) == (half >= lines[1])
+
+
+def halves(drawn: SessionChart, column: int, rows: int) -> list[str]:
+    """Return what the half rows of a column of a shaded chart show, from below."""
+    found: list[str] = []
+    for row in reversed(range(rows)):
+        runs = [run for run in drawn.runs[row] if run.first <= column < run.last]
+        shown, behind = (runs[0].shown, runs[0].behind) if runs else ("", "")
+        text = drawn.rows[row]
+        half = HALVES.find(text[column]) if column < len(text) and text[column] != " " else -1
+        lower_and_upper = [behind, behind]
+        if half >= 0:
+            lower_and_upper[half] = shown
+        found += lower_and_upper
+    return found
+
+
+def test_a_band_is_one_stroke_of_its_length_through_its_point_whatever_is_behind() -> None:
+    values = [Value(2.0, 1.0, 4.0), Value(6.0, 4.0, 8.0)]
+    drawn = session_chart(
+        values, Columns(2, 40), axis=(0.0, 9.0), ticks=[], rows=5, margin=6, area=(0.5, 5.5),
+        baseline=2.0, is_shaded=True,
+    )  # fmt: skip
+    area = ["", *["area"] * 5, *[""] * 4]
+    first = halves(drawn, 11, 5)
+    assert first == ["", "band", "point", "band", "band", "area", "", "", "", ""]
+    assert halves(drawn, 21, 5) == [*area[:4], *["band"] * 2, "point", "band", "band", "ground"]
+    assert LIMIT in drawn.rows[3], "the baseline"
+    assert LIMIT not in "".join(drawn.rows[row] for row in (0, 1, 2, 4))
+
+
+def test_lines_have_their_names_where_there_is_room_and_else_a_legend() -> None:
+    names = {LIMIT: "noise", BASELINE: "baseline 2"}
+    given: dict[str, object] = {"area": (1.0, 4.0), "baseline": 2.0, "names": names}
+    for is_shaded in (False, True):
+        rising = chart([Value(2.0), Value(5.0), Value(9.0)], is_shaded=is_shaded, **given)
+        assert rising.unnamed == []
+        for name in names.values():
+            assert sum(row.rstrip().endswith(f" {name}") for row in rising.rows) == 1
+        full = [Value(2.0, 0.5, 6.0)] * 20
+        assert chart(full, is_shaded=is_shaded, **given).unnamed == [BASELINE, LIMIT]
 
 
 def test_sessions_without_a_value_have_a_sign_in_a_row_of_their_own() -> None:
@@ -111,5 +158,5 @@ def test_dates_are_shortened_and_the_last_one_is_there() -> None:
 def test_each_row_has_the_label_next_to_its_middle() -> None:
     ticks = [(float(place), str(place)) for place in range(11)]
     values, columns, axis = [Value(0.0), Value(10.0)], Columns(2, 40), (0.0, 10.0)
-    lines = session_chart(values, columns, axis=axis, ticks=ticks, rows=3, margin=6)
+    lines = session_chart(values, columns, axis=axis, ticks=ticks, rows=3, margin=6).rows
     assert [line.split("┤")[0].strip() for line in lines[:3]] == ["9", "5", "1"]

@@ -50,7 +50,7 @@ def test_the_second_of_two_therapists_overwrites_nothing(database: Connection, d
     with pytest.raises(Superseded) as caught:
         saved(database, 1, "ana", attempts=9)
     assert str(caught.value) == (
-        "The programme of P07 was changed meanwhile: version 2 by ben (Tired). Nothing was saved."
+        "The programme of P07 was changed meanwhile: version 2 (ben: Tired). Nothing was saved."
     )
     assert caught.value.newest == newest(database, "P07", "keyboard") == theirs
 

@@ -1,5 +1,7 @@
 """The chosen box of a scale is filled, and boxes grow with the room."""
 
+import re
+
 from sar_tui.model.step import Entry, Step
 from sar_tui.widgets.answer_options import options_text, with_chosen
 
@@ -14,11 +16,17 @@ def filled(columns: int, chosen: int) -> list[str]:
 
 
 def test_only_the_rows_of_the_chosen_box_are_filled() -> None:
-    assert filled(66, 7) == [
-        "┏━━━━┓",
-        "┃\N{NO-BREAK SPACE}7\N{NO-BREAK SPACE}\N{NO-BREAK SPACE}┃",
-        "┗━━━━┛",
-    ]
+    gap = "\N{NO-BREAK SPACE}" * 2
+    assert filled(78, 7) == ["┏━━━━━┓", f"┃{gap}7{gap}┃", "┗━━━━━┛"]
+
+
+def test_a_digit_is_in_the_middle_of_its_box() -> None:
+    for columns in range(55, 160):
+        edge, digit, *_ = filled(columns, 7)
+        left, right = re.split(r"[^\s┃]+", digit)
+        assert len(edge) % 2 == 1
+        if len(edge) < 13:  # letters of a font have a gap on the right
+            assert len(left) == len(right)
 
 
 def test_large_digits_are_filled_whole_in_each_box() -> None:

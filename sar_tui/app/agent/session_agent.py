@@ -1,6 +1,6 @@
 """The agent on a session's screen, and the notice that its voice has failed."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from textual.widget import Widget
@@ -68,6 +68,10 @@ class SessionAgent:
             self.widget.note("")
             self.words = f"{self.words}\n{text}" if joins else text
         self.widget.say(text, face, valence, joins=joins)
+
+    def leave_out(self, phrases: Sequence[str]) -> None:
+        """Leave phrases out of the words on the screen; ``words`` keeps them."""
+        self.widget.leave_out(phrases)
 
     def gesture(self, gesture: Gesture) -> None:
         self.widget.gesture(gesture)

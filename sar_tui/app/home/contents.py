@@ -119,7 +119,7 @@ def _programme(
     except PLUGIN_ERRORS:
         problem = tr("The task cannot be set up.")
         return problem, problem
-    next_one = Programme(parameters.attempts, prompts, goal, *start)
+    next_one = Programme(parameters.attempts, prompts, goal, start.level, start.why)
     return (
         words.programme_words(next_one, tr, is_roomy=False),
         words.programme_words(next_one, tr, is_roomy=True),

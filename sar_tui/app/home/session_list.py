@@ -185,7 +185,8 @@ class SessionList(Vertical):
 
 ROOMY = 90
 """Columns from which on a table has room for more."""
-_GAP = " "
+_GAPS = ("  ", " ")
+"""Blanks between columns, the first if there is room for them."""
 _HEADINGS = {
     "day": "Date",
     "clock": "Time",
@@ -252,11 +253,15 @@ class Table:
         if is_roomy:
             columns["minutes"] = 7
         self._columns = {name: max(columns[name], len(tr(_HEADINGS[name]))) for name in columns}
+        needed = sum(self._columns.values()) + max((len(line.note) for line in lines), default=0)
+        wide, narrow = _GAPS
+        is_wide = needed + len(wide) * len(columns) <= width
+        self._gap = wide if is_wide else narrow
 
     @property
     def heading(self) -> str:
         """The names of the columns."""
-        return _GAP.join(
+        return self._gap.join(
             f"{self._tr(_HEADINGS[name]):<{width}}" for name, width in self._columns.items()
         ).rstrip()
 
@@ -278,13 +283,13 @@ class Table:
         }
         columns = dict(self._columns)
         for name in ("minutes", "levels", "tired", "pain"):
-            if sum(columns.values()) + len(columns) * len(_GAP) + len(line.note) > self._width:
+            if sum(columns.values()) + len(columns) * len(self._gap) + len(line.note) > self._width:
                 columns.pop(name, None)  # why a session stands out says more
-        drawn = Content(_GAP).join(
+        drawn = Content(self._gap).join(
             Content.styled(_fitted(cells[name], width), "$text-muted" if name == "levels" else "")
             for name, width in columns.items()
         )
-        return (drawn + f"{_GAP}{line.note}").rstrip().truncate(self._width, ellipsis=True)
+        return (drawn + f"{self._gap}{line.note}").rstrip().truncate(self._width, ellipsis=True)
 
 
 def _from_to(levels: Sequence[int]) -> str:

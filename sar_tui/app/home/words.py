@@ -78,7 +78,7 @@ def programme_words(programme: Programme, tr: Language, *, is_roomy: bool) -> st
 
 
 def progress_words(line: "LineProgress", others: int, tr: Language) -> str:
-    """Return the level at goal with the verdict on it: "Level 4.5 at goal: no change can be shown".
+    """Return the level at goal with the verdict on it: "Level 4.5: no change can be shown".
 
     ``others`` is the number of earlier sessions that had other settings.
     """

@@ -1,5 +1,7 @@
 """The middle of the session's screen while it waits for somebody: result, words and drawing."""
 
+from collections.abc import Callable
+
 from rich.text import Text
 from textual.app import ComposeResult
 from textual.containers import Vertical
@@ -11,10 +13,10 @@ from sar_tui.app.screens.waiting_text import WaitingText
 from sar_tui.model.results_for_people import result_text
 from sar_tui.model.spoken_text import sentences
 from sar_tui.tui.base_app import on_linux_console
-from sar_tui.tui.heading import TALL, TWO_LINES, Heading, figures_in_blocks, is_roomy
+from sar_tui.tui.heading import ONE_LINE, TALL, TWO_LINES, Heading, figures_in_blocks, is_roomy
 from sar_tui.widgets.answer_options import with_chosen
 from sar_tui.widgets.block_digits import draw_result
-from sar_tui.widgets.goal_bar import GoalBar, draw_bars, rows_of_bars
+from sar_tui.widgets.goal_bar import GoalBar, draw_bars, rows_of_bars, verdict
 from sar_tui.widgets.language import language_of
 from sar_tui.widgets.task_view import Drawing
 
@@ -22,6 +24,8 @@ _DRAWING_ROWS, _DRAWING_COLUMNS = 7, 72
 """Least rows of a drawing, with the blank one above it, and most columns."""
 _BARS, _LARGE_BARS = 68, 92
 """Most columns of the bars and their words, in a small and in a large window."""
+_GAP = 2
+"""Blank rows below each part of a result in a tall window."""
 _PADDING = 2
 """Rows that the band of the headline takes besides, in a tall window."""
 
@@ -31,10 +35,14 @@ class MessagePanel(Vertical):
     window's size.
 
     Where there is little room the words stay, then the drawing, then the bars.
+
+    Args:
+        arranged: called when it is drawn: True if the result of a single participant is shown.
     """
 
-    def __init__(self, id: str | None = None) -> None:
+    def __init__(self, arranged: Callable[[bool], None], *, id: str | None = None) -> None:
         super().__init__(id=id)
+        self._arranged = arranged
         self._text = WaitingText("", "", "")
         self._bars: list[GoalBar] = []
         self._ask = ""
@@ -42,6 +50,7 @@ class MessagePanel(Vertical):
 
     def compose(self) -> ComposeResult:
         yield Static("", id="figure", classes="sentence", markup=False)
+        yield Heading(id="verdict")
         yield Static("", id="result")
         yield Heading(id="headline")
         yield Static("", id="text", markup=False)
@@ -74,14 +83,16 @@ class MessagePanel(Vertical):
         padding = _PADDING if self._bars and is_tall else 0
         left -= padding
         is_large = is_roomy(*self.app.size) and not drawing
-        # where little is left, thin bars, and then no figure
-        bars, rows = Content(""), 0
-        gap = 3 if is_tall else 1
+        # where little is left, a small verdict, thin bars, and then no figure
+        bars, rows, verdict_rows = Content(""), 0, 1
+        gap = _GAP if is_tall else 1
         drawn = self._figure(width, is_large)
-        for thick, figure in ((is_large, drawn), (False, drawn), (False, [])):
-            rows = (
-                rows_of_bars(self._bars, is_large=thick) + gap + (len(figure) + gap) * bool(figure)
-            )
+        small = [(False, drawn, 1), (False, [], 1)]
+        large = [(True, drawn, ONE_LINE), (True, drawn, 1)] if is_large else []
+        for thick, figure, verdict_rows in (*large, *small):
+            rows = rows_of_bars(self._bars, is_large=thick) + gap
+            rows += (len(figure) + gap) * bool(figure)
+            rows += (verdict_rows + gap) * (len(self._bars) == 1)
             if self._bars and rows <= left:
                 room = min(width, _LARGE_BARS if is_large else _BARS)
                 bars = draw_bars(self._bars, room, language_of(self.app), is_large=thick)
@@ -95,9 +106,9 @@ class MessagePanel(Vertical):
         if is_large:
             rest = height - rows - padding - bool(self._ask)
             text, headline_rows = spread(self._text, width, rest)
-        is_reached = bool(figure) and self._bars[0].is_reached
-        self.query_one("#figure").set_class(is_reached, "well-done")
         self._put("figure", "\n".join(figure))
+        is_alone = bool(bars) and len(self._bars) == 1
+        self._judge(self._bars[0] if is_alone else None, verdict_rows)
         self._put("result", bars)
         headline = self.query_one("#headline", Heading)
         headline.set_class(bool(bars), "band")
@@ -106,6 +117,17 @@ class MessagePanel(Vertical):
         headline.show(self._text.headline, 1 if figure else headline_rows)
         self._put("text", with_chosen(text))
         self._put("ask", self._ask)
+        self._arranged(is_alone)
+
+    def _judge(self, bar: GoalBar | None, most_rows: int) -> None:
+        """Show whether the goal is reached: praise if it is."""
+        is_reached = bar is not None and bar.is_reached
+        self.query_one("#figure").set_class(is_reached, "well-done")
+        shown = self.query_one("#verdict", Heading)
+        shown.set_classes("well-done" if is_reached else "body")
+        shown.show(
+            verdict(bar, language_of(self.app)) if bar else "", most_rows if is_reached else 1
+        )
 
     def _figure(self, width: int, is_large: bool) -> list[str]:
         """Return the rows of the result of the last attempt, if it can be drawn large; none if not,

@@ -11,7 +11,7 @@ from textual.screen import Screen
 from textual.widgets import Button, Static
 
 from sar_tui.app.screens.wellbeing import ALONE, TELL_OF_PAIN
-from sar_tui.model.language import Language, language
+from sar_tui.model.language import Language, in_language, language
 from sar_tui.model.spoken_text import sentences
 from sar_tui.plugins import PluginError, task_folder
 from sar_tui.rules.scanning import Choice
@@ -170,7 +170,7 @@ class PatientScreen(Screen[None]):
                 self.app.aloud.use_planned(self._plan, self.tr)
         except PLAN_ERRORS as error:
             self._plan, trouble = None, True
-            self.app.patient_mode.note_trouble(str(error))
+            self.app.patient_mode.note_trouble(in_language(error, self.app.tr))
         self._write(trouble=trouble)
 
     def on_resize(self) -> None:
@@ -316,7 +316,7 @@ class PatientScreen(Screen[None]):
                 self.app.database, self.app.folder, self._participant, self._plan.task.name
             )
         except StoreError as error:
-            self.app.patient_mode.note_trouble(str(error))
+            self.app.patient_mode.note_trouble(in_language(error, self.app.tr))
             session = None
         self.app.begin_session(session or self._plan)
 

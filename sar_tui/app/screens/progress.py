@@ -2,13 +2,14 @@
 
 import functools
 import sqlite3
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import groupby
 from typing import Any, ClassVar
 
 from textual import work
 from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
+from textual.color import Color
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.screen import ModalScreen
@@ -23,16 +24,7 @@ from sar_tui.model.line_breaks import balanced
 from sar_tui.records.kind import Kind, kinds
 from sar_tui.reports import progress_parts as parts
 from sar_tui.reports import progress_words
-from sar_tui.reports.charts import (
-    BAND,
-    BARS,
-    BASELINE,
-    CHOSEN,
-    HALVES,
-    LIMIT,
-    POINT,
-    RULE,
-)
+from sar_tui.reports.charts import BAND, BARS, CHOSEN, LIMIT, POINT, RULE, Role
 from sar_tui.reports.progress import LineProgress, Progress, compare, progress
 from sar_tui.reports.progress_glossary import GLOSSARY, explained
 from sar_tui.reports.progress_headline import headline, sessions_text
@@ -57,11 +49,13 @@ _FOR_LISTS, _FOR_HALVES = 100, 156
 _LISTS = 42
 """Columns of the lists in a narrower window."""
 _FOR_DAYS = 36
-"""Rows of the window from which the days stand below the picture."""
+"""Rows of the window from which the days stand below the sessions."""
 _BOX = 2, 4
 """Rows and columns of the border of a list."""
 _OUTLOOKS = {"improving": "Improving", "steady": "Steady", "behind": "Behind"}
 """Words of the sentence that are explained."""
+_OPTIONAL_KEYS = ("note", "page", "add_record", "other_settings")
+"""Keys that the footer leaves out, the first ones first, where there is no room."""
 NONE_YET = "No attempt has been finished yet. A adds an event, or a score of another test."
 
 
@@ -73,7 +67,7 @@ class ProgressScreen(DismissedOnce[None]):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape,f4", "leave", "Back", id="back"),
         Binding("enter", "open", "Explain", show=False, id="explain"),
-        Binding("tab", "figure(1)", "Figure", id="next-figure"),
+        Binding("tab", "figure(1)", "Next view", id="next-figure"),
         Binding("shift+tab", "figure(-1)", "Previous figure", show=False, id="previous-figure"),
         Binding("right", "choose(1)", "Session", key_display="←→", id="next-session"),
         Binding("left", "choose(-1)", "Previous session", show=False, id="previous-session"),
@@ -83,14 +77,14 @@ class ProgressScreen(DismissedOnce[None]):
         Binding("pageup", f"go_down(-{_PAGE})", "Ten back", show=False, id="sessions-back"),
         Binding("home", "choose_end(0)", "First session", show=False, id="first-session"),
         Binding("end", "choose_end(-1)", "Last session", show=False, id="last-session"),
+        Binding("c", "compare", "Compare", id="compare"),
+        Binding("s", "other_settings", "Other chart", id="other-settings"),
         Binding("a", "add_record", "Add", id="add-record"),
         Binding(
             "delete,backspace", "remove_record", "Remove", key_display="Del", id="remove-record"
         ),
-        Binding("c", "compare", "Compare", show=False, id="compare"),
-        Binding("s", "other_settings", "Charts", id="other-settings"),
+        Binding("h", "page", "Print page", id="page"),
         Binding("n", "note", "Note", id="note"),
-        Binding("h", "page", "Page", id="page"),
         Binding("ctrl+q", "app.quit", "Quit", show=False, priority=True, id="quit-here"),
     ]
 
@@ -109,6 +103,7 @@ class ProgressScreen(DismissedOnce[None]):
         self._chosen = 0
         self._marked: str | None = None
         self._record: int | None = None
+        self._rows: dict[str, int] = {}
 
     @functools.cached_property
     def tr(self) -> Language:
@@ -147,15 +142,14 @@ class ProgressScreen(DismissedOnce[None]):
         yield Heading("", id="sentence")
         yield Static("", id="told", classes="needs-a-look", markup=False)
         with Horizontal(id="body"):
-            with Vertical(id="left"):
-                yield _Drawing(self._draw, id="picture")
-                yield self._box("days")
+            yield _Drawing(self._draw, id="picture")
             with Vertical(id="right"):
                 yield self._box("records")
                 yield self._box("sessions")
+                yield self._box("days")
         yield Static("", id="chosen", classes="small", markup=False)
         yield KeyLine()
-        yield KeyFooter(show_command_palette=False)
+        yield KeyFooter(show_command_palette=False, optional=_OPTIONAL_KEYS)
 
     def _box(self, name: str) -> "_Drawing":
         """Return a list with a border."""
@@ -289,15 +283,25 @@ class ProgressScreen(DismissedOnce[None]):
             box.set_class(box.id == self.figure, "-chosen")
         if beside:
             columns = self._lists_width - _BOX[1]
-            records = self._list("records", (columns, self.size.height // 2))
-            self.query_one("#records").styles.height = len(records) - 1 + _BOX[0]
-            sessions = self._list("sessions", (columns, self.size.height))
-            self.query_one("#sessions").styles.max_height = len(sessions) - 1 + _BOX[0]
-            left = self.size.width - self._lists_width - _BOX[1]
-            self.query_one("#days").styles.height = (
-                len(self._list("days", (left, 99))) - 1 + _BOX[0]
-            )
-            self.call_after_refresh(self._name_lists)
+            self._rows = {
+                name: len(self._list(name, (columns, self.size.height))) - 1 + _BOX[0]
+                for name in beside
+            }
+            self.query_one("#records").styles.height = self._rows["records"]
+            self.query_one("#sessions").styles.max_height = self._rows["sessions"]
+            self.query_one("#days").styles.min_height = self._rows.get("days", 0)
+            self.call_after_refresh(self._fit_lists)
+
+    def _fit_lists(self) -> None:
+        """Let the days have the rows that the sessions do not need."""
+        beside, sessions = self._beside, self.query_one("#sessions")
+        if "days" in beside:
+            others = self._rows["records"] + self._rows["days"]
+            room = self.query_one("#right").size.height - others
+            sessions.styles.height = max(_BOX[0] + 2, min(self._rows["sessions"], room))
+        else:
+            sessions.styles.height = "1fr"
+        self.call_after_refresh(self._name_lists)
 
     def _name_lists(self) -> None:
         """Give each list its title, with the part of it that its place has room for."""
@@ -356,8 +360,21 @@ class ProgressScreen(DismissedOnce[None]):
             return Content("" if self._problem else self.tr("Reading the sessions …"))
         if line is None or self.figure in self._hidden:
             return colored(self._list(self.figure, size), self.figure)
-        drawn = parts.picture(line, size, self.figure, self._chosen, self.tr, self._marked)
-        return colored(drawn, self.figure)
+        drawn = parts.picture(
+            line,
+            size,
+            self.figure,
+            self._chosen,
+            self.tr,
+            self._marked,
+            is_shaded=self._is_shaded,
+        )
+        return colored(drawn, self.figure, chart_colors(self.app.theme_variables))
+
+    @property
+    def _is_shaded(self) -> bool:
+        """True if the terminal shows shades: it has more than 16 colours, and none is asked for."""
+        return not self.app.no_color and self.app.console.color_system in _SHADED
 
     def _draw_list(self, name: str, columns: int, rows: int) -> Content:
         """Draw a list that has a border, whose title is there."""
@@ -380,20 +397,20 @@ class ProgressScreen(DismissedOnce[None]):
         )
 
     def _about(self, line: LineProgress) -> str:
-        """Return the chosen session in words, or its comparison with the marked one; and the lists
-        that are not shown.
-        """
+        """Return the chosen session in words, or its comparison with the marked one."""
         assert self.found
-        hidden = self._hidden
-        if self.figure in hidden and self.figure != "sessions":
+        if self.figure in self._hidden and self.figure != "sessions":
             return ""
         chosen = line.sessions[self._chosen]
         width = self.size.width - 4
-        said = parts.session_text(line, chosen, self.found.today, self.tr, width)
+        said = [
+            parts.session_text(line, chosen, self.found.today, self.tr, width, self.figure),
+        ]
         if self._marked == chosen.session:
-            compared = self.tr(
+            hint = self.tr(
                 "Left and Right: choose the session to compare it with. Esc: no comparison."
             )
+            said += parts.wrapped([hint], width)
         elif self._marked and (comparison := compare(self.found, self._marked, chosen.session)):
             compared = self.tr(
                 "{first} and {second}: {comparison}",
@@ -401,14 +418,7 @@ class ProgressScreen(DismissedOnce[None]):
                 second=self._day(comparison.later.began),
                 comparison=progress_words.compared(line, comparison, self.tr),
             )
-        if self._marked:
-            said = [said[0], *parts.wrapped([compared], width)]
-        else:
-            keys = [self.tr("C: compare it with another")] if len(line.sessions) > 1 else []
-            if hidden and self.figure not in hidden:
-                named = ", ".join(self.tr(GLOSSARY[name].title) for name in reversed(hidden))
-                keys.append(self.tr("Shift-Tab: {lists}", lists=named))
-            said += [" · ".join(keys)] if keys else []
+            said += parts.wrapped([compared], width)
         return f"{parts.CURSOR} " + "\n  ".join(said)
 
     def _day(self, stamp: str) -> str:
@@ -428,10 +438,10 @@ class ProgressScreen(DismissedOnce[None]):
             )
         for action, title, help in (
             ("compare", tr("Compare"), tr("Compare the chosen session with another")),
-            ("other_settings", tr("Charts"), tr("Sessions with other settings")),
+            ("other_settings", tr("Other chart"), tr("Sessions with other settings")),
             ("add_record", tr("Add"), tr("An adverse event, or a score of another test")),
             ("note", tr("Note"), tr("A paragraph to paste into a record")),
-            ("page", tr("Page"), tr("A page with charts, to print")),
+            ("page", tr("Print page"), tr("A page with charts, to print")),
         ):
             if self.check_action(action, ()):
                 yield SystemCommand(title, help, getattr(self, f"action_{action}"))
@@ -617,10 +627,22 @@ class ProgressScreen(DismissedOnce[None]):
             self.app.call_from_thread(self.notify, f"{said}\n{path}", timeout=12)
 
 
+_SHADED = ("256", "truecolor")
+"""Names of Rich for colours that have shades."""
 _OF_CHARTS = {
-    **dict.fromkeys((POINT, *HALVES, BASELINE, CHOSEN), "$accent"),
+    POINT: "$accent",
+    CHOSEN: "$accent",
     **dict.fromkeys((BAND, LIMIT, RULE), "$text-muted"),
 }
+_PARTS: dict[Role, tuple[str, float]] = {
+    "point": ("accent", 1.0),
+    "band": ("accent", 0.45),
+    "area": ("foreground", 0.13),
+    "line": ("foreground", 0.6),
+    "label": ("foreground", 0.75),
+    "ground": ("background", 1.0),
+}
+"""Colours of the parts of a chart: one of the theme, and how much of it is on the background."""
 _OF_BARS = dict.fromkeys(BARS, "$text-muted")
 _COLORS = {
     "level": _OF_CHARTS,
@@ -630,16 +652,35 @@ _COLORS = {
 }
 """Colours of characters by the figure of their row."""
 _NAME, _CHOSEN_NAME, _LOOK = "bold", "$background on $accent bold", "$warning bold"
+_CHOSEN_ROW = "bold on $accent 35%"
 
 
-def colored(rows: Sequence[TextRow], figure: str) -> Content:
+def chart_colors(theme: Mapping[str, str]) -> dict[str, str]:
+    """Return the colours of the parts of a chart, given those of the theme."""
+    ground = Color.parse(theme["background"])
+    return {
+        part: ground.blend(Color.parse(theme[name]), share).hex
+        for part, (name, share) in _PARTS.items()
+    }
+
+
+def colored(
+    rows: Sequence[TextRow], figure: str, chart: Mapping[str, str] | None = None
+) -> Content:
     """Return rows with the characters of charts in their colours, the names of figures in bold, and
     the name of the chosen figure like a cursor.
+
+    Args:
+        rows: to draw.
+        figure: the chosen one.
+        chart: colours of the parts of a chart.
     """
-    return Content("\n").join(_colored(row, is_chosen=row.figure == figure) for row in rows)
+    return Content("\n").join(
+        _colored(row, chart or {}, is_chosen=row.figure == figure) for row in rows
+    )
 
 
-def _colored(row: TextRow, *, is_chosen: bool) -> Content:
+def _colored(row: TextRow, chart: Mapping[str, str], *, is_chosen: bool) -> Content:
     pieces: list[str | tuple[str, str]] = []
     if row.name:
         pieces.append((row.text[: row.name], _CHOSEN_NAME if is_chosen else _NAME))
@@ -649,7 +690,11 @@ def _colored(row: TextRow, *, is_chosen: bool) -> Content:
     content = Content.assemble(*pieces)
     for first, last in row.looks:
         content = content.stylize(_LOOK, first, last)
-    return content
+    for part in row.runs:
+        shown, behind = chart.get(part.shown, ""), chart.get(part.behind, "")
+        style = f"{shown} on {behind}" if behind else shown
+        content = content.stylize(style.strip(), part.first, part.last)
+    return content.stylize(_CHOSEN_ROW) if row.is_chosen else content
 
 
 _SMALLEST = (30, 4)

@@ -100,7 +100,7 @@ class SessionScreen(DismissedOnce[None]):
             if binding.id == "stop":
                 words = words if has_voice else self.tr("Stop robot")
                 is_shown = bool(others)
-            if binding.id == "undo" and not self._undo.is_typing:
+            if binding.id == "undo" and not self._undo.is_ctrl_z:
                 binding = dataclasses.replace(binding, key_display=self.tr("Backspace"))
             if binding.id == "quit":
                 is_shown = not self.app.patient
@@ -423,7 +423,7 @@ class _Undo:
         self._live = live
         self._timer: Handle | None = None
         self.is_offered = False
-        self.is_typing = False
+        self.is_ctrl_z = False
 
     @property
     def _actors(self) -> tuple[str, ...]:
@@ -447,11 +447,12 @@ class _Undo:
         if waiting and waiting.stage == "trial" and waiting.what in AWAITED:
             return
         done = self._live.session.undoable(*self._actors)
-        before = (self.is_offered, self.is_typing)
-        self.is_offered, self.is_typing = done is not None, self._live.session.is_typing
+        before = (self.is_offered, self.is_ctrl_z)
+        self.is_offered = done is not None
+        self.is_ctrl_z = self.is_offered and self._live.session.takes_backspace
         if done:
             self._timer = self._live.clock.call_at(done.until + 1, self.look)
-        if (self.is_offered, self.is_typing) != before:
+        if (self.is_offered, self.is_ctrl_z) != before:
             self._screen.refresh_bindings()
             self._screen.app.look_for_choices()
 

@@ -27,6 +27,7 @@ from sar_tui.app.screens.waiting_text import (
 )
 from sar_tui.loop.agent_state import AWAITED
 from sar_tui.loop.clock import Clock, Handle
+from sar_tui.loop.feedback_text import result_phrases
 from sar_tui.loop.marks import TrialMark
 from sar_tui.loop.session import Session
 from sar_tui.loop.topics import RECALL
@@ -63,8 +64,8 @@ _BEFORE = ("instructions", "attempt", "paused")
 """Stages in which the agent is in the middle too, if there is room."""
 _FULL_HEIGHT = 40
 """Least rows of a window in which a drawing, or the instructions, leave room above the agent."""
-_MARGINS = 12
-"""Columns beside a text, at both sides together."""
+_MARGINS = 2
+"""Columns beside a scale, at both sides together."""
 
 
 class StagedSession(Protocol):
@@ -109,6 +110,7 @@ class SessionStage(Vertical):
         self._position = self._ended_position = ""
         self._agent_seat = ""
         self._bars: dict[str, GoalBar] = {}
+        self._result_phrases: tuple[str, ...] = ()
         self._goal = ""
         self._asked = ""
         self._marked: Entry | None = None
@@ -150,10 +152,10 @@ class SessionStage(Vertical):
             yield Static("", id="where", markup=False)
         yield Static("", id="above")
         with ContentSwitcher(initial="message", id="stage"):
-            yield MessagePanel(id="message")
+            yield MessagePanel(self._leave_out_result, id="message")
             yield BigPrompt(id="prompt", draw=view.prompt_lines, pictures=self._pictures)
             yield PauseMenu(id="menu")
-            yield Summary(session.task.metric, view.facts, id="summary")
+            yield Summary(session.task.metric, view.facts, self._praise_beside, id="summary")
         yield self.agent.widget
         with Horizontal(id="progress"):
             yield ProgressLine(id="trials")
@@ -281,12 +283,17 @@ class SessionStage(Vertical):
             self._bars[feedback.seat] = bar
         else:
             self._bars.pop(feedback.seat, None)
+        self._result_phrases = result_phrases(feedback, task, self._staged.session.theme)
         self._show_again()
 
     def feedback_over(self) -> None:
         """Remove the result: the agent speaks of something else."""
         self._forget_results()
         self._show_again()
+
+    def _leave_out_result(self, is_shown: bool) -> None:
+        """Let the agent's words on the screen not repeat the result that is shown."""
+        self.agent.leave_out(self._result_phrases if is_shown else ())
 
     def _forget_results(self) -> None:
         self._bars = {}
@@ -421,6 +428,8 @@ class SessionStage(Vertical):
         drawing = None
         if stage in ("attempt", "review"):
             drawing = self._staged.view.between_attempts()
+        is_scale = waiting.step is not None and waiting.step.step.kind == "number"
+        self.update_classes({"result": bool(bars), "scale": is_scale})
         self.message.show(text, bars, drawing, ask)
         self.ask(text.press)
         self._seat_agent(self._seat_beside(stage, is_between, has_drawing=bool(drawing)))
@@ -492,6 +501,15 @@ class SessionStage(Vertical):
         days = self._staged.session.task.parameters.days_between_visits
         return meeting_text(self.app.today(), days, self.tr)
 
+    def _praise_beside(self, words: Content) -> bool:
+        """Show words below those of the agent in a small window. Returns False in a large one, and
+        without an agent.
+        """
+        agent = self.agent.widget
+        is_beside = agent.display and not is_roomy(*self.app.size)
+        agent.show_below(words if is_beside else Content(""))
+        return is_beside
+
     def _attempts(self) -> list[Sequence[AttemptEnded]]:
         """Return the attempts that are finished, of each seat."""
         task, bus = self._staged.session.task, self._staged.session.bus
@@ -503,6 +521,7 @@ class SessionStage(Vertical):
         """Show one widget in the middle of the screen."""
         self.shown = name
         if name != "message":
+            self.remove_class("result")
             self._seat_agent(self._seat_above(name) if self.agent.widget.display else "")
         self.query_one("#stage", ContentSwitcher).current = name
         self.screen.set_focus(self.menu if name == "menu" else None)
@@ -587,8 +606,9 @@ class ProgressLine(Widget):
 
     def show_signs(self, as_signs: bool) -> None:
         """Show a sign for each, if there is room, or words with a bar."""
-        self._as_signs = as_signs
-        self.refresh()
+        if as_signs != self._as_signs:
+            self._as_signs = as_signs
+            self.refresh()
 
     def render(self) -> Content:
         if self._as_signs and 0 < 2 * self._total <= self.size.width:

@@ -3,7 +3,7 @@
 import asyncio
 import functools
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from textual import on, work
 from textual.app import ComposeResult, SystemCommand
@@ -42,13 +42,19 @@ from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.tui.key_line import KeyLine
 from sar_tui.tui.language import app_language
 from sar_tui.widgets.key_footer import KeyFooter
-from sar_tui.widgets.lists import OptionList
+from sar_tui.widgets.lists import MarkedList, OptionList
 from sar_tui.widgets.parameter_field import CHANGED, UNSAVED, ParameterField
+
+if TYPE_CHECKING:
+    from sar_tui.progress.lines import SessionResults
+    from sar_tui.runs.start_level import Start
 
 _RULE = "difficulty_policy"
 """The setting that chooses a rule of difficulty. Its group comes first."""
 _FIRST = (_RULE, "start_from", "start_level")
 """The first settings of that group."""
+_START = "start_from"
+"""The setting that chooses where a session starts."""
 _LEVELS = ("start_level", "min_level", "max_level")
 """Parameters that are levels: their help says what the level is."""
 _EXAMPLE = tuple(level for level in range(1, 6) for _ in range(4))
@@ -62,7 +68,7 @@ _PAUSE_S = 0.15
 _BESIDE = 130
 """Columns from which the preview stands beside the fields."""
 _TALL = 40
-"""Rows from which all rules are always shown, and there is a blank row between fields."""
+"""Rows from which all rules are always shown, with their sentences."""
 
 
 class SettingsScreen(DismissedOnce[None]):
@@ -148,8 +154,8 @@ class SettingsScreen(DismissedOnce[None]):
     def _about_numbers(self) -> str:
         return self.tr(
             "The picture of a rule is the level of each attempt; the number counts the goals that "
-            "are reached. More is not better: by default Step by step makes it harder until about "
-            "half are reached, A goal of their own until about 7 of 10."
+            "are reached. More is not better: a rule that follows the person makes it harder "
+            "until about as many are reached as it aims at."
         )
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
@@ -185,13 +191,8 @@ class SettingsScreen(DismissedOnce[None]):
             yield Static(title, id="who", markup=False)
             yield Static("", id="version", markup=False)
         with Horizontal(id="form"):
-            yield OptionList(
-                *(Option(panel.title) for panel in self._panels),
-                *(Option(line, disabled=True) for line in self._signs),
-                id="groups",
-                markup=False,
-                compact=True,
-            )
+            groups = (Option(panel.title) for panel in self._panels)
+            yield MarkedList(*groups, id="groups", markup=False, compact=True)
             with Vertical(id="work"):
                 with Vertical(id="fields"):
                     yield Static("", id="sentence", classes="sentence", markup=False)
@@ -200,22 +201,11 @@ class SettingsScreen(DismissedOnce[None]):
                     yield PreviewPane(self._participant, tr, id="preview")
                     yield Static("", id="note", markup=False)
         yield KeyLine(id="key")
-        yield KeyFooter()
+        yield KeyFooter(show_command_palette=False)
 
     @property
     def _title(self) -> str:
         return self.tr(self._motor_task.title)
-
-    @property
-    def _signs(self) -> list[str]:
-        """Lines below the groups: the meaning of the signs beside groups and settings."""
-        tr = self.tr
-        return [
-            "",
-            f"{CHANGED} {tr('not the default')}",
-            f"{UNSAVED} {tr('not saved')}",
-            f"! {tr('to correct')}",
-        ]
 
     def _make_fields(self) -> None:
         """Make the fields with the saved values, and those that were left unsaved."""
@@ -316,7 +306,7 @@ class SettingsScreen(DismissedOnce[None]):
         """Check each value, and all of them together, because valid values may conflict."""
         self._may_quit = False
         self._by_rule = {}
-        problems, unused = self._problems(), without_effect(self._values())
+        problems, unused = self._problems(), self._unused()
         for widget in self._fields:
             name = widget.field.name
             widget.more = "" if name in problems else self._level(widget) or self._scanning(widget)
@@ -332,7 +322,9 @@ class SettingsScreen(DismissedOnce[None]):
         tr, key = self.tr, self.query_one("#key", KeyLine)
         to_fix = sum(bool(widget.problem) for widget in self._fields)
         unsaved = len(self._unsaved())
-        if self._rule.looked_at != show(self._rule.value):
+        if self.query_one("#groups").has_focus:
+            key.show(self._about_group(), "Enter")
+        elif self._rule.looked_at != show(self._rule.value):
             key.show(tr("Enter chooses this rule."), "Enter")
         elif to_fix:
             key.show(tr("Ctrl-S goes to what must be corrected (!)."), tr("Ctrl-S"))
@@ -340,19 +332,31 @@ class SettingsScreen(DismissedOnce[None]):
             saves = tr("Ctrl-S saves what you changed.")
             leaves = tr("Esc leaves without; F2 brings it back.")
             key.show(f"{saves} {leaves}", tr("Ctrl-S"))
+        elif self._rule.has_focus_within:
+            key.show(tr("↑ ↓ look at a rule, Enter chooses it."), "↑ ↓")
         else:
-            leaves = tr("Everything is saved. Esc goes back.")
-            looks = (
-                tr("↑ ↓ look at a rule, Enter chooses it.") if self._rule.has_focus_within else ""
-            )
-            key.show(" ".join(filter(None, (looks, leaves))), "↑ ↓", "Esc")
+            key.show(tr("Esc goes back."), "Esc")
         version = self._programme.version
         name = tr("version {number}", number=version) if version else tr("defaults")
-        changes = tr("{sign} {count} not saved", sign=UNSAVED, count=unsaved) if unsaved else ""
+        saved = tr("saved") if version else ""
+        changes = tr("{sign} {count} not saved", sign=UNSAVED, count=unsaved) if unsaved else saved
         where = "   ".join(filter(None, (changes, name)))
         self.query_one("#version", Static).update(where)
 
+    def _about_group(self) -> str:
+        """Say what Enter does on a group, and what the sign beside it means."""
+        tr, panel = self.tr, self._panels[self._group]
+        meanings = {
+            "!": tr("to correct"),
+            UNSAVED: tr("not saved"),
+            CHANGED: tr("not the default"),
+        }
+        goes = tr("Enter goes to {group}.", group=panel.title)
+        summary = panel.summary
+        return f"{goes} {summary} {meanings[summary[0]]}." if summary else goes
+
     def on_descendant_focus(self) -> None:
+        self._show_key()
         self._show_note()
 
     def _show_note(self) -> None:
@@ -374,8 +378,46 @@ class SettingsScreen(DismissedOnce[None]):
                 check_sensors(parameters, seats)
             check_outputs(parameters)
         except ParameterError as error:
-            return {name: in_language(why, self.tr) for name, why in error.problems.items()}
+            told = {name: in_language(why, self.tr) for name, why in error.problems.items()}
+            for widget in self._fields:
+                if problem := told.get(widget.field.name):
+                    told[widget.field.name] = widget.explained(problem)
+            return told
         return self._language_problem(parameters.language)
+
+    def _unused(self) -> dict[str, str]:
+        """Return the settings that have no effect beside others, each with the choices that use
+        it.
+        """
+        found = without_effect(self._values())
+        if "start_level" not in found and (start := self._start()) and start.from_results:
+            found["start_level"] = self._fixed_start
+        return found
+
+    @property
+    def _fixed_start(self) -> str:
+        """The choice with which the start level is always that of the setting, in words."""
+        return self.tr("fixed level")
+
+    def _start(self) -> "Start | None":
+        """Return where the next session starts; None if that cannot be said."""
+        from sar_tui.runs.start_level import start_after
+
+        try:
+            parameters = build(self._motor_task.Parameters, self._values())
+            return start_after(set_up(self._motor_task, parameters), self._results)
+        except (Failed, ParameterError):
+            return None
+
+    @functools.cached_property
+    def _results(self) -> "list[SessionResults]":
+        """The person's newest sessions of the task."""
+        from sar_tui.runs.start_level import LOOKED_AT
+        from sar_tui.store.results import newest_of
+
+        return list(
+            newest_of(self.app.database, self._participant, self._motor_task.name, LOOKED_AT)
+        )
 
     def _language_problem(self, language: str) -> dict[str, str]:
         """Return a problem if the participant's theme has no phrases in this language: a session
@@ -414,6 +456,7 @@ class SettingsScreen(DismissedOnce[None]):
         self.query_one("#groups", OptionList).highlighted = at
         self.query_one("#sentence", Static).update(self._panels[at].sentence)
         self._show_preview_if_it_belongs()
+        self._show_key()
 
     @property
     def _rule_is_shown(self) -> bool:
@@ -537,11 +580,7 @@ class SettingsScreen(DismissedOnce[None]):
         return True
 
     def _new_previews(self) -> Previews:
-        from sar_tui.runs.start_level import LOOKED_AT
-        from sar_tui.store.results import newest_of
-
-        sessions = newest_of(self.app.database, self._participant, self._motor_task.name, LOOKED_AT)
-        return Previews(self._motor_task, sessions, self._theme)
+        return Previews(self._motor_task, self._results, self._theme)
 
     def _theme(self) -> Theme:
         """Return the theme that is played with: its words do not matter."""
@@ -608,7 +647,8 @@ class SettingsScreen(DismissedOnce[None]):
                         rules=widget.used_by,
                     )
                     self.notify(told)
-                    self._go_to(_choice_of(widget.used_by))
+                    is_start = widget.used_by == self._fixed_start
+                    self._go_to(_START if is_start else _choice_of(widget.used_by))
                     return
                 await self._show_group(at)
                 widget.focus_editor()
@@ -703,15 +743,12 @@ class SettingsScreen(DismissedOnce[None]):
 
     def _next_start(self) -> str:
         """Say where the next session starts, and why."""
-        from sar_tui.runs.start_level import LOOKED_AT, start_after
-        from sar_tui.store.results import newest_of
+        from sar_tui.runs.start_level import start_after
 
         try:
             parameters = build(self._motor_task.Parameters, self._values())
             task = set_up(self._motor_task, parameters)
-            start = start_after(
-                task, newest_of(self.app.database, self._participant, task.name, LOOKED_AT)
-            )
+            start = start_after(task, self._results)
         except (Failed, ParameterError) as error:
             return in_language(error, self.tr)
         why = f" ({self.tr(start.why)})" if start.why else ""
@@ -840,12 +877,14 @@ class SettingsScreen(DismissedOnce[None]):
 
 def _rank(field: Field) -> int:
     """Return the place of a setting in its group: the rule of difficulty, where it starts, then
-    those that a rule alone uses, then all others.
+    those that a rule alone uses, then the other levels, then all others.
     """
     if field.name in _FIRST:
         return _FIRST.index(field.name)
     of_rules = (policy.settings.__struct_fields__ for policy in DIFFICULTY.values())
-    return len(_FIRST) + (not any(field.name in names for names in of_rules))
+    if any(field.name in names for names in of_rules):
+        return len(_FIRST)
+    return len(_FIRST) + (1 if field.name in _LEVELS else 2)
 
 
 def _choice_of(policies: str) -> str:

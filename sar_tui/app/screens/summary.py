@@ -15,7 +15,9 @@ from sar_tui.model.messages import AttemptEnded
 from sar_tui.model.results_for_people import result_text
 from sar_tui.model.spoken_text import sentences
 from sar_tui.model.trial_types import Metric
-from sar_tui.tui.heading import ONE_LINE, Heading, figures_in_blocks, is_roomy
+from sar_tui.tui.base_app import on_linux_console
+from sar_tui.tui.heading import ONE_LINE, Heading, figures_in_blocks, is_roomy, spaced
+from sar_tui.widgets.block_digits import draw_share
 from sar_tui.widgets.language import language_of
 
 REACHED, OPEN = "●", "○"
@@ -24,6 +26,8 @@ _SPACE = "\N{NO-BREAK SPACE}"
 """A space that stays where lines are centred."""
 _GAP = 4
 """Columns between words and the picture beside them."""
+_BESIDE = 50
+"""Most columns of the praise beside the agent."""
 _LARGEST = 8
 """Most rows of the praise in a large window."""
 
@@ -37,7 +41,7 @@ class Layout(NamedTuple):
         rows: of the picture of levels.
         widest: most columns of an attempt.
         margins: blank rows above and below all of it.
-        has_figures: the goals that were reached are told in block letters.
+        has_figures: the number of goals that were reached is in large figures.
         gap: blank rows between levels and marks.
     """
 
@@ -51,10 +55,11 @@ class Layout(NamedTuple):
 
 
 _LAYOUTS = (
-    LARGE := Layout("\n\n", "\n\n", 5, 6, margins=6, has_figures=True, gap=1),
+    LARGE := Layout("\n\n", "\n\n", 5, 6, margins=7, has_figures=True, gap=1),
     LARGE._replace(has_figures=False),
     LARGE._replace(has_figures=False, gap=0),
-    SMALL := Layout("\n", "\n\n", 2, 3, margins=2),
+    SMALL := Layout("\n\n", "\n\n", 2, 3, margins=2, has_figures=True),
+    Layout("\n", "\n\n", 2, 3, margins=2),
     Layout("\n", "\n", 1, 3, margins=2),
 )
 """From the largest to the smallest."""
@@ -69,18 +74,21 @@ class Summary(Vertical):
     Args:
         metric: the task's metric.
         more_facts: sentences that the task's view adds for one seat's attempts.
+        show_beside: shows the praise in another place, if there is one; it returns False if not.
     """
 
     def __init__(
         self,
         metric: Metric,
         more_facts: Callable[[Sequence[AttemptEnded]], Sequence[str]] = lambda _: (),
+        show_beside: Callable[[Content], bool] = lambda _: False,
         *,
         id: str | None = None,
     ) -> None:
         super().__init__(id=id)
         self._metric = metric
         self._more_facts = more_facts
+        self._show_beside = show_beside
         self._attempts: tuple[Sequence[AttemptEnded], ...] = ()
         self._names: Sequence[str] = ()
         self._status = ""
@@ -151,10 +159,18 @@ class Summary(Vertical):
         tr = language_of(self.app)
         end = ending(self._status, any(self._attempts), tr)
         praise = self.query_one("#praise", Heading)
-        praise.set_classes("well-done" if self._status == "completed" else "sentence")
-        praise.show(end.headline)
-        self._put("which", self._session)
-        alone = self._facts_of_one(tr) if len(self._attempts) == 1 else Content("")
+        is_done = self._status == "completed"
+        praise.set_classes("well-done" if is_done else "sentence")
+        words = spaced(end.headline, _BESIDE) if is_done else end.headline
+        beside = Content.styled(words, "bold $success" if is_done else "bold $accent")
+        if self._session:
+            beside = beside + Content(f"\n{self._session}")
+        is_beside = self._show_beside(beside)
+        praise.show("" if is_beside else end.headline)
+        self._put("which", "" if is_beside else self._session)
+        alone = Content("")
+        if len(self._attempts) == 1:
+            alone = self._facts_of_one(tr, is_beside=is_beside)
         self._put("facts", end.text or alone or self._facts(tr))
         self.query_one("#facts").set_class(bool(end.text or alone), "body")
         self._put("earlier", self._earlier)
@@ -179,25 +195,26 @@ class Summary(Vertical):
             parts += map(Content, self._more_facts(attempts))
         return Content("\n").join(parts)
 
-    def _facts_of_one(self, tr: Language) -> Content:
+    def _facts_of_one(self, tr: Language, *, is_beside: bool) -> Content:
         """Return words with the picture below them, as large as there is room; empty if there is
-        none.
+        none. ``is_beside``: the praise stands in another place.
         """
         attempts = self._attempts[0]
-        said = [*facts(attempts, self._metric, tr), *self._more_facts(attempts)]
+        told = facts(attempts, self._metric, tr, has_levels=False)
+        said = [*told, *self._more_facts(attempts)]
         width, height = self.content_size
         is_large = is_roomy(*self.app.size)
-        others = (self._session, self._earlier, self._next)
-        left = (
-            height
-            - (ONE_LINE if is_large else 1)
-            - sum(rows_of_text(text, width) for text in others)
-        )
+        others = (self._earlier, self._next)
+        left = height - sum(rows_of_text(text, width) for text in others)
+        if is_beside:
+            left += 1  # without the blank row below the praise
+        else:
+            left -= (ONE_LINE if is_large else 1) + rows_of_text(self._session, width)
         for layout in _LAYOUTS if is_large else _LAYOUTS[_LAYOUTS.index(SMALL) :]:
             picture = draw_picture(attempts, width, tr, layout)
             first = said[0]
             if layout.has_figures and _is_good(attempts):
-                first = "\n".join(figures_in_blocks(first, width)) or first
+                first = "\n".join(_large(first, width, is_large=is_large)) or first
             words = Content(layout.between).join(
                 [Content.styled(first, _style_of_goals(attempts)), *map(Content, said[1:])]
             )
@@ -206,6 +223,14 @@ class Summary(Vertical):
             if whole.plain.count("\n") + 1 + layout.margins <= left:
                 return whole
         return Content("")
+
+
+def _large(text: str, width: int, *, is_large: bool) -> list[str]:
+    """Return the rows of the goals that were reached, in large figures; none if there is no way."""
+    if is_large:
+        return figures_in_blocks(text, width, is_below=True)
+    # its font has no half blocks
+    return [] if on_linux_console() else draw_share(text)
 
 
 class _Ending(NamedTuple):
@@ -232,15 +257,21 @@ def ending(status: str, has_attempts: bool, tr: Language) -> _Ending:
     return _Ending(tr("Thank you for today"), tr("No attempt was finished. That is all right."))
 
 
-def facts(attempts: Sequence[AttemptEnded], metric: Metric, tr: Language) -> list[str]:
-    """Return what one person did: goals reached, levels, the best result. Nothing that was missed."""
+def facts(
+    attempts: Sequence[AttemptEnded], metric: Metric, tr: Language, *, has_levels: bool = True
+) -> list[str]:
+    """Return what one person did: goals reached, levels, the best result. Nothing that was missed.
+
+    ``has_levels``: False where a picture shows the levels.
+    """
     count = len(attempts)
     reached = [attempt for attempt in attempts if attempt.outcome == "success"]
     done = tr("You did 1 attempt.") if count == 1 else tr("You did {count} attempts.", count=count)
     if not reached:
         return [done]
     said = [tr("{reached} of {count} goals reached", reached=len(reached), count=count)]
-    if levels := _levels_in_words([attempt.level for attempt in attempts], tr):
+    levels = _levels_in_words([attempt.level for attempt in attempts], tr)
+    if levels and has_levels:
         said.append(levels)
     results = [attempt.metric for attempt in reached if attempt.metric is not None]
     if results:
@@ -278,7 +309,7 @@ def draw_picture(
     if not _is_good(attempts):
         return Content("")
     levels = [attempt.level for attempt in attempts]
-    goals, first, last = tr("goals"), tr("level {level}", level=levels[0]), str(max(levels))
+    goals, first, last = tr("goal reached"), tr("level {level}", level=levels[0]), str(max(levels))
     left, right = max(len(goals), len(first)) + 1, len(last) + 1
     step = max(1, min(layout.widest, (room - left - right) // len(attempts)))
     rows = _levels(attempts, layout.rows, step)
@@ -289,9 +320,6 @@ def draw_picture(
         named[-1] = (first, rows[-1], last if len(rows) == 1 else "")
         named += [("", Content(_SPACE * marks.cell_length), "")] * layout.gap
     named.append((goals, marks, ""))
-    legend = Content.assemble((REACHED, "$success"), f"{_SPACE}{tr('reached')}")
-    if any(attempt.outcome != "success" for attempt in attempts):
-        legend += Content(f"{_SPACE * 3}{OPEN}{_SPACE}{tr('not yet')}")
     lines = [
         Content.assemble(
             (f"{name:{_SPACE}>{left - 1}}{_SPACE}", "$text-muted"),
@@ -300,7 +328,7 @@ def draw_picture(
         )
         for name, row, end in named
     ]
-    return Content("\n").join((*lines, legend))
+    return Content("\n").join(lines)
 
 
 def _is_good(attempts: Sequence[AttemptEnded]) -> bool:

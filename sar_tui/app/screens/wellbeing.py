@@ -63,7 +63,7 @@ QUESTIONS: dict[Question, Step] = {
 _CHOICE_KEYS = frozenset("0123456789")
 """Keys that choose, as the arrows do, and answer nothing yet."""
 _FACE, _LISTENS = "listening", Pose(lean=1)
-_MARGINS = 12
+_MARGINS = 2
 """Columns beside the scale, at both sides together."""
 _TALL = 46
 """Least rows of a window in which two blank rows are between the parts."""
@@ -496,8 +496,8 @@ class WellbeingScreen(DismissedOnce[bool]):
         self.query_one("#question", Heading).show(asked.text, most_rows(app.size))
         self._put("who", asked.who)
         self._put("options", options)
-        self._put("keys", keys)
-        self._put("decline", asked.decline)
+        self._put("keys", _with_key(keys, "← →"))
+        self._put("decline", _with_key(asked.decline, "Tab"))
         self._put("given", asked.given)
         self.query_one(KeyLine).show(asked.press, self.tr("Enter"))
         self.refresh_bindings()
@@ -508,3 +508,9 @@ class WellbeingScreen(DismissedOnce[bool]):
         part = self.query_one(f"#{name}", Static)
         part.update(text)
         part.display = bool(text)
+
+
+def _with_key(text: str, key: str) -> Content:
+    """Return a text in which the name of a key looks as in the footer."""
+    before, found, after = text.partition(key)
+    return Content.assemble(before, (found, "bold $accent"), after)

@@ -4,6 +4,7 @@ sentence.
 
 import asyncio
 import statistics
+import textwrap
 import time
 from collections.abc import Callable, Generator, Sequence
 from typing import TypeVar
@@ -15,6 +16,7 @@ from textual.widget import Widget
 
 from sar_tui.loop.task import Task
 from sar_tui.model.language import Language
+from sar_tui.model.results_for_people import short_goal
 from sar_tui.model.theme import Theme
 from sar_tui.progress.lines import SessionResults
 from sar_tui.reports.charts import BARS
@@ -39,8 +41,12 @@ _WIDEST = 3
 """Most columns of an attempt."""
 _LOWEST, _TALLEST = 4, 12
 """Rows of the bars below the fields, and beside them."""
+_MOST_LINES = 2
+"""Most lines of the sentence below the fields."""
 _MOST_APART = 3
 """Most rows from a level to the next."""
+_HALF = 0.005
+"""A share is a half within this distance."""
 _NEAR = 2
 """A level is settled if its highest and lowest value differ by no more than this."""
 
@@ -116,16 +122,27 @@ def sentence(preview: Preview, tr: Language) -> str:
 
 
 def _goals(preview: Preview, tr: Language) -> str:
+    """Say what the rule aims at, and what came of it: most goals are not the best."""
     if not preview.with_goal:
         return tr("This exercise has no goal.")
-    count, reached = preview.with_goal, preview.reached
-    if (share := preview.share_of_prompts) is None:
-        return tr("{reached} of {count} goals reached.", reached=reached, count=count)
+    found = {"reached": preview.reached, "count": preview.with_goal}
+    if preview.aim is None:
+        return tr("{reached} of {count} goals reached.", **found)
+    if not preview.aim:
+        return tr("Aims at no number of goals: {reached} of {count}.", **found)
+    if (share := preview.share_of_prompts) is not None:
+        return tr(
+            "Aims at {aim} % of the prompts: {percent} %, and {reached} of {count} goals.",
+            aim=round(100 * preview.aim),
+            percent=round(100 * share),
+            **found,
+        )
+    if abs(preview.aim - 0.5) < _HALF:
+        return tr("Aims at about half of the goals: {reached} of {count}.", **found)
     return tr(
-        "{reached} of {count} goals reached, and {tenths} of 10 prompts.",
-        reached=reached,
-        count=count,
-        tenths=round(10 * share),
+        "Aims at about {percent} % of the goals: {reached} of {count}.",
+        percent=round(100 * preview.aim),
+        **found,
     )
 
 
@@ -136,10 +153,9 @@ def _course(preview: Preview, tr: Language) -> str:
     if not goals:
         return ""
     return tr(
-        "The goal goes from {first} to {last} {unit}.",
-        first=_figure(goals[0]),
-        last=_figure(goals[-1]),
-        unit=preview.metric.unit,
+        "The goal goes from {first} to {last}.",
+        first=short_goal(preview.metric, goals[0]),
+        last=short_goal(preview.metric, goals[-1]),
     )
 
 
@@ -239,7 +255,10 @@ def _bars(
         hardness = _hardness(preview)
         low, high = min(hardness), max(hardness)
         heights = [_part(value, low, high, 8 * rows) for value in hardness]
-        labels = {0: _figure(abs(low)), rows - 1: f"{tr('goal')} {_figure(abs(high))}"}
+        easiest, hardest = (
+            tr.figures(short_goal(preview.metric, abs(value))) for value in (low, high)
+        )
+        labels = {0: easiest, rows - 1: f"{tr('goal')} {hardest}"}
         return heights, labels, rows
     levels = [each.level for each in preview.attempts]
     if apart := min(_MOST_APART, rows // highest):
@@ -255,11 +274,6 @@ def _bars(
 def _part(value: float, low: float, high: float, most: int) -> int:
     """Return the height of a bar between 1 and the most."""
     return 1 + round((value - low) / (high - low) * (most - 1)) if high > low else 1
-
-
-def _figure(value: float) -> str:
-    """Return a goal or a level as a number."""
-    return f"{value:.0f}" if value >= 20 or value.is_integer() else f"{value:.1f}"
 
 
 def _hardness(preview: Preview) -> list[float]:
@@ -337,11 +351,22 @@ class PreviewPane(Widget):
         parts = [
             [Content.assemble((title.plain, "bold"), (f"  {self._heading}", "$accent"))],
             [*above, *drawn],
-            [Content(sentence(self._preview, self.tr))],
+            [Content(self._sentence(columns))],
             [Content(self._source).stylize("$text-muted")],
         ]
         blank = "\n\n" if self._is_beside else "\n"
         return Content(blank).join(Content("\n").join(lines) for lines in parts)
+
+    def _sentence(self, columns: int) -> str:
+        """Return what happens; in a small window without the start, which the picture shows, if
+        that makes it too long.
+        """
+        preview, tr = self._preview, self.tr
+        assert preview is not None
+        whole = sentence(preview, tr)
+        if self._is_beside or len(textwrap.wrap(whole, max(1, columns))) <= _MOST_LINES:
+            return whole
+        return sentence(msgspec.structs.replace(preview, why_start=""), tr)
 
     @property
     def _is_beside(self) -> bool:

@@ -104,7 +104,6 @@ class RuleField(ParameterField):
     RuleField.-small > .columns { display: none; }
     RuleField.-small > .described { display: block; }
     RuleField.-small:focus-within > .columns { display: block; margin-top: 1; }
-    RuleField.-small:focus-within > .described { margin: 0 0 1 2; }
     RuleField > .heading { height: 1; margin-left: 2; color: $text-muted; text-style: bold; }
     """
 

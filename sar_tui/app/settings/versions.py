@@ -15,7 +15,8 @@ from textual.widgets.option_list import Option
 
 from sar_tui.loop.task import Task
 from sar_tui.model.language import Language
-from sar_tui.rules.parameters import changes
+from sar_tui.rules.declaration import Field, translated
+from sar_tui.rules.parameters import Change, changes, fields
 from sar_tui.store.programmes import Programme
 from sar_tui.store.sessions import local_time
 from sar_tui.tui.dismissed_once import DismissedOnce
@@ -26,12 +27,22 @@ from sar_tui.widgets.lists import MarkedList, OptionList
 
 def compared(kind: type[Task], before: Programme, after: Programme, tr: Language) -> list[str]:
     """Return what differs between two versions, in words."""
+    declared = {field.name: translated(field, tr) for field in fields(kind.Parameters)}
     found = [
-        change.text for change in changes(kind.Parameters, before.parameters, after.parameters, tr)
+        _in_words(change, declared.get(change.name), tr)
+        for change in changes(kind.Parameters, before.parameters, after.parameters)
     ]
     if before.theme != after.theme:
         found.append(tr("Theme {before} → {after}", before=before.theme, after=after.theme))
     return found
+
+
+def _in_words(change: Change, field: Field | None, tr: Language) -> str:
+    """Return a change as the settings form shows its values: "Goal 1 → 0.9 s"."""
+    if field is None:
+        return change.text
+    values = [field.shown(value, tr) or tr("none") for value in (change.before, change.after)]
+    return f"{field.title} {' → '.join(values)} {field.on_form.unit}".rstrip()
 
 
 class VersionsScreen(DismissedOnce[Programme | None]):

@@ -1,4 +1,4 @@
-"""Notes and event marks, signals for cameras, and messages: a row each."""
+"""Notes and event marks, acts taken back, signals for cameras, and messages: a row each."""
 
 import sqlite3
 from collections.abc import Iterator
@@ -15,11 +15,14 @@ from sar_tui.export.columns import (
     Table,
     Values,
     in_order,
+    role,
     stored,
     with_others,
 )
 from sar_tui.export.damage import Damage
-from sar_tui.export.log import runs_of_notes
+from sar_tui.export.log import messages_of_topic, runs_of_notes
+from sar_tui.loop.topics import TAKEN_BACK
+from sar_tui.model.messages import TakenBackKind
 from sar_tui.model.messages.inputs import SyncSignal
 from sar_tui.store.tables import NOTES
 
@@ -60,6 +63,40 @@ def notes(damage: Damage) -> Table:
         rows=in_order(_COLUMNS, rows),
         references=(TO_SESSION,),
     )
+
+
+_ROLE = stored("notes.author.role", name="taken_back_by", meaning="Who did it, and took it back.")
+
+
+def _taken_back(damage: Damage, database: sqlite3.Connection, session: str) -> Iterator[Values]:
+    found = messages_of_topic(database, session, TAKEN_BACK.name, damage)
+    for number, (run, at, act) in enumerate(found, 1):
+        of, by = act.get("number") or None, role(act.get("actor"), _ROLE.levels)
+        yield session, number, run, act.get("done"), at, act.get("what"), of, by
+
+
+def taken_back(damage: Damage) -> Table:
+    """Return the table of the acts that were taken back."""
+    return Table(
+        name="taken_back",
+        title="An act that a person took back, so that it counts nowhere",
+        columns=(
+            SESSION,
+            Column("act", "Number of the act in its session, from 1.", "integer", required=True,
+                   treatment="open"),
+            RUN,
+            stored("messages.at_ns", name="done_ns", meaning="When it was done, steady clock."),
+            stored("messages.at_ns", meaning="When it was taken back, steady clock of the run."),
+            Column("what", "What it was.", "string", levels=get_args(TakenBackKind),
+                   treatment="open"),
+            Column("number", "Number of the attempt that was begun, or of the step that was "
+                   "answered.", "integer", treatment="open"),
+            _ROLE,
+        ),
+        key=("session", "act"),
+        rows=partial(_taken_back, damage),
+        references=(TO_SESSION,),
+    )  # fmt: skip
 
 
 _TYPES = get_type_hints(SyncSignal)

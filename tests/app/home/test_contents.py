@@ -74,18 +74,19 @@ def line(
 
 def test_a_session_is_a_line_of_results() -> None:
     table = Table([line()], 72, TODAY, ENGLISH, names_who=False)
-    assert table.heading == "Date        Level Result Reached  Levels"
+    assert table.heading == "Date         Level  Result  Reached   Levels"
     found = table.draw(line(note="with P02")).plain
-    assert found == "Tue 17 Nov  1→3   0.95 s 2 of 3   ▁▂▃     with P02"
+    assert found == "Tue 17 Nov   1→3    0.95 s  2 of 3    ▁▂▃      with P02"
 
 
 def test_pain_and_tiredness_have_columns_if_they_were_asked() -> None:
     asked = line(pain="0", tired="3")
     table = Table([asked, line()], 72, TODAY, ENGLISH, names_who=False)
-    assert table.heading == "Date        Level Result Reached  Pain Tired Levels"
-    assert table.draw(asked).plain == "Tue 17 Nov  1→3   0.95 s 2 of 3      0     3 ▁▂▃"
-    assert table.draw(line()).plain == "Tue 17 Nov  1→3   0.95 s 2 of 3              ▁▂▃"
-    drawn = table.draw(line(pain="6", tired="3", note="interrupted: Enter resumes")).plain
+    assert table.heading == "Date         Level  Result  Reached   Pain  Tired  Levels"
+    assert table.draw(asked).plain == "Tue 17 Nov   1→3    0.95 s  2 of 3       0      3  ▁▂▃"
+    assert table.draw(line()).plain == "Tue 17 Nov   1→3    0.95 s  2 of 3                 ▁▂▃"
+    noted = line(pain="6", tired="3", note="interrupted: Enter resumes")
+    drawn = Table([noted], 72, TODAY, ENGLISH, names_who=False).draw(noted).plain
     assert drawn.split()[-5:] == ["6", "3", "interrupted:", "Enter", "resumes"]
 
 
@@ -96,8 +97,9 @@ def test_tasks_are_named_if_they_differ_and_people_if_there_are_several() -> Non
 
 
 def test_a_note_that_needs_room_takes_that_of_the_levels() -> None:
-    table = Table([line(), line("Pairs")], 72, TODAY, ENGLISH, names_who=True)
-    drawn = table.draw(line(note="interrupted: Enter resumes")).plain
+    noted = line(note="interrupted: Enter resumes")
+    table = Table([noted, line("Pairs")], 72, TODAY, ENGLISH, names_who=True)
+    drawn = table.draw(noted).plain
     assert drawn == "Tue 17 Nov  P01      Keyboard re… 2 of 3   interrupted: Enter resumes"
 
 
@@ -165,17 +167,16 @@ def test_the_card_and_the_note_give_one_verdict(keyboard: type[Task], base: floa
     note = report_words.note("P01", line, Language())
     card, sentence = {
         50.0: (
-            "better than noise and practice explain",
+            "real improvement",
             "is better than that: a change that noise and practice do",
         ),
         450.0: ("no change can be shown", "no change can be shown"),
-        750.0: ("worse than noise explains", "is worse than that: a change that noise does not"),
+        750.0: ("real decline", "is worse than that: a change that noise does not"),
     }[base]
     assert sentence in note
     assert line.sessions[-1].at_goal is not None
     assert (
-        progress_words(line, 0, ENGLISH)
-        == f"Level {line.sessions[-1].at_goal.level:.1f} at goal: {card}"
+        progress_words(line, 0, ENGLISH) == f"Level {line.sessions[-1].at_goal.level:.1f}: {card}"
     )
     assert progress_words(line, 5, ENGLISH).endswith(f"{card} (5 with other settings)")
 
@@ -189,9 +190,9 @@ def test_the_card_says_which_session_the_verdict_is_on(keyboard: type[Task]) -> 
             progress("P01", sessions, {"keyboard": keyboard}.get).lines[-1], 0, ENGLISH
         )
 
-    assert said(played[:3]).endswith("at goal: change not yet known")
+    assert said(played[:3]).endswith(": change not yet known")
     assert said([*played, *easy]) == (
-        "Last session all too easy. 2026-03-03: Level 3.2 at goal, no change can be shown"
+        "Last session all too easy. 2026-03-03: Level 3.2, no change can be shown"
     )
     found = said([session(1, [AttemptResult(level, 400.0, 20) for level in (1, 2, 3)])])
     assert found == "Last session all too easy"
