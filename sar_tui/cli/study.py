@@ -712,6 +712,37 @@ def prereg(
         print(f"{to} is written.")
 
 
+@app.command("envelopes")
+def envelopes(
+    home: Home,
+    to: Annotated[
+        Path,
+        typer.Option(
+            "--to", parser=named_path, metavar="FILE.html", show_default=False, help="A new file."
+        ),
+    ],
+    number: Annotated[
+        int, typer.Option("--number", min=1, max=500, help="Sheets for each stratum.")
+    ] = 40,
+    name: Which = "",
+    key: Key = None,
+) -> None:
+    """Write numbered sheets for sealed envelopes, for a clinic without a computer at enrolment."""
+    from sar_tui.store import sites
+    from sar_tui.study import ledger
+    from sar_tui.study.enrolment import draws_of
+    from sar_tui.study.envelopes import page, sheets
+
+    with home.database() as database, study_errors():
+        frozen = ledger.find(database, name)
+        draws = draws_of(frozen, key_of(frozen.plan, key))
+        if draws is None:
+            raise Refused("Nobody is allocated in this study.")
+        found = list(sheets(frozen.plan, draws, sites.own(database), number))
+    write_new(to, page(frozen.plan, found))
+    print(f"{to} has {len(found)} sheets. They tell the groups: seal them, and delete the file.")
+
+
 @app.command("rehearse")
 def rehearse(
     home: Home,

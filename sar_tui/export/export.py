@@ -25,7 +25,7 @@ from sar_tui.export.recoding import recoding, shuffled
 from sar_tui.export.registry import Format
 from sar_tui.export.sites import Part, check_folder, parts, site_target
 from sar_tui.export.target import MANIFEST, check, forget_times, sync, target, write_manifest
-from sar_tui.store.database import StoreConnection
+from sar_tui.store.database import StoreConnection, StoreError
 from sar_tui.store.exports import record
 from sar_tui.store.selection import Request, Selection, select
 
@@ -141,6 +141,7 @@ def export(
         chosen = selection = with_any_text(
             database, lambda: select(database, data, request, also_damaged=True)
         )
+        _check_not_blind(database, selection)
         recoded = (
             recoding(database, options.recode, selection.participants) if options.recode else None
         )
@@ -205,6 +206,24 @@ class _Written(NamedTuple):
     hidden: Path
     part: Part
     contents: Contents
+
+
+def _check_not_blind(database: sqlite3.Connection, selection: Selection) -> None:
+    """Raise StoreError if a session is of a study that is blind still: its settings, and what was
+    said in it, tell the condition.
+    """
+    newest = "SELECT max(version) FROM studies AS same WHERE same.name=studies.name"
+    rows = database.execute(f"SELECT name FROM studies WHERE blind AND version=({newest})")
+    blind = {name for (name,) in rows}
+    for row in selection.sessions:
+        study = (row.get("study") or {}).get("study")
+        if study in blind:
+            raise StoreError(
+                f"Session {row['id']} is of the blind study {study}: its settings tell the "
+                "condition. `sar-tui study export` writes the results. After the end of the "
+                "study, freeze a version with blind = false: sar-tui study amend FILE --reason …",
+                bad_input=True,
+            )
 
 
 def _finish(

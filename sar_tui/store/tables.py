@@ -1478,6 +1478,12 @@ STUDIES = Table(
             "mode", "string", "A study with people (live), or a rehearsal with simulated ones.",
             levels=("live", "simulated"), form="word", sql="NOT NULL",
         ),
+        Column(
+            "blind",
+            "boolean",
+            "True if nobody who works with participants may know the groups.",
+            sql="NOT NULL",
+        ),
         Column("sha256", "string", "SHA-256 of the plan.", form="any", sql="NOT NULL"),
         Column(
             "commitment", "string",

@@ -26,14 +26,20 @@ from sar_tui.study.plan import Allocation, Study, orders
 
 
 class Names(NamedTuple):
-    """Names of groups and conditions as people may see them: neutral codes in a blind study."""
+    """Names of groups and conditions as people may see them, by their own.
+
+    Attributes:
+        groups, conditions: neutral codes in a blind study, else the names themselves.
+        codes: neutral codes of groups, which people of a study that was blind still have.
+    """
 
     groups: Mapping[str, str]
     conditions: Mapping[str, str]
+    codes: Mapping[str, str] = {}
 
     def group(self, shown: str) -> str:
-        """Return the name of a group that is shown so."""
-        return {code: name for name, code in self.groups.items()}.get(shown, shown)
+        """Return the name of a group that is stored so."""
+        return {code: name for name, code in self.codes.items()}.get(shown, shown)
 
 
 def names_of(plan: Study, draws: Draws | None) -> Names:
@@ -43,12 +49,14 @@ def names_of(plan: Study, draws: Draws | None) -> Names:
         plan: the study.
         draws: from its key; None if nobody is allocated.
     """
-    if not plan.allocation.blind or draws is None:
-        return Names({name: name for name in plan.groups}, {name: name for name in plan.conditions})
-    return Names(
-        neutral_codes(draws, list(plan.groups), "G"),
-        neutral_codes(draws, list(plan.conditions), "C"),
-    )
+    groups = {name: name for name in plan.groups}
+    conditions = {name: name for name in plan.conditions}
+    if draws is None:
+        return Names(groups, conditions)
+    codes = neutral_codes(draws, list(plan.groups), "G")
+    if plan.allocation.blind:
+        return Names(codes, neutral_codes(draws, list(plan.conditions), "C"), codes)
+    return Names(groups, conditions, codes)
 
 
 def needs_key(plan: Study) -> bool:

@@ -147,6 +147,7 @@ def freeze(
             frozen_by=author,
             reason=reason,
             mode=mode,
+            blind=plan.allocation.blind,
             sha256=sha256_of(text),
             commitment=commitment,
             plan=text,

@@ -13,11 +13,17 @@ import frictionless
 import pandas
 import pytest
 
+from sar_tui.export.export import Options
+from sar_tui.export.export import export as write
+from sar_tui.export.registry import load
 from sar_tui.plugins import Catalogue
 from sar_tui.simulation.participant_model import PEOPLE
-from sar_tui.store.database import connect
+from sar_tui.store.database import StoreError, connect
 from sar_tui.store.merge.merge import merge
-from sar_tui.study import ledger, results
+from sar_tui.store.selection import Request
+from sar_tui.study import enrolment, ledger, results, secret
+from sar_tui.study.envelopes import page, sheets
+from sar_tui.study.next_block import person
 from sar_tui.study.rehearsal import Habits, Rehearsed, rehearse
 from sar_tui.study.status import grid
 from tests.study.plans import TWO_GROUPS, plan
@@ -147,3 +153,41 @@ def test_a_blind_study_tells_no_condition_in_what_it_exports(tmp_path: Path) -> 
                 for (text,) in db.execute(f"SELECT {column} FROM {table}").fetchall():
                     said = text.replace('"study":"praise"', "")
                     assert not any(name in said.encode() for name in names)
+
+
+def test_sessions_of_a_blind_study_are_exported_once_it_is_blind_no_longer(tmp_path: Path) -> None:
+    found = play(tmp_path, BLIND, people=2, habits=Habits())
+    folder = found.sites[0].folder
+
+    def export(to: Path) -> None:
+        write(connect(folder), folder, Catalogue(()), Request(everything=True, simulated=True),
+              load("csv"), to, lambda steps: lambda: None, Options())  # fmt: skip
+
+    with pytest.raises(StoreError, match="is of the blind study praise"):
+        export(tmp_path / "blind")
+    opened = BLIND.replace("blind = true", "").replace('"praise"\n', '"praise"\nversion = 2\n', 1)
+    with closing(connect(folder)) as db:
+        enrolment.freeze(
+            db, Catalogue(()), opened, plan(opened), found.key, mode="simulated", author="me",
+            reason="the last person has finished",
+        )  # fmt: skip
+        frozen = ledger.find(db)
+        who = ledger.enrolments(db, "praise")[0].participant
+        one = person(db, frozen, who, found.key)
+        assert one.names.group(one.enrolled.group) in ("praise", "silent")
+    export(tmp_path / "open")
+    rows = pandas.read_csv(tmp_path / "open" / "sessions.csv")
+    assert set(rows.study) == {"praise"}
+    assert set(rows.study_condition) <= {"C1", "C2", "C3", "C4"}
+    assert set(rows.order_position) == {1, 2}
+
+
+def test_sheets_have_the_groups_that_people_are_drawn_into(played: Played) -> None:
+    draws = secret.read(played.key)
+    for site in played.sites:
+        found = {number: group for _, number, group in sheets(plan(), draws, site.site, 12)}
+        with closing(connect(site.folder)) as db:
+            for one in ledger.enrolments(db, "praise"):
+                assert found[one.number] == one.group
+    printed = page(plan(), list(sheets(plan(), draws, "BERN", 3)))
+    assert printed.count('class="sheet"') == 3
