@@ -164,6 +164,33 @@ def study(
     _put_out(found, sections(found), f"Report on the study {frozen.plan.name}", html, as_json)
 
 
+@app.command("methods")
+def methods(
+    home: Home,
+    name: Annotated[
+        str,
+        typer.Argument(metavar="[STUDY]", show_default=False, help="If there are several."),
+    ] = "",
+    to: Annotated[
+        Path | None,
+        typer.Option(
+            "--to", parser=named_path, metavar="FILE", show_default=False, help="A new file."
+        ),
+    ] = None,
+) -> None:
+    """Write the methods of a study for a paper; every number is from the log."""
+    from sar_tui.study import ledger
+    from sar_tui.study.methods import methods as text_of
+
+    with home.database() as database:
+        text = text_of(database, home.folder, ledger.find(database, name))
+    if to is None:
+        print(text, end="")
+    else:
+        write_new(to, text)
+        print(f"{to} is written.")
+
+
 def _one_session(home: Home, name: str, html: Path | None, as_json: bool) -> None:
     from sar_tui.reports import logged_messages, wizard_words
     from sar_tui.reports.wizard import report as make_report

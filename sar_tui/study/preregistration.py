@@ -31,7 +31,7 @@ def preregistration(plan: Study, sha256: str) -> str:
     derived = {
         "hypothesis": plan.hypothesis,
         "outcome": " ".join(_outcome(plan, plan.outcome)) if plan.outcome else "",
-        "conditions": " ".join(_conditions(plan)),
+        "conditions": " ".join(conditions_in_words(plan)),
         "analysis": _analysis(plan.outcome) if plan.outcome else "",
         "people": f"{plan.people} people." if plan.people else "",
         "other": f"The plan of the study is fixed: SHA-256 {sha256}.",
@@ -61,7 +61,8 @@ def _outcome(plan: Study, outcome: Outcome) -> Iterator[str]:
         yield f"It is a {block.purpose} block: without feedback."
 
 
-def _conditions(plan: Study) -> Iterator[str]:
+def conditions_in_words(plan: Study) -> Iterator[str]:
+    """Yield sentences on groups, allocation, orders and conditions."""
     if plan.groups:
         given = plan.allocation
         groups = ", ".join(f"{name} ({group.condition})" for name, group in plan.groups.items())
