@@ -118,7 +118,7 @@ def session_plan(
         [participant],
         settings,
         saved=Programme(theme=condition.theme),
-        steps=_steps(block) if block else (),
+        steps=_steps(condition, block) if block else (),
         seed=seed,
         mode=mode,  # type: ignore[arg-type]
         id=id,
@@ -144,7 +144,7 @@ def _of_block(block: Block, level: int | None) -> dict[str, Any]:
     return found
 
 
-def _steps(block: Block) -> tuple[Step, ...]:
+def _steps(condition: Condition, block: Block) -> tuple[Step, ...]:
     """Return what comes before the first attempt of a block."""
     steps = []
     if block.rest_s:
@@ -152,8 +152,8 @@ def _steps(block: Block) -> tuple[Step, ...]:
         steps.append(
             Step(name="rest", kind="rest", text=rest, seconds=float(block.rest_s), before=True)
         )
-    if block.instructions:
-        steps.append(Step(name="instructions", text=block.instructions, before=True))
+    texts = {"instructions": block.instructions, "condition": condition.instructions}
+    steps += [Step(name=name, text=text, before=True) for name, text in texts.items() if text]
     return tuple(steps)
 
 

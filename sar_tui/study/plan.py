@@ -25,6 +25,7 @@ OWN = "own"
 _NAME = re.compile(r"[a-z][a-z0-9-]{0,31}")
 _NAMED = "begins with a letter a to z, and has letters, digits and - only, at most 32"
 _LONGEST_TEXT = 2000
+_TOO_LONG = f"Instructions have at most {_LONGEST_TEXT} characters."
 
 
 class PlanError(ValueError):
@@ -43,12 +44,14 @@ class Condition(_Declared, frozen=True, kw_only=True):
         settings: of the task; all others have their defaults. Those that the plan lists in
             ``from_person`` are of the participant's programme.
         title: its name for people.
+        instructions: to be read before the first attempt, after those of the block.
     """
 
     task: str
     theme: str = "calm"
     settings: dict[str, Any] = {}
     title: str = ""
+    instructions: str = ""
 
 
 class Group(_Declared, frozen=True, kw_only=True):
@@ -270,6 +273,9 @@ Problem = tuple[Key, str]
 def _problems(plan: Study) -> Iterator[Problem]:
     """Yield what cannot be, in the order of the file."""
     yield from _names(plan)
+    for name, condition in plan.conditions.items():
+        if len(condition.instructions) > _LONGEST_TEXT:
+            yield ("conditions", name, "instructions"), _TOO_LONG
     if plan.version < 1:
         yield ("version",), f"The version is a whole number from 1 on, not {plan.version}."
     for name, group in plan.groups.items():
@@ -349,7 +355,7 @@ def _block_problems(plan: Study, visit: Visit, block: Block) -> Iterator[Problem
         if value is not None and not lowest <= value <= highest:
             yield (name,), f"{name} is a whole number, {lowest} to {highest}, not {value}."
     if len(block.instructions) > _LONGEST_TEXT:
-        yield ("instructions",), f"The instructions have at most {_LONGEST_TEXT} characters."
+        yield ("instructions",), _TOO_LONG
     yield from _level_problems(plan, visit, block)
 
 
