@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from sar_tui.link.discovery import JoinableSession
     from sar_tui.link.invitation import Invitation
     from sar_tui.link.peer import Peer, PeerListener
+    from sar_tui.model.messages import Role
+    from sar_tui.model.protocol import WizardProtocol
 
 
 Joined = Annotated[
@@ -35,6 +37,16 @@ Link = Annotated[
         metavar="FILE",
         show_default=False,
         help="Invitation to a session on another machine.",
+    ),
+]
+Protocol = Annotated[
+    Path | None,
+    typer.Option(
+        "--protocol",
+        parser=named_path,
+        metavar="FILE",
+        show_default=False,
+        help="The protocol to work by: steps and rules, in TOML.",
     ),
 ]
 
@@ -57,12 +69,16 @@ def wizard(
     ] = None,
     observe: Annotated[bool, typer.Option("--observe", help="Only watch.")] = False,
     wait: Annotated[bool, typer.Option("--wait", help="Wait for a session to join.")] = False,
+    protocol: Protocol = None,
 ) -> None:
     """Open the operator's panel: watch a session and control it.
 
     The session runs in another terminal with --operator, or on another machine with --listen. F1
     shows all keys.
     """
+    if protocol and observe:
+        raise Refused("--protocol is for an operator: an observer does nothing by it.")
+    followed = read_protocol(protocol) if protocol else None
     where = session_to_show(session, link, home.folder, wait=wait, observe=observe)
     name = name_at_session(name, link, observe=observe)
     need_screen()
@@ -70,9 +86,8 @@ def wizard(
     from sar_tui.plugins import DEFAULT_THEME
 
     theme = home.catalogue().theme(DEFAULT_THEME)
-    app = WizardApp(
-        theme, home.folder, name, "observer" if observe else "operator", where, waits=wait
-    )
+    role: Role = "observer" if observe else "operator"
+    app = WizardApp(theme, home.folder, name, role, where, waits=wait, protocol=followed)
     raise typer.Exit(run_wizard(app, lambda text: print(text, file=sys.stderr)))
 
 
@@ -100,6 +115,19 @@ def agent(
     if app.failure:
         print(app.failure, file=sys.stderr)
     raise typer.Exit(code)
+
+
+def read_protocol(path: Path) -> "WizardProtocol":
+    """Read an operator's protocol. Raises Refused with its mistakes, one a line."""
+    from sar_tui.operator.phrases import PHRASE_KEYS
+    from sar_tui.rules.protocol_file import ProtocolMistakes, parse
+
+    try:
+        return parse(path.read_bytes(), PHRASE_KEYS)
+    except OSError as error:
+        raise Refused(f"{path} cannot be read: {error.strerror}.") from error
+    except ProtocolMistakes as error:
+        raise Refused("\n".join(f"{path}, {each}" for each in error.mistakes)) from error
 
 
 def session_to_show(

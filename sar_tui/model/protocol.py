@@ -57,12 +57,14 @@ class Reason(msgspec.Struct, frozen=True):
     text: str
 
 
+BY_PROTOCOL = "protocol says so"
+"""The reason by which a veto or an edit belongs to the protocol."""
 REASONS = (
     Reason(1, "wrong moment"),
     Reason(2, "wrong content"),
     Reason(3, "participant upset"),
     Reason(4, "technical"),
-    Reason(5, "protocol says so"),
+    Reason(5, BY_PROTOCOL),
     Reason(9, "other"),
 )
 """Reasons, unless a protocol names others."""
@@ -94,7 +96,8 @@ class WizardProtocol(msgspec.Struct, frozen=True):
             self.name,
             self.hash,
             *self.phrases,
-            *(each.do for each in (*self.steps, *self.rules)),
+            *(step.do for step in self.steps),
+            *(rule.do for rule in self.rules),
             *(rule.text for rule in self.rules),
             *(reason.text for reason in self.reasons),
         )

@@ -47,7 +47,7 @@ class KeyCommand(NamedTuple):
     action: str
     label: str
     description: str
-    group: Literal["Proposals", "Session", "Palette", "Speech and notes", "Panel"]
+    group: Literal["Proposals", "Protocol", "Session", "Palette", "Speech and notes", "Panel"]
     acts: bool = True
     in_footer: bool = False
 
@@ -90,6 +90,8 @@ KEY_COMMANDS = (
         "Proposals",
         acts=False,
     ),
+    KeyCommand("tick", "k", "tick", "tick", "Do what is due, and tick it", "Protocol"),
+    KeyCommand("leave-out", "l", "leave_out", "leave out", "Leave out what is due", "Protocol"),
     KeyCommand(
         "stop",
         "f2",

@@ -7,7 +7,7 @@ import msgspec
 from msgspec.structs import replace
 
 from sar_tui.model import messages as m
-from sar_tui.model.protocol import ANSWERS, Condition, Moment, ProtocolStep, WizardProtocol
+from sar_tui.model.protocol import ANSWERS, Condition, Moment, WizardProtocol
 
 _COMPARE: dict[str, Callable[[float, float], bool]] = {
     "<": operator.lt,
@@ -81,17 +81,6 @@ def step(progress: ProtocolProgress, message: m.Message, at: int) -> Stepped:  #
         case m.SessionEnded():
             return _steps_due(progress, "end", 0, at)
     return progress, ()
-
-
-def next_step(progress: ProtocolProgress) -> ProtocolStep | None:
-    """Return the first step that is still to come, apart from those of pauses."""
-    steps = progress.protocol.steps if progress.protocol else ()
-    to_come = (
-        each
-        for index, each in enumerate(steps)
-        if index not in progress.past and each.at != "pause"
-    )
-    return next(to_come, None)
 
 
 def _chosen(progress: ProtocolProgress, protocol: WizardProtocol, at: int) -> Stepped:
@@ -183,7 +172,7 @@ def _value(
         is_number = isinstance(answer, int | float) and result.name == condition.measure
         return float(answer) if is_number else None  # type: ignore[arg-type]
     values: dict[str, float | None] = {
-        "accuracy": None if result.accuracy is None else 100 * result.accuracy,
+        "accuracy": None if result.accuracy is None else round(100 * result.accuracy, 6),
         "success": {"success": 1.0, "failure": 0.0}.get(result.outcome),
         "timeouts": timeouts,
         "level": result.level,
