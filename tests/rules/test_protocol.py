@@ -13,6 +13,7 @@ from sar_tui.rules.protocol import ProtocolProgress, step, unit_factor
 from sar_tui.rules.protocol_file import (
     MAX_BYTES,
     Deed,
+    Mistake,
     ProtocolMistakes,
     parse,
     parse_condition,
@@ -107,10 +108,12 @@ def test_all_mistakes_are_named_at_once_in_order() -> None:
 
 @given(st.binary(max_size=300) | st.text(max_size=300).map(str.encode))
 def test_no_file_crashes_the_reader(source: bytes) -> None:
+    mistakes: list[Mistake] = []
     try:
         parse(source)
     except ProtocolMistakes as error:
-        assert all(each.line >= 1 and each.why.endswith(".") for each in error.mistakes)
+        mistakes = error.mistakes
+    assert all(each.line >= 1 and each.why.endswith(".") for each in mistakes)
 
 
 @pytest.mark.parametrize(
