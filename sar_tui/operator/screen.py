@@ -316,7 +316,7 @@ class PanelScreen(OrderedScreen[str]):
         self._put("activity", status_view.activity(state, self._width("activity"), now))
         self._draw_proposals(now)
         self.set_class(state.protocol is not None, "by-protocol")
-        self._put("protocol", protocol_line(state, self.file, self._width("protocol")))
+        self._put("protocol", protocol_line(state, self.file, self._width("footer")))
         self._draw_palette(now)
         log = self.query_one("#log")
         stops = [stop.line(now) for stop in state.stops]
@@ -335,7 +335,12 @@ class PanelScreen(OrderedScreen[str]):
             self.file, question, self._width("footer"), self.tr, is_observer=self.is_observer
         )
         self._put("footer", footer)
-        help_sheet = keymap.help_sheet(self.file, self.tr, is_observer=self.is_observer)
+        help_sheet = keymap.help_sheet(
+            self.file,
+            self.tr,
+            is_observer=self.is_observer,
+            has_protocol=state.protocol is not None,
+        )
         self._put("key-help", help_sheet)
 
     def _place_in_log(self, now: int, line: Line) -> tuple[bool, int]:
