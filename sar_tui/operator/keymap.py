@@ -90,7 +90,7 @@ KEY_COMMANDS = (
         "Proposals",
         acts=False,
     ),
-    KeyCommand("tick", "k", "tick", "tick", "Do what is due; leave it out", "Proposals"),
+    KeyCommand("tick", "k", "tick", "tick", "Do what is due, or leave it", "Proposals"),
     KeyCommand("leave-out", "l", "leave_out", "leave out", "", "Proposals"),
     KeyCommand(
         "stop",

@@ -147,7 +147,7 @@ class Practice:
 
     @property
     def rate(self) -> float:
-        """How fast time goes: as it was, while a proposal or a tick waits for the trainee."""
+        """Speed of time: as it was, while a proposal or a tick waits for the trainee."""
         return 1.0 if self._pending or self._due else self.speed
 
     # --- what the panel gets

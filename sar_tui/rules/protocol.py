@@ -21,7 +21,7 @@ _OF_TIME = {"ms": 1.0, "s": 1000.0}
 
 
 class ProtocolProgress(msgspec.Struct, frozen=True):
-    """How far a session has come in the operator's protocol.
+    """Progress of a session in the operator's protocol.
 
     Attributes:
         protocol: None until an operator has one.

@@ -69,7 +69,7 @@ class ProtocolMistakes(ValueError):
 
 
 class Deed(NamedTuple):
-    """What ``do`` says.
+    """A ``do`` as the panel understands it.
 
     Attributes:
         verb: ``say`` (``text``), ``key`` (say a phrase of the theme with this key, ``text``),
