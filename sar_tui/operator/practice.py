@@ -25,7 +25,7 @@ from sar_tui.reports.protocol import Adherence, adherence
 from sar_tui.rules.arbitration import CONTROLLED, start, time_to_decide
 from sar_tui.rules.parameters import TaskParameters
 from sar_tui.rules.protocol import ProtocolProgress, step
-from sar_tui.rules.protocol_file import parse_deed
+from sar_tui.rules.protocol_file import deed_of
 
 _HIDDEN = {
     topic.name
@@ -298,7 +298,7 @@ class Practice:
         """Return the decision that is due by the protocol now."""
         kind: ControlledKind | None = CONTROLLED.get(asked.proposal.kind)
         for due in self._due.values():
-            deed = parse_deed(due.do, len(self._protocol.phrases))
+            deed = deed_of(due.do, self._protocol)
             if deed.kind == kind and kind is not None:
                 return "vetoed" if deed.verb == "veto" else "accepted"
         return ""

@@ -25,7 +25,7 @@ from sar_tui.operator.session_state import SessionState
 from sar_tui.operator.text_charts import Piece, cut
 from sar_tui.rules.arbitration import CONTROLLED
 from sar_tui.rules.protocol import unit_factor
-from sar_tui.rules.protocol_file import Deed, parse_deed
+from sar_tui.rules.protocol_file import Deed, deed_of
 
 _MOMENTS = {
     "start": "at the start",
@@ -130,7 +130,9 @@ class ProtocolActs:
         """
         commands, state = self._commands, self._commands.state
         protocol = state.protocol
-        deed = parse_deed(due.do, len(protocol.phrases) if protocol else 0)
+        if protocol is None:
+            return None
+        deed = deed_of(due.do, protocol)
         match deed.verb:
             case "say" | "key" | "phrase":
                 is_sent = self._say(deed, due, seat, at)

@@ -12,7 +12,7 @@ from sar_tui.model.protocol import BY_PROTOCOL, WizardProtocol
 from sar_tui.reports.logged_messages import LoggedMessage, spans
 from sar_tui.reports.presence import seconds
 from sar_tui.reports.proposals import ProposalRecord
-from sar_tui.rules.protocol_file import parse_deed
+from sar_tui.rules.protocol_file import deed_of
 
 DueOutcome = Literal["done", "late", "not done", "failed", "omitted"]
 """``done`` in time; ``late``: done after ``late_after_s``; ``not done``: the operator said so;
@@ -117,7 +117,7 @@ class _Due(NamedTuple):
     @property
     def kind(self) -> str:
         """The kind of act that it asks for."""
-        verb = parse_deed(self.due.do, len(self.protocol.phrases)).verb
+        verb = deed_of(self.due.do, self.protocol).verb
         return _KINDS.get(verb, verb)
 
 

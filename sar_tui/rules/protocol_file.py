@@ -216,6 +216,16 @@ def parse_deed(text: str, phrases: int, phrase_keys: Collection[str] = ()) -> De
     return Deed("other", text.strip())
 
 
+def deed_of(do: str, protocol: WizardProtocol) -> Deed:
+    """Return what ``do`` of a protocol that a session follows says; what this version cannot read is
+    for the operator alone.
+    """
+    try:
+        return parse_deed(do, len(protocol.phrases))
+    except ValueError:
+        return Deed("other", do)
+
+
 _EXAMPLES = {
     "say": "say greeting",
     "gesture": "gesture nod",

@@ -237,6 +237,19 @@ def test_invalid_acts_and_those_that_the_broker_refused_are_logged_as_refused(be
     assert bench.of(NOTE_ADDED) == []
 
 
+def test_a_protocol_with_control_characters_is_refused_and_a_late_peer_gets_what_is_due(
+    bench: Bench,
+) -> None:
+    bench.receive(PeerJoined(ANNA))
+    for do in ("say \x1b[2J", "say greeting"):
+        steps = (ProtocolStep("start", do),)
+        bench.act(
+            ANNA, PROTOCOL, m.ProtocolChosen(protocol=WizardProtocol("p", 1, "h", steps=steps))
+        )
+    assert [each.protocol.steps[0].do for each in bench.of(PROTOCOL)] == ["say greeting"]
+    assert [each.what for each in bench.of(REFUSED)] == [PROTOCOL.name]
+
+
 # --- answers
 
 
