@@ -76,6 +76,10 @@ class WizardApp(BaseApp):
 
     def on_mount(self) -> None:
         self.apply_theme(self._theme)
+        self.begin()
+
+    def begin(self) -> None:
+        """Show the panel of the session, or the choice of one."""
         if self._where:
             self._join(self._where)
         else:

@@ -130,8 +130,8 @@ class PracticeApp(WizardApp):
         super().__init__(theme, folder, practice.welcome.name)
         self._practice = practice
 
-    def on_mount(self) -> None:
-        self.apply_theme(self._theme)
+    def begin(self) -> None:
+        """Show the panel of the recorded session."""
 
         def connect(receive: PeerListener) -> PracticePeer:
             return PracticePeer(receive, self._practice)

@@ -44,6 +44,7 @@ from sar_tui.loop.topics import (
     PRESENCE,
     PROMPT,
     PROPOSAL_SEEN,
+    PROTOCOL,
     REFUSED,
     SESSION,
     SHOWN,
@@ -51,6 +52,7 @@ from sar_tui.loop.topics import (
 )
 from sar_tui.model import messages as m
 from sar_tui.model.messages import Message
+from sar_tui.model.protocol import ProtocolStep, WizardProtocol
 from sar_tui.model.units import MS, SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.parameters import build
@@ -237,7 +239,7 @@ def test_invalid_acts_and_those_that_the_broker_refused_are_logged_as_refused(be
     assert bench.of(NOTE_ADDED) == []
 
 
-def test_a_protocol_with_control_characters_is_refused_and_a_late_peer_gets_what_is_due(
+def test_a_protocol_with_control_characters_is_refused(
     bench: Bench,
 ) -> None:
     bench.receive(PeerJoined(ANNA))
