@@ -209,7 +209,7 @@ def protocol_line(state: SessionState, file: KeymapFile, width: int) -> Content:
             text = tr("Protocol {name}: no step is to come.").format(name=title(protocol))
         else:
             text = tr("Next, {moment}: {what}").format(
-                moment=moment_text(following, tr), what=following.do
+                moment=moment_text(following, tr), what=_what(following.do, protocol)
             )
         return Content.assemble((cut(text, width), "$text-muted"))
     due = state.due[0]
@@ -221,8 +221,14 @@ def protocol_line(state: SessionState, file: KeymapFile, width: int) -> Content:
     ]
     more = f" +{len(state.due) - 1}" if len(state.due) > 1 else ""
     room = width - sum(cell_len(text) for text, _ in keys) - len(more)
-    text = cut(f"▶ {due.do} ({_why(due, protocol, tr)})", room)
+    text = cut(f"▶ {_what(due.do, protocol)} ({_why(due, protocol, tr)})", room)
     return Content.assemble((text, "$warning bold"), (more, "$text-muted"), *keys)
+
+
+def _what(do: str, protocol: WizardProtocol) -> str:
+    """Return what is to be done as it is written, with the words of the protocol's own phrases."""
+    deed = deed_of(do, protocol)
+    return f"say “{protocol.phrases[deed.number - 1]}”" if deed.verb == "phrase" else do
 
 
 def _why(due: ProtocolDue, protocol: WizardProtocol, tr: Language) -> str:

@@ -64,7 +64,7 @@ def test_an_operator_follows_a_protocol_and_vetoes_with_a_reason(
         participant = terminals.participant("--operator", **SETTINGS)
         panel = terminals.panel("--name", "ana", "--wait", "--protocol", str(file))
         participant.terminal.wait_for("Press Enter to go on.")
-        wait_for_due(terminals, panel, "say phrase 1 (at the start)")
+        wait_for_due(terminals, panel, f"say “{WORDS}” (at the start)")
         panel.does("tick")
         terminals.until(lambda: participant.sees(WORDS), "the phrase is seen")
 
