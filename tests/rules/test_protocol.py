@@ -1,6 +1,7 @@
 """The operator's protocol: its file, its small language, and when something is due."""
 
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -9,6 +10,7 @@ from hypothesis import strategies as st
 
 from sar_tui.model import messages as m
 from sar_tui.model.protocol import REASONS, Condition, ProtocolRule, ProtocolStep, WizardProtocol
+from sar_tui.operator.phrases import PHRASE_KEYS
 from sar_tui.rules.protocol import ProtocolProgress, step, unit_factor
 from sar_tui.rules.protocol_file import (
     MAX_BYTES,
@@ -65,6 +67,14 @@ def test_a_protocol_is_read_with_its_hash() -> None:
     assert (
         parse(b'name="a"\nversion=1\n[[steps]]\nat="end"\ndo="Say thank you."').reasons == REASONS
     )
+
+
+def test_the_documented_protocol_is_one() -> None:
+    page = Path(__file__).parents[2] / "docs" / "run-a-wizard-of-oz-study.md"
+    text = page.read_text(encoding="utf-8").partition("### Work by a protocol")[2]
+    source = text.partition("```toml\n")[2].partition("```")[0]
+    protocol = parse(source.encode(), PHRASE_KEYS)
+    assert (len(protocol.steps), len(protocol.rules)) == (1, 1)
 
 
 @pytest.mark.parametrize(
