@@ -8,7 +8,7 @@ from sar_tui.reports.sections import Section, Table
 _LISTED = 30
 """Items that are shown; JSON has all."""
 _ACTS = {"say": "said", "veto": "vetoed", "edit": "edited"}
-_VERDICTS = {"vetoed": "veto", "edited": "edit"}
+_VERDICTS = {"vetoed": ("veto", "vetoes"), "edited": ("edit", "edits")}
 
 
 def section(found: Adherence) -> Section:
@@ -54,7 +54,7 @@ def _sentences(found: Adherence) -> Iterator[str]:
     for verdict, counts in found.reasons.items():
         n = sum(counts.values())
         reasons = ", ".join(f"{text} {times}" for text, times in counts.items())
-        yield f"Reasons of {n} {_VERDICTS[verdict]}{'' if n == 1 else 's'}: {reasons}."
+        yield f"Reasons of {n} {_VERDICTS[verdict][n != 1]}: {reasons}."
 
 
 def _practice(found: Adherence) -> str:

@@ -106,7 +106,7 @@ def test_reasons_of_vetoes_and_edits_are_counted() -> None:
         "edited": {NO_REASON: 1},
     }
     assert adherence.outside == {"veto": 2, "edit": 1}, "one veto was the protocol's"
-    assert "Reasons of 3 vetos" in section(adherence).parts[0]
+    assert "Reasons of 3 vetoes" in section(adherence).parts[0]
 
 
 def test_sessions_are_pooled() -> None:
