@@ -96,7 +96,7 @@ async def test_one_line_shows_what_is_next_and_what_is_due(panel: b.PanelDriver)
     await panel.publish(t.PROTOCOL_DUE, due("d1", "rule", 1))
     await panel.publish(t.PROTOCOL_DUE, due("d2", "step", 2))
     row = next(row for row in panel.rows if "▶ say" in row)
-    assert "▶ say “You reached level {level}.” (accuracy < 60 % twice) +1 k tick l leave" in row
+    assert "▶ say “You reached level {level}.” (accuracy < 60 % twi… +1 k tick l leave out" in row
     await panel.publish(t.PROTOCOL_TICKED, m.ProtocolTicked(due="d1", outcome="done"))
     await panel.publish(t.PROTOCOL_TICKED, m.ProtocolTicked(due="d2", outcome="done"))
     assert "Protocol praise 2: no step is to come." in panel.text
