@@ -81,7 +81,9 @@ def test_an_operator_follows_a_protocol_and_vetoes_with_a_reason(
         terminals.until(lambda: terminals.reported("event_handler/level"), "the level is raised")
         panel.does("pick-1")
         terminals.until(lambda: len(terminals.actions("remark")) == 2, "a phrase is said")
-        terminals.look(0.5)
+        terminals.until(
+            lambda: len(terminals.reported("operator/answered")) == 9, "each act is answered"
+        )
         seen = participant.has_seen()
 
     for word in ("protocol", "due", "wrong content", "Why", "tick"):
