@@ -43,15 +43,15 @@ __all__ = [  # noqa: RUF022  in groups
     "SESSION", "THEME", "KEY", "SWITCH", "PASTE", "UNREADABLE", "FOCUS", "SHOWN",
     "TRIAL_FEEDBACK_SHOWN", "TONE_BEGAN", "IMU", "SENSOR", "TRUNK_IMU", "TRUNK_SENSOR",
     "TIMER", "COMMAND", "SETTING", "DECISION", "REMARK", "MODE", "PROPOSAL_SEEN",
-    "NOTE_ADDED", "PRESENCE", "REFUSED", "REPORT", "OUTPUT", "STOPPED", "MARKERS", "SYNC",
-    "STORED", "STORAGE", "RECORD_CHANGED",
+    "NOTE_ADDED", "PROTOCOL", "PROTOCOL_TICKED", "REASON", "PRESENCE", "REFUSED", "REPORT",
+    "OUTPUT", "STOPPED", "MARKERS", "SYNC", "STORED", "STORAGE", "RECORD_CHANGED",
     # topics of what follows from them
     "FAULT", "PERCEIVED", "REACH", "WAITING", "ATTEMPT_STARTED", "CUE", "PROMPT", "FRAME",
     "TONES_AHEAD", "TONE_DUE", "TYPED", "VOIDED", "TRIAL", "TRIAL_FEEDBACK", "MARKED",
     "ATTEMPT_ENDED", "LEVEL", "GOAL", "STEP_ENDED", "FEEDBACK", "TAKEN_BACK", "SESSION_ENDED",
     "PROPOSED",
     "PENDING_APPROVAL", "ARBITER_STATE", "FILLER_DUE", "LEVEL_DECIDED", "LATE_DECISION",
-    "DECIDED", "ACTION", "DROPPED", "HALT", "ACTING", "ANSWERED",
+    "DECIDED", "ACTION", "DROPPED", "HALT", "ACTING", "PROTOCOL_DUE", "ANSWERED",
     # services
     "RECALL", "LEVEL_REQUEST", "UNSAID_FEEDBACK",
     # messages
@@ -62,7 +62,8 @@ __all__ = [  # noqa: RUF022  in groups
     "LevelDecided", "LevelReply", "LevelRequest", "MarkersChanged", "Message", "ModeChanged",
     "NoteAdded", "OperatorAct", "OperatorChanged", "OutputOpened", "OutputReport", "OutputStopped",
     "Pasted", "PeerRequestRefused", "PendingApproval", "Percept", "Prompt", "PromptVoided",
-    "Proposal", "ProposalSeen", "ReachPerceived", "Recall", "RecalledAttempts", "RecordChange",
+    "Proposal", "ProposalSeen", "ProtocolChosen", "ProtocolDue", "ProtocolTicked", "ReachPerceived",
+    "ReasonGiven", "Recall", "RecalledAttempts", "RecordChange",
     "RecordChanged", "Remark", "SensorChanged", "SessionCommand", "SessionEnded", "SessionStarted",
     "SettingChanged", "Shown", "Spread", "StepEnded", "StepStatus", "StorageChanged", "Stored",
     "SwitchPressed", "SyncSignal", "TakenBack", "TakenBackKind", "TextPerceived", "ThemeApplied",

@@ -208,7 +208,7 @@ def _one_session(home: Home, name: str, html: Path | None, as_json: bool) -> Non
         return
     if found.operated:
         out.print(title, markup=False, soft_wrap=True)
-    _print_sections(out, sections, titled=False)
+    print_sections(out, sections, titled=False)
 
 
 def _study(
@@ -284,10 +284,10 @@ def _put_out(
     elif html is not None:
         print(f"{html} is written. Open it in a browser, which can also print it.")
     else:
-        _print_sections(console(), sections)
+        print_sections(console(), sections)
 
 
-def _print_sections(out: "Console", sections: Iterable["Section"], *, titled: bool = True) -> None:
+def print_sections(out: "Console", sections: Iterable["Section"], *, titled: bool = True) -> None:
     """Print sections with an empty line between their parts. ``titled``: with their titles."""
     from rich.text import Text
 

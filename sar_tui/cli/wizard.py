@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import Home, named_path, need_screen
+from sar_tui.cli.common import Home, console, named_path, need_screen, write_new
 from sar_tui.cli.errors import Refused
 
 if TYPE_CHECKING:
@@ -19,12 +19,22 @@ if TYPE_CHECKING:
     from sar_tui.link.discovery import JoinableSession
     from sar_tui.link.invitation import Invitation
     from sar_tui.link.peer import Peer, PeerListener
+    from sar_tui.model.messages import Role
+    from sar_tui.model.protocol import WizardProtocol
 
 
 Joined = Annotated[
     str | None,
     typer.Argument(
         metavar="SESSION", help="The session's id, or its beginning.", show_default=False
+    ),
+]
+JoinedOrPractise = Annotated[
+    str | None,
+    typer.Argument(
+        metavar="[SESSION|practise]",
+        help="The session's id, or its beginning; practise: play a recorded session.",
+        show_default=False,
     ),
 ]
 Link = Annotated[
@@ -37,15 +47,35 @@ Link = Annotated[
         help="Invitation to a session on another machine.",
     ),
 ]
+Protocol = Annotated[
+    Path | None,
+    typer.Option(
+        "--protocol",
+        parser=named_path,
+        metavar="FILE",
+        show_default=False,
+        help="The protocol to work by: steps and rules, in TOML.",
+    ),
+]
 
 
+_PRACTISE = "practise"
+"""In place of a session's id: play a recorded one. No id begins with it."""
 _NAME = "agent"
 """Name of the view in the session's log; the process id is appended, as there can be several."""
 
 
 def wizard(
     home: Home,
-    session: Joined = None,
+    session: JoinedOrPractise = None,
+    recorded: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[RECORDED]",
+            help="The recorded session to practise on: its id, or last.",
+            show_default=False,
+        ),
+    ] = None,
     link: Link = None,
     name: Annotated[
         str | None,
@@ -57,12 +87,46 @@ def wizard(
     ] = None,
     observe: Annotated[bool, typer.Option("--observe", help="Only watch.")] = False,
     wait: Annotated[bool, typer.Option("--wait", help="Wait for a session to join.")] = False,
+    protocol: Protocol = None,
+    speed: Annotated[
+        float | None,
+        typer.Option(
+            metavar="TIMES",
+            min=0.25,
+            max=16,
+            show_default=False,
+            help="Speed of practice while nothing waits for you. Default: 1.",
+        ),
+    ] = None,
+    to: Annotated[
+        Path | None,
+        typer.Option(
+            "--to",
+            parser=named_path,
+            metavar="FILE",
+            show_default=False,
+            help="Write the result of practice as JSON.",
+        ),
+    ] = None,
 ) -> None:
-    """Open the operator's panel: watch a session and control it.
+    """Open the operator's panel: watch a session and control it; or practise on a recorded one.
 
     The session runs in another terminal with --operator, or on another machine with --listen. F1
-    shows all keys.
+    shows all keys. Practice writes nothing into the recorded session.
     """
+    if session == _PRACTISE:
+        if link or observe or wait:
+            raise Refused("Practice joins no session: leave out --link, --observe and --wait.")
+        _practise(home, recorded, protocol, name, speed or 1.0, to)
+        return
+    if recorded is not None or speed is not None or to is not None:
+        raise Refused(
+            "RECORDED, --speed and --to are for practice: sar-tui wizard practise SESSION "
+            "--protocol FILE."
+        )
+    if protocol and observe:
+        raise Refused("--protocol is for an operator: an observer does nothing by it.")
+    followed = read_protocol(protocol) if protocol else None
     where = session_to_show(session, link, home.folder, wait=wait, observe=observe)
     name = name_at_session(name, link, observe=observe)
     need_screen()
@@ -70,10 +134,55 @@ def wizard(
     from sar_tui.plugins import DEFAULT_THEME
 
     theme = home.catalogue().theme(DEFAULT_THEME)
-    app = WizardApp(
-        theme, home.folder, name, "observer" if observe else "operator", where, waits=wait
-    )
+    role: Role = "observer" if observe else "operator"
+    app = WizardApp(theme, home.folder, name, role, where, waits=wait, protocol=followed)
     raise typer.Exit(run_wizard(app, lambda text: print(text, file=sys.stderr)))
+
+
+def _practise(
+    home: Home,
+    recorded: str | None,
+    protocol: Path | None,
+    name: str | None,
+    speed: float,
+    to: Path | None,
+) -> None:
+    """Play a recorded session on the panel, and report how the trainee decided."""
+    if recorded is None or protocol is None:
+        raise Refused(
+            "Practice needs a recorded session and a protocol: sar-tui wizard practise SESSION "
+            "--protocol FILE."
+        )
+    followed = read_protocol(protocol)
+    name = name_at_session(name, None, observe=False)
+    if to is not None and to.exists():
+        raise Refused(f"{to} exists already, and is not overwritten. Name another file.")
+    need_screen()
+    from sar_tui.cli.report import print_sections
+    from sar_tui.operator.practice_app import PracticeApp, recorded_practice
+    from sar_tui.operator.practice_log import note_practice
+    from sar_tui.operator.practice_words import sections
+    from sar_tui.plugins import DEFAULT_THEME
+
+    catalogue = home.catalogue()
+    with home.session(recorded) as (database, row):
+        practice = recorded_practice(
+            database, home.folder, catalogue, row, f"operator.{name}", followed, speed
+        )
+    app = PracticeApp(catalogue.theme(DEFAULT_THEME), home.folder, practice)
+    code = app.run_here()
+    if app.failure:
+        print(app.failure, file=sys.stderr)
+        raise typer.Exit(code)
+    result = practice.result()
+    if to is not None:
+        import msgspec
+
+        write_new(to, msgspec.json.encode(result).decode() + "\n")
+    if result.is_complete:
+        note_practice(home.folder, name, result.session, followed)
+    print_sections(console(), sections(result))
+    raise typer.Exit(code)
 
 
 def agent(
@@ -100,6 +209,19 @@ def agent(
     if app.failure:
         print(app.failure, file=sys.stderr)
     raise typer.Exit(code)
+
+
+def read_protocol(path: Path) -> "WizardProtocol":
+    """Read an operator's protocol. Raises Refused with its mistakes, one a line."""
+    from sar_tui.operator.phrases import PHRASE_KEYS
+    from sar_tui.rules.protocol_file import ProtocolMistakes, parse
+
+    try:
+        return parse(path.read_bytes(), PHRASE_KEYS)
+    except OSError as error:
+        raise Refused(f"{path} cannot be read: {error.strerror}.") from error
+    except ProtocolMistakes as error:
+        raise Refused("\n".join(f"{path}, {each}" for each in error.mistakes)) from error
 
 
 def session_to_show(

@@ -1,4 +1,4 @@
-"""New files and folders: for their owner only, and never in the place of another."""
+"""Files and folders: for their owner only, and never in the place of another."""
 
 import os
 from pathlib import Path
@@ -29,6 +29,13 @@ def write_private(path: Path, text: str) -> None:
     except BaseException:
         path.unlink(missing_ok=True)
         raise
+
+
+def append_private(path: Path, text: str) -> None:
+    """Append a text in UTF-8 to a file, which gets mode 0600 if it is new. Raises OSError."""
+    number = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
+    with open(number, "a", encoding="utf-8") as file:
+        file.write(text)
 
 
 def make_private(folder: Path) -> None:

@@ -48,6 +48,9 @@ from sar_tui.loop.topics import (
     PRESENCE,
     PROMPT,
     PROPOSAL_SEEN,
+    PROTOCOL,
+    PROTOCOL_TICKED,
+    REASON,
     REFUSED,
     REMARK,
     SHOWN,
@@ -91,6 +94,9 @@ class LinkNode(Node):
         MODE,
         PROPOSAL_SEEN,
         NOTE_ADDED,
+        PROTOCOL,
+        PROTOCOL_TICKED,
+        REASON,
         PRESENCE,
         REFUSED,
     )
@@ -359,7 +365,7 @@ SENT: tuple[Topic[Any], ...] = (
     t.OUTPUT, t.REPORT, t.STOPPED, t.MARKERS,
     # what operators did, so that each sees the outcome and what the others do
     t.COMMAND, t.SETTING, t.DECISION, t.REMARK, t.MODE, t.PROPOSAL_SEEN, t.NOTE_ADDED, t.PRESENCE, t.REFUSED,
-    t.ANSWERED,
+    t.PROTOCOL, t.PROTOCOL_DUE, t.PROTOCOL_TICKED, t.REASON, t.ANSWERED,
 )  # fmt: skip
 """Faults are not sent: their tracebacks reveal details of the machine, and WAITING says that a
 session is broken.
@@ -373,7 +379,7 @@ _LATEST: tuple[Topic[Any], ...] = (
 """A snapshot holds the last message of each seat and output."""
 _HISTORY: tuple[Topic[Any], ...] = (
     t.TRIAL, t.MARKED, t.ATTEMPT_ENDED, t.PROPOSED, t.PENDING_APPROVAL, t.ACTION, t.DROPPED, t.LEVEL_DECIDED,
-    t.NOTE_ADDED,
+    t.NOTE_ADDED, t.PROTOCOL_DUE, t.PROTOCOL_TICKED,
 )  # fmt: skip
 """A snapshot holds the last ``_HISTORY_LENGTH`` messages of each topic."""
 _HISTORY_LENGTH = 40

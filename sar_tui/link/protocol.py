@@ -12,8 +12,24 @@ import msgspec
 
 from sar_tui.link.peer import Frame, MotionTrace, Welcome
 from sar_tui.loop.bus import Record, Topic
-from sar_tui.loop.topics import COMMAND, DECISION, MODE, NOTE_ADDED, PROPOSAL_SEEN, REMARK
-from sar_tui.model.messages import ActAnswered, Message, NoteAdded, SessionCommand
+from sar_tui.loop.topics import (
+    COMMAND,
+    DECISION,
+    MODE,
+    NOTE_ADDED,
+    PROPOSAL_SEEN,
+    PROTOCOL,
+    PROTOCOL_TICKED,
+    REASON,
+    REMARK,
+)
+from sar_tui.model.messages import (
+    ActAnswered,
+    Message,
+    NoteAdded,
+    ProtocolChosen,
+    SessionCommand,
+)
 from sar_tui.model.visible_text import obeyed
 
 T = TypeVar("T")
@@ -28,7 +44,18 @@ MAX_FRAME_BYTES = 16_000_000
 """Between the program and its broker; a snapshot carries a whole theme."""
 
 OPERATOR_TOPICS: dict[str, Topic[Any]] = {
-    topic.name: topic for topic in (COMMAND, DECISION, REMARK, MODE, PROPOSAL_SEEN, NOTE_ADDED)
+    topic.name: topic
+    for topic in (
+        COMMAND,
+        DECISION,
+        REMARK,
+        MODE,
+        PROPOSAL_SEEN,
+        NOTE_ADDED,
+        PROTOCOL,
+        PROTOCOL_TICKED,
+        REASON,
+    )
 }
 """Topics that an operator may publish on."""
 TAKE_CONTROL = "baton"
@@ -318,6 +345,8 @@ def decode_act(topic: str, raw: msgspec.Raw) -> Message:
         raise ProtocolError("That is not a valid reason for a pause.")
     if isinstance(message, NoteAdded) and not (message.text.strip() or message.label.strip()):
         raise ProtocolError("A note is empty.")
+    if isinstance(message, ProtocolChosen) and not message.protocol.is_showable:
+        raise ProtocolError("A text contains control characters.")
     return message
 
 

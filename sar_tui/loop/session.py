@@ -15,6 +15,7 @@ from sar_tui.loop.nodes.arbiter import Arbiter
 from sar_tui.loop.nodes.event_handler import EventHandler
 from sar_tui.loop.nodes.memory import Memory
 from sar_tui.loop.nodes.perception import Perception
+from sar_tui.loop.nodes.protocol import OperatorProtocol
 from sar_tui.loop.replay_comparison import Comparison
 from sar_tui.loop.task import Task
 from sar_tui.loop.topics import ACTING, SESSION, SESSION_ENDED, THEME
@@ -299,7 +300,7 @@ def problem_of_nodes(nodes: Sequence[object]) -> str:
 
     Timers tell nodes by their names.
     """
-    taken = {kind.name for kind in (*OWN_PARTS, ActionCenter, Arbiter)}
+    taken = {kind.name for kind in (*OWN_PARTS, ActionCenter, Arbiter, OperatorProtocol)}
     for node in nodes:
         if not isinstance(node, Node):
             return f"among its nodes is {node!r:.60}, which is no Node."
@@ -324,4 +325,5 @@ def core_nodes(task: Task, theme: Theme, seed: int, parts: Parts = OWN_PARTS) ->
         parts.event_handler(task, seed, (*VITAL, *(node.name for node in perception))),
         ActionCenter(task, theme, seed),
         Arbiter(task.parameters, theme),
+        OperatorProtocol(),
     )

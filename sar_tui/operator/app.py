@@ -25,7 +25,9 @@ from sar_tui.link.errors import LinkError
 from sar_tui.link.invitation import Invitation
 from sar_tui.model.language import Language, language
 from sar_tui.model.messages import Role
+from sar_tui.model.protocol import WizardProtocol
 from sar_tui.model.theme import Theme
+from sar_tui.operator.practice_log import times_practised
 from sar_tui.operator.screen import PanelScreen
 from sar_tui.store.interface_language import interface_language
 from sar_tui.tui.base_app import BaseApp
@@ -48,6 +50,7 @@ class WizardApp(BaseApp):
         role: operator or observer.
         where: the session; if None, the user chooses one.
         waits: join the first session that appears, if there is none yet.
+        protocol: the operator's, if there is one.
     """
 
     TITLE = "sar-tui wizard"
@@ -62,15 +65,21 @@ class WizardApp(BaseApp):
         where: JoinableSession | Invitation | None = None,
         *,
         waits: bool = False,
+        protocol: WizardProtocol | None = None,
     ) -> None:
         super().__init__()
         self.tr = panel_texts(interface_language(folder))
         self._theme, self._folder = theme, folder
         self._user_name, self._role = name, role
         self._where, self._waits = where, waits
+        self._protocol = protocol
 
     def on_mount(self) -> None:
         self.apply_theme(self._theme)
+        self.begin()
+
+    def begin(self) -> None:
+        """Show the panel of the session, or the choice of one."""
         if self._where:
             self._join(self._where)
         else:
@@ -89,7 +98,15 @@ class WizardApp(BaseApp):
 
     def make_panel(self, where: JoinableSession | Invitation) -> PanelScreen:
         """Return the panel of a session."""
-        return panel(where, self._user_name, self._role, self._theme, self._folder, self.tr)
+        return panel(
+            where,
+            self._user_name,
+            self._role,
+            self._theme,
+            self._folder,
+            self.tr,
+            self._protocol,
+        )
 
     @on(PanelScreen.Themed)
     def use_session_theme(self, event: PanelScreen.Themed) -> None:
@@ -120,10 +137,12 @@ def panel(
     theme: Theme,
     folder: Path,
     tr: Language,
+    protocol: WizardProtocol | None = None,
 ) -> PanelScreen:
     """Return the panel of a session. Called on the event loop that runs it."""
     join = functools.partial(connect, where, name, role, loop=asyncio.get_running_loop())
-    return PanelScreen(join, theme, folder, tr=tr)
+    practised = times_practised(folder, name, protocol) if protocol else 0
+    return PanelScreen(join, theme, folder, tr=tr, protocol=protocol, practised=practised)
 
 
 def panel_texts(code: str) -> Language:

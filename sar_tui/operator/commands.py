@@ -2,7 +2,7 @@
 
 import secrets
 from collections.abc import Set
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 from msgspec.structs import replace
 
@@ -10,7 +10,15 @@ from sar_tui.link.peer import Connection, Peer, PeerEvent, Welcome
 from sar_tui.link.presence import needs_control
 from sar_tui.loop.bus import Topic
 from sar_tui.loop.marks import TrialMark
-from sar_tui.loop.topics import COMMAND, DECISION, MODE, NOTE_ADDED, PROPOSAL_SEEN, REMARK
+from sar_tui.loop.topics import (
+    COMMAND,
+    DECISION,
+    MODE,
+    NOTE_ADDED,
+    PROPOSAL_SEEN,
+    REASON,
+    REMARK,
+)
 from sar_tui.model.language import ENGLISH, Language
 from sar_tui.model.messages import (
     Decision,
@@ -20,6 +28,7 @@ from sar_tui.model.messages import (
     NoteAdded,
     PendingApproval,
     ProposalSeen,
+    ReasonGiven,
     Remark,
     SessionCommand,
     Valence,
@@ -45,6 +54,8 @@ TOO_SOON = 150 * MS
 
 CONFIRM_SECONDS = 3
 """Time for the second key that ends a pause made by the participant."""
+REASON_FOR = 10 * SECOND
+"""Time in which a digit gives the reason for a veto or an edit."""
 _RANKS: dict[str, int] = {
     "feedback": 0,
     "encouragement": 1,
@@ -54,6 +65,14 @@ _RANKS: dict[str, int] = {
 }
 _TOGETHER = SECOND // 2
 """Proposals whose deadlines are this close were made together."""
+
+
+class AskedReason(NamedTuple):
+    """A veto or an edit, by the id of its action and its time (ns), whose reason is asked."""
+
+    action: str
+    verdict: Literal["veto", "edit"]
+    at: int
 
 
 class Commands:
@@ -86,6 +105,7 @@ class Commands:
         self._mode_before_hold: Mode | None = None
         self._resume_asked_at = 0
         self._mark_asked = (TrialMark(), "")
+        self._asked: AskedReason | None = None
 
     def receive(self, event: PeerEvent) -> None:
         """Handle an event of the link."""
@@ -175,7 +195,7 @@ class Commands:
                 return False
             decision = replace(decision, level=int(text))
         elif approval.proposal.text:
-            filled = self._fill(text, approval.proposal.seat, at)
+            filled = self.fill(text, approval.proposal.seat, at)
             if not filled:
                 return False
             has_name = approval.proposal.text != editable(approval, self.state)
@@ -200,6 +220,30 @@ class Commands:
         wording = decision_wording(decision, approval.proposal.kind, self.tr)
         decision = replace(decision, seat=approval.proposal.seat)
         return self.send(wording, DECISION, decision, at, typed)
+
+    # --- reasons
+
+    def asked_reason(self, now: int) -> AskedReason | None:
+        """Return the veto or edit whose reason a digit would give now, if there is one."""
+        asked = self._asked
+        return asked if asked and self.state.protocol and now - asked.at <= REASON_FOR else None
+
+    def give_reason(self, code: int, at: int) -> bool:
+        """Give the reason that a digit stands for."""
+        asked, protocol = self.asked_reason(at), self.state.protocol
+        if asked is None or protocol is None:
+            return False
+        reason = next((each for each in protocol.reasons if each.code == code), None)
+        if reason is None:
+            return self._not_sent(self.tr("There is no reason {code}.", code=code), at)
+        reason_text = self.tr(reason.text)
+        given = ReasonGiven(action=asked.action, verdict=asked.verdict, code=code, text=reason.text)
+        wording = same(self.tr("Reason: {text}").format(text=reason_text))
+        return self.send(wording, REASON, given, at)
+
+    def forget_reason(self) -> None:
+        """Ask for no reason any more."""
+        self._asked = None
 
     # --- the session
 
@@ -260,6 +304,12 @@ class Commands:
         text = self.tr("Level {previous} → {level}", previous=level, level=level + step)
         return self.command("level", at, same(text), value=level + step)
 
+    def set_level(self, level: int, at: int) -> bool:
+        """Set the level of the next attempt."""
+        if not self._is_level(level, at):
+            return False
+        return self.command("level", at, same(self.tr("Level {level}", level=level)), value=level)
+
     def _is_level(self, level: int, at: int) -> bool:
         """Return True if the session can have a level; else log the nearest one that it can
         have.
@@ -319,14 +369,14 @@ class Commands:
 
     def say(self, text: str, seat: str, at: int) -> bool:
         """Have the agent say a typed text."""
-        filled = self._fill(text, seat, at)
+        filled = self.fill(text, seat, at)
         if not filled:
             return False
         remark = Remark(text=addressed(self.state, seat, filled), source="free text", seat=seat)
         wording = said_wording(filled, addressee_code(self.state, seat), self.tr)
         return self.send(wording, REMARK, remark, at, text)
 
-    def _fill(self, text: str, seat: str, at: int) -> str:
+    def fill(self, text: str, seat: str, at: int) -> str:
         """Return a typed text with its slots filled; empty if a value is not known yet."""
         filled, missing = fill_slots(text, slot_values(self.state, seat))
         if missing:
@@ -366,6 +416,11 @@ class Commands:
         act = replace(message, actor=self.state.welcome.name, at=at, id=id)
         self.log.add(wording, topic, act, self._when() if topic is REMARK else "", typed)
         self.peer.send(topic, act)
+        self._asked = (
+            AskedReason(act.action, act.verdict, at)
+            if topic is DECISION and act.verdict != "accept" and self.state.protocol
+            else None
+        )
         return True
 
     def _not_sent(self, why: str, at: int) -> Literal[False]:

@@ -19,6 +19,9 @@ from sar_tui.loop.topics import (
     NOTE_ADDED,
     PRESENCE,
     PROPOSAL_SEEN,
+    PROTOCOL,
+    PROTOCOL_TICKED,
+    REASON,
     REFUSED,
     REMARK,
     SENSOR,
@@ -108,6 +111,9 @@ _ACTS = {
     MODE.name: "a change of mode",
     NOTE_ADDED.name: "a note",
     PROPOSAL_SEEN.name: "a report that a proposal was seen",
+    PROTOCOL.name: "a protocol",
+    PROTOCOL_TICKED.name: "a tick",
+    REASON.name: "a reason",
 }
 _REQUESTS = {
     **_ACTS,

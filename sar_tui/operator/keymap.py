@@ -90,6 +90,8 @@ KEY_COMMANDS = (
         "Proposals",
         acts=False,
     ),
+    KeyCommand("tick", "k", "tick", "tick", "Do what is due, or leave it", "Proposals"),
+    KeyCommand("leave-out", "l", "leave_out", "leave out", "", "Proposals"),
     KeyCommand(
         "stop",
         "f2",
@@ -323,6 +325,8 @@ _QUESTIONS = {
 _CONFIRMING = {"resume": "pause"}
 """Command whose key confirms a question, if it is not the question's own."""
 _PAGES = ("phrases", "gestures", "marks", "modes", "queue")
+_BY_PROTOCOL = ("tick", "leave-out")
+"""Commands that need a protocol."""
 _LEAST_USED = ("repeat", "hold", "note")
 """Commands that the footer leaves out, in this order, until the others fit."""
 
@@ -369,10 +373,12 @@ def footer(
     return Content.assemble(*parts)
 
 
-def help_sheet(file: KeymapFile, tr: Language, *, is_observer: bool) -> Content:
-    """Return all keys in two columns, under their headings."""
+def help_sheet(file: KeymapFile, tr: Language, *, is_observer: bool, has_protocol: bool) -> Content:
+    """Return all keys in two columns, under their headings; those of a protocol if there is one."""
     groups: dict[str, list[KeyCommand]] = {}
     for command in _observer_commands() if is_observer else KEY_COMMANDS:
+        if command.id in _BY_PROTOCOL and not has_protocol:
+            continue
         groups.setdefault(command.group, []).append(command)
     rows: list[tuple[Piece, Piece]] = []
     for group, commands in groups.items():
@@ -400,6 +406,8 @@ def _observer_commands() -> list[KeyCommand]:
 
 
 def _keys(command: KeyCommand, file: KeymapFile, tr: Language) -> str:
+    if command.id == "tick":  # stands for both
+        return f"{key_label('tick', file, tr)} {key_label('leave-out', file, tr)}"
     if command.id == "pick-1":  # stands for all ten
         return f"{key_label(command.id, file, tr)}…{key_label('pick-0', file, tr)}"
     return " ".join(key_name(key, tr) for key in file.keys_of(command))
@@ -416,4 +424,4 @@ def _description(command: KeyCommand, file: KeymapFile, tr: Language) -> str:
         return tr(command.description, name=tr(file.events[number]))
     if command.id.startswith("pick-") and command.id != "pick-1":
         return ""
-    return tr(command.description)
+    return tr(command.description) if command.description else ""

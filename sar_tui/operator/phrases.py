@@ -36,6 +36,8 @@ _HEADINGS = {
     "goodbye_early": "Rest, hello, goodbye",
 }
 """Headings of the palette by phrase key: those whose texts hold no result."""
+PHRASE_KEYS = tuple(_HEADINGS)
+"""Keys of the phrases that an operator can have said as they are."""
 
 
 class Phrase(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -157,10 +159,15 @@ def metric_text(value: float, state: SessionState) -> str:
 def theme_phrases(theme: Theme, tr: Language = ENGLISH) -> dict[str, list[Phrase]]:
     """Return a theme's phrases without a result, by heading in the language of the panel."""
     found: dict[str, list[Phrase]] = {}
-    for key in _HEADINGS:  # noqa: PLC0206
-        phrases = [_phrase(theme, key, text) for text in theme.phrases.get(key, ())]
-        found.setdefault(tr(_HEADINGS[key]), []).extend(phrases)
+    for key in PHRASE_KEYS:
+        found.setdefault(tr(_HEADINGS[key]), []).extend(phrases_of_key(theme, key))
     return found
+
+
+def phrases_of_key(theme: Theme, key: str) -> list[Phrase]:
+    """Return a theme's phrases of a key, if their texts hold no result."""
+    texts = theme.phrases.get(key, ()) if key in PHRASE_KEYS else ()
+    return [_phrase(theme, key, text) for text in texts]
 
 
 def _phrase(theme: Theme, key: str, text: str) -> Phrase:

@@ -26,6 +26,7 @@ from sar_tui.loop.clock import Clock, LiveClock, host_now
 from sar_tui.loop.topics import DECISION, NOTE_ADDED, REMARK
 from sar_tui.model.language import ENGLISH, Language
 from sar_tui.model.messages import PendingApproval, Valence
+from sar_tui.model.protocol import WizardProtocol
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import SECOND
 from sar_tui.operator import keymap, status_view
@@ -35,6 +36,7 @@ from sar_tui.operator.keymap import KEY_COMMANDS, bindings
 from sar_tui.operator.palette import Palette, palette_page
 from sar_tui.operator.phrases import MAX_TEXT, addressee, addressee_code
 from sar_tui.operator.proposal_strip import ProposalStrip
+from sar_tui.operator.protocol import ProtocolActs, protocol_line, reasons_page
 from sar_tui.operator.session_state import SessionState
 from sar_tui.operator.text_charts import trend, wrap
 from sar_tui.operator.widgets import CachedStatic, TooSmallNotice
@@ -76,6 +78,8 @@ class PanelScreen(OrderedScreen[str]):
         clock: drives the agent's motion, and withdraws questions; given by tests.
         wall_time: returns the local date and time.
         tr: language of the panel.
+        protocol: the operator's, if the session is to follow one.
+        practised: recorded sessions on which the operator has practised it.
 
     Attributes:
         commands: acts of this operator, and the session as it is known here.
@@ -105,6 +109,8 @@ class PanelScreen(OrderedScreen[str]):
         clock: Clock | None = None,
         wall_time: Callable[[], datetime] = datetime.now,
         tr: Language = ENGLISH,
+        protocol: WizardProtocol | None = None,
+        practised: int = 0,
     ) -> None:
         super().__init__()
         self.tr = tr
@@ -115,10 +121,12 @@ class PanelScreen(OrderedScreen[str]):
         self._agent = AgentMirror(theme, self._clock)
         self.commands = Commands(tr)
         self.commands.control_key = keymap.key_label("control", self.file, tr)
+        self.protocol = ProtocolActs(self.commands, protocol, practised)
         self.palette = Palette(self.file)
         self.strip = ProposalStrip(self.file, tr)
         self._selected = ""
         self._question = ""
+        self._asks_reason = False
         self._is_stale = True
         self._absence: Line | None = None
         self._drawn_at = 0.0
@@ -136,6 +144,7 @@ class PanelScreen(OrderedScreen[str]):
             activity.border_title = self.tr("What they do")
             yield activity
         yield self.strip
+        yield CachedStatic("protocol")
         with Horizontal(id="lower"):
             with Vertical(id="palette-and-log"):
                 with Horizontal(id="palette-header"):
@@ -189,6 +198,7 @@ class PanelScreen(OrderedScreen[str]):
         """
         theme = self.commands.state.theme
         self.commands.receive(event)
+        self.protocol.receive(event)
         if isinstance(event, Welcome):
             self._report_absence()
         if self.commands.state.theme is not theme:
@@ -278,7 +288,8 @@ class PanelScreen(OrderedScreen[str]):
             return
         self._report_absence()
         counts_down = any(each.deadline is not None for each in self.commands.pending)
-        if self._is_stale or counts_down or self._awaits_stop or self.commands.state.scheduled:
+        is_moving = counts_down or self._awaits_stop or self._asks_reason
+        if self._is_stale or is_moving or self.commands.state.scheduled:
             self.draw()
 
     @property
@@ -304,7 +315,9 @@ class PanelScreen(OrderedScreen[str]):
         self._put("link", link)
         self._put("activity", status_view.activity(state, self._width("activity"), now))
         self._draw_proposals(now)
-        self._draw_palette()
+        self.set_class(state.protocol is not None, "by-protocol")
+        self._put("protocol", protocol_line(state, self.file, self._width("footer")))
+        self._draw_palette(now)
         log = self.query_one("#log")
         stops = [stop.line(now) for stop in state.stops]
         lines = sorted(
@@ -322,7 +335,12 @@ class PanelScreen(OrderedScreen[str]):
             self.file, question, self._width("footer"), self.tr, is_observer=self.is_observer
         )
         self._put("footer", footer)
-        help_sheet = keymap.help_sheet(self.file, self.tr, is_observer=self.is_observer)
+        help_sheet = keymap.help_sheet(
+            self.file,
+            self.tr,
+            is_observer=self.is_observer,
+            has_protocol=state.protocol is not None,
+        )
         self._put("key-help", help_sheet)
 
     def _place_in_log(self, now: int, line: Line) -> tuple[bool, int]:
@@ -345,9 +363,14 @@ class PanelScreen(OrderedScreen[str]):
         if self.commands.peer:
             self.commands.report_seen(approval, self.commands.peer.now())
 
-    def _draw_palette(self) -> None:
+    def _draw_palette(self, now: int) -> None:
         self.set_class(self.is_observer, "observer")
         state, width = self.commands.state, self._width("palette")
+        self._asks_reason = self.commands.asked_reason(now) is not None
+        if self._asks_reason and state.protocol:
+            self._put("palette-title", Content(self.tr("Why? A digit, if you like")))
+            self._put("palette", reasons_page(state.protocol, width, _PALETTE_ROWS, self.tr))
+            return
         if self.strip.overflows:
             self._put("palette-title", Content(self.tr("What you type, in full")))
             typed = wrap(self.strip.typed, width, _PALETTE_ROWS)
@@ -450,6 +473,16 @@ class PanelScreen(OrderedScreen[str]):
             self._open_entry(tr("Say:"), text, lambda text, at: self.commands.say(text, seat, at))
         return not has_words
 
+    # --- the protocol
+
+    def action_tick(self) -> None:
+        self.protocol.tick(self.palette.seat, self._at)
+        self.draw()
+
+    def action_leave_out(self) -> None:
+        self.protocol.leave_out(self._at)
+        self.draw()
+
     # --- the session
 
     def action_stop(self) -> None:
@@ -509,16 +542,22 @@ class PanelScreen(OrderedScreen[str]):
     # --- palette, speech, notes
 
     def action_pick(self, index: int) -> None:
+        if self.commands.asked_reason(self._at):
+            self.commands.give_reason((index + 1) % 10, self._at)
+            self.draw()
+            return
         items = self.palette.find(self.commands.state)[0].items
         if index < len(items):
             self.commands.pick(items[index], self._at)
             self.draw()
 
     def action_page(self, step: int) -> None:
+        self.commands.forget_reason()
         self.palette.turn(self.commands.state, step)
         self.draw()
 
     def action_show(self, kind: str) -> None:
+        self.commands.forget_reason()
         self.palette.open(self.commands.state, kind)
         self.draw()
 
@@ -565,6 +604,8 @@ class PanelScreen(OrderedScreen[str]):
             keys.display = False
         elif self._question:
             self._question = ""
+        elif self.commands.asked_reason(self._at):
+            self.commands.forget_reason()
         else:
             self.palette.close()
         self.draw()

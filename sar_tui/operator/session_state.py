@@ -23,6 +23,9 @@ from sar_tui.loop.topics import (
     OUTPUT,
     PRESENCE,
     PROMPT,
+    PROTOCOL,
+    PROTOCOL_DUE,
+    PROTOCOL_TICKED,
     REPORT,
     SENSOR,
     SESSION_ENDED,
@@ -45,6 +48,9 @@ from sar_tui.model.messages import (
     OutputStopped,
     Prompt,
     PromptVoided,
+    ProtocolChosen,
+    ProtocolDue,
+    ProtocolTicked,
     Role,
     SensorChanged,
     SessionCommand,
@@ -54,6 +60,7 @@ from sar_tui.model.messages import (
     TrialMarked,
     Waiting,
 )
+from sar_tui.model.protocol import WizardProtocol
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS, SECOND
 from sar_tui.operator.event_text import (
@@ -177,6 +184,9 @@ class SessionState(msgspec.Struct, frozen=True):
         holder: name of the operator who has control.
         operated: True if there is an operator.
         pauser: actor who paused the session, or gave the last reason.
+        protocol: by which the operators work.
+        due: what is due by it and not ticked, oldest first.
+        past_steps: numbers of the protocol's steps that have been due.
         ended: final status of the session.
         log: events that an operator should know about, oldest first.
     """
@@ -201,6 +211,9 @@ class SessionState(msgspec.Struct, frozen=True):
     holder: str = ""
     operated: bool | None = None
     pauser: str = ""
+    protocol: WizardProtocol | None = None
+    due: tuple[ProtocolDue, ...] = ()
+    past_steps: frozenset[int] = frozenset()
     ended: str = ""
     log: tuple[Line, ...] = ()
 
@@ -402,6 +415,22 @@ def _on_presence(state: SessionState, changed: OperatorChanged) -> SessionState:
     return replace(state, peers=changed.peers, holder=changed.holder, operated=changed.operated)
 
 
+# --- the operators' protocol
+
+
+def _on_protocol(state: SessionState, chosen: ProtocolChosen) -> SessionState:
+    return replace(state, protocol=chosen.protocol, due=(), past_steps=frozenset())
+
+
+def _on_due(state: SessionState, due: ProtocolDue) -> SessionState:
+    past = state.past_steps | {due.number} if due.what == "step" else state.past_steps
+    return replace(state, due=(*state.due, due), past_steps=past)
+
+
+def _on_ticked(state: SessionState, ticked: ProtocolTicked) -> SessionState:
+    return replace(state, due=tuple(each for each in state.due if each.id != ticked.due))
+
+
 _HANDLERS: dict[str, Callable[[SessionState, Any], SessionState]] = {
     COMMAND.name: _on_command,
     WAITING.name: _on_waiting,
@@ -421,4 +450,7 @@ _HANDLERS: dict[str, Callable[[SessionState, Any], SessionState]] = {
     ARBITER_STATE.name: _on_arbiter_state,
     THEME.name: _on_theme,
     PRESENCE.name: _on_presence,
+    PROTOCOL.name: _on_protocol,
+    PROTOCOL_DUE.name: _on_due,
+    PROTOCOL_TICKED.name: _on_ticked,
 }

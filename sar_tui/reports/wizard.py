@@ -8,7 +8,16 @@ from typing import Any, get_args
 
 import msgspec
 
-from sar_tui.loop.topics import COMMAND, DECISION, MODE, NOTE_ADDED, REMARK
+from sar_tui.loop.topics import (
+    COMMAND,
+    DECISION,
+    MODE,
+    NOTE_ADDED,
+    PROTOCOL,
+    PROTOCOL_TICKED,
+    REASON,
+    REMARK,
+)
 from sar_tui.model import messages as m
 from sar_tui.reports.agreement import Agreement, agreement
 from sar_tui.reports.deviations import Deviation, Pause, deviations, pauses
@@ -16,6 +25,7 @@ from sar_tui.reports.distribution import Distribution, distribution
 from sar_tui.reports.logged_messages import LoggedMessage, peers, spans
 from sar_tui.reports.presence import KINDS, MODES, Absence, mode_times, presence, seconds
 from sar_tui.reports.proposals import Fate, ProposalRecord, proposal_records
+from sar_tui.reports.protocol import Adherence, adherence
 from sar_tui.rules.parameters import TaskParameters
 
 
@@ -65,7 +75,10 @@ _PLANNED = (
     "operator_lost_ms",
 )
 """Settings of modes and times of decision."""
-_ACTS = {topic.name for topic in (COMMAND, DECISION, REMARK, MODE, NOTE_ADDED)}
+_ACTS = {
+    topic.name
+    for topic in (COMMAND, DECISION, REMARK, MODE, NOTE_ADDED, PROTOCOL, PROTOCOL_TICKED, REASON)
+}
 """Names of the topics of acts that are answered."""
 
 
@@ -108,6 +121,7 @@ class WizardReport(msgspec.Struct, frozen=True):
         pauses: the participant's own.
         notes, event_marks: numbers of them.
         written: the notes and event marks.
+        protocol: adherence to the operators' protocol; None if they had none.
     """
 
     session: str
@@ -134,6 +148,7 @@ class WizardReport(msgspec.Struct, frozen=True):
     notes: int
     event_marks: int
     written: list[Note]
+    protocol: Adherence | None = None
 
 
 class Latencies(msgspec.Struct, frozen=True):
@@ -193,6 +208,7 @@ def report(
         notes=sum(not note.label for note in written),
         event_marks=sum(bool(note.label) for note in written),
         written=written,
+        protocol=adherence(messages, records, operators),
     )
     return whole, latencies
 

@@ -15,6 +15,7 @@ from sar_tui.reports.agreement import Agreement, agreement
 from sar_tui.reports.distribution import Distribution, distribution
 from sar_tui.reports.logged_messages import LoggedMessage
 from sar_tui.reports.proposals import ProposalRecord, proposal_records
+from sar_tui.reports.protocol import Adherence, pooled
 from sar_tui.reports.wizard import (
     Latencies,
     WizardReport,
@@ -135,6 +136,7 @@ class WizardStudy(msgspec.Struct, frozen=True):
         accepted_shares: the smallest, the median and the greatest share of the sessions.
         decision_ms, waiting_ms, link_ms: as in `WizardReport`, of all sessions together.
         counts: deviations of all sessions by type.
+        protocol: adherence to the operators' protocol in the sessions that had one, together.
     """
 
     sessions: list[StudySession]
@@ -151,6 +153,7 @@ class WizardStudy(msgspec.Struct, frozen=True):
     groups: list[OperatorGroup]
     drift: list[Drift]
     counts: dict[str, int]
+    protocol: Adherence | None = None
 
 
 class OperatedSession(NamedTuple):
@@ -189,6 +192,9 @@ def study(read: Iterable[OperatedSession], excluded: Sequence[Exclusion] = ()) -
     counts = Counter[str]()
     for each in kept:
         counts.update(each.report.counts)
+    by_protocol = [each.report for each in kept if each.report.protocol]
+    adherences = [found.protocol for found in by_protocol if found.protocol]
+    followed = pooled(adherences, len({name for found in by_protocol for name in found.operators}))
     return WizardStudy(
         sessions=[
             _session(each, condition) for each, condition in zip(kept, conditions, strict=True)
@@ -206,6 +212,7 @@ def study(read: Iterable[OperatedSession], excluded: Sequence[Exclusion] = ()) -
         groups=_groups(kept, conditions),
         drift=[_drift(operator, kept) for operator in _deciding(kept)],
         counts=dict(counts),
+        protocol=followed,
     )
 
 

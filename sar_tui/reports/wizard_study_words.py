@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from string import ascii_uppercase
 
+from sar_tui.reports.protocol_words import section as protocol_section
 from sar_tui.reports.sections import Section, Table
 from sar_tui.reports.wizard_study import FEWEST, Drift, Trend, WizardStudy
 from sar_tui.reports.wizard_words import (
@@ -26,6 +27,7 @@ def sections(found: WizardStudy) -> list[Section]:
     if found.sessions:
         made += [
             Section("Agreement", list(_agreement(found))),
+            *([protocol_section(found.protocol)] if found.protocol else []),
             Section("Latencies", list(_latencies(found))),
             Section("Drift", list(_drifts(found))),
             Section("Deviations", [_deviations(found)]),

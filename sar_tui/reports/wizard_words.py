@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from sar_tui.reports.agreement import Agreement
 from sar_tui.reports.distribution import Distribution, histogram
 from sar_tui.reports.presence import KINDS
+from sar_tui.reports.protocol_words import section as protocol_section
 from sar_tui.reports.sections import Drawing, Section, Table
 from sar_tui.reports.wizard import Latencies, WizardReport
 
@@ -64,6 +65,7 @@ def sections(found: WizardReport, latencies: Latencies, width: int) -> list[Sect
         Section("Proposals", [_proposals(found), initiated, *_answers(found), *_therapist(found)]),
         Section("Latencies", list(_latencies(found, latencies, width))),
         Section("Agreement", ["\n".join(agreement_sentences(found.agreement))]),
+        *([protocol_section(found.protocol)] if found.protocol else []),
         _deviations(found),
         *_pauses(found),
         _notes(found),

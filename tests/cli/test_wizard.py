@@ -52,6 +52,32 @@ def test_bad_input_is_refused_in_a_sentence(
     call(command).refused(said)
 
 
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        ("wizard --protocol gone.toml", "gone.toml"),
+        ("wizard --protocol {bad}", "bad.toml, line 2: version must be a whole number"),
+        ("wizard --observe --protocol {good}", "an observer does nothing by it"),
+        ("wizard --protocol {good}", "needs a real terminal"),
+        ("wizard practise", "Practice needs a recorded session and a protocol"),
+        ("wizard practise last", "Practice needs a recorded session and a protocol"),
+        ("wizard practise last --wait --protocol {good}", "Practice joins no session"),
+        ("wizard practise last --protocol {good} --to {good}", "is not overwritten"),
+        ("wizard practise last --protocol {good}", "needs a real terminal"),
+        ("wizard abc1 last", "are for practice"),
+        ("wizard --speed 2", "are for practice"),
+    ],
+)
+def test_a_protocol_is_read_before_the_screen_changes(
+    call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, command: str, said: str
+) -> None:
+    live(monkeypatch, ONE)
+    good, bad = tmp_path / "good.toml", tmp_path / "bad.toml"
+    good.write_text('name = "a"\nversion = 1\n[[steps]]\nat = "start"\ndo = "say greeting"\n')
+    bad.write_text('name = "a"\nversion = 0\n[[steps]]\nat = "start"\ndo = "say nothing"\n')
+    call(command.format(good=good, bad=bad)).refused(said)
+
+
 def test_the_only_session_is_joined_and_several_are_offered_on_the_screen(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -21,10 +21,14 @@ from sar_tui.loop.topics import (
     NOTE_ADDED,
     PRESENCE,
     PROPOSAL_SEEN,
+    PROTOCOL,
+    PROTOCOL_TICKED,
+    REASON,
     REMARK,
 )
 from sar_tui.model import messages as m
 from sar_tui.model.messages import Message
+from sar_tui.model.protocol import ProtocolStep, WizardProtocol
 from sar_tui.model.units import MS
 from tests.examples import fewer, first
 from tests.link.test_admission import ANNA, OLAF
@@ -32,6 +36,7 @@ from tests.link.test_admission import Bench as AdmissionBench
 from tests.link.test_node import Bench as NodeBench
 
 FRAMES = fewer(10_000)
+WIZARD_PROTOCOL = WizardProtocol("p", 1, "ab", steps=(ProtocolStep("start", "say greeting"),))
 ACTS: tuple[tuple[str, Message], ...] = (
     (COMMAND.name, m.SessionCommand(command="pause", reason="tired", at=5)),
     (COMMAND.name, m.SessionCommand(command="level", value=3, at=5)),
@@ -43,6 +48,9 @@ ACTS: tuple[tuple[str, Message], ...] = (
     (MODE.name, m.ModeChanged(kind="feedback", mode="veto", at=5)),
     (PROPOSAL_SEEN.name, m.ProposalSeen(action="a1", at=5)),
     (NOTE_ADDED.name, m.NoteAdded(text="rubs the left wrist", at=5)),
+    (PROTOCOL.name, m.ProtocolChosen(protocol=WIZARD_PROTOCOL, at=5)),
+    (PROTOCOL_TICKED.name, m.ProtocolTicked(due="d1", outcome="done", at=5)),
+    (REASON.name, m.ReasonGiven(action="a1", verdict="veto", code=1, text="technical", at=5)),
 )
 
 

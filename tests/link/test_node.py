@@ -44,6 +44,7 @@ from sar_tui.loop.topics import (
     PRESENCE,
     PROMPT,
     PROPOSAL_SEEN,
+    PROTOCOL,
     REFUSED,
     SESSION,
     SHOWN,
@@ -51,6 +52,7 @@ from sar_tui.loop.topics import (
 )
 from sar_tui.model import messages as m
 from sar_tui.model.messages import Message
+from sar_tui.model.protocol import ProtocolStep, WizardProtocol
 from sar_tui.model.units import MS, SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.parameters import build
@@ -235,6 +237,19 @@ def test_invalid_acts_and_those_that_the_broker_refused_are_logged_as_refused(be
     assert (refused.actor, refused.what, refused.count) == (OLAF, "an act", 12)
     assert refused.why == "An observer cannot act."
     assert bench.of(NOTE_ADDED) == []
+
+
+def test_a_protocol_with_control_characters_is_refused(
+    bench: Bench,
+) -> None:
+    bench.receive(PeerJoined(ANNA))
+    for do in ("say \x1b[2J", "say greeting"):
+        steps = (ProtocolStep("start", do),)
+        bench.act(
+            ANNA, PROTOCOL, m.ProtocolChosen(protocol=WizardProtocol("p", 1, "h", steps=steps))
+        )
+    assert [each.protocol.steps[0].do for each in bench.of(PROTOCOL)] == ["say greeting"]
+    assert [each.what for each in bench.of(REFUSED)] == [PROTOCOL.name]
 
 
 # --- answers

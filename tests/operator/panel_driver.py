@@ -29,6 +29,7 @@ from sar_tui.loop.bus import Topic
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.model import messages as m
 from sar_tui.model.messages import Message, Role
+from sar_tui.model.protocol import WizardProtocol
 from sar_tui.model.theme import Theme
 from sar_tui.model.trial_types import Metric
 from sar_tui.model.units import MS, SECOND
@@ -372,7 +373,15 @@ class _App(WizardApp):
             return self.peer
 
         clock = VirtualClock(START)
-        return PanelScreen(connect, self._theme, self._folder, clock, self._wall_time, self.tr)
+        return PanelScreen(
+            connect,
+            self._theme,
+            self._folder,
+            clock,
+            self._wall_time,
+            self.tr,
+            self._protocol,
+        )
 
     def _wall_time(self) -> datetime:
         return datetime(2026, 1, 5, 14, 3, 20) + timedelta(
@@ -389,10 +398,11 @@ async def open_panel(
     role: Role = "operator",
     *,
     joins: bool = True,
+    protocol: WizardProtocol | None = None,
 ) -> AsyncIterator[PanelDriver]:
     """Open the panel. ``joins``: at a running session."""
     active = catalogue.theme(theme)
-    app = _App(active, folder, "anna", role, where=object())  # type: ignore[arg-type]
+    app = _App(active, folder, "anna", role, where=object(), protocol=protocol)  # type: ignore[arg-type]
     app.role = role
     driver = PanelDriver(app, lambda: app.peer, active)
     with patch("sar_tui.operator.screen.host_now", lambda: PRESSED):

@@ -339,7 +339,7 @@ def test_keys_fit_their_places_in_each_language(code: str) -> None:
     assert cell_len(footer) <= 78
     for id in ("stop", "pause", "undo", "say", "keys"):
         assert keymap.key_label(id, file, tr) in footer
-    sheet = keymap.help_sheet(file, tr, is_observer=False).plain
+    sheet = keymap.help_sheet(file, tr, is_observer=False, has_protocol=True).plain
     assert "…" not in sheet.replace("1…0", "")
     assert max(map(cell_len, sheet.splitlines())) <= 76
     assert tr("Ctrl") + "-Z" in sheet

@@ -3,6 +3,7 @@
 from typing import Literal
 
 from sar_tui.model.messages.base import ControlledKind, Json, Message, Mode, Role, Valence
+from sar_tui.model.protocol import WizardProtocol
 
 __all__ = [
     "ActAnswered",
@@ -15,6 +16,10 @@ __all__ = [
     "OperatorChanged",
     "PeerRequestRefused",
     "ProposalSeen",
+    "ProtocolChosen",
+    "ProtocolDue",
+    "ProtocolTicked",
+    "ReasonGiven",
     "RecordChange",
     "RecordChanged",
     "Remark",
@@ -128,6 +133,55 @@ class NoteAdded(OperatorAct, frozen=True, kw_only=True):
 
     text: str = ""
     label: str = ""
+
+
+class ProtocolChosen(OperatorAct, frozen=True, kw_only=True):
+    """An operator works by a protocol from here on, in place of an earlier one.
+
+    ``practised``: recorded sessions on which the operator has practised this protocol, as far as
+    the operator's data folder knows.
+    """
+
+    protocol: WizardProtocol
+    practised: int = 0
+
+
+class ProtocolDue(Message, frozen=True, kw_only=True):
+    """A step or a rule of the operator's protocol is due ``at`` (ns) (derived).
+
+    ``id``: that a tick names. ``number``: of the step or the rule in the protocol, from 1.
+    ``attempt``: begun last.
+    """
+
+    id: str
+    what: Literal["step", "rule"]
+    number: int
+    attempt: int
+    do: str
+    at: int = 0
+
+
+class ProtocolTicked(OperatorAct, frozen=True, kw_only=True):
+    """An operator has done what was due, by its id, or will not do it.
+
+    ``act``: id of the act that the same key did, if it did one.
+    """
+
+    due: str
+    outcome: Literal["done", "not done"]
+    act: str = ""
+
+
+class ReasonGiven(OperatorAct, frozen=True, kw_only=True):
+    """An operator's reason for a veto or an edit, of the proposal with this id (``action``).
+
+    ``code``, ``text``: the reason, as the protocol lists it.
+    """
+
+    action: str
+    verdict: Literal["veto", "edit"]
+    code: int
+    text: str
 
 
 ActOutcome = Literal["done", "refused", "late"]

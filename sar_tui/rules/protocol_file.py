@@ -1,0 +1,460 @@
+"""Reads ``protocol.toml``, the operator's protocol, and names each mistake with its line. Pure."""
+
+import hashlib
+import re
+import tomllib
+from collections.abc import Callable, Collection
+from typing import Any, Literal, NamedTuple, TypeVar, cast, get_args
+
+from sar_tui.model.messages import ControlledKind
+from sar_tui.model.protocol import (
+    REASONS,
+    Comparison,
+    Condition,
+    Measure,
+    Moment,
+    ProtocolRule,
+    ProtocolStep,
+    Reason,
+    WizardProtocol,
+)
+from sar_tui.model.visible_text import obeyed
+
+T = TypeVar("T")
+
+MAX_BYTES = 12_000
+"""Longest file: it is sent to the session as one act."""
+_MAX_TEXT = 400
+_MAX_ITEMS = 60
+_NAME = re.compile(r"[a-z][a-z0-9-]{0,39}")
+_KEYS = {"name", "version", "late_after_s", "steps", "rules", "phrases", "reasons"}
+_AT = re.compile(r"(start|pause|end)|(attempt|after attempt) ([1-9][0-9]{0,3})")
+_TOKEN = re.compile(r"<=|>=|<|>|=|-?[0-9]+(?:\.[0-9]+)?|%|[^\W\d]+(?:/[^\W\d]+)?")
+_NUMBER = re.compile(r"-?[0-9]+(?:\.[0-9]+)?")
+_RANGES: dict[str, tuple[float, float]] = {
+    "accuracy": (0, 100),
+    "timeouts": (0, 10_000),
+    "level": (1, 1000),
+    "pain": (0, 10),
+    "tiredness": (0, 10),
+    "effort": (0, 11),
+}
+_WHOLE = ("timeouts", "level")
+_KINDS: dict[str, ControlledKind] = {
+    "feedback": "feedback",
+    "encouragement": "encouragement",
+    "instruction": "instruction",
+    "gesture": "gesture",
+    "level": "difficulty",
+}
+"""Kinds of proposal by the words of a protocol."""
+
+
+class Mistake(NamedTuple):
+    """A mistake in a file: its line (from 1), and a sentence."""
+
+    line: int
+    why: str
+
+    def __str__(self) -> str:
+        return f"line {self.line}: {self.why}"
+
+
+class ProtocolMistakes(ValueError):
+    """The file has mistakes, in the order of their lines."""
+
+    def __init__(self, mistakes: list[Mistake]) -> None:
+        self.mistakes = sorted(set(mistakes))
+        super().__init__("\n".join(map(str, self.mistakes)))
+
+
+class Deed(NamedTuple):
+    """A ``do`` as the panel understands it.
+
+    Attributes:
+        verb: ``say`` (``text``), ``key`` (say a phrase of the theme with this key, ``text``),
+            ``phrase`` (say one of the protocol's, ``number``), ``gesture`` (``text``), ``level``
+            (set it to ``number``), ``level by`` (change it by ``number``), ``veto`` and
+            ``approve`` (the proposal of ``kind``), ``other`` (something that only the operator
+            can do).
+    """
+
+    verb: Literal[
+        "say", "key", "phrase", "gesture", "level", "level by", "veto", "approve", "other"
+    ]
+    text: str = ""
+    number: int = 0
+    kind: ControlledKind | None = None
+
+
+def parse(source: bytes, phrase_keys: Collection[str] = ()) -> WizardProtocol:
+    """Return the protocol of a file.
+
+    Args:
+        source: its content.
+        phrase_keys: keys of the phrases of themes that can be said.
+
+    Raises:
+        ProtocolMistakes: the file has mistakes.
+    """
+    if len(source) > MAX_BYTES:
+        why = f"The file has {len(source)} bytes, and at most {MAX_BYTES} are possible."
+        raise ProtocolMistakes([Mistake(1, why)])
+    try:
+        text = source.decode()
+        content = tomllib.loads(text)
+    except UnicodeDecodeError:
+        raise ProtocolMistakes([Mistake(1, "The file is not text in UTF-8.")]) from None
+    except tomllib.TOMLDecodeError as error:
+        said, line = _said_by_toml(str(error), len(text.splitlines()))
+        raise ProtocolMistakes([Mistake(line, said)]) from None
+    return _Reader(text, content, phrase_keys).protocol(hashlib.sha256(source).hexdigest())
+
+
+def parse_condition(text: str) -> Condition:
+    """Return the condition of a rule. Raises ValueError with a sentence."""
+    tokens = _TOKEN.findall(text)
+    if "".join(tokens) != "".join(text.split()):
+        raise ValueError(f"{text!r} is not a condition: write as in 'accuracy < 60 % twice'.")
+    if len(tokens) < 3:
+        raise ValueError(
+            f"{text!r} is not complete: write a measure, a comparison and a value, as in "
+            "'accuracy < 60 %'."
+        )
+    measure, comparison, written, *rest = tokens
+    if measure not in get_args(Measure):
+        known = ", ".join(get_args(Measure))
+        raise ValueError(f"There is no measure {measure!r}; the measures are {known}.")
+    if comparison not in get_args(Comparison):
+        known = " ".join(get_args(Comparison))
+        raise ValueError(f"{comparison!r} is not a comparison; write one of {known}.")
+    value = _value(measure, comparison, written)
+    unit = ""
+    if rest and rest[0] not in ("twice", "in") and not _NUMBER.fullmatch(rest[0]):
+        unit, *rest = rest
+    if unit and not (measure == "metric" or (measure, unit) == ("accuracy", "%")):
+        expected = "only %" if measure == "accuracy" else "no unit"
+        raise ValueError(f"{measure} has {expected}, so {unit!r} is not possible.")
+    times, in_a_row = _times(rest)
+    return Condition(
+        measure=cast(Measure, measure),
+        comparison=cast(Comparison, comparison),
+        value=value,
+        unit="" if unit == "%" and measure == "accuracy" else unit,
+        times=times,
+        in_a_row=in_a_row,
+    )
+
+
+def _value(measure: str, comparison: str, written: str) -> float:
+    if measure == "success":
+        if comparison != "=" or written not in ("yes", "no"):
+            raise ValueError("success is compared as 'success = yes' or 'success = no'.")
+        return float(written == "yes")
+    if not _NUMBER.fullmatch(written):
+        raise ValueError(f"{measure} is compared with a number, not with {written!r}.")
+    value = float(written)
+    least, most = _RANGES.get(measure, (value, value))
+    if not least <= value <= most:
+        raise ValueError(f"{measure} is from {least:g} to {most:g}, and never {written}.")
+    if measure in _WHOLE and value != int(value):
+        raise ValueError(f"{measure} is a whole number, not {written}.")
+    return value
+
+
+def _times(rest: list[str]) -> tuple[int, bool]:
+    """Return how often a condition must hold, and if in a row, from the end of its text."""
+    in_a_row = rest[-3:] == ["in", "a", "row"]
+    match rest[:-3] if in_a_row else rest:
+        case []:
+            if in_a_row:
+                raise ValueError("'in a row' needs a number, as in '3 times in a row'.")
+            return 1, False
+        case ["twice"]:
+            return 2, in_a_row
+        case [number, "times"] if number.isdecimal() and 1 <= int(number) <= 1000:
+            return int(number), in_a_row
+        case other:
+            raise ValueError(
+                f"{' '.join(other)!r} is not a number of times: write 'twice' or '3 times', and "
+                "'in a row' if no other attempt may be between."
+            )
+
+
+def parse_deed(text: str, phrases: int, phrase_keys: Collection[str] = ()) -> Deed:
+    """Return what ``do`` says. Raises ValueError with a sentence.
+
+    Args:
+        text: as written.
+        phrases: number of the protocol's phrases.
+        phrase_keys: keys of phrases of themes. Empty: none is checked.
+    """
+    verb, _, rest = text.strip().partition(" ")
+    rest = rest.strip()
+    if verb in ("say", "gesture", "level", "veto", "approve") and not rest:
+        raise ValueError(f"{text!r} does not say what: write '{_EXAMPLES[verb]}'.")
+    match verb:
+        case "say":
+            return _said(rest, phrases, phrase_keys)
+        case "gesture":
+            return Deed("gesture", rest.replace(" ", "_"))
+        case "level":
+            if not re.fullmatch(r"[+-]?[1-9][0-9]{0,2}", rest):
+                raise ValueError(
+                    f"{text!r} is not a level: write 'level +1', 'level -1' or a level."
+                )
+            return Deed("level by" if rest[0] in "+-" else "level", number=int(rest))
+        case "veto" | "approve":
+            if rest not in _KINDS:
+                raise ValueError(
+                    f"There are no proposals {rest!r}; write one of {', '.join(_KINDS)}."
+                )
+            return Deed(cast(Any, verb), kind=_KINDS[rest])
+    if not rest:
+        known = ", ".join(_EXAMPLES.values())
+        raise ValueError(f"{text!r} is neither a sentence for the operator nor one of: {known}.")
+    return Deed("other", text.strip())
+
+
+def deed_of(do: str, protocol: WizardProtocol) -> Deed:
+    """Return what ``do`` of a protocol that a session follows says; what this version cannot read is
+    for the operator alone.
+    """
+    try:
+        return parse_deed(do, len(protocol.phrases))
+    except ValueError:
+        return Deed("other", do)
+
+
+_EXAMPLES = {
+    "say": "say greeting",
+    "gesture": "gesture nod",
+    "level": "level +1",
+    "veto": "veto level",
+    "approve": "approve feedback",
+}
+
+
+def _said(rest: str, phrases: int, phrase_keys: Collection[str]) -> Deed:
+    if number := re.fullmatch(r"phrase ([0-9]+)", rest):
+        if not 1 <= int(number[1]) <= phrases:
+            raise ValueError(f"There is no phrase {number[1]}: the protocol has {phrases}.")
+        return Deed("phrase", number=int(number[1]))
+    if re.fullmatch(r"[a-z]+(_[a-z]+)*", rest):
+        if phrase_keys and rest not in phrase_keys:
+            known = ", ".join(phrase_keys)
+            raise ValueError(
+                f"{rest!r} is no key of a phrase. Keys are {known}; text that is no single word is "
+                "said as it stands."
+            )
+        return Deed("key", rest)
+    return Deed("say", rest)
+
+
+def _said_by_toml(error: str, lines: int) -> tuple[str, int]:
+    """Return TOML's message as a sentence, and the line that it names."""
+    found = re.search(r" \(at (?:line (\d+), column \d+|end of document)\)", error)
+    line = int(found[1]) if found and found[1] else max(1, lines)
+    said = error[: found.start()] if found else error
+    return f"This is not TOML: {said[0].lower()}{said[1:].rstrip('.')}.", line
+
+
+class _Reader:
+    """Reads the content of a file, and collects its mistakes."""
+
+    def __init__(self, text: str, content: dict[str, Any], phrase_keys: Collection[str]) -> None:
+        self._lines = _Lines(text)
+        self._content = content
+        self._phrase_keys = phrase_keys
+        self._mistakes: list[Mistake] = []
+
+    def protocol(self, hash: str) -> WizardProtocol:
+        """Return the protocol. Raises ProtocolMistakes."""
+        content = self._content
+        for key in content.keys() - _KEYS:
+            self._note(key, f"{key!r} is not known; known are {', '.join(sorted(_KEYS))}.")
+        name = content.get("name")
+        if not isinstance(name, str) or not _NAME.fullmatch(name):
+            self._note("name", "name must be a word of a-z, 0-9 and '-', as in name = \"praise\".")
+        version = content.get("version")
+        if type(version) is not int or not 1 <= version <= 10_000:
+            self._note("version", "version must be a whole number from 1, as in version = 1.")
+        late = content.get("late_after_s", 15)
+        if type(late) not in (int, float) or not 1 <= late <= 600:
+            self._note("late_after_s", "late_after_s must be a number of seconds from 1 to 600.")
+        phrases, reasons = self._phrases(), self._reasons()
+        steps = self._tables("steps", ("at", "do"), self._step, len(phrases))
+        rules = self._tables("rules", ("when", "do"), self._rule, len(phrases))
+        self._check_order(steps)
+        if not (steps or rules or self._mistakes):
+            self._mistakes.append(Mistake(1, "The protocol has no [[steps]] and no [[rules]]."))
+        if self._mistakes:
+            raise ProtocolMistakes(self._mistakes)
+        return WizardProtocol(
+            name=cast(str, name),
+            version=cast(int, version),
+            hash=hash,
+            late_after_s=float(late),
+            steps=tuple(each for _, each in steps),
+            rules=tuple(each for _, each in rules),
+            phrases=tuple(phrases),
+            reasons=reasons,
+        )
+
+    def _note(self, key: str, why: str) -> None:
+        self._mistakes.append(Mistake(self._lines.of(key), why))
+
+    def _phrases(self) -> list[str]:
+        found = self._content.get("phrases", [])
+        if isinstance(found, list) and all(map(_is_text, found)) and len(found) <= _MAX_ITEMS:
+            return found
+        self._note("phrases", f"phrases must be a list of texts on one line each, {_LIMITS}.")
+        return found if isinstance(found, list) else []
+
+    def _reasons(self) -> tuple[Reason, ...]:
+        found = self._content.get("reasons")
+        if found is None:
+            return REASONS
+        if (
+            isinstance(found, dict)
+            and found
+            and all(len(code) == 1 and code.isdecimal() for code in found)
+            and all(map(_is_text, found.values()))
+        ):
+            return tuple(Reason(int(code), text) for code, text in found.items())
+        self._note(
+            "reasons", 'reasons must be digits with their texts, as in reasons.1 = "wrong moment".'
+        )
+        return REASONS
+
+    def _tables(
+        self,
+        kind: str,
+        keys: tuple[str, str],
+        read: Callable[[dict[str, str], int, int], T | None],
+        phrases: int,
+    ) -> list[tuple[int, T]]:
+        """Return what is read of each table of a kind, with its line."""
+        found = self._content.get(kind, [])
+        if not (isinstance(found, list) and all(isinstance(each, dict) for each in found)):
+            self._note(kind, f"{kind} must be tables: write [[{kind}]] above each.")
+            return []
+        if len(found) > _MAX_ITEMS:
+            self._note(kind, f"There are {len(found)} {kind}, and at most {_MAX_ITEMS} can be.")
+        read_ones = []
+        for index, table in enumerate(found):
+            if self._has_texts(kind, index, table, keys):
+                line = self._lines.of(kind, index)
+                if (made := read(table, index, phrases)) is not None:
+                    read_ones.append((line, made))
+        return read_ones
+
+    def _has_texts(
+        self, kind: str, index: int, table: dict[str, Any], keys: tuple[str, str]
+    ) -> bool:
+        before = len(self._mistakes)
+        for key in table.keys() - set(keys):
+            line = self._lines.of(kind, index, key)
+            why = f"{key!r} is not known in [[{kind}]]; known are {' and '.join(keys)}."
+            self._mistakes.append(Mistake(line, why))
+        for key in keys:
+            line = self._lines.of(kind, index, key)
+            if key not in table:
+                self._mistakes.append(Mistake(line, f"This [[{kind}]] has no {key!r}."))
+            elif not _is_text(table[key]):
+                why = f"{key!r} must be a text on one line, {_LIMITS}."
+                self._mistakes.append(Mistake(line, why))
+        return len(self._mistakes) == before
+
+    def _step(self, table: dict[str, str], index: int, phrases: int) -> ProtocolStep | None:
+        at = _AT.fullmatch(" ".join(table["at"].split()))
+        if at is None:
+            why = (
+                f"{table['at']!r} is not a moment: write start, attempt 3, after attempt 3, pause "
+                "or end."
+            )
+            self._mistakes.append(Mistake(self._lines.of("steps", index, "at"), why))
+        is_right = self._deed_is_right("steps", table["do"], index, phrases)
+        if at is None or not is_right:
+            return None
+        moment = cast(Moment, at[1] or at[2])
+        return ProtocolStep(moment, table["do"].strip(), int(at[3] or 0))
+
+    def _rule(self, table: dict[str, str], index: int, phrases: int) -> ProtocolRule | None:
+        is_right = self._deed_is_right("rules", table["do"], index, phrases)
+        try:
+            condition = parse_condition(table["when"])
+        except ValueError as error:
+            line = self._lines.of("rules", index, "when")
+            self._mistakes.append(Mistake(line, str(error)))
+            return None
+        text = " ".join(table["when"].split())
+        return ProtocolRule(condition, text, table["do"].strip()) if is_right else None
+
+    def _deed_is_right(self, kind: str, do: str, index: int, phrases: int) -> bool:
+        try:
+            parse_deed(do, phrases, self._phrase_keys)
+        except ValueError as error:
+            self._mistakes.append(Mistake(self._lines.of(kind, index, "do"), str(error)))
+            return False
+        return True
+
+    def _check_order(self, steps: list[tuple[int, ProtocolStep]]) -> None:
+        latest = (0, 0, 0)
+        for line, each in steps:
+            if each.at == "pause":
+                continue
+            place = _place(each)
+            if place < latest:
+                why = "Steps stand in the order in which they are due: this one is due earlier."
+                self._mistakes.append(Mistake(line, why))
+            latest = max(latest, place)
+
+
+def _place(each: ProtocolStep) -> tuple[int, int, int]:
+    """Return a step's place in a session, to be compared."""
+    if each.at == "start":
+        return (0, 0, 0)
+    if each.at == "end":
+        return (2, 0, 0)
+    return (1, each.attempt, int(each.at == "after attempt"))
+
+
+_LIMITS = f"of at most {_MAX_TEXT} characters and not empty"
+
+
+def _is_text(value: object) -> bool:
+    return (
+        isinstance(value, str)
+        and bool(value.strip())
+        and len(value) <= _MAX_TEXT
+        and "\n" not in value
+        and not obeyed(value)
+    )
+
+
+class _Lines:
+    """Finds the lines of a TOML file's keys and tables."""
+
+    def __init__(self, text: str) -> None:
+        self._places: dict[tuple[Any, ...], int] = {}
+        table: tuple[Any, ...] = ()
+        counts: dict[str, int] = {}
+        for number, line in enumerate(text.splitlines(), 1):
+            if header := re.match(r"\s*\[\[?\s*([\w-]+)\s*\]", line):
+                kind = header[1]
+                is_array = line.lstrip().startswith("[[")
+                table = (kind, counts.get(kind, 0)) if is_array else (kind,)
+                counts[kind] = counts.get(kind, 0) + 1
+                self._places.setdefault((kind,), number)
+                self._places.setdefault(table, number)
+            elif key := re.match(r"\s*[\"']?([\w-]+)[\"']?\s*[.=]", line):
+                self._places.setdefault((*table, key[1]), number)
+
+    def of(self, *place: str | int) -> int:
+        """Return the line of a key or a table; of its table if the key is missing; else 1."""
+        while place:
+            if place in self._places:
+                return self._places[place]
+            place = place[:-1]
+        return 1

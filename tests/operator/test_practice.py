@@ -1,0 +1,166 @@
+"""Practice on a recorded session: a trainee decides, and is compared with protocol and operator."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from msgspec.structs import replace
+
+from sar_tui.link.peer import Frame
+from sar_tui.loop import topics as t
+from sar_tui.model import messages as m
+from sar_tui.model.units import MS, SECOND
+from sar_tui.operator.practice import Practice, PracticeResult
+from sar_tui.operator.practice_app import recorded_practice
+from sar_tui.operator.practice_log import note_practice, times_practised
+from sar_tui.operator.practice_words import sections
+from sar_tui.rules.protocol_file import parse
+from sar_tui.store import sessions
+from sar_tui.store.database import connect
+from tests.played import catalogue, simulated
+
+PROTOCOL = parse(
+    b"""
+name = "train"
+version = 1
+
+[[steps]]
+at = "start"
+do = "say greeting"
+
+[[steps]]
+at = "after attempt 1"
+do = "approve feedback"
+
+[[steps]]
+at = "after attempt 2"
+do = "veto feedback"
+
+[[steps]]
+at = "end"
+do = "Thank them warmly."
+"""
+)
+NAME = "operator.eve"
+
+
+@pytest.fixture(scope="module", params=["careful", ""])
+def recorded(request: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str, str]:
+    """A data folder with a session with an operator, and one without."""
+    data = tmp_path_factory.mktemp("data")
+    settings = {"attempts": 4, "prompts_per_attempt": 2, "operator_feedback": "approve"}
+    return data, simulated(data, operator=request.param, **settings), request.param
+
+
+def practice_on(recorded: tuple[Path, str, str], speed: float = 4) -> Practice:
+    data, id, _ = recorded
+    database = connect(data)
+    row = sessions.find(database, data, id)
+    return recorded_practice(database, data, catalogue(), row, NAME, PROTOCOL, speed)
+
+
+class Trainee:
+    """Decides on each proposal after a second; ticks what is due if wanted."""
+
+    def __init__(self, practice: Practice, verdicts: list[str], *, ticks: bool) -> None:
+        self.practice, self.verdicts, self.ticks = practice, verdicts, ticks
+        self.frames: list[Frame] = []
+        self.waits: list[bool] = []
+
+    def play(self) -> PracticeResult:
+        self.take(self.practice.begin())
+        for _ in range(20_000):
+            if self.practice.is_over:
+                return self.practice.result()
+            self.take(self.practice.advance(50 * MS))
+        raise AssertionError("the practice does not end")
+
+    def take(self, frames: list[Frame]) -> None:
+        self.frames += frames
+        for frame in frames:
+            match frame.message:
+                case m.ArbiterState(pending=[first, *_]) if self.verdicts:
+                    self.decide(first.proposal.id, self.verdicts.pop(0))
+                case m.ProtocolDue(id=id) if self.ticks:
+                    self.act(t.PROTOCOL_TICKED, m.ProtocolTicked(due=id, outcome="done"))
+
+    def decide(self, id: str, verdict: Any) -> None:
+        self.frames += self.practice.act(t.PROPOSAL_SEEN, self.seen(id))
+        before = self.practice.now
+        self.frames += self.practice.advance(SECOND)
+        self.waits.append(self.practice.now - before == SECOND)
+        self.act(t.DECISION, m.Decision(action=id, verdict=verdict))
+
+    def seen(self, id: str) -> m.ProposalSeen:
+        return m.ProposalSeen(action=id, actor=NAME, at=self.practice.now)
+
+    def act(self, topic: Any, act: Any) -> None:
+        act = replace(act, actor=NAME, at=self.practice.now, id="ab")
+        self.take(self.practice.act(topic, act))
+
+
+def test_a_trainee_is_compared_with_the_protocol_and_the_recorded_operator(
+    recorded: tuple[Path, str, str],
+) -> None:
+    trainee = Trainee(practice_on(recorded), ["accept", "accept", "veto"], ticks=False)
+    result = trainee.play()
+    assert result.is_complete
+    assert all(trainee.waits), "time goes as it was while a proposal waits"
+    kinds = [each.kind for each in result.proposals]
+    is_operated = bool(recorded[2])
+    assert set(kinds) == {"feedback"} if is_operated else "feedback" in kinds
+    assert [each.yours for each in result.proposals][:4] == ["accepted", "accepted", "vetoed", ""]
+    assert result.proposals[0].decision_ms == 1000
+    assert (result.decided, result.timed_out) == (3, len(kinds) - 3)
+    assert bool(result.as_recorded.of) == is_operated
+    if is_operated:
+        assert [each.protocol for each in result.proposals[:2]] == ["accepted", "accepted"]
+        assert result.as_protocol.same >= 2
+    assert result.adherence.due == 4
+    assert result.adherence.omitted == 4
+    texts = [part for each in sections(result) for part in each.parts if isinstance(part, str)]
+    assert any("decided in time" in text for text in texts)
+
+
+def test_nothing_of_the_recorded_operator_is_seen(recorded: tuple[Path, str, str]) -> None:
+    trainee = Trainee(practice_on(recorded, 16), [], ticks=True)
+    result = trainee.play()
+    assert result.decided == 0
+    acts = [each.message for each in trainee.frames if isinstance(each.message, m.OperatorAct)]
+    assert {act.actor for act in acts} <= {NAME, "participant"}
+    actions = [each.message for each in trainee.frames if each.topic is t.ACTION]
+    assert actions
+    assert all(act.kind != "remark" for act in actions)  # type: ignore[attr-defined]
+    assert result.adherence.done == result.adherence.due == 4
+    assert result.adherence.latency_s
+    assert result.adherence.latency_s.most < 1
+    times = [each.at for each in trainee.frames]
+    assert times == sorted(times)
+
+
+def test_the_recorded_session_is_not_changed(recorded: tuple[Path, str, str]) -> None:
+    database = connect(recorded[0])
+    before = [*database.execute("SELECT * FROM messages")]
+    Trainee(practice_on(recorded), ["veto"] * 9, ticks=True).play()
+    assert [*database.execute("SELECT * FROM messages")] == before
+
+
+def test_acts_that_cannot_change_a_recorded_session_are_refused(
+    recorded: tuple[Path, str, str],
+) -> None:
+    practice = practice_on(recorded)
+    practice.begin()
+    (answer,) = practice.act(t.COMMAND, m.SessionCommand(command="pause", id="a", actor=NAME))
+    assert answer.message.outcome == "refused"  # type: ignore[attr-defined]
+    (answer,) = practice.act(t.DECISION, m.Decision(action="?", verdict="veto", id="a"))
+    assert answer.message.outcome == "late"  # type: ignore[attr-defined]
+
+
+def test_practices_are_counted_by_operator_and_version(tmp_path: Path) -> None:
+    assert times_practised(tmp_path, "eve", PROTOCOL) == 0
+    note_practice(tmp_path, "eve", "s1", PROTOCOL)
+    note_practice(tmp_path, "eve", "s2", PROTOCOL)
+    note_practice(tmp_path, "ben", "s2", PROTOCOL)
+    with (tmp_path / "wizard-practice.jsonl").open("a") as file:
+        file.write("broken\n")
+    assert times_practised(tmp_path, "eve", PROTOCOL) == 2
