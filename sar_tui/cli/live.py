@@ -144,7 +144,7 @@ def run(
     if text := left_out_text(plan):
         print(f"! {text}", file=sys.stderr)
     if kind.sensor_seats(plan.parameters):
-        _check_sensor(plan, home)
+        check_sensor(plan, home)
     elif imu is not None:
         raise Refused(
             f"The task {kind.name} uses no motion sensor with these settings: leave out --imu."
@@ -154,28 +154,55 @@ def run(
     need_terminal(plain=as_lines, sync_flash=sync_flash)
     with closing(connect_to_read(home.folder)) as database:
         are_new(database, plan.participants, said=new)
-    if as_lines:
+    ended = play(
+        home,
+        plan,
+        markers=addresses,
+        plain=as_lines,
+        sync_flash=sync_flash,
+        operator=operator,
+        listen=listen,
+    )
+    raise typer.Exit(ended)
+
+
+def play(
+    home: Home,
+    plan: "Plan",
+    *,
+    markers: Sequence[str] = (),
+    plain: bool = False,
+    sync_flash: bool = False,
+    operator: bool = False,
+    listen: str | None = None,
+) -> int:
+    """Run a new session in this terminal, and return the exit code.
+
+    Raises:
+        Refused: it cannot be told in lines, or nobody can listen where it is asked.
+        Failed: operators cannot be let in.
+    """
+    if plain:
         _check_plain(plan.task, plan.parameters, plan.seed)
+    lost_ms = plan.parameters.operator_lost_ms
     can_join = operator or plan.parameters.operator_joins
     with _open_link(
-        home, plan.id, task, plan.participants, can_join, listen, plan.parameters.operator_lost_ms
+        home, plan.id, plan.task.name, plan.participants, can_join, listen, lost_ms
     ) as link:
-        if as_lines:
+        if plain:
             from sar_tui.app.plain import run_plain
 
-            ended = run_plain(home.folder, catalogue, plan, link=link, markers=addresses)
-        else:
-            from sar_tui.app.app import run_app
+            return run_plain(home.folder, home.catalogue(), plan, link=link, markers=markers)
+        from sar_tui.app.app import run_app
 
-            ended = run_app(
-                home.folder,
-                catalogue,
-                plan=plan,
-                link=link,
-                markers=addresses,
-                sync_flash=sync_flash,
-            )
-    raise typer.Exit(ended)
+        return run_app(
+            home.folder,
+            home.catalogue(),
+            plan=plan,
+            link=link,
+            markers=markers,
+            sync_flash=sync_flash,
+        )
 
 
 def _check_plain(kind: "type[Task]", parameters: "TaskParameters", seed: int) -> None:
@@ -234,7 +261,7 @@ def _check_uses_sensor(kind: "type[Task]", parameter: str, which: str) -> None:
         )
 
 
-def _check_sensor(plan: "Plan", home: Home) -> None:
+def check_sensor(plan: "Plan", home: Home) -> None:
     """Raise before the screen changes if a sensor does not exist. The app waits for one that is not
     plugged in.
     """
@@ -265,11 +292,9 @@ def resume(
 
     Without an id, or with "last", it names the latest one and whose it is, and asks.
     """
-    catalogue = home.catalogue()
 
-    from sar_tui.rules.parameters import TaskParameters
     from sar_tui.runs.run import find_resumable
-    from sar_tui.store.sessions import codes, latest_interrupted
+    from sar_tui.store.sessions import latest_interrupted
 
     with home.database() as database:
         if session in (None, "last"):
@@ -283,33 +308,56 @@ def resume(
     addresses = checked_markers(markers)
     as_lines = is_plain(plain)
     need_terminal(plain=as_lines, sync_flash=sync_flash)
-    if as_lines:
+    ended = play_on(
+        home,
+        chosen,
+        markers=addresses,
+        plain=as_lines,
+        sync_flash=sync_flash,
+        operator=operator,
+        listen=listen,
+    )
+    raise typer.Exit(ended)
+
+
+def play_on(
+    home: Home,
+    row: "Row",
+    *,
+    markers: Sequence[str] = (),
+    plain: bool = False,
+    sync_flash: bool = False,
+    operator: bool = False,
+    listen: str | None = None,
+) -> int:
+    """Resume a session in this terminal, and return the exit code. Raises as `play`."""
+    from sar_tui.rules.parameters import TaskParameters
+    from sar_tui.store.sessions import codes
+
+    catalogue = home.catalogue()
+    stored = row["parameters"]
+    if plain:
         from sar_tui.rules.parameters import build
 
-        kind = catalogue.task(chosen["task"])
-        parameters = build(kind.Parameters, chosen["parameters"])
-        _check_plain(kind, parameters, chosen["seed"])
-    lost_ms = chosen["parameters"].get("operator_lost_ms", TaskParameters().operator_lost_ms)
-    can_join = operator or chosen["parameters"].get("operator_joins", False)
-    with _open_link(
-        home, chosen["id"], chosen["task"], codes(chosen), can_join, listen, lost_ms
-    ) as link:
-        if as_lines:
+        kind = catalogue.task(row["task"])
+        _check_plain(kind, build(kind.Parameters, stored), row["seed"])
+    lost_ms = stored.get("operator_lost_ms", TaskParameters().operator_lost_ms)
+    can_join = operator or stored.get("operator_joins", False)
+    with _open_link(home, row["id"], row["task"], codes(row), can_join, listen, lost_ms) as link:
+        if plain:
             from sar_tui.app.plain import run_plain
 
-            ended = run_plain(home.folder, catalogue, chosen["id"], link=link, markers=addresses)
-        else:
-            from sar_tui.app.app import run_app
+            return run_plain(home.folder, catalogue, row["id"], link=link, markers=markers)
+        from sar_tui.app.app import run_app
 
-            ended = run_app(
-                home.folder,
-                catalogue,
-                resume=chosen["id"],
-                link=link,
-                markers=addresses,
-                sync_flash=sync_flash,
-            )
-    raise typer.Exit(ended)
+        return run_app(
+            home.folder,
+            catalogue,
+            resume=row["id"],
+            link=link,
+            markers=markers,
+            sync_flash=sync_flash,
+        )
 
 
 def _confirm(latest: "Row") -> None:

@@ -26,6 +26,7 @@ from sar_tui.cli.common import (
     write_new,
 )
 from sar_tui.cli.errors import Refused
+from sar_tui.cli.live import AllowOperators
 from sar_tui.cli.study_power import power
 
 if TYPE_CHECKING:
@@ -339,6 +340,7 @@ def next_command(
     ] = False,
     name: Which = "",
     key: Key = None,
+    operator: AllowOperators = False,
     markers: Markers = None,
     sync_flash: SyncFlash = False,
     plain: Plain = False,
@@ -369,7 +371,16 @@ def next_command(
         if done and found.state != "due":
             break
         print(f"{in_words(one, found.item)}", file=sys.stderr)
-        ended = _begin(home, one, found, reason, addresses, plain=as_lines, flash=sync_flash)
+        ended = _begin(
+            home,
+            one,
+            found,
+            reason,
+            addresses,
+            plain=as_lines,
+            flash=sync_flash,
+            operator=operator,
+        )
         done += 1
         if ended:
             raise typer.Exit(ended)
@@ -428,8 +439,10 @@ def _begin(
     *,
     plain: bool,
     flash: bool,
+    operator: bool,
 ) -> int:
     """Begin a block, and return the exit code of its app; 0 if it ended well."""
+    from sar_tui.cli import live
     from sar_tui.cli.common import checked_settings
     from sar_tui.drivers.login_name import login_name
     from sar_tui.study import next_block
@@ -437,20 +450,23 @@ def _begin(
     assert found.item
     if found.item.block.form:
         return _fill_form(home, one, found, plain=plain)
+    if found.resume:
+        from sar_tui.runs.run import find_resumable
+
+        with home.database() as database:
+            row = find_resumable(database, home.folder, found.resume)
+        return live.play_on(
+            home, row, markers=markers, plain=plain, sync_flash=flash, operator=operator
+        )
     catalogue = home.catalogue()
     condition = one.frozen.plan.conditions[found.item.condition]
     with home.writable_database() as database:
         with study_errors(), checked_settings(catalogue.task(condition.task)):
             plan = next_block.plan_of(database, catalogue, one, found)
+        if plan.task.sensor_seats(plan.parameters):
+            live.check_sensor(plan, home)
         next_block.note_deviations(database, one, found, reason, author=login_name())
-    what: dict[str, Any] = {"resume": found.resume} if found.resume else {"plan": plan}
-    if plain:
-        from sar_tui.app.plain import run_plain
-
-        return run_plain(home.folder, catalogue, found.resume or plan, markers=markers)
-    from sar_tui.app.app import run_app
-
-    return run_app(home.folder, catalogue, markers=markers, sync_flash=flash, **what)
+    return live.play(home, plan, markers=markers, plain=plain, sync_flash=flash, operator=operator)
 
 
 def _fill_form(home: Home, one: "Person", found: "Next", *, plain: bool) -> int:
