@@ -21,7 +21,7 @@ from sar_tui.model.messages import (
     SessionEnded,
 )
 from sar_tui.store import locks, log_hashes, messages
-from sar_tui.store.database import transaction
+from sar_tui.store.database import StoreError, transaction
 from sar_tui.store.tables import MESSAGES
 from sar_tui.store.training_days import utc
 
@@ -136,17 +136,17 @@ def _next_note(db: sqlite3.Connection, session: str, after: int) -> messages.Sto
     return notes[0] if notes else None
 
 
-def erased_hashes(db: sqlite3.Connection, session: str) -> dict[bytes, bytes]:
-    """Return the hashes of messages as they were before texts of them were erased, by those of what
-    remains of them.
+def erased_hashes(db: sqlite3.Connection, session: str) -> dict[tuple[str, bytes], bytes]:
+    """Return the hashes of messages, and of rows beside them, as they were before they or texts of
+    them were erased, by their names and the hashes of what remains of them.
     """
-    found: dict[bytes, bytes] = {}
+    found: dict[tuple[str, bytes], bytes] = {}
     for change in changes(db, session):
-        if change.change == "redacted":
-            for hashes in change.details.values():
+        if change.change in ("redacted", "erased"):
+            for name, hashes in change.details.items():
                 with contextlib.suppress(ValueError):
                     before, after = map(bytes.fromhex, str(hashes).split())
-                    found[after] = before
+                    found[name, after] = before
     return found
 
 
@@ -155,6 +155,16 @@ def changes(db: sqlite3.Connection, session: str) -> list[RecordChanged]:
     return [
         one for one in _readable(db, session, RECORD_CHANGED.name) if isinstance(one, RecordChanged)
     ]
+
+
+def check_not_erased(db: sqlite3.Connection, session: str) -> None:
+    """Raise StoreError if a participant's part of a session was erased: it cannot run again."""
+    if any(change.change == "erased" for change in changes(db, session)):
+        raise StoreError(
+            f"The part of a participant in session {session} was erased: what is left cannot be "
+            "run again.",
+            bad_input=True,
+        )
 
 
 def _readable(db: sqlite3.Connection, session: str, *topics: str) -> Iterator[Message]:

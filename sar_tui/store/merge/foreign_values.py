@@ -75,6 +75,7 @@ _FORMS: dict[Form, Rule] = {
     "date": _form(r"[0-9T:.+Z -]{0,40}"),
     "record": _form(r"[A-Za-z0-9][A-Za-z0-9_-]{0,95}(@[A-Z0-9][A-Z0-9-]{0,15})?"),
     "kind": _form(r"[A-Za-z0-9][A-Za-z0-9 ._-]{0,63}"),
+    "event": _form(r"withdrawn|resumed|de-identified|erased"),
     "id": _form(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"),
     "line": _text(1000),
     "note": _text(4000),

@@ -28,7 +28,11 @@ def merge_records(db: sqlite3.Connection, people: People) -> dict[str, int]:
     """Add the records that only ``other`` has to the main database, and return the numbers of
     changed rows by table.
     """
-    changed = {"participants": _participants(db), "exports": _exports(db)}
+    changed = {
+        "participants": _participants(db),
+        "exports": _exports(db),
+        "people_events": _people_events(db),
+    }
     for records in _TABLES:
         changed[records.table] = _merge(db, people, records)
     db.execute(
@@ -51,6 +55,14 @@ def _exports(db: sqlite3.Connection) -> int:
         f"INSERT INTO main.exports ({', '.join(names)}) SELECT {', '.join(names)} FROM "
         "other.exports AS there"
         f" WHERE NOT EXISTS (SELECT 1 FROM main.exports AS here WHERE {same}) ORDER BY number"
+    ).rowcount
+
+
+def _people_events(db: sqlite3.Connection) -> int:
+    listed = ", ".join(TABLES["people_events"].names)
+    return db.execute(
+        f"INSERT OR IGNORE INTO main.people_events ({listed}) SELECT {listed} FROM "
+        "other.people_events ORDER BY at, id"
     ).rowcount
 
 

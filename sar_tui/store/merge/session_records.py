@@ -9,7 +9,9 @@ from typing import Any, NamedTuple
 from sar_tui.store.merge import conflicts
 from sar_tui.store.merge.comparison import CHANGED_LATER, LOG, compare
 from sar_tui.store.merge.conflicts import Content
-from sar_tui.store.merge.people import People
+from sar_tui.loop.topics import RECORD_CHANGED
+from sar_tui.store.merge.people import People, in_full
+from sar_tui.store.record_changes import changes
 from sar_tui.store.tables import SESSION_TABLES, TABLES
 
 _AT_ONCE = 20
@@ -75,6 +77,32 @@ def merge_sessions(
         (_json(here),),
     )
     return result
+
+
+def follow_moves(db: sqlite3.Connection, people: People) -> None:
+    """Give the records of sessions that were moved to another participant that participant, in both
+    databases.
+    """
+    moved = db.execute(
+        "SELECT DISTINCT session_numbers.id, sessions.site FROM main.messages"
+        " JOIN main.topics ON topics.id=topic JOIN main.session_numbers ON number=session_number"
+        " JOIN main.sessions ON sessions.id=session_numbers.id"
+        " WHERE topics.name=? AND message LIKE '%\"moved\"%'",
+        (RECORD_CHANGED.name,),
+    ).fetchall()
+    for session, site in moved:
+        for change in changes(db, session):
+            if change.change == "moved" and change.details:
+                before, after = (
+                    people.stored(in_full(str(change.details[name]), site or people.own))
+                    for name in ("before", "after")
+                )
+                for schema in ("main", "other"):
+                    db.execute(
+                        f"UPDATE {schema}.records SET participant=? WHERE session=? AND "
+                        "participant=?",
+                        (after, session, before),
+                    )
 
 
 def _json(ids: set[str]) -> str:
