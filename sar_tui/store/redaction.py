@@ -8,7 +8,7 @@ import re
 import sqlite3
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing
-from typing import Any
+from typing import Any, TypeVar
 
 import msgspec
 from msgspec.structs import replace
@@ -23,6 +23,8 @@ from sar_tui.store.merge.people import code_at
 from sar_tui.store.messages import StoredRow
 from sar_tui.store.record_changes import erased_hashes, log
 
+S = TypeVar("S", bound=msgspec.Struct)
+U = TypeVar("U", bound=m.Utterance)
 Change = Callable[[StoredRow, m.Message], m.Message | None]
 """Returns what remains of a message: the same one, another of its topic, or None."""
 
@@ -156,6 +158,15 @@ def _local_seats(db: sqlite3.Connection, session: str) -> dict[str, str]:
 # --- texts
 
 
+_TYPED: Mapping[type[m.Message], Mapping[str, str]] = {
+    m.NoteAdded: {"text": "", "label": ""},
+    m.SensorChanged: {"source": ""},
+    m.InputDropped: {"what": ""},
+    m.Fault: {"error": "", "trace": ""},
+}
+"""Fields that are emptied in each message of a kind."""
+
+
 class _Texts:
     """Takes out of messages what somebody typed, and login names.
 
@@ -179,46 +190,40 @@ class _Texts:
         self._spoken = re.compile(rf"\b(?:{words})\b") if words else None
 
     def __call__(self, row: StoredRow, message: m.Message) -> m.Message:
+        return _with(message, **(_TYPED.get(type(message)) or self._changes(row, message)))
+
+    def _changes(self, row: StoredRow, message: m.Message) -> Mapping[str, Any]:
+        """Return the other values of the fields of a message."""
+        changes: Mapping[str, Any] = {}
         match message:
-            case m.NoteAdded():
-                return _with(message, text="", label="")
-            case m.Remark(source="free text"):
-                return _with(message, text="")
-            case m.Decision(text=str()):
-                return _with(message, text="")
+            case m.Remark(source="free text") | m.Decision(text=str()):
+                changes = {"text": ""}
             case m.StepEnded(kind="text"):
-                return _with(message, answer=message.answer and "")
+                changes = {"answer": message.answer and ""}
             case m.Waiting(step=m.AskedStep() as asked):
                 typed = "" if asked.step.kind == "text" else asked.entry.typed
                 entry = _with(asked.entry, typed=typed)
                 who = self._without_codes(asked.who)
-                return _with(message, step=_with(asked, entry=entry, who=who))
+                changes = {"step": _with(asked, entry=entry, who=who)}
             case m.KeyPressed() | m.KeyPerceived() if self._is_answer(row.run, message.at):
-                return _with(message, key="")
+                changes = {"key": ""}
             case m.SessionStarted():
                 names = {seat: self._codes.get(name, name) for seat, name in message.names.items()}
-                return _with(message, names=names)
+                changes = {"names": names}
             case m.ArbiterState():
-                return _with(
-                    message,
-                    pending=tuple(map(self._pending, message.pending)),
-                    queued=tuple(map(self._utterance, message.queued)),
-                    current=message.current and self._utterance(message.current),
-                )
+                changes = {
+                    "pending": tuple(map(self._pending, message.pending)),
+                    "queued": tuple(map(self._utterance, message.queued)),
+                    "current": message.current and self._utterance(message.current),
+                }
             case m.PendingApproval():
-                return self._pending(message)
+                changes = {"proposal": self._utterance(message.proposal)}
             case m.Utterance():
-                return self._utterance(message)
-            case m.SensorChanged():
-                return _with(message, source="")
-            case m.InputDropped():
-                return _with(message, what="")
-            case m.Fault():
-                return _with(message, error="", trace="")
+                changes = self._words(message)
             case m.RecordChanged():
                 details = {} if message.change == "moved" else message.details
-                return _with(message, actor="", reason="", details=details)
-        return message
+                changes = {"actor": "", "reason": "", "details": details}
+        return changes
 
     def _is_answer(self, run: int, at: int) -> bool:
         """Return True if a key was pressed while an answer was typed."""
@@ -227,12 +232,17 @@ class _Texts:
     def _pending(self, pending: m.PendingApproval) -> m.PendingApproval:
         return _with(pending, proposal=self._utterance(pending.proposal))
 
-    def _utterance(self, said: Any) -> Any:
+    def _utterance(self, said: U) -> U:
+        return _with(said, **self._words(said))
+
+    def _words(self, said: m.Utterance) -> Mapping[str, str]:
+        """Return the words of an utterance; none if an operator typed them."""
         if isinstance(said, m.Action) and said.decision in ("edited", "initiated"):
-            return _with(said, text="", spoken="")
-        return _with(
-            said, text=self._without_codes(said.text), spoken=self._without_codes(said.spoken)
-        )
+            return {"text": "", "spoken": ""}
+        return {
+            "text": self._without_codes(said.text),
+            "spoken": self._without_codes(said.spoken),
+        }
 
     def _without_codes(self, text: str) -> str:
         if self._spoken is None:
@@ -240,7 +250,7 @@ class _Texts:
         return self._spoken.sub(lambda found: self._codes[found[0]], text)
 
 
-def _with(message: Any, **changes: Any) -> Any:
+def _with(message: S, **changes: Any) -> S:
     """Return a struct with some other values; the same one if they are the same."""
     if all(getattr(message, name) == value for name, value in changes.items()):
         return message
@@ -311,20 +321,19 @@ class _Part:
         return self._of_session(message) if self._stays(row, message) else None
 
     def _stays(self, row: StoredRow, message: m.Message) -> bool:
-        if row.topic in _OF_BOTH:
-            return True
+        stays = row.topic in _OF_BOTH
         if row.topic in _OF_ONE:
-            return message.seat == self._partner
+            stays = message.seat == self._partner
         match message:
             case m.KeyPressed():
-                return (row.run, message.at, message.key) in self._keys
+                stays = (row.run, message.at, message.key) in self._keys
             case m.Shown() | m.FrameDue() | m.ToneDue() | m.ToneBegan() | m.TrialFeedbackShown():
-                return (message.attempt, message.trial) in self._trials
+                stays = (message.attempt, message.trial) in self._trials
             case m.OutputReport() | m.ProposalSeen():
-                return message.action in self._actions
+                stays = message.action in self._actions
             case m.Dropped() | m.LevelDecided():
-                return message.id in self._actions
-        return False
+                stays = message.id in self._actions
+        return stays
 
     def _of_session(self, message: m.Message) -> m.Message:
         """Return a message of both without what it says of the one who is erased."""
@@ -332,5 +341,5 @@ class _Part:
             return message
         others = {seat: best for seat, best in message.others_best.items() if seat != self._erased}
         names = {**message.names, self._erased: ""} if message.names else {}
-        first = {"best": {}, "done_today": {}} if self._erased == "A" else {}
+        first: dict[str, Any] = {"best": {}, "done_today": {}} if self._erased == "A" else {}
         return _with(message, others_best=others, names=names, **first)

@@ -27,6 +27,7 @@ class Request(msgspec.Struct, frozen=True, kw_only=True):
         everything: all sessions.
         simulated: sessions that were not played by a person, and only those.
         mixed: both.
+        also_withdrawn: also of people who have withdrawn, and whose data is excluded.
     """
 
     names: tuple[str, ...] = ()
@@ -34,6 +35,7 @@ class Request(msgspec.Struct, frozen=True, kw_only=True):
     everything: bool = False
     simulated: bool = False
     mixed: bool = False
+    also_withdrawn: bool = False
 
 
 class Selection(msgspec.Struct, frozen=True):
@@ -111,7 +113,7 @@ def select(
             raise StoreError(_none(database, rows, request, code), bad_input=True)
     running = [row for row in chosen if row["status"] == "running"]
     set_aside = [row for row in chosen if only_counted and is_set_aside(row)]
-    withdrawn = _withdrawn(database, chosen)
+    withdrawn = {} if request.also_withdrawn else _withdrawn(database, chosen)
     left_out = [*running, *set_aside, *(row for row in chosen if row["id"] in withdrawn)]
     ended = [row for row in chosen if row not in left_out]
     excluded = tuple(dict.fromkeys(withdrawn.values()))

@@ -52,7 +52,7 @@ LEAVING: frozenset[Privacy] = frozenset(
 """Treatments of values that may leave."""
 
 Form = Literal["line", "note", "word", "seat", "code", "id", "date", "task", "theme", "remark",
-               "reason", "site", "record", "kind", "values", "topic", "event", "any"]  # fmt: skip
+               "reason", "site", "record", "kind", "values", "topic", "event", "replacement", "any"]  # fmt: skip
 """Form of a text, to which values from other databases are held (`store.merge.foreign_values`)."""
 
 
@@ -1632,6 +1632,7 @@ PEOPLE_EVENTS = Table(
             "Of an erasure: the code in sessions for two, of which the partner's part stays.",
             privacy="code",
             exported=False,
+            form="replacement",
             sql="NOT NULL DEFAULT ''",
         ),
         _SITE,

@@ -81,6 +81,7 @@ _FORMS: dict[Form, Rule] = {
     "note": _text(4000),
     "reason": _text(LONGEST_TEXT),
     "remark": _text(LONGEST_REMARK),
+    "replacement": lambda code: not code or _checked(check_code)(code),
     "seat": _form("[AB]"),
     "site": _checked(check_site),
     "task": _form(r"(?:[^\W\d]\w{0,63})?"),

@@ -11,7 +11,7 @@ from pathlib import Path
 import msgspec
 
 from sar_tui.store import people_events, sites
-from sar_tui.store.database import transaction
+from sar_tui.store.database import StoreError, transaction
 from sar_tui.store.merge.people import Pair, site_of, stored_pairs
 from sar_tui.store.people_events import PersonEvent
 from sar_tui.store.personal_rows import FINAL, apply, with_full_codes
@@ -56,7 +56,14 @@ def keep_rights(
         site = sites.own(copy) or given
         if not site:
             return Rights((), ())
-        there = [with_full_codes(event, site) for event in people_events.events(copy)]
+        try:
+            there = [with_full_codes(event, site) for event in people_events.events(copy)]
+        except StoreError as error:
+            raise StoreError(
+                "The other database cannot be merged: people_events.details is somewhere what this "
+                "program does not store.",
+                bad_input=True,
+            ) from error
         known = {event.id for event in here}
         accepted = [event for event in there if _is_author(event, own, site) or event.id in known]
         events = sorted(

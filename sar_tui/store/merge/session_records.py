@@ -6,10 +6,10 @@ import sqlite3
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
+from sar_tui.loop.topics import RECORD_CHANGED
 from sar_tui.store.merge import conflicts
 from sar_tui.store.merge.comparison import CHANGED_LATER, LOG, compare
 from sar_tui.store.merge.conflicts import Content
-from sar_tui.loop.topics import RECORD_CHANGED
 from sar_tui.store.merge.people import People, in_full
 from sar_tui.store.record_changes import changes
 from sar_tui.store.tables import SESSION_TABLES, TABLES
