@@ -4,7 +4,10 @@ import shutil
 import sqlite3
 from contextlib import closing
 from pathlib import Path
+from typing import Any
+from unittest.mock import patch
 
+from sar_tui.inputs.imu import Info
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.topics import NOTE_ADDED, REMARK, SENSOR
 from sar_tui.model.messages import NoteAdded, Remark, SensorChanged
@@ -18,7 +21,6 @@ from sar_tui.store.database import connect
 from sar_tui.store.people_events import Details, new_event
 from tests.played import catalogue, simulated
 from tests.recorded import event, score, told
-from tests.store.by_hand import sql
 
 CANARY = b"CANARY"
 """Beginning of all words that must not be found after an erasure."""
@@ -58,12 +60,9 @@ def fill(folder: Path, code: str = "P07", word: str = CANARY.decode()) -> list[s
     alone = [
         played(folder, "keyboard", code, word=word, questions=["remark"], questions_every=1,
                **settings),
-        simulated(folder, "reaching", code, seed=5, user="competent", attempts=1,
-                  reaches_per_attempt=2),
+        _with_sensor(folder, code, f"{word}-SOURCE"),
     ]  # fmt: skip
     with closing(connect(folder)) as database:
-        source = f"{word}-SOURCE"
-        sql(database, "UPDATE imu_streams SET source=? WHERE session=?", source, alone[1])
         saved = programmes.Programme({"attempts": 2}, "calm")
         programmes.save(
             database,
@@ -91,6 +90,18 @@ def fill(folder: Path, code: str = "P07", word: str = CANARY.decode()) -> list[s
         database.execute("INSERT INTO rest VALUES (?)", (f"{word}-FREE " * 3000,))
         database.execute("DROP TABLE rest")
     return alone
+
+
+def _with_sensor(folder: Path, code: str, source: str) -> str:
+    """Simulate a session with a sensor whose source has a name, and return its id."""
+
+    def named(**given: Any) -> Info:
+        return Info(**{**given, "source": source})
+
+    with patch("sar_tui.inputs.simulated_sensor.Info", named):
+        return simulated(
+            folder, "reaching", code, seed=5, user="competent", attempts=1, reaches_per_attempt=2
+        )
 
 
 def copies(folder: Path) -> list[Path]:
