@@ -16,7 +16,6 @@ from pathlib import Path
 
 import msgspec
 
-from sar_tui.model.language import Sentence
 from sar_tui.store import exports, people_events, schema, sites
 from sar_tui.store.backup import FOLDER as BACKUPS
 from sar_tui.store.database import (
@@ -193,11 +192,7 @@ def _check_nothing_runs(database: sqlite3.Connection, folder: Path, code: str) -
     for (session,) in database.execute("SELECT session FROM seats WHERE participant=?", (code,)):
         if is_held(folder, "session", session):
             raise StoreError(
-                Sentence(
-                    "{code} is in the session {session} now. Try again when it has ended.",
-                    code=code,
-                    session=session,
-                )
+                f"{code} is in the session {session} now. Try again when it has ended."
             )
 
 
