@@ -140,6 +140,7 @@ def test_a_person_is_erased_by_the_program(tmp_path: Path) -> None:
     assert "for Statistics (csv" in done.stdout
     assert "This export has them, and is not changed:" in done.stdout
     assert {name.partition("/")[0] for name in holding(data)} == {"exports"}
+    (data / "sar-tui-rescue-abc.db").unlink()  # a copy, of which nothing is to be brought back
     assert program(data, "check").returncode == 0
     again = program(data, "run", "keyboard", "-p", "P07", "--new")
     assert again.returncode == 2
