@@ -26,7 +26,7 @@ class Note(msgspec.Struct, frozen=True):
 
 
 class PersonReport(msgspec.Struct, frozen=True, kw_only=True):
-    """What is stored of a person.
+    """All that is stored of a person.
 
     Attributes:
         sessions: as listed, the newest first. ``shared``: the ids of those for two.

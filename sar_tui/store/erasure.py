@@ -51,7 +51,7 @@ class Refusal(msgspec.Struct, frozen=True):
 
 
 class Done(msgspec.Struct, frozen=True, kw_only=True):
-    """What was done to a person's data.
+    """Result of an erasure or a de-identification.
 
     Attributes:
         event: as it is stored.

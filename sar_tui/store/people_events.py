@@ -19,12 +19,12 @@ from sar_tui.store.training_days import utc
 
 What = Literal["withdrawn", "resumed", "de-identified", "erased"]
 Data = Literal["", "keep", "exclude"]
-"""What becomes of the data of a person who has withdrawn."""
+"""Fate of the data of a person who has withdrawn; empty for other events."""
 LONGEST_REASON = 500
 
 
 class Details(msgspec.Struct, frozen=True, omit_defaults=True):
-    """What is known of an event besides its columns.
+    """Details of an event, besides its columns.
 
     Attributes:
         data: of a withdrawal.

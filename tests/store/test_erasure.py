@@ -1,4 +1,4 @@
-"""What is erased is in no file of the data folder; a partner's part stays, and all is whole."""
+"""Data that is erased is in no file of the data folder; a partner's part stays, and all is whole."""
 
 import shutil
 import sqlite3

@@ -28,7 +28,7 @@ _CLAIMED = (
 
 
 class Rights(msgspec.Struct, frozen=True):
-    """What is to be done to this database, and sentences on what was done to the other one.
+    """Events to be applied to this database, and sentences on what was done to the other one.
 
     ``events``: erasures and de-identifications, with codes in full.
     """

@@ -1,4 +1,4 @@
-"""What was erased, de-identified, moved or withdrawn is so in every database, whatever the order."""
+"""Erased, de-identified, moved and withdrawn: it is so in every database, whatever the order."""
 
 from contextlib import closing
 from itertools import permutations
