@@ -57,6 +57,12 @@ def withdraw(
             help="What was recorded is kept, and left out of exports, reports, progress.",
         ),
     ] = False,
+    on: Annotated[
+        str,
+        typer.Option(
+            "--on", metavar="DATE", help="The day of it. Default: today.", show_default=False
+        ),
+    ] = "",
     undo: Annotated[
         bool, typer.Option("--undo", help="Take the withdrawal back: the person goes on.")
     ] = False,
@@ -73,6 +79,7 @@ def withdraw(
     if undo and not reason.strip():
         raise Refused("Say why the withdrawal is taken back: --reason TEXT.")
     code = check_own(code)
+    day = people_events.check_day(on) if on else ""
     data: people_events.Data = "exclude" if exclude else "keep"
     with home.writable_database() as database:
         if people_events.erasure(database, code) is None:
@@ -81,13 +88,13 @@ def withdraw(
         if undo and now is None:
             raise Refused(f"{code} has not withdrawn.")
         if not undo and now is not None and now.details.data == data:
-            raise Refused(f"{code} has withdrawn on {now.at[:10]} already.")
+            raise Refused(f"{code} has withdrawn on {now.day} already.")
         event = new_event(
             "resumed" if undo else "withdrawn",
             code,
             author=login_name(),
             reason=reason,
-            details=Details() if undo else Details(data=data),
+            details=Details(on=day) if undo else Details(data=data, on=day),
         )
         people_events.add(database, event)
     if as_json:
@@ -117,7 +124,7 @@ def withdrawals(home: Home, as_json: AsJson = False) -> None:
             "events",
             empty="Nobody has withdrawn, was de-identified or erased.",
             columns=(
-                Column("when", lambda one: local_time(one.at)),
+                Column("when", lambda one: one.details.on or local_time(one.at)),
                 Column("who", attrgetter("participant")),
                 Column("what", attrgetter("event")),
                 Column("data", attrgetter("details.data")),

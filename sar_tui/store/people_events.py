@@ -6,7 +6,7 @@ Rows are added and never changed, so that a merge takes all of them whatever the
 import secrets
 import sqlite3
 from collections.abc import Iterable
-from datetime import datetime
+from datetime import date, datetime
 from typing import Literal
 
 import msgspec
@@ -27,12 +27,14 @@ class Details(msgspec.Struct, frozen=True, omit_defaults=True):
     """Details of an event, besides its columns.
 
     Attributes:
-        data: of a withdrawal.
+        data, on: of a withdrawal; the day of which it is, if that is not the one on which it was
+            recorded.
         sessions: of a de-identification or an erasure, the seat of the person in each session, by
             its id. ``records``: the ids of their records.
     """
 
     data: Data = ""
+    on: str = ""
     sessions: dict[str, str] = {}
     records: tuple[str, ...] = ()
 
@@ -49,6 +51,24 @@ class PersonEvent(msgspec.Struct, frozen=True, kw_only=True):
     details: Details = Details()
     replaced_by: str = ""
     site: str = ""
+
+    @property
+    def day(self) -> str:
+        """The day of which it is, such as 2026-03-01."""
+        return self.details.on or self.at[:10]
+
+
+def check_day(text: str) -> str:
+    """Return a day as it is stored. Raises StoreError: it is none, or in the future."""
+    try:
+        day = date.fromisoformat(text.strip())
+    except ValueError:
+        raise StoreError(
+            f"A day is given as 2026-03-01, not {text[:40]!r}.", bad_input=True
+        ) from None
+    if day > date.today():
+        raise StoreError(f"The day {day} is in the future.", bad_input=True)
+    return day.isoformat()
 
 
 def new_event(
@@ -155,7 +175,7 @@ def check_may_record(db: sqlite3.Connection, codes: Iterable[str]) -> None:
                 Sentence(
                     "The data of {code} was erased on {date}: give a new participant another code.",
                     code=code,
-                    date=erased.at[:10],
+                    date=erased.day,
                 ),
                 bad_input=True,
             )
@@ -164,7 +184,7 @@ def check_may_record(db: sqlite3.Connection, codes: Iterable[str]) -> None:
                 Sentence(
                     "{code} has withdrawn on {date}: nothing more is recorded of them.",
                     code=code,
-                    date=found.at[:10],
+                    date=found.day,
                 ),
                 bad_input=True,
             )
@@ -183,5 +203,5 @@ def excluded_words(found: PersonEvent) -> Sentence:
     return Sentence(
         "{code} has withdrawn on {date}, and their data is excluded.",
         code=found.participant,
-        date=found.at[:10],
+        date=found.day,
     )

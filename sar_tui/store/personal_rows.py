@@ -254,6 +254,9 @@ def _deidentify(db: sqlite3.Connection, person: _Person, old: str) -> Changed:
     for code in sorted(codes):
         if not _has_more(db, code):
             others += _rename_rest(db, person, code, new)
+    for code in codes if person.is_own and old else ():
+        full = in_full(code, person.people.own)
+        db.execute("DELETE FROM same_people WHERE ? IN (code, same_as)", (full,))
     gone = {session for session, *_ in sessions}
     for kind, key, digest, packed in db.execute(
         "SELECT kind, key, digest, content FROM conflicts"

@@ -1621,8 +1621,9 @@ PEOPLE_EVENTS = Table(
         Column(
             "details",
             "json",
-            "`data` (of a withdrawal): keep, or exclude from exports, reports and progress. "
-            "`sessions` (of the others): the seat of the person in each, by id; `records`: ids.",
+            "Of a withdrawal `data` (keep, or exclude from exports, reports and progress) and `on`, its "
+            "day. "
+            "Of the others `sessions`: the seat of the person in each, by id; `records`: ids.",
             privacy="inner",
             sql="NOT NULL DEFAULT '{}'",
         ),

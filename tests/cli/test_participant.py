@@ -50,6 +50,8 @@ def data(tmp_path: Path) -> Path:
         ("withdraw P07 --keep --exclude", "Give one of --keep, --exclude and --undo."),
         ("withdraw P07 --undo", "Say why the withdrawal is taken back"),
         ("withdraw P07 --undo --reason x", "P07 has not withdrawn."),
+        ("withdraw P07 --on 2999-01-01", "The day 2999-01-01 is in the future."),
+        ("withdraw P07 --on yesterday", "A day is given as 2026-03-01, not 'yesterday'."),
         ("withdraw P07@BERN", "P07@BERN is a participant of BERN"),
         ("move last P08", "Say why the session is moved: --reason TEXT."),
         ("move nothing P08 --reason x", "There is no session nothing."),
@@ -76,9 +78,10 @@ def test_bad_input_is_refused_in_a_sentence(
 
 
 def test_nothing_is_recorded_of_somebody_who_withdrew(call: Call, data: Path) -> None:
-    call("participant withdraw p07 --reason moved-away").shows("P07 has withdrawn: nothing more")
-    call("participant withdrawals").shows("moved-away", "keep")
-    words = "P07 has withdrawn on 20"
+    said = call("participant withdraw p07 --reason moved-away --on 2026-03-01")
+    said.shows("P07 has withdrawn: nothing more")
+    call("participant withdrawals").shows("moved-away", "keep", "2026-03-01")
+    words = "P07 has withdrawn on 2026-03-01"
     call("record add FMA-UE P07 score=30").refused(words)
     plan = make_plan(catalogue(), "keyboard", ["P07"], FEW, seed=1)
     with pytest.raises(StoreError, match=words):

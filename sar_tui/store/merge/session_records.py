@@ -6,7 +6,6 @@ import sqlite3
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
-from sar_tui.loop.topics import RECORD_CHANGED
 from sar_tui.store.merge import conflicts
 from sar_tui.store.merge.comparison import CHANGED_LATER, LOG, compare
 from sar_tui.store.merge.conflicts import Content
@@ -83,12 +82,16 @@ def follow_moves(db: sqlite3.Connection, people: People) -> None:
     """Give the records of sessions that were moved to another participant that participant, in both
     databases.
     """
+    sat = (
+        "SELECT 1 FROM main.seats WHERE seats.session=there.session"
+        " AND seats.participant=there.participant"
+    )
+    others = " UNION ".join(
+        f"SELECT session FROM {schema}.records AS there WHERE session NOTNULL AND NOT EXISTS ({sat})"
+        for schema in ("main", "other")
+    )
     moved = db.execute(
-        "SELECT DISTINCT session_numbers.id, sessions.site FROM main.messages"
-        " JOIN main.topics ON topics.id=topic JOIN main.session_numbers ON number=session_number"
-        " JOIN main.sessions ON sessions.id=session_numbers.id"
-        " WHERE topics.name=? AND message LIKE '%\"moved\"%'",
-        (RECORD_CHANGED.name,),
+        f"SELECT id, site FROM main.sessions WHERE id IN ({others}) ORDER BY id"
     ).fetchall()
     for session, site in moved:
         for change in changes(db, session):
