@@ -153,6 +153,19 @@ def test_a_person_is_erased_by_the_program(tmp_path: Path) -> None:
     assert len(call.stderr.splitlines()) == 1
 
 
+def test_what_a_partner_did_is_shown_and_exported_after_an_erasure(call: Call, data: Path) -> None:
+    session = played(data, "pairs", "P07", "P08", word="WORD", attempts=2, prompts_per_attempt=4)
+    said = call("participant erase P07 P07 --yes")
+    said.shows("P07 is erased (2 sessions). Of 1 session for two, the part of the partner stays.")
+    call("check").shows("is whole")
+    call(f"show {session}").shows("ERASED-")
+    call("progress P08").shows("P08")
+    call("export --all --with-events --with-notes --to", data / "all").shows("1 session in")
+    assert "WORD" not in "".join(path.read_text() for path in (data / "all").glob("*.csv"))
+    call("report intervention --all").shows("")
+    call(f"replay {session}").refused("was erased: what is left cannot be run again.")
+
+
 def test_the_report_has_all_of_one_person(call: Call, tmp_path: Path) -> None:
     data = tmp_path / "data"
     fill(data, word="WORD")

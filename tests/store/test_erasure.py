@@ -17,7 +17,7 @@ from sar_tui.store.erasure import Done, de_identify, erase
 from sar_tui.store.integrity import flaws
 from sar_tui.store.locks import hold
 from sar_tui.store.rescue import bring_back
-from tests.played import catalogue
+from tests.played import catalogue, simulated
 from tests.store.by_hand import sql, value
 from tests.store.persons import copies, fill, holding, played
 
@@ -140,6 +140,19 @@ def test_the_part_of_the_partner_stays_and_all_is_whole(data: Path) -> None:
     assert erase(data, "P08", author="ana", reason="").sessions == 2
     with closing(connect(data)) as database:
         assert value(database, "SELECT count(*) FROM sessions") == 0
+    assert found(data) == []
+
+
+@pytest.mark.parametrize("code", ["P07", "P08"])
+def test_samples_of_one_sensor_go_and_those_of_the_other_stay(data: Path, code: str) -> None:
+    settings = {"respond_with": "reaches", "attempts": 1, "prompts_per_attempt": 4}
+    simulated(data, "pairs", "P07", "P08", **settings)
+    seats = "SELECT DISTINCT seat FROM imu_streams JOIN imu_chunks USING (session, stream)"
+    assert len(sql(data, seats)) == 2
+    erased(data, code)
+    assert sql(data, seats) == [("B" if code == "P07" else "A",)]
+    assert found(data) == []
+    assert de_identify(data, "P08" if code == "P07" else "P07", author="", reason="").sessions == 1
     assert found(data) == []
 
 
