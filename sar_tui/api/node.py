@@ -44,7 +44,7 @@ __all__ = [  # noqa: RUF022  in groups
     "TRIAL_FEEDBACK_SHOWN", "TONE_BEGAN", "IMU", "SENSOR", "TRUNK_IMU", "TRUNK_SENSOR",
     "TIMER", "COMMAND", "SETTING", "DECISION", "REMARK", "MODE", "PROPOSAL_SEEN",
     "NOTE_ADDED", "PROTOCOL", "PROTOCOL_TICKED", "REASON", "PRESENCE", "REFUSED", "REPORT",
-    "OUTPUT", "STOPPED", "MARKERS", "SYNC", "STORED", "STORAGE", "RECORD_CHANGED",
+    "OUTPUT", "STOPPED", "MARKERS", "SYNC", "STORED", "STORAGE", "RECORD_CHANGED", "ERASED",
     # topics of what follows from them
     "FAULT", "PERCEIVED", "REACH", "WAITING", "ATTEMPT_STARTED", "CUE", "PROMPT", "FRAME",
     "TONES_AHEAD", "TONE_DUE", "TYPED", "VOIDED", "TRIAL", "TRIAL_FEEDBACK", "MARKED",
@@ -57,6 +57,7 @@ __all__ = [  # noqa: RUF022  in groups
     # messages
     "ActAnswered", "Action", "AgentActing", "ArbiterState", "AskedStep", "AttemptEnded",
     "AttemptStarted", "BodyPart", "CueGiven", "Decision", "Dropped", "EndStatus", "Fault",
+    "Erased",
     "Feedback", "FeedbackChoice", "FillerDue", "FocusChanged", "FrameDue", "GoalChanged", "Halt",
     "ImuBlock", "InputDropped", "KeyPerceived", "KeyPressed", "LateDecision", "LevelChanged",
     "LevelDecided", "LevelReply", "LevelRequest", "MarkersChanged", "Message", "ModeChanged",

@@ -39,6 +39,7 @@ COMMANDS = {
     "sessions": "sessions:sessions",
     "show": "sessions:show",
     "record": "record:app",
+    "participant": "participant:app",
     "export": "export:export",
     "detect": "detect:detect",
     "replay": "replay:replay",

@@ -19,6 +19,7 @@ _WORDS = {
     "programmes": ("version of a programme", "versions of programmes"),
     "records": ("version of a record", "versions of records"),
     "exports": ("export in the ledger", "exports in the ledger"),
+    "people_events": ("use of a person's rights", "uses of people's rights"),
     "same_people": ("row of a person with two codes", "rows of persons with two codes"),
 }
 """Tables whose changed rows are told, with the words for one and for several."""
@@ -105,6 +106,11 @@ def _print(merged: "Merged", other: Path | None) -> None:
         print(f"As it was before: {merged.backup}")
     for code, same_as in merged.same:
         print(f"{code} is {same_as}.")
+    for code in merged.erased:
+        print(
+            f"! {code} was erased or de-identified at their site, and so here. Backups still hold "
+            f"the person: delete those that you no longer need."
+        )
     for conflict in merged.conflicts:
         print(
             f"! Another version of the {conflict.kind} {conflict.key} is kept aside "

@@ -80,6 +80,7 @@ def progress(
     from sar_tui.reports.progress import progress as make_progress
     from sar_tui.store import records, wellbeing
     from sar_tui.store.participants import check_known
+    from sar_tui.store.people_events import check_included
     from sar_tui.store.results import sessions_of
 
     if language not in BUNDLED:
@@ -89,6 +90,7 @@ def progress(
     find = _finder(home)
     with home.database() as database, progress_line("Computing"):
         code = check_known(database, participant)
+        check_included(database, code)
         found = make_progress(
             code,
             sessions_of(database, code, task, folder=home.folder),

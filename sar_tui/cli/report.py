@@ -89,7 +89,7 @@ def wizard(
         found, selection = _study(home, database, request, exclude or [])
     from sar_tui.reports.wizard_study_words import sections as sections_of_study
 
-    _put_out(
+    put_out(
         found,
         sections_of_study(found),
         "Report on the operators of several sessions",
@@ -126,7 +126,7 @@ def intervention(
         found = make_report(
             read(database, home.folder, selection, lambda: show("Reading", next(done), of))
         )
-    _put_out(found, sections(found), "Report on the intervention", html, as_json)
+    put_out(found, sections(found), "Report on the intervention", html, as_json)
     _tell_left_out(selection)
 
 
@@ -204,7 +204,7 @@ def _one_session(home: Home, name: str, html: Path | None, as_json: bool) -> Non
     title = f"Session {row['id']}: {row['task']}, {who}{mode}."
     sections = wizard_words.sections(found, latencies, min(out.width, _WIDTH))
     if as_json or html:
-        _put_out(found, sections, title, html, as_json)
+        put_out(found, sections, title, html, as_json)
         return
     if found.operated:
         out.print(title, markup=False, soft_wrap=True)
@@ -268,7 +268,7 @@ def _request(
     )
 
 
-def _put_out(
+def put_out(
     found: object, sections: "Sequence[Section]", title: str, html: Path | None, as_json: bool
 ) -> None:
     """Print a report, as JSON if asked, or write it as a page. Raises Refused if the file

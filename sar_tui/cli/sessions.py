@@ -137,6 +137,7 @@ def show(
         found |= {
             "site": found["site"] or sites.own(database),
             "discarded": _discarded(database, found["id"]),
+            "moved": _moved(database, found["id"]),
         }
     if as_json:
         known = {
@@ -212,11 +213,13 @@ def _programme(database: "sqlite3.Connection", row: Row) -> str:
     """
     from sar_tui.store import programmes
     from sar_tui.store.merge.people import code_at
+    from sar_tui.store.record_changes import code_at_first
 
     version = row["programme"]
     if version is None:
         return ""
-    code = code_at(database, row["participant"], row["site"])
+    first = code_at_first(database, row["id"], "A", row["participant"])
+    code = code_at(database, first, row["site"])
     saved = programmes.versions(database, code, row["task"])
     known = next((each for each in saved if each.version == version), programmes.Programme())
     by = f" by {known.author}" if known.author else ""
@@ -235,6 +238,7 @@ def _print_facts(out: "Console", row: Row, programme: str) -> None:
         ),
         *([("", _discarded_words(row["discarded"]))] if row["discarded"] else []),
         ("Participant", participant_codes(row)),
+        *(("", _moved_words(each)) for each in row["moved"]),
         *([("Site", row["site"])] if row["site"] else []),
         ("Task", f"{row['task']}, theme {row['theme']}, seed {row['seed']}"),
         *([("Programme", programme)] if programme else []),
@@ -257,6 +261,24 @@ def _discarded(database: "sqlite3.Connection", session: str) -> Row | None:
 
     found = why_discarded(database, session)
     return {"actor": found.actor, "at": found.at, "reason": found.reason} if found else None
+
+
+def _moved(database: "sqlite3.Connection", session: str) -> list[Row]:
+    """Return who moved a session to another participant, when, from whom to whom, and why."""
+    from sar_tui.store.record_changes import changes
+
+    return [
+        {"actor": one.actor, "at": one.at, "reason": one.reason, "seat": one.seat, **one.details}
+        for one in changes(database, session)
+        if one.change == "moved" and one.details
+    ]
+
+
+def _moved_words(moved: Row) -> str:
+    from sar_tui.store.sessions import local_time
+
+    who = f"{moved['actor']}, {local_time(moved['at'])}"
+    return f"It was recorded for {moved['before']}, and moved to {moved['after']}: {moved['reason']} ({who})."
 
 
 def _discarded_words(discarded: Row) -> str:

@@ -41,7 +41,7 @@ class Exported(msgspec.Struct, frozen=True, kw_only=True):
         left_out: columns that did not leave.
         problems: a sentence on each session, or part of one, that it lacks.
         notices: a sentence on each task that cannot be loaded, so that its details are not
-            described.
+            described, and on each person who has withdrawn, and whose data is excluded.
         manifest: SHA-256 of the manifest; of each site's, with spaces between them, in a format for
             many sites.
     """
@@ -195,7 +195,14 @@ def export(
             ),
             *_unrecorded(database),
         ],
-        notices=list(dict.fromkeys(notice for each in written for notice in each.contents.notices)),
+        notices=list(
+            dict.fromkeys(
+                [
+                    *selection.set_aside,
+                    *(notice for each in written for notice in each.contents.notices),
+                ]
+            )
+        ),
         manifest=" ".join(manifests),
     )
 

@@ -43,6 +43,7 @@ SYNC = Topic("output/sync", m.SyncSignal, origin="input")
 STORED = Topic("store/stored", m.Stored, origin="input")
 STORAGE = Topic("store/changed", m.StorageChanged, origin="input")
 RECORD_CHANGED = Topic("record/status", m.RecordChanged, origin="later")
+ERASED = Topic("record/erased", m.Erased, origin="later")
 
 PERCEIVED = Topic("perception/key", m.KeyPerceived)
 REACH = Topic("perception/reach", m.ReachPerceived)

@@ -21,6 +21,7 @@ from sar_tui.runs.run import Progress, check_rules, told_history
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError
 from sar_tui.store.provenance import software
+from sar_tui.store.record_changes import check_not_erased
 from sar_tui.store.rescue import rescue_files
 
 
@@ -136,6 +137,7 @@ def check_whole(database: sqlite3.Connection, folder: Path, row: sessions.Row) -
             "first.",
             bad_input=True,
         )
+    check_not_erased(database, row["id"])
     check_rules(database, row["id"])
 
 

@@ -26,7 +26,9 @@ from sar_tui.runs.plan import EnoughToday, Failed, Plan, set_up
 from sar_tui.runs.start_level import with_start_level
 from sar_tui.store import locks, messages, participants, sessions
 from sar_tui.store.database import StoreError, commit_unsynced, connect, open_file
+from sar_tui.store.people_events import check_may_record
 from sar_tui.store.provenance import machine, measured_timing, software
+from sar_tui.store.record_changes import check_not_erased
 from sar_tui.store.recorder import Recorder
 from sar_tui.store.rescue import rescue_files
 from sar_tui.store.safeguard import Safeguard, forget
@@ -287,7 +289,7 @@ def find_resumable(database: sqlite3.Connection, folder: Path, name: str) -> ses
 
     Raises:
         StoreError: there is no such session, or it is live, or it has ended, or it is of another
-            site.
+            site; part of it was erased, or somebody has withdrawn.
     """
     row = sessions.find(database, folder, name)
     if files := rescue_files(folder, row["id"]):
@@ -303,6 +305,8 @@ def find_resumable(database: sqlite3.Connection, folder: Path, name: str) -> ses
         )
     if row["status"] != "interrupted" or not is_personal(row["mode"]):
         raise _not_resumable(row["id"], row["status"] if is_personal(row["mode"]) else row["mode"])
+    check_not_erased(database, row["id"])
+    check_may_record(database, sessions.codes(row))
     return row
 
 

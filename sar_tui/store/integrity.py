@@ -20,6 +20,11 @@ from sar_tui.store.tables import VERSION
 
 _MOST_FAULTS = 20
 """Largest number of damaged pages that are named."""
+_WITH_ERASED = (
+    "SELECT session FROM seats JOIN people_events ON replaced_by=seats.participant"
+    " WHERE event='erased'"
+)
+"""The sessions for two in which the part of one was erased."""
 _WITHOUT_PARTICIPANT = {
     "seats": LIVE,  # simulated people are no participants
     "records": f"(mode IS NULL OR {LIVE})",
@@ -32,7 +37,7 @@ _GAPS = {
     ),
     "trials": (
         "SELECT session, ' of attempt ' || attempt, min(trial), max(trial), count(DISTINCT trial) "
-        "FROM trials"
+        f"FROM trials WHERE session NOT IN ({_WITH_ERASED})"
         " GROUP BY session, attempt"
     ),
     "blocks of samples": (
@@ -159,6 +164,7 @@ def _without_participant(database: sqlite3.Connection) -> Iterator[Flaw]:
         for (whose,) in database.execute(
             f"SELECT DISTINCT {where} FROM {table}{with_session} WHERE {condition}"
             " AND participant NOT IN (SELECT code FROM participants)"
+            " AND participant NOT IN (SELECT replaced_by FROM people_events)"
         ):
             yield Flaw("orphan", str(whose), f"There are {table} without a participant.")
 

@@ -3,7 +3,7 @@
 import json
 import sqlite3
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from itertools import product
 from typing import Any, NamedTuple
@@ -134,10 +134,12 @@ def _changed_groups(
         digests = []
         while waiting is not None and waiting.seq <= group.until:
             digest = log_hashes.message_hash(waiting)
-            digests.append(erased.get(digest, digest))
+            digests.append(erased.get((str(waiting.seq), digest), digest))
             number = waiting.seq
             waiting = next(stored, None)
-        beside = [_possible_hashes(database, session, people, entry) for entry in group.beside]
+        beside = [
+            _possible_hashes(database, session, people, entry, erased) for entry in group.beside
+        ]
         holds = any(
             log_hashes.group_hash(before, (*digests, *some)) == group.hash
             for some in product(*beside)
@@ -168,19 +170,51 @@ def _where(first: int, group: _Group) -> str:
 
 
 def _possible_hashes(
-    database: sqlite3.Connection, session: str, people: People, entry: Entry
+    database: sqlite3.Connection,
+    session: str,
+    people: People,
+    entry: Entry,
+    erased: Mapping[tuple[str, bytes], bytes],
 ) -> list[bytes]:
-    """Return the hash of a row beside the messages; of the session's facts, with each code of its
-    participants.
+    """Return the hash of a row beside the messages as it was recorded; of the session's facts, with
+    each code of its participants.
+
+    ``erased``: as `erased_hashes` returns them.
     """
     if entry != ["facts"]:
-        return [log_hashes.entry_hash(database, session, entry)]
-    seats = log_hashes.seats(database, session)
-    codes = [_codes_at_first(database, session, people, seat, code) for seat, code in seats.items()]
-    return [
-        log_hashes.facts_hash(database, session, dict(zip(seats, some, strict=True)))
-        for some in product(*codes)
-    ]
+        found = [log_hashes.entry_hash(database, session, entry)]
+    else:
+        seats = log_hashes.seats(database, session)
+        codes = [
+            _codes_at_first(database, session, people, seat, code) for seat, code in seats.items()
+        ]
+        found = [
+            log_hashes.facts_hash(database, session, dict(zip(seats, some, strict=True)))
+            for some in product(*codes)
+        ]
+    name = log_hashes.name_of(entry)
+    return [erased.get((name, each), each) for each in found]
+
+
+def recorded_facts(database: sqlite3.Connection, session: str) -> bytes:
+    """Return the hash of a session's facts as they were recorded: by the first group of its log, if
+    that is as it was recorded; else as they are now.
+    """
+    erased = erased_hashes(database, session)
+    possible = _possible_hashes(database, session, _people(database), ["facts"], erased)
+    first = next(iter(_groups(database, session)), None)
+    if first is not None and first.beside == [["facts"]]:
+        stored = messages.stored_rows(database, session)
+        digests = [
+            erased.get((str(row.seq), digest), digest)
+            for row in stored
+            if row.seq <= first.until
+            for digest in [log_hashes.message_hash(row)]
+        ]
+        for each in possible:
+            if log_hashes.group_hash("", (*digests, each)) == first.hash:
+                return each
+    return possible[0]
 
 
 def _codes_at_first(
@@ -193,7 +227,7 @@ def _codes_at_first(
     """
     possible = _codes_of(people, code)
     for change in reversed(changes(database, session)):
-        if change.change == "moved" and change.seat == seat:
+        if change.change == "moved" and change.seat == seat and change.details:
             after = str(change.details.get("after"))
             possible = (
                 _codes_of(people, str(change.details.get("before"))) if after in possible else []

@@ -168,6 +168,11 @@ def entry_hash(database: sqlite3.Connection, session: str, entry: Entry) -> byte
     return chunk_hash(found) if kind == "chunk" else _values_hash(kind, found)
 
 
+def name_of(entry: Entry) -> str:
+    """Return the name of a row beside the messages: "facts", "chunk 1 2"."""
+    return " ".join(map(str, entry))
+
+
 def facts_hash(
     database: sqlite3.Connection, session: str, participants: Mapping[str, str]
 ) -> bytes:

@@ -95,7 +95,9 @@ def encoder(topic: Topic[Any]) -> Callable[[Message], str]:
     if topic is PRESENCE:
         return lambda message: _json.encode(message).decode()
     ordered = _ordered(topic.type)
-    values_of = attrgetter(*(one.name for one in ordered))
+    names = [one.name for one in ordered]
+    get = attrgetter(*names)
+    values_of = get if len(names) > 1 else lambda message: (get(message),)
     defaults = [default for one in reversed(ordered) for default in _default(one)]
 
     def encode(message: Message) -> str:

@@ -9,6 +9,7 @@ from difflib import get_close_matches
 from sar_tui.model.language import Sentence
 from sar_tui.store.counted import COUNTS, LIVE
 from sar_tui.store.database import StoreError, transaction
+from sar_tui.store.people_events import check_may_record
 from sar_tui.store.training_days import utc
 
 _CODE = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,31}(@[A-Za-z0-9][A-Za-z0-9-]{0,15})?")
@@ -57,9 +58,11 @@ def add(db: sqlite3.Connection, code: str, now: datetime | None = None) -> str:
     ``now``: when that is; None for the present.
 
     Raises:
-        StoreError: the code is not valid, or of another site, or the disk cannot write.
+        StoreError: the code is not valid, or of another site, nothing may be recorded of them any
+            more, or the disk cannot write.
     """
     code = check_own(code)
+    check_may_record(db, [code])
     row = (code, utc(now))
     with transaction(db) as connection:
         connection.execute(
@@ -103,9 +106,11 @@ def admit(db: sqlite3.Connection, codes: Sequence[str], *, is_new: bool = False)
 
     Raises:
         UnknownParticipant: somebody is not known, and not said to be new.
-        StoreError: a code is not valid, or of another site; or ``is_new``, and all are known.
+        StoreError: a code is not valid, or of another site; somebody has withdrawn, or was erased;
+            or ``is_new``, and all are known.
     """
     codes = [check_own(code) for code in codes]
+    check_may_record(db, codes)
     known = _codes_in(db, _RECORDS)
     unknown = [code for code in codes if code not in known]
     if unknown and not is_new:

@@ -11,6 +11,7 @@ import msgspec
 from sar_tui.model.language import Sentence
 from sar_tui.store.database import StoreError, read_json, store, transaction
 from sar_tui.store.participants import check_own
+from sar_tui.store.people_events import check_may_record
 from sar_tui.store.tables import PROGRAMMES
 from sar_tui.store.texts import check_text
 from sar_tui.store.training_days import utc
@@ -119,10 +120,11 @@ def save(
 
     Raises:
         Superseded: another version was saved since ``after``.
-        StoreError: the participant is of another site, a text has control characters, or the disk
-            cannot write; nothing was saved.
+        StoreError: the participant is of another site, or has withdrawn, a text has control
+            characters, or the disk cannot write; nothing was saved.
     """
     check_own(participant)
+    check_may_record(db, [participant])
     author, reason = (check_text(f"The {name}", text[:LONGEST_TEXT], LONGEST_TEXT)
                       for name, text in (("author", author), ("reason", reason)))  # fmt: skip
     parameters = msgspec.json.encode(changed.parameters)

@@ -20,8 +20,9 @@ from sar_tui.model.messages import (
     RecordChanged,
     SessionEnded,
 )
+from sar_tui.model.session_mode import is_personal
 from sar_tui.store import locks, log_hashes, messages
-from sar_tui.store.database import transaction
+from sar_tui.store.database import RESCUE, StoreError, transaction
 from sar_tui.store.tables import MESSAGES
 from sar_tui.store.training_days import utc
 
@@ -74,6 +75,103 @@ def change_status(
     finally:
         held.release()
     return True
+
+
+def move(
+    db: sqlite3.Connection,
+    folder: Path,
+    session: str,
+    seat: str,
+    to: str,
+    *,
+    actor: str,
+    reason: str,
+    now: datetime | None = None,
+) -> str:
+    """Move a live session of this site to another participant, who is known, with the records that
+    belong to it. The earlier code stays in its log.
+
+    Args:
+        db, folder, session: the session, which no program has open.
+        seat: A, or B in a session for two.
+        to: the code of the participant.
+        actor, reason: who moves it, and why.
+
+    Returns:
+        The code of the participant until then.
+
+    Raises:
+        StoreError: it is of another site or not of a person, nobody sits there, ``to`` sits in it
+            already, a program has it open, a rescue file of it waits, or the disk cannot write.
+    """
+    held = locks.hold(folder, "session", session)
+    try:
+        if files := sorted(folder.glob(f"{RESCUE}{session}*.db")):
+            raise StoreError(
+                f"The last messages of session {session} are in {files[0]}. Run `sar-tui rescue` "
+                "first.",
+                bad_input=True,
+            )
+        with transaction(db) as connection:
+            before = check_movable(connection, session, seat, to)
+            connection.execute(
+                "UPDATE seats SET participant=? WHERE session=? AND seat=?", (to, session, seat)
+            )
+            connection.execute(
+                "UPDATE records SET participant=? WHERE session=? AND participant=?",
+                (to, session, before),
+            )
+            said = RecordChanged(
+                change="moved",
+                seat=seat,
+                actor=actor,
+                at=utc(now),
+                reason=reason,
+                details={"before": before, "after": to},
+            )
+            log(connection, session, said)
+    finally:
+        held.release()
+    return before
+
+
+def check_movable(db: sqlite3.Connection, session: str, seat: str, to: str) -> str:
+    """Return the code of the participant at a seat of a session. Raises StoreError if it cannot be
+    moved to another one.
+    """
+    row = db.execute("SELECT site, mode FROM sessions WHERE id=?", (session,)).fetchone()
+    if row is None or row[0]:
+        raise StoreError(
+            f"The session {session} is of {row[0]}: it can be moved only there."
+            if row
+            else f"There is no session {session}.",
+            bad_input=True,
+        )
+    if not is_personal(row[1]):
+        raise StoreError(f"The session {session} is {row[1]}: nobody sat there.", bad_input=True)
+    seats = log_hashes.seats(db, session)
+    if seat not in seats:
+        raise StoreError(
+            f"The session {session} has no seat {seat}: it was for one person.", bad_input=True
+        )
+    if to in seats.values():
+        raise StoreError(f"{to} is in the session {session} already.", bad_input=True)
+    replaced = "SELECT 1 FROM people_events WHERE event='erased' AND replaced_by=?"
+    if db.execute(replaced, (seats[seat],)).fetchone():
+        raise StoreError(
+            f"The participant at seat {seat} of session {session} was erased.", bad_input=True
+        )
+    return seats[seat]
+
+
+def code_at_first(db: sqlite3.Connection, session: str, seat: str, code: str) -> str:
+    """Return the code that a participant of a session had when it was recorded, as far as its log
+    tells.
+    """
+    for change in changes(db, session):
+        if change.change == "moved" and change.seat == seat and change.details:
+            return str(change.details["before"])
+    return code
 
 
 def erase_note(
@@ -136,17 +234,17 @@ def _next_note(db: sqlite3.Connection, session: str, after: int) -> messages.Sto
     return notes[0] if notes else None
 
 
-def erased_hashes(db: sqlite3.Connection, session: str) -> dict[bytes, bytes]:
-    """Return the hashes of messages as they were before texts of them were erased, by those of what
-    remains of them.
+def erased_hashes(db: sqlite3.Connection, session: str) -> dict[tuple[str, bytes], bytes]:
+    """Return the hashes of messages, and of rows beside them, as they were before they or texts of
+    them were erased, by their names and the hashes of what remains of them.
     """
-    found: dict[bytes, bytes] = {}
+    found: dict[tuple[str, bytes], bytes] = {}
     for change in changes(db, session):
-        if change.change == "redacted":
-            for hashes in change.details.values():
+        if change.change in ("redacted", "erased"):
+            for name, hashes in change.details.items():
                 with contextlib.suppress(ValueError):
                     before, after = map(bytes.fromhex, str(hashes).split())
-                    found[after] = before
+                    found[name, after] = before
     return found
 
 
@@ -155,6 +253,16 @@ def changes(db: sqlite3.Connection, session: str) -> list[RecordChanged]:
     return [
         one for one in _readable(db, session, RECORD_CHANGED.name) if isinstance(one, RecordChanged)
     ]
+
+
+def check_not_erased(db: sqlite3.Connection, session: str) -> None:
+    """Raise StoreError if a participant's part of a session was erased: it cannot run again."""
+    if any(change.change == "erased" for change in changes(db, session)):
+        raise StoreError(
+            f"The part of a participant in session {session} was erased: what is left cannot be "
+            "run again.",
+            bad_input=True,
+        )
 
 
 def _readable(db: sqlite3.Connection, session: str, *topics: str) -> Iterator[Message]:

@@ -79,7 +79,7 @@ def repair(folder: Path) -> Repair:
     stamp = f"{datetime.now(UTC):%Y%m%dT%H%M%SZ}"
     kept, unread = _renew(path, stamp)
     connect(folder).close()  # brought up to date
-    with _exclusive(path) as database:
+    with exclusive(path) as database:
         found = [each for each in damages(database) if _count(database, each)]
         lost = missing_rows(database) if kept else []
         backup = aside = None
@@ -135,7 +135,7 @@ def _readable(path: Path) -> Iterator[sqlite3.Connection]:
     write to it.
     """
     if not _is_cut_short(path):
-        with _exclusive(path, open_wary) as database:
+        with exclusive(path, open_wary) as database:
             yield database
         return
     copy = path.with_name(f".{path.stem}-readable.part")
@@ -143,7 +143,7 @@ def _readable(path: Path) -> Iterator[sqlite3.Connection]:
         _remove(copy)
         create_file(copy)
         shutil.copyfile(path, copy)
-        with _exclusive(copy, open_wary) as database:
+        with exclusive(copy, open_wary) as database:
             yield database
     finally:
         _remove(copy)
@@ -175,7 +175,7 @@ def _open(path: Path, timeout: float) -> sqlite3.Connection:
 
 
 @contextmanager
-def _exclusive(path: Path, open_file: Open = _open) -> Iterator[sqlite3.Connection]:
+def exclusive(path: Path, open_file: Open = _open) -> Iterator[sqlite3.Connection]:
     """Open a database that no other program has open, nor can open meanwhile."""
     with closing(open_file(path, _WAIT_S)) as database:
         try:

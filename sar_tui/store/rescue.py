@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import NamedTuple, get_args
 
 from sar_tui.drivers.files import make_private, unused
-from sar_tui.store import messages, sessions
+from sar_tui.store import messages, people_events, sessions, sites
 from sar_tui.store.database import (
     RESCUE,
     RESCUED,
@@ -29,6 +29,7 @@ from sar_tui.store.database import (
     transaction,
 )
 from sar_tui.store.locks import is_held
+from sar_tui.store.personal_rows import apply, with_full_codes
 from sar_tui.store.repair import readable
 from sar_tui.store.salvage import Missing
 from sar_tui.store.tables import ADDED_LATER, TABLES, with_column
@@ -226,6 +227,7 @@ def bring_back(folder: Path) -> list[BroughtBack]:
                 ]
                 if not any(each.problem for each in here):
                     _bring_participants(source, database)
+                    _keep_rights(database)
             found += here
             if not any(each.problem for each in here):
                 _rename(path)
@@ -269,12 +271,41 @@ def _bring(
         return BroughtBack(
             path, *row, "it was resumed in the database since, and went on differently"
         )
+    if erased := _erased(source, database, session):
+        return BroughtBack(
+            path,
+            *row,
+            f"{erased} was erased, and `sar-tui participant erase {erased}` takes them out of it",
+        )
     if not _is_readable(source, session):
         return BroughtBack(
             path, *row, "its rows are damaged, so that no command could read the database"
         )
     damaged = copy_session(source, database, session, adds=first > 1)
     return BroughtBack(path, *row, damaged=tuple(damaged))
+
+
+def _erased(source: sqlite3.Connection, database: sqlite3.Connection, session: str) -> str:
+    """Return the code of a participant of a session who was erased in the database; empty if there
+    is none.
+    """
+    seats = source.execute("SELECT seat, participant FROM seats WHERE session=?", (session,))
+    codes = dict(seats.fetchall())
+    for event in people_events.events(database):
+        if event.event == "erased" and (
+            event.participant in codes.values() or event.details.sessions.get(session) in codes
+        ):
+            is_replaced = event.replaced_by in codes.values()
+            return "" if is_replaced else event.participant
+    return ""
+
+
+def _keep_rights(database: sqlite3.Connection) -> None:
+    """Do again what was done for people's rights: a rescue file may hold what was there before."""
+    own = sites.own(database)
+    with transaction(database) as connection:
+        for event in people_events.events(database):
+            apply(connection, with_full_codes(event, own))
 
 
 def _is_readable(database: sqlite3.Connection, session: str) -> bool:
@@ -300,7 +331,7 @@ def _extent(database: sqlite3.Connection, session: str) -> tuple[int, int, int]:
 
 
 _NOT_OF_SESSIONS = (
-    "site", "same_people", "conflicts", "participants", "programmes", "records",
+    "site", "same_people", "people_events", "conflicts", "participants", "programmes", "records",
     "studies",
 )  # fmt: skip
 

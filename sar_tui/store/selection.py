@@ -8,11 +8,12 @@ from typing import Any
 import msgspec
 
 from sar_tui.model.session_mode import is_personal
+from sar_tui.store import people_events
 from sar_tui.store.counted import is_set_aside
 from sar_tui.store.database import StoreError
 from sar_tui.store.merge.people import other_code
 from sar_tui.store.participants import check_code, check_known
-from sar_tui.store.sessions import find, listing
+from sar_tui.store.sessions import codes, find, listing
 
 Row = dict[str, Any]
 
@@ -26,6 +27,7 @@ class Request(msgspec.Struct, frozen=True, kw_only=True):
         everything: all sessions.
         simulated: sessions that were not played by a person, and only those.
         mixed: both.
+        also_withdrawn: also of people who have withdrawn, and whose data is excluded.
     """
 
     names: tuple[str, ...] = ()
@@ -33,12 +35,14 @@ class Request(msgspec.Struct, frozen=True, kw_only=True):
     everything: bool = False
     simulated: bool = False
     mixed: bool = False
+    also_withdrawn: bool = False
 
 
 class Selection(msgspec.Struct, frozen=True):
     """Sessions in the order in which they were stored, and sentences on those that are left out.
 
-    ``refused``: on those that cannot be read yet. ``set_aside``: on those that do not count.
+    ``refused``: on those that cannot be read yet. ``set_aside``: on those that do not count, and on
+    people who have withdrawn, and whose data is excluded.
     ``of``: the participant whose sessions were asked for; empty if they were chosen otherwise.
     """
 
@@ -76,6 +80,7 @@ def select(
 
     ``also_damaged``: those with damaged JSON as well, as `store.sessions.listing` returns them.
     ``only_counted``: for a report: sessions that were discarded or refused are left out, too.
+    Sessions of people who have withdrawn, and whose data is excluded, are always left out.
 
     Raises:
         StoreError: there is none, all of them are running, or the request is not clear; a named
@@ -108,14 +113,34 @@ def select(
             raise StoreError(_none(database, rows, request, code), bad_input=True)
     running = [row for row in chosen if row["status"] == "running"]
     set_aside = [row for row in chosen if only_counted and is_set_aside(row)]
-    ended = [row for row in chosen if row not in running and row not in set_aside]
+    withdrawn = {} if request.also_withdrawn else _withdrawn(database, chosen)
+    left_out = [*running, *set_aside, *(row for row in chosen if row["id"] in withdrawn)]
+    ended = [row for row in chosen if row not in left_out]
+    excluded = tuple(dict.fromkeys(withdrawn.values()))
     if not ended:
         waits = [f"Session {row['id']} is running: wait until it has ended." for row in running]
-        raise StoreError(" ".join([*waits, *map(_set_aside_words, set_aside)]))
+        raise StoreError(
+            " ".join([*waits, *map(_set_aside_words, set_aside), *excluded]),
+            bad_input=not waits and bool(excluded),
+        )
     refused = tuple(
         f"Session {row['id']} is running. It is left out until it has ended." for row in running
     )
-    return Selection(tuple(ended), refused, code, tuple(map(_set_aside_words, set_aside)))
+    aside = (*map(_set_aside_words, set_aside), *excluded)
+    return Selection(tuple(ended), refused, code, aside)
+
+
+def _withdrawn(database: sqlite3.Connection, chosen: Sequence[Row]) -> dict[str, str]:
+    """Return the sentence on each session, by its id, with a participant who has withdrawn, and
+    whose data is excluded.
+    """
+    excluded = people_events.excluded(database)
+    return {
+        row["id"]: people_events.excluded_words(excluded[code])
+        for row in chosen
+        for code in codes(row)
+        if code in excluded
+    }
 
 
 def _set_aside_words(row: Row) -> str:

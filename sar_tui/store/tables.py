@@ -52,7 +52,7 @@ LEAVING: frozenset[Privacy] = frozenset(
 """Treatments of values that may leave."""
 
 Form = Literal["line", "note", "word", "seat", "code", "id", "date", "task", "theme", "remark",
-               "reason", "site", "record", "kind", "values", "topic", "any"]  # fmt: skip
+               "reason", "site", "record", "kind", "values", "topic", "event", "replacement", "any"]  # fmt: skip
 """Form of a text, to which values from other databases are held (`store.merge.foreign_values`)."""
 
 
@@ -1641,6 +1641,79 @@ EXPORTS = Table(
     ),
 )
 
+PEOPLE_EVENTS = Table(
+    "people_events",
+    "A use of a [person's rights](peoples-rights.md): a withdrawal, a de-identification, an erasure",
+    key=("id",),
+    since=201,
+    more="Append-only, except that an erasure removes the earlier ones of the person. An `erased` "
+    "one is a tombstone: what is of the person does not come back by a merge or a rescue file.",
+    columns=(
+        Column(
+            "id",
+            "string",
+            "Random text.",
+            privacy="inner",
+            form="id",
+            sql="NOT NULL",
+        ),
+        Column(
+            "event",
+            "string",
+            "What was done; resumed: a withdrawal was taken back.",
+            levels=("withdrawn", "resumed", "de-identified", "erased"),
+            privacy="inner",
+            form="event",
+            sql="NOT NULL",
+        ),
+        Column(
+            "participant",
+            "string",
+            "Code of the person; of one who was de-identified, the new code.",
+            privacy="code",
+            exported=False,
+            form="code",
+            sql="NOT NULL",
+        ),
+        Column("at", "datetime", "When, UTC.", privacy="inner", form="date", sql="NOT NULL"),
+        Column(
+            "recorded_by",
+            "string",
+            "The login name of who recorded it.",
+            privacy="person",
+            sql="NOT NULL DEFAULT ''",
+        ),
+        Column(
+            "reason",
+            "string",
+            "Why.",
+            privacy="text",
+            exported=False,
+            form="reason",
+            sql="NOT NULL DEFAULT ''",
+        ),
+        Column(
+            "details",
+            "json",
+            "Of a withdrawal `data` (keep, or exclude from exports, reports and progress) and `on`, its "
+            "day. "
+            "Of the others `sessions`: the seat of the person in each, by id; `records`: ids.",
+            privacy="inner",
+            sql="NOT NULL DEFAULT '{}'",
+        ),
+        Column(
+            "replaced_by",
+            "string",
+            "Of an erasure: the code in sessions for two, of which the partner's part stays.",
+            privacy="code",
+            exported=False,
+            form="replacement",
+            sql="NOT NULL DEFAULT ''",
+        ),
+        _SITE,
+    ),
+)
+
 TABLES = {
     table.name: table
     for table in (
@@ -1663,6 +1736,7 @@ TABLES = {
         EXPORTS,
         SITE,
         SAME_PEOPLE,
+        PEOPLE_EVENTS,
         CONFLICTS,
         ANSWERS,
         LOG_HASHES,

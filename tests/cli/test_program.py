@@ -21,7 +21,8 @@ run resume simulate sessions show wizard agent serve tasks themes graph timing p
 detect reanalyse replay validate progress export backup check rescue merge site
 tasks/show tasks/new tasks/check link/invite link/list link/revoke link/check report/wizard
 report/intervention programme/show programme/history programme/export programme/import
-programme/presets
+programme/presets participant/withdraw participant/withdrawals participant/move
+participant/de-identify participant/erase participant/report
 """.split()
 
 

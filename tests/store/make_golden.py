@@ -19,7 +19,7 @@ from sar_tui.model.units import SECOND
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import resume, start
 from sar_tui.simulation.operator import PROFILES, SimulatedOperator
-from sar_tui.store import exports, programmes, sites
+from sar_tui.store import exports, people_events, programmes, sites
 from sar_tui.store.database import FILE, connect, transaction
 from sar_tui.store.merge import conflicts
 from sar_tui.store.tables import PROGRAMMES
@@ -51,6 +51,9 @@ def make(folder: Path) -> None:
         score(database, "P01", "FMA-UE", "2026-11-02", 42)
         export = {"recipient": "", "format": "csv", "sessions": [session], "options": {}}
         exports.record(database, author="ana", manifest="0" * 64, **export)
+        people_events.add(
+            database, people_events.new_event("withdrawn", "P02", author="ana", reason="")
+        )
         sites.set_own(database, "ZURICH")
         with transaction(database) as connection:
             connection.execute("INSERT INTO same_people VALUES ('P01@BERN', 'P02')")

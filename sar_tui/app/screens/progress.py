@@ -32,6 +32,7 @@ from sar_tui.reports.progress_timeline import TextRow
 from sar_tui.reports.wellbeing import advice
 from sar_tui.store import records, wellbeing
 from sar_tui.store.database import StoreError, explain
+from sar_tui.store.people_events import check_included
 from sar_tui.store.records import Record
 from sar_tui.store.results import sessions_of
 from sar_tui.tui.dismissed_once import DismissedOnce
@@ -171,6 +172,7 @@ class ProgressScreen(DismissedOnce[None]):
         find = {self._motor_task.name: self._motor_task}.get
         try:
             database = self.app.database
+            check_included(database, self._participant)
             sessions = list(
                 sessions_of(
                     database, self._participant, self._motor_task.name, folder=self.app.folder

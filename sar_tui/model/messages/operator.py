@@ -9,6 +9,7 @@ __all__ = [
     "ActAnswered",
     "ActOutcome",
     "Decision",
+    "Erased",
     "LateDecision",
     "ModeChanged",
     "NoteAdded",
@@ -239,10 +240,10 @@ class LateDecision(Message, frozen=True, kw_only=True):
     why: str
 
 
-RecordChange = Literal["dismissed", "discarded", "restored", "moved", "redacted"]
+RecordChange = Literal["dismissed", "discarded", "restored", "moved", "redacted", "erased"]
 """``dismissed``: nobody goes on with the interrupted session. ``discarded``: it was begun by
 mistake, and does not count. ``restored``: neither any longer. ``moved``: it is of another
-participant. ``redacted``: texts were erased.
+participant. ``redacted``: texts were erased. ``erased``: the part of the participant at ``seat`` was.
 """
 
 
@@ -250,8 +251,8 @@ class RecordChanged(Message, frozen=True, kw_only=True):
     """Something was done to a session's record after the session.
 
     ``actor``: who did it, the login name. ``at``: when, UTC. ``details``: for ``moved``, the
-    participant ``before`` and ``after``; for ``redacted``, by the number of each message its hash
-    as it was and that of what remains of it.
+    participant ``before`` and ``after``; for ``redacted`` and ``erased``, by the number of each message,
+    and by the name of each row beside them, its hash as it was and that of what remains of it.
     """
 
     change: RecordChange
@@ -259,3 +260,7 @@ class RecordChanged(Message, frozen=True, kw_only=True):
     at: str
     reason: str = ""
     details: Json = {}
+
+
+class Erased(Message, frozen=True, kw_only=True):
+    """A message that was erased, of which `RecordChanged` keeps the hash."""

@@ -14,7 +14,7 @@ from sar_tui.store.tables import SESSION_TABLES, SESSIONS, TABLES
 
 Relation = Literal["equal", "longer here", "longer there", "contradictory"]
 
-LOG = {"seats": (), "runs": (), "log_hashes": (), "imu_streams": (), "imu_chunks": ("data",),
+LOG = {"seats": ("participant",), "runs": (), "log_hashes": (), "imu_streams": (), "imu_chunks": ("data",),
        "trials": ("correct", "details")}  # fmt: skip
 """Tables of the log beside ``messages``, and the columns that may change or, being checked by
 another, are left out.

@@ -28,7 +28,8 @@ from sar_tui.store.merge.people import (
     stored_pairs,
 )
 from sar_tui.store.merge.records import merge_records
-from sar_tui.store.merge.session_records import merge_sessions
+from sar_tui.store.merge.rights import Rights, keep_rights, take_over
+from sar_tui.store.merge.session_records import follow_moves, merge_sessions
 from sar_tui.store.merge.source import copied, remove_leftovers
 
 Start = Callable[[str], Callable[[int, int], None]]
@@ -51,6 +52,7 @@ class Merged(msgspec.Struct, frozen=True, kw_only=True):
         conflicts: all versions that are kept aside. ``new_conflicts``: the number of those that are
             new.
         same: codes in full that are the same person.
+        erased: codes of people whose data was erased here, as their site erased it.
         backup: of this database as it was before; None if nothing had to change.
     """
 
@@ -65,6 +67,7 @@ class Merged(msgspec.Struct, frozen=True, kw_only=True):
     conflicts: list[Conflict] = []
     new_conflicts: int = 0
     same: list[Pair] = []
+    erased: list[str] = []
     backup: str | None = None
 
 
@@ -104,6 +107,7 @@ def merge(
         if other is None:
             return _changed(db, folder, lambda: _note(db, own, pairs))
         with copied(other, folder, start("Reading")) as source:
+            rights = keep_rights(db, source.copy, own, site, pairs)
             db.execute("ATTACH ? AS other", (str(source.copy),))
             try:
                 db.execute("PRAGMA other.journal_mode=OFF")
@@ -113,7 +117,7 @@ def merge(
                 result = _changed(
                     db,
                     folder,
-                    lambda: _merge(db, own, site, pairs, source.running, start("Merging")),
+                    lambda: _merge(db, own, site, pairs, source.running, rights, start("Merging")),
                 )
             finally:
                 db.execute("DETACH other")
@@ -260,6 +264,7 @@ def _merge(
     site: str,
     pairs: set[Pair],
     running: Iterable[str],
+    rights: Rights,
     progress: Callable[[int, int], None],
 ) -> Merged:
     before = set(conflicts.listing(db))
@@ -267,6 +272,7 @@ def _merge(
     if site != own:
         theirs, refused = split_pairs(People(own, stored_pairs(db) | pairs), theirs, site)
     people, renamed = _same_people(db, own, pairs | theirs)
+    erased = take_over(db, rights)
     leave_out(db, running)
     number_topics(db)
     rename_others(db, people, site)
@@ -274,7 +280,9 @@ def _merge(
     if site != own:
         refused += refuse(db, people, site, has_other_names=bool(refused))
     sessions = merge_sessions(db, people, progress)
+    follow_moves(db, people)
     records = {"same_people": renamed, **merge_records(db, people)}
+    records["people_events"] += len(erased)
     if sessions.added or sessions.updated:
         put_in_order(db)
     aside = conflicts.listing(db)
@@ -284,7 +292,8 @@ def _merge(
         added=sessions.added,
         updated=sessions.updated,
         records=records,
-        refused=refused,
+        refused=[*rights.refused, *refused],
+        erased=erased,
         conflicts=aside,
         new_conflicts=len(set(aside) - before),
         same=sorted(people.same),

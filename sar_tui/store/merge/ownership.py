@@ -36,6 +36,7 @@ _RECORDS = (
     ),
     _Records("studies", "'version ' || version || ' of the study ' || name"),
     _Records("exports", "'export of ' || exported_at"),
+    _Records("people_events", "'event ' || id || ' (' || event || ') of ' || participant"),
 )
 _OTHERWISE = "The {what} is {own}'s by what {site} has, and is not so here. It is left out."
 _ANOTHERS = "The {what} is {author}'s by what {site} has, but {code} is of {home}. It is left out."
@@ -170,8 +171,9 @@ def _records(
         yield _OTHERWISE.format(what=what, own=people.own, site=site)
     db.execute(f"DELETE FROM other.{records.table} WHERE site=''")
     if "participant" in names:
-        # A programme keeps the code that its site gave.
-        known = People(people.own, ()) if records.table == "programmes" else people
+        # A programme keeps the code that its site gave, and so does what was done for a person.
+        keeps = records.table in ("programmes", "people_events")
+        known = People(people.own, ()) if keeps else people
         for row, what, author, code in db.execute(
             f"SELECT rowid, {records.words}, site, participant FROM other.{records.table} ORDER "
             "BY rowid"

@@ -147,6 +147,14 @@ def rename_others(db: sqlite3.Connection, people: People, site: str) -> None:
     _replace(
         db, "other", "programmes", "participant", lambda code: people.shortened(in_full(code, site))
     )
+    for column in ("participant", "replaced_by"):
+        _replace(
+            db,
+            "other",
+            "people_events",
+            column,
+            lambda code: code and people.shortened(in_full(code, site)),
+        )
     if site != people.own:  # ids of records are short, so that two sites may have the same
         _replace(
             db,

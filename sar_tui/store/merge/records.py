@@ -28,7 +28,12 @@ def merge_records(db: sqlite3.Connection, people: People) -> dict[str, int]:
     """Add the records that only ``other`` has to the main database, and return the numbers of
     changed rows by table.
     """
-    changed = {"participants": _participants(db), "exports": _exports(db), "studies": _studies(db)}
+    changed = {
+        "participants": _participants(db),
+        "exports": _exports(db),
+        "people_events": _people_events(db),
+        "studies": _studies(db),
+    }
     for records in _TABLES:
         changed[records.table] = _merge(db, people, records)
     db.execute(
@@ -60,6 +65,14 @@ def _studies(db: sqlite3.Connection) -> int:
     return db.execute(
         f"INSERT OR IGNORE INTO main.studies ({names}) SELECT {names} FROM other.studies"
         " ORDER BY name, version, site"
+    ).rowcount
+
+
+def _people_events(db: sqlite3.Connection) -> int:
+    listed = ", ".join(TABLES["people_events"].names)
+    return db.execute(
+        f"INSERT OR IGNORE INTO main.people_events ({listed}) SELECT {listed} FROM "
+        "other.people_events ORDER BY at, id"
     ).rowcount
 
 

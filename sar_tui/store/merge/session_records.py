@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 from sar_tui.store.merge import conflicts
 from sar_tui.store.merge.comparison import CHANGED_LATER, LOG, compare
 from sar_tui.store.merge.conflicts import Content
-from sar_tui.store.merge.people import People
+from sar_tui.store.merge.people import People, in_full
+from sar_tui.store.record_changes import changes
 from sar_tui.store.tables import SESSION_TABLES, TABLES
 
 _AT_ONCE = 20
@@ -75,6 +76,36 @@ def merge_sessions(
         (_json(here),),
     )
     return result
+
+
+def follow_moves(db: sqlite3.Connection, people: People) -> None:
+    """Give the records of sessions that were moved to another participant that participant, in both
+    databases.
+    """
+    sat = (
+        "SELECT 1 FROM main.seats WHERE seats.session=there.session"
+        " AND seats.participant=there.participant"
+    )
+    others = " UNION ".join(
+        f"SELECT session FROM {schema}.records AS there WHERE session NOTNULL AND NOT EXISTS ({sat})"
+        for schema in ("main", "other")
+    )
+    moved = db.execute(
+        f"SELECT id, site FROM main.sessions WHERE id IN ({others}) ORDER BY id"
+    ).fetchall()
+    for session, site in moved:
+        for change in changes(db, session):
+            if change.change == "moved" and change.details:
+                before, after = (
+                    people.stored(in_full(str(change.details[name]), site or people.own))
+                    for name in ("before", "after")
+                )
+                for schema in ("main", "other"):
+                    db.execute(
+                        f"UPDATE {schema}.records SET participant=? WHERE session=? AND "
+                        "participant=?",
+                        (after, session, before),
+                    )
 
 
 def _json(ids: set[str]) -> str:

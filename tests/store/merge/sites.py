@@ -136,9 +136,11 @@ def _in_words(db: sqlite3.Connection, table: str, people: People) -> list[Any]:
             return None
         if (table, name) == ("records", "id"):
             return in_full(value, people.own)
+        if name == "replaced_by":
+            return value and in_full(value, people.own)
         if name == "participant" or (table, name) == ("participants", "code"):
             code = in_full(value, people.own)
-            return code if table == "programmes" else people.name(code)
+            return code if table in ("programmes", "people_events") else people.name(code)
         return value
 
     return [

@@ -51,7 +51,8 @@ def test_the_same_code_at_two_sites_is_two_people_and_merging_again_changes_noth
     assert {row[2]: row[0] for row in found["seats"]} == {"P01@ZURICH": "a1", "P01@BERN": "b1"}
     assert found == holds(bern) | found
     assert merged.conflicts == []
-    none = dict.fromkeys("same_people participants exports programmes records".split(), 0)
+    tables = "same_people participants exports people_events programmes records"
+    none = dict.fromkeys(tables.split(), 0)
     assert merge(zurich, bern) == Merged(site="ZURICH", other="BERN", records=none)
     assert holds(zurich) == found
     merge(bern, zurich)

@@ -1,0 +1,349 @@
+"""A person's data erased, or without what identifies the person: in the database, its write-ahead
+log, rescue files, and the backups of the data folder.
+
+The event is stored with the change of the rows, in one transaction. If the command is interrupted and
+given again, the free pages and the other files are looked through again.
+"""
+
+import contextlib
+import mmap
+import secrets
+import sqlite3
+from collections.abc import Iterator, Sequence
+from contextlib import closing
+from datetime import datetime
+from pathlib import Path
+
+import msgspec
+
+from sar_tui.store import exports, people_events, schema, sites
+from sar_tui.store.backup import FOLDER as BACKUPS
+from sar_tui.store.database import (
+    FILE,
+    SAVED,
+    StoreError,
+    connect,
+    explain,
+    sidecars,
+    transaction,
+    version_of,
+)
+from sar_tui.store.exports import LedgerEntry
+from sar_tui.store.locks import hold, is_held
+from sar_tui.store.merge.people import People, in_full, stored_pairs
+from sar_tui.store.participants import check_code, check_known, check_own
+from sar_tui.store.people_events import Details, PersonEvent
+from sar_tui.store.personal_rows import Changed, apply, details_of, with_full_codes
+from sar_tui.store.repair import exclusive
+from sar_tui.store.tables import TABLES, VERSION
+
+MANIFEST = "sar-tui-export.json"
+"""Name of the file in an export that names its sessions."""
+_LETTERS = "ABCDEFGHJKMNPQRSTVWXYZ23456789"
+"""Characters of a random code: without those that are mistaken for others."""
+
+
+class Refusal(msgspec.Struct, frozen=True):
+    """A file that may hold data of the person, and could not be rewritten; why, in a sentence."""
+
+    file: str
+    why: str
+
+
+class Done(msgspec.Struct, frozen=True, kw_only=True):
+    """Result of an erasure or a de-identification.
+
+    Attributes:
+        event: as it is stored.
+        sessions: the number of their sessions. ``shared``: of those for two, of which the part of
+            the partner stays.
+        rewritten: files beside the database that held the person. ``refused``: those that could not
+            be rewritten.
+        exports: those that held sessions of the person. ``folders``: of them, those that are in the
+            data folder.
+        speech: folders into which the agent's speech in their sessions was recorded.
+    """
+
+    event: PersonEvent
+    sessions: int
+    shared: int
+    rewritten: list[str]
+    refused: list[Refusal]
+    exports: list[LedgerEntry]
+    folders: list[str]
+    speech: list[str]
+
+
+def erase(
+    folder: Path, code: str, *, author: str, reason: str, now: datetime | None = None
+) -> Done:
+    """Erase all of a participant of this site. One who was erased already is looked for again, in
+    all files.
+
+    Raises:
+        StoreError: nobody has the code, they are of another site, a session of them runs, another
+            program has the database open, or the disk cannot write. Nothing was erased then.
+    """
+    code = check_code(code)
+    with closing(connect(folder)) as database:
+        event = people_events.erasure(database, code)
+        if event is None:
+            check_known(database, check_own(code))
+            event = people_events.new_event(
+                "erased",
+                code,
+                author=author,
+                reason=reason,
+                replaced_by=_unused(database, "ERASED-"),
+                now=now,
+            )
+    return _everywhere(folder, event, code)
+
+
+def de_identify(
+    folder: Path, code: str, *, author: str, reason: str, now: datetime | None = None
+) -> Done:
+    """Take out what was typed of a participant of this site, and login names, and give them a
+    random code. Which one they had is noted nowhere.
+
+    Raises:
+        StoreError: as `erase`.
+    """
+    code = check_own(code)
+    with closing(connect(folder)) as database:
+        check_known(database, code)
+        event = people_events.new_event(
+            "de-identified",
+            _unused(database, ""),
+            author=author,
+            reason=reason,
+            now=now,
+        )
+    return _everywhere(folder, event, code)
+
+
+def _unused(database: sqlite3.Connection, prefix: str) -> str:
+    """Return a random code that nobody has."""
+    while True:
+        code = prefix + "".join(secrets.choice(_LETTERS) for _ in range(8))
+        known = "SELECT 1 FROM participants WHERE code=:code UNION SELECT 1 FROM seats WHERE participant=:code"
+        if not database.execute(known, {"code": code}).fetchone():
+            return code
+
+
+def _everywhere(folder: Path, event: PersonEvent, code: str) -> Done:
+    with hold(folder, "participant", code), hold(folder, "merge", FILE):
+        with _alone(folder / FILE) as database:
+            _check_nothing_runs(database, folder, code)
+            before = _details(database, event, code)
+            event = msgspec.structs.replace(event, details=before)
+            speech = _speech(database, event)
+            # once the database has another code, nothing tells the earlier one
+            others = _other_files(folder, event, code) if event.event == "de-identified" else None
+            changed = _apply(database, event, code)
+            _clean(database, folder / FILE)
+            of_exports = _exports(database, event)
+        rewritten, refused = others or _other_files(folder, event, code)
+        for session in event.details.sessions if event.event == "erased" else ():
+            with contextlib.suppress(OSError):
+                (folder / SAVED / f"{session}.json").unlink()
+    with contextlib.suppress(OSError):  # its name has the code
+        (folder / "locks" / f"participant-{code}.lock").unlink()
+    return Done(
+        event=event,
+        sessions=changed.sessions,
+        shared=changed.shared,
+        rewritten=rewritten,
+        refused=refused,
+        exports=of_exports,
+        folders=_export_folders(folder, event),
+        speech=speech,
+    )
+
+
+# --- the database
+
+
+@contextlib.contextmanager
+def _alone(path: Path) -> Iterator[sqlite3.Connection]:
+    """Open a database that no other program has open, with nothing in its write-ahead log.
+
+    Raises:
+        StoreError: another program has it open: what it reads would stay in the log.
+    """
+    with exclusive(path) as database:
+        _empty_log(database, path)
+        database.execute("PRAGMA secure_delete=ON")
+        yield database
+
+
+def _empty_log(database: sqlite3.Connection, path: Path) -> None:
+    """Bring the write-ahead log into the file. Raises StoreError if another program reads it."""
+    busy, *_ = database.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()
+    if busy:
+        raise StoreError(
+            f"Another program has {path} open. Close sar-tui everywhere, and try again.",
+            temporary=True,
+            locked=True,
+        )
+
+
+def _check_nothing_runs(database: sqlite3.Connection, folder: Path, code: str) -> None:
+    for (session,) in database.execute("SELECT session FROM seats WHERE participant=?", (code,)):
+        if is_held(folder, "session", session):
+            raise StoreError(
+                f"{code} is in the session {session} now. Try again when it has ended."
+            )
+
+
+def _details(database: sqlite3.Connection, event: PersonEvent, code: str) -> Details:
+    """Return what an event names: what it did, and what is found of the person now."""
+    found = details_of(database, code)
+    return Details(
+        sessions={**event.details.sessions, **found.sessions},
+        records=tuple(sorted({*event.details.records, *found.records})),
+    )
+
+
+def _apply(database: sqlite3.Connection, event: PersonEvent, code: str) -> Changed:
+    """Store an event, and do what it says, in one transaction."""
+    own = sites.own(database)
+    with transaction(database) as connection:
+        connection.execute("DELETE FROM people_events WHERE id=?", (event.id,))
+        people_events.insert(connection, event)
+        full = with_full_codes(event, own)
+        return apply(connection, full, old=in_full(code, own))
+
+
+def _clean(database: sqlite3.Connection, path: Path) -> None:
+    """Write the file anew, without free pages, and empty its log. Raises StoreError."""
+    database.execute("PRAGMA temp_store=MEMORY")
+    database.execute("VACUUM")
+    _empty_log(database, path)
+
+
+def _speech(database: sqlite3.Connection, event: PersonEvent) -> list[str]:
+    """Return the folders into which speech was recorded."""
+    found = []
+    for session in event.details.sessions:
+        row = database.execute(
+            "SELECT json_extract(parameters, '$.speech') FROM sessions WHERE id=?", (session,)
+        ).fetchone()
+        if row and str(row[0]).startswith("file:"):
+            found.append(str(row[0]).removeprefix("file:"))
+    return sorted(set(found))
+
+
+def _exports(database: sqlite3.Connection, event: PersonEvent) -> list[LedgerEntry]:
+    held = set(event.details.sessions)
+    return [entry for entry in exports.ledger(database) if held.intersection(entry.sessions)]
+
+
+# --- other files
+
+
+def _other_files(folder: Path, event: PersonEvent, code: str) -> tuple[list[str], list[Refusal]]:
+    """Do what an event says to rescue files, backups and copies in a data folder. Return those that
+    held the person, and those that could not be changed.
+    """
+    rewritten, refused = [], []
+    for path in _databases(folder):
+        try:
+            if not _may_hold(path, [code, *event.details.sessions]):
+                continue
+            if _rewrite(path, event, code):
+                rewritten.append(str(path))
+        except (StoreError, OSError) as error:
+            refused.append(Refusal(str(path), str(error)))
+        except sqlite3.Error as error:
+            refused.append(Refusal(str(path), str(explain(error, path))))
+    return rewritten, refused
+
+
+def _databases(folder: Path) -> list[Path]:
+    """Return the files in a data folder, except its database, that are databases by their names."""
+    places = (folder, folder / BACKUPS)
+    found = [path for place in places if place.is_dir() for path in place.iterdir()]
+    left = [path for path in folder.glob(".merge-*/*") if path.is_file()]
+    return sorted(
+        path
+        for path in (*found, *left)
+        if path.is_file() and path.suffix in (".db", ".part") and path != folder / FILE
+    )
+
+
+def _may_hold(path: Path, words: Sequence[str]) -> bool:
+    """Return True if one of some words is in a file, or in its log."""
+    return any(
+        _has(each, [word.encode() for word in words])
+        for each in (path, sidecars(path)[0])
+        if each.exists() and each.stat().st_size
+    )
+
+
+def _has(path: Path, words: Sequence[bytes]) -> bool:
+    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as held:
+        return any(held.find(word) >= 0 for word in words)
+
+
+def _rewrite(path: Path, event: PersonEvent, code: str) -> bool:
+    """Do what an event says to a database that is not in use. Return False if it is not about it.
+
+    Raises:
+        StoreError: it is in use, damaged, or of another version.
+    """
+    with _alone(path) as database:
+        if not 0 < (version := version_of(database, path)) <= VERSION:
+            raise StoreError(f"{path} is no database of sar-tui.")
+        if lacking := [name for name in _of_first_version() if not _is_there(database, name)]:
+            raise StoreError(f"It has no table {lacking[0]}.")
+        if not _is_in(database, event, code, version) and not _may_hold(
+            path, [*event.details.sessions]
+        ):
+            return False
+        if version < VERSION:
+            schema.upgrade(database, version)
+        _apply(database, event, code)
+        _clean(database, path)
+        (state,) = database.execute("PRAGMA integrity_check(1)").fetchone()
+        if state != "ok":
+            raise StoreError(f"It is damaged ({state}).")
+    return True
+
+
+def _of_first_version() -> list[str]:
+    from sar_tui.store.tables import FIRST_VERSION
+
+    return [table.name for table in TABLES.values() if table.since <= FIRST_VERSION]
+
+
+def _is_there(database: sqlite3.Connection, table: str) -> bool:
+    found = database.execute("SELECT 1 FROM sqlite_master WHERE type='table' AND name=?", (table,))
+    return found.fetchone() is not None
+
+
+def _is_in(database: sqlite3.Connection, event: PersonEvent, code: str, version: int) -> bool:
+    """Return True if a database holds something of a person."""
+    own = sites.own(database)
+    people = People(own, stored_pairs(database))
+    stored = people.stored(in_full(code, own))
+    held = [
+        ("participants", "code"),
+        ("seats", "participant"),
+        ("records", "participant"),
+        ("programmes", "participant"),
+    ]
+    if any(
+        database.execute(f"SELECT 1 FROM {table} WHERE {column}=? LIMIT 1", (stored,)).fetchone()
+        for table, column in held
+    ):
+        return True
+    return database.execute("SELECT 1 FROM conflicts LIMIT 1").fetchone() is not None
+
+
+def _export_folders(folder: Path, event: PersonEvent) -> list[str]:
+    """Return the exports in a data folder that hold sessions of a person."""
+    words = [session.encode() for session in event.details.sessions]
+    return sorted(
+        str(path.parent) for path in (folder / "exports").rglob(MANIFEST) if _has(path, words)
+    )

@@ -1,0 +1,332 @@
+"""Rows of a person in a database: taken out, or without what identifies the person.
+
+What is done follows from the database and the event alone, so that all databases which know of the
+event hold the same, whatever the order in which they are merged.
+"""
+
+import sqlite3
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
+
+import msgspec
+
+from sar_tui.model.messages import RecordChanged
+from sar_tui.records.kind import KindError, find
+from sar_tui.store import log_hashes, redaction
+from sar_tui.store.merge import conflicts
+from sar_tui.store.merge.people import Pair, People, in_full, site_of, stored_pairs
+from sar_tui.store.merge.session_records import remove
+from sar_tui.store.people_events import Details, PersonEvent
+from sar_tui.store.sites import own as own_site
+
+FINAL = ("de-identified", "erased")
+"""Events that change what is stored of the person."""
+
+
+class Changed(NamedTuple):
+    """Numbers of what an event changed in a database.
+
+    ``sessions``: all of the person. ``shared``: those of them for two, which stay for the partner.
+    ``others``: rows of other tables.
+    """
+
+    sessions: int = 0
+    shared: int = 0
+    others: int = 0
+
+    def __bool__(self) -> bool:
+        return any(self)
+
+
+def with_full_codes(event: PersonEvent, own: str) -> PersonEvent:
+    """Return an event of a database of the site ``own`` with its codes and its site in full."""
+    return msgspec.structs.replace(
+        event,
+        participant=in_full(event.participant, own),
+        replaced_by=event.replaced_by and in_full(event.replaced_by, own),
+        site=event.site or own,
+    )
+
+
+def apply(
+    db: sqlite3.Connection,
+    event: PersonEvent,
+    *,
+    old: str = "",
+    same: Iterable[Pair] = (),
+    at: str | None = None,
+) -> Changed:
+    """Do to a database what an event says, in a transaction of the caller; nothing if it is done.
+
+    A site's event is about all of the person in the database of that site, and elsewhere about what
+    came from there.
+
+    Args:
+        event: with codes in full (see `with_full_codes`). Others than erasures and
+            de-identifications change nothing.
+        old: of a de-identification, the code of the person until then, in full; without it, it is
+            looked for by the sessions and records that the event names.
+        same: codes of the same persons, beside those that the database has.
+        at: the site into whose database all this goes; None for the database's own.
+    """
+    if event.event not in FINAL:
+        return Changed()
+    own = own_site(db)
+    people = People(own, stored_pairs(db) | set(same))
+    person = _Person(event, people, own if at is None else at)
+    if event.event == "erased":
+        return _erase(db, person)
+    return _deidentify(db, person, old)
+
+
+def details_of(db: sqlite3.Connection, participant: str) -> Details:
+    """Return what an event about all of a participant has to name: sessions with the seat, and
+    records.
+    """
+    sessions = db.execute(
+        "SELECT session, seat FROM seats WHERE participant=? ORDER BY session", (participant,)
+    )
+    records = db.execute(
+        "SELECT DISTINCT id FROM records WHERE participant=? ORDER BY id", (participant,)
+    )
+    return Details(sessions=dict(sessions.fetchall()), records=tuple(id for (id,) in records))
+
+
+class _Person:
+    """The person of an event, by the names of a database.
+
+    Attributes:
+        code: by which their rows are stored. ``codes``: all of the person, by which their programmes
+            are.
+        site: whose rows the event is about, as a column ``site`` has it. ``is_own``: it is about
+            all.
+    """
+
+    def __init__(self, event: PersonEvent, people: People, at: str) -> None:
+        self.event = event
+        self.people = people
+        self.is_own = event.site == at
+        self.site = "" if event.site == people.own else event.site
+        self.code = people.stored(event.participant)
+        self.codes = {people.shortened(each) for each in people.group(event.participant)}
+        self.name = people.name(event.participant)
+        self.replaced_by = people.shortened(event.replaced_by)
+        self.records = {people.shortened(in_full(id, event.site)) for id in event.details.records}
+        self.said = RecordChanged(
+            change="erased" if event.event == "erased" else "redacted",
+            actor=event.recorded_by,
+            at=event.at,
+            reason=event.reason,
+        )
+
+    def of_site(self, table: str) -> str:
+        """Return the condition that a row is one that the event is about."""
+        return "1" if self.is_own else f"{table}.site=:site"
+
+    def programme_codes(self) -> list[str]:
+        """Return the codes that programmes have, which keep those of their site."""
+        own = self.people.shortened(self.event.participant)
+        return sorted(self.codes) if self.is_own else [own]
+
+
+# --- erasing
+
+
+def _erase(db: sqlite3.Connection, person: _Person) -> Changed:
+    whole, shared = [], []
+    for session, seat, partner in _sessions(db, person):
+        if partner is None or _is_erased(db, partner):
+            whole.append(session)
+        else:
+            shared.append((session, seat))
+    _erase_conflicts(db, person, [*whole, *(session for session, _ in shared)])
+    for session in whole:
+        db.execute("DELETE FROM records WHERE session=?", (session,))
+    remove(db, whole)
+    db.executemany("DELETE FROM session_numbers WHERE id=?", [(session,) for session in whole])
+    for session, seat in shared:
+        said = msgspec.structs.replace(person.said, seat=seat)
+        old = log_hashes.seats(db, session)[seat]
+        redaction.erase_seat(db, session, seat, old, person.replaced_by, said)
+    others = _delete(db, "records", "participant", [person.code], person)
+    others += _delete(db, "records", "id", sorted(person.records), person)
+    others += _delete(db, "programmes", "participant", person.programme_codes(), person)
+    if person.is_own or site_of(person.code) == person.site:
+        others += db.execute("DELETE FROM participants WHERE code=?", (person.code,)).rowcount
+    others += db.execute(
+        "DELETE FROM people_events WHERE participant IN (?, ?) AND site=? AND id<>?"
+        " AND event<>'erased'",
+        (
+            person.code,
+            person.people.shortened(person.event.participant),
+            person.site,
+            person.event.id,
+        ),
+    ).rowcount
+    return Changed(len(whole) + len(shared), len(shared), others)
+
+
+def _sessions(db: sqlite3.Connection, person: _Person) -> list[tuple[str, str, str | None]]:
+    """Return the sessions of the person with their seat, and the partner or None."""
+    named = msgspec.json.encode(person.event.details.sessions).decode()
+    return db.execute(
+        "SELECT own.session, own.seat, other.participant FROM seats AS own"
+        " JOIN sessions ON sessions.id=own.session"
+        " LEFT JOIN seats AS other ON other.session=own.session AND other.seat<>own.seat"
+        f" WHERE {person.of_site('sessions')} AND own.participant<>:gone AND (own.participant=:code"
+        " OR EXISTS (SELECT 1 FROM json_each(:named) AS given"
+        " WHERE given.key=own.session AND given.value=own.seat)) ORDER BY own.session",
+        {"site": person.site, "code": person.code, "named": named, "gone": person.replaced_by},
+    ).fetchall()
+
+
+def _is_erased(db: sqlite3.Connection, code: str) -> bool:
+    found = db.execute(
+        "SELECT 1 FROM people_events WHERE event='erased' AND replaced_by=?", (code,)
+    ).fetchone()
+    return found is not None
+
+
+def _delete(
+    db: sqlite3.Connection, table: str, column: str, values: Sequence[str], person: _Person
+) -> int:
+    return sum(
+        db.execute(
+            f"DELETE FROM {table} WHERE {column}=:value AND {person.of_site(table)}",
+            {"value": value, "site": person.site},
+        ).rowcount
+        for value in values
+    )
+
+
+def _erase_conflicts(db: sqlite3.Connection, person: _Person, sessions: Iterable[str]) -> None:
+    """Erase all versions that are kept aside of some sessions, and of records of the person."""
+    gone = set(sessions)
+    rows = db.execute("SELECT kind, key, digest, content FROM conflicts").fetchall()
+    for kind, key, digest, packed in rows:
+        content = conflicts.decoded(packed)
+        if key in gone if kind == "session" else _is_of(content, person):
+            db.execute(
+                "DELETE FROM conflicts WHERE kind=? AND key=? AND digest=?", (kind, key, digest)
+            )
+
+
+def _is_of(content: conflicts.Content, person: _Person) -> bool:
+    """Return True if a version of a programme or a record is of the person."""
+    (row,) = next(iter(content.values()))
+    code = in_full(str(row["participant"]), person.people.own)
+    is_of_site = person.is_own or row.get("site") == person.event.site
+    return is_of_site and person.name == person.people.name(code)
+
+
+# --- taking out what identifies
+
+
+def _deidentify(db: sqlite3.Connection, person: _Person, old: str) -> Changed:
+    """Replace the code, and erase texts, of the person; of another database, of the sessions and
+    records that the event names.
+    """
+    new = person.code
+    known = person.people.stored(old) if old else ""
+    named = person.event.details.sessions
+    seats = db.execute(
+        "SELECT seats.session, seat, participant FROM seats JOIN sessions ON sessions.id=session"
+        f" WHERE {person.of_site('sessions')} AND participant<>:new ORDER BY session",
+        {"site": person.site, "new": new},
+    ).fetchall()
+    sessions = [row for row in seats if row[2] == known or named.get(row[0]) == row[1]]
+    records = {
+        (id, code)
+        for id, code in db.execute(
+            f"SELECT DISTINCT id, participant FROM records WHERE {person.of_site('records')}"
+            " AND participant<>:new",
+            {"site": person.site, "new": new},
+        )
+        if code == known or id in person.records
+    }
+    codes = {code for *_, code in sessions} | {code for _, code in records} | ({known} - {""})
+    others = 0
+    for session, seat, code in sessions:
+        said = msgspec.structs.replace(person.said, seat=seat)
+        redaction.erase_texts(db, session, seat, code, new, said)
+    for id, _ in records:
+        others += _redact_record(db, id, new)
+    for code in sorted(codes):
+        if not _has_more(db, code):
+            others += _rename_rest(db, person, code, new)
+    for code in codes if person.is_own and old else ():
+        full = in_full(code, person.people.own)
+        db.execute("DELETE FROM same_people WHERE ? IN (code, same_as)", (full,))
+    gone = {session for session, *_ in sessions}
+    for kind, key, digest, packed in db.execute(
+        "SELECT kind, key, digest, content FROM conflicts"
+    ).fetchall():
+        is_of_codes = kind != "session" and _code_of(conflicts.decoded(packed)) in {
+            person.people.name(in_full(code, person.people.own)) for code in codes
+        }
+        if key in gone or is_of_codes:
+            where = "WHERE kind=? AND key=? AND digest=?"
+            db.execute(f"DELETE FROM conflicts {where}", (kind, key, digest))
+    return Changed(len(sessions), 0, others)
+
+
+def _code_of(content: conflicts.Content) -> str:
+    (row,) = next(iter(content.values()))
+    return str(row["participant"])
+
+
+def _redact_record(db: sqlite3.Connection, id: str, new: str) -> int:
+    rows = db.execute("SELECT rowid, kind, content FROM records WHERE id=?", (id,)).fetchall()
+    for row, kind, content in rows:
+        db.execute(
+            "UPDATE records SET participant=?, recorded_by='', content=? WHERE rowid=?",
+            (new, _without_words(kind, content), row),
+        )
+    return len(rows)
+
+
+def _without_words(kind: str, content: str) -> str:
+    """Return the values of a record without those that were typed; of a kind that is not declared
+    here, without all texts.
+    """
+    try:
+        values = msgspec.json.decode(content, type=dict[str, Any])
+    except msgspec.MsgspecError:
+        return "{}"
+    try:
+        stays = {field.name for field in find(kind).fields if field.type != "text"}
+    except KindError:
+        stays = set()
+    kept = {
+        name: "" if name not in stays and isinstance(value, str) else value
+        for name, value in values.items()
+    }
+    return msgspec.json.encode(kept).decode()
+
+
+def _has_more(db: sqlite3.Connection, code: str) -> bool:
+    """Return True if somebody has sessions or records by a code."""
+    return any(
+        db.execute(f"SELECT 1 FROM {table} WHERE participant=? LIMIT 1", (code,)).fetchone()
+        for table in ("seats", "records")
+    )
+
+
+def _rename_rest(db: sqlite3.Connection, person: _Person, code: str, new: str) -> int:
+    """Give programmes, the participant and earlier events the other code, without texts."""
+    changed = db.execute(
+        "UPDATE OR REPLACE programmes SET participant=:new, author='', reason=''"
+        f" WHERE participant=:old AND {person.of_site('programmes')}",
+        {"new": new, "old": code, "site": person.site},
+    ).rowcount
+    changed += db.execute(
+        "UPDATE people_events SET participant=?, reason='', recorded_by=''"
+        " WHERE participant=? AND site=?",
+        (new, code, person.site),
+    ).rowcount
+    row = db.execute("SELECT created_at, site FROM participants WHERE code=?", (code,)).fetchone()
+    if row is not None:
+        db.execute("DELETE FROM participants WHERE code=?", (code,))
+        db.execute("INSERT OR IGNORE INTO participants (code, created_at, site) VALUES (?,?,?)",
+                   (new, *row))  # fmt: skip
+    return changed + (row is not None)
