@@ -161,7 +161,7 @@ def study(
         frozen = ledger.find(database, name)
         where = key or key_file(frozen.plan.name)
         found = make_report(database, frozen, where, datetime.now(UTC))
-    _put_out(found, sections(found), f"Report on the study {frozen.plan.name}", html, as_json)
+    put_out(found, sections(found), f"Report on the study {frozen.plan.name}", html, as_json)
 
 
 @app.command("methods")
