@@ -6,6 +6,7 @@ from typing import Any
 
 import msgspec
 
+from sar_tui.records.kind import NOT_SAID as NOT_SAID
 from sar_tui.rules.wellbeing import (
     PAIN_SESSIONS,
     TIRED_SESSIONS,
@@ -18,8 +19,8 @@ from sar_tui.store.records import Record
 
 PAIN, TIREDNESS = "pain", "tiredness"
 KINDS = (PAIN, TIREDNESS)
-RATED, NOT_SAID, TOLD = "rated", "not said", "told in a pause"
-"""Answers of a participant: a number, nothing, or a key of the pause."""
+RATED, TOLD = "rated", "told in a pause"
+"""Answers of a participant, beside ``NOT_SAID``: a number, or a key of the pause."""
 
 
 def of_session(db: sqlite3.Connection, session: str) -> list[Record]:
