@@ -1,12 +1,26 @@
 """``sar-tui record``: adverse events, scores, pain, answers, and what a clinic declares."""
 
+import sys
 from collections.abc import Sequence
 from operator import attrgetter
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, New, Tasks, are_new, console, print_json
+from sar_tui.cli.common import (
+    AsJson,
+    Data,
+    Home,
+    Language,
+    New,
+    Plain,
+    Tasks,
+    are_new,
+    console,
+    is_plain,
+    need_terminal,
+    print_json,
+)
 from sar_tui.cli.errors import Refused
 
 if TYPE_CHECKING:
@@ -122,6 +136,59 @@ def add_record(
             is_new=is_new,
         )
     _print_saved(entered, declared, as_json=as_json)
+
+
+@app.command("fill")
+def fill_form(
+    context: typer.Context,
+    form: Annotated[
+        str,
+        typer.Argument(
+            metavar="FORM", help="`sar-tui record kinds` lists them.", show_default=False
+        ),
+    ],
+    participant: Annotated[
+        str, typer.Argument(metavar="CODE", help="The participant's code.", show_default=False)
+    ],
+    language: Language = None,
+    plain: Plain = False,
+    new: New = False,
+    data: Data = None,
+    tasks: Tasks = None,
+) -> None:
+    """Let a participant fill in a form, alone on the screen; its scores are printed afterwards.
+
+    A form that was left, or whose terminal was closed, goes on where it was, on the same day.
+    """
+    from sar_tui.model.language import BUNDLED
+    from sar_tui.store import forms, participants, records
+    from sar_tui.store.forms import Occasion
+    from sar_tui.store.training_days import utc
+
+    home = Home.of(context, data, tasks)
+    kind, code = forms.form(form), participants.check_code(participant)
+    if language is not None and language not in BUNDLED:
+        raise Refused(
+            f"There is no language {language!r:.20}. Choose one of: {', '.join(BUNDLED)}."
+        )
+    as_lines = is_plain(plain)
+    need_terminal(plain=as_lines)
+    with home.writable_database() as database:
+        if are_new(database, [participant], said=new):
+            participants.add(database, code)
+    if language and language not in kind.languages:
+        print(f"! {kind.name} has no words in {BUNDLED[language]}.", file=sys.stderr)
+    of, began = Occasion(code), utc()
+    if as_lines:
+        from sar_tui.app.plain import run_plain_form as run
+    else:
+        from sar_tui.app.app import run_form as run
+    ended = run(home.folder, home.catalogue(), kind, of, language or "")
+    with home.database() as database:
+        found = records.listing(database, kinds=(kind.name,), participant=code)
+    if found and found[-1].recorded_at >= began:
+        console().print(f"{kind.title} of {code}: {forms.summary(found[-1])}.", soft_wrap=True)
+    raise typer.Exit(ended)
 
 
 @app.command("correct")

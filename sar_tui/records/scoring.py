@@ -108,7 +108,9 @@ def problem(score: Score, items: Sequence[Item]) -> str:
     if any(not 1 <= number <= len(items) for number in score.items):
         return f"The score {score.name} has items from 1 to {len(items)}."
     own = items_of(score, items)
-    if not own or not all(math.isfinite(each.lowest) and math.isfinite(each.highest) for each in own):
+    if not own or not all(
+        math.isfinite(each.lowest) and math.isfinite(each.highest) for each in own
+    ):
         return f"The items of the score {score.name} are numbers with lowest and highest."
     if len(set(score.items)) < len(score.items):
         return f"The score {score.name} names an item twice."
