@@ -187,7 +187,9 @@ def fill_form(
     with home.database() as database:
         found = records.listing(database, kinds=(kind.name,), participant=code)
     if found and found[-1].recorded_at >= began:
-        console().print(f"{kind.title} of {code}: {forms.summary(found[-1])}.", soft_wrap=True)
+        console().print(
+            f"{kind.title} of {code}: {forms.summary(found[-1], kind)}.", soft_wrap=True
+        )
     raise typer.Exit(ended)
 
 
@@ -265,7 +267,7 @@ def list_records(
                 Column("date", _date),
                 Column("who", attrgetter("participant")),
                 Column("kind", attrgetter("kind")),
-                Column("contents", _in_words),
+                Column("contents", _in_short),
             ),
             folds=True,
             whole=("record", "date", "kind"),
@@ -336,6 +338,17 @@ def _date(one: "Record") -> str:
     from sar_tui.store.sessions import local_time
 
     return local_time(one.at) if "+" in one.at else one.at
+
+
+def _in_short(one: "Record") -> str:
+    """Return the scores of a form, or the values of another record."""
+    from sar_tui.records.kind import kinds
+    from sar_tui.store.forms import summary
+
+    kind = kinds().get(one.kind)
+    if kind is None or kind.form is None:
+        return _in_words(one)
+    return "; ".join((summary(one, kind), *(["removed"] * one.removed)))
 
 
 def _in_words(one: "Record") -> str:

@@ -50,10 +50,11 @@ class Step(
     Args:
         name: stored with its answers: a short name, without spaces.
         text: the question, or what is to be read: one or two sentences.
-        kind: ``number`` (a point of ``scale``), ``likert`` (one of ``labels``, in order), ``borg``
-            (Borg's CR10, which needs a licence: only tasks of earlier releases have it), ``line`` (a visual analogue scale, 0 to 100), ``choice`` (one of ``labels``),
-            ``choices`` (several), ``text`` (words); ``screen`` (read it, then Enter), ``rest`` and
-            ``calibration`` (they last for ``seconds``).
+        kind: ``number`` (a point of ``scale``), ``likert`` (one of ``labels``, in order), ``line``
+            (a visual analogue scale, 0 to 100), ``choice`` (one of ``labels``), ``choices``
+            (several), ``text`` (words); ``screen`` (read it, then Enter), ``rest`` and
+            ``calibration`` (they last for ``seconds``). ``borg`` is Borg's CR10, whose use needs a
+            licence: tasks and sessions of earlier releases have it.
         labels: the options; of ``number`` and ``line`` the words at both ends, or none; of
             ``number`` also those of each point.
         scale: of ``number``: the lowest and the highest point, and the distance between two.
@@ -170,7 +171,9 @@ def problem(step: Step) -> str:
     shown = control_problem(
         f"What the step {step.name!r} shows", "".join((step.text, *step.labels))
     )
-    return shown or _contents_problem(step) or _labels_problem(step, f"The step {step.name!r}")
+    name = f"The step {step.name!r}"
+    wrong = shown or _contents_problem(step) or _scale_problem(step, name)
+    return wrong or _labels_problem(step, name)
 
 
 def _contents_problem(step: Step) -> str:
@@ -185,12 +188,16 @@ def _contents_problem(step: Step) -> str:
         return f"{name} lasts seconds = 1 to {LONGEST_S:g}, not {step.seconds:g}."
     if step.kind not in TIMED and step.seconds:
         return f"{name} is of the kind {step.kind}, which has no seconds."
+    return _required_problem(step, name) if step.required else ""
+
+
+def _scale_problem(step: Step, name: str) -> str:
     low, high, by = step.scale
     if by < 1 or not 2 <= (high - low) // by + 1 <= _MOST_POINTS or (high - low) % by:
         return f"{name} has a scale of 2 to {_MOST_POINTS} points, such as [1, 7, 1]."
     if step.kind != "number" and step.scale != _TEN:
         return f"{name} is of the kind {step.kind}, which has no scale."
-    return _required_problem(step, name) if step.required else ""
+    return ""
 
 
 def _required_problem(step: Step, name: str) -> str:

@@ -13,7 +13,7 @@ from sar_tui.records.kind import (
     Field,
     Kind,
     Value,
-    find,
+    missing_of,
     time_of,
 )
 from sar_tui.store import records
@@ -132,24 +132,17 @@ class FormAnswers:
         )
 
 
-def is_superseded(content: dict[str, Value], is_last: bool) -> bool:
-    """Return True of a version of a form that was stored while it was filled in, and is not the
-    last one: exports leave it out.
-    """
-    return not is_last and content.get(STATUS) == OPEN
-
-
-def summary(record: Record) -> str:
-    """Return the scores of a form in words, or how far it is filled in; empty if it has none."""
-    kind = find(record.kind)
-    if record.content.get(STATUS) == OPEN:
-        done = sum(item.name in record.content for item in kind.items)
-        return f"open: {done} of {len(kind.items)} items answered"
+def summary(record: Record, kind: Kind) -> str:
+    """Return the scores of a form in words, or how far it is filled in."""
+    done = sum(item.name in record.content for item in kind.items)
+    if record.content.get(STATUS) == OPEN or not kind.scores:
+        said = "left open: " * (record.content.get(STATUS) == OPEN)
+        return f"{said}{done} of {len(kind.items)} items answered"
     found = []
     for score in kind.scores:
-        field = kind.field(score.name)
-        value, missing = record.content.get(score.name), record.content.get(f"{score.name}_missing")
+        value = record.content.get(score.name)
+        missing = record.content.get(missing_of(score))
         said = f"{value:g}" if isinstance(value, int | float) else "no score"
         without = f", {missing} missing" if missing else ""
-        found.append(f"{score.title} {said} ({field.range}{without})")
+        found.append(f"{score.title} {said} ({kind.field(score.name).range}{without})")
     return "; ".join(found)

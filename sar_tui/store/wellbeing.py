@@ -6,7 +6,6 @@ from typing import Any
 
 import msgspec
 
-from sar_tui.records.kind import NOT_SAID as NOT_SAID
 from sar_tui.rules.wellbeing import (
     PAIN_SESSIONS,
     TIRED_SESSIONS,

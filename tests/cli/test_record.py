@@ -6,11 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.records.kind import kinds
+from sar_tui.records.kind import NOT_SAID, kinds
 from sar_tui.store import participants, records
 from sar_tui.store.database import connect
 from sar_tui.store.training_days import utc
-from sar_tui.store.wellbeing import NOT_SAID
 from tests.program import Call
 from tests.recorded import told
 
