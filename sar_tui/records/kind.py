@@ -448,15 +448,29 @@ def read_kind(path: Path) -> Kind:
         KindError: it cannot be read, or declares something that cannot be.
     """
     try:
-        declared = msgspec.toml.decode(path.read_bytes())
-        kind = msgspec.convert(_with_base(declared), Kind)
+        return _declared(path.read_bytes())
     except OSError as error:
         reason = error.strerror or error
         raise KindError(f"The kind of record cannot be read: {reason}: {path.name}.") from error
     except (msgspec.MsgspecError, UnicodeDecodeError) as error:
         raise KindError(f"{path.name} is no kind of record: {error}.") from error
+    except KindError as error:
+        raise KindError(f"{path.name}: {error}") from None
+
+
+def toml_problem(text: str) -> str:
+    """Return why the text of a file declares no kind; empty if it does."""
+    try:
+        _declared(text.encode())
+    except (KindError, msgspec.MsgspecError, UnicodeError) as error:
+        return str(error)
+    return ""
+
+
+def _declared(content: bytes) -> Kind:
+    kind = msgspec.convert(_with_base(msgspec.toml.decode(content)), Kind)
     if problem := _problem(kind):
-        raise KindError(f"{path.name}: {problem}")
+        raise KindError(problem)
     return kind if kind.form is None else _as_form(kind)
 
 
