@@ -386,13 +386,12 @@ class SarTui(BaseApp):
         Raises:
             StoreError, PluginError, ParameterError: it cannot begin.
         """
-        from sar_tui.app.forms import access_settings
+        from sar_tui.app.forms import access_settings, form_language
         from sar_tui.app.screens.form import FormScreen
-        from sar_tui.tui.language import app_language
 
         parameters, name = access_settings(self.database, of.participant, language)
         theme = self.catalogue.theme(name, parameters.language)
-        tr = app_language(parameters.language, theme.texts)
+        tr = form_language(parameters.language, theme.texts)
         screen = FormScreen(kind, of, tr, self.database)
         self.clear_notifications()
         self.themes.use(theme, parameters.language)

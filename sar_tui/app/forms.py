@@ -1,7 +1,7 @@
 """A form that a participant fills in, one item after the other; shown on a screen or told in lines."""
 
 import sqlite3
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from sar_tui.app.screens.waiting_text import decline_text, how_to_answer, option_sentences
@@ -11,11 +11,13 @@ from sar_tui.model.spoken_text import sentences
 from sar_tui.model.step import FULL, Entry, Step, points, press
 from sar_tui.model.units import MS
 from sar_tui.records.kind import NOT_SAID, Field, Kind, RecordError, Value
+from sar_tui.reports import progress_words
 from sar_tui.rules.parameters import TaskParameters, build, usable
 from sar_tui.store import programmes
 from sar_tui.store.database import StoreError
 from sar_tui.store.forms import FormAnswers
 from sar_tui.store.records import Record
+from sar_tui.tui.language import app_language
 
 _MOST_TICKS = 31
 """Points of a scale that are drawn and chosen one by one; of more, the number is typed."""
@@ -45,6 +47,13 @@ def access_settings(
     return build(TaskParameters, kept), saved.theme
 
 
+def form_language(code: str, texts: Mapping[str, str] = {}) -> Language:
+    """Return the texts of a form's screen, with those of the kinds of record; ``texts``, such as a
+    theme's, take precedence.
+    """
+    return app_language(code, {**progress_words.words(code, None).texts, **texts})
+
+
 def step_of(item: Field) -> Step:
     """Return the question that asks for an item."""
     scale, labels = item.points, item.labels
@@ -64,7 +73,7 @@ class Page(NamedTuple):
     Attributes:
         where: how far the form is filled in.
         instruction: of the form.
-        text: the item.
+        text: the item. ``hint``: on how it is answered, such as a unit.
         said: the options, and what is chosen, in sentences.
         decline: the key that gives no answer.
         given: the answer before, and the way back.
@@ -75,6 +84,7 @@ class Page(NamedTuple):
     where: str
     instruction: str
     text: str
+    hint: str
     said: tuple[str, ...]
     decline: str
     given: str
@@ -84,8 +94,8 @@ class Page(NamedTuple):
     @property
     def sentences(self) -> list[str]:
         """All of it, in sentences."""
-        where, instruction, text, said, *rest = self
-        return sentences(where, instruction, text, *said, *rest)
+        where, instruction, text, hint, said, *rest = self
+        return sentences(where, instruction, text, hint, *said, *rest)
 
 
 class Filling:
@@ -170,7 +180,7 @@ class Filling:
         if self.is_thanking:
             done = tr("Everything is saved."), tr("Backspace goes back to the question before.")
             thanks, finish = tr("Thank you"), tr("Press Enter to finish.")
-            return Page("", "", thanks, (done[0],), "", done[1], "", finish)
+            return Page("", "", thanks, "", (done[0],), "", done[1], "", finish)
         step, entry, given = self.step, marked or self.entry, ""
         if said := self.said_before:
             given = tr("You said: {answer}. Backspace goes back.", answer=said)
@@ -180,6 +190,7 @@ class Filling:
             where if self._count > 1 else "",
             self._instruction,
             step.text,
+            self._kind.items[self._at].hint,
             option_sentences(step, entry, tr),
             decline_text(step, tr),
             given,
@@ -243,8 +254,9 @@ class Filling:
         except RecordError as error:
             self._problem = str(error)
         except StoreError as error:
-            self._problem = self._tr("It cannot be saved just now. Please fetch the experimenter.")
-            self._tell(in_language(error, self._tr))
+            tr = self._tr
+            self._problem = tr("It cannot be saved just now. Please fetch the experimenter.")
+            self._tell(in_language(error, tr))
         else:
             self._at += 1
             self._appear()

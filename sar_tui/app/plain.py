@@ -21,7 +21,7 @@ from textual.events import Key, Paste
 from textual.message import Message
 
 from sar_tui.app import wellbeing
-from sar_tui.app.forms import Filling, access_settings
+from sar_tui.app.forms import Filling, access_settings, form_language
 from sar_tui.app.leaving import command_line, lines_about
 from sar_tui.app.live import LAST_WRITE_SECONDS, LiveSession, link_of
 from sar_tui.app.plain_terminal import PlainTerminal
@@ -318,7 +318,7 @@ class PlainApp:
         """Have a participant fill in a form. What is answered is stored, also if it is left."""
         parameters, _ = access_settings(self.database, of.participant, language)
         self.screen_keys.set_bounce(parameters.bounce_ms)
-        tr = app_language(parameters.language)
+        tr = form_language(parameters.language)
         answers = FormAnswers(self.database, kind, of, parameters.language)
         filling, place, typed = Filling(kind, answers, tr, self.notify), None, ""
         while not filling.is_over:

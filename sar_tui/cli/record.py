@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Sequence
 from operator import attrgetter
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -18,10 +19,12 @@ from sar_tui.cli.common import (
     are_new,
     console,
     is_plain,
+    named_path,
     need_terminal,
     print_json,
 )
 from sar_tui.cli.errors import Refused
+from sar_tui.tui.exit_codes import FAILED
 
 if TYPE_CHECKING:
     from sar_tui.records.kind import Kind
@@ -191,6 +194,126 @@ def fill_form(
             f"{kind.title} of {code}: {forms.summary(found[-1], kind)}.", soft_wrap=True
         )
     raise typer.Exit(ended)
+
+
+@app.command("redcap")
+def write_redcap(
+    forms: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="FORM…", help="`sar-tui record kinds` lists them.", show_default=False
+        ),
+    ],
+    to: Annotated[
+        Path,
+        typer.Option(
+            "--to",
+            parser=named_path,
+            metavar="FILE.zip|DIR",
+            show_default=False,
+            help="A new file; of several forms, a folder for a file each.",
+        ),
+    ],
+    language: Language = None,
+    as_json: AsJson = False,
+) -> None:
+    """Write forms as REDCap's instruments, which its Online Designer adds to a project.
+
+    A data dictionary would replace all forms of the project; an instrument's zip adds one.
+    """
+    from sar_tui.drivers.files import write_private
+    from sar_tui.records.redcap import RedcapError, instrument_zip
+    from sar_tui.store.forms import form
+
+    kinds = [form(name) for name in dict.fromkeys(forms)]
+    if language and (without := [kind.name for kind in kinds if language not in kind.languages]):
+        raise Refused(f"{without[0]} has no words in {language!r:.20}.")
+    written = []
+    for kind in kinds:
+        path = to if len(kinds) == 1 else to / f"{kind.name.lower()}.zip"
+        try:
+            content = instrument_zip(kind, language or "en")
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_private(path, content)
+        except RedcapError as error:
+            raise Refused(str(error)) from error
+        except OSError as error:
+            raise Refused(f"{path} cannot be written: {error.strerror or error}.") from error
+        written.append(str(path))
+    if as_json:
+        print_json({"files": written})
+        return
+    for path_of_file in written:
+        console().print(f"Written: {path_of_file}", soft_wrap=True)
+
+
+@app.command("from-redcap")
+def read_redcap(
+    file: Annotated[
+        Path,
+        typer.Argument(
+            parser=named_path,
+            metavar="FILE",
+            help="A data dictionary (CSV), or an instrument (zip).",
+            show_default=False,
+        ),
+    ],
+    to: Annotated[
+        Path | None,
+        typer.Option(
+            "--to",
+            parser=named_path,
+            metavar="DIR",
+            show_default=False,
+            help="Folder for the files. Default: where your own kinds of record are.",
+        ),
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Read forms from REDCap. A form that cannot be the same here is refused, with its rows."""
+    from sar_tui.drivers.files import write_private
+    from sar_tui.records.kind import kinds, own_folder
+    from sar_tui.records.redcap import RedcapError, read
+
+    try:
+        found = read(file)
+    except RedcapError as error:
+        raise Refused(str(error)) from error
+    folder = to or own_folder()
+    known = {name.casefold() for name in kinds()} if to is None else set()
+    told, written = [], []
+    for each in found:
+        refused = list(each.refused)
+        path = folder / f"{each.name}.toml"
+        if each.kind.casefold() in known:
+            refused.append(f"There is a kind of record {each.kind} already.")
+        if not refused:
+            try:
+                folder.mkdir(parents=True, exist_ok=True)
+                write_private(path, each.declaration)
+                written.append(str(path))
+            except OSError as error:
+                refused.append(f"{path} cannot be written: {error.strerror or error}.")
+        told.append(
+            {
+                "form": each.name,
+                "file": "" if refused else str(path),
+                "refused": refused,
+                "left_out": each.left_out,
+            }
+        )
+        if as_json:
+            continue
+        for text in each.left_out:
+            console().print(f"! {text}", soft_wrap=True)
+        for text in refused:
+            console().print(f"! {text}", soft_wrap=True)
+        done = "is refused" if refused else f"is read: {path}"
+        console().print(f"The form {each.name} {done}.", soft_wrap=True)
+    if as_json:
+        print_json({"forms": told})
+    if len(written) < len(found) or not found:
+        raise typer.Exit(FAILED)
 
 
 @app.command("correct")

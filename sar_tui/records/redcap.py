@@ -190,6 +190,7 @@ class _Head(msgspec.Struct, omit_defaults=True):
     licence: str = ""
     permission: str = ""
     needs_permission: bool = False
+    redcap_names: bool = True
 
 
 def _head(kind: Kind, shown: Kind) -> str:
@@ -206,6 +207,7 @@ def _head(kind: Kind, shown: Kind) -> str:
         licence=kind.licence,
         permission=kind.permission,
         needs_permission=kind.form.needs_permission,
+        redcap_names=kind.form.redcap_names,
     )
     return _OWN + msgspec.json.encode(head).decode()
 
@@ -254,12 +256,13 @@ class FoundForm(NamedTuple):
     """A form of a data dictionary.
 
     Attributes:
-        name: of the form there.
+        name: of the form there. ``kind``: of the kind of record here.
         declaration: the text of a file that declares it here; empty if it is refused.
         refused: why, a sentence for each row. ``left_out``: what of it is not taken over.
     """
 
     name: str
+    kind: str
     declaration: str
     refused: list[str]
     left_out: list[str]
@@ -375,7 +378,10 @@ class _FormReader:
             self._refused.append(f"{self._form}: {problem}")
         if not self._refused:
             self._check_calculations()
-        return FoundForm(self._form, "" if self._refused else text, self._refused, self._left_out)
+        name = self._head.name or self._form
+        return FoundForm(
+            self._form, name, "" if self._refused else text, self._refused, self._left_out
+        )
 
     def _read(self, number: int, row: Row) -> None:
         type = row[TYPE]
@@ -528,7 +534,7 @@ class _FormReader:
         form: dict[str, Any] = {}
         if len(head.items) == len(items):
             items = [{**item, "name": name} for item, name in zip(items, head.items, strict=True)]
-        else:
+        if head.redcap_names:
             form["redcap_names"] = True
         if head.needs_permission:
             form["needs_permission"] = True

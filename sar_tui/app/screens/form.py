@@ -92,6 +92,7 @@ class FormScreen(DismissedOnce[Record | None]):
         with Vertical(id="questions"):
             yield Static("", id="instruction", classes="body", markup=False)
             yield Heading(id="question")
+            yield Static("", id="hint", classes="body", markup=False)
             yield Static("", id="options", markup=False)
             yield Static("", id="keys", classes="body", markup=False)
             yield Static("", id="decline", classes="body", markup=False)
@@ -169,6 +170,7 @@ class FormScreen(DismissedOnce[Record | None]):
         for name, text in (
             ("where", page.where),
             ("instruction", page.instruction),
+            ("hint", page.hint),
             ("options", options),
             ("keys", self.tr("← → or type a number") if is_scale else ""),
             ("decline", page.decline),
