@@ -234,11 +234,14 @@ def calculation(score: Score, items: Sequence[Field], names: Mapping[str, str]) 
         elif score.missing == "others":
             value = f"if({name}='', '', {value})"
         turned.append(value)
-    is_of_others = score.missing == "others"
-    mean = f"mean({', '.join(turned)})" if is_of_others else f"(({'+'.join(turned)})/{len(own)})"
-    total = f"({mean}-{_figure(score.subtract)})*{_figure(score.times)}"
-    if score.rule == "sum":
-        total += f"*{len(own)}"
+    count, times = len(own), _figure(score.times)
+    if score.rule == "sum" and score.missing != "others":
+        total = f"({'+'.join(turned)}-{_figure(count * score.subtract)})*{times}"
+    else:
+        is_of_others = score.missing == "others"
+        mean = f"mean({', '.join(turned)})" if is_of_others else f"(({'+'.join(turned)})/{count})"
+        total = f"({mean}-{_figure(score.subtract)})*{times}"
+        total += f"*{count}" if score.rule == "sum" else ""
     if score.missing == "no score":
         return total
     answered = "+".join(f"if([{names[item.name]}]='', 0, 1)" for item in own)
