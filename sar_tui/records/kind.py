@@ -349,12 +349,8 @@ class Kind(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
         return tuple(self.words) or ("en",)
 
     def in_language(self, code: str) -> "Kind":
-        """Return a form with its words in a language; in English, or the first that it has, if it
-        has none in that.
-        """
-        own = self.words.get(code) or self.words.get(code.partition("-")[0])
-        words = own or self.words.get("en") or next(iter(self.words.values()), None)
-        if words is None:
+        """Return a form with its words in a language; as it is declared if it has none in that."""
+        if (words := self._words(code)) is None:
             return self
         items = tuple(_worded(item, words, at) for at, item in enumerate(self.items))
         fields = (*items, *self.fields[len(items) :])
@@ -362,15 +358,23 @@ class Kind(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
     def instruction_in(self, code: str) -> str:
         """Return what is shown with each item of a form; empty if nothing is."""
-        own = self.words.get(code) or self.words.get(code.partition("-")[0])
-        words = own or self.words.get("en")
+        words = self._words(code) or self._words("en")
         return words.instruction if words else ""
+
+    def _words(self, code: str) -> Words | None:
+        """Return the words in a language; those of any if the items themselves have no text."""
+        own = self.words.get(code) or self.words.get(code.partition("-")[0])
+        return own or (None if self._has_text else next(iter(self.words.values()), None))
+
+    @property
+    def _has_text(self) -> bool:
+        return all(item.title or item.labels for item in self.items)
 
     @property
     def why_unusable(self) -> str:
         """Why nobody can fill in a form here, in one or two sentences; empty if they can."""
         assert self.form
-        if not all(item.title or item.labels for item in self.items):
+        if not self._has_text:
             return (
                 f"The text of {self.name} is not here, as its owner has not allowed that. Put a file "
                 f"with its words into {own_folder()} (docs/forms.md)."
