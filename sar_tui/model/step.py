@@ -37,7 +37,8 @@ BORG_WORDS = {
 """Its words, by point; the others have none."""
 
 
-_TEN = (0, 10, 1)
+USUAL_SCALE = (0, 10, 1)
+"""The lowest and the highest point of a number, and the distance between two."""
 _MOST_POINTS = 101
 
 
@@ -72,7 +73,7 @@ class Step(
     text: str
     kind: Kind = "screen"
     labels: tuple[str, ...] = ()
-    scale: tuple[int, int, int] = _TEN
+    scale: tuple[int, int, int] = USUAL_SCALE
     seconds: float = 0.0
     before: bool = False
     every: int = 0
@@ -195,7 +196,7 @@ def _scale_problem(step: Step, name: str) -> str:
     low, high, by = step.scale
     if by < 1 or not 2 <= (high - low) // by + 1 <= _MOST_POINTS or (high - low) % by:
         return f"{name} has a scale of 2 to {_MOST_POINTS} points, such as [1, 7, 1]."
-    if step.kind != "number" and step.scale != _TEN:
+    if step.kind != "number" and step.scale != USUAL_SCALE:
         return f"{name} is of the kind {step.kind}, which has no scale."
     return ""
 

@@ -241,7 +241,7 @@ class Words(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Form(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What makes a kind a form.
+    """The table of a kind that makes it a form.
 
     Attributes:
         items: number of its items. Without ``fields`` they are named ``q1``, ``q2``, … and are

@@ -178,7 +178,9 @@ def _coded(choices: "Iterator[tuple[int, str]] | enumerate[str] | zip[tuple[int,
 
 
 class _Head(msgspec.Struct, omit_defaults=True):
-    """What REDCap has no column for. ``bare``: numbers of items whose text is in their labels."""
+    """The parts of a form that REDCap has no column for. ``bare``: numbers of items whose text is in
+    their labels.
+    """
 
     name: str = ""
     title: str = ""

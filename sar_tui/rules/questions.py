@@ -7,7 +7,7 @@ from pathlib import Path
 import msgspec
 from msgspec.structs import replace
 
-from sar_tui.model.step import Step, problem
+from sar_tui.model.step import USUAL_SCALE, Step, problem
 from sar_tui.rules.wellbeing import PAIN_ENDS
 
 MOST_STEPS = 200
@@ -120,4 +120,6 @@ def problem_of(steps: tuple[Step, ...]) -> str:
         return f"There are {len(names)} steps; at most {MOST_STEPS} can be used."
     if twice := next((name for name in names if names.count(name) > 1), None):
         return f"Two steps are named {twice!r}."
+    if any(step.name == PAIN and step.scale != USUAL_SCALE for step in steps):
+        return f"The step {PAIN!r} goes from 0 to 10, as its limits do."
     return next(filter(None, map(problem, steps)), "")

@@ -22,7 +22,7 @@ from sar_tui.store.records import Record
 
 
 class Occasion(NamedTuple):
-    """Where a form belongs that a participant fills in.
+    """The person who fills in a form, and the session that it belongs to.
 
     Attributes:
         participant: code of the participant.
