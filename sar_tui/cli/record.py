@@ -70,7 +70,7 @@ def list_kinds(as_json: AsJson = False, data: Data = None, tasks: Tasks = None) 
             columns=(
                 Column("kind", attrgetter("name")),
                 Column("title", attrgetter("title")),
-                Column("fields", lambda kind: "\n".join(map(_field_in_words, kind.fields))),
+                Column("fields", _fields_in_words),
                 Column(
                     "published changes",
                     lambda kind: "\n".join(published(each, kind) for each in kind.published),
@@ -122,6 +122,8 @@ def add_record(
     declared = records.kind_of(kind)
     if declared.entered_by == "program":
         raise Refused(f"Records of the kind {declared.name} follow from sessions.")
+    if declared.why_not_allowed:
+        raise Refused(declared.why_not_allowed)
     code = participants.check_code(participant)
     with home.writable_database() as database:
         found = find(database, home.folder, session) if session is not None else None
@@ -164,7 +166,7 @@ def fill_form(
     A form that was left, or whose terminal was closed, goes on where it was, on the same day.
     """
     from sar_tui.model.language import BUNDLED
-    from sar_tui.store import forms, participants, records
+    from sar_tui.store import forms, participants
     from sar_tui.store.forms import Occasion
     from sar_tui.store.training_days import utc
 
@@ -188,11 +190,10 @@ def fill_form(
         from sar_tui.app.app import run_form as run
     ended = run(home.folder, home.catalogue(), kind, of, language or "")
     with home.database() as database:
-        found = records.listing(database, kinds=(kind.name,), participant=code)
-    if found and found[-1].recorded_at >= began:
-        console().print(
-            f"{kind.title} of {code}: {forms.summary(found[-1], kind)}.", soft_wrap=True
-        )
+        found = forms.newest(database, kind, of)
+    if found and found.recorded_at >= began:
+        said = forms.summary(found, kind)
+        console().print(f"{kind.title} of {code}: {said}.", soft_wrap=True)
     raise typer.Exit(ended)
 
 
@@ -447,6 +448,17 @@ def _read_values(given: Sequence[str] | None) -> dict[str, str | int | float | b
             raise Refused(f"A value is given as FIELD=VALUE, such as severity=mild, not {pair!r}.")
         found[name.strip()] = value or None
     return found
+
+
+def _fields_in_words(kind: "Kind") -> str:
+    """Return the fields of a kind on a line each; of a form the number of its items, its scores, and
+    why it cannot be used here.
+    """
+    if kind.form is None:
+        return "\n".join(map(_field_in_words, kind.fields))
+    scores = [f"{score.name}: {kind.field(score.name).range}" for score in kind.scores]
+    items = f"form of {len(kind.items)} item{'s' * (len(kind.items) > 1)}"
+    return "\n".join((items, *scores, *filter(None, [kind.why_unusable])))
 
 
 def _field_in_words(field: object) -> str:

@@ -379,7 +379,12 @@ class Kind(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
                 f"The text of {self.name} is not here, as its owner has not allowed that. Put a file "
                 f"with its words into {own_folder()} (docs/forms.md)."
             )
-        if self.form.needs_permission and not self.permission.strip():
+        return self.why_not_allowed
+
+    @property
+    def why_not_allowed(self) -> str:
+        """Why records of a form cannot be stored here, in a sentence; empty if they can."""
+        if self.form and self.form.needs_permission and not self.permission.strip():
             return (
                 f"{self.name} may be used only if its owner allows it: name who did, and when, as "
                 f"permission in its file in {own_folder()}."

@@ -49,16 +49,20 @@ def left_open(
     db: sqlite3.Connection, kind: Kind, of: Occasion, today: date | None = None
 ) -> Record | None:
     """Return the form that was begun on this day for the same occasion, and is not complete."""
+    last = newest(db, kind, of)
+    if last is None or last.content.get(STATUS) != OPEN:
+        return None
+    return last if _local_day(last) == (today or date.today()) else None
+
+
+def newest(db: sqlite3.Connection, kind: Kind, of: Occasion) -> Record | None:
+    """Return the form that was begun last for an occasion, complete or not; None if there is
+    none.
+    """
     found = records.listing(db, kinds=(kind.name,), participant=of.participant, session=of.session)
-    day = today or date.today()
-    still_open = [
-        each
-        for each in found
-        if each.content.get(STATUS) == OPEN
-        and (each.session, each.seat, each.moment) == (of.session, of.seat, of.moment)
-        and _local_day(each) == day
-    ]
-    return still_open[-1] if still_open else None
+    here = (of.session, of.seat, of.moment)
+    own = [each for each in found if (each.session, each.seat, each.moment) == here]
+    return own[-1] if own else None
 
 
 def _local_day(record: Record) -> date:

@@ -145,7 +145,7 @@ def test_bad_input_is_refused_in_a_sentence(
     assert call("record list adverse-event --json").json["records"] == []
 
 
-def test_a_form_on_paper_is_entered_scored_and_corrected(call: Call, tmp_path: Path) -> None:
+def test_a_form_on_paper_is_entered_scored_and_corrected(call: Call) -> None:
     items = [f"q{number}={5 if number % 2 else 1}" for number in range(1, 10)]
     added = call("record add SUS P01", *items, "--new", "--json").json["record"]
     assert (added["content"]["score"], added["content"]["score_missing"]) == (95.0, 1)
@@ -153,6 +153,8 @@ def test_a_form_on_paper_is_entered_scored_and_corrected(call: Call, tmp_path: P
     changed = call("record correct", added["id"], "q10=1", "q1=not said", "--json").json["record"]
     assert changed["content"]["score"] == 95.0
     call("record show", added["id"]).shows("q1: not said", "score: 95.0")
+    call("record add Godspeed P01 q1=3").refused("Godspeed may be used only if its owner allows it")
+    call("record kinds").shows("form of 24 items")
     call("record add SUS P01 q1=6").refused("lies within 1 to 5, not at 6.")
     call("record add SUS P01").refused("System Usability Scale has no answers.")
     call("record fill SUS P01").refused("terminal")
