@@ -84,11 +84,17 @@ def dictionary(kind: Kind, language: str = "en") -> bytes:
     Raises:
         RedcapError: REDCap cannot express it.
     """
-    text = io.StringIO(newline="")
-    table = csv.DictWriter(text, COLUMNS, restval="", lineterminator="\r\n")
-    table.writeheader()
-    table.writerows(rows_of(kind, language))
-    return text.getvalue().encode("utf-8-sig")
+    rows = [dict(zip(COLUMNS, COLUMNS, strict=True)), *rows_of(kind, language)]
+    lines = [",".join(_cell(row.get(column, "")) for column in COLUMNS) for row in rows]
+    return "".join(f"{line}\r\n" for line in lines).encode("utf-8-sig")
+
+
+def _cell(text: str) -> str:
+    """Return a text as a cell of REDCap, which reads each as it is: also one that a spreadsheet
+    would take for a formula.
+    """
+    quoted = text.replace('"', '""')
+    return f'"{quoted}"' if re.search('[",\r\n]|^\\s|\\s$', text) else text
 
 
 def rows_of(kind: Kind, language: str = "en") -> list[Row]:
