@@ -3,10 +3,10 @@
 import sqlite3
 from typing import Any
 
-from sar_tui.records.kind import find
+from sar_tui.records.kind import NOT_SAID, find
 from sar_tui.store import records
 from sar_tui.store.records import Record
-from sar_tui.store.wellbeing import NOT_SAID, PAIN, RATED, TIREDNESS
+from sar_tui.store.wellbeing import PAIN, RATED, TIREDNESS
 
 
 def told(

@@ -81,7 +81,7 @@ def rooms(catalogue: Catalogue) -> Iterator[Room]:
         "tui",
         "reports/charts.py",
         "store/troubles.py",
-        beside=("rules/wellbeing.py", "store/wellbeing.py"),
+        beside=("rules/wellbeing.py", "store/wellbeing.py", "records/kind.py"),
     )
     # "palette" is Textual's own key in the footer
     shown = {"palette"}.union(*map(_labels, code_in("app", "widgets", "tui")))

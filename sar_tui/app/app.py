@@ -45,8 +45,11 @@ if TYPE_CHECKING:  # loaded with a session, so that the first screen is there so
     from sar_tui.app.switch import Switch
     from sar_tui.link.broker_process import BrokerProcess
     from sar_tui.loop.clock import Clock
+    from sar_tui.records.kind import Kind
     from sar_tui.rules.parameters import TaskParameters
     from sar_tui.runs.plan import Plan
+    from sar_tui.store.forms import Occasion
+    from sar_tui.store.records import Record
     from sar_tui.widgets.prompt_pictures import Way
 
 _LATEST_S = 1.0
@@ -362,6 +365,48 @@ class SarTui(BaseApp):
         self.aloud.follow(session)
         self.push_screen(screen, self._session_left)
 
+    # --- a form
+
+    def fill_form(
+        self,
+        kind: "Kind",
+        of: "Occasion",
+        then: "Callable[[Record | None], None]",
+        language: str = "",
+    ) -> None:
+        """Have a participant fill in a form, with the switch and the voice of their settings.
+
+        Args:
+            kind: the form (`store.forms.form`).
+            of: who fills it in, and where it belongs.
+            then: called with the record that is stored, or None if the form was left before it was
+                complete; what is there goes on when it is filled in the next time on that day.
+            language: of the form, if it is not that of the participant's settings.
+
+        Raises:
+            StoreError, PluginError, ParameterError: it cannot begin.
+        """
+        from sar_tui.app.forms import access_settings, form_language
+        from sar_tui.app.screens.form import FormScreen
+
+        parameters, name = access_settings(self.database, of.participant, language)
+        theme = self.catalogue.theme(name, parameters.language)
+        tr = form_language(parameters.language, theme.texts)
+        screen = FormScreen(kind, of, tr, self.database)
+        self.clear_notifications()
+        self.themes.use(theme, parameters.language)
+        self.use_switch(parameters, [of.participant])
+        self.aloud.use(parameters, theme, tr)
+        self._is_asking = True
+
+        def filled(record: "Record | None") -> None:
+            self._is_asking = False
+            self._leave_switch()
+            self.aloud.close()
+            then(record)
+
+        self.push_screen(screen, filled)
+
     # --- during a session
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
@@ -638,4 +683,25 @@ def run_app(
     for line in app.leaving.lines(code):
         with contextlib.suppress(OSError):  # the terminal may be gone
             print(line, file=sys.stderr)
+    return code
+
+
+def run_form(
+    folder: Path, catalogue: Catalogue, kind: "Kind", of: "Occasion", language: str = ""
+) -> int:
+    """Have a participant fill in a form in this terminal, and nothing else; returns the exit code.
+
+    The arguments are those of `SarTui.fill_form`, and of `run_app`.
+
+    Raises:
+        StoreError, PluginError: before the app opens.
+    """
+
+    def begin() -> None:
+        app.fill_form(kind, of, lambda _: app.exit(return_code=0), language)
+
+    app = SarTui(folder, catalogue, begin)
+    code = app.run_here()
+    if app.failure:
+        print(app.failure, file=sys.stderr)
     return code

@@ -10,7 +10,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Coroutine, Iterator, Sequence
 from datetime import date
 from math import ceil
 from pathlib import Path
@@ -21,6 +21,7 @@ from textual.events import Key, Paste
 from textual.message import Message
 
 from sar_tui.app import wellbeing
+from sar_tui.app.forms import Filling, access_settings, form_language
 from sar_tui.app.leaving import command_line, lines_about
 from sar_tui.app.live import LAST_WRITE_SECONDS, LiveSession, link_of
 from sar_tui.app.plain_terminal import PlainTerminal
@@ -64,10 +65,12 @@ from sar_tui.model.spoken_text import sentences
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
+from sar_tui.records.kind import Kind
 from sar_tui.runs.plan import EnoughToday, Plan, set_up
 from sar_tui.runs.plugin_watchdog import PluginWatchdog
 from sar_tui.store import records, sessions
 from sar_tui.store.database import StoreError, connect
+from sar_tui.store.forms import FormAnswers, Occasion
 from sar_tui.store.training_days import utc
 from sar_tui.tui.base_app import punctual_loop
 from sar_tui.tui.exit_codes import FAILED, INTERRUPTED, after_signal
@@ -309,6 +312,26 @@ class PlainApp:
             interview.press(key.key, key.character)
         return interview.goes_on
 
+    # --- a form
+
+    async def fill_form(self, kind: Kind, of: Occasion, language: str = "") -> None:
+        """Have a participant fill in a form. What is answered is stored, also if it is left."""
+        parameters, _ = access_settings(self.database, of.participant, language)
+        self.screen_keys.set_bounce(parameters.bounce_ms)
+        tr = form_language(parameters.language)
+        answers = FormAnswers(self.database, kind, of, parameters.language)
+        filling, place, typed = Filling(kind, answers, tr, self.notify), None, ""
+        while not filling.is_over:
+            self.tell((filling, filling.place), filling.page().sentences)
+            if place != filling.place:
+                place, typed = filling.place, ""
+                self.screen_keys.appeared()
+            elif filling.entry.typed != typed and filling.is_typing:
+                self.echo(typed, filling.entry.typed)
+                typed = filling.entry.typed
+            key = await self.key(filling)
+            filling.press(key.key, key.character)
+
     # --- a session
 
     async def session(self, what: "Plan | str") -> None:
@@ -486,8 +509,12 @@ class PlainApp:
 
     # --- the beginning and the end
 
-    async def run(self, what: "Plan | str | None" = None) -> int:
-        """Run a session, or a participant's exercises; returns the exit code."""
+    async def run(
+        self, what: "Plan | str | Callable[[], Coroutine[Any, Any, None]] | None" = None
+    ) -> int:
+        """Run a session, what a function does, or a participant's exercises; returns the exit
+        code.
+        """
         self._tr = app_language("en")
         put, code = self._items.put_nowait, 0
         self._catch_signals()
@@ -496,7 +523,10 @@ class PlainApp:
             PluginWatchdog(self._abandon),
         ):
             try:
-                await (self._train_alone() if what is None else self.session(what))
+                if callable(what):
+                    await what()
+                else:
+                    await (self._train_alone() if what is None else self.session(what))
             except Ended as ended:
                 code = ended.code
             finally:
@@ -867,6 +897,21 @@ def run_plain(
 
     async def run() -> int:
         return await PlainApp(folder, catalogue, patient, link, markers).run(what)
+
+    with asyncio.Runner(loop_factory=punctual_loop) as runner:
+        return runner.run(run())
+
+
+def run_plain_form(
+    folder: Path, catalogue: Catalogue, kind: Kind, of: Occasion, language: str = ""
+) -> int:
+    """Have a participant fill in a form in plain lines; returns the exit code. The arguments are
+    those of `app.run_form`.
+    """
+
+    async def run() -> int:
+        app = PlainApp(folder, catalogue)
+        return await app.run(functools.partial(app.fill_form, kind, of, language))
 
     with asyncio.Runner(loop_factory=punctual_loop) as runner:
         return runner.run(run())

@@ -9,14 +9,14 @@ from sar_tui.loop.task import Task
 from sar_tui.model.language import Language
 from sar_tui.model.messages import StepEnded
 from sar_tui.model.theme import Theme
-from sar_tui.records.kind import Value
+from sar_tui.records.kind import NOT_SAID, Value
 from sar_tui.reports.wellbeing import advice
 from sar_tui.rules.parameters import pain_limits
 from sar_tui.rules.questions import PAIN as PAIN_QUESTION
 from sar_tui.rules.wellbeing import Moment, stop_now, tell_therapist
 from sar_tui.store import records, wellbeing
 from sar_tui.store.database import StoreError
-from sar_tui.store.wellbeing import NOT_SAID, PAIN, RATED, TIREDNESS
+from sar_tui.store.wellbeing import PAIN, RATED, TIREDNESS
 from sar_tui.tui.language import session_language
 
 if TYPE_CHECKING:

@@ -1,13 +1,30 @@
 """``sar-tui record``: adverse events, scores, pain, answers, and what a clinic declares."""
 
+import sys
 from collections.abc import Sequence
 from operator import attrgetter
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, New, Tasks, are_new, console, print_json
+from sar_tui.cli.common import (
+    AsJson,
+    Data,
+    Home,
+    Language,
+    New,
+    Plain,
+    Tasks,
+    are_new,
+    console,
+    is_plain,
+    named_path,
+    need_terminal,
+    print_json,
+)
 from sar_tui.cli.errors import Refused
+from sar_tui.tui.exit_codes import FAILED
 
 if TYPE_CHECKING:
     from sar_tui.records.kind import Kind
@@ -53,7 +70,7 @@ def list_kinds(as_json: AsJson = False, data: Data = None, tasks: Tasks = None) 
             columns=(
                 Column("kind", attrgetter("name")),
                 Column("title", attrgetter("title")),
-                Column("fields", lambda kind: "\n".join(map(_field_in_words, kind.fields))),
+                Column("fields", _fields_in_words),
                 Column(
                     "published changes",
                     lambda kind: "\n".join(published(each, kind) for each in kind.published),
@@ -105,6 +122,8 @@ def add_record(
     declared = records.kind_of(kind)
     if declared.entered_by == "program":
         raise Refused(f"Records of the kind {declared.name} follow from sessions.")
+    if declared.why_not_allowed:
+        raise Refused(declared.why_not_allowed)
     code = participants.check_code(participant)
     with home.writable_database() as database:
         found = find(database, home.folder, session) if session is not None else None
@@ -122,6 +141,180 @@ def add_record(
             is_new=is_new,
         )
     _print_saved(entered, declared, as_json=as_json)
+
+
+@app.command("fill")
+def fill_form(
+    context: typer.Context,
+    form: Annotated[
+        str,
+        typer.Argument(
+            metavar="FORM", help="`sar-tui record kinds` lists them.", show_default=False
+        ),
+    ],
+    participant: Annotated[
+        str, typer.Argument(metavar="CODE", help="The participant's code.", show_default=False)
+    ],
+    language: Language = None,
+    plain: Plain = False,
+    new: New = False,
+    data: Data = None,
+    tasks: Tasks = None,
+) -> None:
+    """Let a participant fill in a form, alone on the screen; its scores are printed afterwards.
+
+    A form that was left, or whose terminal was closed, goes on where it was, on the same day.
+    """
+    from sar_tui.model.language import BUNDLED
+    from sar_tui.store import forms, participants
+    from sar_tui.store.forms import Occasion
+    from sar_tui.store.training_days import utc
+
+    home = Home.of(context, data, tasks)
+    kind, code = forms.form(form), participants.check_code(participant)
+    if language is not None and language not in BUNDLED:
+        raise Refused(
+            f"There is no language {language!r:.20}. Choose one of: {', '.join(BUNDLED)}."
+        )
+    as_lines = is_plain(plain)
+    need_terminal(plain=as_lines)
+    with home.writable_database() as database:
+        if are_new(database, [participant], said=new):
+            participants.add(database, code)
+    if language and language not in kind.languages:
+        print(f"! {kind.name} has no words in {BUNDLED[language]}.", file=sys.stderr)
+    of, began = Occasion(code), utc()
+    if as_lines:
+        from sar_tui.app.plain import run_plain_form as run
+    else:
+        from sar_tui.app.app import run_form as run
+    ended = run(home.folder, home.catalogue(), kind, of, language or "")
+    with home.database() as database:
+        found = forms.newest(database, kind, of)
+    if found and found.recorded_at >= began:
+        said = forms.summary(found, kind)
+        console().print(f"{kind.title} of {code}: {said}.", soft_wrap=True)
+    raise typer.Exit(ended)
+
+
+@app.command("redcap")
+def write_redcap(
+    forms: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="FORM…", help="`sar-tui record kinds` lists them.", show_default=False
+        ),
+    ],
+    to: Annotated[
+        Path,
+        typer.Option(
+            "--to",
+            parser=named_path,
+            metavar="FILE.zip|DIR",
+            show_default=False,
+            help="A new file; of several forms, a folder for a file each.",
+        ),
+    ],
+    language: Language = None,
+    as_json: AsJson = False,
+) -> None:
+    """Write forms as REDCap's instruments, which its Online Designer adds to a project.
+
+    A data dictionary would replace all forms of the project; an instrument's zip adds one.
+    """
+    from sar_tui.drivers.files import write_private
+    from sar_tui.records.redcap import RedcapError, instrument_zip
+    from sar_tui.store.forms import form
+
+    kinds = [form(name) for name in dict.fromkeys(forms)]
+    if language and (without := [kind.name for kind in kinds if language not in kind.languages]):
+        raise Refused(f"{without[0]} has no words in {language!r:.20}.")
+    written = []
+    for kind in kinds:
+        path = to if len(kinds) == 1 else to / f"{kind.name.lower()}.zip"
+        try:
+            content = instrument_zip(kind, language or "en")
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_private(path, content)
+        except RedcapError as error:
+            raise Refused(str(error)) from error
+        except OSError as error:
+            raise Refused(f"{path} cannot be written: {error.strerror or error}.") from error
+        written.append(str(path))
+    if as_json:
+        print_json({"files": written})
+        return
+    for path_of_file in written:
+        console().print(f"Written: {path_of_file}", soft_wrap=True)
+
+
+@app.command("from-redcap")
+def read_redcap(
+    file: Annotated[
+        Path,
+        typer.Argument(
+            parser=named_path,
+            metavar="FILE",
+            help="A data dictionary (CSV), or an instrument (zip).",
+            show_default=False,
+        ),
+    ],
+    to: Annotated[
+        Path | None,
+        typer.Option(
+            "--to",
+            parser=named_path,
+            metavar="DIR",
+            show_default=False,
+            help="Folder for the files. Default: where your own kinds of record are.",
+        ),
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Read forms from REDCap. A form that cannot be the same here is refused, with its rows."""
+    from sar_tui.drivers.files import write_private
+    from sar_tui.records.kind import kinds, own_folder
+    from sar_tui.records.redcap import RedcapError, read
+
+    try:
+        found = read(file)
+    except RedcapError as error:
+        raise Refused(str(error)) from error
+    folder = to or own_folder()
+    known = {name.casefold() for name in kinds()} if to is None else set()
+    told, written = [], []
+    for each in found:
+        refused = list(each.refused)
+        path = folder / f"{each.name}.toml"
+        if each.kind.casefold() in known:
+            refused.append(f"There is a kind of record {each.kind} already.")
+        if not refused:
+            try:
+                folder.mkdir(parents=True, exist_ok=True)
+                write_private(path, each.declaration)
+                written.append(str(path))
+            except OSError as error:
+                refused.append(f"{path} cannot be written: {error.strerror or error}.")
+        told.append(
+            {
+                "form": each.name,
+                "file": "" if refused else str(path),
+                "refused": refused,
+                "left_out": each.left_out,
+            }
+        )
+        if as_json:
+            continue
+        for text in each.left_out:
+            console().print(f"! {text}", soft_wrap=True)
+        for text in refused:
+            console().print(f"! {text}", soft_wrap=True)
+        done = "is refused" if refused else f"is read: {path}"
+        console().print(f"The form {each.name} {done}.", soft_wrap=True)
+    if as_json:
+        print_json({"forms": told})
+    if len(written) < len(found) or not found:
+        raise typer.Exit(FAILED)
 
 
 @app.command("correct")
@@ -198,7 +391,7 @@ def list_records(
                 Column("date", _date),
                 Column("who", attrgetter("participant")),
                 Column("kind", attrgetter("kind")),
-                Column("contents", _in_words),
+                Column("contents", _in_short),
             ),
             folds=True,
             whole=("record", "date", "kind"),
@@ -257,6 +450,17 @@ def _read_values(given: Sequence[str] | None) -> dict[str, str | int | float | b
     return found
 
 
+def _fields_in_words(kind: "Kind") -> str:
+    """Return the fields of a kind on a line each; of a form the number of its items, its scores, and
+    why it cannot be used here.
+    """
+    if kind.form is None:
+        return "\n".join(map(_field_in_words, kind.fields))
+    scores = [f"{score.name}: {kind.field(score.name).range}" for score in kind.scores]
+    items = f"form of {len(kind.items)} item{'s' * (len(kind.items) > 1)}"
+    return "\n".join((items, *scores, *filter(None, [kind.why_unusable])))
+
+
 def _field_in_words(field: object) -> str:
     from sar_tui.records.kind import Field
 
@@ -269,6 +473,17 @@ def _date(one: "Record") -> str:
     from sar_tui.store.sessions import local_time
 
     return local_time(one.at) if "+" in one.at else one.at
+
+
+def _in_short(one: "Record") -> str:
+    """Return the scores of a form, or the values of another record."""
+    from sar_tui.records.kind import kinds
+    from sar_tui.store.forms import summary
+
+    kind = kinds().get(one.kind)
+    if kind is None or kind.form is None:
+        return _in_words(one)
+    return "; ".join((summary(one, kind), *(["removed"] * one.removed)))
 
 
 def _in_words(one: "Record") -> str:

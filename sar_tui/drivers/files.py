@@ -15,8 +15,8 @@ def unused(path: Path) -> Path:
     return free
 
 
-def write_private(path: Path, text: str) -> None:
-    """Write a text in UTF-8 into a new file with mode 0600.
+def write_private(path: Path, content: str | bytes) -> None:
+    """Write a text in UTF-8, or bytes, into a new file with mode 0600.
 
     Raises:
         FileExistsError: there is such a file.
@@ -24,8 +24,8 @@ def write_private(path: Path, text: str) -> None:
     """
     number = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
     try:
-        with open(number, "w", encoding="utf-8") as file:
-            file.write(text)
+        with open(number, "wb") as file:
+            file.write(content.encode() if isinstance(content, str) else content)
     except BaseException:
         path.unlink(missing_ok=True)
         raise

@@ -37,6 +37,11 @@ BORG_WORDS = {
 """Its words, by point; the others have none."""
 
 
+USUAL_SCALE = (0, 10, 1)
+"""The lowest and the highest point of a number, and the distance between two."""
+_MOST_POINTS = 101
+
+
 class Step(
     msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, forbid_unknown_fields=True
 ):
@@ -46,11 +51,14 @@ class Step(
     Args:
         name: stored with its answers: a short name, without spaces.
         text: the question, or what is to be read: one or two sentences.
-        kind: ``number`` (0 to 10), ``likert`` (one of ``labels``, in order), ``borg`` (CR10),
-            ``line`` (a visual analogue scale, 0 to 100), ``choice`` (one of ``labels``),
-            ``choices`` (several), ``text`` (words); ``screen`` (read it, then Enter), ``rest`` and
-            ``calibration`` (they last for ``seconds``).
-        labels: the options; of ``number`` and ``line`` the words at both ends, or none.
+        kind: ``number`` (a point of ``scale``), ``likert`` (one of ``labels``, in order), ``line``
+            (a visual analogue scale, 0 to 100), ``choice`` (one of ``labels``), ``choices``
+            (several), ``text`` (words); ``screen`` (read it, then Enter), ``rest`` and
+            ``calibration`` (they last for ``seconds``). ``borg`` is Borg's CR10, whose use needs a
+            licence: tasks and sessions of earlier releases have it.
+        labels: the options; of ``number`` and ``line`` the words at both ends, or none; of
+            ``number`` also those of each point.
+        scale: of ``number``: the lowest and the highest point, and the distance between two.
         seconds: duration of a rest or a calibration.
         before: True to come before the first attempt.
         every: come after each so many attempts.
@@ -65,6 +73,7 @@ class Step(
     text: str
     kind: Kind = "screen"
     labels: tuple[str, ...] = ()
+    scale: tuple[int, int, int] = USUAL_SCALE
     seconds: float = 0.0
     before: bool = False
     every: int = 0
@@ -105,8 +114,13 @@ def points(step: Step) -> tuple[Point, ...]:
     """Return the points of a scale, or the options of a choice; none for other kinds."""
     match step.kind:
         case "number":
-            low, high = step.labels or ("", "")
-            return tuple(Point(str(n), {0: low, 10: high}.get(n, ""), n) for n in range(11))
+            low, high, by = step.scale
+            values = range(low, high + 1, by)
+            labels = step.labels
+            if len(labels) != len(values):
+                first, last = labels or ("", "")
+                labels = (first, *("",) * (len(values) - 2), last)
+            return tuple(Point(str(n), label, n) for n, label in zip(values, labels, strict=True))
         case "borg":
             words = step.labels or [BORG_WORDS.get(float(typed), "") for typed in BORG]
             return tuple(
@@ -158,7 +172,9 @@ def problem(step: Step) -> str:
     shown = control_problem(
         f"What the step {step.name!r} shows", "".join((step.text, *step.labels))
     )
-    return shown or _contents_problem(step) or _labels_problem(step, f"The step {step.name!r}")
+    name = f"The step {step.name!r}"
+    wrong = shown or _contents_problem(step) or _scale_problem(step, name)
+    return wrong or _labels_problem(step, name)
 
 
 def _contents_problem(step: Step) -> str:
@@ -174,6 +190,15 @@ def _contents_problem(step: Step) -> str:
     if step.kind not in TIMED and step.seconds:
         return f"{name} is of the kind {step.kind}, which has no seconds."
     return _required_problem(step, name) if step.required else ""
+
+
+def _scale_problem(step: Step, name: str) -> str:
+    low, high, by = step.scale
+    if by < 1 or not 2 <= (high - low) // by + 1 <= _MOST_POINTS or (high - low) % by:
+        return f"{name} has a scale of 2 to {_MOST_POINTS} points, such as [1, 7, 1]."
+    if step.kind != "number" and step.scale != USUAL_SCALE:
+        return f"{name} is of the kind {step.kind}, which has no scale."
+    return ""
 
 
 def _required_problem(step: Step, name: str) -> str:
@@ -194,7 +219,8 @@ def _labels_problem(step: Step, name: str) -> str:
         if not all(label.strip() for label in step.labels) or len(set(step.labels)) < count:
             return f"{name}: each label is a different word or sentence."
     elif step.kind in ("number", "line"):
-        if count not in (0, 2):
+        points_count = len(range(step.scale[0], step.scale[1] + 1, step.scale[2]))
+        if count not in (0, 2) and (step.kind == "line" or count != points_count):
             return f"{name} needs two labels, for its ends, or none; it has {count}."
     elif count:
         return f"{name} is of the kind {step.kind}, which has no labels."
@@ -285,7 +311,7 @@ def _pointed(entry: Entry, key: str, scale: tuple[Point, ...]) -> Entry | None:
         return Entry(chosen=(0 if at is None else min(at + 1, len(scale) - 1),))
     if key in _PREVIOUS:
         return Entry(chosen=(len(scale) - 1 if at is None else max(at - 1, 0),))
-    key = "." if key == "," else key
+    key = {",": ".", "minus": "-"}.get(key, key)
     for typed in (entry.typed + key, key):
         if any(point.typed.startswith(typed) for point in scale):
             exact = tuple(index for index, point in enumerate(scale) if point.typed == typed)

@@ -2,23 +2,36 @@
 
 The kinds that ship are the files in `sar_tui/records/kinds`; a clinic puts its own into the folder
 ``records`` beside its tasks. A kind of the same name replaces one that ships.
+
+A form is a kind with items, which a participant answers one by one, and scores (docs/forms.md). Its
+items are fields. The fields of its scores, and of how it was filled in, are added to them.
 """
 
 import functools
 import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import msgspec
 import platformdirs
+from msgspec.structs import replace
 
 from sar_tui.model.language import ENGLISH, Language
 from sar_tui.model.visible_text import control_problem, obeyed
+from sar_tui.records import scoring
+from sar_tui.records.scoring import Score
 
 SHIPPED = Path(__file__).parent / "kinds"
+NOT_SAID = "not said"
+"""Value of an item that somebody would rather not answer."""
+STATUS, LANGUAGE, PERMISSION = "status", "language", "permission"
+"""Fields of each form: how far it is filled in, in which language, and who allowed its use."""
+OPEN, COMPLETE = "open", "complete"
+"""Values of the field ``status``."""
 LONGEST_TEXT = 2000
 """Characters of a text in a record."""
+_MOST_POINTS = 101
 _LINES = "\n\r\t"
 """Control characters that a text of several lines has."""
 
@@ -50,13 +63,16 @@ class Field(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         title: shown at it in forms and lists.
         type: ``number``, ``integer``, ``choice`` (one of ``labels``) or ``text``.
         lowest, highest: inclusive bounds of a number.
+        step: distance between the points of an integer with bounds.
         unit: of a number.
         better: direction of improvement of a score; empty if it is none.
-        labels: the options of a choice; of a number, the words at both ends.
+        reversed: True if scores of its form count it from the other end.
+        labels: the options of a choice; of a number, the words at both ends, or of each point.
         required: False if it may be left empty.
         later: True if it is often known only later, so that people are reminded of it.
         hint: shown in the empty field of a form.
         problem: sentence for people if the field is missing, instead of the usual one.
+        may_decline: True if ``NOT_SAID`` is a value of it, as of each item of a form.
     """
 
     name: str
@@ -64,13 +80,28 @@ class Field(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     type: Literal["number", "integer", "choice", "text"]
     lowest: float = -math.inf
     highest: float = math.inf
+    step: float = 1.0
     unit: str = ""
+    reversed: bool = False
     better: Literal["higher", "lower", ""] = ""
     labels: tuple[str, ...] = ()
     required: bool = True
     later: bool = False
     hint: str = ""
     problem: str = ""
+    may_decline: bool = False
+
+    @property
+    def points(self) -> tuple[int, ...]:
+        """The values of a scale, an integer with bounds; none of other fields, or if there are
+        more than 101.
+        """
+        if self.type != "integer" or not math.isfinite(self.highest - self.lowest):
+            return ()
+        count = int((self.highest - self.lowest) / self.step) + 1
+        if count > _MOST_POINTS:
+            return ()
+        return tuple(round(self.lowest + number * self.step) for number in range(count))
 
     @property
     def is_number(self) -> bool:
@@ -101,6 +132,8 @@ class Field(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
                 missing = tr("{field} is missing.", field=tr(self.title))
                 raise RecordError(tr(self.problem) or missing, self.name)
             return None
+        if self.may_decline and given == NOT_SAID:
+            return NOT_SAID
         if self.is_number:
             return self._number(given, tr)
         text = str(given).strip()
@@ -130,6 +163,17 @@ class Field(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
                 "{field} is a whole number, not {number}.", field=title, number=f"{number:g}"
             )
             raise RecordError(problem, self.name)
+        if self.step != 1 and (number - self.lowest) % self.step:
+            raise RecordError(
+                tr(
+                    "{field} goes in steps of {step} from {low}, so it is not {number}.",
+                    field=title,
+                    step=f"{self.step:g}",
+                    low=f"{self.lowest:g}",
+                    number=f"{number:g}",
+                ),
+                self.name,
+            )
         return round(number)
 
     def _choice(self, text: str, tr: Language) -> str:
@@ -180,6 +224,42 @@ class Published(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     source: str
 
 
+class Words(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The words of a form in a language.
+
+    Attributes:
+        title: of the form. ``instruction``: shown with each item.
+        labels: of the points of each item, or of both ends.
+        items: the text of each item. ``ends``: its own labels, in place of ``labels``.
+    """
+
+    title: str = ""
+    instruction: str = ""
+    labels: tuple[str, ...] = ()
+    items: tuple[str, ...] = ()
+    ends: tuple[tuple[str, ...], ...] = ()
+
+
+class Form(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The table of a kind that makes it a form.
+
+    Attributes:
+        items: number of its items. Without ``fields`` they are named ``q1``, ``q2``, … and are
+            integers from ``lowest`` to ``highest`` in steps of ``step``.
+        reversed: numbers of those that are reversed, from 1.
+        needs_permission: True if its owner must have allowed its use (``permission`` of the kind).
+        redcap_names: True if the names of its items are those of a REDCap project.
+    """
+
+    items: int = 0
+    lowest: float = 1
+    highest: float = 5
+    step: float = 1
+    reversed: tuple[int, ...] = ()
+    needs_permission: bool = False
+    redcap_names: bool = False
+
+
 class Kind(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A kind of record.
 
@@ -194,6 +274,8 @@ class Kind(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
         fields: in the order of the form.
         source: where the measure comes from. ``licence``: on what terms its text is here.
         published: what is published of its changes.
+        form: of a form; None of other kinds. ``scores``: its scores. ``words``: its words by
+            language. ``permission``: who has allowed its use, and when.
     """
 
     name: str
@@ -203,15 +285,24 @@ class Kind(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     when: str = "Date"
     has_time: bool = False
     once_a_day: bool = False
-    fields: tuple[Field, ...]
+    fields: tuple[Field, ...] = ()
     source: str = ""
     licence: str = ""
     published: tuple[Published, ...] = ()
+    form: Form | None = None
+    scores: tuple[Score, ...] = ()
+    words: dict[str, Words] = {}
+    permission: str = ""
 
     @property
     def score(self) -> Field | None:
         """The field that says how well a person does; None if the kind has none."""
         return next((field for field in self.fields if field.better), None)
+
+    @property
+    def items(self) -> tuple[Field, ...]:
+        """The items of a form, in order; none of other kinds."""
+        return self.fields[: self.form.items] if self.form else ()
 
     def field(self, name: str) -> Field:
         """Return a field by its name. Raises RecordError if there is none."""
@@ -223,7 +314,7 @@ class Kind(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
     def read(self, given: Mapping[str, Value | None], tr: Language = ENGLISH) -> dict[str, Value]:
         """Return the values of a record as they are stored; fields that are left empty have none.
-        ``tr``: the language in which an error is raised.
+        Scores of a form are computed. ``tr``: the language in which an error is raised.
 
         Raises:
             RecordError: a value is missing, unknown or not valid.
@@ -231,7 +322,93 @@ class Kind(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
         for name in given:
             self.field(name)
         values = {field.name: field.read(given.get(field.name), tr) for field in self.fields}
-        return {name: value for name, value in values.items() if value is not None}
+        found = {name: value for name, value in values.items() if value is not None}
+        return self._scored(found, tr) if self.form else found
+
+    def _scored(self, values: dict[str, Value], tr: Language) -> dict[str, Value]:
+        """Return the values of a form with its scores, once it is complete."""
+        if not any(item.name in values for item in self.items):
+            raise RecordError(tr("{kind} has no answers.", kind=tr(self.title)))
+        derived = {name for score in self.scores for name in (score.name, missing_of(score))}
+        found = {name: value for name, value in values.items() if name not in derived}
+        found.setdefault(STATUS, COMPLETE)
+        if self.permission:
+            found.setdefault(PERMISSION, self.permission)
+        for score in self.scores if found[STATUS] == COMPLETE else ():
+            computed = scoring.compute(score, self.items, found)
+            if computed.value is not None:
+                found[score.name] = computed.value
+            found[missing_of(score)] = computed.missing
+        return found
+
+    # --- forms
+
+    @property
+    def languages(self) -> tuple[str, ...]:
+        """The languages that a form has words in, by code."""
+        return tuple(self.words) or ("en",)
+
+    def in_language(self, code: str) -> "Kind":
+        """Return a form with its words in a language; as it is declared if it has none in that."""
+        if (words := self._words(code)) is None:
+            return self
+        items = tuple(_worded(item, words, at) for at, item in enumerate(self.items))
+        fields = (*items, *self.fields[len(items) :])
+        return replace(self, title=words.title or self.title, fields=fields)
+
+    def instruction_in(self, code: str) -> str:
+        """Return what is shown with each item of a form; empty if nothing is."""
+        words = self._words(code) or self._words("en")
+        return words.instruction if words else ""
+
+    def _words(self, code: str) -> Words | None:
+        """Return the words in a language; those of any if the items themselves have no text."""
+        own = self.words.get(code) or self.words.get(code.partition("-")[0])
+        return own or (None if self._has_text else next(iter(self.words.values()), None))
+
+    @property
+    def _has_text(self) -> bool:
+        return all(item.title or item.labels for item in self.items)
+
+    @property
+    def why_unusable(self) -> str:
+        """Why nobody can fill in a form here, in one or two sentences; empty if they can."""
+        assert self.form
+        if not self._has_text:
+            return (
+                f"The text of {self.name} is not here, as its owner has not allowed that. Put a file "
+                f"with its words into {own_folder()} (docs/forms.md)."
+            )
+        return self.why_not_allowed
+
+    @property
+    def why_not_allowed(self) -> str:
+        """Why records of a form cannot be stored here, in a sentence; empty if they can."""
+        if self.form and self.form.needs_permission and not self.permission.strip():
+            return (
+                f"{self.name} may be used only if its owner allows it: name who did, and when, as "
+                f"permission in its file in {own_folder()}."
+            )
+        return ""
+
+
+def missing_of(score: Score) -> str:
+    """Return the name of the field with the number of missing items of a score."""
+    return f"{score.name}_missing"
+
+
+def time_of(item: Field) -> str:
+    """Return the name of the field with the time that an item took."""
+    return f"{item.name}_ms"
+
+
+def _worded(item: Field, words: Words, at: int) -> Field:
+    """Return an item of a form with its words."""
+    title = words.items[at] if at < len(words.items) else item.title
+    labels = (words.ends[at] if at < len(words.ends) else ()) or words.labels
+    if item.type not in ("integer", "number", "choice"):
+        labels = ()
+    return replace(item, title=title, labels=labels or item.labels)
 
 
 def own_folder() -> Path:
@@ -280,25 +457,120 @@ def read_kind(path: Path) -> Kind:
         KindError: it cannot be read, or declares something that cannot be.
     """
     try:
-        kind = msgspec.toml.decode(path.read_bytes(), type=Kind)
+        return _declared(path.read_bytes())
     except OSError as error:
         reason = error.strerror or error
         raise KindError(f"The kind of record cannot be read: {reason}: {path.name}.") from error
     except (msgspec.MsgspecError, UnicodeDecodeError) as error:
         raise KindError(f"{path.name} is no kind of record: {error}.") from error
+    except KindError as error:
+        raise KindError(f"{path.name}: {error}") from None
+
+
+def toml_problem(text: str) -> str:
+    """Return why the text of a file declares no kind; empty if it does."""
+    try:
+        _declared(text.encode())
+    except (KindError, msgspec.MsgspecError, UnicodeError) as error:
+        return str(error)
+    return ""
+
+
+def _declared(content: bytes) -> Kind:
+    kind = msgspec.convert(_with_base(msgspec.toml.decode(content)), Kind)
     if problem := _problem(kind):
-        raise KindError(f"{path.name}: {problem}")
-    return kind
+        raise KindError(problem)
+    return kind if kind.form is None else _as_form(kind)
+
+
+_BASED_ON = "based_on"
+
+
+def _with_base(declared: dict[str, Any]) -> dict[str, Any]:
+    """Return a declaration with what it takes from the kind that ships and that it is based on."""
+    if _BASED_ON not in declared:
+        return declared
+    own = {name: value for name, value in declared.items() if name != _BASED_ON}
+    for path in SHIPPED.glob("*.toml"):
+        base = msgspec.toml.decode(path.read_bytes())
+        if base["name"] == declared[_BASED_ON]:
+            return {**base, **own}
+    raise msgspec.ValidationError(f"no kind {declared[_BASED_ON]!r:.40} ships")
+
+
+def _as_form(kind: Kind) -> Kind:
+    """Return a form with the fields of its items, its scores, and of how it was filled in."""
+    items = _items(kind)
+    scores, missing = [], []
+    for score in kind.scores:
+        low, high = scoring.bounds(score, items)
+        scores.append(
+            Field(
+                name=score.name,
+                title=score.title,
+                type="number",
+                lowest=low,
+                highest=high,
+                better=score.better,
+                required=False,
+            )
+        )
+        missing.append(_added(missing_of(score), f"{score.title}: missing items", "integer"))
+    fields = (
+        *items,
+        *scores,
+        *missing,
+        replace(_added(STATUS, "Status", "choice"), labels=(COMPLETE, OPEN)),
+        _added(LANGUAGE, "Language", "text"),
+        _added(PERMISSION, "Permission held by", "text"),
+        *(replace(_added(time_of(item), "Time", "integer"), unit="ms") for item in items),
+    )
+    assert kind.form
+    return replace(kind, fields=fields, form=replace(kind.form, items=len(items))).in_language("en")
+
+
+def _added(name: str, title: str, type: Literal["integer", "choice", "text"]) -> Field:
+    return Field(name=name, title=title, type=type, required=False)
+
+
+def _items(kind: Kind) -> tuple[Field, ...]:
+    """Return the items of a form as they are declared; none if it has no form."""
+    if (form := kind.form) is None:
+        return ()
+    items = kind.fields or tuple(
+        Field(
+            name=f"q{number}",
+            title="",
+            type="integer",
+            lowest=form.lowest,
+            highest=form.highest,
+            step=form.step,
+            reversed=number in form.reversed,
+        )
+        for number in range(1, form.items + 1)
+    )
+    return tuple(replace(item, required=False, may_decline=True) for item in items)
 
 
 def _problem(kind: Kind) -> str:
     """Return why a kind cannot be used, in one sentence; empty if it can."""
-    names = [field.name for field in kind.fields]
+    fields = kind.fields or _items(kind)
+    names = [field.name for field in fields]
+    if kind.form:
+        names += [name for score in kind.scores for name in (score.name, missing_of(score))]
+        names += [STATUS, LANGUAGE, PERMISSION, *map(time_of, fields)]
     if twice := next((name for name in names if names.count(name) > 1), None):
         return f"Two fields are named {twice!r}."
-    if not names or not all(word.strip() for word in (kind.name, kind.title, *names)):
+    if not fields or not all(word.strip() for word in (kind.name, kind.title, *names)):
         return "A kind has a name, a title and fields, and each field has a name."
-    return next(filter(None, map(_field_problem, kind.fields)), "")
+    wrong = next(filter(None, map(_field_problem, fields)), "")
+    return wrong or (_form_problem(kind) if kind.form else _not_of_form(kind))
+
+
+def _not_of_form(kind: Kind) -> str:
+    if kind.scores or kind.words:
+        return "Scores and words belong to a form: add a table [form]."
+    return ""
 
 
 def _field_problem(field: Field) -> str:
@@ -307,5 +579,40 @@ def _field_problem(field: Field) -> str:
         return f"The choice {field.name} needs two labels or more."
     if field.lowest > field.highest:
         return f"{field.name} has bounds that no number lies within."
+    if not field.step > 0 or field.step != round(field.step):
+        return f"The step of {field.name} is a whole number from 1."
     shown = "".join((field.title, field.hint, *field.labels))
     return control_problem(f"The field {field.name}", shown)
+
+
+_MOST_OPTIONS = 9
+"""Options of a choice of a form, each with its digit."""
+
+
+def _form_problem(kind: Kind) -> str:
+    """Return why a form cannot be used, in one sentence; empty if it can."""
+    assert kind.form
+    items = _items(kind)
+    if kind.entered_by != "participant":
+        return 'A form is filled in by the participant: entered_by = "participant".'
+    if kind.fields and kind.form.items not in (0, len(items)):
+        return f"The form has {len(items)} fields, not {kind.form.items} items."
+    for code, words in kind.words.items():
+        if any(len(given) not in (0, len(items)) for given in (words.items, words.ends)):
+            return f"The words in {code} have another number of items than the form, {len(items)}."
+        for item in (_worded(item, words, at) for at, item in enumerate(items)):
+            if problem := _labels_problem(item):
+                return problem
+        shown = "".join((words.title, words.instruction, *words.items, *words.labels))
+        if problem := control_problem(f"The words in {code}", shown):
+            return problem
+    wrong = next(filter(None, map(_labels_problem, items)), "")
+    return wrong or next(filter(None, (scoring.problem(each, items) for each in kind.scores)), "")
+
+
+def _labels_problem(item: Field) -> str:
+    if item.type == "choice" and len(item.labels) > _MOST_OPTIONS:
+        return f"The choice {item.name} has at most {_MOST_OPTIONS} labels."
+    if item.is_number and len(item.labels) not in (0, 2, len(item.points)):
+        return f"{item.name} has labels for both ends, for each point, or none."
+    return ""

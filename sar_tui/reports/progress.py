@@ -174,8 +174,11 @@ def _group(declared: Mapping[str, Kind], record: Record) -> str:
 
 
 def _is_listed(declared: Mapping[str, Kind], record: Record) -> bool:
-    """Return True if a record was entered by hand: of any kind, also one not declared here."""
-    return record.kind not in declared or declared[record.kind].entered_by == "therapist"
+    """Return True if a record was entered by hand, or is a form: of any kind, also one not declared
+    here.
+    """
+    kind = declared.get(record.kind)
+    return kind is None or kind.form is not None or kind.entered_by == "therapist"
 
 
 def scores_of(declared: Mapping[str, Kind], records: Sequence[Record]) -> list[Score]:

@@ -7,7 +7,7 @@ from itertools import product
 from sar_tui.model.language import Language
 from sar_tui.progress.change import BASELINE, FAMILIARISATION, baseline
 from sar_tui.progress.scores import InstrumentChange
-from sar_tui.records.kind import kinds
+from sar_tui.records.kind import STATUS, kinds
 from sar_tui.reports import dose_words, progress_words
 from sar_tui.reports.charts import ABOVE, BELOW, EVENT, MARKED
 from sar_tui.reports.progress import LineProgress, Progress, SessionProgress
@@ -464,10 +464,16 @@ def contents(record: Record, tr: Language) -> str:
 
 
 def _named_values(record: Record, tr: Language) -> Iterator[tuple[str, str]]:
-    """Yield the titles of a record's fields with its values. Typed texts stay as they are."""
+    """Yield the titles of a record's fields with its values; of a form, its scores, or that it was
+    left open. Typed texts stay as they are.
+    """
     kind = kinds().get(record.kind)
     declared = {field.name: field for field in kind.fields} if kind else {}
-    for name, value in record.content.items():
+    content = record.content
+    if kind and kind.form:
+        told = [score.name for score in kind.scores if score.name in content] or [STATUS]
+        content = {name: content[name] for name in told if name in content}
+    for name, value in content.items():
         field = declared.get(name)
         title = tr(field.title) if field else name
         if isinstance(value, str):

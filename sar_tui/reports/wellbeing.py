@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from sar_tui.model.language import ENGLISH, Language
+from sar_tui.records.kind import NOT_SAID
 from sar_tui.rules.wellbeing import SEVERE, PainLimits, TellReason
 from sar_tui.store.records import Record
-from sar_tui.store.wellbeing import NOT_SAID, PAIN, RATED, TIREDNESS, TOLD, limits_in, ratings
+from sar_tui.store.wellbeing import PAIN, RATED, TIREDNESS, TOLD, limits_in, ratings
 
 _SHORT = {PAIN: "pain", TIREDNESS: "tired"}
 _TITLES = {PAIN: "Pain", TIREDNESS: "Tiredness"}

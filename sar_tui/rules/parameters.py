@@ -28,7 +28,7 @@ from sar_tui.rules.declaration import (
     show,
 )
 from sar_tui.rules.difficulty import BY_OUTCOME
-from sar_tui.rules.questions import QUESTIONS
+from sar_tui.rules.questions import EARLIER, QUESTIONS
 from sar_tui.rules.scanning import FASTEST_MS, SLOWEST_MS
 from sar_tui.rules.wellbeing import HIGHEST, PainLimits
 
@@ -640,7 +640,7 @@ class TaskParameters(Settings, frozen=True, kw_only=True):
 
     def _wrong_questions(self) -> dict[str, str]:
         for name in self.questions:
-            if name not in QUESTIONS:
+            if name not in QUESTIONS and name not in EARLIER:
                 text = 'There is no question "{name}". Choose from: {known}.'
                 return {"questions": Sentence(text, name=name, known=", ".join(QUESTIONS))}
         if len(set(self.questions)) < len(self.questions):

@@ -7,7 +7,7 @@ from pathlib import Path
 import msgspec
 from msgspec.structs import replace
 
-from sar_tui.model.step import Step, problem
+from sar_tui.model.step import USUAL_SCALE, Step, problem
 from sar_tui.rules.wellbeing import PAIN_ENDS
 
 MOST_STEPS = 200
@@ -20,7 +20,12 @@ question like it.
 QUESTIONS: dict[str, Step] = {
     step.name: step
     for step in (
-        Step(name="effort", text="How hard was that for you?", kind="borg"),
+        Step(
+            name="exertion",
+            text="How hard was that for you?",
+            kind="number",
+            labels=("no effort at all", "as hard as can be"),
+        ),
         Step(
             name=PAIN,
             text="How strong is your pain now?",
@@ -48,9 +53,17 @@ QUESTIONS: dict[str, Step] = {
         Step(name="remark", text="Is there anything you would like to tell us?", kind="text"),
     )
 }
-"""Questions by name. ``effort`` is Borg's CR10; ``enjoyment`` an item of the Intrinsic Motivation
-Inventory (Ryan 1982, J Pers Soc Psychol 43:450-461), with five points instead of seven.
+"""Questions by name. ``enjoyment`` is an item of the Intrinsic Motivation Inventory (Ryan 1982,
+J Pers Soc Psychol 43:450-461), with five points instead of seven.
 """
+EARLIER: dict[str, Step] = {
+    "effort": Step(name="effort", text="How hard was that for you?", kind="borg")
+}
+"""Questions that sessions of earlier releases have, and that are not asked in new ones: Borg's CR10
+needs a licence.
+"""
+_REPLACED = {"effort": "exertion"}
+"""Questions that are asked in place of those."""
 
 
 def chosen(names: tuple[str, ...], every: int) -> tuple[Step, ...]:
@@ -58,7 +71,12 @@ def chosen(names: tuple[str, ...], every: int) -> tuple[Step, ...]:
 
     Raises KeyError for an unknown name.
     """
-    return tuple(replace(QUESTIONS[name], every=every) for name in names)
+    return tuple(replace((QUESTIONS | EARLIER)[name], every=every) for name in names)
+
+
+def current(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the questions that a new session asks for these names, such as those of a programme."""
+    return tuple(dict.fromkeys(_REPLACED.get(name, name) for name in names))
 
 
 class StepFileError(ValueError):
@@ -102,4 +120,6 @@ def problem_of(steps: tuple[Step, ...]) -> str:
         return f"There are {len(names)} steps; at most {MOST_STEPS} can be used."
     if twice := next((name for name in names if names.count(name) > 1), None):
         return f"Two steps are named {twice!r}."
+    if any(step.name == PAIN and step.scale != USUAL_SCALE for step in steps):
+        return f"The step {PAIN!r} goes from 0 to 10, as its limits do."
     return next(filter(None, map(problem, steps)), "")

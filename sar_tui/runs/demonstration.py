@@ -337,7 +337,7 @@ def _misses() -> Iterator[_Step]:
     yield _Step(
         53, time(14), _programme(
             "P04", "tapping", "First programme.", attempts=4, threshold=48.0, days_between_visits=4,
-            questions=("effort",),
+            questions=("exertion",),
         ),
     )  # fmt: skip
     for number, day in _days(53, 12, 10):

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import msgspec
+from msgspec.structs import replace
 
 from sar_tui.loop.session import problem_of_nodes
 from sar_tui.loop.task import Task
@@ -18,7 +19,7 @@ from sar_tui.plugin_calls import PLUGIN_ERRORS, describe
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.declaration import ParameterError
 from sar_tui.rules.parameters import TaskParameters, build, usable
-from sar_tui.rules.questions import chosen, problem_of
+from sar_tui.rules.questions import chosen, current, problem_of
 from sar_tui.store.database import StoreError
 from sar_tui.store.participants import check_own
 from sar_tui.store.programmes import Programme
@@ -117,6 +118,7 @@ def make_plan(
     if "start_level" in settings:
         settings = {"start_from": "fixed", **settings}
     parameters = _parameters(kind, {**kept, **settings}, speech)
+    parameters = replace(parameters, questions=current(parameters.questions))
     name = saved.theme if theme is None else theme
     catalogue.theme(name, parameters.language)
     check_language(parameters.language, catalogue.theme_folder(name))

@@ -69,6 +69,15 @@ def newest(db: sqlite3.Connection, participant: str, task: str) -> Programme:
     return _programme(row) if row else Programme()
 
 
+def last_saved(db: sqlite3.Connection, participant: str) -> Programme:
+    """Return the programme of any task that was saved last; the defaults if there is none."""
+    query = (
+        f"SELECT {_COLUMNS} FROM programmes WHERE participant=? ORDER BY created_at DESC LIMIT 1"
+    )
+    row = db.execute(query, (participant,)).fetchone()
+    return _programme(row) if row else Programme()
+
+
 def versions(db: sqlite3.Connection, participant: str, task: str) -> list[Programme]:
     """Return all versions of a programme, the oldest first."""
     return [_programme(row) for row in db.execute(f"{_OF} ORDER BY version", (participant, task))]

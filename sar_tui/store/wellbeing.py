@@ -18,8 +18,8 @@ from sar_tui.store.records import Record
 
 PAIN, TIREDNESS = "pain", "tiredness"
 KINDS = (PAIN, TIREDNESS)
-RATED, NOT_SAID, TOLD = "rated", "not said", "told in a pause"
-"""Answers of a participant: a number, nothing, or a key of the pause."""
+RATED, TOLD = "rated", "told in a pause"
+"""Answers of a participant, beside ``NOT_SAID``: a number, or a key of the pause."""
 
 
 def of_session(db: sqlite3.Connection, session: str) -> list[Record]:

@@ -7,10 +7,16 @@ from sar_tui.widgets.block_digits import draw_digits
 
 SMALLEST_SCALE = 44
 """Columns of eleven boxes beside each other."""
+_MOST_BOXES = 11
+"""Points of a scale that has boxes; a longer one has ticks."""
+_ENDS = ("lowest", "highest")
 _BOXES = (4, 13)
 """Least and most columns of a box of a scale."""
 _LARGE_BOX, _LARGEST_BOX = 8, 13
 """Columns from which on the number in a box is three rows high, and in block letters."""
+_WIDEST_GAP = 6
+"""Most columns from one tick to the next."""
+_MARK = "●"
 _LINE = 51
 """Columns of a line."""
 _TALL = 9
@@ -37,7 +43,11 @@ def options_text(step: Step, entry: Entry, columns: int = SMALLEST_SCALE) -> str
         case "line":
             return _line(step, entry)
         case "number":
-            return _boxes(step, entry, columns)
+            scale = points(step)
+            if len(step.labels) == len(scale) > len(_ENDS):
+                return _list(step, entry)
+            is_short = len(scale) <= _MOST_BOXES
+            return _boxes(step, entry, columns) if is_short else _ticks(step, entry, columns)
     return _list(step, entry)
 
 
@@ -63,6 +73,21 @@ def _boxes(step: Step, entry: Entry, columns: int) -> str:
     ]
     rows = ["".join(parts) for parts in zip(*drawn, strict=True)]
     return _with_ends(rows, step.labels)
+
+
+def _ticks(step: Step, entry: Entry, columns: int) -> str:
+    """Return a line with a tick for each point, and the chosen number above its own."""
+    scale = points(step)
+    gap = min(max((columns - 1) // (len(scale) - 1), 1), _WIDEST_GAP)
+    width = (len(scale) - 1) * gap + 1
+    line = ("┴" + "─" * (gap - 1)) * (len(scale) - 1) + "┴"
+    line, chosen = f"└{line[1:-1]}┘", ""
+    if entry.chosen:
+        at, typed = entry.chosen[0] * gap, scale[entry.chosen[0]].typed
+        line = f"{line[:at]}{_MARK}{line[at + 1 :]}"
+        chosen = " " * min(max(0, at - len(typed) // 2), width - len(typed)) + typed
+    low, high = scale[0].typed, scale[-1].typed
+    return _with_ends([chosen.ljust(width), line, low + high.rjust(width - len(low))], step.labels)
 
 
 def _box(text: str, width: int, border: tuple[str, str, str]) -> list[str]:
@@ -91,12 +116,15 @@ def _number(text: str, width: int) -> list[str]:
 
 def with_chosen(text: str) -> Content:
     """Return a drawn scale with the chosen box filled, border and all, in the colour of what is
-    chosen.
+    chosen; of a line, with the mark and the number above it in that colour.
     """
     content = Content(text)
     corner = text.find(_HEAVY[0][0])
     if corner < 0:
-        return content
+        first, at = text.split("\n", 1)[0], text.find(_MARK)
+        above = len(first) if first.strip(_GAP).isdecimal() else 0
+        content = content.stylize("$accent", 0, above) if above else content
+        return content.stylize("$accent", at, at + 1) if at >= 0 else content
     left = corner - (text.rfind("\n", 0, corner) + 1)
     width = text.index(_HEAVY[0][2], corner) - corner + 1
     begin = 0
@@ -116,7 +144,7 @@ def _line(step: Step, entry: Entry) -> str:
     line = "─" * _LINE
     if place is not None:
         at = round(place / FULL * (_LINE - 1))
-        line = f"{line[:at]}●{line[at + 1 :]}"
+        line = f"{line[:at]}{_MARK}{line[at + 1 :]}"
     return _with_ends([f"├{line}┤"], step.labels)
 
 

@@ -15,10 +15,10 @@ import sar_tui.loop
 from sar_tui.app.screens.wellbeing import QUESTIONS
 from sar_tui.model.language import BUNDLED, language, read_words
 from sar_tui.plugins import Catalogue, task_folder
+from sar_tui.records.kind import NOT_SAID
 from sar_tui.reports.charts import MARKERS
 from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.store.interface_language import FILE, choose_interface_language
-from sar_tui.store.wellbeing import NOT_SAID
 from sar_tui.tui.language import app_language, session_language
 from sar_tui.widgets.lists import PickList
 from tests.app.app_driver import OpenApp, known

@@ -152,7 +152,7 @@ class Listener:
 async def test_each_sentence_of_a_session_is_heard_once_and_in_order(
     open_session: OpenSession, transcript: Transcript
 ) -> None:
-    async with open_session(ask_wellbeing=True, questions=["effort"], **_ALOUD) as driver:
+    async with open_session(ask_wellbeing=True, questions=["exertion"], **_ALOUD) as driver:
         listener = Listener(driver, transcript)
         await listener.hear([])
         for key in given("2", "3", "1"):

@@ -14,7 +14,7 @@ from sar_tui.model.messages import AskedStep
 from sar_tui.model.step import Entry, Step
 from sar_tui.plugins import Catalogue
 from sar_tui.replay.replay import replay
-from sar_tui.rules.questions import QUESTIONS
+from sar_tui.rules.questions import EARLIER, QUESTIONS
 from sar_tui.runs.plan import make_plan
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
@@ -33,7 +33,7 @@ def shown(step: Step, entry: Entry = EMPTY, who: str = "") -> list[str]:
 
 async def test_a_question_is_answered_on_the_screen(open_session: OpenSession) -> None:
     async with open_session(
-        attempts=1, prompts_per_attempt=1, questions=("pain", "effort", "remark")
+        attempts=1, prompts_per_attempt=1, questions=("pain", "exertion", "remark")
     ) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.wait(1500)
@@ -52,7 +52,7 @@ async def test_a_question_is_answered_on_the_screen(open_session: OpenSession) -
         driver.see("All done")
     assert driver.stored("SELECT step, status, answer FROM answers ORDER BY number") == [
         ("pain", "answered", "5"),
-        ("effort", "declined", None),
+        ("exertion", "declined", None),
         ("remark", "answered", '"ok"'),
     ]
 
@@ -142,7 +142,7 @@ def test_the_numbers_of_a_scale_stand_above_the_words_at_its_ends() -> None:
 
 
 def test_borgs_scale_fits_on_a_small_screen() -> None:
-    _, *rows, how = shown(QUESTIONS["effort"], Entry(chosen=(2,)))
+    _, *rows, how = shown(EARLIER["effort"], Entry(chosen=(2,)))
     assert len(rows) == 6
     assert max(map(len, rows)) <= 68
     assert "▶ 0.5  extremely weak" in rows[2]

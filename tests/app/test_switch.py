@@ -358,7 +358,7 @@ async def test_questions_between_attempts_are_answered_with_a_switch(
         attempts=1,
         ask_wellbeing=False,
         prompts_per_attempt=4,
-        questions="effort",
+        questions="exertion",
     )
     async with open_app(data, catalogue, plan) as driver:
         person = OneSwitch(driver)

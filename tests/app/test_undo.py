@@ -54,7 +54,7 @@ async def test_the_key_is_gone_after_ten_seconds(open_session: OpenSession) -> N
 
 
 async def test_a_held_key_takes_back_one_thing(open_session: OpenSession) -> None:
-    async with open_session(questions=("effort", "pain"), questions_every=1) as driver:
+    async with open_session(questions=("exertion", "pain"), questions_every=1) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.wait(1500)
         await driver.press("5", "enter")

@@ -1,16 +1,17 @@
 """``sar-tui record``: adverse events, scores, pain and tiredness, for people and programs."""
 
+import csv
 from contextlib import closing
 from datetime import datetime, timedelta
 from pathlib import Path
 
 import pytest
 
-from sar_tui.records.kind import kinds
+from sar_tui.records.kind import NOT_SAID, kinds
 from sar_tui.store import participants, records
 from sar_tui.store.database import connect
+from sar_tui.store.forms import FormAnswers, Occasion
 from sar_tui.store.training_days import utc
-from sar_tui.store.wellbeing import NOT_SAID
 from tests.program import Call
 from tests.recorded import told
 
@@ -142,3 +143,75 @@ def test_bad_input_is_refused_in_a_sentence(
 ) -> None:
     call(*EVENT, who, *FALL, *more).refused(says)
     assert call("record list adverse-event --json").json["records"] == []
+
+
+def test_a_form_on_paper_is_entered_scored_and_corrected(call: Call) -> None:
+    items = [f"q{number}={5 if number % 2 else 1}" for number in range(1, 10)]
+    added = call("record add SUS P01", *items, "--new", "--json").json["record"]
+    assert (added["content"]["score"], added["content"]["score_missing"]) == (95.0, 1)
+    call("record list -p P01").shows("Usability 95 (0 to 100, 1 missing)")
+    changed = call("record correct", added["id"], "q10=1", "q1=not said", "--json").json["record"]
+    assert changed["content"]["score"] == 95.0
+    call("record show", added["id"]).shows("q1: not said", "score: 95.0")
+    call("record add Godspeed P01 q1=3").refused("Godspeed may be used only if its owner allows it")
+    call("record kinds").shows("form of 24 items")
+    call("record add SUS P01 q1=6").refused("lies within 1 to 5, not at 6.")
+    call("record add SUS P01").refused("System Usability Scale has no answers.")
+    call("record fill SUS P01").refused("terminal")
+    shown = " ".join(call("progress P01").out.split())
+    assert "System Usability Scale" in shown or "SUS" in shown
+
+
+@pytest.mark.usefixtures("simulated")
+def test_a_form_that_was_filled_in_leaves_once_with_its_scores(call: Call, tmp_path: Path) -> None:
+    sus = kinds()["SUS"]
+    with closing(connect(tmp_path / "data")) as database:
+        for _ in range(2):
+            answers = FormAnswers(database, sus, Occasion("P01"))
+            for item in sus.items:
+                answers.answer(item, None if item.name == "q3" else 4, 1200)
+        begun = FormAnswers(database, sus, Occasion("P01", moment="before"))
+        begun.answer(sus.items[0], 2, 900)
+        begun.answer(sus.items[1], 2, 900)
+    assert call("export --all --simulated --to", tmp_path / "out").code == 0
+    with (tmp_path / "out" / "records.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    by_record: dict[str, dict[str, dict[str, str]]] = {}
+    for row in rows:
+        by_record.setdefault(row["record"], {})[row["field"]] = row
+    assert len(rows) == sum(map(len, by_record.values())), "one version of each leaves"
+    *complete, last = by_record.values()
+    assert len(complete) == 2
+    for found in complete:
+        assert float(found["score"]["value"]) == 47.5
+        assert float(found["score_missing"]["value"]) == 1
+        assert found["q3"]["option"] == "not said"
+        assert (float(found["q1"]["value"]), float(found["q1_ms"]["value"])) == (4, 1200)
+        assert (found["status"]["option"], found["language"]["option"]) == ("complete", "en")
+    assert (last["status"]["option"], last["q2"]["version"]) == ("open", "2")
+
+
+def test_forms_leave_for_redcap_and_come_back(call: Call, tmp_path: Path) -> None:
+    call("record redcap SUS --to", tmp_path / "sus.zip").shows("Written:")
+    call("record redcap SUS --to", tmp_path / "sus.zip").refused("File exists")
+    call("record redcap Godspeed --to", tmp_path / "g.zip").refused("is not here")
+    call("record redcap SUS --language de --to", tmp_path / "g.zip").refused("has no words in 'de'")
+    several = call("record redcap SUS effort --to", tmp_path / "all", "--json").json["files"]
+    assert [Path(name).name for name in several] == ["sus.zip", "effort.zip"]
+    found = call(
+        "record from-redcap", tmp_path / "sus.zip", "--to", tmp_path / "own", "--json"
+    ).json
+    assert found == {
+        "forms": [
+            {
+                "form": "sus",
+                "file": str(tmp_path / "own" / "sus.toml"),
+                "refused": [],
+                "left_out": [],
+            }
+        ]
+    }
+    call("record from-redcap", tmp_path / "nothing.csv").refused("cannot be read")
+    known = call("record from-redcap", tmp_path / "sus.zip")
+    assert known.code == 1
+    assert "There is a kind of record SUS already." in known.out

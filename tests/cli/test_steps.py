@@ -46,7 +46,7 @@ def asked(call: Call, tmp_path: Path) -> Path:
     settings.
     """
     (tmp_path / "steps.toml").write_text(STEPS)
-    assert call(f"{SHORT} --set questions=effort --steps {tmp_path}/steps.toml").code == 0
+    assert call(f"{SHORT} --set questions=exertion --steps {tmp_path}/steps.toml").code == 0
     return tmp_path / "data"
 
 
@@ -63,7 +63,7 @@ def rows(data: Path, sql: str) -> list[tuple[Any, ...]]:
 def test_answers_are_stored_apart_from_trials_and_scores_and_shown(call: Call, asked: Path) -> None:
     found = rows(asked, "SELECT attempt, step, kind, status FROM answers ORDER BY number")
     assert [row[:3] for row in found] == [
-        (0, "read", "screen"), (1, "mood", "line"), (2, "effort", "borg"), (2, "mood", "line"),
+        (0, "read", "screen"), (1, "mood", "line"), (2, "exertion", "number"), (2, "mood", "line"),
         (2, "words", "text"),
     ]  # fmt: skip
     assert {row[3] for row in found} <= {"done", "answered", "declined"}
@@ -89,9 +89,9 @@ def test_typed_words_leave_only_with_notes(call: Call, asked: Path, tmp_path: Pa
 def test_steps_that_cannot_be_used_are_refused(call: Call, tmp_path: Path) -> None:
     """The faults of a file of steps have their table in tests/model/test_steps.py."""
     for steps, questions, said in (
-        ('[[steps]]\nname="a"\ntext="A"\nkind="likert"', "effort", "needs 2 to 9 labels"),
+        ('[[steps]]\nname="a"\ntext="A"\nkind="likert"', "exertion", "needs 2 to 9 labels"),
         (STEPS, "mood", 'There is no question "mood"'),
-        (STEPS.replace('"mood"', '"effort"'), "effort", "Two steps are named 'effort'."),
+        (STEPS.replace('"mood"', '"exertion"'), "exertion", "Two steps are named 'exertion'."),
     ):
         (tmp_path / "steps.toml").write_text(steps)
         command = f"{SHORT} --steps {tmp_path}/steps.toml --set questions={questions}"

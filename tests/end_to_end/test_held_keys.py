@@ -169,7 +169,7 @@ def test_no_screen_of_a_participant_who_trains_alone_is_skipped(data: Path, hand
     """
     effort = "How hard was that for you?"
     rest = {"rest_after_attempts": 1, "rest_seconds": 8}
-    exercise(data, questions=("effort",), questions_every=1, **rest, **SETTINGS)
+    exercise(data, questions=("exertion",), questions_every=1, **rest, **SETTINGS)
     steps: tuple[Step, ...] = (
         *FIRST,
         ("enter", "Press: "),

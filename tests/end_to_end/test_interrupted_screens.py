@@ -185,7 +185,7 @@ SETTINGS = QUICK | {
     "foreperiod_min_ms": 2500,
     "foreperiod_max_ms": 3000,
     "ask_wellbeing": True,
-    "questions": ("effort",),
+    "questions": ("exertion",),
     "questions_every": 1,
     "rest_after_attempts": 1,
     "rest_seconds": 12,

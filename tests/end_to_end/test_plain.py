@@ -141,7 +141,7 @@ def test_a_whole_session_is_read_as_lines_and_recorded_like_any_other(data: Path
 
 @pytest.mark.slow
 def test_an_answer_is_taken_back_in_lines(data: Path) -> None:
-    with Terminal(plain(data, prompts_per_attempt=1, questions="effort")) as terminal:
+    with Terminal(plain(data, prompts_per_attempt=1, questions="exertion")) as terminal:
         to_the_attempt(terminal)
         do_attempt(terminal, 1, until="How hard was that for you?")
         terminal.settle(silence_ms=600)
@@ -161,7 +161,7 @@ def test_an_answer_is_taken_back_in_lines(data: Path) -> None:
         terminal.settle(silence_ms=600)
         terminal.confirm()
         assert terminal.wait() == 0
-    assert rows(data, "SELECT answer FROM answers") == [("2.0",)]
+    assert rows(data, "SELECT answer FROM answers") == [("2",)]
     assert replays_identically(data)
 
 

@@ -16,7 +16,7 @@ from tests.store.by_hand import insert, sql, value
 NOTE = '"¿Te duele?", dijo;\r\nno, no:\tdescansa \\ ñ'
 _PLAYED = (
     ("keyboard", ["P01"], {"attempts": 2, "practice_attempts": 1, "response_timeout_ms": 500,
-                           "questions": "effort remark"}),
+                           "questions": "exertion remark"}),
     ("reaching", ["P01"], {"attempts": 1, "reaches_per_attempt": 2}),
     ("pairs", ["P02", "P-3"], {"attempts": 1}),
 )  # fmt: skip

@@ -235,6 +235,13 @@ def test_scores_and_answers_are_phenotypes(dataset: Path) -> None:
     assert (tired["moment_1"], tired["answer_1"]) == ("after", "not said")
 
 
+def _answer(answer: object) -> str:
+    """Return an answer as the events have it: a number has decimals."""
+    if isinstance(answer, int):
+        return str(float(answer))
+    return "n/a" if answer is None else str(answer)
+
+
 def test_questions_and_notes_are_events(study: Path, dataset: Path) -> None:
     query = "SELECT step, status, json_extract(answer, '$'), answered_ns - shown_ns FROM answers ORDER BY number"
     found = [
@@ -245,7 +252,7 @@ def test_questions_and_notes_are_events(study: Path, dataset: Path) -> None:
         for row in keyboard_events(dataset, "step")
     ]  # fmt: skip
     assert found == [
-        (step, status, "n/a" if answer is None else str(answer), Fraction(lasted, 10**9))
+        (step, status, _answer(answer), Fraction(lasted, 10**9))
         for step, status, answer, lasted in sql(study, query)
     ]
     rows = [row for path in dataset.glob("sub-*/ses-*/beh/*_events.tsv") for row in read(path)]

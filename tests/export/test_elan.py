@@ -82,7 +82,7 @@ def test_every_act_of_varied_sessions_is_there(tmp_path: Path) -> None:
             effort, remark = own("answers", seat=seat)
             known = effort["value"] is not None
             assert values(tiers, f"{seat} questions") == [
-                f"effort: {format(effort['value'], 'g') if known else effort['status']}",
+                f"exertion: {format(effort['value'], 'g') if known else effort['status']}",
                 f"remark: {remark['words'] or remark['status']}",
             ]
         for deed in ("say", "show", "gesture", "gaze", "tone"):

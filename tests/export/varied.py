@@ -20,7 +20,7 @@ def varied(data: Path) -> None:
     """
     for task in ("keyboard", "reaching", "pairs"):
         codes = ("SIM-A", "SIM-B") if task == "pairs" else ("SIM",)
-        asked: Any = {"questions": "effort remark", "operator_feedback": "approve"}
+        asked: Any = {"questions": "exertion remark", "operator_feedback": "approve"}
         simulated(data, task, *codes, user="poor", operator="careful", attempts=1, **asked)
     sql(data, "UPDATE trials SET stimulus=?, response=NULL WHERE trial=2", '¿"Sí"?\r\nno, no')
     sql(data, "UPDATE attempts SET metric=9e999 WHERE attempt=1")

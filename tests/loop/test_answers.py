@@ -101,7 +101,7 @@ def test_a_pause_while_the_disk_fails_is_refused(calm: Theme) -> None:
 
 
 def test_a_question_that_is_answered_meanwhile_is_not_skipped(calm: Theme) -> None:
-    session = Answers(calm, questions=("effort", "tiredness"), questions_every=1)
+    session = Answers(calm, questions=("exertion", "tiredness"), questions_every=1)
     session.driver.enter()
     session.driver.attempt()
     session.driver.wait(10_000)

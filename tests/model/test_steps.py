@@ -8,12 +8,12 @@ from hypothesis import strategies as st
 
 from sar_tui.model.random_streams import RandomStreams
 from sar_tui.model.step import DECLINE_KEY, Entry, Given, Step, points, press, problem
-from sar_tui.rules.questions import QUESTIONS, StepFileError, chosen, read_steps
+from sar_tui.rules.questions import EARLIER, StepFileError, chosen, read_steps
 from sar_tui.simulation.participant import answer_keys
 from tests.examples import examples
 
 NUMBER = Step(name="pain", text="How strong?", kind="number", labels=("none", "worst"))
-BORG = QUESTIONS["effort"]
+BORG = EARLIER["effort"]
 LIKERT = Step(name="fun", text="It was fun.", kind="likert", labels=("no", "a little", "yes"))
 LINE = Step(name="mood", text="How are you?", kind="line")
 CHOICES = Step(name="where", text="Where?", kind="choices", labels=("hand", "arm", "shoulder"))
@@ -119,7 +119,7 @@ def test_a_step_is_due_before_after_or_between_attempts(
 
 
 def test_questions_of_the_settings_come_after_so_many_attempts_or_after_the_last() -> None:
-    assert [step.is_due(2, 4) for step in chosen(("pain", "effort"), 2)] == [True, True]
+    assert [step.is_due(2, 4) for step in chosen(("pain", "exertion"), 2)] == [True, True]
     assert [done for done in range(5) if chosen(("pain",), 0)[0].is_due(done, 4)] == [4]
 
 

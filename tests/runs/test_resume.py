@@ -46,7 +46,7 @@ PLANS: dict[str, tuple[str, list[str], dict[str, Any]]] = {
     "questions": (
         "keyboard",
         ["P01"],
-        {"attempts": 1, "prompts_per_attempt": 1, "questions": "effort remark enjoyment"},
+        {"attempts": 1, "prompts_per_attempt": 1, "questions": "exertion remark enjoyment"},
     ),
 }
 
@@ -100,7 +100,7 @@ def test_a_session_that_was_resumed_twice_follows_from_its_inputs(name: str, dat
         assert replay(database, data, CATALOGUE, row).identical
 
 
-@pytest.mark.parametrize("name", ["effort", "remark", "enjoyment"])
+@pytest.mark.parametrize("name", ["exertion", "remark", "enjoyment"])
 def test_a_question_that_was_half_answered_is_answered_after_the_resume(
     data: Path, name: str
 ) -> None:
@@ -114,7 +114,7 @@ def test_a_question_that_was_half_answered_is_answered_after_the_resume(
     with closing(connect(data)) as database:
         history = sessions.history(database, run.id)
         ended = [one.message for one in history if one.topic is STEP_ENDED]
-    asked = ["effort", "remark", "enjoyment"]
+    asked = ["exertion", "remark", "enjoyment"]
     assert each(ended, "name status") == [(question, "answered") for question in asked]
 
 

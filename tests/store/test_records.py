@@ -8,7 +8,7 @@ from sqlite3 import Connection
 
 import pytest
 
-from sar_tui.records.kind import find
+from sar_tui.records.kind import NOT_SAID, find
 from sar_tui.rules.wellbeing import SessionRatings, tell_therapist
 from sar_tui.store import participants, records, sessions, wellbeing
 from sar_tui.store.database import StoreError, connect
@@ -159,7 +159,7 @@ def test_ratings_are_the_last_answers_of_each_seat(database: Connection) -> None
     assert wellbeing.history(database, "P01") == [SessionRatings()]
     for answer in ("4", "5"):
         told(database, "P01", "before", "pain", answer, session="abc")
-    told(database, "P01", "after", "pain", wellbeing.NOT_SAID, session="abc")
+    told(database, "P01", "after", "pain", NOT_SAID, session="abc")
     told(database, "P02", "after", "tiredness", "10", session="abc", seat="B")
     known = wellbeing.by_session(database, ["abc", "def"])["abc"]
     assert wellbeing.ratings(known) == SessionRatings(pain_before=5)

@@ -21,6 +21,7 @@ from sar_tui.drivers.login_name import login_name
 from sar_tui.loop.task import Task
 from sar_tui.model.language import BUNDLED, OWN_NAMES, Language, in_language
 from sar_tui.model.line_breaks import balanced
+from sar_tui.plugins import PluginError
 from sar_tui.records.kind import Kind, kinds
 from sar_tui.reports import progress_parts as parts
 from sar_tui.reports import progress_words
@@ -30,8 +31,10 @@ from sar_tui.reports.progress_glossary import GLOSSARY, explained
 from sar_tui.reports.progress_headline import headline, sessions_text
 from sar_tui.reports.progress_timeline import TextRow
 from sar_tui.reports.wellbeing import advice
+from sar_tui.rules.declaration import ParameterError
 from sar_tui.store import records, wellbeing
 from sar_tui.store.database import StoreError, explain
+from sar_tui.store.forms import Occasion
 from sar_tui.store.people_events import check_included
 from sar_tui.store.records import Record
 from sar_tui.store.results import sessions_of
@@ -531,16 +534,34 @@ class ProgressScreen(DismissedOnce[None]):
 
     def action_add_record(self) -> None:
         """Open the form for a new record, of the kind that is chosen in the list."""
-        entered = [kind for kind in kinds().values() if kind.entered_by == "therapist"]
-        if listed := self._listed:
-            chosen = listed[self._chosen_record].kind
-            entered.sort(key=lambda kind: kind.name != chosen)
-        self.app.push_screen(RecordForm(entered, [self._participant]), self._entered)
+        entered = [kind for kind in kinds().values() if _can_be_added(kind)]
+        chosen = self._listed[self._chosen_record].kind if self._listed else ""
+        entered.sort(key=lambda kind: (kind.form is not None, kind.name != chosen))
+
+        def closed(ended: bool | Kind | None) -> None:
+            if isinstance(ended, Kind):
+                self._fill(ended)
+            else:
+                self._entered(ended)
+
+        self.app.push_screen(RecordForm(entered, [self._participant]), closed)
+
+    def _fill(self, form: Kind) -> None:
+        """Let the participant fill in a form."""
+        try:
+            occasion = Occasion(self._participant)
+            self.app.fill_form(form, occasion, lambda _: self._entered(True))
+        except (StoreError, PluginError, ParameterError) as error:
+            self.notify(in_language(error, self.tr), severity="error", timeout=20)
 
     def action_correct_record(self) -> None:
         """Open the form for what is known now of the chosen record, such as its outcome."""
         record = self._listed[self._chosen_record]
-        if kind := self._kind_of(record):
+        kind = self._kind_of(record)
+        if kind and kind.form:
+            said = self.tr("A form is the participant's own: A has it filled in once more.")
+            self.notify(said, timeout=12)
+        elif kind:
             form = RecordForm([kind], [self._participant], known=record)
             self.app.push_screen(form, self._entered)
 
@@ -631,6 +652,15 @@ class ProgressScreen(DismissedOnce[None]):
 
 _SHADED = ("256", "truecolor")
 """Names of Rich for colours that have shades."""
+
+
+def _can_be_added(kind: Kind) -> bool:
+    """Return True if a therapist enters such records, or if it is a form that can be filled in."""
+    if kind.form:
+        return not kind.why_unusable
+    return kind.entered_by == "therapist"
+
+
 _OF_CHARTS = {
     POINT: "$accent",
     CHOSEN: "$accent",

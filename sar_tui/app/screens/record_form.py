@@ -27,11 +27,12 @@ _WHO, _DATE = "participant", "date"
 _BETTER = {"": "", "higher": "higher is better", "lower": "lower is better"}
 
 
-class RecordForm(DismissedOnce[bool], ModalScreen[bool]):
-    """A short form; the result is True if something was recorded.
+class RecordForm(DismissedOnce[bool | Kind], ModalScreen[bool | Kind]):
+    """A short form; the result is True if something was recorded, or the form that the participant
+    is to fill in.
 
     Args:
-        kinds: kinds to choose from; the first is chosen to begin with.
+        kinds: kinds to choose from; the first, which is no form, is chosen to begin with.
         codes: the participants; of several, one is named.
         at: the date to begin with; empty for today.
         session: the session that it belongs to; None if that follows from the date.
@@ -142,8 +143,11 @@ class RecordForm(DismissedOnce[bool], ModalScreen[bool]):
 
     @on(Choice.Changed)
     async def _chosen(self) -> None:
-        """Show the fields of another kind."""
+        """Show the fields of another kind; a form is handed over to the participant."""
         self._kind = self._kinds[self.query_one(Choice).value]
+        if self._kind.form:
+            self.dismiss(self._kind)
+            return
         await self.query(Input).exclude(f"#{_WHO}").exclude(f"#{_DATE}").remove()
         form = self.query_one("#record-form")
         date_field = self.query_one(f"#{_DATE}", Input)

@@ -18,9 +18,9 @@ from sar_tui.model.language import Language
 from sar_tui.model.spoken_text import sentences
 from sar_tui.model.step import Entry, Step, points, press, translated
 from sar_tui.model.theme import Theme
+from sar_tui.records.kind import NOT_SAID
 from sar_tui.rules.scanning import Choice
 from sar_tui.rules.wellbeing import PAIN_ENDS, Advice, Moment, PainLimits, stop_now
-from sar_tui.store.wellbeing import NOT_SAID
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.tui.heading import ROOMY, Heading, most_rows
 from sar_tui.tui.key_line import KeyLine

@@ -13,20 +13,26 @@ from sar_tui.export.columns import TO_SESSION, Table, Values, stored
 from sar_tui.export.damage import Damage
 from sar_tui.export.tables.sessions import TO_PARTICIPANT
 from sar_tui.model.session_mode import is_personal
-from sar_tui.records.kind import Kind
+from sar_tui.records.kind import LANGUAGE, NOT_SAID, OPEN, STATUS, Kind
 
 _HEAD = (
     "id", "version", "kind", "participant", "seat", "session", "moment", "at", "removed",
     "recorded_at",
 )  # fmt: skip
-_KIND, _SESSION, _REMOVED = (_HEAD.index(name) for name in ("kind", "session", "removed"))
+_ID, _VERSION, _KIND, _SESSION, _REMOVED = (
+    _HEAD.index(name) for name in ("id", "version", "kind", "session", "removed")
+)
+_LAST = "SELECT id, max(version) FROM records WHERE participant=? GROUP BY id"
+_CODES = (LANGUAGE,)
+"""Fields of forms that are texts, and were not typed."""
 _VALUE = ("content.field", "content.value", "content.unit", "content.option", "content.words")
 
 
 def records(
     sessions: Collection[Mapping[str, Any]], kinds: Mapping[str, Kind], damage: Damage
 ) -> Table:
-    """Return the table of the records of these sessions, and of their participants without one.
+    """Return the table of the records of these sessions, and of their participants without one. Of
+    a form, versions that were stored while it was filled in are left out.
 
     Args:
         sessions: as `store.sessions.listing` returns them. What was told before a session that
@@ -60,17 +66,20 @@ def _rows(
     database: sqlite3.Connection,
     participant: str,
 ) -> Iterator[Values]:
+    last = dict(database.execute(_LAST, (participant,)))
     for *head, content in database.execute(
         f"SELECT {', '.join(_HEAD)}, content FROM records WHERE participant=?"
         " ORDER BY at, id, version",
         (participant,),
     ):
         session, kind = head[_SESSION], kinds.get(head[_KIND])
-        is_entered = kind is None or kind.entered_by == "therapist"
+        is_entered = kind is None or kind.form is not None or kind.entered_by == "therapist"
         leaves = participant in live or is_entered if session is None else session in sessions
-        if leaves:
+        values = _read(damage, content) if leaves else {}
+        is_begun = kind is not None and kind.form is not None and values.get(STATUS) == OPEN
+        if leaves and (not is_begun or head[_VERSION] == last[head[_ID]]):
             head[_REMOVED] = bool(head[_REMOVED])
-            for name, value in _read(damage, content).items():
+            for name, value in values.items():
                 yield (*head, name, *_value(kind, name, value))
 
 
@@ -92,6 +101,7 @@ def _value(
     field = next((each for each in kind.fields if each.name == name), None) if kind else None
     if isinstance(value, bool | int | float):
         return float(value), field.unit if field else "", None, None
-    if field is not None and field.type == "choice":
+    is_declined = field is not None and field.may_decline and value == NOT_SAID
+    if field is not None and (field.type == "choice" or is_declined or name in _CODES):
         return None, "", str(value), None
     return None, "", None, str(value)

@@ -152,14 +152,14 @@ def test_the_question_is_spoken_once() -> None:
 
 @pytest.mark.parametrize("every", [0, 1])
 def test_therapists_choose_questions_by_name(every: int) -> None:
-    chosen = {"questions": ("pain", "effort"), "questions_every": every}
+    chosen = {"questions": ("pain", "exertion"), "questions_every": every}
     driver = LoopDriver(KEYBOARD, CALM, **TWO, **chosen)
     driver.enter()
     for _ in range(2):
         driver.attempt()
         while driver.waiting.step:
             answer(driver, "2")
-    assert each(driver.all(STEP_ENDED), "name") == ["pain", "effort"] * (1 + every)
+    assert each(driver.all(STEP_ENDED), "name") == ["pain", "exertion"] * (1 + every)
 
 
 # --- a required answer

@@ -1,0 +1,306 @@
+"""A participant fills in a form, alone on the screen, with keys, a switch, or a voice."""
+
+from collections.abc import AsyncIterator, Callable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sar_tui.plugins import Catalogue
+from sar_tui.records import kind as kinds_room
+from sar_tui.records.kind import Kind, find
+from sar_tui.store import records
+from sar_tui.store.forms import Occasion
+from sar_tui.store.records import Record
+from tests.app.app_driver import AppDriver, OpenApp, given, known
+from tests.app.test_progress import open_progress, trained
+from tests.app.test_read_aloud import Listener, Transcript, transcript
+from tests.app.test_switch import OneSwitch
+
+__all__ = ["transcript"]
+
+OWN = """
+name = "own"
+title = "About you"
+entered_by = "participant"
+[form]
+[[fields]]
+name = "age"
+title = "How old are you?"
+hint = "in years"
+type = "integer"
+lowest = 18
+highest = 120
+[[fields]]
+name = "hand"
+title = "Which hand do you write with?"
+type = "choice"
+labels = ["left", "right"]
+[[fields]]
+name = "mood"
+title = "How are you?"
+type = "integer"
+lowest = 0
+highest = 100
+labels = ["bad", "good"]
+[[fields]]
+name = "remark"
+title = "Anything else?"
+type = "text"
+[[fields]]
+name = "often"
+title = "How often?"
+type = "integer"
+lowest = 0
+highest = 3
+labels = ["never", "sometimes", "often", "always"]
+[words.de]
+items = ["Wie alt?", "Welche Hand?", "Wie geht es?", "Noch etwas?", "Wie oft?"]
+ends = [[], ["links", "rechts"], [], [], []]
+"""
+
+
+@pytest.fixture
+def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Kind:
+    """A form of a laboratory, with items of all types."""
+    monkeypatch.setattr(kinds_room, "own_folder", lambda: tmp_path)
+    (tmp_path / "own.toml").write_text(OWN, encoding="utf-8")
+    kinds_room._read_folder.cache_clear()
+    return find("own")
+
+
+Filled = Callable[..., AbstractAsyncContextManager[AppDriver]]
+
+
+@pytest.fixture
+def fill(opened: OpenApp, data: Path) -> Filled:
+    """Open the app, and a form in it."""
+
+    @asynccontextmanager
+    async def filling(
+        kind: str = "SUS", language: str = "", **how: Any
+    ) -> AsyncIterator[AppDriver]:
+        async with opened(**how) as driver:
+            driver.app.fill_form(find(kind), Occasion("P01"), lambda _: None, language)
+            await driver.settle()
+            await driver.wait(700)
+            yield driver
+
+    return filling
+
+
+def stored(driver: AppDriver, kind: str = "SUS") -> Record:
+    (found,) = records.listing(driver.app.database, kinds=(kind,))
+    return found
+
+
+async def test_a_form_is_filled_in_with_digits_and_its_score_is_stored(
+    fill: Filled, data: Path
+) -> None:
+    known(data)
+    async with fill() as driver:
+        driver.see("System Usability Scale", "Item 1 of 10", "I think that I would like to use")
+        driver.see("Strongly disagree", "Tab: I would rather not say.", "← → or type a number")
+        driver.lacks("Ctrl-P", "Ctrl-Q", "You said")
+        await driver.press("enter")
+        driver.see("Please choose first, then press Enter.")
+        assert driver.stored("SELECT count(*) FROM records") == [(0,)], "nothing is preselected"
+        await driver.press("6", "4")
+        driver.see("Press Enter to go on.")
+        await driver.press("enter")
+        driver.see("Item 2 of 10", "You said: 4. Backspace goes back.")
+        await driver.press("right", "right", "enter", "backspace")
+        assert stored(driver).content["q2"] == 2
+        await driver.press("1", "enter", "tab", *given(*"1515151"))
+        driver.see("Thank you", "Everything is saved.", "Press Enter to finish.")
+        found = stored(driver)
+        assert (found.content["score"], found.content["score_missing"]) == (92.5 - 0, 1)
+        assert found.content["q3"] == "not said"
+        await driver.press("enter")
+        assert driver.screen_name == "HomeScreen"
+        driver.see("P01")
+
+
+async def test_an_answer_is_changed_from_the_thanks_and_counts_once(
+    fill: Filled, data: Path
+) -> None:
+    known(data)
+    async with fill("effort") as driver:
+        driver.lacks("Item 1")
+        await driver.press("7", "enter")
+        driver.see("Thank you")
+        assert stored(driver, "effort").content["score"] == 7
+        await driver.press("backspace")
+        driver.see("┃ 7 ┃", "Press Enter to go on.")
+        await driver.press("3", "enter", "enter")
+        assert stored(driver, "effort").content["score"] == 3
+        assert driver.screen_name == "HomeScreen"
+
+
+async def test_the_time_of_each_item_is_kept_and_adds_up(
+    fill: Filled, data: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    known(data)
+    now = [0]
+    async with fill() as driver:
+        filling = driver.app.screen._filling
+        filling._now = lambda: now[0] * 1_000_000
+        filling._shown = 0
+        now[0] = 1500
+        await driver.press("2", "enter")
+        assert stored(driver).content["q1_ms"] == 1500
+        await driver.press("backspace")
+        now[0] = 1900
+        await driver.press("3", "enter")
+        assert stored(driver).content["q1_ms"] == 1900
+
+
+async def test_a_form_that_was_left_goes_on_the_same_day_and_begins_anew_on_another(
+    fill: Filled, data: Path
+) -> None:
+    known(data)
+    async with fill() as driver:
+        await driver.press(*given("3", "3"), "escape", "escape", "escape")
+        assert driver.screen_name == "HomeScreen"
+        assert stored(driver).content["status"] == "open"
+        driver.app.fill_form(find("SUS"), Occasion("P01"), lambda _: None)
+        await driver.settle()
+        driver.see("Item 3 of 10", "You said: 3.")
+        await driver.press("escape", "escape", "escape")
+        await driver.wait(700)
+        before = (datetime.now(UTC) - timedelta(days=2)).isoformat()
+        with driver.app.database:
+            driver.app.database.execute("UPDATE records SET at=?", (before,))
+        driver.app.fill_form(find("SUS"), Occasion("P01"), lambda _: None)
+        await driver.settle()
+        driver.see("Item 1 of 10")
+        driver.app.screen.dismiss(None)
+        await driver.settle()
+        driver.app.fill_form(find("SUS"), Occasion("P01", moment="after"), lambda _: None)
+        await driver.settle()
+        driver.see("Item 1 of 10")
+
+
+@pytest.mark.usefixtures("own")
+async def test_items_of_all_types_are_answered(fill: Filled, data: Path) -> None:
+    known(data)
+    async with fill("own") as driver:
+        driver.see("How old are you?", "in years", "Type your answer, then press Enter.")
+        await driver.press("1", "7", "enter")
+        driver.see("How old are you? lies within 18 to 120, not at 17.")
+        await driver.press("backspace", "backspace", "?", "enter")
+        driver.see("How old are you? is a number, not '?'.")
+        await driver.press("backspace", "4", "2", "enter")
+        driver.see("Which hand do you write with?", "1 left", "You said: 42.")
+        await driver.press("2", "enter")
+        driver.see("How are you?", "bad", "good", "Move the mark with the arrow keys")
+        await driver.press("5", "right", "enter")
+        driver.see("Anything else?", "You said: 51.")
+        await driver.press("N", "o", "!", "enter")
+        driver.see("How often?", "0 never", "3 always")
+        await driver.press("0", "enter")
+        driver.see("Thank you")
+        content = stored(driver, "own").content
+        assert [content[name] for name in ("age", "hand", "mood", "remark", "often")] == [
+            42, "right", 51, "No!", 0,
+        ]  # fmt: skip
+        await driver.press("backspace", "backspace")
+        driver.see("No!")
+        await driver.press("backspace", "backspace", "backspace", "backspace")
+        driver.see("How are you?", "You said: right.")
+
+
+@pytest.mark.usefixtures("own")
+async def test_a_choice_is_stored_in_the_words_of_its_declaration(fill: Filled, data: Path) -> None:
+    known(data)
+    async with fill("own", "de") as driver:
+        driver.see("Frage 1 von 5", "Wie alt?")
+        await driver.press("9", "enter")
+        driver.see("Wie alt? liegt")
+        await driver.press("0", "enter", "1", "enter")
+        driver.see("Wie geht es?", "links")
+        content = stored(driver, "own").content
+        assert (content["hand"], content["language"]) == ("left", "de")
+
+
+@pytest.mark.parametrize(
+    ("language", "words"),
+    [
+        ("de", ("Wie anstrengend war das für Sie?", "so anstrengend wie nur möglich", "Vielen Dank")),
+        ("es", ("¿Cuánto esfuerzo ha sido?", "todo el esfuerzo posible", "Muchas gracias")),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("size", [(80, 24), (160, 48)])
+async def test_a_form_speaks_the_language_of_the_participant(
+    fill: Filled, data: Path, language: str, words: tuple[str, str, str], size: tuple[int, int]
+) -> None:
+    known(data, language=language)
+    async with fill("effort", size=size) as driver:
+        *asked, thanks = words
+        driver.see(*(asked if size[0] == 80 else asked[1:]))
+        await driver.press("4", "enter")
+        if size[0] == 80:
+            driver.see(thanks)
+        assert stored(driver, "effort").content["language"] == language
+
+
+@pytest.mark.usefixtures("own")
+@pytest.mark.parametrize("kind", ["SUS", "NASA-TLX", "own"])
+async def test_nothing_is_cut_off_at_80_by_24(fill: Filled, data: Path, kind: str) -> None:
+    known(data)
+    async with fill(kind) as driver:
+        for number, item in enumerate(find(kind).items, 1):
+            driver.see(f"Item {number} of", item.title, *item.labels)
+            driver.see("Tab: I would rather not say.", "Esc Back")
+            for part in driver.app.screen.query("#questions > *"):
+                assert not part.display or part.region.bottom <= driver.app.size.height - 2, part
+                assert part.region.y >= 1 or not part.display
+            await driver.press("tab")
+        driver.see("Thank you")
+
+
+async def test_a_form_is_filled_in_with_one_switch(fill: Filled, data: Path) -> None:
+    known(data, switch="one", task="gonogo")
+    async with fill("pain-now") as driver:
+        person = OneSwitch(driver)
+        driver.lacks("Tab: I would rather not say.")
+        await person.choose("4", "Yes", "Back", "2", "Yes", "Finish")
+        assert stored(driver, "pain-now").content["score"] == 2
+        assert driver.screen_name == "HomeScreen"
+        assert driver.app.switch is None, "the keys are the therapist's again"
+
+
+async def test_a_form_is_read_aloud(fill: Filled, data: Path, transcript: Transcript) -> None:
+    known(data, outputs=["screen", "speech"], read_aloud=True)
+    async with fill() as driver:
+        listener = Listener(driver, transcript)
+        await listener.hear([])
+        for key in given(*"1234"):
+            await listener.press(key)
+        assert listener.count > 12
+        await driver.press("escape", "escape", "escape", "escape", "escape")
+        assert not driver.app.aloud.is_on
+
+
+async def test_a_therapist_hands_over_a_form_from_the_records(
+    opened: OpenApp, data: Path, catalogue: Catalogue
+) -> None:
+    trained(data, catalogue, 1000)
+    async with opened() as driver:
+        await open_progress(driver, catalogue)
+        await driver.press("a", "enter")
+        driver.see("effort · Effort")
+        driver.lacks("Godspeed")
+        await driver.press(*"effort"[:1], "enter")
+        driver.see("How hard was that for you?")
+        await driver.wait(700)
+        await driver.press("5", "enter")
+        await driver.wait(700)
+        await driver.press("enter")
+        assert driver.screen_name == "ProgressScreen"
+        await driver.settle()
+        driver.see("effort")
+        await driver.press("enter")
+        driver.see("A form is the participant's own")

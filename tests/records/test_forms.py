@@ -1,0 +1,171 @@
+"""Forms are kinds of record with items, scores, words by language, and a permission."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sar_tui.records import kind as kinds_room
+from sar_tui.records.kind import (
+    NOT_SAID,
+    SHIPPED,
+    Kind,
+    KindError,
+    RecordError,
+    Value,
+    find,
+    read_kind,
+)
+from sar_tui.records.scoring import compute
+
+FORM = """
+name = "mood"
+title = "Mood"
+entered_by = "participant"
+[form]
+items = 4
+lowest = 1
+highest = 7
+reversed = [4]
+[[scores]]
+name = "all"
+rule = "sum"
+missing = "others"
+at_least = 3
+[[scores]]
+name = "part"
+items = [1, 4]
+[words.en]
+items = ["A", "B", "C", "D"]
+labels = ["no", "yes"]
+[words.de]
+items = ["E", "F", "G", "H"]
+"""
+TEXTS = """
+based_on = "KSS"
+permission = "The authors, by e-mail, 2026-03-01"
+[words.en]
+items = ["How sleepy are you?"]
+"""
+
+
+@pytest.fixture
+def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The folder of a laboratory's own kinds, with a form in it."""
+    monkeypatch.setattr(kinds_room, "own_folder", lambda: tmp_path)
+    (tmp_path / "mood.toml").write_text(FORM, encoding="utf-8")
+    kinds_room._read_folder.cache_clear()
+    return tmp_path
+
+
+def answered(kind: Kind, *values: Value) -> Mapping[str, Value]:
+    return {item.name: value for item, value in zip(kind.items, values, strict=False)}
+
+
+def score(kind: Kind, *values: Value) -> object:
+    return kind.read(answered(kind, *values)).get("score")
+
+
+def test_the_usability_scale_is_scored_as_published() -> None:
+    sus = find("SUS")
+    assert score(sus, *[5, 1] * 5) == 100
+    assert score(sus, *[1, 5] * 5) == 0
+    assert score(sus, *[3] * 10) == 50
+    assert score(sus, 4, 2, 4, 1, 5, 2, 4, 2, 4, 3) == 77.5
+    assert score(sus, *[5, 1] * 4, 5, NOT_SAID) == 95, "a missing item counts as the middle"
+    assert "score" not in sus.read(answered(sus, *[NOT_SAID] * 10)), "of nothing there is no score"
+
+
+@given(st.lists(st.integers(1, 5), min_size=10, max_size=10))
+def test_the_usability_scale_follows_its_recipe_for_all_answers(values: list[int]) -> None:
+    odd = sum(value - 1 for value in values[::2])
+    even = sum(5 - value for value in values[1::2])
+    assert score(find("SUS"), *values) == (odd + even) * 2.5
+
+
+def test_the_workload_is_the_mean_of_six_scales_in_steps_of_five() -> None:
+    tlx = find("nasa-tlx")
+    assert tlx.items[0].points == tuple(range(0, 101, 5))
+    assert tlx.items[3].labels == ("Perfect", "Failure")
+    assert score(tlx, 0, 100, 50, 25, 75, 5) == 42.5
+    assert score(tlx, 0, 100, 50, 25, 75, NOT_SAID) is None
+    with pytest.raises(RecordError, match=r"goes in steps of 5 from 0, so it is not 42\."):
+        tlx.read(answered(tlx, 42))
+
+
+def test_a_score_says_how_many_items_are_missing_and_what_it_needs(own: Path) -> None:
+    mood = find("mood")
+    found = mood.read(answered(mood, 1, 2, NOT_SAID, 2))
+    assert (found["all"], found["all_missing"]) == (12.0, 1), "(1 + 2 + 6) / 3 * 4"
+    assert (found["part"], found["part_missing"]) == (3.5, 0)
+    found = mood.read(answered(mood, 1, 2, NOT_SAID, NOT_SAID))
+    assert "all" not in found
+    assert (found["all_missing"], found["part_missing"]) == (2, 1)
+    assert mood.read({**answered(mood, 1, 2), "status": "open"}) == {
+        "q1": 1, "q2": 2, "status": "open",
+    }  # fmt: skip
+    again = mood.read(mood.read(answered(mood, 1, 2, 3, 4)))
+    assert again["all"] == mood.read(answered(mood, 1, 2, 3, 4))["all"], "scores are never typed"
+    with pytest.raises(RecordError, match="Mood has no answers"):
+        mood.read({})
+
+
+def test_a_form_has_words_in_several_languages(own: Path) -> None:
+    mood = find("mood")
+    assert [item.title for item in mood.items] == ["A", "B", "C", "D"]
+    german = mood.in_language("de")
+    assert [item.title for item in german.items] == ["E", "F", "G", "H"]
+    assert german.items[0].labels == ("no", "yes")
+    assert [item.title for item in mood.in_language("es").items] == ["A", "B", "C", "D"]
+    for name in ("effort", "fatigue", "pain-now"):
+        assert set(find(name).languages) == {"en", "de", "es"}
+
+
+def test_a_key_is_used_with_the_text_and_the_permission_of_the_laboratory(own: Path) -> None:
+    assert "The text of KSS is not here" in find("KSS").why_unusable
+    (own / "kss.toml").write_text(TEXTS, encoding="utf-8")
+    kinds_room._read_folder.cache_clear()
+    kss = find("KSS")
+    assert kss.why_unusable == ""
+    assert kss.read({"q1": 7})["permission"] == "The authors, by e-mail, 2026-03-01"
+    (own / "kss.toml").write_text(TEXTS.replace("permission", "licence"), encoding="utf-8")
+    kinds_room._read_folder.cache_clear()
+    assert "KSS may be used only if its owner allows it" in find("KSS").why_unusable
+
+
+def test_no_text_ships_that_its_owner_has_not_given_away() -> None:
+    forms = [each for each in map(read_kind, SHIPPED.glob("*.toml")) if each.form]
+    with_text = {each.name for each in forms if not each.why_unusable}
+    assert with_text == {"SUS", "NASA-TLX", "effort", "fatigue", "pain-now"}
+    assert all(each.source and each.licence for each in forms)
+    assert not any("borg" in each.name.lower() for each in forms)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("items = [1, 4]", "items = [1, 5]", "The score part has items from 1 to 4."),
+        ("items = [1, 4]", "items = [1, 1]", "names an item twice"),
+        ("at_least = 3", "at_least = 5", "at_least is 1 to 4"),
+        ('"participant"', '"therapist"', "A form is filled in by the participant"),
+        ('"E", "F"', '"E"', "The words in de have another number of items than the form, 4."),
+        ('["no", "yes"]', '["no", "so", "yes"]', "labels for both ends, for each point, or none"),
+        ('name = "part"', 'name = "q1"', "Two fields are named 'q1'"),
+        ("[form]\nitems = 4", "", "is no kind of record"),
+        ('name = "mood"', 'name = "mood"\nbased_on = "x"', "no kind 'x' ships"),
+    ],
+)
+def test_a_form_that_cannot_be_used_is_refused_in_a_sentence(
+    tmp_path: Path, old: str, new: str, says: str
+) -> None:
+    (tmp_path / "own.toml").write_text(FORM.replace(old, new), encoding="utf-8")
+    with pytest.raises(KindError) as refused:
+        read_kind(tmp_path / "own.toml")
+    assert says in str(refused.value)
+
+
+def test_an_answer_that_is_no_number_is_missing() -> None:
+    sus = find("SUS")
+    assert compute(sus.scores[0], sus.items, {"q1": NOT_SAID}).missing == 10
