@@ -470,7 +470,28 @@ def _begin(
 
 
 def _fill_form(home: Home, one: "Person", found: "Next", *, plain: bool) -> int:
-    raise Refused("Forms cannot be filled in here yet.")
+    """Let the person fill in a form, record that it is done, and return the exit code."""
+    from sar_tui.drivers.login_name import login_name
+    from sar_tui.store import forms
+    from sar_tui.store.training_days import utc
+    from sar_tui.study import next_block
+
+    assert found.item
+    kind, of, began = (
+        forms.form(found.item.block.form),
+        forms.Occasion(one.enrolled.participant),
+        utc(),
+    )
+    if plain:
+        from sar_tui.app.plain import run_plain_form as run
+    else:
+        from sar_tui.app.app import run_form as run
+    ended = run(home.folder, home.catalogue(), kind, of)
+    with home.writable_database() as database:
+        filled = forms.newest(database, kind, of)
+        if filled and filled.recorded_at >= began and forms.is_complete(filled):
+            next_block.note_form(database, one, found, filled.id, author=login_name())
+    return ended
 
 
 def _is_done(home: Home, one: "Person", found: "Next") -> bool:

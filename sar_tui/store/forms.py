@@ -65,6 +65,11 @@ def newest(db: sqlite3.Connection, kind: Kind, of: Occasion) -> Record | None:
     return own[-1] if own else None
 
 
+def is_complete(record: Record) -> bool:
+    """Return True if all items of a form were answered, or declined."""
+    return record.content.get(STATUS) == COMPLETE
+
+
 def _local_day(record: Record) -> date:
     began = datetime.fromisoformat(record.at)
     return (began if began.tzinfo else began.replace(tzinfo=UTC)).astimezone().date()
