@@ -352,8 +352,8 @@ def played(
         f" {UTC_OFFSET} FROM sessions"
         " JOIN seats ON seats.session=sessions.id AND seat='A'"
         f" WHERE study IS NOT NULL AND json_extract(study, '$.study')=? AND {counted}"
-        " AND (?2 IS NULL OR participant=?2) ORDER BY sessions.rowid",
-        (study, participant),
+        f"{' AND participant=?' if participant else ''} ORDER BY sessions.rowid",
+        (study, participant) if participant else (study,),
     )
     found = []
     for id, who, status, began, ended, place, offset_s in rows:

@@ -122,7 +122,7 @@ class Visit(_Declared, frozen=True, kw_only=True):
 
 
 class Interrupted(_Declared, frozen=True, kw_only=True):
-    """What becomes of a block whose session was cut off.
+    """The rule for a block whose session was cut off.
 
     Attributes:
         resume_hours: for so long it goes on where it was.
@@ -134,7 +134,7 @@ class Interrupted(_Declared, frozen=True, kw_only=True):
 
 
 class Allocation(_Declared, frozen=True, kw_only=True):
-    """How people come to groups, and to orders of conditions.
+    """The method by which people come to groups, and to orders of conditions.
 
     Attributes:
         method: ``simple``: each independent of the others; ``blocks`` of random ``sizes`` within
@@ -267,7 +267,7 @@ def parse_plan(text: str, name: str) -> Study:
 
 
 Problem = tuple[Key, str]
-"""Where in the file something is wrong, and a sentence on it."""
+"""A place in the file where something is wrong, and a sentence on it."""
 
 
 def _problems(plan: Study) -> Iterator[Problem]:

@@ -26,7 +26,7 @@ FillForm = Callable[[sqlite3.Connection, str, str, Random, datetime], str]
 
 
 class Habits(msgspec.Struct, frozen=True, kw_only=True):
-    """How simulated people come to their visits.
+    """The shares by which simulated people miss visits, come late, or leave.
 
     Attributes:
         misses: share of visits, after the first, to which a person does not come.
@@ -43,7 +43,7 @@ PUNCTUAL = Habits()
 
 
 class BlockTime(msgspec.Struct, frozen=True, kw_only=True):
-    """How long a block took in the rehearsal (s)."""
+    """The time that a block took in the rehearsal (s)."""
 
     visit: str
     block: str
@@ -52,7 +52,7 @@ class BlockTime(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Rehearsed(msgspec.Struct, frozen=True, kw_only=True):
-    """What came of the rehearsal at one site.
+    """The result of a rehearsal at one site.
 
     Attributes:
         folder: of its data.

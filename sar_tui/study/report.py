@@ -1,4 +1,4 @@
-"""What a paper must say of a study: the flow of participants, deviations, dose and what is missing.
+"""Report on a study for a paper: the flow of participants, deviations, dose and what is missing.
 
 The counts are those that CONSORT 2025 asks for (10.1371/journal.pmed.1004587), item 22: by group
 allocated, received as intended, completed, lost with reasons, analysed.
@@ -44,7 +44,7 @@ class GroupFlow(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Dose(msgspec.Struct, frozen=True, kw_only=True):
-    """What was done in a visit: means over the people who came.
+    """The dose of a visit: means over the people who came.
 
     ``minutes``: from the beginning to the end of the sessions.
     """

@@ -1,4 +1,4 @@
-"""What a person of a study has done, what is due, and what differs from the plan: pure."""
+"""The schedule of a person of a study: what is done, due, late or missed. Pure functions."""
 
 from collections.abc import Iterator, Sequence
 from datetime import date, datetime, timedelta
@@ -29,7 +29,7 @@ class Item(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def key(self) -> tuple[str, str, int]:
-        """What tells it from the others of the person."""
+        """The key that tells it from the others of the person."""
         return self.visit.name, self.block.name, self.position
 
 
@@ -76,7 +76,7 @@ class VisitDay(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Next(msgspec.Struct, frozen=True, kw_only=True):
-    """What is due next.
+    """The next item of a person.
 
     Attributes:
         item: None if there is nothing more.

@@ -1,4 +1,4 @@
-"""Who of a study has done what, and what is due."""
+"""The status of a study: each person with each visit, done, due, late or missed."""
 
 import sqlite3
 from datetime import datetime

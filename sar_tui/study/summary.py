@@ -1,4 +1,4 @@
-"""What a plan says, in a few lines."""
+"""A summary of a plan, in a few lines."""
 
 from collections.abc import Iterator
 

@@ -15,6 +15,7 @@ from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.node import Node
 from sar_tui.loop.topics import COMMAND, NOTE_ADDED
 from sar_tui.model.messages import NoteAdded, SessionCommand
+from sar_tui.model.study_place import StudyPlace
 from sar_tui.model.units import SECOND
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import resume, start
@@ -23,8 +24,11 @@ from sar_tui.store import exports, people_events, programmes, sites
 from sar_tui.store.database import FILE, connect, transaction
 from sar_tui.store.merge import conflicts
 from sar_tui.store.tables import PROGRAMMES
+from sar_tui.study import ledger
+from sar_tui.study.plan import parse_plan
 from tests.played import catalogue, play, simulated, somebody
 from tests.recorded import event, score, told
+from tests.study.plans import TWO_GROUPS
 
 GOLDEN = Path(__file__).parent / "golden"
 FEW = {"prompts_per_attempt": 4}
@@ -54,6 +58,10 @@ def make(folder: Path) -> None:
         people_events.add(
             database, people_events.new_event("withdrawn", "P02", author="ana", reason="")
         )
+        ledger.freeze(
+            database, TWO_GROUPS, parse_plan(TWO_GROUPS, "plan"), {}, commitment="0" * 64,
+            mode="live", author="ana",
+        )  # fmt: skip
         sites.set_own(database, "ZURICH")
         with transaction(database) as connection:
             connection.execute("INSERT INTO same_people VALUES ('P01@BERN', 'P02')")
@@ -82,7 +90,10 @@ def _play_sessions(folder: Path) -> None:
     )
     simulated(folder, "pairs", "P01", "P02", seed=5, attempts=2, **operated)
     clock = VirtualClock()
-    plan = make_plan(catalogue(), "keyboard", ["P01"], {"attempts": 3, **FEW}, seed=4)
+    place = StudyPlace(
+        study="praise", version=1, visit="first", block="baseline", condition="unpraised"
+    )
+    plan = make_plan(catalogue(), "keyboard", ["P01"], {"attempts": 3, **FEW}, seed=4, study=place)
     session = play(start(plan, folder, catalogue(), clock, somebody), clock, steps=20)
     clock = VirtualClock(1000 * SECOND)
     play(resume(session, folder, catalogue(), clock, somebody), clock)

@@ -51,7 +51,7 @@ def test_the_same_code_at_two_sites_is_two_people_and_merging_again_changes_noth
     assert {row[2]: row[0] for row in found["seats"]} == {"P01@ZURICH": "a1", "P01@BERN": "b1"}
     assert found == holds(bern) | found
     assert merged.conflicts == []
-    tables = "same_people participants exports people_events programmes records"
+    tables = "same_people participants exports people_events studies programmes records"
     none = dict.fromkeys(tables.split(), 0)
     assert merge(zurich, bern) == Merged(site="ZURICH", other="BERN", records=none)
     assert holds(zurich) == found
