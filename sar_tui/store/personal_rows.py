@@ -19,6 +19,8 @@ from sar_tui.store.merge.session_records import remove
 from sar_tui.store.people_events import Details, PersonEvent
 from sar_tui.store.sites import own as own_site
 
+ENROLMENT = "enrolment"
+"""Kind of the records with what was drawn for a person of a study."""
 FINAL = ("de-identified", "erased")
 """Events that change what is stored of the person."""
 
@@ -148,7 +150,8 @@ def _erase(db: sqlite3.Connection, person: _Person) -> Changed:
         said = msgspec.structs.replace(person.said, seat=seat)
         old = log_hashes.seats(db, session)[seat]
         redaction.erase_seat(db, session, seat, old, person.replaced_by, said)
-    others = _delete(db, "records", "participant", [person.code], person)
+    others = _anonymise_enrolments(db, person)
+    others += _delete(db, "records", "participant", [person.code], person)
     others += _delete(db, "records", "id", sorted(person.records), person)
     others += _delete(db, "programmes", "participant", person.programme_codes(), person)
     if person.is_own or site_of(person.code) == person.site:
@@ -164,6 +167,26 @@ def _erase(db: sqlite3.Connection, person: _Person) -> Changed:
         ),
     ).rowcount
     return Changed(len(whole) + len(shared), len(shared), others)
+
+
+def _anonymise_enrolments(db: sqlite3.Connection, person: _Person) -> int:
+    """Leave the number and the group of a person in each study, under a code that nobody has: what
+    was drawn stays drawn.
+    """
+    named = [person.code, *sorted(person.records)]
+    slots = ",".join("?" for _ in named[1:])
+    site = "" if person.is_own else " AND site=?"
+    return db.execute(
+        "UPDATE records SET participant=?, recorded_by='', session=NULL WHERE kind=?"
+        f" AND participant<>? AND (participant=? OR id IN ({slots})){site}",
+        (
+            person.replaced_by,
+            ENROLMENT,
+            person.replaced_by,
+            *named,
+            *(() if person.is_own else (person.site,)),
+        ),
+    ).rowcount
 
 
 def _sessions(db: sqlite3.Connection, person: _Person) -> list[tuple[str, str, str | None]]:
@@ -190,10 +213,11 @@ def _is_erased(db: sqlite3.Connection, code: str) -> bool:
 def _delete(
     db: sqlite3.Connection, table: str, column: str, values: Sequence[str], person: _Person
 ) -> int:
+    kept = " AND kind<>:kept" if table == "records" else ""
     return sum(
         db.execute(
-            f"DELETE FROM {table} WHERE {column}=:value AND {person.of_site(table)}",
-            {"value": value, "site": person.site},
+            f"DELETE FROM {table} WHERE {column}=:value AND {person.of_site(table)}{kept}",
+            {"value": value, "site": person.site, "kept": ENROLMENT},
         ).rowcount
         for value in values
     )

@@ -14,18 +14,19 @@ from typing import Any, Literal
 import msgspec
 
 from sar_tui.records.kind import Value
-from sar_tui.store import records
+from sar_tui.store import people_events, records
 from sar_tui.store.counted import COUNTS
 from sar_tui.store.database import StoreError, store, transaction
 from sar_tui.store.participants import add as add_participant
 from sar_tui.store.participants import check_own
+from sar_tui.store.personal_rows import ENROLMENT
 from sar_tui.store.records import Record
 from sar_tui.store.tables import STUDIES
 from sar_tui.store.training_days import UTC_OFFSET, trained_at, utc
 from sar_tui.study.plan import Study, parse_plan
 
 Mode = Literal["live", "simulated"]
-ENROLMENT, DEVIATION, CONSENT = "enrolment", "deviation", "consent"
+DEVIATION, CONSENT = "deviation", "consent"
 EXIT, CODE_BREAK, FORM = "study-exit", "code-break", "form-filled"
 
 
@@ -267,12 +268,14 @@ def enrolments(db: sqlite3.Connection, study: str) -> list[Enrolment]:
         for record in records.listing(db, kinds=(EXIT,))
         if record.content["study"] == study
     }
+    left = _left(db)
     found = []
     for record in records.listing(db, kinds=(ENROLMENT,)):
         content = record.content
         if content["study"] != study:
             continue
         end = ends.get(record.participant)
+        withdrawn, why = left.get(record.participant, ("", ""))
         orders = str(content.get("order", ""))
         found.append(
             Enrolment(
@@ -285,10 +288,23 @@ def enrolments(db: sqlite3.Connection, study: str) -> list[Enrolment]:
                 orders=tuple(map(int, filter(None, orders.split(",")))),
                 replaces=str(content.get("replaces", "")),
                 at=record.at,
-                ended=str(end.content["what"]) if end else "",
-                why_ended=str(end.content["reason"]) if end else "",
+                ended=str(end.content["what"]) if end else withdrawn,
+                why_ended=str(end.content["reason"]) if end else why,
             )
         )
+    return sorted(found, key=lambda one: (one.participant.partition("@")[2], one.number))
+
+
+def _left(db: sqlite3.Connection) -> dict[str, tuple[str, str]]:
+    """Return who withdrew altogether, and the codes of those who were erased, with the reason."""
+    found: dict[str, tuple[str, str]] = {}
+    for event in people_events.events(db):
+        if event.event == "erased":
+            found[event.replaced_by] = ("erased", "asked for it")
+        elif event.event == "withdrawn":
+            found[event.participant] = ("withdrawn", event.reason or "withdrew altogether")
+        else:
+            found.pop(event.participant, None)
     return found
 
 

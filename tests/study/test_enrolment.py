@@ -12,7 +12,9 @@ from typing import NamedTuple
 import pytest
 
 from sar_tui.plugins import Catalogue
+from sar_tui.store import people_events
 from sar_tui.store.database import StoreError, connect
+from sar_tui.store.erasure import erase
 from sar_tui.study import enrolment, ledger, secret
 from sar_tui.study.allocation import AllocationError, Assigned, assign
 from sar_tui.study.ledger import Frozen
@@ -174,3 +176,28 @@ def test_a_draw_that_is_cut_off_is_neither_lost_nor_done_twice(place: Place) -> 
     # the last line may be cut off within a word
     assert {line for line in told if line.split()[1] in ("praise", "silent")} <= stored
     check_draws(place)
+
+
+def test_what_was_drawn_for_a_person_who_was_erased_stays_drawn_for_nobody(place: Place) -> None:
+    with closing(connect(place.folder)) as db:
+        frozen = ledger.find(db)
+        first = [enrolment.enrol(db, frozen, code, place.key) for code in ("P01", "P02", "P03")]
+    erase(place.folder, "P02", author="me", reason="asked for it")
+    with closing(connect(place.folder)) as db:
+        fourth = enrolment.enrol(db, ledger.find(db), "P04", place.key)
+        found = ledger.enrolments(db, "praise")
+    assert fourth.number == 4
+    assert [one.group for one in found] == [one.group for one in (*first, fourth)]
+    assert [one.ended for one in found] == ["", "erased", "", ""]
+    assert found[1].participant != "P02"
+    check_draws(place)
+
+
+def test_whoever_withdrew_altogether_has_left_the_study(place: Place) -> None:
+    with closing(connect(place.folder)) as db:
+        enrolment.enrol(db, ledger.find(db), "P01", place.key)
+        people_events.add(
+            db, people_events.new_event("withdrawn", "P01", author="me", reason="too tired")
+        )
+        (one,) = ledger.enrolments(db, "praise")
+    assert (one.ended, one.why_ended) == ("withdrawn", "too tired")
