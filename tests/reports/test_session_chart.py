@@ -176,7 +176,7 @@ def test_marks_and_lines_are_at_their_height(
     if max(value, base) > axis[1]:
         return
     by_row = {row: line.split("┤")[0].strip() for row, line in enumerate(reversed(drawn.rows[:-1]))}
-    assert list(by_row.values())[0] == "1"
+    assert by_row[0] == "1"
     ((_, half),) = points(drawn.rows)
     assert abs(1 + (half - 0.5) / 2 - value) <= quarter + 1e-9
     if not is_shaded:

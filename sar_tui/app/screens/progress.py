@@ -19,8 +19,8 @@ from textual.widgets import Static
 from sar_tui.app.screens.record_form import RecordForm, RemoveRecord
 from sar_tui.drivers.login_name import login_name
 from sar_tui.loop.task import Task
-from sar_tui.model.language import BUNDLED, OWN_NAMES, Language, in_language
 from sar_tui.model.contrast import contrast
+from sar_tui.model.language import BUNDLED, OWN_NAMES, Language, in_language
 from sar_tui.model.line_breaks import balanced
 from sar_tui.records.kind import Kind, kinds
 from sar_tui.reports import progress_parts as parts
@@ -665,7 +665,7 @@ def chart_colors(theme: Mapping[str, str]) -> dict[str, str]:
     def mixed(name: str, share: float) -> str:
         return ground.blend(Color.parse(theme[name]), share).hex
 
-    colors = {part: mixed(name, share) for part, (name, share) in _PARTS.items()}
+    colors: dict[str, str] = {part: mixed(name, share) for part, (name, share) in _PARTS.items()}
     name, share = _PARTS["band"]
     while share < 1.0 and contrast(colors["band"], colors["area"]) < _LEAST_CONTRAST:
         share += 0.05
