@@ -107,11 +107,11 @@ def test_a_reason_is_said_in_few_words_and_in_a_sentence_with_its_day() -> None:
             events=[Event(ago(1), "mild", has_outcome=False)],
         )
     )
-    assert found.why == "Pain 6 · open adverse event · level 6 for three sessions"
+    assert found.why == "Pain 6/10 · open adverse event · no change for 3 sessions"
     assert found.look == [
         "Pain 6 Sat 21 Nov, limit 5.",
         "Adverse event yesterday, mild: no outcome yet.",
-        "Level 6 for three sessions.",
+        "No change for 3 sessions: level 6.",
     ]
     assert "PAIN" in found.words.upper()
 
