@@ -548,7 +548,7 @@ async def test_a_rule_that_fails_is_said_to_when_it_is_looked_at_and_spoils_no_o
     async with opened() as form:
         await form.press("f2")
         assert "Aims at" in await preview(form)
-        form.see("A share of successes ▁")
+        form.see("A share of successes level 1 to 9")
         await form.press("down")
         assert (await preview(form)).startswith("It cannot be played: The task keyboard")
         await form.press("down")

@@ -59,7 +59,7 @@ class Layout(NamedTuple):
 
 LARGE = Layout("\n\n", "\n\n", 5, 6, margins=7, has_figures=True, gap=1)
 _LAYOUTS = (
-    LARGE._replace(has_levels=True),
+    LARGE._replace(has_levels=True, margins=10),
     LARGE,
     LARGE._replace(has_figures=False),
     LARGE._replace(has_figures=False, gap=0),

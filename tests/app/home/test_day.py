@@ -139,9 +139,13 @@ def test_several_events_are_one_sentence_and_a_severity_may_be_missing() -> None
         (person("P01", 40), "", "Trained last on Fri 16 Oct"),
         (person("P01", 3, due=TODAY), "Due today", "Trained 3 days ago"),
         (person("P01", 3, due=ago(1)), "Due since yesterday", "Trained 3 days ago"),
-        (person("P01", 0, rated=in_pain(0, 2)), "Pain 2 this week", "Today 09:40, 8 of 10 goals"),
-        (person("P01", 0, rated=in_pain(0, 6)), "Pain 6", "Today 09:40, 8 of 10 goals"),
-        (person("P01", 3, rated=in_pain(3, 6)), "Pain 6", "Trained 3 days ago"),
+        (
+            person("P01", 0, rated=in_pain(0, 2)),
+            "Pain 2/10 this week",
+            "Today 09:40, 8 of 10 goals",
+        ),
+        (person("P01", 0, rated=in_pain(0, 6)), "Pain 6/10", "Today 09:40, 8 of 10 goals"),
+        (person("P01", 3, rated=in_pain(3, 6)), "Pain 6/10", "Trained 3 days ago"),
     ],
 )
 def test_it_is_said_why_a_person_is_there_and_when_they_trained(
