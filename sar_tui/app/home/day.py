@@ -36,7 +36,7 @@ HEADINGS: dict[Part, str] = {
 }
 """The sections, in order."""
 _REASONS: dict[ReasonKind, str] = {
-    "pain": "pain {value}/10",
+    "pain": "pain {value}",
     "pain rose": "pain from {limit} to {value}",
     "event": "adverse event",
     "event without outcome": "open adverse event",

@@ -227,7 +227,8 @@ class RuleField(ParameterField):
 
     def _is_drawn(self, width: int) -> bool:
         """Return True if levels are drawn, too, given the columns of the names of rules."""
-        return _MARK + width + 1 + _PICTURE + sum(self._columns) + 3 <= self.content_size.width
+        needed = _MARK + width + 1 + _PICTURE + sum(self._columns) + 3
+        return bool(self._pictures) and needed <= self.content_size.width
 
     def _heads(self, width: int) -> str:
         """Return the heads of the columns."""

@@ -107,7 +107,7 @@ def test_a_reason_is_said_in_few_words_and_in_a_sentence_with_its_day() -> None:
             events=[Event(ago(1), "mild", has_outcome=False)],
         )
     )
-    assert found.why == "Pain 6/10 · open adverse event · no change for 3 sessions"
+    assert found.why == "Pain 6 · open adverse event · no change for 3 sessions"
     assert found.look == [
         "Pain 6 Sat 21 Nov, limit 5.",
         "Adverse event yesterday, mild: no outcome yet.",
@@ -144,8 +144,8 @@ def test_several_events_are_one_sentence_and_a_severity_may_be_missing() -> None
             "Pain 2/10 this week",
             "Today 09:40, 8 of 10 goals",
         ),
-        (person("P01", 0, rated=in_pain(0, 6)), "Pain 6/10", "Today 09:40, 8 of 10 goals"),
-        (person("P01", 3, rated=in_pain(3, 6)), "Pain 6/10", "Trained 3 days ago"),
+        (person("P01", 0, rated=in_pain(0, 6)), "Pain 6", "Today 09:40, 8 of 10 goals"),
+        (person("P01", 3, rated=in_pain(3, 6)), "Pain 6", "Trained 3 days ago"),
     ],
 )
 def test_it_is_said_why_a_person_is_there_and_when_they_trained(
