@@ -1,4 +1,4 @@
-"""Breaks texts into lines of about the same length."""
+"""Breaks texts into lines of about the same length, and spaces their letters."""
 
 import re
 import textwrap
@@ -6,6 +6,7 @@ from functools import lru_cache
 
 _KEPT = re.compile(r"(?<=\d) (?=[^\W\d]|→)|(?<=→) ")
 """A space between a number and its unit, or beside an arrow."""
+_BEFORE_SIGN = re.compile(r" (?=[.,:;!?])")
 _NO_BREAK = "\N{NO-BREAK SPACE}"
 
 
@@ -25,3 +26,10 @@ def _balanced_line(text: str, width: int) -> str:
             lines = tried
             break
     return "\n".join(lines).replace(_NO_BREAK, " ")
+
+
+def spaced(text: str, columns: int) -> str:
+    """Return a text in spaced capitals, ``W E L L   D O N E``; as it is if there is no room."""
+    words = (_BEFORE_SIGN.sub("", " ".join(word)) for word in text.upper().split(" "))
+    wide = "   ".join(words)
+    return wide if len(wide) <= columns else text

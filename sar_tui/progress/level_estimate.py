@@ -63,7 +63,7 @@ class Slope(msgspec.Struct, frozen=True):
 
 
 class Estimate(msgspec.Struct, frozen=True):
-    """Difficulty at which the goal would just be reached, with its 95 % band.
+    """Difficulty at which the goal would just be reached, with its 95 % range.
 
     ``borrowed``: the slope is that of the person's other sessions.
     """

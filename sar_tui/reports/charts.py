@@ -341,8 +341,10 @@ HALVES = "▄▀"
 """A value in the lower and in the upper half of a row."""
 BAND_HALVES = "╷╵"
 """The end of a band in the lower and in the upper half of a row."""
-LIMIT = "─"
-"""The limit of an area, between the halves of a row, so that each value is above it or below it."""
+LIMIT, EDGE = "─", "▁"
+"""A line between the halves of a row, so that each value is above it or below it, and one between
+two rows.
+"""
 BASELINE = "━"
 """The mean of the sessions of the baseline, where nothing is shaded."""
 TEN = "X"
@@ -604,7 +606,12 @@ def session_chart(
     for sign, value in ((BASELINE, baseline), (RULE, rule)):
         if value is not None and low <= value <= high:
             line = step(value) // 2
-            canvas.rule(line, LIMIT if is_shaded and sign == BASELINE else sign)
+            if is_shaded and sign == BASELINE:
+                line, is_between = _line(value, axis, highest)
+                sign_drawn = EDGE if is_between else LIMIT
+            else:
+                sign_drawn = sign
+            canvas.rule(line, sign_drawn)
             named[LIMIT] = [row for row in named[LIMIT] if row != line]
             named[sign] = [line]
     for column, sessions in columns.groups():
@@ -784,6 +791,21 @@ def _borders(
     upper = max(3, min(highest, border(area[1])))
     lower = max(1, min(upper - 2, border(area[0])))
     return lower if low <= area[0] <= high else None, upper if low <= area[1] <= high else None
+
+
+def _line(value: float, axis: tuple[float, float], highest: int) -> tuple[int, bool]:
+    """Return the row of a line that is the nearest to a value: in its middle, or True, on its lower
+    edge.
+    """
+    low, high = axis
+    if high <= low:
+        return highest // 4, False
+    halves = (value - low) / (high - low) * highest + 0.5
+    row = min(math.floor(halves / 2), highest // 2)
+    over = halves - (2 * row + 1)
+    if over > 0.5 + _ROUNDING and 2 * row + 1 < highest:
+        return row + 1, True
+    return row, over < -0.5 - _ROUNDING
 
 
 def foot(

@@ -26,7 +26,7 @@ from sar_tui.store.records import Record
 
 
 class AtGoal(msgspec.Struct, frozen=True):
-    """The level at goal of a session with its 95 % band, on the axis of difficulty and in levels.
+    """The level at goal of a session with its 95 % range, on the axis of difficulty and in levels.
 
     A level is None where the axis goes beyond the task's levels. ``borrowed``: the slope is that of
     other sessions.

@@ -59,7 +59,7 @@ class Chart(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def level_chart(line: LineProgress, tr: Language) -> Chart:
-    """Return the level at goal over sessions with its 95 % bands, and the baseline's noise."""
+    """Return the level at goal over sessions with its 95 % ranges, and the baseline's noise."""
     values = []
     for each in line.sessions:
         found = each.at_goal
@@ -121,7 +121,7 @@ def _row(session: SessionProgress, **more: float | None) -> Spec:
 
 
 def level_picture(line: LineProgress, tr: Language) -> Spec | None:
-    """Chart the level at goal over sessions, with the 95 % bands, and the baseline's noise in grey.
+    """Chart the level at goal over sessions, with the 95 % ranges, and the baseline's noise in grey.
 
     A line whose level never changed has no such chart: its results say the same.
     """

@@ -44,8 +44,8 @@ GLOSSARY: dict[str, Entry] = {
         "Hick 1952, doi:10.1080/17470215208416600; docs/progress.md#the-level-at-goal",
     ),
     "band": Entry(
-        "95 % band",
-        "How well the level at goal of a session is known. In simulated sessions, 95 of 100 bands "
+        "95 % range",
+        "How well the level at goal of a session is known. In simulated sessions, 95 of 100 ranges "
         "hold the true place.",
         "From the scatter of the attempts about the line of the session, by the theorem of Fieller.",
         "Fieller 1954, J R Stat Soc B 16:175-185; docs/validation.md",

@@ -63,7 +63,7 @@ def _line(line: LineProgress, events: Sequence[Record], tr: Language) -> Iterato
         yield figure(
             spec,
             tr(
-                "Level at goal of each session with its 95 % band. Grey: no more than noise and "
+                "Level at goal of each session with its 95 % range. Grey: no more than noise and "
                 "practice."
             ),
             _range(line, tr),

@@ -192,7 +192,7 @@ def charted(line: LineProgress) -> list[str]:
 
 
 def _level_figure(line: LineProgress, tr: Language) -> _Figure:
-    """Return the level at goal over sessions with its 95 % bands, on an axis of levels; on that of
+    """Return the level at goal over sessions with its 95 % ranges, on an axis of levels; on that of
     difficulty if the levels have no place there.
     """
     chart, count = level_chart(line, tr), len(line.places)
@@ -218,7 +218,7 @@ def _level_figure(line: LineProgress, tr: Language) -> _Figure:
         heading=heading,
         baseline=None if base is None else _level(line.places, base) if count > 1 else base,
         names=_level_names(line, tr),
-        band=tr("95 % band"),
+        band=tr("95 % range"),
     )
 
 
@@ -334,6 +334,8 @@ def _chart(
         used = {value.without for value in chart.values}
         signs = (used & {ABOVE} != set()) + (used & {BELOW, UNKNOWN} != set())
         axis, ticks = _evenly(figure, rows - signs)
+    else:
+        axis, ticks = _in_rows(axis, ticks, rows)
     values = chart.values
     if not has_bands:
         values = [Value(each.value, without=each.without) for each in values]
@@ -407,7 +409,7 @@ def _with_shade(row: TextRow) -> TextRow:
 
 def _evenly(figure: _Figure, rows: int) -> tuple[tuple[float, float], Sequence[tuple[float, str]]]:
     """Return the axis and the ticks of a chart of levels with so many rows, so that its labels are
-    at equal distances.
+    at equal distances, each in the middle of its row: what is above it is drawn above it.
     """
     low, high = math.floor(figure.axis[0]), figure.axis[1]
 
@@ -418,7 +420,28 @@ def _evenly(figure: _Figure, rows: int) -> tuple[tuple[float, float], Sequence[t
     distances = _LEVELS_PER_HALF_ROW
     levels = next((each for each in distances if needed(each) <= rows), distances[-1])
     ticks = [tick for tick in figure.ticks if _is_whole((tick[0] - low) / (2 * levels))]
-    return (low, low + levels * (2 * rows - 1)), ticks
+    first = low - levels / 2
+    return (first, first + levels * (2 * rows - 1)), ticks
+
+
+def _in_rows(
+    axis: tuple[float, float], ticks: Sequence[tuple[float, str]], rows: int
+) -> tuple[tuple[float, float], Sequence[tuple[float, str]]]:
+    """Return an axis of so many rows that reaches at least as far, and the ticks, all or every other
+    one, each in the middle of its row; both as they are if there is no room.
+    """
+    ways = ((apart / every, every) for every in (1, 2) for apart in range(1, rows))
+    for apart, every in sorted(ways, key=lambda way: (-way[0], way[1])):
+        shown = ticks[::every]
+        if len(shown) < 2:
+            continue
+        half = (shown[1][0] - shown[0][0]) / (2 * apart * every)
+        below = max(0, math.ceil((shown[0][0] - axis[0]) / (2 * half) - 0.5))
+        first = shown[0][0] - (2 * below + 0.5) * half
+        last = first + (2 * rows - 1) * half
+        if last + half / 2 >= axis[1]:
+            return (first, last), shown
+    return axis, ticks
 
 
 def _is_whole(number: float) -> bool:

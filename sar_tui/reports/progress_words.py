@@ -102,7 +102,7 @@ def at_goal(line: LineProgress, session: SessionProgress, tr: Language) -> str:
         return ""
     shown, limits = (
         figure(line, found.difficulty, tr),
-        tr("95 % band {limits}", limits=_limits(line, found, tr)),
+        tr("95 % range {limits}", limits=_limits(line, found, tr)),
     )
     if found.level is None or line.axis.name == "level":
         return f"{shown} ({limits})"

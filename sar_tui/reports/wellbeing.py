@@ -47,7 +47,7 @@ def marks(told: Sequence[Record], tr: Language = ENGLISH) -> str:
         mine = [record for record in told if record.kind == kind]
         rating = worst(mine, kind)
         if rating or any(record.moment == "pause" for record in mine):
-            found.append(f"{tr(name)} {rating or ''}".strip())
+            found.append(f"{tr(name)} {rating}/10" if rating else tr(name))
     return ", ".join(found)
 
 

@@ -9,6 +9,8 @@ from textual.content import Content
 from textual.geometry import Size
 from textual.widget import Widget
 
+from sar_tui.model.line_breaks import spaced
+
 ROOMY = (100, 30)
 """Least columns and rows of a window in which texts are larger."""
 _LETTER = 9
@@ -50,7 +52,7 @@ def in_blocks(text: str, columns: int, rows: int) -> list[str]:
         return []
     for height in _HEIGHTS:
         gap = 2 if height == _HEIGHTS[0] else 1
-        lines = list(_wrapped(text, (columns + gap) // (_LETTER * gap)))
+        lines = _even(list(_wrapped(text, (columns + gap) // (_LETTER * gap))))
         if lines and len(lines) <= _MOST_LINES and len(lines) * (height + 1) - 1 <= rows:
             drawn = [draw(line, columns, height) for line in lines]
             if all(len(letters) == height for letters in drawn):
@@ -66,7 +68,8 @@ def figures_in_blocks(text: str, columns: int, *, is_below: bool = False) -> lis
     Args:
         text: the text.
         columns: the most that it may take.
-        is_below: the words are in the middle below the figures, else beside their last row.
+        is_below: the words are in the middle below the figures, in spaced capitals, else beside
+            their last row.
     """
     if not (found := _FIGURES.match(text)):
         return []
@@ -75,14 +78,10 @@ def figures_in_blocks(text: str, columns: int, *, is_below: bool = False) -> lis
     if not drawn:
         return []
     if is_below:
-        return _block([*drawn, words.strip().center(max(map(len, drawn)))])
+        words = spaced(words.strip(), columns)
+        width = max(len(words), *map(len, drawn))
+        return _block([*(row.center(width) for row in drawn), "", words.center(width)])
     return _block([*drawn[:-1], drawn[-1] + words])
-
-
-def spaced(text: str, columns: int) -> str:
-    """Return a text in spaced capitals, ``W E L L   D O N E``; as it is if there is no room."""
-    wide = "   ".join(" ".join(word) for word in text.upper().split(" "))
-    return wide if len(wide) <= columns else text
 
 
 def _wrapped(text: str, letters: int) -> Iterator[str]:
@@ -100,6 +99,17 @@ def _wrapped(text: str, letters: int) -> Iterator[str]:
     yield line
 
 
+def _even(lines: list[str]) -> list[str]:
+    """Return two lines broken where both are about as long, the first one rather the shorter: that
+    is more often between phrases.
+    """
+    if len(lines) != 2:
+        return lines
+    words = " ".join(lines).split(" ")
+    broken = ([" ".join(words[:at]), " ".join(words[at:])] for at in range(1, len(words)))
+    return min(broken, key=lambda two: max(map(len, two)))
+
+
 def _block(rows: Sequence[str]) -> list[str]:
     """Return rows of one width that keep it where each line is centred."""
     width = max(map(len, rows))
@@ -112,7 +122,8 @@ class Heading(Widget):
     Args:
         text: the sentence.
         largest: the most rows that it may take; 1: it is never drawn in block letters.
-        classes: ``well-done`` for praise, which is written in spaced capitals in a small window.
+        classes: ``well-done`` for praise, which is written in spaced capitals in a small window;
+            ``band`` for what is new, which is in a large one.
     """
 
     DEFAULT_CSS = "Heading { width: 100%; height: auto; }"
@@ -143,7 +154,9 @@ class Heading(Widget):
     def _lines(self, columns: int) -> list[str]:
         if is_roomy(*self.app.size) and (drawn := in_blocks(self.text, columns, self._largest)):
             return drawn
-        return [spaced(self.text, columns) if self.has_class("well-done") else self.text]
+        is_roomy_band = self.has_class("band") and is_roomy(*self.app.size)
+        is_spaced = self.has_class("well-done") or is_roomy_band
+        return [spaced(self.text, columns) if is_spaced else self.text]
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
         return self._content(width).get_height({}, max(1, width))

@@ -13,7 +13,7 @@ from sar_tui.widgets.language import language_of
 
 
 class KeyFooter(Footer):
-    """Textual's footer in the language of the screen, composed anew only when its keys change.
+    """Textual's footer in the language of the screen, with the way back first, composed anew only when its keys change.
 
     Textual composes it whenever the focus moves, which takes longer than everything else that a key
     press does.
@@ -50,6 +50,7 @@ class KeyFooter(Footer):
                     # otherwise each key is styled as compact, its default, and then again
                     part.set_reactive(FooterKey.compact, self.compact)
             parts.append(part)
+        parts.sort(key=lambda part: not isinstance(part, FooterKey) or part.key != "escape")
         yield from self._fitting(parts)
 
     def _fitting(self, parts: list[Widget]) -> list[Widget]:

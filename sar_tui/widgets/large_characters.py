@@ -17,6 +17,8 @@ FONT = "clb8x8"
 """A font that distinguishes I, l and 1, O and 0."""
 _WIDTH = 9
 """Columns of a character, with the gap to the next one."""
+_NARROW, _GAP = ".,", "  "
+"""Characters that are as wide as their dots, and the gap to the next one."""
 _WITHOUT_DOT = {"i": "ı", "j": "ȷ"}
 _SPACE = (" " * 5,) * 8
 """The gap between words is narrower than a character."""
@@ -87,6 +89,9 @@ def _shape(letter: str) -> tuple[Shape, int]:
             rows = _marked_below(rows, under)
         else:
             return (), 0
+    if letter in _NARROW:
+        rows = _cropped(rows)
+        return tuple(f"{row}{_GAP}" for row in rows), above
     return tuple(row.ljust(_WIDTH) for row in rows), above
 
 

@@ -456,7 +456,10 @@ async def test_a_preset_leaves_nothing_of_the_one_before(opened: OpenApp, data: 
 async def test_a_rule_is_looked_at_before_it_is_chosen(form: AppDriver) -> None:
     fixed = await preview(form)
     form.see("✓ Step by step", "15 of 20", "An average person: P01 has too few", "more settings ↓")
-    form.see("↑ ↓ look at a rule, Enter chooses it.", "Aims at about half of the goals: 15 of 20.")
+    form.see(
+        "Press ↑ ↓ to look at a rule, Enter to choose it.",
+        "Aims at about half of the goals: 15 of 20.",
+    )
     await form.press("down")
     form.see("Enter chooses this rule.")
     assert await preview(form) != fixed
@@ -545,7 +548,7 @@ async def test_a_rule_that_fails_is_said_to_when_it_is_looked_at_and_spoils_no_o
     async with opened() as form:
         await form.press("f2")
         assert "Aims at" in await preview(form)
-        form.see("A share of successes ▁")
+        form.see("A share of successes level 1 to 9")
         await form.press("down")
         assert (await preview(form)).startswith("It cannot be played: The task keyboard")
         await form.press("down")

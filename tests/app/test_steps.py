@@ -37,7 +37,7 @@ async def test_a_question_is_answered_on_the_screen(open_session: OpenSession) -
     ) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.wait(1500)
-        driver.see("How strong is your pain now?", "Tab: I would rather not say.")
+        driver.see("How strong is your pain now?", "Press Tab if you would rather not say.")
         await driver.press("enter")
         driver.see("Please choose first")
         await driver.press("5")
@@ -146,7 +146,7 @@ def test_borgs_scale_fits_on_a_small_screen() -> None:
     assert len(rows) == 6
     assert max(map(len, rows)) <= 68
     assert "▶ 0.5  extremely weak" in rows[2]
-    assert how.endswith("Tab: I would rather not say.")
+    assert how.endswith("Press Tab if you would rather not say.")
 
 
 def test_options_are_ticked_and_the_cursor_points_at_one() -> None:

@@ -1,6 +1,7 @@
 """The summary of a session: its facts, its plot, and the earlier session beside it."""
 
 from collections.abc import Sequence
+from itertools import combinations
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,7 @@ from sar_tui.model.language import Language
 from sar_tui.model.messages import AttemptEnded
 from sar_tui.model.trial_types import Metric
 from sar_tui.tui.heading import figures_in_blocks
-from sar_tui.widgets.block_digits import draw_share
+from sar_tui.widgets.block_digits import draw_digits, draw_share
 from tests.app.app_driver import AppDriver, OpenApp, OpenSession, open_app
 from tests.tasks.test_documented_tasks import documented
 
@@ -55,7 +56,7 @@ def test_the_picture_has_a_mark_for_each_attempt_and_levels_that_never_fall() ->
     assert goals.split("   ")[0] == "4 of 5 goals reached"
     assert goals.endswith("● ● ● ● ○")
     assert levels.startswith("You began at level 1 and finished at level 5")
-    assert levels.endswith("▁ ▃ ▅ ▆ █")
+    assert levels.endswith("▂ ▃ ▅ ▆ █")
     assert best == "Your best: 0.40 seconds"
 
 
@@ -63,7 +64,7 @@ def test_a_level_that_fell_again_is_told_and_drawn_by_its_highest() -> None:
     played = attempts((3, 700.0, True), (4, 800.0, True), (3, None, False))
     _, levels, _ = drawn(played)
     assert levels.startswith("You began at level 3 and got up to level 4")
-    assert levels.endswith("▁ █ █")
+    assert levels.endswith("▆ █ █")
 
 
 def test_where_the_level_only_fell_no_level_is_told() -> None:
@@ -86,18 +87,19 @@ def test_the_picture_is_below_the_words_where_there_is_no_room_beside_them() -> 
 
 def test_words_say_what_the_picture_shows() -> None:
     assert picture(GOOD_DAY) == [
-        "                   ▁▁ ▄▄ ██ 5",
-        "     level 1 ▁▁ ▅▅ ██ ██ ██",
-        "goal reached ●  ●  ●  ●  ○",
+        "                              5",
+        "              1      ▂▂▂ ▅▅▅ ███",
+        "       level ▃▃▃ ▆▆▆ ███ ███ ███",
+        "goal reached  ●   ●   ●   ●   ○",
     ]
 
 
 def test_where_no_level_rose_only_the_marks_are_drawn() -> None:
-    assert picture(GOOD_DAY[:1]) == ["goal reached ●"]
+    assert picture(GOOD_DAY[:1]) == ["goal reached  ●"]
 
 
 def test_in_a_large_window_the_picture_is_tall() -> None:
-    *lines, blank, _ = picture(GOOD_DAY, LARGE)
+    _, *lines, blank, _ = picture(GOOD_DAY, LARGE)
     heights = [sum(line.ljust(45)[column] != " " for line in lines) for column in range(13, 43, 6)]
     assert heights == sorted(heights)
     assert heights[-1] == len(lines) == 5
@@ -123,15 +125,26 @@ def test_the_words_of_large_figures_stand_in_the_middle_below_them() -> None:
     assert [
         row.replace("\N{NO-BREAK SPACE}", " ") for row in draw_share("9 of 10 goals reached")
     ] == [
-        "█▀█    ▀█ █▀█",
-        "▀▀█ of  █ █ █",
-        "▀▀▀     ▀ ▀▀▀",
-        "goals reached",
+        "█▀█    ▄█  █▀█",
+        "▀▀█ of  █  █ █",
+        "▀▀▀    ▀▀▀ ▀▀▀",
+        "goals reached ",
     ]
     *_, words = figures_in_blocks("9 of 10 goals reached", 100, is_below=True)
-    sides = words.split("goals\N{NO-BREAK SPACE}reached")
+    sides = words.replace("\N{NO-BREAK SPACE}", " ").split("G O A L S   R E A C H E D")
     assert abs(len(sides[0]) - len(sides[1])) <= 1
     assert draw_share("You did 1 attempt.") == []
+
+
+def test_no_small_digit_can_be_taken_for_another() -> None:
+    drawn = {digit: "".join(draw_digits(digit)) for digit in "0123456789"}
+    halves = {
+        digit: "".join({"█": "11", "▀": "10", "▄": "01", " ": "00"}[sign] for sign in rows)
+        for digit, rows in drawn.items()
+    }
+    for one, other in combinations(halves, 2):
+        apart = sum(a != b for a, b in zip(halves[one], halves[other], strict=True))
+        assert apart >= (4 if "1" in (one, other) else 1), (one, other)
 
 
 async def test_a_completed_session_is_praised_with_its_number_and_the_next_meeting(
@@ -208,7 +221,7 @@ async def test_a_played_session_shows_no_result(
         )
         assert rows == [(None, None, "none", 7.0)] * 2
     async with open_app(data, catalogue) as driver:
-        driver.see("20 attempts of 4", "start level 1", "Today: 2 attempts")
+        driver.see("20 attempts, 4 prompts each", "start level 1", "Today: 2 attempts")
         assert "of 2 reached" not in driver.text
         await driver.press("f4")
         driver.see("How pleasant?")

@@ -48,11 +48,11 @@ def test_a_session_shows_what_the_participant_said(call: Call, data: Path, simul
     )
     known = call("show", simulated, "--json").json["records"]
     assert sorted(row["kind"] for row in known) == [*["pain"] * 3, *["tiredness"] * 2]
-    call("sessions").shows("completed, simulated, pain 5, tired 10")
+    call("sessions").shows("completed, simulated, pain 5/10, tired 10/10")
     with closing(connect(data)) as database:
         told(database, "P01", "pause", "pain", "9", session=simulated)
     call("show", simulated).shows('"in pain" in a pause (9).')
-    call("sessions").shows("pain 9")
+    call("sessions").shows("pain 9/10")
 
 
 @pytest.mark.usefixtures("data")

@@ -496,3 +496,31 @@ def test_the_change_of_a_quality_stands_beside_its_mdc95(keyboard: type[Task]) -
     assert "smoothness (SPARC) -1.6 → -1.4 (MDC95 0.153)" in played(5)
     assert "smoothness (SPARC) -1.6 → -1.5." in played(3)
     assert "How much of these changes is noise is not yet known" in played(3)
+
+
+def test_marks_are_within_half_a_row_of_their_value_on_the_axis(keyboard: type[Task]) -> None:
+    results = [session(n, adapted(n, base=450.0 - 13 * n)) for n in range(12)]
+    (line,) = of(keyboard, *results).lines
+    tr = progress_words.words("en", keyboard)
+    for height in range(14, 40):
+        for shown, is_shaded in (("level", False), ("level", True), ("result", True)):
+            drawn = timeline(line, 120, height, tr, shown=shown, is_shaded=is_shaded)
+            ticks = [
+                (row, float(each.text.split("┤")[0]))
+                for row, each in enumerate(drawn)
+                if "┤" in each.text
+            ]
+            (above, high), (below, low) = ticks[0], ticks[-1]
+            a_row = (high - low) / (below - above)
+            marks = sorted(
+                (run.first, row + (0.25 if each.text[run.first] == "▄" else -0.25))
+                for row, each in enumerate(drawn)
+                for run in each.runs
+                if run.shown == "point"
+            )
+            values = [
+                each.at_goal.level if shown == "level" and each.at_goal else (each.mean or 0) / 1000
+                for each in line.sessions
+            ]
+            for value, (_, row) in zip(values, marks, strict=True):
+                assert abs(high - (row - above) * a_row - value) <= abs(a_row) / 2 + 1e-6

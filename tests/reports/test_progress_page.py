@@ -74,7 +74,7 @@ def test_each_chart_has_a_text_alternative_and_a_page_needs_nothing_from_elsewhe
     made = page(keyboard, steady(5))
     labels = re.findall(r'<svg role="img" aria-label="([^"]+)"', made)
     assert len(labels) == 5
-    first = r"2026-02-27: level 3\.\d \(.* keys, 95 % band .*\)\. 2026-03-03: level 3"
+    first = r"2026-02-27: level 3\.\d \(.* keys, 95 % range .*\)\. 2026-03-03: level 3"
     assert re.search(first, labels[0])
     assert "2000 repetitions on 5 days." in labels[4]
     assert re.findall(r"https?:|src=|href=|@import|url\(|<script", made) == []

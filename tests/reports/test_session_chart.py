@@ -7,6 +7,7 @@ from sar_tui.reports.charts import (
     ABOVE,
     BASELINE,
     BELOW,
+    EDGE,
     HALVES,
     LIMIT,
     UNKNOWN,
@@ -160,3 +161,31 @@ def test_each_row_has_the_label_next_to_its_middle() -> None:
     values, columns, axis = [Value(0.0), Value(10.0)], Columns(2, 40), (0.0, 10.0)
     lines = session_chart(values, columns, axis=axis, ticks=ticks, rows=3, margin=6).rows
     assert [line.split("┤")[0].strip() for line in lines[:3]] == ["9", "5", "1"]
+
+
+@given(st.floats(1, 10), st.floats(1, 10), st.integers(5, 30), st.booleans())
+def test_marks_and_lines_are_at_their_height(
+    value: float, base: float, rows: int, is_shaded: bool
+) -> None:
+    lower, quarter = 0.5, 0.25
+    axis = (1 - quarter, 1 - quarter + lower * (2 * rows - 1))
+    drawn = session_chart(
+        [Value(value)], Columns(1, 40), axis=axis, ticks=[(float(n), str(n)) for n in range(1, 31)],
+        rows=rows, margin=6, baseline=base, is_shaded=is_shaded,
+    )  # fmt: skip
+    if max(value, base) > axis[1]:
+        return
+    by_row = {row: line.split("┤")[0].strip() for row, line in enumerate(reversed(drawn.rows[:-1]))}
+    assert by_row[0] == "1"
+    ((_, half),) = points(drawn.rows)
+    assert abs(1 + (half - 0.5) / 2 - value) <= quarter + 1e-9
+    if not is_shaded:
+        return
+    heights = {LIMIT: 0.0, EDGE: -lower}
+    (line,) = (
+        1 + row + heights[sign]
+        for row, text in enumerate(reversed(drawn.rows[:-1]))
+        for sign in (LIMIT, EDGE)
+        if sign in text
+    )
+    assert abs(line - base) <= quarter + 1e-9

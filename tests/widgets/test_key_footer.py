@@ -70,7 +70,10 @@ async def test_its_keys_can_be_clicked() -> None:
     app.action_save = lambda: pressed.append("save")  # type: ignore[attr-defined]
     async with app.run_test() as pilot:
         await pilot.pause()
-        await pilot.click("FooterKey")
+        back, save = app.query("FooterKey")
+        assert app.keys == {"Back": True, "Save": True}
+        assert back.region.x < save.region.x, "the way back comes first"
+        await pilot.click(save)
     assert pressed == ["save"]
 
 

@@ -43,7 +43,7 @@ _REASONS: dict[ReasonKind, str] = {
     "new pain": "new pain",
     "worse pain": "more pain",
     "tired": "very tired",
-    "stuck": "level {value} for three sessions",
+    "stuck": "no change for 3 sessions",
     "mistake": "begun by mistake",
     "interrupted": "interrupted",
 }
@@ -61,7 +61,7 @@ _SENTENCES: dict[ReasonKind, str] = {
     "new pain": "Pain in the last 4 sessions, none before.",
     "worse pain": "More pain in the last 4 sessions than before.",
     "tired": "Very tired after the last 2 sessions.",
-    "stuck": "Level {value} for three sessions.",
+    "stuck": "No change for 3 sessions: level {value}.",
     "mistake": "Begun by mistake {day}.",
 }
 """Each reason on the card, which says of its own if a session was interrupted."""
@@ -161,7 +161,7 @@ def _entry(person: Person, part: Part, why: Sequence[Reason], today: date, tr: L
         said.append(_due(course.due, today, tr))
     pain = worst_pain(course.rated, today)
     if pain and not why:
-        said.append(tr("pain {pain} this week", pain=pain))
+        said.append(tr("pain {pain}/10 this week", pain=pain))
     text = " · ".join(said)
     return Entry(
         person.code, part, f"{text[:1].upper()}{text[1:]}", _trained(person, today, tr), look

@@ -57,15 +57,17 @@ def short_day(day: date, tr: Language) -> str:
 
 
 def programme_words(programme: Programme, tr: Language, *, is_roomy: bool) -> str:
-    """Return a programme in a line: "10 attempts of 20 · goal 1.0 s · start level 4".
+    """Return a programme in a line: "10 attempts, 20 prompts each · goal 1.0 s · start level 4".
 
     With more room, or if settings were changed, it also says why it starts there.
     """
     attempts, prompts = programme.attempts, programme.prompts
+    done = tr("1 attempt") if attempts == 1 else tr("{count} attempts", count=attempts)
+    asked = tr("1 prompt") if prompts == 1 else tr("{count} prompts", count=prompts)
     parts = [
-        tr("1 attempt of {prompts}", prompts=prompts)
+        f"{done}, {asked}"
         if attempts == 1
-        else tr("{count} attempts of {prompts}", count=attempts, prompts=prompts)
+        else tr("{attempts}, {prompts} each", attempts=done, prompts=asked)
     ]
     if programme.goal:
         parts.append(tr("goal {goal}", goal=programme.goal))

@@ -19,6 +19,7 @@ from textual.widgets import Static
 from sar_tui.app.screens.record_form import RecordForm, RemoveRecord
 from sar_tui.drivers.login_name import login_name
 from sar_tui.loop.task import Task
+from sar_tui.model.contrast import contrast
 from sar_tui.model.language import BUNDLED, OWN_NAMES, Language, in_language
 from sar_tui.model.line_breaks import balanced
 from sar_tui.plugins import PluginError
@@ -668,13 +669,15 @@ _OF_CHARTS = {
 }
 _PARTS: dict[Role, tuple[str, float]] = {
     "point": ("accent", 1.0),
-    "band": ("accent", 0.45),
+    "band": ("accent", 0.45),  # or more, for its contrast
     "area": ("foreground", 0.13),
     "line": ("foreground", 0.6),
     "label": ("foreground", 0.75),
     "ground": ("background", 1.0),
 }
 """Colours of the parts of a chart: one of the theme, and how much of it is on the background."""
+_LEAST_CONTRAST = 3.0
+"""Contrast of a band with the area behind it (WCAG 2.2, 1.4.11)."""
 _OF_BARS = dict.fromkeys(BARS, "$text-muted")
 _COLORS = {
     "level": _OF_CHARTS,
@@ -690,10 +693,16 @@ _CHOSEN_ROW = "bold on $accent 35%"
 def chart_colors(theme: Mapping[str, str]) -> dict[str, str]:
     """Return the colours of the parts of a chart, given those of the theme."""
     ground = Color.parse(theme["background"])
-    return {
-        part: ground.blend(Color.parse(theme[name]), share).hex
-        for part, (name, share) in _PARTS.items()
-    }
+
+    def mixed(name: str, share: float) -> str:
+        return ground.blend(Color.parse(theme[name]), share).hex
+
+    colors: dict[str, str] = {part: mixed(name, share) for part, (name, share) in _PARTS.items()}
+    name, share = _PARTS["band"]
+    while share < 1.0 and contrast(colors["band"], colors["area"]) < _LEAST_CONTRAST:
+        share += 0.05
+        colors["band"] = mixed(name, share)
+    return colors
 
 
 def colored(

@@ -57,6 +57,8 @@ _START = "start_from"
 """The setting that chooses where a session starts."""
 _LEVELS = ("start_level", "min_level", "max_level")
 """Parameters that are levels: their help says what the level is."""
+_GOAL = ("threshold", "neutral_band", "min_accuracy")
+"""Settings of the goal, which each rule uses."""
 _EXAMPLE = tuple(level for level in range(1, 6) for _ in range(4))
 """Levels of the picture of a list of levels, as long as none is given."""
 _COUNT = 4
@@ -81,13 +83,14 @@ class SettingsScreen(DismissedOnce[None]):
 
     AUTO_FOCUS = "RuleList"
     BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape", "leave", "Back", id="leave"),
+        Binding("tab", "app.focus_next", "Next field", id="next-field"),
         Binding("ctrl+s", "save", "Save", show=False, id="save"),
         Binding("slash,f3", "find", "Find", id="find"),
         Binding("ctrl+r", "reset", "Reset", show=False, id="reset"),
         Binding("f5", "versions", "Versions", id="versions"),
         Binding("f6", "presets", "Presets", id="presets"),
         Binding("f7", "discard", "Discard", show=False, id="discard"),
-        Binding("escape", "leave", "Back", show=False, id="leave"),
         Binding("down", "app.focus_next", "Next", show=False, id="down"),
         Binding("up", "app.focus_previous", "Previous", show=False, id="up"),
         Binding("pagedown", "group(1)", "Next group", show=False, priority=True, id="next-group"),
@@ -153,8 +156,8 @@ class SettingsScreen(DismissedOnce[None]):
     @property
     def _about_numbers(self) -> str:
         return self.tr(
-            "The picture of a rule is the level of each attempt; the number counts the goals that "
-            "are reached. More is not better: a rule that follows the person makes it harder "
+            "Beside each rule are the levels of its attempts, and how many goals are reached. More "
+            "goals reached is not better: a rule that follows the person makes it harder "
             "until about as many are reached as it aims at."
         )
 
@@ -201,7 +204,7 @@ class SettingsScreen(DismissedOnce[None]):
                     yield PreviewPane(self._participant, tr, id="preview")
                     yield Static("", id="note", markup=False)
         yield KeyLine(id="key")
-        yield KeyFooter(show_command_palette=False)
+        yield KeyFooter(show_command_palette=False, optional=("quit",))
 
     @property
     def _title(self) -> str:
@@ -269,6 +272,7 @@ class SettingsScreen(DismissedOnce[None]):
     def on_resize(self, event: Resize) -> None:
         """Put the preview beside the fields if there is room."""
         self._fit()
+        self.call_after_refresh(self._place_key)
 
     def _fit(self) -> None:
         columns, rows = self.app.size
@@ -333,15 +337,22 @@ class SettingsScreen(DismissedOnce[None]):
             leaves = tr("Esc leaves without; F2 brings it back.")
             key.show(f"{saves} {leaves}", tr("Ctrl-S"))
         elif self._rule.has_focus_within:
-            key.show(tr("↑ ↓ look at a rule, Enter chooses it."), "↑ ↓")
+            key.show(tr("Press ↑ ↓ to look at a rule, Enter to choose it."), "↑ ↓")
         else:
             key.show(tr("Esc goes back."), "Esc")
+        self._place_key()
         version = self._programme.version
         name = tr("version {number}", number=version) if version else tr("defaults")
         saved = tr("saved") if version else ""
         changes = tr("{sign} {count} not saved", sign=UNSAVED, count=unsaved) if unsaved else saved
         where = "   ".join(filter(None, (changes, name)))
         self.query_one("#version", Static).update(where)
+
+    def _place_key(self) -> None:
+        """Put the key below the fields, in the middle; in that of the window if it is too long."""
+        key, left = self.query_one("#key", KeyLine), self.query_one("#groups").outer_size.width
+        has_room = len(key.text) + left < self.app.size.width
+        key.styles.padding = (0, 0, 0, left if has_room else 0)
 
     def _about_group(self) -> str:
         """Say what Enter does on a group, and what the sign beside it means."""
@@ -363,11 +374,21 @@ class SettingsScreen(DismissedOnce[None]):
         """Show what the focused field means, if there is room beside."""
         note = Content("")
         if self._rule.has_focus_within:
-            note = Content(self._about_numbers)
+            note = self._about_rule
         for widget in self._fields:
             if widget.has_focus_within and widget is not self._rule:
                 note = Content.assemble((widget.field.title, "bold"), "\n", widget.note)
         self.query_one("#note", Static).update(note)
+
+    @property
+    def _about_rule(self) -> Content:
+        """What the numbers beside the rules are, and what the goal is that they share."""
+        goal = (
+            Content.assemble((widget.field.title, "bold"), f"  {widget.field.help}")
+            for widget in self._fields
+            if widget.field.name in _GOAL and widget.display
+        )
+        return Content("\n\n").join([Content(self._about_numbers), *goal])
 
     def _problems(self) -> dict[str, str]:
         try:
@@ -515,7 +536,6 @@ class SettingsScreen(DismissedOnce[None]):
 
     @on(RuleField.LookedAt)
     def _look_at_rule(self) -> None:
-        self.set_class(self._rule.has_focus_within, "-looking")
         self._show_key()
         self._play_preview()
 
@@ -602,7 +622,9 @@ class SettingsScreen(DismissedOnce[None]):
         highest = max((preview.highest for preview in found.values()), default=1)
         self._rule.show_pictures(
             {
-                name: Picture(sparkline(preview, highest), self._reached(preview))
+                name: Picture(
+                    sparkline(preview, highest), self._levels(preview), self._reached(preview)
+                )
                 for name, preview in found.items()
             }
         )
@@ -615,6 +637,11 @@ class SettingsScreen(DismissedOnce[None]):
                 title, found[looked_at], previews.stand_in, highest
             )
         return rule in found
+
+    def _levels(self, preview: Preview) -> str:
+        levels = [each.level for each in preview.attempts]
+        low, high = min(levels), max(levels)
+        return str(low) if low == high else self.tr("{low} to {high}", low=low, high=high)
 
     def _reached(self, preview: Preview) -> str:
         reached, count = preview.reached, preview.with_goal

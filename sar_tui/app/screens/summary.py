@@ -11,12 +11,13 @@ from textual.widgets import Static
 
 from sar_tui.app.screens.message_panel import rows_of_text
 from sar_tui.model.language import Language
+from sar_tui.model.line_breaks import spaced
 from sar_tui.model.messages import AttemptEnded
 from sar_tui.model.results_for_people import result_text
 from sar_tui.model.spoken_text import sentences
 from sar_tui.model.trial_types import Metric
 from sar_tui.tui.base_app import on_linux_console
-from sar_tui.tui.heading import ONE_LINE, Heading, figures_in_blocks, is_roomy, spaced
+from sar_tui.tui.heading import ONE_LINE, Heading, figures_in_blocks, is_roomy
 from sar_tui.widgets.block_digits import draw_share
 from sar_tui.widgets.language import language_of
 
@@ -43,6 +44,7 @@ class Layout(NamedTuple):
         margins: blank rows above and below all of it.
         has_figures: the number of goals that were reached is in large figures.
         gap: blank rows between levels and marks.
+        has_levels: a sentence says the first and the last level, too.
     """
 
     between: str
@@ -52,15 +54,18 @@ class Layout(NamedTuple):
     margins: int
     has_figures: bool = False
     gap: int = 0
+    has_levels: bool = False
 
 
+LARGE = Layout("\n\n", "\n\n", 5, 6, margins=7, has_figures=True, gap=1)
 _LAYOUTS = (
-    LARGE := Layout("\n\n", "\n\n", 5, 6, margins=7, has_figures=True, gap=1),
+    LARGE._replace(has_levels=True, margins=10),
+    LARGE,
     LARGE._replace(has_figures=False),
     LARGE._replace(has_figures=False, gap=0),
-    SMALL := Layout("\n\n", "\n\n", 2, 3, margins=2, has_figures=True),
-    Layout("\n", "\n\n", 2, 3, margins=2),
-    Layout("\n", "\n", 1, 3, margins=2),
+    SMALL := Layout("\n\n", "\n", 2, 4, margins=2, has_figures=True),
+    Layout("\n", "\n\n", 2, 4, margins=2),
+    Layout("\n", "\n", 1, 4, margins=2),
 )
 """From the largest to the smallest."""
 
@@ -99,7 +104,7 @@ class Summary(Vertical):
         yield Static("", id="which", classes="body", markup=False)
         yield Center(Static("", id="facts", markup=False))
         yield Static("", id="earlier", classes="body", markup=False)
-        yield Static("", id="next", classes="body", markup=False)
+        yield Static("", id="next", classes="body strong", markup=False)
 
     def show(
         self,
@@ -200,8 +205,6 @@ class Summary(Vertical):
         none. ``is_beside``: the praise stands in another place.
         """
         attempts = self._attempts[0]
-        told = facts(attempts, self._metric, tr, has_levels=False)
-        said = [*told, *self._more_facts(attempts)]
         width, height = self.content_size
         is_large = is_roomy(*self.app.size)
         others = (self._earlier, self._next)
@@ -212,6 +215,8 @@ class Summary(Vertical):
             left -= (ONE_LINE if is_large else 1) + rows_of_text(self._session, width)
         for layout in _LAYOUTS if is_large else _LAYOUTS[_LAYOUTS.index(SMALL) :]:
             picture = draw_picture(attempts, width, tr, layout)
+            told = facts(attempts, self._metric, tr, has_levels=layout.has_levels)
+            said = [*told, *self._more_facts(attempts)]
             first = said[0]
             if layout.has_figures and _is_good(attempts):
                 first = "\n".join(_large(first, width, is_large=is_large)) or first
@@ -308,25 +313,19 @@ def draw_picture(
     """
     if not _is_good(attempts):
         return Content("")
-    levels = [attempt.level for attempt in attempts]
-    goals, first, last = tr("goal reached"), tr("level {level}", level=levels[0]), str(max(levels))
-    left, right = max(len(goals), len(first)) + 1, len(last) + 1
-    step = max(1, min(layout.widest, (room - left - right) // len(attempts)))
-    rows = _levels(attempts, layout.rows, step)
+    goals, level = tr("goal reached"), tr("level")
+    left = max(len(goals), len(level)) + 1
+    step = max(1, min(layout.widest, (room - left) // len(attempts)))
+    step -= step > 1 and step % 2  # a mark has a middle only in an odd number of columns
     marks = _marks(attempts, step)
-    named = [("", row, "") for row in rows]
-    if rows:
-        named[0] = ("", rows[0], last)
-        named[-1] = (first, rows[-1], last if len(rows) == 1 else "")
-        named += [("", Content(_SPACE * marks.cell_length), "")] * layout.gap
-    named.append((goals, marks, ""))
+    named = [("", row) for row in _levels(attempts, layout.rows, step, has_ends=True)]
+    if named:
+        named[-1] = (level, named[-1][1])
+        named += [("", Content(_SPACE * marks.cell_length))] * layout.gap
+    named.append((goals, marks))
     lines = [
-        Content.assemble(
-            (f"{name:{_SPACE}>{left - 1}}{_SPACE}", "$text-muted"),
-            row,
-            (f"{end:{_SPACE}<{right}}", "$text-muted"),
-        )
-        for name, row, end in named
+        Content.assemble((f"{name:{_SPACE}>{left - 1}}{_SPACE}", "$text-muted"), row)
+        for name, row in named
     ]
     return Content("\n").join(lines)
 
@@ -358,22 +357,32 @@ def _marks(attempts: Sequence[AttemptEnded], step: int) -> Content:
     )
 
 
-def _levels(attempts: Sequence[AttemptEnded], rows: int, step: int) -> list[Content]:
-    """Return the highest level so far of each attempt as columns; nothing if it never rose."""
+def _levels(
+    attempts: Sequence[AttemptEnded], rows: int, step: int, *, has_ends: bool = False
+) -> list[Content]:
+    """Return the highest level so far of each attempt as columns from zero; nothing if it never
+    rose. ``has_ends``: the first and the last level stand above their columns, in a row more.
+    """
     from sar_tui.reports.charts import BARS
 
     highest = list(accumulate((attempt.level for attempt in attempts), max))
-    low, span = highest[0], highest[-1] - highest[0]
-    if not span:
+    if highest[0] == highest[-1]:
         return []
-    most = rows * len(BARS) - 1
-    heights = [1 + round((level - low) / span * most) for level in highest]
+    most = rows * len(BARS)
+    heights = [max(1, round(level / highest[-1] * most)) for level in highest]
     width = max(1, step - 1)
-    lines = [
-        "".join((_cell(height - row * len(BARS), BARS) * width).ljust(step) for height in heights)
-        for row in reversed(range(rows))
-    ]
-    return [Content.styled(line.replace(" ", _SPACE), "$accent") for line in lines]
+    lines = []
+    for row in reversed(range(rows + has_ends)):
+        cells = [(_cell(height - row * len(BARS), BARS) * width, "$accent") for height in heights]
+        for at in (0, -1):
+            if has_ends and row == -(-heights[at] // len(BARS)):
+                cells[at] = (f"{highest[at]}".center(width), "$text-muted")
+        lines.append(
+            Content.assemble(
+                *((text.ljust(step).replace(" ", _SPACE), style) for text, style in cells)
+            )
+        )
+    return lines
 
 
 def _cell(filled: int, bars: str) -> str:

@@ -233,7 +233,7 @@ def decline_text(step: Step, tr: Language) -> str:
     its place.
     """
     is_said = step.is_question and step.kind != "borg"
-    return tr("Tab: I would rather not say.") if is_said else ""
+    return tr("Press Tab if you would rather not say.") if is_said else ""
 
 
 def how_to_answer(step: Step, entry: Entry, tr: Language) -> str:
@@ -246,7 +246,9 @@ def how_to_answer(step: Step, entry: Entry, tr: Language) -> str:
         case "choices":
             return tr("Press the number of each that fits, then Enter.")
         case "borg":
-            return tr("Number or arrow key, then Enter. Tab: I would rather not say.")
+            return tr(
+                "Press a number or an arrow key, then Enter. Press Tab if you would rather not say."
+            )
         case "line":
             return tr("Move the mark with the arrow keys, then press Enter.")
     return tr("Press the number or an arrow key, then Enter.")

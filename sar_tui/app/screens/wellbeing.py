@@ -490,7 +490,7 @@ class WellbeingScreen(DismissedOnce[bool]):
             entry, room = self._marked or interview.entry, columns - _MARGINS
             options = with_chosen(options_text(interview.step, entry, room))
         is_scale = interview.step.kind == "number" and not interview.is_advising
-        keys = self.tr("← → or type a number") if is_scale and app.switch is None else ""
+        keys = self.tr("Press ← → or type a number.") if is_scale and app.switch is None else ""
         has_room = rows >= ROOMY[1] or interview.is_advising
         self.query_one("#asking").display = has_room or interview.step.kind == "number"
         self.query_one("#question", Heading).show(asked.text, most_rows(app.size))

@@ -31,9 +31,12 @@ class Rule(NamedTuple):
 
 
 class Picture(NamedTuple):
-    """Outcome of a rule: the levels of its attempts, in one line, and how many goals are reached."""
+    """Outcome of a rule: the level of each attempt, drawn in one line, the lowest and the highest
+    one, and how many goals are reached.
+    """
 
     line: str
+    levels: str
     reached: str
 
 
@@ -89,7 +92,8 @@ class RuleField(ParameterField):
     """The setting that chooses a rule of difficulty.
 
     In a small window it shows the chosen rule alone, unless it has the focus, and describes only
-    the rule that is looked at, below the list. A rule that is not there any more is shown, too.
+    the rule that is looked at, below the list. Where levels cannot be drawn, words say them. A rule
+    that is not there any more is shown, too.
 
     Args:
         field: the declaration.
@@ -189,11 +193,7 @@ class RuleField(ParameterField):
                 [Option(self._option(name, known[name], width), id=name) for name in names]
             )
             self._list.highlighted = names.index(at if at in names else value)
-        said = self.tr("level in 20 attempts · goals")
-        if any(len(each.reached) > self._room(width) for each in self._pictures.values()):
-            said = said.partition(" · ")[0]
-        indent = min(_MARK + width + 1, self.content_size.width - len(said))
-        self.query_one(".columns", Static).update(f"{'':{max(0, indent)}}{said}")
+        self.query_one(".columns", Static).update(self._heads(width))
         self._describe([known[name] for name in names])
 
     def _describe(self, shown: Sequence[Rule] = ()) -> None:
@@ -202,9 +202,11 @@ class RuleField(ParameterField):
         """
         described, looked_at = self.query_one(".described", Static), self.looked_at
         rule = self._rules.get(looked_at) or Rule("", self.problem)
-        described.update("\n".join(self._wrapped(looked_at, rule)))
+        more = [self.tr("More goals reached is not better.")] if self.has_focus_within else []
+        described.update("\n".join([*self._wrapped(looked_at, rule), *more]))
         if shown:
-            described.styles.min_height = max(len(self._wrapped("", each)) for each in shown)
+            lines = max(len(self._wrapped("", each)) for each in shown)
+            described.styles.min_height = lines + len(more)
 
     def _wrapped(self, name: str, rule: Rule) -> list[str]:
         """Return what is said of a rule, on lines."""
@@ -216,23 +218,53 @@ class RuleField(ParameterField):
         below = " ".join(filter(None, (rule.sentence, before)))
         return textwrap.wrap(below, max(20, self.content_size.width - _MARK))
 
-    def _room(self, width: int) -> int:
-        """Return the columns beside the pictures, given those of the names of rules."""
-        return self.content_size.width - _MARK - width - _PICTURE - 2
+    @property
+    def _columns(self) -> tuple[int, int]:
+        """Columns of the levels, and of the goals that are reached."""
+        shown = self._pictures.values()
+        levels = max((len(each.levels) for each in shown), default=0)
+        return levels, max((len(each.reached) for each in shown), default=0)
+
+    def _is_drawn(self, width: int) -> bool:
+        """Return True if levels are drawn, too, given the columns of the names of rules."""
+        needed = _MARK + width + 1 + _PICTURE + sum(self._columns) + 3
+        return bool(self._pictures) and needed <= self.content_size.width
+
+    def _heads(self, width: int) -> str:
+        """Return the heads of the columns."""
+        levels, _ = self._columns
+        head, goals = self.tr("level in 20 attempts · goals").split(" · ")
+        room = _PICTURE + 1 + levels if self._is_drawn(width) else 0
+        indent = min(_MARK + width + 1, self.content_size.width - len(head) - len(goals) - 3)
+        between = f"{head:{room}}  " if room else f"{head} · "
+        return f"{'':{max(0, indent)}}{between}{goals}"
+
+    def _outcome(self, picture: Picture, width: int) -> tuple[str, str]:
+        """Return what is drawn of a rule, and what is said beside it."""
+        levels, reached = self._columns
+        if self._is_drawn(width):
+            return (
+                f" {picture.line:{_PICTURE}}",
+                f" {picture.levels:{levels}}  {picture.reached:>{reached}}",
+            )
+        said = self.tr("level {level}", level=picture.levels) if picture.levels else ""
+        longest = len(self.tr("level {level}", level="")) + levels
+        if picture.reached and _MARK + width + 1 + longest + 3 + reached <= self.content_size.width:
+            said = f"{said:{longest}} · {picture.reached:>{reached}}"
+        return "", f" {said}"
 
     def _option(self, name: str, rule: Rule, width: int) -> Content:
         is_chosen = name == show(self.value)
-        picture = self._pictures.get(name, Picture("", ""))
+        picture = self._pictures.get(name, Picture("", "", ""))
         sign = self._mark[0] if is_chosen and (self.problem or self.is_unsaved) else ""
         style = "$warning" if is_chosen and self.problem else "bold" if is_chosen else ""
-        has_room = len(picture.reached) <= self._room(width)
-        reached = picture.reached if has_room else ""  # the preview says it
+        drawn, said = self._outcome(picture, width)
         wrapped = [] if self._is_small else self._wrapped(name, rule)
         return Content.assemble(
             (f"{sign or (_CHOSEN if is_chosen else ''):{_MARK}}", "$accent"),
             (f"{rule.title:{width}}", style),
-            (f" {picture.line:{_PICTURE}}", "$accent" if is_chosen else "$text-muted"),
-            (f" {reached}", "$text-muted not bold"),
+            (drawn, "$accent" if is_chosen else "$text-muted"),
+            (said, "$text-muted not bold"),
             *((f"\n{'':{_MARK}}{line}", "$text-muted not bold") for line in wrapped),
             "" if self._is_small else "\n",
         )

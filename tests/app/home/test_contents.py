@@ -149,12 +149,12 @@ def test_people_read_seconds_and_other_units_as_they_are() -> None:
 
 def test_a_programme_is_said_in_a_line_that_fits() -> None:
     programme = Programme(attempts=10, prompts=20, goal="1.0 s", level=4, why="from the last times")
-    said = "10 attempts of 20 · goal 1.0 s · start level 4"
+    said = "10 attempts, 20 prompts each · goal 1.0 s · start level 4"
     assert programme_words(programme, ENGLISH, is_roomy=False) == said
     found = programme_words(programme, ENGLISH, is_roomy=True)
     assert found == f"{said} (from the last times)"
     least = Programme(attempts=1, prompts=1, goal="", level=1)
-    assert programme_words(least, ENGLISH, is_roomy=True) == "1 attempt of 1 · start level 1"
+    assert programme_words(least, ENGLISH, is_roomy=True) == "1 attempt, 1 prompt · start level 1"
 
 
 @pytest.mark.parametrize("base", [50.0, 450.0, 750.0])

@@ -107,11 +107,11 @@ def test_a_reason_is_said_in_few_words_and_in_a_sentence_with_its_day() -> None:
             events=[Event(ago(1), "mild", has_outcome=False)],
         )
     )
-    assert found.why == "Pain 6 · open adverse event · level 6 for three sessions"
+    assert found.why == "Pain 6 · open adverse event · no change for 3 sessions"
     assert found.look == [
         "Pain 6 Sat 21 Nov, limit 5.",
         "Adverse event yesterday, mild: no outcome yet.",
-        "Level 6 for three sessions.",
+        "No change for 3 sessions: level 6.",
     ]
     assert "PAIN" in found.words.upper()
 
@@ -139,7 +139,11 @@ def test_several_events_are_one_sentence_and_a_severity_may_be_missing() -> None
         (person("P01", 40), "", "Trained last on Fri 16 Oct"),
         (person("P01", 3, due=TODAY), "Due today", "Trained 3 days ago"),
         (person("P01", 3, due=ago(1)), "Due since yesterday", "Trained 3 days ago"),
-        (person("P01", 0, rated=in_pain(0, 2)), "Pain 2 this week", "Today 09:40, 8 of 10 goals"),
+        (
+            person("P01", 0, rated=in_pain(0, 2)),
+            "Pain 2/10 this week",
+            "Today 09:40, 8 of 10 goals",
+        ),
         (person("P01", 0, rated=in_pain(0, 6)), "Pain 6", "Today 09:40, 8 of 10 goals"),
         (person("P01", 3, rated=in_pain(3, 6)), "Pain 6", "Trained 3 days ago"),
     ],
