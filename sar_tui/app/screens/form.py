@@ -172,7 +172,7 @@ class FormScreen(DismissedOnce[Record | None]):
             ("instruction", page.instruction),
             ("hint", page.hint),
             ("options", options),
-            ("keys", self.tr("← → or type a number") if is_scale else ""),
+            ("keys", self.tr("Press ← → or type a number.") if is_scale else ""),
             ("decline", page.decline),
             ("problem", page.problem),
             ("given", page.given),
