@@ -122,8 +122,7 @@ class Heading(Widget):
     Args:
         text: the sentence.
         largest: the most rows that it may take; 1: it is never drawn in block letters.
-        classes: ``well-done`` for praise, which is written in spaced capitals in a small window;
-            ``band`` for what is new, which is in a large one.
+        classes: ``well-done`` for praise, which is written in spaced capitals in a small window.
     """
 
     DEFAULT_CSS = "Heading { width: 100%; height: auto; }"
@@ -154,9 +153,7 @@ class Heading(Widget):
     def _lines(self, columns: int) -> list[str]:
         if is_roomy(*self.app.size) and (drawn := in_blocks(self.text, columns, self._largest)):
             return drawn
-        is_roomy_band = self.has_class("band") and is_roomy(*self.app.size)
-        is_spaced = self.has_class("well-done") or is_roomy_band
-        return [spaced(self.text, columns) if is_spaced else self.text]
+        return [spaced(self.text, columns) if self.has_class("well-done") else self.text]
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
         return self._content(width).get_height({}, max(1, width))

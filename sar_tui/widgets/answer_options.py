@@ -2,7 +2,6 @@
 
 from textual.content import Content
 
-from sar_tui.model.line_breaks import spaced
 from sar_tui.model.step import FULL, Entry, Step, points
 from sar_tui.widgets.block_digits import draw_digits
 
@@ -73,10 +72,7 @@ def _boxes(step: Step, entry: Entry, columns: int) -> str:
         for index, point in enumerate(scale)
     ]
     rows = ["".join(parts) for parts in zip(*drawn, strict=True)]
-    labels = step.labels
-    if width >= _LARGEST_BOX:
-        labels = tuple(spaced(label, width * len(scale) // 2) for label in labels)
-    return _with_ends(rows, labels)
+    return _with_ends(rows, step.labels)
 
 
 def _ticks(step: Step, entry: Entry, columns: int) -> str:

@@ -113,7 +113,7 @@ async def test_a_figure_is_chosen_and_explained_with_one_key(
             "Records",
         ]  # fmt: skip
         await driver.press("tab", "enter", "right")
-        driver.see("95 of 100 bands hold the true place.", "Source: Fieller 1954")
+        driver.see("95 of 100 ranges hold the true place.", "Source: Fieller 1954")
         await driver.press(*["right"] * 2)
         driver.see("It comes with repeating any test", "Scharfen 2018")
 
