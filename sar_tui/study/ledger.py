@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 import msgspec
 
+from sar_tui.model.language import Sentence
 from sar_tui.records.kind import Value
 from sar_tui.store import records
 from sar_tui.store.counted import COUNTS
@@ -20,6 +21,7 @@ from sar_tui.store.database import StoreError, store, transaction
 from sar_tui.store.participants import add as add_participant
 from sar_tui.store.participants import check_own
 from sar_tui.store.records import Record
+from sar_tui.store.studies import names
 from sar_tui.store.tables import STUDIES
 from sar_tui.store.training_days import UTC_OFFSET, trained_at, utc
 from sar_tui.study.plan import Study, parse_plan
@@ -27,6 +29,15 @@ from sar_tui.study.plan import Study, parse_plan
 Mode = Literal["live", "simulated"]
 ENROLMENT, DEVIATION, CONSENT = "enrolment", "deviation", "consent"
 EXIT, CODE_BREAK, FORM = "study-exit", "code-break", "form-filled"
+
+
+ENDS = {
+    "withdrawn": Sentence("withdrawn"),
+    "excluded": Sentence("excluded"),
+    "lost": Sentence("lost"),
+    "not eligible": Sentence("not eligible"),
+}
+"""How a participation ends, for people."""
 
 
 class Frozen(msgspec.Struct, frozen=True, kw_only=True):
@@ -192,12 +203,6 @@ def _frozen(row: Sequence[Any]) -> Frozen:
     )
 
 
-def names(db: sqlite3.Connection) -> list[str]:
-    """Return the names of the studies, in the order in which they were frozen."""
-    rows = db.execute("SELECT name FROM studies GROUP BY name ORDER BY min(frozen_at), name")
-    return [name for (name,) in rows]
-
-
 def find(db: sqlite3.Connection, name: str = "") -> Frozen:
     """Return the newest version of a study; without a name, of the only one.
 
@@ -302,7 +307,11 @@ def enrolment(db: sqlite3.Connection, study: str, participant: str) -> Enrolment
         if one.participant == participant:
             return one
     raise StoreError(
-        f"{participant} is not enrolled in the study {study}: sar-tui study enrol {participant}",
+        Sentence(
+            "{who} is not enrolled in the study {study}: sar-tui study enrol {who}",
+            who=participant,
+            study=study,
+        ),
         bad_input=True,
     )
 
