@@ -107,11 +107,11 @@ def due(
         return _wanted(one, now, visit, block, reason)
     found = next_item(plan, one.items, one.played, now)
     if found.item is None:
-        said = [Sentence("{who} has done all of the study {study}.", who=who, study=plan.name)]
-        said += [
+        told = [Sentence("{who} has done all of the study {study}.", who=who, study=plan.name)]
+        told += [
             Sentence("The visit {visit} was missed.", visit=each.name) for each in found.passed
         ]
-        raise StoreError(joined(said), bad_input=True)
+        raise StoreError(joined(told), bad_input=True)
     assert found.day
     if found.state in _OTHER_DAY and not reason and not _is_noted(db, one, found):
         said = Sentence(

@@ -20,7 +20,7 @@ _WORDS: dict[State, Sentence] = {
     "due": Sentence("due"),
     "early": Sentence("not yet"),
     "late": Sentence("late"),
-    "missed": Sentence("missed"),
+    "missed": Sentence("visit missed"),
 }  # fmt: skip
 
 
@@ -53,11 +53,7 @@ class VisitCell(msgspec.Struct, frozen=True, kw_only=True):
         Args:
             day: returns the words of a day.
         """
-        said: str = _WORDS.get(self.state, "")
-        if self.state == "due" and self.last:
-            said = Sentence("due by {day}", day=day(date.fromisoformat(self.last)))
-        elif self.state == "early" and self.first:
-            said = Sentence("from {day}", day=day(date.fromisoformat(self.first)))
+        said = self.when(day)
         if 0 < self.done < self.of:
             part = {"count": self.done, "of": self.of}
             said = (
@@ -66,6 +62,14 @@ class VisitCell(msgspec.Struct, frozen=True, kw_only=True):
                 else Sentence("{count} of {of} done", **part)
             )
         return Sentence("{state} !", state=said) if self.deviated else said
+
+    def when(self, day: Callable[[date], str]) -> str:
+        """Return when the visit may be, or that it is over, as `sentence`."""
+        if self.state == "due" and self.last:
+            return Sentence("due by {day}", day=day(date.fromisoformat(self.last)))
+        if self.state == "early" and self.first:
+            return Sentence("from {day}", day=day(date.fromisoformat(self.first)))
+        return _WORDS.get(self.state, "")
 
 
 class NextPlace(msgspec.Struct, frozen=True, kw_only=True):
