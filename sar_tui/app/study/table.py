@@ -18,11 +18,13 @@ from sar_tui.study.plan import Study
 from sar_tui.study.schedule import State
 from sar_tui.study.status import PersonRow, VisitCell
 
-_GAP = "  "
+_GAP, _WIDEST_GAP = 2, 8
+"""Blanks between columns: the fewest, and the most where there is room."""
 _BESIDE = 3
 """Columns of a line's padding and the scroll bar."""
 _LONGEST_CODE, _LONGEST_NAME = 12, 16
 _SIGNS: dict[State, str] = {"done": "●", "due": "▸", "early": "·", "late": "»", "missed": "–"}
+_LEFT = "×"
 _STYLES: dict[State, str] = {"due": "$accent", "late": "$warning"}
 
 
@@ -112,21 +114,23 @@ class StudyTable(Vertical):
             name: max([len(titles[name]), *(len(words[code, name]) for code in self._rows)])
             for name in visits
         }
-        is_in_words = sum(widths.values()) + len(_GAP) * len(visits) <= room
+        is_in_words = sum(widths.values()) + _GAP * len(visits) <= room
         if not is_in_words:
             titles = {name: str(number) for number, name in enumerate(visits, 1)}
             words = {
-                place: _sign(self._rows[place[0]].visits[place[1]]) if said else ""
+                place: _sign(self._rows[place[0]], place[1]) if said else ""
                 for place, said in words.items()
             }
             widths = dict.fromkeys(visits, 2)
-            visits = self._fitting(visits, room // (2 + len(_GAP)))
-        indent = " " * (code_width + 1)
-        heading = _GAP.join(f"{titles[name]:<{widths[name]}}" for name in visits)
-        self.query_one("#columns", Static).update(f"{indent}{_GAP}{heading}".rstrip())
+            visits = self._fitting(visits, room // (2 + _GAP))
+        spare = room - sum(widths[name] for name in visits)
+        gap = " " * max(_GAP, min(_WIDEST_GAP, spare // len(visits) if visits else 0))
+        names = [f"{titles[name]:<{widths[name]}}" for name in visits]
+        heading = gap.join([" " * (code_width + 1), *names])
+        self.query_one("#columns", Static).update(heading.rstrip())
         legend = self.query_one("#legend", Static)
         legend.display = bool(self._rows) and not is_in_words
-        legend.update(tr("● done  ▸ due  · not yet  » late  – missed  ! differs from the plan"))
+        legend.update(tr("● done  ▸ due  · not yet  » late  – missed  × left  ! deviation"))
 
         def row(code: str) -> Content:
             name = Content.styled(code, "bold").truncate(code_width, ellipsis=True, pad=True)
@@ -136,7 +140,7 @@ class StudyTable(Vertical):
                 )
                 for visit in visits
             ]
-            return Content(_GAP).join([name, *cells])
+            return Content(gap).join([name, *cells])
 
         self.people.fill(list(self._rows), row, chosen)
 
@@ -161,9 +165,9 @@ class StudyTable(Vertical):
         done.
         """
         tr: Language = self.app.tr
-        if not row.ended or cell.state in ("done", "missed"):
+        if not row.ended or cell.state == "done":
             return cell_words(cell, self.app.today(), tr)
-        left = next(each for each in row.visits.values() if each.state not in ("done", "missed"))
+        left = next(each for each in row.visits.values() if each.state != "done")
         return in_language(ENDS.get(row.ended, row.ended), tr) if cell is left else ""
 
     def _style(self, row: PersonRow, visit: str) -> str:
@@ -173,5 +177,7 @@ class StudyTable(Vertical):
         return _STYLES.get(cell.state, "")
 
 
-def _sign(cell: VisitCell) -> str:
-    return f"{_SIGNS.get(cell.state, ' ')}{'!' if cell.deviated else ''}"
+def _sign(row: PersonRow, visit: str) -> str:
+    cell = row.visits[visit]
+    sign = _LEFT if row.ended and cell.state != "done" else _SIGNS.get(cell.state, " ")
+    return f"{sign}{'!' if cell.deviated else ''}"
