@@ -37,7 +37,7 @@ ENDS = {
     "lost": Sentence("lost"),
     "not eligible": Sentence("not eligible"),
 }
-"""How a participation ends, for people."""
+"""Ends of a participation, for people."""
 
 
 class Frozen(msgspec.Struct, frozen=True, kw_only=True):

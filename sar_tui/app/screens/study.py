@@ -41,7 +41,7 @@ _LOOK_SECONDS = 3.0
 
 
 class StudyScreen(DismissedOnce[None]):
-    """Who of a study is due, and the next block of the chosen person.
+    """Shows who of a study is due, and begins the next block of the chosen person.
 
     Args:
         names: of the studies; that of the chosen person is shown, else the last one.

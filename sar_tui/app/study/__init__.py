@@ -1,1 +1,1 @@
-"""What the screen of a study is made of."""
+"""Parts of the screen of a study."""
