@@ -335,18 +335,17 @@ def note(
     records.add(db, records.kind_of(kind), participant, "", given, author=author, now=now)
 
 
-def of_study(db: sqlite3.Connection, kind: str, study: str) -> list[Record]:
-    """Return the records of a kind that belong to a study, by time."""
-    return [each for each in records.listing(db, kinds=(kind,)) if each.content["study"] == study]
+def of_study(
+    db: sqlite3.Connection, kind: str, study: str, participant: str | None = None
+) -> list[Record]:
+    """Return the records of a kind that belong to a study, by time; of one person, or of all."""
+    found = records.listing(db, kinds=(kind,), participant=participant)
+    return [each for each in found if each.content["study"] == study]
 
 
 def consent_of(db: sqlite3.Connection, study: str, participant: str) -> Record | None:
     """Return the last consent of a person to a study; None without one."""
-    found = [
-        each
-        for each in records.listing(db, kinds=(CONSENT,), participant=participant)
-        if each.content["study"] == study
-    ]
+    found = of_study(db, CONSENT, study, participant)
     return max(found, key=lambda each: (each.day, each.recorded_at), default=None)
 
 
@@ -371,20 +370,19 @@ def played(
         found.append(
             Played(id=id, participant=who, status=status, day=day, ended=ended or began, **values)
         )
-    for record in of_study(db, FORM, study):
-        if participant in (None, record.participant):
-            content = record.content
-            found.append(
-                Played(
-                    id=str(content["record"]),
-                    participant=record.participant,
-                    visit=str(content["visit"]),
-                    block=str(content["block"]),
-                    version=int(content["version"]),
-                    day=trained_at(record.at, None).strftime("%Y-%m-%d"),
-                    ended=record.at,
-                )
+    for record in of_study(db, FORM, study, participant):
+        content = record.content
+        found.append(
+            Played(
+                id=str(content["record"]),
+                participant=record.participant,
+                visit=str(content["visit"]),
+                block=str(content["block"]),
+                version=int(content["version"]),
+                day=trained_at(record.at, None).strftime("%Y-%m-%d"),
+                ended=record.at,
             )
+        )
     return sorted(found, key=lambda one: one.ended)
 
 

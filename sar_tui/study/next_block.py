@@ -128,11 +128,11 @@ def due(
 def _is_noted(db: sqlite3.Connection, one: Person, found: Next) -> bool:
     """Return True if a reason was given for the day of a visit, with an earlier block of it."""
     assert found.item
+    who, study = one.enrolled.participant, one.frozen.plan.name
+    place = (found.item.visit.name, found.state)
     return any(
-        each.participant == one.enrolled.participant
-        and each.content.get("visit") == found.item.visit.name
-        and each.content["what"] == found.state
-        for each in ledger.of_study(db, ledger.DEVIATION, one.frozen.plan.name)
+        (each.content.get("visit"), each.content["what"]) == place
+        for each in ledger.of_study(db, ledger.DEVIATION, study, who)
     )
 
 

@@ -121,7 +121,7 @@ def grid(
     except AllocationError:
         draws = None
     names = names_of(plan, draws)
-    deviations = ledger.of_study(db, ledger.DEVIATION, plan.name)
+    deviations = ledger.of_study(db, ledger.DEVIATION, plan.name, participant or None)
     everything = ledger.played(db, plan.name, frozen.mode, participant or None)
     found = []
     for enrolled in ledger.enrolments(db, plan.name):

@@ -91,7 +91,11 @@ class Study:
         self.key.write_text("5a" * 32)  # the same codes in each test
 
     def enrol(
-        self, *codes: str, text: str = TWO_VISITS, mode: ledger.Mode = "live", now: datetime = MONDAY
+        self,
+        *codes: str,
+        text: str = TWO_VISITS,
+        mode: ledger.Mode = "live",
+        now: datetime = MONDAY,
     ) -> None:
         """Freeze the plan, and enrol people."""
         with closing(connect(self.data)) as db:

@@ -1,5 +1,6 @@
 """The screen of a study: who is due, and what Enter begins for the chosen person."""
 
+import sqlite3
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from datetime import datetime
@@ -67,6 +68,7 @@ class StudyScreen(DismissedOnce[None]):
         self._rows: Sequence[PersonRow] = ()
         self._problem = ""
         self._shown: object = None
+        self._read_at: object = None
 
     @property
     def help_text(self) -> str:
@@ -124,8 +126,17 @@ class StudyScreen(DismissedOnce[None]):
 
     def _look_again(self) -> None:
         """Show what another window has changed, or another day."""
-        if self.is_current:
-            self._read()
+        with suppress(sqlite3.Error):  # another program writes, or the disk is gone for a moment
+            if self.is_current and self._state != self._read_at:
+                self._read()
+
+    @property
+    def _state(self) -> tuple[object, ...]:
+        """A value that changes when another program writes to the database, the key comes or goes,
+        or the day changes.
+        """
+        (version,) = self.app.database.execute("PRAGMA data_version").fetchone()
+        return version, key_file(self._study).exists(), self.app.today()
 
     @property
     def _now(self) -> datetime:
@@ -137,7 +148,7 @@ class StudyScreen(DismissedOnce[None]):
     def _read(self) -> None:
         """Read the study, and show it if it has changed."""
         database, tr = self.app.database, self.app.tr
-        key = key_file(self._study)
+        key, self._read_at = key_file(self._study), self._state
         try:
             frozen = ledger.find(database, self._study)
             rows = grid(database, frozen, key, self._now)
@@ -221,12 +232,9 @@ class StudyScreen(DismissedOnce[None]):
             visit, block = numbers(one.frozen.plan, one.items, found.item)
             what = found.item.block.form or one.names.conditions[found.item.condition]
             key = key_words(who, visit, block, what, found, tr)
-        noted = [
-            each.content
-            for each in ledger.of_study(database, ledger.DEVIATION, self._study)
-            if each.participant == who
-        ]
-        return "\n".join(filter(None, (said, deviations(noted, tr)))), key
+        noted = ledger.of_study(database, ledger.DEVIATION, self._study, who)
+        differs = deviations([each.content for each in noted], tr)
+        return "\n".join(filter(None, (said, differs))), key
 
     def _offered(self, who: str) -> tuple[Person, Next, str]:
         """Return the next block of a person, with what is to be known of it.
