@@ -19,7 +19,7 @@ from sar_tui.store.interface_language import choose_interface_language
 from sar_tui.study import enrolment, ledger, next_block
 from sar_tui.study.secret import key_file
 from tests.album import Album
-from tests.app.app_driver import AppDriver, OpenApp, known, stored
+from tests.app.app_driver import AppDriver, OpenApp, given, known, stored
 from tests.app.test_sizes import shrink_and_grow
 from tests.study.plans import plan
 
@@ -393,3 +393,16 @@ def _weeks(study: Study, text: str = TWO_VISITS) -> None:
     study.note("study-exit", "P06", what="withdrawn", reason="moved away")
     study.note("deviation", "P01", version=1, visit="first", what="other", reason="a drill outside")
     study.today_is(MONDAY.date())
+
+
+async def test_questions_after_a_session_have_its_theme(opened: OpenApp, study: Study) -> None:
+    asking = TWO_VISITS.replace('qualitative"', 'qualitative", ask_wellbeing = true')
+    study.enrol("P01", text=asking, now=datetime.now(UTC))
+    async with opened() as driver:
+        theme = driver.app.theme
+        await driver.press("f7", "enter", *given("0", "0"))
+        await driver.do_session()
+        await driver.press("enter")
+        assert (driver.screen_name, driver.app.theme) == ("WellbeingScreen", "sar-high-contrast")
+        await driver.press(*given("0", "0"))
+        assert (driver.screen_name, driver.app.theme) == ("StudyScreen", theme)

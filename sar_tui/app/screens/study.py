@@ -67,6 +67,7 @@ class StudyScreen(DismissedOnce[None]):
         self._frozen: Frozen | None = None
         self._rows: Sequence[PersonRow] = ()
         self._problem = ""
+        self._about = ""
         self._shown: object = None
         self._read_at: object = None
 
@@ -111,12 +112,15 @@ class StudyScreen(DismissedOnce[None]):
         return ""
 
     def on_screen_resume(self) -> None:
-        """Show what is due after a session, in the therapist's theme."""
+        """Show what is due, also after a session."""
+        self.app.aloud.close()
+        self.refresh_contents()
+
+    def session_left(self) -> None:
+        """Go back to the theme that there was before a session."""
         with suppress(PluginError):
             if self.app.themes.used != self._theme:
                 self.app.themes.use_named(self._theme)
-        self.app.aloud.close()
-        self.refresh_contents()
 
     def refresh_contents(self) -> None:
         """Read everything that is shown anew."""
@@ -215,6 +219,7 @@ class StudyScreen(DismissedOnce[None]):
             )
         elif self._frozen and who and not self._problem:
             said, key = self._words_of(who)
+        self._about = said
         self.query_one("#about", Static).update(said)
         self.query_one("#about").set_class(bool(self._problem), "needs-a-look")
         self.query_one("#key", KeyLine).show(key, "Enter")
@@ -327,7 +332,12 @@ class StudyScreen(DismissedOnce[None]):
         )
 
     def _tell(self, text: str) -> None:
-        self.notify(text, severity="warning", timeout=15, markup=False)
+        """Say why nothing begins, unless the screen says it already, or now that it is read anew."""
+        self.refresh_contents()
+        if text in self._about:
+            self.app.bell()
+        else:
+            self.notify(text, severity="warning", timeout=15, markup=False)
 
 
 class ReasonScreen(DismissedOnce[str | None], ModalScreen[str | None]):
