@@ -336,8 +336,8 @@ class SarTui(BaseApp):
 
     def _therapist_is_back(self) -> None:
         """Show what waited for the therapist, on the screen that a session was begun from."""
-        if left := getattr(self.screen, "session_left", None):
-            left()
+        if back := getattr(self.screen, "therapist_is_back", None):
+            back()
         self.themes.show_pending_notice()
 
     def cannot_begin(self, why: str, *, resumed: bool = False, is_enough: bool = False) -> None:

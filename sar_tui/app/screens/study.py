@@ -116,7 +116,7 @@ class StudyScreen(DismissedOnce[None]):
         self.app.aloud.close()
         self.refresh_contents()
 
-    def session_left(self) -> None:
+    def therapist_is_back(self) -> None:
         """Go back to the theme that there was before a session."""
         with suppress(PluginError):
             if self.app.themes.used != self._theme:
