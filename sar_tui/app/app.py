@@ -335,7 +335,13 @@ class SarTui(BaseApp):
         if self.is_for_one_session:
             self.exit(return_code=0)
         else:
-            self.themes.show_pending_notice()
+            self._therapist_is_back()
+
+    def _therapist_is_back(self) -> None:
+        """Show what waited for the therapist, on the screen that a session was begun from."""
+        if back := getattr(self.screen, "therapist_is_back", None):
+            back()
+        self.themes.show_pending_notice()
 
     def cannot_begin(self, why: str, *, resumed: bool = False, is_enough: bool = False) -> None:
         """Say why a session cannot begin; exit if the app was opened for it."""
@@ -347,7 +353,7 @@ class SarTui(BaseApp):
             self.exit(return_code=1)
         else:
             self.notify(why, severity="warning", timeout=15)
-            self.themes.show_pending_notice()
+            self._therapist_is_back()
 
     def session_began(self, live: "LiveSession", screen: "SessionScreen") -> None:
         """Show a session that was opened."""
@@ -506,7 +512,7 @@ class SarTui(BaseApp):
         if self.is_for_one_session or self.failure:
             self.exit(return_code=1 if self.failure else 0)
             return
-        self.themes.show_pending_notice()
+        self._therapist_is_back()
         self.check_database()
         if live.rescued:
             self.notify(self._rescued_text(live), severity="error", timeout=60)

@@ -36,7 +36,8 @@ class Themes:
 
     Attributes:
         known: the themes that are loaded, by name.
-        watch: notices edits of the theme in use.
+        used: name of the theme in use.
+        watch: notices edits of it.
         pending_notice: a notice about a theme that waits until no participant sees the screen.
 
     Raises:
@@ -48,6 +49,7 @@ class Themes:
         self._catalogue = catalogue
         self.known: dict[str, Theme] = {}
         self.pending_notice = ""
+        self.used = ""
         self.watch = ThemeWatch(catalogue, self._apply_edited, self._notify_editor, self._tr)
         self._looks: Timer | None = None
         self._is_looking = True
@@ -105,6 +107,7 @@ class Themes:
 
     def use(self, theme: Theme, language: str) -> None:
         """Use a theme that was read in a language, and every edit of it."""
+        self.used = theme.name
         self.known[theme.name] = theme
         self._app.apply_theme(theme)
         self.watch.follow(theme.name, language)

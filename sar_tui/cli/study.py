@@ -78,9 +78,12 @@ def study_errors() -> "Iterator[None]":
     """Turn errors of a plan and of the allocation into Refused."""
     from sar_tui.study.allocation import AllocationError
     from sar_tui.study.plan import PlanError
+    from sar_tui.study.secret import KeyMissing
 
     try:
         yield
+    except KeyMissing as error:
+        raise Refused(f"{error} Or name it: --key FILE") from error
     except (PlanError, AllocationError) as error:
         raise Refused(str(error)) from error
 
@@ -398,9 +401,13 @@ def _due(
     with home.database() as database, study_errors():
         frozen = ledger.find(database, name)
         one = next_block.person(database, frozen, code, key_of(frozen.plan, key))
-        found = next_block.due(
-            database, one, datetime.now(UTC), visit=visit, block=block, reason=reason
-        )
+        try:
+            found = next_block.due(
+                database, one, datetime.now(UTC), visit=visit, block=block, reason=reason
+            )
+        except next_block.NeedsReason as needed:
+            said = f"{needed} If it is to be now, say why: --reason …"
+            raise next_block.NeedsReason(said, needed.what) from None
     return one, found
 
 

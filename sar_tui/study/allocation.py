@@ -14,6 +14,7 @@ from typing import TypeVar
 
 import msgspec
 
+from sar_tui.model.language import Sentence
 from sar_tui.study.plan import Allocation
 
 T = TypeVar("T")
@@ -120,8 +121,17 @@ def assign(
             return _minimised(given, weights, draws, before, factors or {})
     rows = [row.group for row in listed if row.stratum == stratum]
     if number >= len(rows):
-        where = f" for {stratum}" if stratum else ""
-        raise AllocationError(f"The list has no further row{where}: all {len(rows)} are used.")
+        used = len(rows)
+        said = (
+            Sentence(
+                "The list has no further row for {stratum}: all {count} are used.",
+                stratum=stratum,
+                count=used,
+            )
+            if stratum
+            else Sentence("The list has no further row: all {count} are used.", count=used)
+        )
+        raise AllocationError(said)
     return rows[number]
 
 

@@ -8,6 +8,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import NamedTuple
 
+from sar_tui.model.language import Sentence
 from sar_tui.plugins import Catalogue
 from sar_tui.store import sites
 from sar_tui.store.database import StoreError, transaction
@@ -88,7 +89,7 @@ def freeze(
         draws = secret.read(key) if key.exists() or last else secret.create(key)
         commitment = draws.commitment
         if last and last.commitment not in ("", commitment):
-            raise StoreError(_OTHER_KEY.format(key=key, study=plan.name), bad_input=True)
+            raise StoreError(Sentence(_OTHER_KEY, key=str(key), study=plan.name), bad_input=True)
     ledger.freeze(
         db,
         text,
@@ -115,7 +116,7 @@ def draws_of(frozen: Frozen, key: Path) -> Draws | None:
         return None
     draws = secret.read(key)
     if draws.commitment != frozen.commitment:
-        raise AllocationError(_OTHER_KEY.format(key=key, study=frozen.plan.name))
+        raise AllocationError(Sentence(_OTHER_KEY, key=str(key), study=frozen.plan.name))
     return draws
 
 
@@ -229,7 +230,9 @@ def _drawn(
     if not plan.groups:
         return ""
     if plan.allocation.method == "list" and not rows:
-        raise AllocationError("The groups of this study are listed elsewhere: add --list FILE.")
+        raise AllocationError(
+            Sentence("The groups of this study are listed elsewhere: add --list FILE.")
+        )
     before = [
         Assigned(
             group=names.group(one.group),

@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 import msgspec
 
+from sar_tui.model.language import Sentence
 from sar_tui.records.kind import Value
 from sar_tui.store import people_events, records
 from sar_tui.store.counted import COUNTS
@@ -21,6 +22,7 @@ from sar_tui.store.participants import add as add_participant
 from sar_tui.store.participants import check_own
 from sar_tui.store.personal_rows import ENROLMENT
 from sar_tui.store.records import Record
+from sar_tui.store.studies import names
 from sar_tui.store.tables import STUDIES
 from sar_tui.store.training_days import UTC_OFFSET, trained_at, utc
 from sar_tui.study.plan import Study, parse_plan
@@ -28,6 +30,15 @@ from sar_tui.study.plan import Study, parse_plan
 Mode = Literal["live", "simulated"]
 DEVIATION, CONSENT = "deviation", "consent"
 EXIT, CODE_BREAK, FORM = "study-exit", "code-break", "form-filled"
+
+
+ENDS = {
+    "withdrawn": Sentence("withdrawn"),
+    "excluded": Sentence("excluded"),
+    "lost": Sentence("lost"),
+    "not eligible": Sentence("not eligible"),
+}
+"""Ends of a participation, for people."""
 
 
 class Frozen(msgspec.Struct, frozen=True, kw_only=True):
@@ -194,12 +205,6 @@ def _frozen(row: Sequence[Any]) -> Frozen:
     )
 
 
-def names(db: sqlite3.Connection) -> list[str]:
-    """Return the names of the studies, in the order in which they were frozen."""
-    rows = db.execute("SELECT name FROM studies GROUP BY name ORDER BY min(frozen_at), name")
-    return [name for (name,) in rows]
-
-
 def find(db: sqlite3.Connection, name: str = "") -> Frozen:
     """Return the newest version of a study; without a name, of the only one.
 
@@ -319,7 +324,11 @@ def enrolment(db: sqlite3.Connection, study: str, participant: str) -> Enrolment
         if one.participant == participant:
             return one
     raise StoreError(
-        f"{participant} is not enrolled in the study {study}: sar-tui study enrol {participant}",
+        Sentence(
+            "{who} is not enrolled in the study {study}: sar-tui study enrol {who}",
+            who=participant,
+            study=study,
+        ),
         bad_input=True,
     )
 
@@ -343,18 +352,17 @@ def note(
     records.add(db, records.kind_of(kind), participant, "", given, author=author, now=now)
 
 
-def of_study(db: sqlite3.Connection, kind: str, study: str) -> list[Record]:
-    """Return the records of a kind that belong to a study, by time."""
-    return [each for each in records.listing(db, kinds=(kind,)) if each.content["study"] == study]
+def of_study(
+    db: sqlite3.Connection, kind: str, study: str, participant: str | None = None
+) -> list[Record]:
+    """Return the records of a kind that belong to a study, by time; of one person, or of all."""
+    found = records.listing(db, kinds=(kind,), participant=participant)
+    return [each for each in found if each.content["study"] == study]
 
 
 def consent_of(db: sqlite3.Connection, study: str, participant: str) -> Record | None:
     """Return the last consent of a person to a study; None without one."""
-    found = [
-        each
-        for each in records.listing(db, kinds=(CONSENT,), participant=participant)
-        if each.content["study"] == study
-    ]
+    found = of_study(db, CONSENT, study, participant)
     return max(found, key=lambda each: (each.day, each.recorded_at), default=None)
 
 
@@ -379,20 +387,19 @@ def played(
         found.append(
             Played(id=id, participant=who, status=status, day=day, ended=ended or began, **values)
         )
-    for record in of_study(db, FORM, study):
-        if participant in (None, record.participant):
-            content = record.content
-            found.append(
-                Played(
-                    id=str(content["record"]),
-                    participant=record.participant,
-                    visit=str(content["visit"]),
-                    block=str(content["block"]),
-                    version=int(content["version"]),
-                    day=trained_at(record.at, None).strftime("%Y-%m-%d"),
-                    ended=record.at,
-                )
+    for record in of_study(db, FORM, study, participant):
+        content = record.content
+        found.append(
+            Played(
+                id=str(content["record"]),
+                participant=record.participant,
+                visit=str(content["visit"]),
+                block=str(content["block"]),
+                version=int(content["version"]),
+                day=trained_at(record.at, None).strftime("%Y-%m-%d"),
+                ended=record.at,
             )
+        )
     return sorted(found, key=lambda one: one.ended)
 
 

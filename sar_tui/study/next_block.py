@@ -5,6 +5,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import NamedTuple
 
+from sar_tui.model.language import Sentence, joined
 from sar_tui.model.study_place import StudyPlace
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan
@@ -15,7 +16,16 @@ from sar_tui.study.conditions import session_plan
 from sar_tui.study.enrolment import Names, draws_of, group_named, names_of
 from sar_tui.study.ledger import Enrolment, Frozen, Played
 from sar_tui.study.plan import OWN
-from sar_tui.study.schedule import Item, Next, items, next_item
+from sar_tui.study.schedule import Item, Next, State, items, next_item, numbers
+
+_OTHER_DAY: dict[State, str] = {
+    "early": "The visit {visit} of {who} is from {first} to {last}: today is too early.",
+    "late": "The visit {visit} of {who} is from {first} to {last}: today is too late.",
+}
+_OTHER_PLACE = {
+    "repeated": "The block {block} of the visit {visit} is repeated.",
+    "out of order": "The block {block} of the visit {visit} is out of order.",
+}
 
 
 class Person(NamedTuple):
@@ -84,7 +94,12 @@ def due(
     plan, who = one.frozen.plan, one.enrolled.participant
     if one.enrolled.ended:
         raise StoreError(
-            f"{who} takes part no longer: {one.enrolled.ended} ({one.enrolled.why_ended}).",
+            Sentence(
+                "{who} takes part no longer: {how} ({why}).",
+                who=who,
+                how=ledger.ENDS.get(one.enrolled.ended, one.enrolled.ended),
+                why=one.enrolled.why_ended,
+            ),
             bad_input=True,
         )
     check_consent(db, one)
@@ -92,17 +107,33 @@ def due(
         return _wanted(one, now, visit, block, reason)
     found = next_item(plan, one.items, one.played, now)
     if found.item is None:
-        missed = "".join(f" The visit {each.name} was missed." for each in found.passed)
-        raise StoreError(f"{who} has done all of the study {plan.name}.{missed}", bad_input=True)
+        told = [Sentence("{who} has done all of the study {study}.", who=who, study=plan.name)]
+        told += [
+            Sentence("The visit {visit} was missed.", visit=each.name) for each in found.passed
+        ]
+        raise StoreError(joined(told), bad_input=True)
     assert found.day
-    if found.state in ("early", "late") and not reason:
-        first, last = found.day.first, found.day.last
-        raise NeedsReason(
-            f"The visit {found.item.visit.name} of {who} is from {first} to {last}: today is too "
-            f"{found.state}. If it is to be today, say why: --reason …",
-            found.state,
+    if found.state in _OTHER_DAY and not reason and not _is_noted(db, one, found):
+        said = Sentence(
+            _OTHER_DAY[found.state],
+            visit=found.item.visit.name,
+            who=who,
+            first=found.day.first,
+            last=found.day.last,
         )
+        raise NeedsReason(said, found.state)
     return found
+
+
+def _is_noted(db: sqlite3.Connection, one: Person, found: Next) -> bool:
+    """Return True if a reason was given for the day of a visit, with an earlier block of it."""
+    assert found.item
+    who, study = one.enrolled.participant, one.frozen.plan.name
+    place = (found.item.visit.name, found.state)
+    return any(
+        (each.content.get("visit"), each.content["what"]) == place
+        for each in ledger.of_study(db, ledger.DEVIATION, study, who)
+    )
 
 
 def _wanted(one: Person, now: datetime, visit: str, block: str, reason: str) -> Next:
@@ -113,9 +144,14 @@ def _wanted(one: Person, now: datetime, visit: str, block: str, reason: str) -> 
         if visit in ("", item.visit.name) and block in ("", item.block.name)
     ]
     if not alike:
+        any_name = Sentence("of any name")
         raise StoreError(
-            f"{one.enrolled.participant} has no block {block or 'of any name'} in the visit "
-            f"{visit or 'of any name'}.",
+            Sentence(
+                "{who} has no block {block} in the visit {visit}.",
+                who=one.enrolled.participant,
+                block=block or any_name,
+                visit=visit or any_name,
+            ),
             bad_input=True,
         )
     done = {(each.visit, each.block, each.position) for each in one.played}
@@ -125,11 +161,8 @@ def _wanted(one: Person, now: datetime, visit: str, block: str, reason: str) -> 
         return following
     what = "repeated" if item.key in done else "out of order"
     if not reason:
-        raise NeedsReason(
-            f"The block {item.block.name} of the visit {item.visit.name} is {what}. If it is to "
-            "be now, say why: --reason …",
-            what,
-        )
+        said = Sentence(_OTHER_PLACE[what], block=item.block.name, visit=item.visit.name)
+        raise NeedsReason(said, what)
     return Next(item=item, state="due", repeats=item.key in done)
 
 
@@ -142,19 +175,36 @@ def check_consent(db: sqlite3.Connection, one: Person) -> None:
     given = ledger.consent_of(db, study, who)
     how = f"sar-tui study consent {who} --answer yes"
     if given is None:
-        raise StoreError(
-            f"{who} has not agreed to the study {study} yet. When they have: {how}", bad_input=True
+        said = Sentence(
+            "{who} has not agreed to the study {study} yet. When they have: {how}",
+            who=who,
+            study=study,
+            how=how,
         )
+        raise StoreError(said, bad_input=True)
     answer = given.content["answer"]
-    if answer != "yes":
-        said = "did not agree to" if answer == "no" else "has withdrawn the consent to"
-        raise StoreError(f"{who} {said} the study {study}: no session starts.", bad_input=True)
-    if given.content["version"] != wanted.version:
-        raise StoreError(
-            f"{who} agreed to version {given.content['version']} of the text; this plan needs "
-            f"version {wanted.version}. When they have agreed to that: {how}",
-            bad_input=True,
+    if answer == "no":
+        said = Sentence(
+            "{who} did not agree to the study {study}: no session starts.", who=who, study=study
         )
+        raise StoreError(said, bad_input=True)
+    if answer != "yes":
+        said = Sentence(
+            "{who} has withdrawn the consent to the study {study}: no session starts.",
+            who=who,
+            study=study,
+        )
+        raise StoreError(said, bad_input=True)
+    if given.content["version"] != wanted.version:
+        said = Sentence(
+            "{who} agreed to version {given} of the text; this plan needs version {wanted}. When "
+            "they have agreed to that: {how}",
+            who=who,
+            given=str(given.content["version"]),
+            wanted=wanted.version,
+            how=how,
+        )
+        raise StoreError(said, bad_input=True)
 
 
 def plan_of(
@@ -216,11 +266,13 @@ def _carried_level(db: sqlite3.Connection, one: Person, item: Item) -> int | Non
             ]
             if attempts:
                 return int(attempts[-1]["level"])
-    raise StoreError(
-        f"The level of {item.block.name} is that of the block {level}, which "
-        f"{one.enrolled.participant} has not done.",
-        bad_input=True,
+    said = Sentence(
+        "The level of {block} is that of the block {level}, which {who} has not done.",
+        block=item.block.name,
+        level=level,
+        who=one.enrolled.participant,
     )
+    raise StoreError(said, bad_input=True)
 
 
 def note_deviations(
@@ -290,10 +342,8 @@ def note_form(
     ledger.note(db, ledger.FORM, one.enrolled.participant, content, author=author, now=now)
 
 
-def in_words(one: Person, item: Item) -> str:
+def in_words(one: Person, item: Item) -> Sentence:
     """Return what a block is, as whoever is blind may see it: "Visit 2, block 3 (C1)"."""
-    plan = one.frozen.plan
-    visit = [each.name for each in plan.visits].index(item.visit.name) + 1
-    mine = [each.key for each in one.items if each.visit.name == item.visit.name]
+    visit, block = numbers(one.frozen.plan, one.items, item)
     what = item.block.form or one.names.conditions[item.condition]
-    return f"Visit {visit}, block {mine.index(item.key) + 1} ({what})"
+    return Sentence("Visit {visit}, block {block} ({what})", visit=visit, block=block, what=what)

@@ -57,6 +57,13 @@ def items(plan: Study, enrolled: Enrolment, group: str) -> Iterator[Item]:
                 yield Item(visit=visit, block=block, condition=name, position=position)
 
 
+def numbers(plan: Study, mine: Sequence[Item], item: Item) -> tuple[int, int]:
+    """Return the number of the visit of an item, and that of the item in it, from 1."""
+    visit = [each.name for each in plan.visits].index(item.visit.name)
+    same = [each.key for each in mine if each.visit.name == item.visit.name]
+    return visit + 1, same.index(item.key) + 1
+
+
 class VisitDay(msgspec.Struct, frozen=True, kw_only=True):
     """A visit of a person.
 

@@ -10,9 +10,15 @@ from pathlib import Path
 import platformdirs
 
 from sar_tui.drivers.files import write_private
+from sar_tui.model.language import Sentence
 from sar_tui.study.allocation import AllocationError, Draws, ListedGroup
 
 _BYTES = 32
+_UNREADABLE = "{path} cannot be read: {why}."
+
+
+class KeyMissing(AllocationError):
+    """The file of the key is not there."""
 
 
 def key_file(study: str) -> Path:
@@ -31,9 +37,13 @@ def create(path: Path) -> Draws:
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         write_private(path, f"{secret.hex()}\n")
     except FileExistsError:
-        raise AllocationError(f"{path} exists already: it is the key of another study.") from None
+        raise AllocationError(
+            Sentence("{path} exists already: it is the key of another study.", path=str(path))
+        ) from None
     except OSError as error:
-        raise AllocationError(f"{path} cannot be written: {error.strerror}.") from error
+        raise AllocationError(
+            Sentence("{path} cannot be written: {why}.", path=str(path), why=error.strerror)
+        ) from error
     return Draws(secret)
 
 
@@ -41,21 +51,25 @@ def read(path: Path) -> Draws:
     """Read a secret.
 
     Raises:
-        AllocationError: there is none, or it is none.
+        KeyMissing: there is none.
+        AllocationError: it cannot be read, or is no key.
     """
     try:
         secret = bytes.fromhex(path.read_text().strip())
     except FileNotFoundError:
-        raise AllocationError(
-            f"The key of the study is not here ({path}): copy it from the computer where the "
-            "first person was enrolled, or name it: --key FILE."
+        raise KeyMissing(
+            Sentence(
+                "The key of the study is not here ({path}): copy it from the computer where the "
+                "first person was enrolled.",
+                path=str(path),
+            )
         ) from None
     except OSError as error:
-        raise AllocationError(f"{path} cannot be read: {error.strerror}.") from error
+        raise AllocationError(_unreadable(path, error)) from error
     except ValueError:
         secret = b""
     if len(secret) != _BYTES:
-        raise AllocationError(f"{path} is not the key of a study.")
+        raise AllocationError(Sentence("{path} is not the key of a study.", path=str(path)))
     return Draws(secret)
 
 
@@ -70,15 +84,25 @@ def read_list(path: Path, groups: tuple[str, ...]) -> tuple[ListedGroup, ...]:
         with path.open(newline="", encoding="utf-8-sig") as file:
             rows = list(csv.DictReader(file))
     except OSError as error:
-        raise AllocationError(f"{path} cannot be read: {error.strerror}.") from error
+        raise AllocationError(_unreadable(path, error)) from error
     except UnicodeDecodeError:
-        raise AllocationError(f"{path} is not a text in UTF-8.") from None
+        raise AllocationError(Sentence("{path} is not a text in UTF-8.", path=str(path))) from None
     found = []
     for number, row in enumerate(rows, 2):
         group = (row.get("group") or "").strip()
         if group not in groups:
             raise AllocationError(
-                f"{path}, line {number}: the group is {' or '.join(groups)}, not {group!r:.40}."
+                Sentence(
+                    "{path}, line {number}: the group is one of {groups}, not {group}.",
+                    path=str(path),
+                    number=number,
+                    groups=groups,
+                    group=f"{group!r:.40}",
+                )
             )
         found.append(ListedGroup(group, (row.get("stratum") or "").strip()))
     return tuple(found)
+
+
+def _unreadable(path: Path, error: OSError) -> Sentence:
+    return Sentence(_UNREADABLE, path=str(path), why=error.strerror)

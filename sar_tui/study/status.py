@@ -1,24 +1,26 @@
 """The status of a study: each person with each visit, done, due, late or missed."""
 
 import sqlite3
-from datetime import datetime
+from collections.abc import Callable, Sequence
+from datetime import date, datetime
 from pathlib import Path
 
 import msgspec
 
+from sar_tui.model.language import ENGLISH, Sentence, in_language
 from sar_tui.study import ledger
 from sar_tui.study.allocation import AllocationError
 from sar_tui.study.enrolment import draws_of, group_named, names_of
-from sar_tui.study.ledger import Frozen
-from sar_tui.study.schedule import State, items, visit_days
+from sar_tui.study.ledger import Frozen, Played
+from sar_tui.study.plan import Study
+from sar_tui.study.schedule import Item, State, items, next_item, numbers, visit_days
 
-_WORDS: dict[State, str] = {
-    "done": "done",
-    "due": "due",
-    "early": "not yet",
-    "late": "late",
-    "missed": "missed",
-    "open": "",
+_WORDS: dict[State, Sentence] = {
+    "done": Sentence("done"),
+    "due": Sentence("due"),
+    "early": Sentence("not yet"),
+    "late": Sentence("late"),
+    "missed": Sentence("visit missed"),
 }  # fmt: skip
 
 
@@ -43,18 +45,46 @@ class VisitCell(msgspec.Struct, frozen=True, kw_only=True):
     @property
     def words(self) -> str:
         """The state for people: "due by 2026-12-03", "2 of 3 done"."""
-        said = _WORDS[self.state]
-        if self.state == "due" and self.last:
-            said = f"due by {self.last}"
-        elif self.state == "early" and self.first:
-            said = f"from {self.first}"
+        return in_language(self.sentence(), ENGLISH)
+
+    def sentence(self, day: Callable[[date], str] = date.isoformat) -> str:
+        """Return the state as a sentence that can be said in another language.
+
+        Args:
+            day: returns the words of a day.
+        """
+        said = self.when(day)
         if 0 < self.done < self.of:
-            said = f"{self.done} of {self.of} done, {said}".rstrip(", ")
-        return f"{said} !" if self.deviated else said
+            part = {"count": self.done, "of": self.of}
+            said = (
+                Sentence("{count} of {of} done, {state}", **part, state=said)
+                if said
+                else Sentence("{count} of {of} done", **part)
+            )
+        return Sentence("{state} !", state=said) if self.deviated else said
+
+    def when(self, day: Callable[[date], str]) -> str:
+        """Return when the visit may be, or that it is over, as `sentence`."""
+        if self.state == "due" and self.last:
+            return Sentence("due by {day}", day=day(date.fromisoformat(self.last)))
+        if self.state == "early" and self.first:
+            return Sentence("from {day}", day=day(date.fromisoformat(self.first)))
+        return _WORDS.get(self.state, "")
+
+
+class NextPlace(msgspec.Struct, frozen=True, kw_only=True):
+    """The place of the next block or form of a person: numbers of the visit, and of it there."""
+
+    visit: int
+    block: int
 
 
 class PersonRow(msgspec.Struct, frozen=True, kw_only=True):
-    """A person of a study, with each visit by its name."""
+    """A person of a study, with each visit by its name.
+
+    Attributes:
+        next: None if nothing more comes.
+    """
 
     participant: str
     number: int
@@ -63,10 +93,24 @@ class PersonRow(msgspec.Struct, frozen=True, kw_only=True):
     visits: dict[str, VisitCell]
     deviations: int
     ended: str
+    next: NextPlace | None = None
+
+    def next_visit(self, plan: Study) -> VisitCell | None:
+        """Return the visit that comes next, or is under way; None if there is none."""
+        return self.visits[plan.visits[self.next.visit - 1].name] if self.next else None
 
 
-def grid(db: sqlite3.Connection, frozen: Frozen, key: Path, now: datetime) -> list[PersonRow]:
+def grid(
+    db: sqlite3.Connection, frozen: Frozen, key: Path, now: datetime, participant: str = ""
+) -> list[PersonRow]:
     """Return the people of a study in the order of their enrolment, with what they have done.
+
+    Args:
+        db: the database.
+        frozen: the study.
+        key: file of its key.
+        now: the present.
+        participant: of one person only.
 
     Without the key, of a study in which people are allocated, the states of visits are still right:
     only the conditions in them are not known.
@@ -77,11 +121,13 @@ def grid(db: sqlite3.Connection, frozen: Frozen, key: Path, now: datetime) -> li
     except AllocationError:
         draws = None
     names = names_of(plan, draws)
-    deviations = ledger.of_study(db, ledger.DEVIATION, plan.name)
-    everything = ledger.played(db, plan.name, frozen.mode)
+    deviations = ledger.of_study(db, ledger.DEVIATION, plan.name, participant or None)
+    everything = ledger.played(db, plan.name, frozen.mode, participant or None)
     found = []
     for enrolled in ledger.enrolments(db, plan.name):
         who = enrolled.participant
+        if participant not in ("", who):
+            continue
         group = group_named(plan, enrolled, names)
         mine = list(
             items(plan, enrolled, group if group in plan.groups else next(iter(plan.groups), ""))
@@ -110,6 +156,17 @@ def grid(db: sqlite3.Connection, frozen: Frozen, key: Path, now: datetime) -> li
                 visits=cells,
                 deviations=len(noted),
                 ended=enrolled.ended,
+                next=None if enrolled.ended else _next(plan, mine, own, now),
             )
         )
     return found
+
+
+def _next(
+    plan: Study, mine: Sequence[Item], played: Sequence[Played], now: datetime
+) -> NextPlace | None:
+    found = next_item(plan, mine, played, now).item
+    if found is None:
+        return None
+    visit, block = numbers(plan, mine, found)
+    return NextPlace(visit=visit, block=block)

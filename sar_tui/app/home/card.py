@@ -60,6 +60,7 @@ class ParticipantCard(Vertical):
     app: Any
     _is_open = False
     _tells = False
+    _is_in_study = False
     _found: "CardContents | None" = None
 
     async def open(self) -> None:
@@ -71,6 +72,7 @@ class ParticipantCard(Vertical):
         if not self._is_open:
             return
         yield Static("", id="told", markup=False)
+        yield Static("", id="study", markup=False)
         with Container(id="choices"):
             for name in ("task", "theme"):
                 with Horizontal(classes="row"):
@@ -102,16 +104,19 @@ class ParticipantCard(Vertical):
         found: "CardContents",
         look: Sequence[str],
         offer: str,
+        study: str,
     ) -> None:
-        """Show the card of a participant; ``look``: why they need a look today, a sentence each."""
+        """Show the card of a participant; ``look``: why they need a look today, a sentence each;
+        ``study``: what is due in a study.
+        """
         self.border_title = f"{participant} · {title}"
         self._found = found
         texts = {"progress": found.progress, "last": found.last}
         told = look or found.told
-        self._write(texts | {"told": "\n".join(told), "offer": offer})
+        self._write(texts | {"told": "\n".join(told), "offer": offer, "study": study})
         for name, text in texts.items():
             self.query_one(f"#{name}-row").display = bool(text)
-        self._tells = bool(told)
+        self._tells, self._is_in_study = bool(told), bool(study)
         self.query_one("#offer").display = bool(offer)
         without = "" if found.last else self.app.tr("No session yet. START begins the first one.")
         self.query_one(SessionChart).show(found.chart, without)
@@ -150,6 +155,7 @@ class ParticipantCard(Vertical):
         for name in ("#choices", "#facts", "#go"):
             self.query_one(name).display = shows
         self.query_one("#told").display = shows and self._tells
+        self.query_one("#study").display = shows and self._is_in_study
         self.query_one("#welcome").display = not shows
 
     def _write(self, texts: dict[str, Any]) -> None:

@@ -4,14 +4,12 @@ from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
-from rich.segment import Segment
 from textual.content import Content
-from textual.events import Key, Resize
-from textual.strip import Strip
+from textual.events import Resize
 from textual.widgets.option_list import Option
 
+from sar_tui.app.code_list import CodeList
 from sar_tui.model.language import Language
-from sar_tui.widgets.lists import MarkedList
 
 if TYPE_CHECKING:
     from sar_tui.app.home.day import Entry
@@ -26,19 +24,12 @@ _LONGEST_CODE = 12
 """Longer codes are cut, so that there is room for what is said."""
 
 
-class ParticipantList(MarkedList):
-    """People, each with what the day says of them, and a last line to add one.
-
-    Attributes:
-        sought: the part of a code, or a word, that was typed.
-    """
-
-    app: Any
+class ParticipantList(CodeList):
+    """People, each with what the day says of them, and a last line to add one."""
 
     def __init__(self, **how: Any) -> None:
-        super().__init__(markup=False, **how)
+        super().__init__(**how)
         self._known: Sequence[Entry] = ()
-        self.sought = ""
 
     def on_mount(self) -> None:
         self.border_title = self.app.tr("People")
@@ -48,7 +39,7 @@ class ParticipantList(MarkedList):
         self._known = known
         if chosen and self.sought not in chosen:
             self.sought = ""
-        self._list(chosen)
+        self.draw(chosen)
         self._before = self.chosen
 
     @property
@@ -76,8 +67,9 @@ class ParticipantList(MarkedList):
 
     # --- drawing
 
-    def _list(self, chosen: str | None) -> None:
-        found = self._found()
+    def draw(self, chosen: str | None) -> None:
+        """List the people in sections, with one of them chosen."""
+        found = self._entries()
         tr: Language = self.app.tr
         self.clear_options()
         between = [Option("", disabled=True)] if found else []
@@ -113,23 +105,18 @@ class ParticipantList(MarkedList):
                 yield Option(Content.assemble(code, _GAP, said), id=each.code)
             above = "\n"
 
-    def render_line(self, y: int) -> Strip:
-        """Draw a line; all words of the chosen one have the same colour."""
-        strip = super().render_line(y)
-        line = self.scroll_offset.y + y
-        if line < len(self._lines) and self._lines[line][0] == self.highlighted:
-            style = self.get_visual_style("option-list--option", "option-list--option-highlighted")
-            return Strip(Segment.apply_style(strip, post_style=style.rich_style))
-        return strip
-
     def on_resize(self, event: Resize) -> None:
         """Fit the lines into another width."""
         if self._known:
-            self._list(self.chosen)
+            self.draw(self.chosen)
 
     # --- finding
 
-    def _found(self) -> "list[Entry]":
+    def found(self) -> Sequence[str]:
+        """Return the codes of the people that are listed."""
+        return [each.code for each in self._entries()]
+
+    def _entries(self) -> "list[Entry]":
         """Return the people whose code has what was typed; without one, those of whom it is
         said.
         """
@@ -137,38 +124,6 @@ class ParticipantList(MarkedList):
             return list(self._known)
         by_code = [each for each in self._known if self.sought in each.code]
         return by_code or [each for each in self._known if self.sought in each.words.upper()]
-
-    def on_key(self, event: Key) -> None:
-        """Narrow the list to the people with the typed characters; Escape shows all again, and who
-        was chosen before.
-        """
-        typed = (event.character or "").upper()
-        if event.key == "escape" and self.sought:
-            sought = ""
-        elif event.key == "backspace" and self.sought:
-            sought = self.sought[:-1]
-        elif self._known and len(typed) == 1 and (typed.isalnum() or typed in "-_"):
-            sought = self.sought + typed
-        else:
-            return
-        event.stop()
-        event.prevent_default()
-        before, self.sought = self.sought, sought
-        if len(sought) > len(before) and not self._found():
-            self.sought = before
-            self.app.bell()
-            return
-        if event.key == "escape":
-            self._list(self._before)
-        else:
-            self._list(self.code if not self.sought else self._best())
-
-    def _best(self) -> str | None:
-        """Return the first code that begins with what was typed; without one, the first found."""
-        found = [each.code for each in self._found()]
-        return next(
-            (code for code in found if code.startswith(self.sought)), next(iter(found), None)
-        )
 
 
 def _said(entry: "Entry", width: int, trained_width: int) -> Content:

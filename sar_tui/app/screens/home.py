@@ -54,6 +54,7 @@ class HomeScreen(Screen[None]):
         Binding("f2", "settings", "Settings", id="settings"),
         Binding("f4", "progress", "Progress", id="progress"),
         Binding("f6", "sessions", "Sessions", id="sessions"),
+        Binding("f7", "study", "Study", id="study"),
         Binding("f12", "patient_mode", "Patient mode", id="patient-mode"),
         Binding("f3", "operate", "Operator's panel", id="operate"),
         Binding("plus", "new_participant", "New participant", show=False, id="new-participant"),
@@ -69,6 +70,7 @@ class HomeScreen(Screen[None]):
         self._starting = Starting(self)
         self._is_filled = False
         self._can_operate = False
+        self._studies: list[str] = []
         self._day: date | None = None
         self._sentence = ""
         self._who: str | None = None
@@ -90,6 +92,7 @@ class HomeScreen(Screen[None]):
                 "again start. Level at goal: the one at which they just reach it. F6: Enter goes on "
                 "with an interrupted session, Del dismisses it. + adds a person."
             ),
+            *((tr("F7 shows the study: who is due, and what comes next."),) * bool(self._studies)),
         )
         return "\n\n".join(paragraphs) + "\n"
 
@@ -103,7 +106,7 @@ class HomeScreen(Screen[None]):
                 yield ParticipantCard(id="card")
                 yield SessionList(id="sessions")
         yield KeyLine(id="key")
-        yield KeyFooter(show_command_palette=False)
+        yield KeyFooter(show_command_palette=False, optional=("patient_mode",))
 
     def on_resize(self, event: Resize) -> None:
         """Leave more air where there are rows to spare."""
@@ -147,8 +150,9 @@ class HomeScreen(Screen[None]):
 
     def _list_participants(self, chosen: str | None = None) -> None:
         from sar_tui.app.home.contents import read_day
-        from sar_tui.store import participants
+        from sar_tui.store import participants, studies
 
+        self._studies = studies.names(self.app.database)
         chosen = chosen or self._participants.chosen or participants.last_used(self.app.database)
         self._day = self.app.today()
         day = read_day(self.app.database, self.app.folder, self._day, self.app.tr)
@@ -228,8 +232,17 @@ class HomeScreen(Screen[None]):
             contents,
             look=entry.look if entry else (),
             offer=offer_words(*offer, today, tr) if offer else "",
+            study=self._study_words(who),
         )
         self._choose_saved_theme(who, name)
+
+    def _study_words(self, who: str) -> str:
+        """Return what is due for a participant in a study; empty without a study."""
+        if not self._studies:
+            return ""
+        from sar_tui.app.study.contents import read_due
+
+        return read_due(self.app.database, self._studies, who, self.app.today(), self.app.tr)
 
     def _choose_saved_theme(self, who: str, task: str) -> None:
         """Choose the theme saved with a participant's settings; a choice by hand stays."""
@@ -309,6 +322,8 @@ class HomeScreen(Screen[None]):
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         if action == "operate":
             return self._can_operate
+        if action == "study":
+            return bool(self._studies)
         if action == "sessions" and self.focused is not None and self.focused.id == "recent":
             return False
         return super().check_action(action, parameters)
@@ -352,6 +367,7 @@ class HomeScreen(Screen[None]):
             ("settings", tr("Settings"), tr("What the chosen person trains, how much, how hard")),
             ("progress", tr("Progress"), tr("How the chosen person has done over weeks")),
             ("sessions", tr("Sessions"), tr("Those of the chosen person: look, go on, dismiss")),
+            ("study", tr("Study"), tr("Who is due in a study, and what comes next")),
             ("patient_mode", tr("Patient mode"), tr("Let the chosen person train alone")),
             ("operate", tr("Operator's panel"), tr("Join a session that is under way")),
         ):
@@ -432,6 +448,12 @@ class HomeScreen(Screen[None]):
 
         if chosen := self._participant_and_task():
             self.app.push_screen(SettingsScreen(*chosen))
+
+    def action_study(self) -> None:
+        """Open the study, with the chosen participant if they are in it."""
+        from sar_tui.app.screens.study import StudyScreen
+
+        self.app.push_screen(StudyScreen(self._studies, self._participants.code or ""))
 
     def action_progress(self) -> None:
         """Open the participant's progress in the task."""

@@ -1,0 +1,139 @@
+"""The texts on what is due in a study. Pure."""
+
+from collections.abc import Sequence
+from datetime import date
+
+from sar_tui.app.home.words import day_words, short_day, weekday_words
+from sar_tui.model.language import Language, Sentence, error_text, in_language
+from sar_tui.records.kind import Value
+from sar_tui.study.plan import Study
+from sar_tui.study.schedule import Next
+from sar_tui.study.status import PersonRow, VisitCell
+
+_DEVIATIONS = {
+    "missed": "visit missed",
+    "early": "early",
+    "late": "late",
+    "out of order": "out of order",
+    "repeated": "repeated",
+    "ended early": "ended early",
+    "left out": "left out",
+}
+
+
+def sentence(plan: Study, rows: Sequence[PersonRow], today: date, tr: Language) -> str:
+    """Return the sentence at the head of the screen: "3 people are due today. 1 is late."."""
+    if not rows:
+        return tr("Nobody is enrolled yet.")
+    nexts = [(row, cell) for row in rows if (cell := row.next_visit(plan))]
+    if not nexts:
+        return tr("Nobody has anything more to do.")
+    due = sum(cell.state == "due" for _, cell in nexts)
+    late = sum(cell.state == "late" for _, cell in nexts)
+    said = []
+    if due:
+        text = "1 person is due today." if due == 1 else "{count} people are due today."
+        said.append(tr(text, count=due))
+    if late:
+        text = "1 visit is late." if late == 1 else "{count} visits are late."
+        said.append(tr(text, count=late))
+    if not said:
+        said.append(tr("Nobody is due today."))
+        coming = min(
+            ((cell.first, row.participant) for row, cell in nexts if cell.first), default=None
+        )
+        if coming:
+            day = day_words(date.fromisoformat(coming[0]), today, tr)
+            said.append(tr("The next one is {who}, from {day}.", who=coming[1], day=day))
+    return " ".join(said)
+
+
+def cell_words(cell: VisitCell, today: date, tr: Language) -> str:
+    """Return the state of a visit: "due by 5 Dec"."""
+    return in_language(cell.sentence(lambda day: _short(day, today, tr)), tr)
+
+
+def _short(day: date, today: date, tr: Language) -> str:
+    return tr("today") if day == today else short_day(day, tr)
+
+
+def dated(error: Exception, tr: Language) -> str:
+    """Return what an error says, with its days as people say them."""
+    said = error_text(error)
+    if not isinstance(said, Sentence):
+        return tr(said)
+    slots = {
+        name: weekday_words(value, tr) if isinstance(value, date) else value
+        for name, value in said.slots.items()
+    }
+    return in_language(Sentence(said.english, **slots), tr)
+
+
+def about(who: str, found: Next, today: date, tr: Language) -> str:
+    """Return what is to be known of a block before it begins."""
+    assert found.item
+    said = [tr("The visit {visit} was missed.", visit=visit.name) for visit in found.passed]
+    if found.day and found.day.first and found.day.last:
+        first, last = (day_words(day, today, tr) for day in (found.day.first, found.day.last))
+        visit = found.item.visit.name
+        said.append(
+            tr("The visit {visit} of {who} is {day}.", visit=visit, who=who, day=first)
+            if first == last
+            else tr(
+                "The visit {visit} of {who} is from {first} to {last}.",
+                visit=visit,
+                who=who,
+                first=first,
+                last=last,
+            )
+        )
+    if found.resume:
+        said.append(tr("A session was cut off: it goes on where it was."))
+    elif found.repeats:
+        said.append(tr("A session was cut off: the block begins again."))
+    return " ".join(said)
+
+
+def deviations(noted: Sequence[dict[str, Value]], tr: Language) -> str:
+    """Return the deviations of a person in a line; empty without one."""
+    listed = []
+    for each in noted:
+        where = each.get("visit", "")
+        what, why = tr(_DEVIATIONS.get(str(each["what"]), "other")), each.get("reason", "")
+        said = f"{where}: {what}" if where else what
+        listed.append(f"{said} ({why})" if why else said)
+    return tr("Differs from the plan: {listed}.", listed=", ".join(listed)) if listed else ""
+
+
+def key_words(who: str, visit: int, block: int, what: str, found: Next, tr: Language) -> str:
+    """Return what Enter does.
+
+    Args:
+        who: the person.
+        visit, block: numbers of them.
+        what: name of the condition, in a blind study its code; or of the form.
+        found: the block.
+        tr: the language.
+    """
+    assert found.item
+    slots = {"visit": visit, "block": block, "what": what, "who": who}
+    if found.item.block.form:
+        return tr("Press Enter to fill in visit {visit}, block {block} ({what}) of {who}.", **slots)
+    if found.resume:
+        return tr("Press Enter to resume visit {visit}, block {block} ({what}) of {who}.", **slots)
+    return tr("Press Enter to start visit {visit}, block {block} ({what}) of {who}.", **slots)
+
+
+def card_words(plan: Study, row: PersonRow, today: date, tr: Language) -> str:
+    """Return what is due for a person in a line; empty if nothing more comes."""
+    cell = row.next_visit(plan)
+    if not cell or not row.next:
+        return ""
+    state = in_language(cell.when(lambda day: _short(day, today, tr)), tr)
+    return tr(
+        "Study {study}: visit {visit}, block {block}, {state}. F7",
+        study=plan.name,
+        visit=row.next.visit,
+        block=row.next.block,
+        state=state,
+    )
