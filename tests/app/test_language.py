@@ -48,11 +48,12 @@ def test_every_text_of_the_app_is_translated_and_no_translation_is_obsolete(
 ) -> None:
     steps = QUESTIONS.values()
     answers = {NOT_SAID, *chain.from_iterable((step.text, *step.labels) for step in steps)}
-    _, app = islice(rooms(catalogue), 2)
+    participants, app = islice(rooms(catalogue), 2)
     texts = app.needed | {"START", *MARKERS, *answers}
     for code in LANGUAGES:
         files = [folder / f"words.{code}.toml" for folder in (APP, APP / "therapist")]
-        assert set[str]().union(*map(read_words, files)) == texts
+        written = set[str]().union(*map(read_words, files))
+        assert texts - participants.inherited <= written <= texts
 
 
 async def test_texts_of_a_theme_precede_those_of_the_app_and_an_unknown_language_is_english(
@@ -88,7 +89,7 @@ SEEN = {
         "Teclas 0 de 2",
         "Pulse: {key}",
         "Tiene 60 por 20 caracteres; hacen falta 80 por 24.",
-        "2 de 2 metas alcanzadas",
+        "metas alcanzadas",
     ),
     "de": Seen(
         "Reaktion mit Tasten",
@@ -97,7 +98,7 @@ SEEN = {
         "Tasten 0 von 2",
         "Drücken: {key}",
         "Es hat 60 mal 20 Zeichen; 80 mal 24 sind nötig.",
-        "2 von 2 Zielen erreicht",
+        "Zielen erreicht",
     ),
 }
 
@@ -190,7 +191,7 @@ async def test_settings_are_in_the_language_of_the_app(opened: OpenApp, data: Pa
         await driver.press("/", *"manos", "escape", "down", "enter", "down", "enter", "ctrl+s")
         driver.see("● Teclas ambas manos → flechas")
         await driver.press(*"más fácil", "enter")
-        driver.see("versión 2", "Todo está guardado.")
+        driver.see("guardado versión 2")
 
 
 async def test_what_is_wrong_is_said_in_the_language_of_the_app(

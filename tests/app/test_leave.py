@@ -145,7 +145,7 @@ async def test_a_mistake_can_be_said_in_a_pause(open_session: OpenSession) -> No
         driver.see("It was started by mistake")
         await driver.press("down", "down", "enter")
         await driver.wait(300)
-        driver.see("That is all right This session does not count.")
+        driver.see("That is all right", "This session does not count.")
         driver.lacks("Ended early")
         await driver.press("enter")
         assert driver.app.return_code == 0, "nothing more is asked"

@@ -193,15 +193,14 @@ async def test_numbers_are_shown_and_typed_in_the_units_of_therapists(form: AppD
     assert field(form, "min_accuracy").value == "0.725"
 
 
-@pytest.mark.usefixtures("a_participant")
 async def test_the_start_level_is_shown_where_it_is_used(
     opened: OpenApp, data: Path, catalogue: Catalogue
 ) -> None:
+    known(data, "P01", prompts_per_attempt=20)
     plan = make_plan(catalogue, "keyboard", ["P01"], {"attempts": 8}, seed=1, mode="simulated")
     session = simulate(plan, PEOPLE["poor"], data, catalogue)
     with closing(connect(data)) as database, database:
         database.execute("UPDATE sessions SET mode='live' WHERE id=?", (session,))
-    known(data, "P01")
     async with opened() as driver:
         await driver.press("f2")
         assert not field(driver, "start_level").display
@@ -443,9 +442,9 @@ async def test_a_preset_leaves_nothing_of_the_one_before(opened: OpenApp, data: 
     (folder / "b.toml").write_text('task = "keyboard"\n[parameters]\nthreshold = 700.0\n')
     async with opened() as driver:
         await driver.press("f2")
-        for downs in (3, 4):  # a, then b, after those of the task
-            await driver.press("f6", *["down"] * downs, "enter")
+        await driver.press("f6", *["down"] * 3, "enter")  # a, after those of the task
         assert "and stays: Language." in told(driver)
+        await driver.press("f6", *["down"] * 4, "enter")  # b
         await save(driver)
     assert stored_settings(data) == {"choice_set": "left hand", "threshold": 700.0}
 

@@ -99,7 +99,7 @@ async def test_without_consent_no_session_begins(
         await driver.wait(500)
         await driver.press("2", "enter")
         await driver.wait(500)
-        driver.see("That is all right The session does not begin")
+        driver.see("That is all right", "The session does not begin")
         await driver.press("enter")
         assert driver.app.return_code == 0, "nothing more is asked"
         session = driver.session_id

@@ -289,7 +289,9 @@ async def test_the_settings_tell_the_scan_interval_that_follows_the_person(
             for panel in driver.app.screen.query(FieldPanel)
             for each in panel.fields
         }
-        assert fields["scan_interval_ms"].note.endswith(f"It is {interval_ms(times)} ms now.")
+        assert fields["scan_interval_ms"].note.endswith(
+            f"It is {interval_ms(times) / 1000:g} s now."
+        )
 
 
 async def test_a_press_right_after_the_mark_has_moved_takes_what_was_marked_before(

@@ -91,7 +91,7 @@ async def test_a_view_that_fails_is_recorded_and_the_session_goes_on(
         if topic in ("load", "prompt_lines"):
             assert "█" in prompt
         assert "Press Enter for attempt 2 of 2." in between
-        assert "2 of 2 goals reached" in summary
+        assert "▀▀█ ▀▀█ █▀▀ of █▀▀ ▀▀▀ ▀▀▀ goals reached" in summary
         faults = driver.messages("framework/fault")
         assert {fault["topic"] for fault in faults} == {topic}
         assert {fault["node"] for fault in faults} == {"view"}

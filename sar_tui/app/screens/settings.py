@@ -315,6 +315,7 @@ class SettingsScreen(DismissedOnce[None]):
             name = widget.field.name
             widget.more = "" if name in problems else self._level(widget) or self._scanning(widget)
             widget.show_problem(problems.get(name, ""), unused.get(name, ""))
+        self.set_class(bool(self._rule.problem), "-no-rule")  # which leaves room to say why
         self._count()
         self._show_key()
         self._show_note()
@@ -864,6 +865,7 @@ class SettingsScreen(DismissedOnce[None]):
 
     async def action_discard(self) -> None:
         """Take the unsaved changes away; pressed again, bring them back."""
+        self.app.clear_notifications()  # that they were not saved, or were discarded
         if unsaved := self._unsaved():
             self._set_aside = unsaved
             self._fill({widget.field.name: widget.saved for widget in self._fields})

@@ -349,13 +349,21 @@ class PreviewPane(Widget):
         drawn = chart(self._preview, self._highest, columns, self._rows, self.tr)
         above = [Content("")] * (self._rows - len(drawn))
         parts = [
-            [Content.assemble((title.plain, "bold"), (f"  {self._heading}", "$accent"))],
+            [self._title(title.plain, columns)],
             [*above, *drawn],
             [Content(self._sentence(columns))],
             [Content(self._source).stylize("$text-muted")],
         ]
         blank = "\n\n" if self._is_beside else "\n"
         return Content(blank).join(Content("\n").join(lines) for lines in parts)
+
+    def _title(self, title: str, columns: int) -> Content:
+        """Return the title and what is played, on one line; with a shorter title if it needs one."""
+        heading = (f"  {self._heading}", "$accent")
+        whole = Content.assemble((title, "bold"), heading)
+        if whole.cell_length <= columns:
+            return whole
+        return Content.assemble((self.tr("Preview"), "bold"), heading)
 
     def _sentence(self, columns: int) -> str:
         """Return what happens; in a small window without the start, which the picture shows, if
