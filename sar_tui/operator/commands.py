@@ -237,7 +237,9 @@ class Commands:
         if reason is None:
             return self._not_sent(self.tr("There is no reason {code}.", code=code), at)
         reason_text = self.tr(reason.text)
-        given = ReasonGiven(action=asked.action, verdict=asked.verdict, code=code, text=reason.text)
+        given = ReasonGiven(
+            action=asked.action, verdict=asked.verdict, digit=code, text=reason.text
+        )
         wording = same(self.tr("Reason: {text}").format(text=reason_text))
         return self.send(wording, REASON, given, at)
 

@@ -283,7 +283,9 @@ async def test_without_the_key_the_table_is_shown_and_nothing_begins(
         assert driver.screen_name == "StudyScreen"
 
 
-async def test_a_form_is_filled_in_and_the_end_of_a_study_is_told(opened: OpenApp, study: Study) -> None:
+async def test_a_form_is_filled_in_and_the_end_of_a_study_is_told(
+    opened: OpenApp, study: Study
+) -> None:
     study.enrol("P01", "P02", now=MONDAY)
     for day in (0, 0, 7):
         study.play("P01", MONDAY + timedelta(days=day))

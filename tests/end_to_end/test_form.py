@@ -111,7 +111,7 @@ def test_a_form_is_filled_in_in_plain_lines(data: Path) -> None:
         "How mentally demanding was the task?",
         "0: Very low.",
         "100: Very high.",
-        "Tab: I would rather not say.",
+        "Press Tab if you would rather not say.",
         "Press the number or an arrow key, then Enter.",
         "Chosen: 40.",
         "Item 2 of 6",

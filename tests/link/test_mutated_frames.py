@@ -50,7 +50,7 @@ ACTS: tuple[tuple[str, Message], ...] = (
     (NOTE_ADDED.name, m.NoteAdded(text="rubs the left wrist", at=5)),
     (PROTOCOL.name, m.ProtocolChosen(protocol=WIZARD_PROTOCOL, at=5)),
     (PROTOCOL_TICKED.name, m.ProtocolTicked(due="d1", outcome="done", at=5)),
-    (REASON.name, m.ReasonGiven(action="a1", verdict="veto", code=1, text="technical", at=5)),
+    (REASON.name, m.ReasonGiven(action="a1", verdict="veto", digit=1, text="technical", at=5)),
 )
 
 

@@ -175,7 +175,7 @@ async def test_a_digit_after_a_veto_is_its_reason(panel: b.PanelDriver) -> None:
     assert "There is no reason 7." in panel.text
     await panel.press("3")
     given = m.ReasonGiven(
-        action="p1", verdict="veto", code=3, text="participant upset", actor=b.ANNA
+        action="p1", verdict="veto", digit=3, text="participant upset", actor=b.ANNA
     )
     assert panel.sent(t.REASON) == [given]
     await panel.press("1")
@@ -186,7 +186,7 @@ async def test_an_edit_asks_too(panel: b.PanelDriver) -> None:
     await follow(panel)
     await panel.propose(b.approval("p1"))
     await panel.press("minus", "2")
-    assert [(one.verdict, one.code) for one in panel.sent(t.REASON)] == [("edit", 2)]
+    assert [(one.verdict, one.digit) for one in panel.sent(t.REASON)] == [("edit", 2)]
 
 
 @pytest.mark.parametrize("ends", ["n", "u", "p", "escape", "time"])

@@ -30,7 +30,7 @@ def tick(id: str, ms: float, outcome: Any = "done", act: str = "") -> m.Protocol
 
 
 def reason(id: str, text: str, verdict: Any = "veto") -> m.ReasonGiven:
-    return m.ReasonGiven(action=id, verdict=verdict, code=1, text=text, actor=ANNA)
+    return m.ReasonGiven(action=id, verdict=verdict, digit=1, text=text, actor=ANNA)
 
 
 def chosen() -> Script:

@@ -112,7 +112,7 @@ PUBLIC = (
     hashlib.sha256(b"the plan").digest(),
     hashlib.sha256(b"sar-tui study ").digest(),
 )
-"""What an attacker who has plan, database and code could take for the secret."""
+"""Keys that an attacker who has plan, database and code could take for the secret."""
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""What is due on a day, and what becomes of visits that are early, late or missed."""
+"""Visits are due, early, late or missed by the day, and blocks follow each other."""
 
 from datetime import UTC, datetime, timedelta
 

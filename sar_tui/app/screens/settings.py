@@ -383,7 +383,7 @@ class SettingsScreen(DismissedOnce[None]):
 
     @property
     def _about_rule(self) -> Content:
-        """What the numbers beside the rules are, and what the goal is that they share."""
+        """The meaning of the numbers beside the rules, and of the goal that they share."""
         goal = (
             Content.assemble((widget.field.title, "bold"), f"  {widget.field.help}")
             for widget in self._fields

@@ -176,12 +176,12 @@ class ProtocolTicked(OperatorAct, frozen=True, kw_only=True):
 class ReasonGiven(OperatorAct, frozen=True, kw_only=True):
     """An operator's reason for a veto or an edit, of the proposal with this id (``action``).
 
-    ``code``, ``text``: the reason, as the protocol lists it.
+    ``digit``, ``text``: the reason, as the protocol lists it.
     """
 
     action: str
     verdict: Literal["veto", "edit"]
-    code: int
+    digit: int
     text: str
 
 
