@@ -35,6 +35,7 @@ def content(data: Path) -> dict[str, object]:
     return dict(json.loads(found[-1][0]))
 
 
+@pytest.mark.slow
 def test_a_form_that_is_killed_at_its_fourth_item_goes_on_there_and_is_scored(data: Path) -> None:
     with Terminal(fill(data)) as terminal:
         screen = ScreenReader(terminal)
@@ -73,6 +74,7 @@ def test_a_form_that_is_killed_at_its_fourth_item_goes_on_there_and_is_scored(da
     assert "Usability 82.5 (0 to 100)" in " ".join(listed.stdout.split())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("language", "question", "thanks"),
     [
@@ -93,6 +95,7 @@ def test_a_form_is_filled_in_in_german_and_spanish(
     assert (content(data)["language"], content(data)["score"]) == (language, 6.0)
 
 
+@pytest.mark.slow
 def test_a_form_is_filled_in_in_plain_lines(data: Path) -> None:
     with Terminal(fill(data, "--plain", form="NASA-TLX")) as terminal:
         for number, keys in enumerate(("40", "5", "100", "0", "35", "tab"), 1):

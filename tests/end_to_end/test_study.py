@@ -46,6 +46,7 @@ attempts = 1
 """
 
 
+@pytest.mark.slow
 def test_a_block_runs_from_the_screen_of_its_study_which_then_offers_the_next(
     data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -89,7 +89,7 @@ def test_an_operator_follows_a_protocol_and_vetoes_with_a_reason(
     for word in ("protocol", "due", "wrong content", "Why", "tick"):
         assert not any(word in line for line in seen), "the participant never sees a trace of it"
     (given,) = terminals.reported("operator/reason")
-    assert (given["action"], given["code"], given["text"]) == (vetoed["id"], 2, "wrong content")
+    assert (given["action"], given["digit"], given["text"]) == (vetoed["id"], 2, "wrong content")
     (chosen,) = terminals.reported("operator/protocol")
     used = chosen["protocol"]
     assert (used["name"], used["version"], len(used["hash"])) == ("kind", 4, 64)

@@ -55,7 +55,7 @@ def test_steps_and_rules_are_due_in_a_session_that_replays_identically(driver: L
     assert due(driver)[1:] == ["Offer water."]
     for id in ("a2", "a3"):
         act(driver, t.PROTOCOL_TICKED, m.ProtocolTicked, due="d1", outcome="done", id=id)
-    act(driver, t.REASON, m.ReasonGiven, action="p", verdict="veto", code=1, text="x", id="a4")
+    act(driver, t.REASON, m.ReasonGiven, action="p", verdict="veto", digit=1, text="x", id="a4")
     assert answers(driver)[1:] == [("a2", "done"), ("a3", "late"), ("a4", "done")]
     driver.operate("pause")
     driver.operate("resume")

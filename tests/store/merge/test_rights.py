@@ -46,6 +46,7 @@ def zurich(tmp_path: Path, bern: Path) -> Path:
     return folder
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", ["erased", "de-identified"])
 def test_it_is_so_whatever_the_order(what: str, bern: Path, zurich: Path, tmp_path: Path) -> None:
     before = copy(bern, tmp_path / "before")
