@@ -12,17 +12,16 @@ from random import Random
 import msgspec
 
 from sar_tui.plugins import Catalogue
+from sar_tui.records.kind import Field, Value
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE, Person
-from sar_tui.store import sessions, sites
-from sar_tui.store.database import StoreError, connect
+from sar_tui.store import forms, records, sessions, sites
+from sar_tui.store.database import connect
 from sar_tui.study import enrolment, ledger, next_block
 from sar_tui.study.plan import Study
 from sar_tui.study.schedule import Next, next_item
 
 _HOUR = 9
-FillForm = Callable[[sqlite3.Connection, str, str, Random, datetime], str]
-"""Fills in a form for a simulated person, and returns the id of the record."""
 
 
 class Habits(msgspec.Struct, frozen=True, kw_only=True):
@@ -79,7 +78,6 @@ def rehearse(
     habits: Habits = PUNCTUAL,
     persons: Callable[[int], Person] | None = None,
     effects: dict[str, float] | None = None,
-    fill: FillForm | None = None,
     progress: Callable[[int, int], None] = lambda done, of: None,
 ) -> list[Rehearsed]:
     """Let simulated people go through a study.
@@ -97,7 +95,6 @@ def rehearse(
         habits: how they come.
         persons: returns the model of the nth person; by default those of `simulate`, in turn.
         effects: milliseconds that a condition adds to their reaction times.
-        fill: fills in forms.
         progress: called with the number of people that are done, and of all.
     """
     named = plan.sites or ("",)
@@ -122,7 +119,7 @@ def rehearse(
                 enrolment.enrol(db, frozen, code, key, factors=factors, now=now)
                 model = models(done)
                 times += _visits(
-                    db, data, catalogue, frozen, code, key, model, draw, now, habits, effects, fill
+                    db, data, catalogue, frozen, code, key, model, draw, now, habits, effects
                 )
                 codes.append(code)
                 done += 1
@@ -143,7 +140,6 @@ def _visits(
     began: datetime,
     habits: Habits,
     effects: dict[str, float] | None,
-    fill: FillForm | None,
 ) -> Iterator[BlockTime]:
     """Play all visits of a person, and yield the time of each block."""
     plan = frozen.plan
@@ -163,9 +159,7 @@ def _visits(
                 db, one, what, "came later" if what.state == "late" else "", author="", now=now
             )
             if what.item.block.form:
-                if fill is None:
-                    raise StoreError(f"The form {what.item.block.form} cannot be filled in.")
-                record = fill(db, what.item.block.form, code, draw, now)
+                record = _filled(db, what.item.block.form, code, draw, now)
                 next_block.note_form(db, one, what, record, author="", now=now)
                 now += timedelta(minutes=3)
                 continue
@@ -187,6 +181,24 @@ def _visits(
             content = {"study": plan.name, "what": "lost", "reason": "does not come any more"}
             ledger.note(db, ledger.EXIT, code, content, author="", now=now)
             return
+
+
+def _filled(
+    db: sqlite3.Connection, name: str, participant: str, draw: Random, now: datetime
+) -> str:
+    """Fill in a form with random answers, and return the id of the record."""
+    kind = forms.form(name)
+
+    def answer(item: Field) -> Value:
+        if item.type == "choice":
+            return draw.choice(item.labels)
+        if item.is_number:
+            steps = round((item.highest - item.lowest) / item.step)
+            return item.lowest + item.step * draw.randint(0, steps)
+        return "Said in a rehearsal."
+
+    answers = {item.name: answer(item) for item in kind.items}
+    return records.add(db, kind, participant, "", answers, now=now).id
 
 
 def _due_now(

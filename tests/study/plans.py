@@ -58,6 +58,15 @@ level = "first/baseline"
 """
 """Two groups, two visits, and two conditions within people."""
 
+WITH_FORMS = (
+    TWO_GROUPS.replace(
+        '[[visits]]\nname = "second"',
+        '[[visits.blocks]]\nname = "strain"\nform = "effort"\n[[visits]]\nname = "second"',
+    )
+    + '[[visits.blocks]]\nname = "usability"\nform = "SUS"\n'
+)
+"""The same with a form at the end of each visit."""
+
 
 def plan(text: str = TWO_GROUPS) -> Study:
     """Return the plan in a text."""

@@ -26,7 +26,7 @@ from sar_tui.study.envelopes import page, sheets
 from sar_tui.study.next_block import person
 from sar_tui.study.rehearsal import Habits, Rehearsed, rehearse
 from sar_tui.study.status import grid
-from tests.study.plans import TWO_GROUPS, plan
+from tests.study.plans import TWO_GROUPS, WITH_FORMS, plan
 
 START = datetime(2026, 3, 2, tzinfo=UTC)
 LATER = datetime(2026, 6, 1, tzinfo=UTC)
@@ -62,7 +62,7 @@ def play(folder: Path, text: str = TWO_GROUPS, *, people: int = 24, habits: Habi
 @pytest.fixture(scope="module")
 def played(tmp_path_factory: pytest.TempPathFactory) -> Played:
     habits = Habits(misses=0.15, late=0.15)
-    return play(tmp_path_factory.mktemp("study"), habits=habits)
+    return play(tmp_path_factory.mktemp("study"), WITH_FORMS, habits=habits)
 
 
 def long_rows(folder: Path) -> list[results.Row]:
@@ -79,6 +79,17 @@ def test_each_site_has_both_groups_and_both_orders(played: Played) -> None:
         for group in ("praise", "silent"):
             orders = Counter(one.orders for one in people if one.group == group)
             assert abs(orders[0,] - orders[1,]) <= 1
+
+
+def test_each_form_that_was_filled_in_has_its_score(played: Played) -> None:
+    for site in played.sites:
+        rows = long_rows(site.folder)
+        for block, most in (("strain", 10), ("usability", 100)):
+            scores = [row["score"] for row in rows if row["block"] == block]
+            visits = {row["participant"] for row in rows if row["block"] in ("speeds", "training")}
+            assert 0 < len(scores) <= len(visits)
+            assert all(0 <= score <= most for score in scores)
+            assert len(set(scores)) > 3
 
 
 def test_missed_and_late_visits_are_listed(played: Played) -> None:
