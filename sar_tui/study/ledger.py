@@ -389,9 +389,10 @@ def played(
         )
     for record in of_study(db, FORM, study, participant):
         content = record.content
+        _, sign, site = record.id.partition("@")  # as of all records of another site
         found.append(
             Played(
-                id=str(content["record"]),
+                id=f"{content['record']}{sign}{site}",
                 participant=record.participant,
                 visit=str(content["visit"]),
                 block=str(content["block"]),

@@ -31,7 +31,7 @@ from tests.study.plans import TWO_GROUPS, WITH_FORMS, plan
 START = datetime(2026, 3, 2, tzinfo=UTC)
 LATER = datetime(2026, 6, 1, tzinfo=UTC)
 BLIND = TWO_GROUPS.replace("[outcome]", "[allocation]\nblind = true\n[outcome]", 1)
-EFFECT_MS = 150.0
+EFFECT_MS = 300.0
 
 
 class Played(NamedTuple):
@@ -115,6 +115,7 @@ def test_a_merge_in_either_direction_gives_the_same_table(played: Played, tmp_pa
         rows = long_rows(copy)
         for row in rows:  # each site calls its own people by their codes alone
             row["participant"] = row["participant"].partition("@")[0]
+            row["session"] = row["session"].partition("@")[0]
         return sorted(rows, key=lambda row: row["session"])
 
     both = merged(first, second)
