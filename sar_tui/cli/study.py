@@ -121,12 +121,15 @@ app.command("power")(power)
 @app.command("check")
 def check(home: Home, file: PlanFile) -> None:
     """Check a plan: each mistake with its line; without one, what it plans."""
+    from sar_tui.study.conditions import warnings
     from sar_tui.study.summary import summary
 
     _, plan = checked_plan(home, file)
     out = console()
     for line in summary(plan):
         out.print(line, soft_wrap=True)
+    for warning in warnings(plan, home.catalogue()):
+        out.print(f"! {warning}", soft_wrap=True)
 
 
 @app.command("freeze")
@@ -387,7 +390,7 @@ def next_command(
         done += 1
         if ended:
             raise typer.Exit(ended)
-        if once or visit or block or not _is_done(home, one, found):
+        if once or visit or block or not _is_completed(home, one, found):
             break
         reason = ""
     _print_after(home, code, name, key)
@@ -501,8 +504,10 @@ def _fill_form(home: Home, one: "Person", found: "Next", *, plain: bool) -> int:
     return ended
 
 
-def _is_done(home: Home, one: "Person", found: "Next") -> bool:
-    """Return True if a block that was begun is done now."""
+def _is_completed(home: Home, one: "Person", found: "Next") -> bool:
+    """Return True if a block that was begun is done now, and was not ended early: then the person
+    may want to stop for today.
+    """
     from sar_tui.study import ledger
     from sar_tui.study.schedule import finished
 
@@ -510,7 +515,8 @@ def _is_done(home: Home, one: "Person", found: "Next") -> bool:
     plan = one.frozen.plan
     with home.database() as database:
         played = ledger.played(database, plan.name, one.frozen.mode, one.enrolled.participant)
-    return found.item.key in finished(plan, played, datetime.now(UTC))
+    done = finished(plan, played, datetime.now(UTC)).get(found.item.key)
+    return done is not None and done.status == "completed"
 
 
 def _print_after(home: Home, code: str, name: str, key: Path | None) -> None:
@@ -657,6 +663,19 @@ def _print_status(frozen: "Frozen", rows: "Sequence[Any]") -> None:
     )
 
 
+def _days(text: str) -> str:
+    """Return the days of visits with spaces between them. Raises BadParameter, so that they are
+    asked for again.
+    """
+    try:
+        found = [int(day) for day in text.replace(",", " ").split()]
+    except ValueError:
+        found = []
+    if not found or found[0] != 0 or sorted(set(found)) != found:
+        raise typer.BadParameter("Days are numbers in order that begin with 0, such as 0 7 14.")
+    return " ".join(map(str, found))
+
+
 @app.command("new")
 def new_study(
     home: Home,
@@ -687,7 +706,12 @@ def new_study(
     ] = False,
     days: Annotated[
         str,
-        typer.Option(prompt="Days of the visits, from 0", metavar="DAYS", show_default=False),
+        typer.Option(
+            prompt="Days of the visits, such as 0 7 14; 0: one visit",
+            parser=_days,
+            metavar="DAYS",
+            show_default=False,
+        ),
     ] = "0",
 ) -> None:
     """Write a new plan from the answers to five questions."""
@@ -695,12 +719,8 @@ def new_study(
     from sar_tui.study.plan import parse_plan
 
     kind = home.catalogue().task(task)
-    try:
-        numbers = [int(day) for day in days.replace(",", " ").split()]
-    except ValueError:
-        raise Refused(f"Days are numbers, such as 0 7 14, not {days!r:.40}.") from None
     listed = conditions.replace(",", " ").split()
-    text = new_plan(name, kind.name, listed, within=within, days=numbers)
+    text = new_plan(name, kind.name, listed, within=within, days=[*map(int, days.split())])
     with study_errors():
         parse_plan(text, str(to))
     write_new(to, text)
@@ -820,7 +840,7 @@ def rehearse(
     if to.exists() and any(to.iterdir()):
         raise Refused(f"{to} is not empty: name a new folder.")
     make_private(to)
-    with study_errors(), progress_line("Rehearsing") as tell:
+    with _removed_unless_done(to), study_errors(), progress_line("Rehearsing") as tell:
         found = run(
             plan,
             text,
@@ -837,6 +857,18 @@ def rehearse(
         print_json({"sites": found})
         return
     _print_rehearsed(found)
+
+
+@contextmanager
+def _removed_unless_done(folder: Path) -> "Iterator[None]":
+    """Remove a rehearsal that failed, so that it can be tried again in the same folder."""
+    from shutil import rmtree
+
+    try:
+        yield
+    except BaseException:
+        rmtree(folder, ignore_errors=True)
+        raise
 
 
 def _print_rehearsed(found: "Sequence[Rehearsed]") -> None:

@@ -10,13 +10,14 @@ import msgspec
 from sar_tui.model.step import Step
 from sar_tui.model.study_place import StudyPlace
 from sar_tui.plugins import Catalogue, PluginError
-from sar_tui.records.kind import KindError
-from sar_tui.records.kind import find as find_kind
 from sar_tui.rules.declaration import ParameterError
 from sar_tui.rules.parameters import fields
+from sar_tui.rules.policies import DIFFICULTY
 from sar_tui.runs.plan import Failed, Plan, make_plan
+from sar_tui.store import forms
+from sar_tui.store.database import StoreError
 from sar_tui.store.programmes import Programme
-from sar_tui.study.plan import OWN, Block, Condition, Problem, Study
+from sar_tui.study.plan import ALLOCATED, OWN, Block, Condition, Problem, Study
 
 
 def problems_here(plan: Study, catalogue: Catalogue) -> Iterator[Problem]:
@@ -57,8 +58,8 @@ def _condition_problems(
 def _block_problems(plan: Study, catalogue: Catalogue, block: Block) -> Iterator[str]:
     if block.form:
         try:
-            find_kind(block.form)
-        except KindError as error:
+            forms.form(block.form)
+        except StoreError as error:
             yield str(error)
         return
     for name in dict.fromkeys((block.condition, *block.conditions)):
@@ -171,3 +172,20 @@ def resolved(plan: Study, catalogue: Catalogue) -> dict[str, dict[str, Any]]:
             "parameters": msgspec.to_builtins(session.parameters),
         }
     return found
+
+
+def warnings(plan: Study, catalogue: Catalogue) -> Iterator[str]:
+    """Yield sentences on what is possible, and makes the outcome hard to interpret."""
+    outcome = plan.outcome
+    if outcome is None or outcome.measure != "metric":
+        return
+    block = plan.block(outcome.visit, outcome.block)
+    names = [group.condition for group in plan.groups.values()]
+    names = names if block.condition == ALLOCATED else [block.condition, *block.conditions]
+    for name in filter(None, names):
+        session = session_plan(plan, catalogue, plan.conditions[name], block, "P01", {})
+        if DIFFICULTY[session.parameters.difficulty_policy].moves_level:
+            yield (
+                f"In the condition {name} the level follows the results, and the results depend on "
+                'the level: to compare them, set difficulty_policy = "fixed".'
+            )

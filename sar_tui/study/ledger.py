@@ -360,6 +360,47 @@ def of_study(
     return [each for each in found if each.content["study"] == study]
 
 
+class Differed(msgspec.Struct, frozen=True, kw_only=True):
+    """A deviation from the plan: recorded, or a session that was ended early."""
+
+    participant: str
+    visit: str
+    block: str
+    what: str
+    reason: str
+    at: str
+
+
+def deviations(db: sqlite3.Connection, study: str, mode: Mode) -> list[Differed]:
+    """Return what differs from the plan of a study, by time: what was recorded, and sessions that
+    somebody ended before all attempts were done.
+    """
+    found = [
+        Differed(
+            participant=each.participant,
+            visit=str(each.content.get("visit", "")),
+            block=str(each.content.get("block", "")),
+            what=str(each.content["what"]),
+            reason=str(each.content.get("reason", "")),
+            at=each.at,
+        )
+        for each in of_study(db, DEVIATION, study)
+    ]
+    found += [
+        Differed(
+            participant=one.participant,
+            visit=one.visit,
+            block=one.block,
+            what="ended early",
+            reason="",
+            at=one.ended,
+        )
+        for one in played(db, study, mode)
+        if one.status == "aborted"
+    ]
+    return sorted(found, key=lambda each: each.at)
+
+
 def consent_of(db: sqlite3.Connection, study: str, participant: str) -> Record | None:
     """Return the last consent of a person to a study; None without one."""
     found = of_study(db, CONSENT, study, participant)

@@ -40,9 +40,7 @@ def _design(db: sqlite3.Connection, frozen: Frozen) -> Iterator[str]:
     ended = Counter(one.ended for one in people if one.ended)
     if ended:
         yield f"Participation ended early: {', '.join(f'{n} {how}' for how, n in ended.items())}."
-    deviations = Counter(
-        str(each.content["what"]) for each in ledger.of_study(db, ledger.DEVIATION, plan.name)
-    )
+    deviations = Counter(each.what for each in ledger.deviations(db, plan.name, frozen.mode))
     if deviations:
         told = ", ".join(f"{count} {what}" for what, count in deviations.most_common())
         yield f"Deviations from the plan: {told}."

@@ -236,7 +236,8 @@ _Table = TypeVar("_Table", Outcome, Power)
 def _converted(plan: Mapping[str, Any], name: str, kind: type[_Table]) -> _Table:
     table = plan.get(name)
     if not isinstance(table, Mapping):
-        raise _refusal(f"The plan has no [{name}].")
+        example = ", such as effect = 20" if name == "power" else ""
+        raise _refusal(f"The plan has no [{name}]: add it{example} (docs/power.md).")
     fields = kind.__struct_fields__
     if unknown := sorted(table.keys() - set(fields)):
         raise _refusal(

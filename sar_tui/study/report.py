@@ -15,7 +15,7 @@ import msgspec
 from sar_tui.reports.sections import Section, Table
 from sar_tui.store import sessions
 from sar_tui.study import ledger
-from sar_tui.study.ledger import Frozen
+from sar_tui.study.ledger import Differed, Frozen
 from sar_tui.study.results import Row, long_rows
 from sar_tui.study.status import PersonRow, grid
 
@@ -56,17 +56,6 @@ class Dose(msgspec.Struct, frozen=True, kw_only=True):
     minutes: float
 
 
-class Deviation(msgspec.Struct, frozen=True, kw_only=True):
-    """A deviation from the plan."""
-
-    participant: str
-    visit: str
-    block: str
-    what: str
-    reason: str
-    at: str
-
-
 class StudyReport(msgspec.Struct, frozen=True, kw_only=True):
     """The report on a study.
 
@@ -84,7 +73,7 @@ class StudyReport(msgspec.Struct, frozen=True, kw_only=True):
     versions: tuple[tuple[int, str], ...]
     groups: tuple[GroupFlow, ...]
     dose: tuple[Dose, ...]
-    deviations: tuple[Deviation, ...]
+    deviations: tuple[Differed, ...]
     missing: dict[str, int]
     code_breaks: int
     other_plans: tuple[str, ...]
@@ -96,17 +85,7 @@ def make_report(db: sqlite3.Connection, frozen: Frozen, key: Path, now: datetime
     people = grid(db, frozen, key, now)
     rows = long_rows(db, frozen)
     groups = sorted({one.group for one in people}) or [""]
-    deviations = tuple(
-        Deviation(
-            participant=each.participant,
-            visit=str(each.content.get("visit", "")),
-            block=str(each.content.get("block", "")),
-            what=str(each.content["what"]),
-            reason=str(each.content.get("reason", "")),
-            at=each.at,
-        )
-        for each in ledger.of_study(db, ledger.DEVIATION, plan.name)
-    )
+    deviations = tuple(ledger.deviations(db, plan.name, frozen.mode))
     return StudyReport(
         study=plan.name,
         version=plan.version,

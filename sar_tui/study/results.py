@@ -67,7 +67,7 @@ LONG_COLUMNS = (
 def long_rows(db: sqlite3.Connection, frozen: Frozen) -> list[Row]:
     """Return a row for each block that was begun, by person in the order of enrolment."""
     plan = frozen.plan
-    deviations = ledger.of_study(db, ledger.DEVIATION, plan.name)
+    deviations = ledger.deviations(db, plan.name, frozen.mode)
     everything = ledger.played(db, plan.name, frozen.mode)
     found = []
     for enrolled in ledger.enrolments(db, plan.name):
@@ -76,9 +76,7 @@ def long_rows(db: sqlite3.Connection, frozen: Frozen) -> list[Row]:
         first = min((one.day for one in own), default="")
         for one in own:
             deviated = sum(
-                each.content.get("visit") == one.visit
-                and each.content.get("block") in (None, one.block)
-                for each in noted
+                each.visit == one.visit and each.block in ("", one.block) for each in noted
             )
             row = {
                 **_of_person(db, plan, enrolled),

@@ -121,7 +121,7 @@ def grid(
     except AllocationError:
         draws = None
     names = names_of(plan, draws)
-    deviations = ledger.of_study(db, ledger.DEVIATION, plan.name, participant or None)
+    deviations = ledger.deviations(db, plan.name, frozen.mode)
     everything = ledger.played(db, plan.name, frozen.mode, participant or None)
     found = []
     for enrolled in ledger.enrolments(db, plan.name):
@@ -134,7 +134,7 @@ def grid(
         )
         own = [one for one in everything if one.participant == who]
         noted = [each for each in deviations if each.participant == who]
-        at_visits = {each.content.get("visit") for each in noted}
+        at_visits = {each.visit for each in noted}
         cells = {
             day.visit.name: VisitCell(
                 state=day.state,

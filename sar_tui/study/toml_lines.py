@@ -14,6 +14,17 @@ _ANY = "..."
 """In place of a name in an error of msgspec."""
 _UNKNOWN = re.compile(r"Object contains unknown field `([^`]*)`")
 _MISSING = re.compile(r"Object missing required field `([^`]*)`")
+_EXPECTED = re.compile(r"Expected `([^`]*)`, got `[^`]*`$")
+_TYPES = {
+    "str": "a text, in quotes",
+    "int": "a whole number",
+    "float": "a number",
+    "bool": "true or false",
+    "array": "a list, in [ ]",
+    "object": "a table, such as { name = value }",
+    "null": "",
+}
+"""Types as msgspec names them, in words."""
 _SYNTAX = re.compile(r"\(at line (\d+), column \d+\)")
 
 
@@ -64,6 +75,9 @@ class TomlLines:
             key, said = (*key, unknown[1]), f"There is nothing named {unknown[1]} here"
         elif missing := _MISSING.search(said):
             said = f"{missing[1]} is missing"
+        elif wanted := _EXPECTED.match(said):
+            names = (_TYPES.get(name, name) for name in wanted[1].split(" | "))
+            said = f"This must be {' or '.join(filter(None, names))}"
         return self.at(self._known(key), f"{said}.")
 
     def _known(self, key: Path) -> Path:

@@ -117,7 +117,7 @@ def test_a_pilot_study_gives_the_numbers(call: Call, file: Path, tmp_path: Path)
     ("before", "after", "said"),
     [
         ("effect_dz = 0.5", "effect_dz = 0", "[power] effect_dz must be other than 0"),
-        ("[outcome]", "[outcomes]", "The plan has no [outcome]."),
+        ("[outcome]", "[outcomes]", "The plan has no [outcome]: add it (docs/power.md)."),
         ("[outcome]", "[outcome", "is not valid TOML"),
     ],
 )

@@ -19,6 +19,7 @@ from sar_tui.store.integrity import flaws
 from sar_tui.store.programmes import Programme
 from sar_tui.study import enrolment, ledger, next_block
 from sar_tui.study.next_block import NeedsReason, Person, due, person, plan_of
+from sar_tui.study.report import make_report
 from sar_tui.study.schedule import Next
 from tests.study.plans import TWO_GROUPS, plan
 
@@ -170,3 +171,15 @@ def test_no_session_starts_without_the_consent_that_the_plan_asks_for(tmp_path: 
     with pytest.raises(StoreError, match="did not agree"):
         study.due()
     study.db.close()
+
+
+def test_a_session_that_is_ended_early_is_done_and_a_deviation(study: Rehearsed) -> None:
+    id = study.play()
+    study.db.execute("UPDATE sessions SET status='aborted' WHERE id=?", (id,))
+    _, found = study.due()
+    assert found.item
+    assert found.item.block.name == "speeds"
+    (differed,) = ledger.deviations(study.db, "praise", "simulated")
+    assert (differed.block, differed.what) == ("baseline", "ended early")
+    report = make_report(study.db, study.frozen, study.key, NOW)
+    assert sum(flow.as_intended for flow in report.groups) == 0

@@ -110,7 +110,7 @@ def test_a_pilot_replaces_the_numbers_but_not_the_trials() -> None:
 @pytest.mark.parametrize(
     ("power", "said"),
     [
-        (None, "The plan has no [power]."),
+        (None, "The plan has no [power]: add it, such as effect = 20 (docs/power.md)."),
         ({}, "State one effect in [power]"),
         ({"effect": 20, "effect_d": 0.5}, "State one effect in [power]"),
         ({"effect": 20, "persn_sd": 3}, "[power] has unknown entries: persn_sd. Known are: unit,"),

@@ -15,7 +15,7 @@ MISTAKES = (
     ('condition = "praised"', 'condition = "prised"', 8, "no condition 'prised'"),
     ("[groups.silent]\n", "[groups.Silent]\n", 9, "A name begins with a letter a to z"),
     ("attempts = 3\nlevel = 3", "attempts = 0\nlevel = 3", 36, "1 to 200, not 0"),
-    ("attempts = 3\nlevel = 3", 'attempts = "many"\nlevel = 3', 36, "Expected `int"),
+    ("attempts = 3\nlevel = 3", 'attempts = "many"\nlevel = 3', 36, "This must be a whole number"),
     ("level = 3", "levle = 3", 37, "nothing named levle"),
     ('level = "first/baseline"', 'level = "second/training"', 51, "It is one of: first/baseline"),
     ('order = "latin square"', 'order = "greek"', 41, "Invalid enum value 'greek'"),
