@@ -1,12 +1,13 @@
 """A mistake in a plan is told with its line and the reason."""
 
+import re
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
 from sar_tui.plugins import Catalogue
-from sar_tui.study.conditions import problems_here
+from sar_tui.study.conditions import problems_here, warnings
 from sar_tui.study.plan import PlanError, orders, parse_plan, read_plan
 from sar_tui.study.toml_lines import TomlLines
 from tests.study.plans import TWO_GROUPS, plan
@@ -98,3 +99,12 @@ def orders_of(study: object, names: tuple[str, ...], order: str) -> tuple[tuple[
 
 def test_the_orders_of_a_plan_are_those_of_its_square() -> None:
     assert orders(plan(), ("slow", "fast")) == (("slow", "fast"), ("fast", "slow"))
+
+
+def test_the_plan_on_the_page_can_be_used() -> None:
+    page = Path("docs/run-a-study.md").read_text(encoding="utf-8")
+    (text,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    study = parse_plan(text, "study.toml")
+    assert not [*problems_here(study, Catalogue(())), *warnings(study, Catalogue(()))]
+    moving = parse_plan(text.replace('"fixed"', '"one-up-one-down"'), "study.toml")
+    assert len([*warnings(moving, Catalogue(()))]) == 2
