@@ -51,7 +51,7 @@ def seen(data: Path, environment: dict[str, str]) -> tuple[list[str], list[list[
 
 def told_by_form(screens: list[str]) -> None:
     """Expect a heavy box around the number that is chosen, and a mark before the place."""
-    assert re.search(r"┃\s4\s+┃", screens[1])
+    assert re.search(r"┃\s+4\s+┃", screens[1])
     assert re.search(r"[▸▶]\s1\s", screens[3])
 
 
@@ -87,4 +87,4 @@ def test_without_colour_start_and_the_chosen_group_of_settings_are_reversed(data
         terminal.settle()
         terminal.write(b"\x1b[Z")  # shift+tab
         terminal.settle()
-        assert "Difficulty" in reader.reversed()
+        assert "▌Difficulty" in reader.reversed()

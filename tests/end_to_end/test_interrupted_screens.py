@@ -129,7 +129,7 @@ PLACES = {
     "explanation": Place(("f4", "enter"), "Improving"),
     "record": Place(("f4", "a", "tab", "tab", "4"), "Record of P01"),
     "settings": Place(("f2",), "When does it get harder or easier"),
-    "a setting": Place(("f2", "tab", "tab", "down", "5"), "Goal", stops=2),
+    "a setting": Place(("f2", "tab", "tab", "down", "5"), "Misses before easier", stops=2),
     "find a setting": Place(("f2", "f3", "p", "a"), "Pain limit"),
     "versions": Place(("f2", "f5"), "Which version was better?"),
     "presets": Place(("f2", "f6"), "Which preset?"),

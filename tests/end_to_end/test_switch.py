@@ -75,9 +75,9 @@ def _answer(person: OneSwitch, about: str, marked: str) -> None:
 
 
 def _tell(person: OneSwitch) -> None:
-    _answer(person, "How much pain", "┃ 1  ┃")
+    _answer(person, "How much pain", "┃  1  ┃")
     _answer(person, "Where does it hurt?", "▶ 2  right hand")
-    _answer(person, "How tired", "┃ 0  ┃")
+    _answer(person, "How tired", "┃  0  ┃")
 
 
 SETTINGS: dict[str, object] = QUICK | {

@@ -292,8 +292,12 @@ class SessionStage(Vertical):
         self._show_again()
 
     def _leave_out_result(self, is_shown: bool) -> None:
-        """Let the agent's words on the screen not repeat the result that is shown."""
-        self.agent.leave_out(self._result_phrases if is_shown else ())
+        """Let the agent's words on the screen not repeat the result that is shown. Where operators
+        decide on feedback, the participant sees the words that they decided on.
+        """
+        parameters = self._staged.session.task.parameters
+        is_decided = parameters.operator_joins or parameters.operator_feedback != "autonomous"
+        self.agent.leave_out(self._result_phrases if is_shown and not is_decided else ())
 
     def _forget_results(self) -> None:
         self._bars = {}
