@@ -364,6 +364,7 @@ async def test_snapshots(opened: OpenApp, study: Study, size: tuple[int, int]) -
     album.check()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("code", ["de", "es"])
 async def test_snapshots_in_other_languages(opened: OpenApp, study: Study, code: str) -> None:
     album = Album(Path(__file__).parent / "snapshots", code, (80, 24))
@@ -375,6 +376,7 @@ async def test_snapshots_in_other_languages(opened: OpenApp, study: Study, code:
     album.check()
 
 
+@pytest.mark.slow
 async def test_a_snapshot_of_many_visits(opened: OpenApp, study: Study) -> None:
     album = Album(Path(__file__).parent / "snapshots", "80", (80, 24))
     _weeks(study, text=MANY)

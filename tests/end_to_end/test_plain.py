@@ -80,6 +80,7 @@ def plain(data: Path, **parameters: object) -> list[str]:
     return [*run_command(data, **settings), "--plain"]
 
 
+@pytest.mark.slow
 def test_a_whole_session_is_read_as_lines_and_recorded_like_any_other(data: Path) -> None:
     with Terminal(plain(data, ask_wellbeing="yes", questions="remark")) as terminal:
         answer(

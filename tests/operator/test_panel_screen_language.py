@@ -282,6 +282,7 @@ async def test_the_plot_of_a_wide_panel_is_in_another_language(
     assert english_in(seen.lines, texts_of_panel(code)) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("code", OTHERS)
 async def test_the_choice_of_a_session_is_in_another_language(
     catalogue: Catalogue, tmp_path: Path, code: str, monkeypatch: pytest.MonkeyPatch
