@@ -8,20 +8,16 @@ from textual.content import Content
 from textual.events import Resize
 from textual.widgets.option_list import Option
 
-from sar_tui.app.code_list import CodeList
+from sar_tui.app.code_list import BESIDE, CodeList, code_cell, code_width
 from sar_tui.model.language import Language
 
 if TYPE_CHECKING:
     from sar_tui.app.home.day import Entry
 
 _NEW = "+"
-_BESIDE = 3
-"""Columns of a line's padding and the scroll bar."""
 _GAP = "  "
 _WIDE = 26
 """Fewest columns of why a person is there, with those of when they trained behind them."""
-_LONGEST_CODE = 12
-"""Longer codes are cut, so that there is room for what is said."""
 
 
 class ParticipantList(CodeList):
@@ -29,33 +25,21 @@ class ParticipantList(CodeList):
 
     def __init__(self, **how: Any) -> None:
         super().__init__(**how)
-        self._known: Sequence[Entry] = ()
+        self._entries: dict[str, Entry] = {}
 
     def on_mount(self) -> None:
         self.border_title = self.app.tr("People")
 
     def fill(self, known: "Sequence[Entry]", chosen: str | None) -> None:
         """List people, with one of them chosen."""
-        self._known = known
-        if chosen and self.sought not in chosen:
-            self.sought = ""
-        self.draw(chosen)
-        self._before = self.chosen
-
-    @property
-    def code(self) -> str | None:
-        """The code of the chosen participant; None on the last line."""
-        return None if self.chosen == _NEW else self.chosen
+        self._entries = {each.code: each for each in known}
+        words = {each.code: each.words.upper() for each in known}
+        self.list_people(words, self._in_sections, chosen)
 
     @property
     def entry(self) -> "Entry | None":
         """The entry of the day on the chosen participant."""
-        return next((each for each in self._known if each.code == self.code), None)
-
-    @property
-    def is_empty(self) -> bool:
-        """True if nobody is known yet."""
-        return not self._known
+        return self._entries.get(self.code or "")
 
     def is_new(self, option: Option) -> bool:
         """Return True for the line that adds a participant."""
@@ -69,26 +53,20 @@ class ParticipantList(CodeList):
 
     def draw(self, chosen: str | None) -> None:
         """List the people in sections, with one of them chosen."""
-        found = self._entries()
-        tr: Language = self.app.tr
-        self.clear_options()
-        between = [Option("", disabled=True)] if found else []
-        new = Option(tr("+ New participant"), id=_NEW)
-        self.add_options([*self._in_sections(found, tr), *between, new])
-        self.choose(chosen)
+        super().draw(chosen)
         if self.highlighted == 1:
             self.scroll_home(animate=False)  # the heading above it is shown, too
-        count = len(self._known)
+        tr, count = self.app.tr, len(self._entries)
         self.border_title = tr("{count} people", count=count) if count > 1 else tr("People")
-        if self._known:
-            finds = tr("find: {typed} (Esc)", typed=self.sought)
-            self.border_subtitle = finds if self.sought else tr("type to find · + adds")
+        self.border_subtitle = self.find_words(tr("type to find · + adds"))
 
-    def _in_sections(self, entries: "Sequence[Entry]", tr: Language) -> Iterator[Option]:
+    def _in_sections(self, codes: Sequence[str]) -> Iterator[Option]:
         from sar_tui.app.home.day import heading
 
-        code_width = min(_LONGEST_CODE, max((len(each.code) for each in entries), default=0))
-        width = self.content_size.width - _BESIDE - code_width - len(_GAP)
+        tr: Language = self.app.tr
+        entries = [self._entries[code] for code in codes]
+        columns = code_width(codes)
+        width = self.content_size.width - BESIDE - columns - len(_GAP)
         trained_width = max((len(each.trained) for each in entries if each.why), default=0)
         above = ""
         for part, group in groupby(entries, key=lambda each: each.part):
@@ -98,32 +76,18 @@ class ParticipantList(CodeList):
                 title = Content.styled(f"! {heading(part, tr)} · {len(members)}", "bold $warning")
             yield Option(Content(above) + title, disabled=True)
             for each in members:
-                code = Content.styled(each.code, "bold").truncate(
-                    code_width, ellipsis=True, pad=True
-                )
+                code = code_cell(each.code, columns)
                 said = _said(each, width, trained_width)
                 yield Option(Content.assemble(code, _GAP, said), id=each.code)
             above = "\n"
+        if entries:
+            yield Option("", disabled=True)
+        yield Option(tr("+ New participant"), id=_NEW)
 
     def on_resize(self, event: Resize) -> None:
         """Fit the lines into another width."""
-        if self._known:
+        if not self.is_empty:
             self.draw(self.chosen)
-
-    # --- finding
-
-    def found(self) -> Sequence[str]:
-        """Return the codes of the people that are listed."""
-        return [each.code for each in self._entries()]
-
-    def _entries(self) -> "list[Entry]":
-        """Return the people whose code has what was typed; without one, those of whom it is
-        said.
-        """
-        if not self.sought:
-            return list(self._known)
-        by_code = [each for each in self._known if self.sought in each.code]
-        return by_code or [each for each in self._known if self.sought in each.words.upper()]
 
 
 def _said(entry: "Entry", width: int, trained_width: int) -> Content:

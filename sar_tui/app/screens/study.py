@@ -13,7 +13,8 @@ from textual.containers import Horizontal, Vertical
 from textual.screen import ModalScreen
 from textual.widgets import Input, Static
 
-from sar_tui.app.study.table import PeopleList, StudyTable
+from sar_tui.app.code_list import CodeList
+from sar_tui.app.study.table import StudyTable
 from sar_tui.app.study.words import about, dated, deviations, key_words, sentence
 from sar_tui.drivers.login_name import login_name
 from sar_tui.model.language import Language, in_language
@@ -102,7 +103,7 @@ class StudyScreen(DismissedOnce[None]):
         self._theme = self.app.themes.used
         if self._who:
             self._study = self._study_of(self._who) or self._study
-        self.query_one(PeopleList).focus()
+        self.query_one(CodeList).focus()
         self.set_interval(_LOOK_SECONDS, self._look_again)
 
     def _study_of(self, who: str) -> str:
@@ -196,7 +197,7 @@ class StudyScreen(DismissedOnce[None]):
         """The chosen person; to begin with, who was chosen before this screen and has something to
         do, or who is due.
         """
-        if chosen := self.query_one(PeopleList).chosen:
+        if chosen := self.query_one(CodeList).chosen:
             return chosen
         assert self._frozen
         plan = self._frozen.plan
@@ -211,7 +212,7 @@ class StudyScreen(DismissedOnce[None]):
     @on(OptionList.OptionHighlighted)
     def _show_person(self) -> None:
         """Say what is to be known of the chosen person, and what Enter begins."""
-        who, tr = self.query_one(PeopleList).chosen, self.app.tr
+        who, tr = self.query_one(CodeList).chosen, self.app.tr
         said, key = self._problem, ""
         if self._frozen and not self._rows:
             said = tr(
@@ -268,7 +269,7 @@ class StudyScreen(DismissedOnce[None]):
     def action_other_study(self) -> None:
         """Show the study that was frozen before this one, after the first the last."""
         self._study = self._names[self._names.index(self._study) - 1]
-        self.query_one(PeopleList).clear_options()
+        self.query_one(CodeList).clear_options()
         self.refresh_contents()
 
     def commands(self) -> Iterator[SystemCommand]:

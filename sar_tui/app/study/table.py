@@ -1,6 +1,6 @@
 """The people of a study in a table: a row a person, a column a visit."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from textual.app import ComposeResult
@@ -10,7 +10,7 @@ from textual.events import Resize
 from textual.widgets import Static
 from textual.widgets.option_list import Option
 
-from sar_tui.app.code_list import CodeList
+from sar_tui.app.code_list import BESIDE, CodeList, code_cell, code_width
 from sar_tui.app.study.words import cell_words
 from sar_tui.model.language import Language, in_language
 from sar_tui.study.ledger import ENDS
@@ -20,48 +20,10 @@ from sar_tui.study.status import PersonRow, VisitCell
 
 _GAP, _WIDEST_GAP = 2, 8
 """Blanks between columns: the fewest, and the most where there is room."""
-_BESIDE = 3
-"""Columns of a line's padding and the scroll bar."""
-_LONGEST_CODE, _LONGEST_NAME = 12, 16
+_LONGEST_NAME = 16
 _SIGNS: dict[State, str] = {"done": "●", "due": "▸", "early": "·", "late": "»", "missed": "–"}
 _LEFT = "×"
 _STYLES: dict[State, str] = {"due": "$accent", "late": "$warning"}
-
-
-class PeopleList(CodeList):
-    """The rows of the table. The table gives them by ``row``, a function of a person."""
-
-    def __init__(self, **how: Any) -> None:
-        super().__init__(**how)
-        self._codes: Sequence[str] = ()
-        self._row: Callable[[str], Content] = Content
-
-    def fill(self, codes: Sequence[str], row: Callable[[str], Content], chosen: str | None) -> None:
-        """List people, with one of them chosen."""
-        self._codes, self._row = codes, row
-        if chosen and self.sought not in chosen:
-            self.sought = ""
-        self.draw(chosen)
-        self._before = self.chosen
-
-    @property
-    def is_empty(self) -> bool:
-        return not self._codes
-
-    def found(self) -> Sequence[str]:
-        return [code for code in self._codes if self.sought in code]
-
-    def draw(self, chosen: str | None) -> None:
-        self.clear_options()
-        self.add_options([Option(self._row(code), id=code) for code in self.found()])
-        self.choose(chosen)
-        self._show_typed()
-
-    def _show_typed(self) -> None:
-        tr: Language = self.app.tr
-        finds = tr("find: {typed} (Esc)", typed=self.sought)
-        box = self.query_ancestor(StudyTable)
-        box.border_subtitle = finds if self.sought else tr("type to find") if self._codes else ""
 
 
 class StudyTable(Vertical):
@@ -78,13 +40,19 @@ class StudyTable(Vertical):
 
     def compose(self) -> ComposeResult:
         yield Static("", id="columns", markup=False)
-        yield PeopleList(id="people")
+        yield CodeList(id="people")
         yield Static("", id="legend", markup=False)
 
+    def on_mount(self) -> None:
+        self.watch(self.people, "sought", self._show_sought)
+
+    def _show_sought(self) -> None:
+        self.border_subtitle = self.people.find_words(self.app.tr("type to find"))
+
     @property
-    def people(self) -> PeopleList:
+    def people(self) -> CodeList:
         """The rows."""
-        return self.query_one(PeopleList)
+        return self.query_one(CodeList)
 
     def show(self, plan: Study, rows: Sequence[PersonRow], chosen: str | None) -> None:
         """Show people, with one of them chosen."""
@@ -93,6 +61,7 @@ class StudyTable(Vertical):
         count, tr = len(rows), self.app.tr
         self.border_title = tr("{count} people", count=count) if count > 1 else tr("People")
         self._draw(chosen)
+        self._show_sought()
 
     def on_resize(self, event: Resize) -> None:
         """Fit the columns into another width."""
@@ -102,8 +71,8 @@ class StudyTable(Vertical):
     def _draw(self, chosen: str | None) -> None:
         assert self._plan
         tr, visits = self.app.tr, [visit.name for visit in self._plan.visits]
-        code_width = min(_LONGEST_CODE, max((len(code) for code in self._rows), default=0))
-        room = self.content_size.width - _BESIDE - code_width
+        columns = code_width(self._rows)
+        room = self.content_size.width - BESIDE - columns
         words = {
             (row.participant, name): self._words(row, row.visits[name])
             for row in self._rows.values()
@@ -126,23 +95,25 @@ class StudyTable(Vertical):
         spare = room - sum(widths[name] for name in visits)
         gap = " " * max(_GAP, min(_WIDEST_GAP, spare // len(visits) if visits else 0))
         names = [f"{titles[name]:<{widths[name]}}" for name in visits]
-        heading = gap.join([" " * (code_width + 1), *names])
+        heading = gap.join([" " * (columns + 1), *names])
         self.query_one("#columns", Static).update(heading.rstrip())
         legend = self.query_one("#legend", Static)
         legend.display = bool(self._rows) and not is_in_words
         legend.update(tr("● done  ▸ due  · not yet  » late  – missed  × left  ! deviation"))
 
         def row(code: str) -> Content:
-            name = Content.styled(code, "bold").truncate(code_width, ellipsis=True, pad=True)
             cells = [
                 Content.styled(
                     f"{words[code, visit]:<{widths[visit]}}", self._style(self._rows[code], visit)
                 )
                 for visit in visits
             ]
-            return Content(gap).join([name, *cells])
+            return Content(gap).join([code_cell(code, columns), *cells])
 
-        self.people.fill(list(self._rows), row, chosen)
+        def lines(codes: Sequence[str]) -> Iterator[Option]:
+            return (Option(row(code), id=code) for code in codes)
+
+        self.people.list_people(dict.fromkeys(self._rows, ""), lines, chosen)
 
     def _fitting(self, visits: list[str], most: int) -> list[str]:
         """Return as many visits as there is room for, from the first on that is not over for all."""
