@@ -96,7 +96,7 @@ def main() -> int:
 
     threading.Thread(target=work, daemon=True).start()
     catalogue = Catalogue()
-    return run_app(folder, catalogue, plan=make_plan(catalogue, "reaching", ["BENCH"], seed=1))
+    return run_app(folder, catalogue, make_plan(catalogue, "reaching", ["BENCH"], seed=1))
 
 
 if __name__ == "__main__":

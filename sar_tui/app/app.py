@@ -643,8 +643,7 @@ def find_picture_way(app: SarTui) -> None:
 def run_app(
     folder: Path,
     catalogue: Catalogue,
-    plan: "Plan | None" = None,
-    resume: str | None = None,
+    what: "Plan | str | None" = None,
     link: "BrokerProcess | None" = None,
     patient: str = "",
     markers: Sequence[str] = (),
@@ -656,8 +655,7 @@ def run_app(
     Args:
         folder: the data folder.
         catalogue: the installed tasks and themes.
-        plan: begin this session at once.
-        resume: resume the interrupted session of this id at once.
+        what: begin this session at once (a plan), or resume an interrupted one (its id).
         link: lets operators join that session; None if they cannot.
         patient: begin in patient mode, with this participant.
         markers: addresses to which each session's markers are sent.
@@ -670,7 +668,7 @@ def run_app(
     app = SarTui(
         folder,
         catalogue,
-        plan or resume,
+        what,
         link=link,
         patient=patient,
         markers=markers,

@@ -66,6 +66,9 @@ RecordedSession = Annotated[
         metavar="SESSION|last", help="The session's id, or its beginning.", show_default=False
     ),
 ]
+Code = Annotated[
+    str, typer.Argument(metavar="CODE", help="The participant's code.", show_default=False)
+]
 TaskName = Annotated[
     str,
     typer.Argument(

@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
@@ -149,60 +149,98 @@ def run(
         raise Refused(
             f"The task {kind.name} uses no motion sensor with these settings: leave out --imu."
         )
-    addresses = checked_markers(markers)
-    as_lines = is_plain(plain)
-    need_terminal(plain=as_lines, sync_flash=sync_flash)
+    how = showing(markers, plain=plain, sync_flash=sync_flash, operator=operator, listen=listen)
     with closing(connect_to_read(home.folder)) as database:
         are_new(database, plan.participants, said=new)
-    ended = play(
-        home,
-        plan,
-        markers=addresses,
-        plain=as_lines,
-        sync_flash=sync_flash,
-        operator=operator,
-        listen=listen,
-    )
-    raise typer.Exit(ended)
+    raise typer.Exit(play(home, plan, how))
 
 
-def play(
-    home: Home,
-    plan: "Plan",
+class Showing(NamedTuple):
+    """Means by which a session is shown in this terminal, and by which operators may join it.
+
+    Attributes:
+        markers: addresses to which its markers are sent.
+        plain: True if lines are appended, for a screen reader.
+        sync_flash: True to begin with a flash and a tone for cameras.
+        operator: True if operators on this machine may join; ``listen``: where those of others may.
+    """
+
+    markers: tuple[str, ...] = ()
+    plain: bool = False
+    sync_flash: bool = False
+    operator: bool = False
+    listen: str | None = None
+
+
+def showing(
+    markers: Sequence[str] | None,
     *,
-    markers: Sequence[str] = (),
-    plain: bool = False,
-    sync_flash: bool = False,
+    plain: bool,
+    sync_flash: bool,
     operator: bool = False,
     listen: str | None = None,
-) -> int:
+) -> Showing:
+    """Return the means that options ask for. Raises Refused, Failed: they are not there."""
+    found = Showing(checked_markers(markers), is_plain(plain), sync_flash, operator, listen)
+    need_terminal(plain=found.plain, sync_flash=sync_flash)
+    return found
+
+
+def play(home: Home, plan: "Plan", how: Showing) -> int:
     """Run a new session in this terminal, and return the exit code.
 
     Raises:
         Refused: it cannot be told in lines, or nobody can listen where it is asked.
         Failed: operators cannot be let in.
     """
-    if plain:
-        _check_plain(plan.task, plan.parameters, plan.seed)
-    lost_ms = plan.parameters.operator_lost_ms
-    can_join = operator or plan.parameters.operator_joins
+    given = plan.parameters
+    if how.plain:
+        _check_plain(plan.task, given, plan.seed)
     with _open_link(
-        home, plan.id, plan.task.name, plan.participants, can_join, listen, lost_ms
+        home,
+        plan.id,
+        plan.task.name,
+        plan.participants,
+        how.operator or given.operator_joins,
+        how.listen,
+        given.operator_lost_ms,
     ) as link:
-        if plain:
-            from sar_tui.app.plain import run_plain
+        return _show(home, plan, how, link)
 
-            return run_plain(home.folder, home.catalogue(), plan, link=link, markers=markers)
-        from sar_tui.app.app import run_app
 
-        return run_app(
-            home.folder,
-            home.catalogue(),
-            plan=plan,
-            link=link,
-            markers=markers,
-            sync_flash=sync_flash,
-        )
+def play_on(home: Home, row: "Row", how: Showing) -> int:
+    """Resume a session in this terminal, and return the exit code. Raises as `play`."""
+    from sar_tui.rules.parameters import TaskParameters, build
+    from sar_tui.store.sessions import codes
+
+    stored = row["parameters"]
+    if how.plain:
+        kind = home.catalogue().task(row["task"])
+        _check_plain(kind, build(kind.Parameters, stored), row["seed"])
+    with _open_link(
+        home,
+        row["id"],
+        row["task"],
+        codes(row),
+        how.operator or stored.get("operator_joins", False),
+        how.listen,
+        stored.get("operator_lost_ms", TaskParameters().operator_lost_ms),
+    ) as link:
+        return _show(home, row["id"], how, link)
+
+
+def _show(home: Home, what: "Plan | str", how: Showing, link: "BrokerProcess | None") -> int:
+    """Show a new session (a plan), or an interrupted one (its id)."""
+    catalogue = home.catalogue()
+    if how.plain:
+        from sar_tui.app.plain import run_plain
+
+        return run_plain(home.folder, catalogue, what, link=link, markers=how.markers)
+    from sar_tui.app.app import run_app
+
+    return run_app(
+        home.folder, catalogue, what, link=link, markers=how.markers, sync_flash=how.sync_flash
+    )
 
 
 def _check_plain(kind: "type[Task]", parameters: "TaskParameters", seed: int) -> None:
@@ -305,59 +343,8 @@ def resume(
             if not yes:
                 _confirm(latest)
         chosen = find_resumable(database, home.folder, session or "")
-    addresses = checked_markers(markers)
-    as_lines = is_plain(plain)
-    need_terminal(plain=as_lines, sync_flash=sync_flash)
-    ended = play_on(
-        home,
-        chosen,
-        markers=addresses,
-        plain=as_lines,
-        sync_flash=sync_flash,
-        operator=operator,
-        listen=listen,
-    )
-    raise typer.Exit(ended)
-
-
-def play_on(
-    home: Home,
-    row: "Row",
-    *,
-    markers: Sequence[str] = (),
-    plain: bool = False,
-    sync_flash: bool = False,
-    operator: bool = False,
-    listen: str | None = None,
-) -> int:
-    """Resume a session in this terminal, and return the exit code. Raises as `play`."""
-    from sar_tui.rules.parameters import TaskParameters
-    from sar_tui.store.sessions import codes
-
-    catalogue = home.catalogue()
-    stored = row["parameters"]
-    if plain:
-        from sar_tui.rules.parameters import build
-
-        kind = catalogue.task(row["task"])
-        _check_plain(kind, build(kind.Parameters, stored), row["seed"])
-    lost_ms = stored.get("operator_lost_ms", TaskParameters().operator_lost_ms)
-    can_join = operator or stored.get("operator_joins", False)
-    with _open_link(home, row["id"], row["task"], codes(row), can_join, listen, lost_ms) as link:
-        if plain:
-            from sar_tui.app.plain import run_plain
-
-            return run_plain(home.folder, catalogue, row["id"], link=link, markers=markers)
-        from sar_tui.app.app import run_app
-
-        return run_app(
-            home.folder,
-            catalogue,
-            resume=row["id"],
-            link=link,
-            markers=markers,
-            sync_flash=sync_flash,
-        )
+    how = showing(markers, plain=plain, sync_flash=sync_flash, operator=operator, listen=listen)
+    raise typer.Exit(play_on(home, chosen, how))
 
 
 def _confirm(latest: "Row") -> None:

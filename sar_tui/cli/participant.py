@@ -10,6 +10,7 @@ import typer
 
 from sar_tui.cli.common import (
     AsJson,
+    Code,
     Home,
     RecordedSession,
     console,
@@ -21,6 +22,7 @@ from sar_tui.cli.common import (
 )
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.progress_line import progress_line
+from sar_tui.cli.report import AsPage, put_out
 from sar_tui.tui.exit_codes import FAILED
 
 if TYPE_CHECKING:
@@ -29,9 +31,8 @@ if TYPE_CHECKING:
 
 app = typer.Typer(rich_markup_mode=None, no_args_is_help=True)
 
-_Code = Annotated[
-    str, typer.Argument(metavar="CODE", help="The participant's code.", show_default=False)
-]
+_Again = Annotated[str | None, typer.Argument(metavar="[CODE]", help="Again.", show_default=False)]
+_Yes = Annotated[bool, typer.Option("--yes", help="Ask nothing; the code is given twice.")]
 _Reason = Annotated[
     str, typer.Option("--reason", metavar="TEXT", help="Why, without names.", show_default=False)
 ]
@@ -45,7 +46,7 @@ def participant() -> None:
 @app.command("withdraw")
 def withdraw(
     home: Home,
-    code: _Code,
+    code: Code,
     reason: _Reason = "",
     keep: Annotated[
         bool, typer.Option("--keep", help="What was recorded is kept and used. The default.")
@@ -185,14 +186,10 @@ def move(
 @app.command("de-identify")
 def de_identify(
     home: Home,
-    code: _Code,
-    again: Annotated[
-        str | None, typer.Argument(metavar="[CODE]", help="Again.", show_default=False)
-    ] = None,
+    code: Code,
+    again: _Again = None,
     reason: _Reason = "",
-    yes: Annotated[
-        bool, typer.Option("--yes", help="Ask nothing; the code is given twice.")
-    ] = False,
+    yes: _Yes = False,
     as_json: AsJson = False,
 ) -> None:
     """Erase what was typed, and replace the code by a random one. It cannot be undone."""
@@ -219,14 +216,10 @@ def de_identify(
 @app.command("erase")
 def erase(
     home: Home,
-    code: _Code,
-    again: Annotated[
-        str | None, typer.Argument(metavar="[CODE]", help="Again.", show_default=False)
-    ] = None,
+    code: Code,
+    again: _Again = None,
     reason: _Reason = "",
-    yes: Annotated[
-        bool, typer.Option("--yes", help="Ask nothing; the code is given twice.")
-    ] = False,
+    yes: _Yes = False,
     as_json: AsJson = False,
 ) -> None:
     """Erase all of a person, also from rescue files and backups. It cannot be undone.
@@ -307,7 +300,7 @@ def _count(number: int, name: str) -> str:
 def report(
     context: typer.Context,
     home: Home,
-    code: _Code,
+    code: Code,
     to: Annotated[
         Path | None,
         typer.Option(
@@ -318,20 +311,10 @@ def report(
             help="Make a folder with all data as files, and the report.",
         ),
     ] = None,
-    html: Annotated[
-        Path | None,
-        typer.Option(
-            "--html",
-            parser=named_path,
-            metavar="FILE",
-            show_default=False,
-            help="Write a page to read and to print.",
-        ),
-    ] = None,
+    html: AsPage = None,
     as_json: AsJson = False,
 ) -> None:
     """Report all that is stored of one person, for that person."""
-    from sar_tui.cli.report import put_out
     from sar_tui.reports.person import read, sections
     from sar_tui.store.participants import check_code, check_known
 

@@ -12,6 +12,7 @@ import typer
 
 from sar_tui.cli.common import (
     AsJson,
+    Code,
     Home,
     New,
     TaskName,
@@ -30,9 +31,6 @@ if TYPE_CHECKING:
 
 app = typer.Typer(rich_markup_mode=None)
 
-Code = Annotated[
-    str, typer.Argument(metavar="CODE", help="The participant's code.", show_default=False)
-]
 AnyTask = Annotated[
     str | None,
     typer.Argument(

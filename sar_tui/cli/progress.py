@@ -9,6 +9,7 @@ import typer
 
 from sar_tui.cli.common import (
     AsJson,
+    Code,
     Home,
     console,
     named_path,
@@ -40,9 +41,7 @@ _ID = 6
 def progress(
     context: typer.Context,
     home: Home,
-    participant: Annotated[
-        str, typer.Argument(metavar="CODE", help="The participant's code.", show_default=False)
-    ],
+    participant: Code,
     task: Annotated[
         str | None,
         typer.Option("--task", metavar="TASK", show_default=False, help="Only this task."),

@@ -10,6 +10,7 @@ import typer
 
 from sar_tui.cli.common import (
     AsJson,
+    Code,
     Data,
     Home,
     Language,
@@ -93,9 +94,7 @@ def add_record(
             metavar="KIND", help="`sar-tui record kinds` lists them.", show_default=False
         ),
     ],
-    participant: Annotated[
-        str, typer.Argument(metavar="CODE", help="The participant's code.", show_default=False)
-    ],
+    participant: Code,
     values: _Values = None,
     on: _On = "",
     session: Annotated[
@@ -152,9 +151,7 @@ def fill_form(
             metavar="FORM", help="`sar-tui record kinds` lists them.", show_default=False
         ),
     ],
-    participant: Annotated[
-        str, typer.Argument(metavar="CODE", help="The participant's code.", show_default=False)
-    ],
+    participant: Code,
     language: Language = None,
     plain: Plain = False,
     new: New = False,

@@ -22,6 +22,7 @@ from sar_tui.cli.common import (
 )
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.progress_line import progress_line
+from sar_tui.cli.study import Key, key_of
 from sar_tui.tui.exit_codes import FAILED
 
 if TYPE_CHECKING:
@@ -47,6 +48,9 @@ AsPage = Annotated[
         show_default=False,
         help="Write a page to read and to print.",
     ),
+]
+_Study = Annotated[
+    str, typer.Argument(metavar="[STUDY]", show_default=False, help="If there are several.")
 ]
 
 
@@ -133,20 +137,8 @@ def intervention(
 @app.command("study")
 def study(
     home: Home,
-    name: Annotated[
-        str,
-        typer.Argument(metavar="[STUDY]", show_default=False, help="If there are several."),
-    ] = "",
-    key: Annotated[
-        Path | None,
-        typer.Option(
-            "--key",
-            parser=named_path,
-            metavar="FILE",
-            show_default=False,
-            help="The file with the study's key.",
-        ),
-    ] = None,
+    name: _Study = "",
+    key: Key = None,
     html: AsPage = None,
     as_json: AsJson = False,
 ) -> None:
@@ -155,22 +147,17 @@ def study(
 
     from sar_tui.study import ledger
     from sar_tui.study.report import make_report, sections
-    from sar_tui.study.secret import key_file
 
     with home.database() as database:
         frozen = ledger.find(database, name)
-        where = key or key_file(frozen.plan.name)
-        found = make_report(database, frozen, where, datetime.now(UTC))
+        found = make_report(database, frozen, key_of(frozen.plan, key), datetime.now(UTC))
     put_out(found, sections(found), f"Report on the study {frozen.plan.name}", html, as_json)
 
 
 @app.command("methods")
 def methods(
     home: Home,
-    name: Annotated[
-        str,
-        typer.Argument(metavar="[STUDY]", show_default=False, help="If there are several."),
-    ] = "",
+    name: _Study = "",
     to: Annotated[
         Path | None,
         typer.Option(

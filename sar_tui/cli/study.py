@@ -9,19 +9,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from sar_tui.cli import live
 from sar_tui.cli.common import (
     AsJson,
+    Code,
     Home,
     Markers,
     New,
     Plain,
     SyncFlash,
     are_new,
-    checked_markers,
     console,
-    is_plain,
     named_path,
-    need_terminal,
     print_json,
     write_new,
 )
@@ -43,9 +42,6 @@ PlanFile = Annotated[
     typer.Argument(
         parser=named_path, metavar="FILE", help="The plan, study.toml.", show_default=False
     ),
-]
-Code = Annotated[
-    str, typer.Argument(metavar="CODE", help="The participant's code.", show_default=False)
 ]
 Which = Annotated[
     str,
@@ -362,9 +358,7 @@ def next_command(
         one, found = _due(home, code, name, key, visit, block, reason or "looked at")
         _show_due(one, found, as_json)
         return
-    addresses = checked_markers(markers)
-    as_lines = is_plain(plain)
-    need_terminal(plain=as_lines, sync_flash=sync_flash)
+    how = live.showing(markers, plain=plain, sync_flash=sync_flash, operator=operator)
     done = 0
     while True:
         try:
@@ -377,16 +371,7 @@ def next_command(
         if done and found.state != "due":
             break
         print(f"{in_words(one, found.item)}", file=sys.stderr)
-        ended = _begin(
-            home,
-            one,
-            found,
-            reason,
-            addresses,
-            plain=as_lines,
-            flash=sync_flash,
-            operator=operator,
-        )
+        ended = _begin(home, one, found, reason, how)
         done += 1
         if ended:
             raise typer.Exit(ended)
@@ -440,34 +425,21 @@ def _show_due(one: "Person", found: "Next", as_json: bool) -> None:
     print(f"{one.enrolled.participant}: {in_words(one, item)}, {found.state}.{goes_on}")
 
 
-def _begin(
-    home: Home,
-    one: "Person",
-    found: "Next",
-    reason: str,
-    markers: Sequence[str],
-    *,
-    plain: bool,
-    flash: bool,
-    operator: bool,
-) -> int:
+def _begin(home: Home, one: "Person", found: "Next", reason: str, how: live.Showing) -> int:
     """Begin a block, and return the exit code of its app; 0 if it ended well."""
-    from sar_tui.cli import live
     from sar_tui.cli.common import checked_settings
     from sar_tui.drivers.login_name import login_name
     from sar_tui.study import next_block
 
     assert found.item
     if found.item.block.form:
-        return _fill_form(home, one, found, plain=plain)
+        return _fill_form(home, one, found, reason, plain=how.plain)
     if found.resume:
         from sar_tui.runs.run import find_resumable
 
         with home.database() as database:
             row = find_resumable(database, home.folder, found.resume)
-        return live.play_on(
-            home, row, markers=markers, plain=plain, sync_flash=flash, operator=operator
-        )
+        return live.play_on(home, row, how)
     catalogue = home.catalogue()
     condition = one.frozen.plan.conditions[found.item.condition]
     with home.writable_database() as database:
@@ -476,10 +448,10 @@ def _begin(
         if plan.task.sensor_seats(plan.parameters):
             live.check_sensor(plan, home)
         next_block.note_deviations(database, one, found, reason, author=login_name())
-    return live.play(home, plan, markers=markers, plain=plain, sync_flash=flash, operator=operator)
+    return live.play(home, plan, how)
 
 
-def _fill_form(home: Home, one: "Person", found: "Next", *, plain: bool) -> int:
+def _fill_form(home: Home, one: "Person", found: "Next", reason: str, *, plain: bool) -> int:
     """Let the person fill in a form, record that it is done, and return the exit code."""
     from sar_tui.drivers.login_name import login_name
     from sar_tui.store import forms
@@ -487,11 +459,10 @@ def _fill_form(home: Home, one: "Person", found: "Next", *, plain: bool) -> int:
     from sar_tui.study import next_block
 
     assert found.item
-    kind, of, began = (
-        forms.form(found.item.block.form),
-        forms.Occasion(one.enrolled.participant),
-        utc(),
-    )
+    kind = forms.form(found.item.block.form)
+    of, began = forms.Occasion(one.enrolled.participant), utc()
+    with home.writable_database() as database:
+        next_block.note_deviations(database, one, found, reason, author=login_name())
     if plain:
         from sar_tui.app.plain import run_plain_form as run
     else:
