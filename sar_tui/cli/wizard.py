@@ -159,9 +159,9 @@ def _practise(
         raise Refused(f"{to} exists already, and is not overwritten. Name another file.")
     need_screen()
     from sar_tui.cli.report import print_sections
+    from sar_tui.operator.practice import sections
     from sar_tui.operator.practice_app import PracticeApp, recorded_practice
     from sar_tui.operator.practice_log import note_practice
-    from sar_tui.operator.practice_words import sections
     from sar_tui.plugins import DEFAULT_THEME
 
     catalogue = home.catalogue()
@@ -175,13 +175,13 @@ def _practise(
         print(app.failure, file=sys.stderr)
         raise typer.Exit(code)
     result = practice.result()
+    print_sections(console(), sections(result))
     if to is not None:
         import msgspec
 
         write_new(to, msgspec.json.encode(result).decode() + "\n")
     if result.is_complete:
         note_practice(home.folder, name, result.session, followed)
-    print_sections(console(), sections(result))
     raise typer.Exit(code)
 
 

@@ -5,6 +5,7 @@ is only faster than it was while none does.
 """
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import Any, Literal
 
 import msgspec
@@ -14,18 +15,22 @@ from sar_tui.link.node import SENT
 from sar_tui.link.peer import Frame, Welcome
 from sar_tui.loop import topics as t
 from sar_tui.loop.answers import answer_to
-from sar_tui.loop.bus import Record, Topic
+from sar_tui.loop.bus import Topic
 from sar_tui.model import messages as m
 from sar_tui.model.messages import ControlledKind, Message
 from sar_tui.model.protocol import WizardProtocol
 from sar_tui.model.units import SECOND
+from sar_tui.operator.commands import REASON_FOR
 from sar_tui.reports.logged_messages import LoggedMessage
 from sar_tui.reports.proposals import proposal_records
 from sar_tui.reports.protocol import Adherence, adherence
+from sar_tui.reports.protocol_words import section as protocol_section
+from sar_tui.reports.sections import Section, Table
 from sar_tui.rules.arbitration import CONTROLLED, start, time_to_decide
 from sar_tui.rules.parameters import TaskParameters
 from sar_tui.rules.protocol import ProtocolProgress, step
 from sar_tui.rules.protocol_file import deed_of
+from sar_tui.store.messages import StoredMessage
 
 _HIDDEN = {
     topic.name
@@ -52,6 +57,8 @@ _SHOWN = {topic.name for topic in SENT} - _HIDDEN
 _IMPOSSIBLE = ("pause", "resume", "skip", "repeat", "end", "undo", "mark", "hold", "release")
 """Commands that cannot change a recorded session."""
 _PAUSE_BEFORE_RUN = SECOND
+_LONGEST = 40
+"""Characters of a proposal's text that the result shows."""
 
 Choice = Literal["accepted", "edited", "vetoed", ""]
 """A decision on a proposal; empty: none in time, or none is known."""
@@ -107,7 +114,7 @@ class Practice:
     """A recorded session in which a trainee decides. No screen, no clock of its own.
 
     Args:
-        records: of the session, without samples.
+        records: messages of the session.
         welcome: its description, with the trainee's name.
         parameters: of its task.
         protocol: by which the trainee works.
@@ -119,7 +126,7 @@ class Practice:
 
     def __init__(
         self,
-        records: Sequence[Record],
+        records: Sequence[StoredMessage],
         welcome: Welcome,
         parameters: TaskParameters,
         protocol: WizardProtocol,
@@ -128,14 +135,16 @@ class Practice:
         self.welcome, self.speed = welcome, speed
         self._records, self._parameters, self._protocol = records, parameters, protocol
         self._next = self._seq = 0
+        self._times = _playing_times(records)
+        self._delay = 0
         self.now = records[0].at if records else 0
-        self._shift = 0
         self._asks_pending = any(one.topic is t.PENDING_APPROVAL for one in records)
         self._modes = start(parameters).modes
         self._pending: dict[str, m.PendingApproval] = {}
         self._asked: dict[str, m.Proposal] = {}
         self._expected: dict[str, Choice] = {}
         self._hidden_actions: set[str] = set()
+        self._reason_until = 0
         self._progress = ProtocolProgress()
         self._due: dict[str, m.ProtocolDue] = {}
         self._log: list[LoggedMessage] = []
@@ -147,8 +156,9 @@ class Practice:
 
     @property
     def rate(self) -> float:
-        """Speed of time: as it was, while a proposal or a tick waits for the trainee."""
-        return 1.0 if self._pending or self._due else self.speed
+        """Speed of time: as it was, while a proposal, a tick or a reason waits for the trainee."""
+        waits = self._pending or self._due or self.now < self._reason_until
+        return 1.0 if waits else self.speed
 
     # --- what the panel gets
 
@@ -183,6 +193,9 @@ class Practice:
     def act(self, topic: Topic[Any], act: Any) -> list[Frame]:
         """Return what follows from an act of the trainee."""
         self._note(act)
+        if topic is not t.PROPOSAL_SEEN:
+            asks_reason = isinstance(act, m.Decision) and act.verdict != "accept"
+            self._reason_until = self.now + REASON_FOR if asks_reason else 0
         if topic is t.PROPOSAL_SEEN:
             return []
         outcome: m.ActOutcome = "done"
@@ -205,14 +218,11 @@ class Practice:
     # --- the recorded session
 
     def _next_at(self) -> int:
-        """Return when the next message is shown. A run begins soon after the one before it."""
-        record = self._records[self._next]
-        at = record.at + self._shift
-        if isinstance(record.message, m.SessionStarted) or at < self.now - SECOND:
-            self._shift = self.now - record.at
-            if isinstance(record.message, m.SessionStarted) and record.message.run > 1:
-                self._shift += _PAUSE_BEFORE_RUN
-        return record.at + self._shift
+        """Return when the next message is shown: later if the practice waited for the trainee."""
+        at = self._times[self._next]
+        if at + self._delay < self.now - SECOND:
+            self._delay = self.now - at
+        return at + self._delay
 
     def _show_next(self) -> list[Frame]:
         record = self._records[self._next]
@@ -221,7 +231,7 @@ class Practice:
         frames = []
         if self._is_shown(record.topic, message):
             if isinstance(message, m.Action):
-                message = replace(message, decided=message.decided + self._shift)
+                message = replace(message, decided=message.decided + self.now - record.at)
             frames.append(self._frame(record.topic, message))
         if (asked := self._to_ask(message)) and asked.proposal.id not in self._asked:
             self._asked[asked.proposal.id] = asked.proposal
@@ -361,12 +371,64 @@ class Practice:
         )
 
 
-def _recorded_choices(records: Sequence[Record], parameters: TaskParameters) -> dict[str, Choice]:
+def _playing_times(records: Sequence[StoredMessage]) -> list[int]:
+    """Return when each message is shown (ns): as it was; but a run begins soon after the last one,
+    whose clock was another.
+    """
+    times: list[int] = []
+    shift = 0
+    for before, record in pairwise((records[0], *records)) if records else ():
+        if record.run != before.run:
+            shift = times[-1] + _PAUSE_BEFORE_RUN - record.at
+        times.append(record.at + shift)
+    return times
+
+
+def _recorded_choices(
+    records: Sequence[StoredMessage], parameters: TaskParameters
+) -> dict[str, Choice]:
     """Return the recorded operators' decisions by the ids of their proposals."""
-    logged = [LoggedMessage(1, one.at, one.message) for one in records]
+    logged = [LoggedMessage(one.run, one.at, one.message) for one in records]
     return {one.id: one.verdict for one in proposal_records(logged, parameters) if one.verdict}
 
 
 def _agreed(pairs: Iterator[tuple[Choice, Choice]]) -> Agreed:
     known = [(yours, other) for yours, other in pairs if other]
     return Agreed(sum(yours == other for yours, other in known), len(known))
+
+
+# --- the result in words
+
+
+def sections(found: PracticeResult) -> list[Section]:
+    """Return the result in words."""
+    table: list[Table] = []
+    if found.proposals:
+        rows = [
+            (
+                each.kind,
+                each.text if len(each.text) <= _LONGEST else f"{each.text[:_LONGEST]}…",
+                each.yours or "no decision",
+                each.protocol,
+                each.recorded,
+                "" if each.decision_ms is None else f"{each.decision_ms / 1000:.1f}",
+            )
+            for each in found.proposals
+        ]
+        heads = ("proposal", "text", "you", "protocol", "recorded", "s")
+        table.append(Table(heads, rows, ("s",), ("you", "protocol", "recorded")))
+    said = "\n".join(_sentences(found))
+    return [Section("Practice", [said, *table]), protocol_section(found.adherence)]
+
+
+def _sentences(found: PracticeResult) -> Iterator[str]:
+    n = found.decided + found.timed_out
+    end = "" if found.is_complete else " It was left before its end."
+    yield f"Practice on session {found.session}.{end}"
+    yield f"{n} proposal{'' if n == 1 else 's'}: {found.decided} decided in time."
+    yield f"As the protocol says: {_share(found.as_protocol, 'it asks for no decision')}."
+    yield f"As the recorded operator: {_share(found.as_recorded, 'nobody decided')}."
+
+
+def _share(agreed: Agreed, none: str) -> str:
+    return f"{agreed.same} of {agreed.of}" if agreed.of else none

@@ -20,7 +20,7 @@ from sar_tui.operator.screen import PanelScreen
 from sar_tui.plugins import Catalogue
 from sar_tui.replay.replay import check_whole, new_session
 from sar_tui.runs.plan import Failed
-from sar_tui.store import sessions
+from sar_tui.store import messages, sessions
 
 _TICK_S = 0.05
 
@@ -52,8 +52,8 @@ def recorded_practice(
     task = new_session(row, catalogue, {}).task
     seats = sessions.rows(database, "seats", row["id"])
     codes = {seat["seat"]: seat["participant"] for seat in seats}
-    history = sessions.history(database, row["id"])
-    records = [one for one in history if not one.topic.stream and one.topic.origin != "later"]
+    stored = messages.read(database, row["id"])
+    records = [one for one in stored if one.topic.origin != "later"]
     if not records:
         raise Failed(f"Session {row['id']} has no messages: there is nothing to practise on.")
     welcome = replace(session_welcome(task, row["id"], "", codes), name=name, role="operator")

@@ -8,16 +8,18 @@ from msgspec.structs import replace
 
 from sar_tui.link.peer import Frame
 from sar_tui.loop import topics as t
+from sar_tui.loop.clock import VirtualClock
 from sar_tui.model import messages as m
 from sar_tui.model.units import MS, SECOND
-from sar_tui.operator.practice import Practice, PracticeResult
+from sar_tui.operator.practice import Practice, PracticeResult, sections
 from sar_tui.operator.practice_app import recorded_practice
 from sar_tui.operator.practice_log import note_practice, times_practised
-from sar_tui.operator.practice_words import sections
 from sar_tui.rules.protocol_file import parse
+from sar_tui.runs.plan import make_plan
+from sar_tui.runs.run import resume, start
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
-from tests.played import catalogue, simulated
+from tests.played import catalogue, play, simulated, somebody
 
 PROTOCOL = parse(
     b"""
@@ -164,3 +166,41 @@ def test_practices_are_counted_by_operator_and_version(tmp_path: Path) -> None:
     with (tmp_path / "wizard-practice.jsonl").open("a") as file:
         file.write("broken\n")
     assert times_practised(tmp_path, "eve", PROTOCOL) == 2
+
+
+def practised_whole(data: Path, id: str) -> tuple[Trainee, PracticeResult]:
+    trainee = Trainee(practice_on((data, id, "")), [], ticks=True)
+    return trainee, trainee.play()
+
+
+def test_the_time_between_the_runs_of_a_session_is_left_out(tmp_path: Path) -> None:
+    plan = make_plan(catalogue(), "keyboard", ["P01"], {"attempts": 6, "prompts_per_attempt": 3})
+    run = start(plan, tmp_path, catalogue(), clock := VirtualClock(), somebody)
+    play(run, clock, 40)
+    clock = VirtualClock(100_000 * SECOND)
+    play(resume(run.id, tmp_path, catalogue(), clock, somebody), clock)
+    trainee, result = practised_whole(tmp_path, run.id)
+    assert result.is_complete
+    times = [frame.at for frame in trainee.frames]
+    assert times == sorted(times)
+    assert times[-1] - times[0] < 300 * SECOND
+
+
+def test_a_session_of_two_is_practised(tmp_path: Path) -> None:
+    id = simulated(tmp_path, "pairs", "P01", "P02", attempts=2, operator_feedback="approve")
+    trainee, result = practised_whole(tmp_path, id)
+    assert result.is_complete
+    asked = [frame.message for frame in trainee.frames if frame.topic is t.ARBITER_STATE]
+    seats = {each.seat for state in asked for each in state.pending}  # type: ignore[attr-defined]
+    assert seats == {"A", "B"}
+    assert trainee.practice.welcome.participants == {"A": "P01", "B": "P02"}
+
+
+def test_time_goes_as_it_was_while_a_reason_may_be_given(recorded: tuple[Path, str, str]) -> None:
+    trainee = Trainee(practice_on(recorded), ["veto"], ticks=True)
+    trainee.take(trainee.practice.begin())
+    while trainee.verdicts:
+        trainee.take(trainee.practice.advance(50 * MS))
+    assert trainee.practice.rate == 1
+    trainee.act(t.REASON, m.ReasonGiven(action="?", verdict="veto", digit=1, text="late"))
+    assert trainee.practice.rate == 4
