@@ -72,6 +72,16 @@ def test_what_was_due_is_done_late_left_out_refused_or_omitted() -> None:
     assert f"practised before: {ANNA} 2" in first
 
 
+def test_what_is_told_again_after_a_resume_is_one_item_of_the_new_run() -> None:
+    script = chosen().log(1000, due("d1", 1000), due("d2", 1000))
+    script.begin(2, 90_000).log(90_000, due("d1", 90_000), due("d2", 90_000))
+    adherence = found(script.log(93_000, tick("d1", 93_000)))
+    assert [(item.run, item.outcome, item.latency_s) for item in adherence.items] == [
+        (2, "done", 3.0),
+        (2, "omitted", None),
+    ]
+
+
 def test_acts_that_nothing_asked_for_are_outside_of_the_protocol() -> None:
     script = Script().join(0).log(5, m.Remark(text="Before it.", actor=ANNA, at=at(5)))
     script.log(10, m.ProtocolChosen(protocol=PROTOCOL, actor=ANNA))

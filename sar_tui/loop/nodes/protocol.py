@@ -1,5 +1,7 @@
 """Operator's protocol: tells operators what is due by it, and answers what they tick."""
 
+from msgspec.structs import replace
+
 from sar_tui.loop.answers import answer_to
 from sar_tui.loop.node import Node, on
 from sar_tui.loop.topics import (
@@ -10,6 +12,7 @@ from sar_tui.loop.topics import (
     PROTOCOL_DUE,
     PROTOCOL_TICKED,
     REASON,
+    SESSION,
     SESSION_ENDED,
     STEP_ENDED,
     TRIAL,
@@ -31,7 +34,13 @@ class OperatorProtocol(Node):
     def __init__(self) -> None:
         super().__init__()
         self._progress = ProtocolProgress()
-        self._open: set[str] = set()
+        self._open: dict[str, m.ProtocolDue] = {}
+
+    @on(SESSION)
+    def session_started(self, _: m.SessionStarted) -> None:
+        """Tell what is still due in a resumed session: panels know nothing of its earlier runs."""
+        for each in self._open.values():
+            self._tell(replace(each, at=self.now))
 
     @on(PROTOCOL)
     def protocol_chosen(self, chosen: m.ProtocolChosen) -> None:
@@ -69,8 +78,7 @@ class OperatorProtocol(Node):
     @on(PROTOCOL_TICKED)
     def ticked(self, ticked: m.ProtocolTicked) -> None:
         """Answer a tick: what is due can be ticked once."""
-        if ticked.due in self._open:
-            self._open.discard(ticked.due)
+        if self._open.pop(ticked.due, None):
             self._answer(ticked)
         else:
             self._answer(ticked, "late", "It was ticked already, or is not due.")
@@ -83,8 +91,11 @@ class OperatorProtocol(Node):
     def _step(self, message: m.Message) -> None:
         self._progress, due = step(self._progress, message, self.now)
         for each in due:
-            self._open.add(each.id)
-            self.emit(PROTOCOL_DUE, each)
+            self._tell(each)
+
+    def _tell(self, due: m.ProtocolDue) -> None:
+        self._open[due.id] = due
+        self.emit(PROTOCOL_DUE, due)
 
     def _answer(self, act: m.OperatorAct, outcome: ActOutcome = "done", why: str = "") -> None:
         if act.id:

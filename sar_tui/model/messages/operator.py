@@ -148,7 +148,8 @@ class ProtocolChosen(OperatorAct, frozen=True, kw_only=True):
 
 
 class ProtocolDue(Message, frozen=True, kw_only=True):
-    """A step or a rule of the operator's protocol is due ``at`` (ns) (derived).
+    """A step or a rule of the operator's protocol is due ``at`` (ns) (derived). If the session is
+    resumed, what is still due is told again, with the time of the new run.
 
     ``id``: that a tick names. ``number``: of the step or the rule in the protocol, from 1.
     ``attempt``: begun last.

@@ -24,13 +24,13 @@ STEPS = (
 )
 PROTOCOL = WizardProtocol("kind", 1, "h", steps=STEPS, rules=RULES)
 ANA = "operator.ana"
+SETTINGS: dict[str, Any] = {"attempts": 2, "prompts_per_attempt": 2, "encouragement": False}
 
 
 @pytest.fixture
 def driver() -> LoopDriver:
     kind, theme = CATALOGUE.task("keyboard"), CATALOGUE.theme("calm")
-    settings = {"attempts": 2, "prompts_per_attempt": 2, "encouragement": False}
-    return LoopDriver(kind, theme, **settings)
+    return LoopDriver(kind, theme, **SETTINGS)
 
 
 def act(driver: LoopDriver, topic: Any, kind: Any, **fields: Any) -> None:
@@ -79,3 +79,19 @@ def test_without_a_protocol_nothing_is_published(driver: LoopDriver) -> None:
     driver.attempt()
     assert due(driver) == []
     assert answers(driver) == []
+
+
+def test_what_is_due_is_told_again_when_the_session_is_resumed(driver: LoopDriver) -> None:
+    act(driver, t.PROTOCOL, m.ProtocolChosen, protocol=PROTOCOL)
+    driver.enter()
+    driver.attempt()
+    act(driver, t.PROTOCOL_TICKED, m.ProtocolTicked, due="d1", outcome="done")
+    before = driver.records
+    again = LoopDriver(
+        type(driver.session.task), CATALOGUE.theme("calm"), history=before, **SETTINGS
+    )
+    assert due(again) == ["Offer water.", "Ask why."], "it is paused when it is resumed"
+    act(again, t.PROTOCOL_TICKED, m.ProtocolTicked, due="d2", outcome="done", id="a1")
+    assert answers(again) == [("a1", "done")]
+    again.records[:0] = before
+    assert again.difference() is None
