@@ -58,6 +58,7 @@ class ProtocolActs:
         self._commands = commands
         self._own, self._practised = own, practised
         self._is_offered = False
+        self._ticked_at = 0
 
     def receive(self, event: PeerEvent) -> None:
         """Choose the own protocol once this operator has control, unless the session follows it."""
@@ -107,20 +108,26 @@ class ProtocolActs:
         return due is not None and self._tick(due, "not done", at)
 
     def _due(self, at: int) -> ProtocolDue | None:
-        """Return what is due first; None, and a line of the log, if nothing is, or nobody can have
-        read it yet.
+        """Return what is due first, unless its tick is on its way; None, and a line of the log, if
+        nothing is, or nobody can have read it yet.
         """
         commands, tr = self._commands, self._commands.tr
         due = next(iter(commands.state.due), None)
         if due is None:
             commands.log.report(at, tr("Nothing is due by a protocol."))
-        elif at - due.at < TOO_SOON:
+            return None
+        if commands.log.last_open(
+            lambda act: isinstance(act, ProtocolTicked) and act.due == due.id
+        ):
+            return None
+        if at - max(due.at, self._ticked_at) < TOO_SOON:
             commands.log.report(at, tr("Too soon: that had only just become due."))
             return None
         return due
 
     def _tick(self, due: ProtocolDue, outcome: Any, at: int, act: str = "") -> bool:
         text = self._commands.tr("Done: {what}" if outcome == "done" else "Not done: {what}")
+        self._ticked_at = at
         ticked = ProtocolTicked(seat=due.seat, due=due.id, outcome=outcome, act=act)
         return self._commands.send(same(text.format(what=due.do)), PROTOCOL_TICKED, ticked, at)
 

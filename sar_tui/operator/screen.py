@@ -30,7 +30,7 @@ from sar_tui.model.protocol import WizardProtocol
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import SECOND
 from sar_tui.operator import keymap, status_view
-from sar_tui.operator.commands import CONFIRM_SECONDS, Commands, editable, takes_valence
+from sar_tui.operator.commands import CONFIRM_SECONDS, TOO_SOON, Commands, editable, takes_valence
 from sar_tui.operator.event_text import Line
 from sar_tui.operator.keymap import KEY_COMMANDS, bindings
 from sar_tui.operator.palette import Palette, palette_page
@@ -366,7 +366,8 @@ class PanelScreen(OrderedScreen[str]):
     def _draw_palette(self, now: int) -> None:
         self.set_class(self.is_observer, "observer")
         state, width = self.commands.state, self._width("palette")
-        self._asks_reason = self.commands.asked_reason(now) is not None
+        # a digit of somebody who still reads the question must not say a phrase
+        self._asks_reason = self.commands.asked_reason(now + TOO_SOON) is not None
         if self._asks_reason and state.protocol:
             self._put("palette-title", Content(self.tr("Why? A digit, if you like")))
             self._put("palette", reasons_page(state.protocol, width, _PALETTE_ROWS, self.tr))

@@ -116,6 +116,7 @@ async def test_a_phrase_of_the_theme_changes_with_the_attempts(panel: b.PanelDri
     await follow(panel, *(due(f"d{n}", "step", 1, attempt=n) for n in (0, 1)))
     await panel.press("k")
     await panel.publish(t.PROTOCOL_TICKED, m.ProtocolTicked(due="d0", outcome="done"))
+    await panel.advance(200)
     await panel.press("k")
     texts = [remark.text for remark in panel.sent(t.REMARK)]
     theme = panel.panel.commands.state.theme
@@ -145,6 +146,7 @@ async def test_a_pending_proposal_is_vetoed_by_the_tick(panel: b.PanelDriver) ->
     assert "Why?" not in panel.text, "the protocol is the reason"
     await panel.publish(t.PROTOCOL_TICKED, m.ProtocolTicked(due="d1", outcome="done"))
     await panel.publish(t.ARBITER_STATE, b.arbiter_state())
+    await panel.advance(200)
     await panel.press("k")
     assert len(panel.sent(t.DECISION)) == 1, "nothing waits any more: it is only ticked"
     assert [tick.due for tick in panel.sent(t.PROTOCOL_TICKED)] == ["d1", "d2"]
@@ -158,6 +160,33 @@ async def test_a_key_that_was_on_its_way_ticks_nothing(panel: b.PanelDriver) -> 
     await panel.press("k")
     assert "Too soon" in panel.text
     assert panel.sent(t.PROTOCOL_TICKED) == []
+
+
+async def test_a_key_that_is_held_does_one_thing(panel: b.PanelDriver) -> None:
+    await follow(panel, due("d1", "rule", 1), due("d2", "rule", 1))
+    await panel.press("k")
+    await panel.advance(200)
+    await panel.press("k")
+    assert len(panel.sent(t.REMARK)) == 1, "the tick is on its way"
+
+
+async def test_a_key_that_bounces_leaves_what_is_due_next(panel: b.PanelDriver) -> None:
+    await follow(panel, due("d1", "rule", 1), due("d2", "rule", 1))
+    await panel.press("k")
+    await panel.publish(t.PROTOCOL_TICKED, m.ProtocolTicked(due="d1", outcome="done"))
+    await panel.press("k")
+    assert "Too soon" in panel.text, "nobody can have read it"
+    assert [tick.due for tick in panel.sent(t.PROTOCOL_TICKED)] == ["d1"]
+
+
+async def test_a_digit_as_the_question_ends_is_still_a_reason(panel: b.PanelDriver) -> None:
+    await follow(panel)
+    await veto(panel)
+    await panel.advance(REASON_FOR // MS - 100)
+    assert "Why?" not in panel.text
+    await panel.press("1")
+    assert [given.digit for given in panel.sent(t.REASON)] == [1]
+    assert panel.sent(t.REMARK) == []
 
 
 async def veto(panel: b.PanelDriver, id: str = "p1") -> None:
