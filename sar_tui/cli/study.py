@@ -97,9 +97,9 @@ def checked_plan(home: Home, file: Path) -> "tuple[str, Study]":
     Raises:
         Refused: it cannot be used.
     """
+    from sar_tui.model.toml_lines import TomlLines
     from sar_tui.study.conditions import problems_here
     from sar_tui.study.plan import read_plan
-    from sar_tui.study.toml_lines import TomlLines
 
     with study_errors():
         plan = read_plan(file)

@@ -130,16 +130,16 @@ def power(
 
 def _plan(file: Path) -> dict[str, Any]:
     """Return the content of a plan. Raises Refused."""
-    import tomllib
+    from sar_tui.model.toml_lines import TomlError, decode
 
     try:
-        return tomllib.loads(file.read_bytes().decode())
+        return decode(file.read_bytes().decode())
     except OSError as error:
         raise Refused(f"{file} cannot be read: {error.strerror}.") from error
     except UnicodeDecodeError:
         raise Refused(f"{file} is not a text in UTF-8.") from None
-    except tomllib.TOMLDecodeError as error:
-        raise Refused(f"{file} is not valid TOML: {error}.") from error
+    except TomlError as error:
+        raise Refused(f"{file}, {error}") from error
 
 
 def _pilot(

@@ -18,6 +18,7 @@ import platformdirs
 from msgspec.structs import replace
 
 from sar_tui.model.language import ENGLISH, Language
+from sar_tui.model.toml_lines import TomlError, TomlLines, decode
 from sar_tui.model.visible_text import control_problem, obeyed
 from sar_tui.records import scoring
 from sar_tui.records.scoring import Score
@@ -457,12 +458,17 @@ def read_kind(path: Path) -> Kind:
         KindError: it cannot be read, or declares something that cannot be.
     """
     try:
-        return _declared(path.read_bytes())
+        text = path.read_bytes().decode()
+        return _declared(text)
     except OSError as error:
         reason = error.strerror or error
         raise KindError(f"The kind of record cannot be read: {reason}: {path.name}.") from error
-    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
-        raise KindError(f"{path.name} is no kind of record: {error}.") from error
+    except UnicodeDecodeError:
+        raise KindError(f"{path.name} is not a text in UTF-8.") from None
+    except TomlError as error:
+        raise KindError(f"{path.name}, {error}") from error
+    except msgspec.ValidationError as error:
+        raise KindError(TomlLines(text, path.name).invalid(str(error))) from error
     except KindError as error:
         raise KindError(f"{path.name}: {error}") from None
 
@@ -470,14 +476,14 @@ def read_kind(path: Path) -> Kind:
 def toml_problem(text: str) -> str:
     """Return why the text of a file declares no kind; empty if it does."""
     try:
-        _declared(text.encode())
-    except (KindError, msgspec.MsgspecError, UnicodeError) as error:
+        _declared(text)
+    except (KindError, TomlError, msgspec.ValidationError) as error:
         return str(error)
     return ""
 
 
-def _declared(content: bytes) -> Kind:
-    kind = msgspec.convert(_with_base(msgspec.toml.decode(content)), Kind)
+def _declared(text: str) -> Kind:
+    kind = msgspec.convert(_with_base(decode(text)), Kind)
     if problem := _problem(kind):
         raise KindError(problem)
     return kind if kind.form is None else _as_form(kind)
@@ -495,7 +501,7 @@ def _with_base(declared: dict[str, Any]) -> dict[str, Any]:
         base = msgspec.toml.decode(path.read_bytes())
         if base["name"] == declared[_BASED_ON]:
             return {**base, **own}
-    raise msgspec.ValidationError(f"no kind {declared[_BASED_ON]!r:.40} ships")
+    raise KindError(f"No kind {declared[_BASED_ON]!r:.40} ships.")
 
 
 def _as_form(kind: Kind) -> Kind:

@@ -2,7 +2,6 @@
 
 import hashlib
 import re
-import tomllib
 from collections.abc import Callable, Collection
 from typing import Any, Literal, NamedTuple, TypeVar, cast, get_args
 
@@ -18,6 +17,7 @@ from sar_tui.model.protocol import (
     Reason,
     WizardProtocol,
 )
+from sar_tui.model.toml_lines import Mistake, TomlError, TomlLines, decode
 from sar_tui.model.visible_text import obeyed
 
 T = TypeVar("T")
@@ -48,16 +48,6 @@ _KINDS: dict[str, ControlledKind] = {
     "level": "difficulty",
 }
 """Kinds of proposal by the words of a protocol."""
-
-
-class Mistake(NamedTuple):
-    """A mistake in a file: its line (from 1), and a sentence."""
-
-    line: int
-    why: str
-
-    def __str__(self) -> str:
-        return f"line {self.line}: {self.why}"
 
 
 class ProtocolMistakes(ValueError):
@@ -102,12 +92,11 @@ def parse(source: bytes, phrase_keys: Collection[str] = ()) -> WizardProtocol:
         raise ProtocolMistakes([Mistake(1, why)])
     try:
         text = source.decode()
-        content = tomllib.loads(text)
+        content = decode(text)
     except UnicodeDecodeError:
         raise ProtocolMistakes([Mistake(1, "The file is not text in UTF-8.")]) from None
-    except tomllib.TOMLDecodeError as error:
-        said, line = _said_by_toml(str(error), len(text.splitlines()))
-        raise ProtocolMistakes([Mistake(line, said)]) from None
+    except TomlError as error:
+        raise ProtocolMistakes([error.mistake]) from None
     return _Reader(text, content, phrase_keys).protocol(hashlib.sha256(source).hexdigest())
 
 
@@ -251,19 +240,11 @@ def _said(rest: str, phrases: int, phrase_keys: Collection[str]) -> Deed:
     return Deed("say", rest)
 
 
-def _said_by_toml(error: str, lines: int) -> tuple[str, int]:
-    """Return TOML's message as a sentence, and the line that it names."""
-    found = re.search(r" \(at (?:line (\d+), column \d+|end of document)\)", error)
-    line = int(found[1]) if found and found[1] else max(1, lines)
-    said = error[: found.start()] if found else error
-    return f"This is not TOML: {said[0].lower()}{said[1:].rstrip('.')}.", line
-
-
 class _Reader:
     """Reads the content of a file, and collects its mistakes."""
 
     def __init__(self, text: str, content: dict[str, Any], phrase_keys: Collection[str]) -> None:
-        self._lines = _Lines(text)
+        self._lines = TomlLines(text)
         self._content = content
         self._phrase_keys = phrase_keys
         self._mistakes: list[Mistake] = []
@@ -302,7 +283,7 @@ class _Reader:
         )
 
     def _note(self, key: str, why: str) -> None:
-        self._mistakes.append(Mistake(self._lines.of(key), why))
+        self._mistakes.append(Mistake(self._lines.line((key,)), why))
 
     def _phrases(self) -> list[str]:
         found = self._content.get("phrases", [])
@@ -344,7 +325,7 @@ class _Reader:
         read_ones = []
         for index, table in enumerate(found):
             if self._has_texts(kind, index, table, keys):
-                line = self._lines.of(kind, index)
+                line = self._lines.line((kind, index))
                 if (made := read(table, index, phrases)) is not None:
                     read_ones.append((line, made))
         return read_ones
@@ -354,11 +335,11 @@ class _Reader:
     ) -> bool:
         before = len(self._mistakes)
         for key in table.keys() - set(keys):
-            line = self._lines.of(kind, index, key)
+            line = self._lines.line((kind, index, key))
             why = f"{key!r} is not known in [[{kind}]]; known are {' and '.join(keys)}."
             self._mistakes.append(Mistake(line, why))
         for key in keys:
-            line = self._lines.of(kind, index, key)
+            line = self._lines.line((kind, index, key))
             if key not in table:
                 self._mistakes.append(Mistake(line, f"This [[{kind}]] has no {key!r}."))
             elif not _is_text(table[key]):
@@ -373,7 +354,7 @@ class _Reader:
                 f"{table['at']!r} is not a moment: write start, attempt 3, after attempt 3, pause "
                 "or end."
             )
-            self._mistakes.append(Mistake(self._lines.of("steps", index, "at"), why))
+            self._mistakes.append(Mistake(self._lines.line(("steps", index, "at")), why))
         is_right = self._deed_is_right("steps", table["do"], index, phrases)
         if at is None or not is_right:
             return None
@@ -385,7 +366,7 @@ class _Reader:
         try:
             condition = parse_condition(table["when"])
         except ValueError as error:
-            line = self._lines.of("rules", index, "when")
+            line = self._lines.line(("rules", index, "when"))
             self._mistakes.append(Mistake(line, str(error)))
             return None
         text = " ".join(table["when"].split())
@@ -395,7 +376,7 @@ class _Reader:
         try:
             parse_deed(do, phrases, self._phrase_keys)
         except ValueError as error:
-            self._mistakes.append(Mistake(self._lines.of(kind, index, "do"), str(error)))
+            self._mistakes.append(Mistake(self._lines.line((kind, index, "do")), str(error)))
             return False
         return True
 
@@ -431,30 +412,3 @@ def _is_text(value: object) -> bool:
         and "\n" not in value
         and not obeyed(value)
     )
-
-
-class _Lines:
-    """Finds the lines of a TOML file's keys and tables."""
-
-    def __init__(self, text: str) -> None:
-        self._places: dict[tuple[Any, ...], int] = {}
-        table: tuple[Any, ...] = ()
-        counts: dict[str, int] = {}
-        for number, line in enumerate(text.splitlines(), 1):
-            if header := re.match(r"\s*\[\[?\s*([\w-]+)\s*\]", line):
-                kind = header[1]
-                is_array = line.lstrip().startswith("[[")
-                table = (kind, counts.get(kind, 0)) if is_array else (kind,)
-                counts[kind] = counts.get(kind, 0) + 1
-                self._places.setdefault((kind,), number)
-                self._places.setdefault(table, number)
-            elif key := re.match(r"\s*[\"']?([\w-]+)[\"']?\s*[.=]", line):
-                self._places.setdefault((*table, key[1]), number)
-
-    def of(self, *place: str | int) -> int:
-        """Return the line of a key or a table; of its table if the key is missing; else 1."""
-        while place:
-            if place in self._places:
-                return self._places[place]
-            place = place[:-1]
-        return 1

@@ -8,6 +8,7 @@ import msgspec
 from msgspec.structs import replace
 
 from sar_tui.model.step import USUAL_SCALE, Step, problem
+from sar_tui.model.toml_lines import TomlError, TomlLines, decode
 from sar_tui.rules.wellbeing import PAIN_ENDS
 
 MOST_STEPS = 200
@@ -94,13 +95,18 @@ def read_steps(path: Path) -> tuple[Step, ...]:
         StepFileError: it cannot be read, or a step cannot be used.
     """
     try:
-        read = msgspec.toml.decode(path.read_bytes(), type=_Steps)
+        text = path.read_bytes().decode()
+        read = msgspec.convert(decode(text), _Steps)
     except OSError as error:
         raise StepFileError(
             f"The steps cannot be read: {error.strerror or error}: {path.name}."
         ) from error
-    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
-        raise StepFileError(f"{path.name} is not a list of steps: {error}.") from error
+    except UnicodeDecodeError:
+        raise StepFileError(f"{path.name} is not a text in UTF-8.") from None
+    except TomlError as error:
+        raise StepFileError(f"{path.name}, {error}") from error
+    except msgspec.ValidationError as error:
+        raise StepFileError(TomlLines(text, path.name).invalid(str(error))) from error
     if why := problem_of(read.steps):
         raise StepFileError(f"{path.name}: {why}")
     return read.steps

@@ -1,7 +1,6 @@
 """Programmes and presets as TOML files."""
 
 import json
-import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -9,6 +8,7 @@ from typing import Any
 import msgspec
 
 from sar_tui.loop.task import Task
+from sar_tui.model.toml_lines import TomlError, TomlLines, decode
 from sar_tui.plugins import task_folder
 from sar_tui.rules.declaration import Field
 from sar_tui.rules.parameters import fields, grouped
@@ -63,9 +63,9 @@ def parse(text: str, name: str) -> ProgrammeFile:
         StoreError: it is no TOML, or it holds something else.
     """
     try:
-        content = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise StoreError(f"{name} is not valid TOML: {error}.", bad_input=True) from error
+        content = decode(text)
+    except TomlError as error:
+        raise StoreError(f"{name}, {error}", bad_input=True) from error
     unknown = content.keys() - {*_KEYS, "parameters"}
     if unknown:
         where = "Settings belong under [parameters]."
@@ -75,7 +75,8 @@ def parse(text: str, name: str) -> ProgrammeFile:
     try:
         return msgspec.convert(content, ProgrammeFile)
     except msgspec.ValidationError as error:
-        raise StoreError(f"{name} is not a programme: {error}.", bad_input=True) from error
+        said = TomlLines(text, name).invalid(str(error))
+        raise StoreError(f"This is not a programme. {said}", bad_input=True) from error
 
 
 def write(task: type[Task], participant: str, programme: Programme) -> str:

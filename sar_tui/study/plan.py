@@ -12,11 +12,11 @@ from typing import Any, Literal
 
 import msgspec
 
+from sar_tui.model.toml_lines import Path as Key
+from sar_tui.model.toml_lines import TomlError, TomlLines, decode
 from sar_tui.store.database import StoreError
 from sar_tui.study.latin_squares import Order, rows
 from sar_tui.study.outcome import MEASURES, Outcome, read_power
-from sar_tui.study.toml_lines import Path as Key
-from sar_tui.study.toml_lines import TomlLines
 
 ALLOCATED = "as allocated"
 """In place of a condition: that of the person's group."""
@@ -256,11 +256,11 @@ def parse_plan(text: str, name: str) -> Study:
     """
     lines = TomlLines(text, name)
     try:
-        plan = msgspec.convert(msgspec.toml.decode(text), Study)
+        plan = msgspec.convert(decode(text), Study)
     except msgspec.ValidationError as error:
         raise PlanError(lines.invalid(str(error))) from error
-    except msgspec.DecodeError as error:
-        raise PlanError(lines.syntax_error(str(error))) from error
+    except TomlError as error:
+        raise PlanError(f"{name}, {error}") from error
     for key, problem in _problems(plan):
         raise PlanError(lines.at(key, problem))
     return plan

@@ -146,8 +146,8 @@ def test_simulated_people_answer_in_many_ways(step: Step) -> None:
         ('name="a"\ntext="A"\nkind="rest"', "lasts seconds"),
         ('name="a"\ntext="A"\nseconds=3', "has no seconds"),
         ('name="a"\ntext="A"\nevery=-1', "every is 0 or more"),
-        ('name="a"\ntext="A"\nkind="slider"', "is not a list of steps"),
-        ('name="a"\ntext="A"\nwhen=3', "is not a list of steps"),
+        ('name="a"\ntext="A"\nkind="slider"', "line 4: Invalid enum value 'slider'"),
+        ('name="a"\ntext="A"\nwhen=3', "line 4: There is nothing named when here"),
         ('name="a"\ntext="A"\n[[steps]]\nname="a"\ntext="B"', "Two steps are named"),
     ],
 )

@@ -153,8 +153,8 @@ def test_no_text_ships_that_its_owner_has_not_given_away() -> None:
         ('"E", "F"', '"E"', "The words in de have another number of items than the form, 4."),
         ('["no", "yes"]', '["no", "so", "yes"]', "labels for both ends, for each point, or none"),
         ('name = "part"', 'name = "q1"', "Two fields are named 'q1'"),
-        ("[form]\nitems = 4", "", "is no kind of record"),
-        ('name = "mood"', 'name = "mood"\nbased_on = "x"', "no kind 'x' ships"),
+        ("[form]\nitems = 4", "", "line 6: There is nothing named lowest here."),
+        ('name = "mood"', 'name = "mood"\nbased_on = "x"', "No kind 'x' ships."),
     ],
 )
 def test_a_form_that_cannot_be_used_is_refused_in_a_sentence(

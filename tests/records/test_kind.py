@@ -54,9 +54,9 @@ def test_a_clinic_adds_a_kind_by_a_file(tmp_path: Path, monkeypatch: pytest.Monk
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("name = 1", "is no kind of record"),
-        (GRIP.replace('"number"', '"colour"'), "is no kind of record"),
-        (GRIP + "\nfoo = 1", "is no kind of record"),
+        ("name = 1", "line 1: This must be a text, in quotes."),
+        (GRIP.replace('"number"', '"colour"'), "line 10: Invalid enum value 'colour'."),
+        (GRIP + "\nfoo = 1", "line 16: There is nothing named foo here."),
         (GRIP.replace('"number"', '"choice"'), "needs two labels"),
         (GRIP.replace("lowest = 0", "lowest = 99"), "bounds that no number lies within"),
         (GRIP.replace('"Force"', '"Fo\\u001brce"'), "control characters: U+001B"),

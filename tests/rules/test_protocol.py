@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 
 from sar_tui.model import messages as m
 from sar_tui.model.protocol import REASONS, Condition, ProtocolRule, ProtocolStep, WizardProtocol
+from sar_tui.model.toml_lines import Mistake
 from sar_tui.operator.phrases import PHRASE_KEYS
 from sar_tui.rules.protocol import ProtocolProgress, step, unit_factor
 from sar_tui.rules.protocol_file import (
     MAX_BYTES,
     Deed,
-    Mistake,
     ProtocolMistakes,
     parse,
     parse_condition,
@@ -80,7 +80,7 @@ def test_the_documented_protocol_is_one() -> None:
 @pytest.mark.parametrize(
     ("source", "line", "why"),
     [
-        ("name = ", 1, "not TOML"),
+        ("name = ", 1, "not valid TOML"),
         ('name = "a"\nversion = 1\n', 1, "no [[steps]] and no [[rules]]"),
         (GOOD.replace('"encourage"', '"En courage"'), 2, "name must be a word"),
         (GOOD.replace("version = 2", 'version = "2"'), 3, "version must be a whole number"),

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from sar_tui.model.toml_lines import TomlLines
 from sar_tui.plugins import Catalogue
 from sar_tui.study.conditions import problems_here, warnings
 from sar_tui.study.plan import PlanError, orders, parse_plan, read_plan
-from sar_tui.study.toml_lines import TomlLines
 from tests.study.plans import TWO_GROUPS, plan
 
 MISTAKES = (

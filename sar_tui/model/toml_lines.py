@@ -1,13 +1,17 @@
-"""Lines of a TOML text at which its values stand, so that a mistake can be shown where it is."""
+"""TOML texts, and the lines at which their values stand, so that a mistake can be shown where it is."""
 
 import re
+import tomllib
+from typing import Any, NamedTuple
 
 Path = tuple[str | int, ...]
 """Place of a value: names of tables and keys, and indices in arrays of tables."""
 
-_HEADER = re.compile(r"\s*(\[\[?)\s*(.+?)\s*\]\]?\s*(?:#.*)?$")
-_KEY = re.compile(r'\s*((?:[\w-]+|"[^"]*")(?:\s*\.\s*(?:[\w-]+|"[^"]*"))*)\s*=')
-_PART = re.compile(r'"([^"]*)"|([\w-]+)')
+_NAME = r"""(?:[\w-]+|"[^"]*"|'[^']*')"""
+_NAMES = rf"{_NAME}(?:\s*\.\s*{_NAME})*"
+_HEADER = re.compile(rf"\s*(\[\[?)\s*({_NAMES})\s*\]\]?\s*(?:#.*)?$")
+_KEY = re.compile(rf"\s*({_NAMES})\s*=")
+_PART = re.compile(_NAME)
 _PLACE = re.compile(r"^(?P<said>.*?) - at `\$(?P<place>.*)`$", re.DOTALL)
 _STEP = re.compile(r"\.([\w -]+)|\[(\d+|\.\.\.)\]")
 _ANY = "..."
@@ -25,19 +29,52 @@ _TYPES = {
     "null": "",
 }
 """Types as msgspec names them, in words."""
-_SYNTAX = re.compile(r"\(at line (\d+), column \d+\)")
+_SYNTAX = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)")
+
+
+class Mistake(NamedTuple):
+    """A mistake in a file: its line (from 1), and a sentence."""
+
+    line: int
+    why: str
+
+    def __str__(self) -> str:
+        return f"line {self.line}: {self.why}"
+
+
+class TomlError(ValueError):
+    """A text is not TOML."""
+
+    def __init__(self, mistake: Mistake) -> None:
+        self.mistake = mistake
+        super().__init__(str(mistake))
+
+
+def decode(text: str) -> dict[str, Any]:
+    """Return the content of a TOML text. Raises TomlError."""
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        why, line = "it is nested too deeply", 1
+    except tomllib.TOMLDecodeError as error:
+        why = str(error)
+        last = len(text.splitlines())
+        found = _SYNTAX.search(why)
+        line = int(found[1]) if found and found[1] else max(1, last)
+        why = _SYNTAX.sub("", why).rstrip(".")
+    raise TomlError(Mistake(line, f"This is not valid TOML: {why[0].lower()}{why[1:]}."))
 
 
 class TomlLines:
     """The lines of a text. ``name``: of its file, for messages."""
 
-    def __init__(self, text: str, name: str) -> None:
+    def __init__(self, text: str, name: str = "") -> None:
         self._name = name
         self._lines: dict[Path, int] = {}
         counts: dict[Path, int] = {}
         table: Path = ()
         quote = ""
-        for number, line in enumerate(text.splitlines(), 1):
+        for number, line in enumerate(text.split("\n"), 1):
             if quote:  # within a text of several lines
                 quote = "" if quote in line else quote
             elif header := _HEADER.match(line):
@@ -46,11 +83,16 @@ class TomlLines:
                     counts[parts] = counts.get(parts, -1) + 1
                     parts = (*parts, counts[parts])
                 table = parts
-                self._lines.setdefault(table, number)
+                self._note(table, number)
             elif key := _KEY.match(line):
-                self._lines.setdefault((*table, *_parts(key[1])), number)
+                self._note((*table, *_parts(key[1])), number)
                 rest = line[key.end() :]
                 quote = next((q for q in ('"""', "'''") if rest.count(q) == 1), "")
+
+    def _note(self, key: Path, number: int) -> None:
+        """Note the line of a value, if it is the first one of it or of what is around it."""
+        for length in range(1, len(key) + 1):
+            self._lines.setdefault(key[:length], number)
 
     def line(self, key: Path) -> int:
         """Return the line of a value, or of the innermost table around it; 1 if none is known."""
@@ -91,16 +133,9 @@ class TomlLines:
         )
         return next(alike, key[: key.index(_ANY)])
 
-    def syntax_error(self, said: str) -> str:
-        """Return a message on a text that is no TOML, with the line that the parser named."""
-        found = _SYNTAX.search(said)
-        reason = _SYNTAX.sub("", said).strip().rstrip(".")
-        line = int(found[1]) if found else 1
-        return f"{self._name}, line {line}: This is not valid TOML: {reason}."
-
 
 def _parts(dotted: str) -> Path:
-    return tuple(quoted or plain for quoted, plain in _PART.findall(dotted))
+    return tuple(part.strip("\"'") for part in _PART.findall(dotted))
 
 
 def _indexed(parts: Path, counts: dict[Path, int]) -> Path:
