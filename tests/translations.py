@@ -19,6 +19,7 @@ from sar_tui.checks.task_translations import declared, sentences_in, texts_in
 from sar_tui.loop.phrase_keys import PHRASE_KEYS, wording_problems
 from sar_tui.model import messages
 from sar_tui.model.language import BUNDLED, read_words, slot_problem
+from sar_tui.model.protocol import REASONS
 from sar_tui.operator.keymap import EVENTS, KEY_COMMANDS
 from sar_tui.plugins import Catalogue, task_folder
 from sar_tui.records.kind import Kind, read_kind
@@ -264,7 +265,7 @@ def _labels(source: str) -> set[str]:
 
 def _names() -> set[str]:
     """Return the names of values that the operator's panel shows."""
-    return {name for kind in _NAMED for name in get_args(kind)}
+    return {name for kind in _NAMED for name in get_args(kind)} | {each.text for each in REASONS}
 
 
 def _texts_of_keys() -> set[str]:

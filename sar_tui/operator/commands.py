@@ -236,11 +236,10 @@ class Commands:
         reason = next((each for each in protocol.reasons if each.code == code), None)
         if reason is None:
             return self._not_sent(self.tr("There is no reason {code}.", code=code), at)
-        reason_text = self.tr(reason.text)
         given = ReasonGiven(
             action=asked.action, verdict=asked.verdict, digit=code, text=reason.text
         )
-        wording = same(self.tr("Reason: {text}").format(text=reason_text))
+        wording = same(self.tr("Reason: {text}").format(text=self.tr(reason.text)))
         return self.send(wording, REASON, given, at)
 
     def forget_reason(self) -> None:

@@ -16,7 +16,7 @@ from sar_tui.model.messages import (
     ProtocolTicked,
     Remark,
 )
-from sar_tui.model.protocol import ProtocolStep, Reason, WizardProtocol
+from sar_tui.model.protocol import ProtocolStep, WizardProtocol
 from sar_tui.operator.act_log import decision_wording, gesture_wording, said_wording, same
 from sar_tui.operator.commands import TOO_SOON, Commands
 from sar_tui.operator.keymap import KeymapFile, key_label
@@ -34,15 +34,6 @@ _MOMENTS = {
     "pause": "in a pause",
     "end": "at the end",
 }
-_REASONS = {
-    "wrong moment": "wrong moment",
-    "wrong content": "wrong content",
-    "participant upset": "participant upset",
-    "technical": "technical",
-    "protocol says so": "protocol says so",
-    "other": "other",
-}
-"""Texts of the usual reasons. A protocol's own are shown as they are."""
 
 
 class ProtocolActs:
@@ -262,7 +253,7 @@ def next_step(state: SessionState) -> ProtocolStep | None:
 def reasons_page(protocol: WizardProtocol, width: int, rows: int, tr: Language) -> Content:
     """Return the reasons for a veto or an edit with their digits, in two columns."""
     column = width // 2 - 1
-    cells = [(str(each.code), reason_text(each, tr)) for each in protocol.reasons]
+    cells = [(str(each.code), tr(each.text)) for each in protocol.reasons]
     parts: list[Piece] = []
     for row in range(min(rows, len(cells))):
         for code, text in cells[row::rows]:
@@ -270,8 +261,3 @@ def reasons_page(protocol: WizardProtocol, width: int, rows: int, tr: Language) 
             parts += [(f"{code} ", "$accent bold"), (f"{shown} ", "")]
         parts.append(("\n", ""))
     return Content.assemble(*parts[:-1])
-
-
-def reason_text(reason: Reason, tr: Language) -> str:
-    """Return a reason in the language of the panel."""
-    return tr(_REASONS.get(reason.text, "")) or reason.text

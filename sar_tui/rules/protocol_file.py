@@ -253,22 +253,22 @@ class _Reader:
         """Return the protocol. Raises ProtocolMistakes."""
         content = self._content
         for key in content.keys() - _KEYS:
-            self._note(key, f"{key!r} is not known; known are {', '.join(sorted(_KEYS))}.")
+            self._note(f"{key!r} is not known; known are {', '.join(sorted(_KEYS))}.", key)
         name = content.get("name")
         if not isinstance(name, str) or not _NAME.fullmatch(name):
-            self._note("name", "name must be a word of a-z, 0-9 and '-', as in name = \"praise\".")
+            self._note("name must be a word of a-z, 0-9 and '-', as in name = \"praise\".", "name")
         version = content.get("version")
         if type(version) is not int or not 1 <= version <= 10_000:
-            self._note("version", "version must be a whole number from 1, as in version = 1.")
+            self._note("version must be a whole number from 1, as in version = 1.", "version")
         late = content.get("late_after_s", 15)
         if type(late) not in (int, float) or not 1 <= late <= 600:
-            self._note("late_after_s", "late_after_s must be a number of seconds from 1 to 600.")
+            self._note("late_after_s must be a number of seconds from 1 to 600.", "late_after_s")
         phrases, reasons = self._phrases(), self._reasons()
         steps = self._tables("steps", ("at", "do"), self._step, len(phrases))
         rules = self._tables("rules", ("when", "do"), self._rule, len(phrases))
         self._check_order(steps)
         if not (steps or rules or self._mistakes):
-            self._mistakes.append(Mistake(1, "The protocol has no [[steps]] and no [[rules]]."))
+            self._note("The protocol has no [[steps]] and no [[rules]].")
         if self._mistakes:
             raise ProtocolMistakes(self._mistakes)
         return WizardProtocol(
@@ -282,14 +282,14 @@ class _Reader:
             reasons=reasons,
         )
 
-    def _note(self, key: str, why: str) -> None:
-        self._mistakes.append(Mistake(self._lines.line((key,)), why))
+    def _note(self, why: str, *place: str | int) -> None:
+        self._mistakes.append(Mistake(self._lines.line(place), why))
 
     def _phrases(self) -> list[str]:
         found = self._content.get("phrases", [])
         if isinstance(found, list) and all(map(_is_text, found)) and len(found) <= _MAX_ITEMS:
             return found
-        self._note("phrases", f"phrases must be a list of texts on one line each, {_LIMITS}.")
+        self._note(f"phrases must be a list of texts on one line each, {_LIMITS}.", "phrases")
         return found if isinstance(found, list) else []
 
     def _reasons(self) -> tuple[Reason, ...]:
@@ -304,7 +304,7 @@ class _Reader:
         ):
             return tuple(Reason(int(code), text) for code, text in found.items())
         self._note(
-            "reasons", 'reasons must be digits with their texts, as in reasons.1 = "wrong moment".'
+            'reasons must be digits with their texts, as in reasons.1 = "wrong moment".', "reasons"
         )
         return REASONS
 
@@ -318,16 +318,16 @@ class _Reader:
         """Return what is read of each table of a kind, with its line."""
         found = self._content.get(kind, [])
         if not (isinstance(found, list) and all(isinstance(each, dict) for each in found)):
-            self._note(kind, f"{kind} must be tables: write [[{kind}]] above each.")
+            self._note(f"{kind} must be tables: write [[{kind}]] above each.", kind)
             return []
         if len(found) > _MAX_ITEMS:
-            self._note(kind, f"There are {len(found)} {kind}, and at most {_MAX_ITEMS} can be.")
+            self._note(f"There are {len(found)} {kind}, and at most {_MAX_ITEMS} can be.", kind)
         read_ones = []
         for index, table in enumerate(found):
-            if self._has_texts(kind, index, table, keys):
-                line = self._lines.line((kind, index))
-                if (made := read(table, index, phrases)) is not None:
-                    read_ones.append((line, made))
+            is_right = self._has_texts(kind, index, table, keys)
+            made = read(table, index, phrases) if is_right else None
+            if made is not None:
+                read_ones.append((self._lines.line((kind, index)), made))
         return read_ones
 
     def _has_texts(
@@ -335,16 +335,14 @@ class _Reader:
     ) -> bool:
         before = len(self._mistakes)
         for key in table.keys() - set(keys):
-            line = self._lines.line((kind, index, key))
             why = f"{key!r} is not known in [[{kind}]]; known are {' and '.join(keys)}."
-            self._mistakes.append(Mistake(line, why))
+            self._note(why, kind, index, key)
         for key in keys:
-            line = self._lines.line((kind, index, key))
             if key not in table:
-                self._mistakes.append(Mistake(line, f"This [[{kind}]] has no {key!r}."))
+                self._note(f"This [[{kind}]] has no {key!r}.", kind, index)
             elif not _is_text(table[key]):
                 why = f"{key!r} must be a text on one line, {_LIMITS}."
-                self._mistakes.append(Mistake(line, why))
+                self._note(why, kind, index, key)
         return len(self._mistakes) == before
 
     def _step(self, table: dict[str, str], index: int, phrases: int) -> ProtocolStep | None:
@@ -354,7 +352,7 @@ class _Reader:
                 f"{table['at']!r} is not a moment: write start, attempt 3, after attempt 3, pause "
                 "or end."
             )
-            self._mistakes.append(Mistake(self._lines.line(("steps", index, "at")), why))
+            self._note(why, "steps", index, "at")
         is_right = self._deed_is_right("steps", table["do"], index, phrases)
         if at is None or not is_right:
             return None
@@ -366,8 +364,7 @@ class _Reader:
         try:
             condition = parse_condition(table["when"])
         except ValueError as error:
-            line = self._lines.line(("rules", index, "when"))
-            self._mistakes.append(Mistake(line, str(error)))
+            self._note(str(error), "rules", index, "when")
             return None
         text = " ".join(table["when"].split())
         return ProtocolRule(condition, text, table["do"].strip()) if is_right else None
@@ -376,7 +373,7 @@ class _Reader:
         try:
             parse_deed(do, phrases, self._phrase_keys)
         except ValueError as error:
-            self._mistakes.append(Mistake(self._lines.line((kind, index, "do")), str(error)))
+            self._note(str(error), kind, index, "do")
             return False
         return True
 
