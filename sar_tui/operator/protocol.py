@@ -49,21 +49,35 @@ class ProtocolActs:
         self._commands = commands
         self._own, self._practised = own, practised
         self._is_offered = False
+        self._run_chosen_in = ""
         self._ticked_at = 0
 
     def receive(self, event: PeerEvent) -> None:
-        """Choose the own protocol once this operator has control, unless the session follows it."""
+        """Choose the own protocol once this operator has control, unless the session follows it or
+        the choice is on its way: a snapshot of the session may be older than it.
+        """
         state, peer = self._commands.state, self._commands.peer
         if isinstance(event, Welcome):
             self._is_offered = False
         knows_session = isinstance(event, list) and state.arbiter is not None
         if self._own is None or self._is_offered or not knows_session or peer is None:
             return
-        if not state.has_control or not state.is_connected or state.ended:
+        if not state.has_control or not state.is_connected or state.ended or self._is_on_its_way:
             return
         self._is_offered = True
         if state.protocol is None or state.protocol.hash != self._own.hash:
             self._choose(self._own, peer.now())
+
+    @property
+    def _is_on_its_way(self) -> bool:
+        """True while this run of the session has not answered the choice; after a lost connection,
+        it still may.
+        """
+        commands = self._commands
+        acts = [act for act in commands.log.acts if isinstance(act.message, ProtocolChosen)]
+        welcome = commands.state.welcome
+        is_this_run = welcome is not None and welcome.run == self._run_chosen_in
+        return is_this_run and bool(acts) and acts[-1].answer is None
 
     def _choose(self, protocol: WizardProtocol, now: int) -> None:
         commands, tr = self._commands, self._commands.tr
@@ -77,6 +91,7 @@ class ProtocolActs:
                 return
         wording = same(tr("Protocol: {name}").format(name=title(protocol)))
         chosen = ProtocolChosen(protocol=protocol, practised=self._practised)
+        self._run_chosen_in = commands.state.welcome.run if commands.state.welcome else ""
         commands.send(wording, PROTOCOL, chosen, now)
 
     # --- what is due

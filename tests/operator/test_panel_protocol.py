@@ -67,6 +67,24 @@ async def test_the_protocol_is_sent_once_with_its_hash(panel: b.PanelDriver) -> 
     assert "✓ Protocol: praise 2" in panel.text
 
 
+async def test_a_snapshot_that_is_older_than_the_choice_does_not_repeat_it(
+    panel: b.PanelDriver,
+) -> None:
+    """Panels ask for a snapshot until one comes, so that a slow session sends several."""
+    await panel.join()
+    assert len(panel.sent(t.PROTOCOL)) == 1
+    await panel.receive(b.Connection("lost"))
+    await panel.join()
+    assert len(panel.sent(t.PROTOCOL)) == 1
+    await panel.answer("refused", "It did not arrive.")
+    assert len(panel.sent(t.PROTOCOL)) == 2
+
+
+async def test_a_new_run_of_the_session_is_sent_it_again(panel: b.PanelDriver) -> None:
+    await panel.join(run="another")
+    assert len(panel.sent(t.PROTOCOL)) == 2
+
+
 async def test_a_session_that_follows_it_is_sent_nothing(
     catalogue: Catalogue, tmp_path: Path
 ) -> None:
