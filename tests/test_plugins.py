@@ -221,6 +221,9 @@ def test_pictures_are_found_in_folders_of_tasks_and_in_packages_that_offer_one(
     assert not Catalogue().may_have_pictures()
     record = installed / "games-1.0.dist-info" / "RECORD"
     record.write_text("games_of_mine.py,,\ngames/queen.PNG,,\n")
+    picture = installed / "games" / "queen.PNG"  # Python 3.12 lists only files that are there
+    picture.parent.mkdir()
+    picture.touch()
     assert Catalogue().may_have_pictures()
     record.unlink()
     write(own, "minimal", MINIMAL)
