@@ -45,6 +45,7 @@ if TYPE_CHECKING:  # loaded with a session, so that the first screen is there so
     from sar_tui.app.switch import Switch
     from sar_tui.link.broker_process import BrokerProcess
     from sar_tui.loop.clock import Clock
+    from sar_tui.model.protocol import WizardProtocol
     from sar_tui.records.kind import Kind
     from sar_tui.rules.parameters import TaskParameters
     from sar_tui.runs.plan import Plan
@@ -71,6 +72,7 @@ class SarTui(BaseApp):
         markers: addresses to which each session's markers are sent.
         sync_flash: begin each session with a flash and a tone for cameras.
         is_kept: False if the data folder is removed after the app.
+        protocol: the operator's, for panels that are opened in the app.
 
     Attributes:
         tr: texts of the therapist's screens, those that have no language of their own.
@@ -115,6 +117,7 @@ class SarTui(BaseApp):
         markers: Sequence[str] = (),
         sync_flash: bool = False,
         is_kept: bool = True,
+        protocol: "WizardProtocol | None" = None,
     ) -> None:
         self.sync_flash = sync_flash
         self.onset_watch = OnsetWatch()
@@ -124,6 +127,7 @@ class SarTui(BaseApp):
         super().__init__()
         self.folder = folder
         self.is_kept = is_kept
+        self.protocol = protocol
         self.catalogue = catalogue
         self.tr = app_texts(interface_language(folder))
         self.themes = Themes(self, catalogue)
@@ -649,6 +653,7 @@ def run_app(
     markers: Sequence[str] = (),
     sync_flash: bool = False,
     is_kept: bool = True,
+    protocol: "WizardProtocol | None" = None,
 ) -> int:
     """Run the app in this terminal; returns the exit code.
 
@@ -661,6 +666,7 @@ def run_app(
         markers: addresses to which each session's markers are sent.
         sync_flash: begin each session with a flash and a tone for cameras.
         is_kept: False if the data folder is removed after the app.
+        protocol: the operator's, for panels that are opened in the app.
 
     Raises:
         StoreError, PluginError: before the app opens.
@@ -674,6 +680,7 @@ def run_app(
         markers=markers,
         sync_flash=sync_flash,
         is_kept=is_kept,
+        protocol=protocol,
     )
     find_picture_way(app)
     if catalogue.may_have_faces():

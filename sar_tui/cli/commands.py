@@ -17,6 +17,7 @@ from sar_tui.cli.common import (
     Home,
     Markers,
     Plain,
+    Protocol,
     SyncFlash,
     Tasks,
     at_home,
@@ -169,6 +170,7 @@ def open_app(
     ] = None,
     markers: Markers = None,
     sync_flash: SyncFlash = False,
+    protocol: Protocol = None,
     plain: Plain = False,
     version: Annotated[
         bool,
@@ -181,21 +183,29 @@ def open_app(
     home = Home.of(context, data, tasks)
     context.obj = home
     if context.invoked_subcommand is not None:
-        if plain:
-            raise Refused("--plain goes after the command: sar-tui run TASK -p CODE --plain")
-        if patient is not None:
-            raise Refused("--patient goes without a command: sar-tui --patient CODE")
-        if markers:
-            raise Refused(
-                "--markers goes after the command: sar-tui run TASK -p CODE --markers WHERE"
-            )
-        if sync_flash:
-            raise Refused(
-                "--sync-flash goes after the command: sar-tui run TASK -p CODE --sync-flash"
-            )
+        misplaced = (
+            (plain, "--plain goes after the command: sar-tui run TASK -p CODE --plain"),
+            (patient is not None, "--patient goes without a command: sar-tui --patient CODE"),
+            (markers, "--markers goes after the command: sar-tui run TASK -p CODE --markers WHERE"),
+            (
+                sync_flash,
+                "--sync-flash goes after the command: sar-tui run TASK -p CODE --sync-flash",
+            ),
+            (protocol, "--protocol goes after the command: sar-tui wizard --protocol FILE"),
+        )
+        for is_given, why in misplaced:
+            if is_given:
+                raise Refused(why)
     else:
         catalogue = home.catalogue()
         as_lines = is_plain(plain) and patient is not None
+        if protocol is not None and patient is not None:
+            raise Refused("A participant alone has no operator's panel: leave out --protocol.")
+        followed = None
+        if protocol is not None:
+            from sar_tui.cli.wizard import read_protocol
+
+            followed = read_protocol(protocol)
         if patient is not None:
             patient = _checked_patient(
                 home, catalogue, patient, plain=as_lines, sync_flash=sync_flash
@@ -223,6 +233,7 @@ def open_app(
                 patient=patient or "",
                 markers=addresses,
                 sync_flash=sync_flash,
+                protocol=followed,
             )
         finally:
             gc.enable()

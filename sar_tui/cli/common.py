@@ -158,6 +158,16 @@ SyncFlash = Annotated[
         "--sync-flash", help="Begin with a flash and a tone, to align the recordings of cameras."
     ),
 ]
+Protocol = Annotated[
+    Path | None,
+    typer.Option(
+        "--protocol",
+        parser=named_path,
+        metavar="FILE",
+        show_default=False,
+        help="The operator's protocol to work by: steps and rules, in TOML.",
+    ),
+]
 Speech = Annotated[
     str | None,
     typer.Option(

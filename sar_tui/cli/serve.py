@@ -9,9 +9,9 @@ from typing import Annotated, Literal
 
 import typer
 
-from sar_tui.cli.common import AsJson, Home, named_path, print_json
+from sar_tui.cli.common import AsJson, Home, Protocol, named_path, print_json
 from sar_tui.cli.errors import Refused
-from sar_tui.cli.wizard import Link, name_at_session, session_to_show
+from sar_tui.cli.wizard import Link, name_at_session, read_protocol, session_to_show
 from sar_tui.drivers import child_process
 from sar_tui.drivers.installation import pip_install_extra
 
@@ -46,6 +46,7 @@ def serve(
         ),
     ] = None,
     link: Link = None,
+    protocol: Protocol = None,
     host: Annotated[
         str, typer.Option(metavar="HOST", help="Address to listen on. Default: this machine only.")
     ] = ("127.0.0.1"),
@@ -84,10 +85,7 @@ def serve(
         raise Refused(f"{why} Create an invitation with `sar-tui link invite`.")
     if link is not None and session is not None:
         raise Refused("An invitation is for one session: leave out --session.")
-    if name is not None:
-        if view != "operator":
-            raise Refused("Only an operator has a name: leave out --name.")
-        name_at_session(name, link, observe=False)
+    _check_operator(view, link, name, protocol)
     need_packages()
     if link is not None or session is not None:  # refused here rather than in every browser
         session_to_show(session, link, home.folder, wait=False, observe=view == "observer")
@@ -124,7 +122,7 @@ def serve(
 
     from sar_tui.tui.exit_codes import after_signal
 
-    program = _program(view, session, link, home, name)
+    program = _program(view, session, link, home, name, protocol)
     served = server.Server(
         view,
         program,
@@ -136,6 +134,18 @@ def serve(
     if number == signal.SIGINT:
         raise KeyboardInterrupt
     raise typer.Exit(after_signal(number))
+
+
+def _check_operator(view: str, link: Path | None, name: str | None, protocol: Path | None) -> None:
+    """Refuse a name and a protocol that are wrong, or of somebody who is no operator."""
+    if name is not None:
+        if view != "operator":
+            raise Refused("Only an operator has a name: leave out --name.")
+        name_at_session(name, link, observe=False)
+    if protocol is not None:
+        if view != "operator":
+            raise Refused("Only an operator works by a protocol: leave out --protocol.")
+        read_protocol(protocol)
 
 
 def _is_live(session: str | None, data: Path) -> bool:
@@ -150,7 +160,12 @@ def _is_live(session: str | None, data: Path) -> bool:
 
 
 def _program(
-    view: str, session: str | None, link: Path | None, home: Home, name: str | None = None
+    view: str,
+    session: str | None,
+    link: Path | None,
+    home: Home,
+    name: str | None = None,
+    protocol: Path | None = None,
 ) -> list[str]:
     """Return the command that runs in each browser, as a list."""
     command = {"operator": ["wizard"], "observer": ["wizard", "--observe"], "agent": ["agent"]}[
@@ -163,4 +178,6 @@ def _program(
         program += ["--link", str(link.absolute())]
     if name is not None:
         program += ["--name", name]
+    if protocol is not None:
+        program += ["--protocol", str(protocol.absolute())]
     return program if session is None else [*program, "--", session]

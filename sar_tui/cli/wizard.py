@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import Home, console, named_path, need_screen, write_new
+from sar_tui.cli.common import Home, Protocol, console, named_path, need_screen, write_new
 from sar_tui.cli.errors import Refused
 
 if TYPE_CHECKING:
@@ -45,16 +45,6 @@ Link = Annotated[
         metavar="FILE",
         show_default=False,
         help="Invitation to a session on another machine.",
-    ),
-]
-Protocol = Annotated[
-    Path | None,
-    typer.Option(
-        "--protocol",
-        parser=named_path,
-        metavar="FILE",
-        show_default=False,
-        help="The protocol to work by: steps and rules, in TOML.",
     ),
 ]
 

@@ -41,13 +41,14 @@ class ProtocolActs:
 
     Args:
         commands: the operator's.
-        own: the protocol that this panel was opened with; None: that of the session, if any.
+        own: the protocol that this panel was opened with; None: that of the session, if any. Also
+            an attribute.
         practised: recorded sessions on which the operator has practised it.
     """
 
     def __init__(self, commands: Commands, own: WizardProtocol | None, practised: int) -> None:
         self._commands = commands
-        self._own, self._practised = own, practised
+        self.own, self._practised = own, practised
         self._is_offered = False
         self._run_chosen_in = ""
         self._ticked_at = 0
@@ -60,13 +61,13 @@ class ProtocolActs:
         if isinstance(event, Welcome):
             self._is_offered = False
         knows_session = isinstance(event, list) and state.arbiter is not None
-        if self._own is None or self._is_offered or not knows_session or peer is None:
+        if self.own is None or self._is_offered or not knows_session or peer is None:
             return
         if not state.has_control or not state.is_connected or state.ended or self._is_on_its_way:
             return
         self._is_offered = True
-        if state.protocol is None or state.protocol.hash != self._own.hash:
-            self._choose(self._own, peer.now())
+        if state.protocol is None or state.protocol.hash != self.own.hash:
+            self._choose(self.own, peer.now())
 
     @property
     def _is_on_its_way(self) -> bool:

@@ -113,3 +113,5 @@ def test_arguments_of_the_program_cannot_be_injected(tmp_path: Path) -> None:
     assert _program("agent", None, link, home)[-2:] == ["--link", str(link)]
     named = _program("operator", "s1", None, Home(tmp_path), "anna")
     assert named[-4:] == ["--name", "anna", "--", "s1"]
+    followed = _program("operator", None, None, Home(tmp_path), protocol=tmp_path / "praise.toml")
+    assert followed[-2:] == ["--protocol", str(tmp_path / "praise.toml")]

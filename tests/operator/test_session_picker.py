@@ -14,6 +14,7 @@ from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.errors import LinkError
 from sar_tui.link.invitation import NAME
 from sar_tui.link.peer import PeerListener
+from sar_tui.model.protocol import WizardProtocol
 from sar_tui.operator import app as operator_app
 from sar_tui.operator.app import HOW_TO_START, ChooseScreen, WizardApp, own_name
 from sar_tui.operator.screen import PanelScreen
@@ -129,6 +130,9 @@ async def test_a_failed_link_ends_the_app_with_a_message(
     assert (app.return_code, app.failure) == (1, "The link needs Python packages.")
 
 
+FOLLOWED = WizardProtocol(name="praise", version=2, hash="ab")
+
+
 async def test_home_offers_the_panel_while_a_session_can_be_joined(
     data: Path, catalogue: Catalogue, joined: list[Any], there: list[JoinableSession]
 ) -> None:
@@ -140,8 +144,10 @@ async def test_home_offers_the_panel_while_a_session_can_be_joined(
         driver.app.screen._look_again()
         await driver.settle()
         assert driver.sees("Operator's panel")
+        driver.app.protocol = FOLLOWED
         await driver.press("f3")
-        assert driver.screen_name == "PanelScreen"
+        assert isinstance(driver.app.screen, PanelScreen)
+        assert driver.app.screen.protocol.own is FOLLOWED
         await driver.press("q", "q")
         assert driver.screen_name == "HomeScreen"
     assert [(where, role) for where, _, role in joined] == [(there[1], "operator")]

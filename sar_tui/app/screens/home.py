@@ -505,7 +505,8 @@ class HomeScreen(Screen[None]):
         def chosen(live: JoinableSession | None) -> None:
             if live is not None:
                 theme = next(iter(self.app.themes.known.values()))
-                self.app.push_screen(panel(live, own_name(), "operator", theme, folder, tr), left)
+                opened = panel(live, own_name(), "operator", theme, folder, tr, self.app.protocol)
+                self.app.push_screen(opened, left)
 
         def left(why: str | None) -> None:
             if why:
