@@ -17,7 +17,7 @@ from sar_tui.loop import topics as t
 from sar_tui.loop.answers import answer_to
 from sar_tui.loop.bus import Topic
 from sar_tui.model import messages as m
-from sar_tui.model.messages import ControlledKind, Message
+from sar_tui.model.messages import Message
 from sar_tui.model.protocol import WizardProtocol
 from sar_tui.model.units import SECOND
 from sar_tui.operator.commands import REASON_FOR
@@ -28,8 +28,7 @@ from sar_tui.reports.protocol_words import section as protocol_section
 from sar_tui.reports.sections import Section, Table
 from sar_tui.rules.arbitration import CONTROLLED, start, time_to_decide
 from sar_tui.rules.parameters import TaskParameters
-from sar_tui.rules.protocol import ProtocolProgress, step
-from sar_tui.rules.protocol_file import deed_of
+from sar_tui.rules.protocol import ProtocolProgress, step, verdict_on
 from sar_tui.store.messages import StoredMessage
 
 _HIDDEN = {
@@ -193,11 +192,10 @@ class Practice:
     def act(self, topic: Topic[Any], act: Any) -> list[Frame]:
         """Return what follows from an act of the trainee."""
         self._note(act)
-        if topic is not t.PROPOSAL_SEEN:
-            asks_reason = isinstance(act, m.Decision) and act.verdict != "accept"
-            self._reason_until = self.now + REASON_FOR if asks_reason else 0
         if topic is t.PROPOSAL_SEEN:
             return []
+        asks_reason = isinstance(act, m.Decision) and act.verdict != "accept"
+        self._reason_until = self.now + REASON_FOR if asks_reason else 0
         outcome: m.ActOutcome = "done"
         why, frames = "", list[Frame]()
         match act:
@@ -306,11 +304,9 @@ class Practice:
 
     def _wanted(self, asked: m.PendingApproval) -> Choice:
         """Return the decision that is due by the protocol now."""
-        kind: ControlledKind | None = CONTROLLED.get(asked.proposal.kind)
         for due in self._due.values():
-            deed = deed_of(due.do, self._protocol)
-            if deed.kind == kind and kind is not None:
-                return "vetoed" if deed.verb == "veto" else "accepted"
+            if verdict := verdict_on(asked.proposal, due, self._protocol):
+                return "vetoed" if verdict == "veto" else "accepted"
         return ""
 
     def _step(self, message: Message) -> list[Frame]:

@@ -23,8 +23,7 @@ from sar_tui.operator.keymap import KeymapFile, key_label
 from sar_tui.operator.phrases import Phrase, addressed, addressee_code, phrases_of_key
 from sar_tui.operator.session_state import SessionState
 from sar_tui.operator.text_charts import Piece, cut
-from sar_tui.rules.arbitration import CONTROLLED
-from sar_tui.rules.protocol import unit_factor
+from sar_tui.rules.protocol import unit_factor, verdict_on
 from sar_tui.rules.protocol_file import Deed, deed_of
 
 _MOMENTS = {
@@ -163,7 +162,7 @@ class ProtocolActs:
             case "level":
                 is_sent = commands.set_level(deed.number, at)
             case "veto" | "approve":
-                if (decision := self._decision(deed)) is None:
+                if (decision := self._decision(due, protocol)) is None:
                     return ""  # it was decided by its own key
                 wording = decision_wording(decision, str(deed.kind), commands.tr)
                 is_sent = commands.send(wording, DECISION, decision, at)
@@ -183,11 +182,10 @@ class ProtocolActs:
         wording = said_wording(filled, addressee_code(state, seat), commands.tr)
         return commands.send(wording, REMARK, remark, at)
 
-    def _decision(self, deed: Deed) -> Decision | None:
-        """Return the decision on the first pending proposal of a kind; None if none is pending."""
+    def _decision(self, due: ProtocolDue, protocol: WizardProtocol) -> Decision | None:
+        """Return the decision on the first pending proposal that is meant; None if none is."""
         for each in self._commands.pending:
-            if CONTROLLED.get(each.proposal.kind) == deed.kind:
-                verdict: Any = "veto" if deed.verb == "veto" else "accept"
+            if verdict := verdict_on(each.proposal, due, protocol):
                 return Decision(action=each.proposal.id, verdict=verdict, seat=each.proposal.seat)
         return None
 

@@ -2,12 +2,15 @@
 
 import operator
 from collections.abc import Callable
+from typing import Literal
 
 import msgspec
 from msgspec.structs import replace
 
 from sar_tui.model import messages as m
 from sar_tui.model.protocol import ANSWERS, Condition, Moment, WizardProtocol
+from sar_tui.rules.arbitration import CONTROLLED
+from sar_tui.rules.protocol_file import deed_of
 
 _COMPARE: dict[str, Callable[[float, float], bool]] = {
     "<": operator.lt,
@@ -181,6 +184,21 @@ def _value(
     if factor is not None and result.metric is not None:
         values["metric"] = result.metric * factor
     return values.get(condition.measure)
+
+
+def verdict_on(
+    proposal: m.Proposal, due: m.ProtocolDue, protocol: WizardProtocol
+) -> Literal["accept", "veto", ""]:
+    """Return how something due decides on a proposal; empty if it is about something else.
+
+    A rule decides on no feedback but that of the participant whose result it is.
+    """
+    deed = deed_of(due.do, protocol)
+    if deed.kind is None or deed.kind != CONTROLLED.get(proposal.kind):
+        return ""
+    if due.what == "rule" and proposal.kind == "feedback" and proposal.seat != due.seat:
+        return ""
+    return "veto" if deed.verb == "veto" else "accept"
 
 
 def unit_factor(given: str, wanted: str) -> float | None:

@@ -149,6 +149,22 @@ async def test_what_only_a_person_can_do_is_only_ticked(panel: b.PanelDriver) ->
     assert panel.sent(t.REMARK) == []
 
 
+async def test_what_cannot_be_done_is_not_ticked(panel: b.PanelDriver) -> None:
+    await follow(panel, due("d1", "rule", 1, do="level 12"))
+    await panel.press("k")
+    assert "Level 10 is the highest level" in panel.text
+    assert panel.sent(t.PROTOCOL_TICKED) == []
+
+
+async def test_what_a_rule_says_is_for_the_participant_whose_result_it_is(
+    panel: b.PanelDriver,
+) -> None:
+    await panel.join(participants={"A": "P01", "B": "P02"})
+    await follow(panel, due("d1", "rule", 1, seat="B"))
+    await panel.press("k")
+    assert [remark.seat for remark in panel.sent(t.REMARK)] == ["B"]
+
+
 async def test_another_key_says_that_it_is_not_done(panel: b.PanelDriver) -> None:
     await follow(panel, due("d1", "rule", 1))
     await panel.press("l")

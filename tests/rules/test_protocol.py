@@ -12,7 +12,7 @@ from sar_tui.model import messages as m
 from sar_tui.model.protocol import REASONS, Condition, ProtocolRule, ProtocolStep, WizardProtocol
 from sar_tui.model.toml_lines import Mistake
 from sar_tui.operator.phrases import PHRASE_KEYS
-from sar_tui.rules.protocol import ProtocolProgress, step, unit_factor
+from sar_tui.rules.protocol import ProtocolProgress, step, unit_factor, verdict_on
 from sar_tui.rules.protocol_file import (
     MAX_BYTES,
     Deed,
@@ -22,6 +22,7 @@ from sar_tui.rules.protocol_file import (
     parse_deed,
 )
 from tests.operator.panel_driver import attempt as ended_attempt
+from tests.operator.panel_driver import proposal as a_proposal
 from tests.operator.panel_driver import trial
 
 GOOD = """
@@ -219,7 +220,9 @@ def test_steps_are_due_in_their_order() -> None:
     pause = [waiting("paused"), waiting("paused"), waiting("attempt")]
     end = [waiting("review"), m.SessionEnded(status="completed")]
     attempts = [begun(1), ended(1), begun(2), ended(2), ended(2, accuracy=0.1)]
-    assert due_after([chosen, *attempts, *pause, *pause, *end]) == [
+    messages = [chosen, *attempts, *pause, *pause, *end]
+    assert [each.attempt for each in run(messages)] == [0, 2, 2, 2, 2, 2], "begun last"
+    assert due_after(messages) == [
         (0, "step", 1),
         (3, "step", 2),
         (4, "step", 3),
@@ -238,6 +241,12 @@ def test_a_protocol_that_comes_late_begins_with_what_is_to_come() -> None:
 def test_a_step_is_not_lost_with_the_number_of_an_interrupted_attempt() -> None:
     chosen = m.ProtocolChosen(protocol=protocol(steps=STEPS[1:2]))
     assert due_after([chosen, begun(1), begun(3)]) == [(2, "step", 2 - 1)]
+
+
+def test_rules_of_a_protocol_that_is_chosen_again_count_from_zero() -> None:
+    chosen = m.ProtocolChosen(protocol=protocol("accuracy < 60 % twice"))
+    first, second, third = accuracies(0.5, 0.5, 0.5)
+    assert due_after([chosen, first, chosen, second, third]) == [(4, "rule", 1)]
 
 
 def accuracies(*values: float | None) -> list[m.Message]:
@@ -282,6 +291,25 @@ def test_each_participant_has_their_own_count() -> None:
     chosen = m.ProtocolChosen(protocol=protocol("accuracy < 60 % twice"))
     both = [ended(n, seat=seat, accuracy=0.5) for n in (1, 2) for seat in "AB"]
     assert [(each.seat, each.at) for each in run([chosen, *both])] == [("A", 3), ("B", 4)]
+
+
+@pytest.mark.parametrize(
+    ("do", "what", "verdict"),
+    [
+        ("veto feedback", "rule", {"feedback A": "", "feedback B": "veto", "rest A": ""}),
+        ("approve feedback", "step", {"feedback A": "accept", "feedback B": "accept"}),
+        ("veto instruction", "rule", {"feedback B": "", "instruction A": "veto"}),
+        ("Offer water.", "rule", {"feedback B": "", "rest A": "", "gesture A": ""}),
+    ],
+)
+def test_what_is_due_decides_on_proposals_of_its_kind_and_a_rule_on_its_own_participants_feedback(
+    do: str, what: Any, verdict: dict[str, str]
+) -> None:
+    due = m.ProtocolDue(seat="B", id="d1", what=what, number=1, attempt=1, do=do)
+    for proposal, expected in verdict.items():
+        kind, seat = proposal.split()
+        proposed = a_proposal(kind=kind, seat=seat)
+        assert verdict_on(proposed, due, protocol("level = 4")) == expected, proposal
 
 
 def test_units_of_time_are_converted() -> None:

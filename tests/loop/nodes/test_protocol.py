@@ -72,6 +72,24 @@ def test_prompts_without_a_response_are_counted(driver: LoopDriver) -> None:
     driver.start()
     driver.until(lambda: "Offer water." in due(driver))
     assert "Help them." in due(driver)
+    assert answers(driver) == [], "nobody awaits an answer to an act without an id"
+
+
+def test_what_was_due_by_another_protocol_is_not_any_more(driver: LoopDriver) -> None:
+    act(driver, t.PROTOCOL, m.ProtocolChosen, protocol=PROTOCOL)
+    act(driver, t.PROTOCOL, m.ProtocolChosen, protocol=WizardProtocol("other", 1, "h2"))
+    act(driver, t.PROTOCOL_TICKED, m.ProtocolTicked, due="d1", outcome="done", id="a1")
+    assert answers(driver) == [("a1", "late")]
+
+
+def test_a_pause_in_a_prompt_is_over_with_the_next_prompt(driver: LoopDriver) -> None:
+    act(driver, t.PROTOCOL, m.ProtocolChosen, protocol=PROTOCOL)
+    driver.start()
+    for _ in range(2):
+        driver.until(lambda: driver.waiting.stage == "trial")
+        driver.operate("pause")
+        driver.operate("resume")
+    assert due(driver).count("Ask why.") == 2
 
 
 def test_without_a_protocol_nothing_is_published(driver: LoopDriver) -> None:
@@ -91,6 +109,8 @@ def test_what_is_due_is_told_again_when_the_session_is_resumed(driver: LoopDrive
         type(driver.session.task), CATALOGUE.theme("calm"), history=before, **SETTINGS
     )
     assert due(again) == ["Offer water.", "Ask why."], "it is paused when it is resumed"
+    told: Any = next(one for one in again.records if one.topic is t.PROTOCOL_DUE)
+    assert told.message.at == told.at, "by the clock of the new run"
     act(again, t.PROTOCOL_TICKED, m.ProtocolTicked, due="d2", outcome="done", id="a1")
     assert answers(again) == [("a1", "done")]
     again.records[:0] = before
