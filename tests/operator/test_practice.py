@@ -19,6 +19,7 @@ from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import resume, start
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
+from sar_tui.store.messages import StoredMessage
 from tests.played import catalogue, play, simulated, somebody
 
 PROTOCOL = parse(
@@ -140,6 +141,33 @@ def test_nothing_of_the_recorded_operator_is_seen(recorded: tuple[Path, str, str
     assert times == sorted(times)
 
 
+def test_the_session_waits_for_each_decision_and_goes_on_as_it_was(
+    recorded: tuple[Path, str, str],
+) -> None:
+    practice = practice_on(recorded)
+    began, recorded_ns = practice.now, practice._times[-1] - practice._times[0]
+    result = Trainee(practice, [], ticks=True).play()
+    if not recorded[2]:  # an operator's time is in the record
+        assert practice.now - began > recorded_ns + (result.timed_out - 1) * 3 * SECOND
+
+
+def test_what_the_trainee_vetoes_is_not_done(recorded: tuple[Path, str, str]) -> None:
+    trainee = Trainee(practice_on(recorded), ["veto"], ticks=True)
+    result = trainee.play()
+    done = [each.message.id for each in trainee.frames if each.topic is t.ACTION]  # type: ignore[attr-defined]
+    assert done
+    assert result.proposals[0].id not in done
+
+
+def test_commands_of_the_recorded_operator_are_not_shown(recorded: tuple[Path, str, str]) -> None:
+    practice = practice_on(recorded)
+    at = practice.now
+    pauses = [m.SessionCommand(command="pause", actor=actor) for actor in ("operator.x", "B")]
+    practice._records = [StoredMessage(n, 1, at, t.COMMAND, act) for n, act in enumerate(pauses)]
+    practice._times = [at, at]
+    assert [frame.message for frame in practice.advance(SECOND)] == [pauses[1]]
+
+
 def test_the_recorded_session_is_not_changed(recorded: tuple[Path, str, str]) -> None:
     database = connect(recorded[0])
     before = [*database.execute("SELECT * FROM messages")]
@@ -166,6 +194,7 @@ def test_practices_are_counted_by_operator_and_version(tmp_path: Path) -> None:
     with (tmp_path / "wizard-practice.jsonl").open("a") as file:
         file.write("broken\n")
     assert times_practised(tmp_path, "eve", PROTOCOL) == 2
+    assert times_practised(tmp_path, "eve", replace(PROTOCOL, version=2)) == 0
 
 
 def practised_whole(data: Path, id: str) -> tuple[Trainee, PracticeResult]:

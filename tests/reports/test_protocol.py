@@ -72,6 +72,23 @@ def test_what_was_due_is_done_late_left_out_refused_or_omitted() -> None:
     assert f"practised before: {ANNA} 2" in first
 
 
+def test_the_first_tick_counts_and_is_in_time_until_the_last_moment() -> None:
+    script = chosen().log(1000, due("d1", 1000))
+    script.log(11_000, tick("d1", 11_000)).log(12_000, tick("d1", 12_000, "not done"))
+    assert [(item.outcome, item.latency_s) for item in found(script).items] == [("done", 10.0)]
+
+
+def nod(ms: float, id: str) -> m.Remark:
+    return m.Remark(gesture="nod", source="gesture", actor=ANNA, at=at(ms), id=id)
+
+
+def test_an_act_by_its_own_key_is_for_one_thing_that_is_due_by_then() -> None:
+    script = chosen().log(500, nod(500, "a")).log(1000, due("d1", 1000, 2), due("d2", 1000, 2))
+    script.log(2000, nod(2000, "b"), tick("d1", 2100))
+    script.log(2200, nod(2200, "c"), tick("d2", 2300))
+    assert found(script).outside == {"gesture": 1}, "the first nod was before it"
+
+
 def test_what_is_told_again_after_a_resume_is_one_item_of_the_new_run() -> None:
     script = chosen().log(1000, due("d1", 1000), due("d2", 1000))
     script.begin(2, 90_000).log(90_000, due("d1", 90_000), due("d2", 90_000))
@@ -86,8 +103,8 @@ def test_acts_that_nothing_asked_for_are_outside_of_the_protocol() -> None:
     script = Script().join(0).log(5, m.Remark(text="Before it.", actor=ANNA, at=at(5)))
     script.log(10, m.ProtocolChosen(protocol=PROTOCOL, actor=ANNA))
     script.log(1000, due("d1", 1000, 2))
-    nod = m.Remark(gesture="nod", source="gesture", actor=ANNA, at=at(2000), id="a")
-    script.log(2000, nod, tick("d1", 2500)).log(4000, m.Remark(text="Hm.", actor=ANNA, at=at(4000)))
+    script.log(2000, nod(2000, "a"), tick("d1", 2500))
+    script.log(4000, m.Remark(text="Hm.", actor=ANNA, at=at(4000)))
     level = m.SessionCommand(command="level", value=2, actor=ANNA, at=at(5000))
     script.log(5000, level, m.SessionCommand(command="stop", actor=ANNA, at=at(5000)))
     by_key = found(script)

@@ -98,6 +98,8 @@ def test_the_documented_protocol_is_one() -> None:
         (GOOD.replace('at = "pause"', 'when = "pause"'), 20, "'when' is not known"),
         (GOOD.replace("accuracy", "speed"), 24, "no measure 'speed'"),
         (GOOD.replace("say phrase 1", "say phrase 3"), 25, "There is no phrase 3"),
+        (GOOD.replace("say phrase 1", "say phrase 0"), 25, "There is no phrase 0"),
+        (GOOD.replace('at = "pause"', 'at = "attempt 3"'), 19, "in the order"),
         (GOOD + 'if = "x"\n', 26, "'if' is not known"),
         ("#" * (MAX_BYTES + 1), 1, "bytes"),
     ],
