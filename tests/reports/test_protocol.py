@@ -107,8 +107,9 @@ def test_acts_that_nothing_asked_for_are_outside_of_the_protocol() -> None:
     script.log(4000, m.Remark(text="Hm.", actor=ANNA, at=at(4000)))
     level = m.SessionCommand(command="level", value=2, actor=ANNA, at=at(5000))
     script.log(5000, level, m.SessionCommand(command="stop", actor=ANNA, at=at(5000)))
+    script.log(6000, m.SessionCommand(command="skip", actor="therapist", at=at(6000)))
     by_key = found(script)
-    assert by_key.outside == {"say": 1, "level": 1}, "the nod was asked for, and a stop never is"
+    assert by_key.outside == {"say": 1, "level": 1}, "a stop never is, and no therapist"
     assert "Acts outside of the protocol: level 1, said 1." in section(by_key).parts[0]
 
 
@@ -149,3 +150,10 @@ def test_sessions_are_pooled() -> None:
     assert any(each.title == "Protocol" for each in sections_of_study(whole))
     assert study([read_session(row, without)], [Exclusion("s2", "?")]).protocol is None
     assert pooled([], 0) is None
+
+
+def test_operators_have_practised_as_often_as_one_session_says_at_most() -> None:
+    often = found(chosen().log(20, m.ProtocolChosen(protocol=PROTOCOL, practised=5, actor=ANNA)))
+    both = pooled([often, found(chosen())], 1)
+    assert both
+    assert both.practised == {ANNA: 5}
