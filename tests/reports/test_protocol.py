@@ -87,6 +87,8 @@ def test_an_act_by_its_own_key_is_for_one_thing_that_is_due_by_then() -> None:
     script.log(2000, nod(2000, "b"), tick("d1", 2100))
     script.log(2200, nod(2200, "c"), tick("d2", 2300))
     assert found(script).outside == {"gesture": 1}, "the first nod was before it"
+    early = chosen().log(500, nod(500, "a")).log(1000, due("d1", 1000, 2), tick("d1", 2100))
+    assert found(early).outside == {"gesture": 1}
 
 
 def test_what_is_told_again_after_a_resume_is_one_item_of_the_new_run() -> None:
