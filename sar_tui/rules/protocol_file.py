@@ -247,6 +247,7 @@ class _Reader:
         self._lines = TomlLines(text)
         self._content = content
         self._phrase_keys = phrase_keys
+        self._phrase_count = 0
         self._mistakes: list[Mistake] = []
 
     def protocol(self, hash: str) -> WizardProtocol:
@@ -264,8 +265,9 @@ class _Reader:
         if type(late) not in (int, float) or not 1 <= late <= 600:
             self._note("late_after_s must be a number of seconds from 1 to 600.", "late_after_s")
         phrases, reasons = self._phrases(), self._reasons()
-        steps = self._tables("steps", ("at", "do"), self._step, len(phrases))
-        rules = self._tables("rules", ("when", "do"), self._rule, len(phrases))
+        self._phrase_count = len(phrases)
+        steps = self._tables("steps", ("at", "do"), self._step)
+        rules = self._tables("rules", ("when", "do"), self._rule)
         self._check_order(steps)
         if not (steps or rules or self._mistakes):
             self._note("The protocol has no [[steps]] and no [[rules]].")
@@ -312,8 +314,7 @@ class _Reader:
         self,
         kind: str,
         keys: tuple[str, str],
-        read: Callable[[dict[str, str], int, int], T | None],
-        phrases: int,
+        read: Callable[[dict[str, str], int], T | None],
     ) -> list[tuple[int, T]]:
         """Return what is read of each table of a kind, with its line."""
         found = self._content.get(kind, [])
@@ -325,7 +326,7 @@ class _Reader:
         read_ones = []
         for index, table in enumerate(found):
             is_right = self._has_texts(kind, index, table, keys)
-            made = read(table, index, phrases) if is_right else None
+            made = read(table, index) if is_right else None
             if made is not None:
                 read_ones.append((self._lines.line((kind, index)), made))
         return read_ones
@@ -345,7 +346,7 @@ class _Reader:
                 self._note(why, kind, index, key)
         return len(self._mistakes) == before
 
-    def _step(self, table: dict[str, str], index: int, phrases: int) -> ProtocolStep | None:
+    def _step(self, table: dict[str, str], index: int) -> ProtocolStep | None:
         at = _AT.fullmatch(" ".join(table["at"].split()))
         if at is None:
             why = (
@@ -353,14 +354,14 @@ class _Reader:
                 "or end."
             )
             self._note(why, "steps", index, "at")
-        is_right = self._deed_is_right("steps", table["do"], index, phrases)
+        is_right = self._deed_is_right("steps", table["do"], index)
         if at is None or not is_right:
             return None
         moment = cast(Moment, at[1] or at[2])
         return ProtocolStep(moment, table["do"].strip(), int(at[3] or 0))
 
-    def _rule(self, table: dict[str, str], index: int, phrases: int) -> ProtocolRule | None:
-        is_right = self._deed_is_right("rules", table["do"], index, phrases)
+    def _rule(self, table: dict[str, str], index: int) -> ProtocolRule | None:
+        is_right = self._deed_is_right("rules", table["do"], index)
         try:
             condition = parse_condition(table["when"])
         except ValueError as error:
@@ -369,9 +370,9 @@ class _Reader:
         text = " ".join(table["when"].split())
         return ProtocolRule(condition, text, table["do"].strip()) if is_right else None
 
-    def _deed_is_right(self, kind: str, do: str, index: int, phrases: int) -> bool:
+    def _deed_is_right(self, kind: str, do: str, index: int) -> bool:
         try:
-            parse_deed(do, phrases, self._phrase_keys)
+            parse_deed(do, self._phrase_count, self._phrase_keys)
         except ValueError as error:
             self._note(str(error), kind, index, "do")
             return False
