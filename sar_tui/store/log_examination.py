@@ -14,7 +14,7 @@ from sar_tui.loop.bus import Record
 from sar_tui.loop.topics import ALL
 from sar_tui.store import log_hashes, messages, rows
 from sar_tui.store.log_hashes import Entry
-from sar_tui.store.merge.people import People, in_full, stored_pairs
+from sar_tui.store.merge.people import People, in_full, local_code, stored_pairs
 from sar_tui.store.record_changes import changes, ends_and_changes, erased_hashes, status_after
 from sar_tui.store.records import TOLD
 from sar_tui.store.tables import TABLES
@@ -237,7 +237,7 @@ def _codes_at_first(
 
 def _codes_of(people: People, code: str) -> list[str]:
     group = people.group(in_full(code, people.own))
-    return sorted({code, *group, *(one.partition("@")[0] for one in group)})
+    return sorted({code, *group, *(local_code(one) for one in group)})
 
 
 def _people(database: sqlite3.Connection) -> People:

@@ -14,7 +14,7 @@ from sar_tui.model.messages import RecordChanged
 from sar_tui.records.kind import KindError, find
 from sar_tui.store import log_hashes, redaction
 from sar_tui.store.merge import conflicts
-from sar_tui.store.merge.people import Pair, People, in_full, site_of, stored_pairs
+from sar_tui.store.merge.people import Pair, People, in_full, local_code, site_of, stored_pairs
 from sar_tui.store.merge.session_records import remove
 from sar_tui.store.people_events import Details, PersonEvent
 from sar_tui.store.sites import own as own_site
@@ -151,6 +151,7 @@ def _erase(db: sqlite3.Connection, person: _Person) -> Changed:
         old = log_hashes.seats(db, session)[seat]
         redaction.erase_seat(db, session, seat, old, person.replaced_by, said)
     others = _anonymise_enrolments(db, person)
+    others += _rename_replaced(db, person, [person.code], person.replaced_by)
     others += _delete(db, "records", "participant", [person.code], person)
     others += _delete(db, "records", "id", sorted(person.records), person)
     others += _delete(db, "programmes", "participant", person.programme_codes(), person)
@@ -173,20 +174,40 @@ def _anonymise_enrolments(db: sqlite3.Connection, person: _Person) -> int:
     """Leave the number and the group of a person in each study, under a code that nobody has: what
     was drawn stays drawn.
     """
-    named = [person.code, *sorted(person.records)]
-    slots = ",".join("?" for _ in named[1:])
-    site = "" if person.is_own else " AND site=?"
     return db.execute(
-        "UPDATE records SET participant=?, recorded_by='', session=NULL WHERE kind=?"
-        f" AND participant<>? AND (participant=? OR id IN ({slots})){site}",
-        (
-            person.replaced_by,
-            ENROLMENT,
-            person.replaced_by,
-            *named,
-            *(() if person.is_own else (person.site,)),
-        ),
+        "UPDATE records SET participant=:gone, recorded_by='', session=NULL"
+        f" WHERE kind=:kind AND participant<>:gone AND {person.of_site('records')}"
+        " AND (participant=:code OR id IN (SELECT value FROM json_each(:ids)))",
+        {
+            "gone": person.replaced_by,
+            "kind": ENROLMENT,
+            "site": person.site,
+            "code": person.code,
+            "ids": msgspec.json.encode(sorted(person.records)).decode(),
+        },
     ).rowcount
+
+
+def _rename_replaced(
+    db: sqlite3.Connection, person: _Person, codes: Iterable[str], new: str
+) -> int:
+    """Replace the code of a person in the enrolments of those who came in their place, which have
+    it as the site of the person does.
+    """
+    return sum(
+        db.execute(
+            "UPDATE records SET content=json_set(content, '$.replaces', :new) WHERE kind=:kind"
+            " AND site=:site AND json_valid(content)"
+            " AND json_extract(content, '$.replaces')=:old",
+            {
+                "new": local_code(new),
+                "old": local_code(code),
+                "kind": ENROLMENT,
+                "site": person.site,
+            },
+        ).rowcount
+        for code in codes
+    )
 
 
 def _sessions(db: sqlite3.Connection, person: _Person) -> list[tuple[str, str, str | None]]:
@@ -278,6 +299,7 @@ def _deidentify(db: sqlite3.Connection, person: _Person, old: str) -> Changed:
     for code in sorted(codes):
         if not _has_more(db, code):
             others += _rename_rest(db, person, code, new)
+    others += _rename_replaced(db, person, sorted(codes), new)
     for code in codes if person.is_own and old else ():
         full = in_full(code, person.people.own)
         db.execute("DELETE FROM same_people WHERE ? IN (code, same_as)", (full,))
@@ -318,7 +340,7 @@ def _without_words(kind: str, content: str) -> str:
     except msgspec.MsgspecError:
         return "{}"
     try:
-        stays = {field.name for field in find(kind).fields if field.type != "text"}
+        stays = {each.name for each in find(kind).fields if each.type != "text" or not each.typed}
     except KindError:
         stays = set()
     kept = {

@@ -12,7 +12,7 @@ import msgspec
 
 from sar_tui.store import people_events, sites
 from sar_tui.store.database import StoreError, transaction
-from sar_tui.store.merge.people import Pair, site_of, stored_pairs
+from sar_tui.store.merge.people import Pair, local_code, site_of, stored_pairs
 from sar_tui.store.people_events import PersonEvent
 from sar_tui.store.personal_rows import FINAL, apply, with_full_codes
 
@@ -107,7 +107,7 @@ def _claimed(event: PersonEvent, site: str) -> str:
         code=event.participant,
         event=event.event,
         command=command,
-        local=event.participant.partition("@")[0],
+        local=local_code(event.participant),
     )
 
 
