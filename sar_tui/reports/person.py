@@ -68,7 +68,7 @@ def read(db: sqlite3.Connection, folder: Path, code: str) -> PersonReport:
     return PersonReport(
         participant=code,
         added=added[0] if added else None,
-        events=people_events.events(db, code),
+        events=people_events.events(db, [code]),
         sessions=listed,
         shared=[row["id"] for row in listed if row["partner"]],
         records=versions,

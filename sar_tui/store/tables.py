@@ -1712,6 +1712,7 @@ PEOPLE_EVENTS = Table(
         ),
         _SITE,
     ),
+    indexes=("CREATE INDEX idx_people_events_participant ON people_events (participant)",),
 )
 
 TABLES = {
