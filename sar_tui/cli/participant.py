@@ -271,6 +271,8 @@ def _print_rest(done: "Done") -> None:
 
     for file in done.rewritten:
         print(f"Rewritten without them: {file}")
+    for file in done.deleted:
+        print(f"Deleted, a page on their progress: {file}")
     for refusal in done.refused:
         print(
             f"! {refusal.file} may hold them, and was not rewritten. {refusal.why} Delete it, or "

@@ -238,24 +238,27 @@ def _delete(
 def _erase_conflicts(
     db: sqlite3.Connection, sessions: Container[str], is_gone: Callable[[Mapping[str, Any]], bool]
 ) -> None:
-    """Erase all versions that are kept aside of some sessions, and of programmes and records whose
-    row is one that goes.
+    """Erase all versions that are kept aside of some sessions, and those with a seat, a programme or
+    a record that goes.
     """
     rows = db.execute("SELECT kind, key, digest, content FROM conflicts").fetchall()
     for kind, key, digest, packed in rows:
+        content = conflicts.decoded(packed)
         if kind == "session":
-            goes = key in sessions
+            (session,) = content["sessions"]
+            found = [{**seat, "site": session["site"]} for seat in content["seats"]]
         else:
-            (row,) = next(iter(conflicts.decoded(packed).values()))
-            goes = is_gone(row)
-        if goes:
+            found = next(iter(content.values()))
+        if (kind == "session" and key in sessions) or any(map(is_gone, found)):
             db.execute(
                 "DELETE FROM conflicts WHERE kind=? AND key=? AND digest=?", (kind, key, digest)
             )
 
 
 def _is_of(row: Mapping[str, Any], person: _Person) -> bool:
-    """Return True if a version of a programme or a record is of the person."""
+    """Return True if a version of a programme or a record, or a seat of one of a session, is of the
+    person.
+    """
     code = in_full(str(row["participant"]), person.people.own)
     is_of_site = person.is_own or row.get("site") == person.event.site
     return is_of_site and person.name == person.people.name(code)

@@ -166,7 +166,7 @@ def test_a_moved_session_is_moved_everywhere(bern: Path, zurich: Path, tmp_path:
     assert merge(bern, before, one_site=True).backup is None
 
 
-@pytest.mark.parametrize("order", permutations(("before", "between", "bern")), ids="-".join)
+@pytest.mark.parametrize("order", [*permutations(("before", "between", "bern"))], ids="-".join)
 def test_a_session_of_two_who_were_erased_does_not_come_back(
     order: tuple[str, ...], bern: Path, tmp_path: Path
 ) -> None:
