@@ -59,6 +59,7 @@ def test_each_version_has_its_pages() -> None:
     assert len(TASKS) >= 24
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:chance of a situation")
 @pytest.mark.parametrize(("version", "name"), first_rows(4, TASKS))
 def test_a_task_is_played_and_keeps_the_contract(tmp_path: Path, version: str, name: str) -> None:
@@ -75,6 +76,7 @@ def test_a_part_of_a_task_can_be_declared(version: str, fragment: str) -> None:
     exec(fragment if is_module else within_a_class, names)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:chance of a situation")
 def test_the_parts_of_the_first_page_make_one_task(tmp_path: Path) -> None:
     """Its pieces, and its translation, belong to the arrows that precede them."""

@@ -229,6 +229,7 @@ async def test_a_choice_is_stored_in_the_words_of_its_declaration(fill: Filled, 
         assert (content["hand"], content["language"]) == ("left", "de")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("language", "words"),
     [

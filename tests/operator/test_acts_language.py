@@ -494,6 +494,7 @@ def test_a_broken_phrase_is_explained_in_the_panels_language(phrase: str, tr: La
 # --- keys
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("code", LANGUAGES)
 async def test_the_texts_of_keys_are_in_the_panels_language(
     catalogue: Catalogue, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, code: str

@@ -309,6 +309,7 @@ async def test_the_choice_of_a_session_is_in_another_language(
     assert english_in(shown, texts_of_panel(code)) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("code", OTHERS)
 @pytest.mark.parametrize(
     "text",

@@ -45,6 +45,7 @@ def told(database: Connection, folder: Path, code: str) -> Progress:
     )
 
 
+@pytest.mark.slow
 def test_the_folder_is_whole_and_says_in_each_session_that_people_are_invented(
     database: Connection, folder: Path
 ) -> None:

@@ -100,6 +100,7 @@ def trials(data: Path) -> list[Trial]:
         return database.execute("SELECT attempt, trial FROM trials ORDER BY rowid").fetchall()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", first(1, range(12)))
 def test_twenty_kills_of_a_session_lose_no_acknowledged_trial(
     data: Path, killable: Killable, seed: int

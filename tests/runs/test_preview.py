@@ -111,6 +111,7 @@ def test_a_stand_in_does_not_depend_on_the_goal_that_is_set(
     assert easy.highest > hard.highest
 
 
+@pytest.mark.slow
 def test_results_that_nobody_simulated_can_have_are_said_to_be_so(
     keyboard: type[Task], theme: Theme, data: Path, catalogue: Catalogue
 ) -> None:
@@ -121,6 +122,7 @@ def test_results_that_nobody_simulated_can_have_are_said_to_be_so(
     assert finish(make_stand_in(keyboard, results, theme)) == StandIn(is_like=False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("task", ["reaching", "pairs", "tapping", "nback"])
 def test_other_tasks_are_played_too(task: str, catalogue: Catalogue, theme: Theme) -> None:
     preview = played(catalogue.task(task), theme)

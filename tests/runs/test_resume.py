@@ -86,6 +86,7 @@ def go_on(
     return again
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in PLANS if name != "questions"])
 def test_a_session_that_was_resumed_twice_follows_from_its_inputs(name: str, data: Path) -> None:
     session = interrupted(data, name, 80)

@@ -23,6 +23,7 @@ def missing(text: str) -> set[str]:
     return {character for character in text if ord(character) >= 0x180} - FONT
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("theme", first(1, THEMES))
 async def test_a_session_is_drawn_with_the_characters_of_a_console(
     opened: OpenApp,
