@@ -14,6 +14,7 @@ from collections.abc import Collection, Iterator
 from contextlib import closing
 from datetime import datetime
 from pathlib import Path
+from typing import NamedTuple
 
 import msgspec
 
@@ -149,8 +150,7 @@ def _everywhere(folder: Path, event: PersonEvent, code: str) -> Done:
             changed = _apply(database, event, code)
             _clean(database, folder / FILE)
             of_exports = _exports(database, event)
-        rewritten, refused = others or _other_files(folder, event, code, same)
-        deleted = _delete_pages(folder, _codes(code, same))
+        rewritten, refused, deleted = others or _other_files(folder, event, code, same)
         for session in event.details.sessions if event.event == "erased" else ():
             with contextlib.suppress(OSError):
                 (folder / SAVED / f"{session}.json").unlink()
@@ -263,11 +263,17 @@ def _exports(database: sqlite3.Connection, event: PersonEvent) -> list[LedgerEnt
 # --- other files
 
 
-def _other_files(
-    folder: Path, event: PersonEvent, code: str, same: Collection[Pair]
-) -> tuple[list[str], list[Refusal]]:
-    """Do what an event says to rescue files, backups and copies in a data folder. Return those that
-    held the person, and those that could not be changed.
+class _Files(NamedTuple):
+    """Files beside the database, as `Done` has them."""
+
+    rewritten: list[str]
+    refused: list[Refusal]
+    deleted: list[str]
+
+
+def _other_files(folder: Path, event: PersonEvent, code: str, same: Collection[Pair]) -> _Files:
+    """Do what an event says to rescue files, backups and copies in a data folder, and delete pages
+    on the person's progress.
     """
     words = [*_codes(code, same), *event.details.sessions]
     rewritten, refused = [], []
@@ -279,7 +285,7 @@ def _other_files(
             refused.append(Refusal(str(path), str(error)))
         except sqlite3.Error as error:
             refused.append(Refusal(str(path), str(explain(error, path))))
-    return rewritten, refused
+    return _Files(rewritten, refused, _delete_pages(folder, _codes(code, same)))
 
 
 def _databases(folder: Path) -> list[Path]:
