@@ -338,7 +338,7 @@ def killing(*given):
         os.kill(os.getpid(), 9)
     return real(*given)
 setattr(erasure, place, killing)
-erasure.erase(Path(sys.argv[1]), "P07", author="ana", reason="")
+getattr(erasure, sys.argv[4])(Path(sys.argv[1]), "P07", author="ana", reason="")
 """
 
 
@@ -350,7 +350,7 @@ def test_erasing_again_completes_what_was_killed(data: Path, place: str, number:
     fill(data)
     fill(data, "P08", "KEPT")
     copies(data)
-    command = [sys.executable, "-c", KILLED, str(data), place, str(number)]
+    command = [sys.executable, "-c", KILLED, str(data), place, str(number), "erase"]
     assert subprocess.run(command, check=False).returncode == -9
     assert holding(data)
     with closing(connect(data)) as database:
@@ -400,6 +400,29 @@ def test_texts_and_code_go_and_results_stay(data: Path) -> None:
     (last,) = {code for (code,) in sql(data, "SELECT participant FROM seats")}
     assert erase(data, last, author="ana", reason="").sessions == 2
     assert value(data, "SELECT count(*) FROM sessions") == 0
+
+
+@pytest.mark.parametrize(("place", "number"), [("_rewrite", 1), ("_clean", 1), ("_apply", 4)])
+def test_de_identifying_again_completes_what_was_killed(
+    data: Path, place: str, number: int
+) -> None:
+    fill(data)
+    made = copies(data)
+    (data / "progress-P07-keyboard.html").write_bytes(CANARY)
+    command = [sys.executable, "-c", KILLED, str(data), place, str(number), "de_identify"]
+    assert subprocess.run(command, check=False).returncode == -9
+    assert holding(data)
+    new = de_identify(data, "P07", author="ana", reason="").event.participant
+    assert holding(data) == []
+    assert holding(data, b'"P07"') == []
+    assert found(data) == []
+    for path in (data / FILE, *made):
+        with closing(sqlite3.connect(path)) as database:
+            held = database.execute(
+                "SELECT participant FROM seats UNION SELECT participant FROM records"
+                " UNION SELECT participant FROM programmes UNION SELECT code FROM participants"
+            ).fetchall()
+            assert held == [(new,)], path
 
 
 def test_keys_of_a_typed_answer_go(data: Path) -> None:
