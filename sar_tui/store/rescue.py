@@ -212,11 +212,7 @@ def bring_back(folder: Path) -> list[BroughtBack]:
         for path in rescue_files(folder):
             with readable(path) as (source, missing):
                 here = [
-                    each._replace(
-                        missing=tuple(
-                            (one.table, one.rows) for one in missing if one.session == each.session
-                        )
-                    )
+                    each._replace(missing=_of_session(missing, each.session))
                     for row in _sessions(source)
                     if (each := _bring(path, row, source, database, folder))
                 ]
