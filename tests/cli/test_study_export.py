@@ -1,6 +1,7 @@
 """A study leaves as tables and as BIDS, and each of its people gets their own rows."""
 
 import csv
+import os
 from contextlib import closing
 from datetime import UTC, datetime
 from pathlib import Path
@@ -47,10 +48,19 @@ def test_its_sessions_leave_as_bids(call: Call, rehearsed: Path, tmp_path: Path)
     sessions = {path.name for path in (to / "bids").glob("sub-*/ses-*")}
     assert len(sessions) == value(rehearsed, "SELECT count(*) FROM sessions WHERE study NOTNULL")
     assert all(name.startswith(("ses-first", "ses-second")) for name in sessions)
+    before = _analysed(call)
     call("participant withdraw R01 --exclude").shows("R01 has withdrawn")
+    assert _analysed(call) == before - 1
     assert call("study export --bids --to", tmp_path / "without").code == 0
     for path in (tmp_path / "without").rglob("*.*sv"):
         assert "R01" not in path.read_text(), path
+
+
+def _analysed(call: Call) -> int:
+    """Return the number of people whose outcome the report on the study has."""
+    key = Path(os.environ["SAR_TUI_DATA"]).with_name("rehearsal.key")
+    found = call("report study --json --key", key).json
+    return sum(group["analysed"] for group in found["groups"])
 
 
 @pytest.mark.parametrize("rehearsed", [BLIND], indirect=True)
