@@ -271,6 +271,8 @@ def _print_rest(done: "Done") -> None:
 
     for file in done.rewritten:
         print(f"Rewritten without them: {file}")
+    for file in done.deleted:
+        print(f"Deleted, a page on their progress: {file}")
     for refusal in done.refused:
         print(
             f"! {refusal.file} may hold them, and was not rewritten. {refusal.why} Delete it, or "
@@ -340,8 +342,8 @@ def report(
 
 
 def _write_files(home: Home, to: Path, found: "PersonReport") -> None:
-    """Write the report, what no export has, and an export with texts and messages into a new
-    folder.
+    """Write the report, what no export has, the person's rows in studies, and an export with texts
+    and messages into a new folder. Sessions of a study that is blind still are in no export.
     """
     import msgspec
 
@@ -362,12 +364,22 @@ def _write_files(home: Home, to: Path, found: "PersonReport") -> None:
         write_private(to / "report.html", page(title, sections(found)))
         rest = msgspec.json.format(msgspec.json.encode(found), indent=2).decode()
         write_private(to / "report.json", f"{rest}\n")
+        if found.studies:
+            _write_studies(to / "studies.csv", found)
     except OSError as error:
         raise Refused(f"{to} cannot be written: {error.strerror}.") from error
     warn_of_git(to)
-    if not [row for row in found.sessions if row["status"] != "running"]:
+    if found.blind:
+        console(error=True).print(
+            f"! {_count(len(found.blind), 'session')} of a study that is blind still: settings and "
+            "files would tell the condition. Give the command again when the study has ended.",
+            soft_wrap=True,
+        )
+    ended = [row["id"] for row in found.sessions[::-1] if row["status"] != "running"]
+    names = tuple(id for id in ended if id not in found.blind)
+    if not names:
         return
-    request = Request(participant=found.participant, mixed=True, also_withdrawn=True)
+    request = Request(names=names, mixed=True, also_withdrawn=True)
     options = Options(
         with_notes=True, with_events=True, recipient="the participant", author=login_name()
     )
@@ -384,3 +396,19 @@ def _write_files(home: Home, to: Path, found: "PersonReport") -> None:
         )
     for sentence in (*exported.notices, *exported.problems):
         console(error=True).print(f"! {sentence}", soft_wrap=True)
+
+
+def _write_studies(path: Path, found: "PersonReport") -> None:
+    """Write the person's rows in studies as CSV. Raises OSError."""
+    import io
+
+    from sar_tui.drivers.files import write_private
+    from sar_tui.export.csv_file import CsvWriter
+    from sar_tui.reports.person import StudyRow
+
+    text = io.StringIO(newline="")
+    writer = CsvWriter(text)
+    names = StudyRow.__struct_fields__
+    writer.row(names)
+    writer.rows([getattr(each, name) for name in names] for each in found.studies)
+    write_private(path, text.getvalue())

@@ -29,6 +29,8 @@ from sar_tui.cli.live import AllowOperators
 from sar_tui.cli.study_power import power
 
 if TYPE_CHECKING:
+    import sqlite3
+
     from sar_tui.study.ledger import Frozen
     from sar_tui.study.next_block import Person
     from sar_tui.study.plan import Study
@@ -708,19 +710,64 @@ def export(
         ),
     ],
     name: Which = "",
+    bids: Annotated[
+        bool,
+        typer.Option(
+            "--bids", help="Also the study's sessions as a BIDS data set, in the folder bids."
+        ),
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Write the results as two tables, long and wide, with their description."""
     from sar_tui.cli.common import warn_of_git
     from sar_tui.study import ledger, results
 
+    said: list[str] = []
     with home.database() as database, study_errors():
-        written = results.export(database, ledger.find(database, name), to)
+        frozen = ledger.find(database, name)
+        played = ledger.played(database, frozen.plan.name, frozen.mode)
+        ids = [one.id for one in played if one.condition]  # a form has none
+        if bids and frozen.plan.allocation.blind:
+            raise Refused(
+                f"The study {frozen.plan.name} is blind, and settings of sessions tell the "
+                "condition: leave out --bids until it has ended, and is amended with blind = false."
+            )
+        if bids and not ids:
+            raise Refused(f"The study {frozen.plan.name} has no session yet: leave out --bids.")
+        written = results.export(database, frozen, to)
+        if bids:
+            said = _write_bids(home, database, ids, to / "bids")
+            written.append(to / "bids")
     if as_json:
-        print_json({"files": [str(path) for path in written]})
+        print_json({"files": [str(path) for path in written], "notices": said})
     else:
         print(f"{', '.join(path.name for path in written)} are in {to}.")
+        for sentence in said:
+            print(f"! {sentence}", file=sys.stderr)
     warn_of_git(to)
+
+
+def _write_bids(
+    home: Home, database: "sqlite3.Connection", ids: Sequence[str], to: Path
+) -> list[str]:
+    """Write sessions as a BIDS data set, and return sentences on what it lacks."""
+    from sar_tui.drivers.login_name import login_name
+    from sar_tui.export.export import Options
+    from sar_tui.export.export import export as write
+    from sar_tui.export.registry import load
+    from sar_tui.store.selection import Request
+
+    exported = write(
+        database,
+        home.folder,
+        home.catalogue(),
+        Request(names=tuple(ids), mixed=True),
+        load("bids"),
+        to,
+        lambda steps: lambda: None,
+        Options(author=login_name()),
+    )
+    return [*exported.notices, *exported.problems]
 
 
 @app.command("prereg")

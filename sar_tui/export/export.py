@@ -25,6 +25,7 @@ from sar_tui.export.recoding import recoding, shuffled
 from sar_tui.export.registry import Format
 from sar_tui.export.sites import Part, check_folder, parts, site_target
 from sar_tui.export.target import MANIFEST, check, forget_times, sync, target, write_manifest
+from sar_tui.store import studies
 from sar_tui.store.database import StoreConnection, StoreError
 from sar_tui.store.exports import record
 from sar_tui.store.selection import Request, Selection, select
@@ -219,9 +220,7 @@ def _check_not_blind(database: sqlite3.Connection, selection: Selection) -> None
     """Raise StoreError if a session is of a study that is blind still: its settings, and what was
     said in it, tell the condition.
     """
-    newest = "SELECT max(version) FROM studies AS same WHERE same.name=studies.name"
-    rows = database.execute(f"SELECT name FROM studies WHERE blind AND version=({newest})")
-    blind = {name for (name,) in rows}
+    blind = studies.blind(database)
     for row in selection.sessions:
         study = (row.get("study") or {}).get("study")
         if study in blind:

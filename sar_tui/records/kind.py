@@ -74,6 +74,7 @@ class Field(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         hint: shown in the empty field of a form.
         problem: sentence for people if the field is missing, instead of the usual one.
         may_decline: True if ``NOT_SAID`` is a value of it, as of each item of a form.
+        typed: False of a text that nobody writes freely, such as the name of a study.
     """
 
     name: str
@@ -91,6 +92,7 @@ class Field(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     hint: str = ""
     problem: str = ""
     may_decline: bool = False
+    typed: bool = True
 
     @property
     def points(self) -> tuple[int, ...]:
@@ -527,7 +529,7 @@ def _as_form(kind: Kind) -> Kind:
         *scores,
         *missing,
         replace(_added(STATUS, "Status", "choice"), labels=(COMPLETE, OPEN)),
-        _added(LANGUAGE, "Language", "text"),
+        replace(_added(LANGUAGE, "Language", "text"), typed=False),
         _added(PERMISSION, "Permission held by", "text"),
         *(replace(_added(time_of(item), "Time", "integer"), unit="ms") for item in items),
     )

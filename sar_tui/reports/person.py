@@ -1,14 +1,15 @@
 """Everything that is stored of one person, to be read by that person."""
 
 import sqlite3
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
+from sar_tui.records.kind import KindError, find
 from sar_tui.reports.sections import Section, Table
-from sar_tui.store import exports, people_events, programmes, records, sessions
+from sar_tui.store import exports, people_events, programmes, records, sessions, studies
 from sar_tui.store.exports import LedgerEntry
 from sar_tui.store.people_events import PersonEvent
 from sar_tui.store.programmes import Programme
@@ -25,12 +26,34 @@ class Note(msgspec.Struct, frozen=True):
     text: str
 
 
+class StudyRow(msgspec.Struct, frozen=True, kw_only=True):
+    """A session, or a record, of a person in a study: an enrolment, a consent, a deviation and
+    others.
+
+    Attributes:
+        at: when it was; ``what``: in words. ``details``: the rest, in words.
+        visit, block: the place in the study; empty of what has none.
+        id: of the session or the record.
+    """
+
+    study: str
+    at: str
+    what: str
+    visit: str
+    block: str
+    details: str
+    recorded_by: str
+    id: str
+
+
 class PersonReport(msgspec.Struct, frozen=True, kw_only=True):
     """All that is stored of a person.
 
     Attributes:
-        sessions: as listed, the newest first. ``shared``: the ids of those for two.
+        sessions: as listed, the newest first. ``shared``: the ids of those for two. ``blind``: of
+            those of a study that is blind still, without settings, which tell the condition.
         records: all versions.
+        studies: their rows in studies, by time.
         programmes: all versions, by task.
         exports: those that held their sessions.
     """
@@ -40,15 +63,25 @@ class PersonReport(msgspec.Struct, frozen=True, kw_only=True):
     events: list[PersonEvent]
     sessions: list[dict[str, Any]]
     shared: list[str]
+    blind: list[str]
     records: list[Record]
+    studies: list[StudyRow]
     notes: list[Note]
     programmes: dict[str, list[Programme]]
     exports: list[LedgerEntry]
 
 
+_TELL_CONDITIONS = ("parameters", "theme", "software")
+"""Columns of sessions that a blind study does not tell; the software has the hash of the theme."""
+
+
 def read(db: sqlite3.Connection, folder: Path, code: str) -> PersonReport:
     """Read all that is stored of a participant. Raises StoreError."""
     listed = sessions.listing(db, folder, participant=code, also_damaged=True)
+    blind_studies = studies.blind(db)
+    blind = [row["id"] for row in listed if (row["study"] or {}).get("study") in blind_studies]
+    hidden = dict.fromkeys(_TELL_CONDITIONS)
+    listed = [row | hidden if row["id"] in blind else row for row in listed]
     ids = {row["id"] for row in listed}
     added = db.execute("SELECT created_at FROM participants WHERE code=?", (code,)).fetchone()
     known = records.listing(db, participant=code, with_removed=True)
@@ -68,16 +101,70 @@ def read(db: sqlite3.Connection, folder: Path, code: str) -> PersonReport:
     return PersonReport(
         participant=code,
         added=added[0] if added else None,
-        events=people_events.events(db, code),
+        events=people_events.events(db, [code]),
         sessions=listed,
         shared=[row["id"] for row in listed if row["partner"]],
+        blind=blind,
         records=versions,
+        studies=_of_studies(listed, versions),
         notes=notes,
         programmes={
             task: programmes.versions(db, code, task) for task in programmes.tasks(db, code)
         },
         exports=[entry for entry in exports.ledger(db) if ids.intersection(entry.sessions)],
     )
+
+
+_PLACE = ("study", "visit", "block")
+
+
+def _of_studies(listed: Sequence[dict[str, Any]], versions: Sequence[Record]) -> list[StudyRow]:
+    """Return the rows of a person in studies."""
+    found = [_of_session(row) for row in listed if row["study"]]
+    found += [_of_record(record) for record in versions if _is_of_study(record)]
+    return sorted(found, key=lambda row: row.at)
+
+
+def _of_session(row: dict[str, Any]) -> StudyRow:
+    place = row["study"]
+    details = {name: value for name, value in place.items() if name not in _PLACE}
+    return StudyRow(
+        **{name: str(place.get(name, "")) for name in _PLACE},
+        at=row["started_at"],
+        what=f"Session, {row['task']}",
+        details=_in_words({**details, "status": row["status"]}),
+        recorded_by="",
+        id=row["id"],
+    )
+
+
+def _of_record(record: Record) -> StudyRow:
+    kind = find(record.kind)
+    titles = {field.name: field.title for field in kind.fields}
+    details = {
+        titles.get(name, name): value
+        for name, value in record.content.items()
+        if name not in _PLACE
+    }
+    return StudyRow(
+        **{name: str(record.content.get(name, "")) for name in _PLACE},
+        at=record.at,
+        what=f"{kind.title}{', removed' * record.removed}",
+        details=_in_words(details),
+        recorded_by=record.recorded_by,
+        id=record.id,
+    )
+
+
+def _is_of_study(record: Record) -> bool:
+    try:
+        return find(record.kind).group == "study"
+    except KindError:
+        return False
+
+
+def _in_words(values: Mapping[str, object]) -> str:
+    return "; ".join(f"{name}: {value}" for name, value in values.items())
 
 
 def sections(found: PersonReport) -> list[Section]:
@@ -114,11 +201,27 @@ def sections(found: PersonReport) -> list[Section]:
             ],
         ),
         *_listed(
+            "Studies",
+            ("when", "study", "what", "visit", "block", "details", "by"),
+            [
+                (
+                    _when(each.at),
+                    each.study,
+                    each.what,
+                    each.visit,
+                    each.block,
+                    each.details,
+                    each.recorded_by,
+                )
+                for each in found.studies
+            ],
+        ),
+        *_listed(
             "Records",
             ("date", "record", "version", "kind", "contents", "by"),
             [
                 (
-                    local_time(each.at) if "+" in each.at else each.at,
+                    _when(each.at),
                     each.id,
                     str(each.version),
                     each.kind,
@@ -126,6 +229,7 @@ def sections(found: PersonReport) -> list[Section]:
                     each.recorded_by,
                 )
                 for each in found.records
+                if not _is_of_study(each)
             ],
         ),
         *_listed(
@@ -185,6 +289,10 @@ def _listed(title: str, heads: tuple[str, ...], rows: Sequence[tuple[str, ...]])
     return [Section(title, [Table(heads, rows, whole=heads[:1])])] if rows else []
 
 
+def _when(at: str) -> str:
+    """Return a moment, or a day, for people."""
+    return local_time(at) if "+" in at else at
+
+
 def _contents(record: Record) -> str:
-    values = [f"{name}: {value}" for name, value in record.content.items()]
-    return "; ".join((*values, *(["removed"] * record.removed)))
+    return "; ".join([_in_words(record.content), *(["removed"] * record.removed)])

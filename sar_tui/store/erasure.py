@@ -1,5 +1,5 @@
 """A person's data erased, or without what identifies the person: in the database, its write-ahead
-log, rescue files, and the backups of the data folder.
+log, rescue files, and the backups of the data folder. Pages on their progress are deleted there.
 
 The event is stored with the change of the rows, in one transaction. If the command is interrupted and
 given again, the free pages and the other files are looked through again.
@@ -7,12 +7,14 @@ given again, the free pages and the other files are looked through again.
 
 import contextlib
 import mmap
+import re
 import secrets
 import sqlite3
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator
 from contextlib import closing
 from datetime import datetime
 from pathlib import Path
+from typing import NamedTuple
 
 import msgspec
 
@@ -30,15 +32,17 @@ from sar_tui.store.database import (
 )
 from sar_tui.store.exports import LedgerEntry
 from sar_tui.store.locks import hold, is_held
-from sar_tui.store.merge.people import People, in_full, stored_pairs
+from sar_tui.store.merge import conflicts
+from sar_tui.store.merge.people import Pair, People, in_full, rename_own, stored_pairs
 from sar_tui.store.participants import check_code, check_known, check_own
 from sar_tui.store.people_events import Details, PersonEvent
 from sar_tui.store.personal_rows import Changed, apply, details_of, with_full_codes
 from sar_tui.store.repair import exclusive
-from sar_tui.store.tables import TABLES, VERSION
+from sar_tui.store.tables import FIRST_VERSION, PEOPLE_EVENTS, TABLES, VERSION
 
 MANIFEST = "sar-tui-export.json"
 """Name of the file in an export that names its sessions."""
+_OF_FIRST_VERSION = {table.name for table in TABLES.values() if table.since <= FIRST_VERSION}
 _LETTERS = "ABCDEFGHJKMNPQRSTVWXYZ23456789"
 """Characters of a random code: without those that are mistaken for others."""
 
@@ -58,7 +62,7 @@ class Done(msgspec.Struct, frozen=True, kw_only=True):
         sessions: the number of their sessions. ``shared``: of those for two, of which the part of
             the partner stays.
         rewritten: files beside the database that held the person. ``refused``: those that could not
-            be rewritten.
+            be rewritten. ``deleted``: pages on their progress.
         exports: those that held sessions of the person. ``folders``: of them, those that are in the
             data folder.
         speech: folders into which the agent's speech in their sessions was recorded.
@@ -69,6 +73,7 @@ class Done(msgspec.Struct, frozen=True, kw_only=True):
     shared: int
     rewritten: list[str]
     refused: list[Refusal]
+    deleted: list[str]
     exports: list[LedgerEntry]
     folders: list[str]
     speech: list[str]
@@ -135,15 +140,17 @@ def _everywhere(folder: Path, event: PersonEvent, code: str) -> Done:
     with hold(folder, "participant", code), hold(folder, "merge", FILE):
         with _alone(folder / FILE) as database:
             _check_nothing_runs(database, folder, code)
+            same = _same(database, code)
             before = _details(database, event, code)
             event = msgspec.structs.replace(event, details=before)
             speech = _speech(database, event)
             # once the database has another code, nothing tells the earlier one
-            others = _other_files(folder, event, code) if event.event == "de-identified" else None
+            is_first = event.event == "de-identified"
+            others = _other_files(folder, event, code, same) if is_first else None
             changed = _apply(database, event, code)
             _clean(database, folder / FILE)
             of_exports = _exports(database, event)
-        rewritten, refused = others or _other_files(folder, event, code)
+        rewritten, refused, deleted = others or _other_files(folder, event, code, same)
         for session in event.details.sessions if event.event == "erased" else ():
             with contextlib.suppress(OSError):
                 (folder / SAVED / f"{session}.json").unlink()
@@ -155,10 +162,24 @@ def _everywhere(folder: Path, event: PersonEvent, code: str) -> Done:
         shared=changed.shared,
         rewritten=rewritten,
         refused=refused,
+        deleted=deleted,
         exports=of_exports,
         folders=_export_folders(folder, event),
         speech=speech,
     )
+
+
+def _same(database: sqlite3.Connection, code: str) -> set[Pair]:
+    """Return the pairs of codes by which a person is known."""
+    own = sites.own(database)
+    people = People(own, stored_pairs(database))
+    group = people.group(in_full(code, own))
+    return {pair for pair in people.same if group.issuperset(pair)}
+
+
+def _codes(code: str, same: Collection[Pair]) -> list[str]:
+    """Return all codes of a person, of other sites in full."""
+    return [code, *sorted({each for pair in same for each in pair})]
 
 
 # --- the database
@@ -242,22 +263,29 @@ def _exports(database: sqlite3.Connection, event: PersonEvent) -> list[LedgerEnt
 # --- other files
 
 
-def _other_files(folder: Path, event: PersonEvent, code: str) -> tuple[list[str], list[Refusal]]:
-    """Do what an event says to rescue files, backups and copies in a data folder. Return those that
-    held the person, and those that could not be changed.
+class _Files(NamedTuple):
+    """Files beside the database, as `Done` has them."""
+
+    rewritten: list[str]
+    refused: list[Refusal]
+    deleted: list[str]
+
+
+def _other_files(folder: Path, event: PersonEvent, code: str, same: Collection[Pair]) -> _Files:
+    """Do what an event says to rescue files, backups and copies in a data folder, and delete pages
+    on the person's progress.
     """
+    words = [*_codes(code, same), *event.details.sessions]
     rewritten, refused = [], []
     for path in _databases(folder):
         try:
-            if not _may_hold(path, [code, *event.details.sessions]):
-                continue
-            if _rewrite(path, event, code):
+            if _may_hold(path, words) and _rewrite(path, event, code, same):
                 rewritten.append(str(path))
         except (StoreError, OSError) as error:
             refused.append(Refusal(str(path), str(error)))
         except sqlite3.Error as error:
             refused.append(Refusal(str(path), str(explain(error, path))))
-    return rewritten, refused
+    return _Files(rewritten, refused, _delete_pages(folder, _codes(code, same)))
 
 
 def _databases(folder: Path) -> list[Path]:
@@ -272,22 +300,23 @@ def _databases(folder: Path) -> list[Path]:
     )
 
 
-def _may_hold(path: Path, words: Sequence[str]) -> bool:
+def _may_hold(path: Path, words: Collection[str]) -> bool:
     """Return True if one of some words is in a file, or in its log."""
-    return any(
-        _has(each, [word.encode() for word in words])
-        for each in (path, sidecars(path)[0])
-        if each.exists() and each.stat().st_size
-    )
+    return any(_has(each, words) for each in (path, sidecars(path)[0]) if each.exists())
 
 
-def _has(path: Path, words: Sequence[bytes]) -> bool:
+def _has(path: Path, words: Collection[str]) -> bool:
+    if not path.stat().st_size:
+        return False
     with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as held:
-        return any(held.find(word) >= 0 for word in words)
+        return any(held.find(word.encode()) >= 0 for word in words)
 
 
-def _rewrite(path: Path, event: PersonEvent, code: str) -> bool:
+def _rewrite(path: Path, event: PersonEvent, code: str, same: Collection[Pair]) -> bool:
     """Do what an event says to a database that is not in use. Return False if it is not about it.
+
+    Args:
+        same: pairs of codes by which the person is known, which it may lack.
 
     Raises:
         StoreError: it is in use, damaged, or of another version.
@@ -295,14 +324,16 @@ def _rewrite(path: Path, event: PersonEvent, code: str) -> bool:
     with _alone(path) as database:
         if not 0 < (version := version_of(database, path)) <= VERSION:
             raise StoreError(f"{path} is no database of sar-tui.")
-        if lacking := [name for name in _of_first_version() if not _is_there(database, name)]:
-            raise StoreError(f"It has no table {lacking[0]}.")
-        if not _is_in(database, event, code, version) and not _may_hold(
-            path, [*event.details.sessions]
-        ):
+        there = "SELECT name FROM sqlite_master WHERE type='table'"
+        lacking = _OF_FIRST_VERSION - {name for (name,) in database.execute(there)}
+        if lacking:
+            raise StoreError(f"It has no table {min(lacking)}.")
+        is_in = _is_in(database, version, code, same)
+        if not is_in and not _may_hold(path, event.details.sessions):
             return False
         if version < VERSION:
             schema.upgrade(database, version)
+        _note_same(database, same)
         _apply(database, event, code)
         _clean(database, path)
         (state,) = database.execute("PRAGMA integrity_check(1)").fetchone()
@@ -311,39 +342,53 @@ def _rewrite(path: Path, event: PersonEvent, code: str) -> bool:
     return True
 
 
-def _of_first_version() -> list[str]:
-    from sar_tui.store.tables import FIRST_VERSION
-
-    return [table.name for table in TABLES.values() if table.since <= FIRST_VERSION]
-
-
-def _is_there(database: sqlite3.Connection, table: str) -> bool:
-    found = database.execute("SELECT 1 FROM sqlite_master WHERE type='table' AND name=?", (table,))
-    return found.fetchone() is not None
-
-
-def _is_in(database: sqlite3.Connection, event: PersonEvent, code: str, version: int) -> bool:
-    """Return True if a database holds something of a person."""
+def _is_in(database: sqlite3.Connection, version: int, code: str, same: Collection[Pair]) -> bool:
+    """Return True if a database of some version holds something of a person, or may: in a version
+    that is kept aside.
+    """
     own = sites.own(database)
     people = People(own, stored_pairs(database))
-    stored = people.stored(in_full(code, own))
+    known = (*_codes(code, same), *people.group(in_full(code, own)))
+    codes = msgspec.json.encode([people.shortened(each) for each in known]).decode()
     held = [
         ("participants", "code"),
         ("seats", "participant"),
         ("records", "participant"),
         ("programmes", "participant"),
     ]
-    if any(
-        database.execute(f"SELECT 1 FROM {table} WHERE {column}=? LIMIT 1", (stored,)).fetchone()
-        for table, column in held
-    ):
+    if PEOPLE_EVENTS.since <= version:
+        held.append((PEOPLE_EVENTS.name, "participant"))
+    found = "SELECT 1 FROM {} WHERE {} IN (SELECT value FROM json_each(?)) LIMIT 1"
+    if any(database.execute(found.format(*each), (codes,)).fetchone() for each in held):
         return True
     return database.execute("SELECT 1 FROM conflicts LIMIT 1").fetchone() is not None
 
 
+def _note_same(database: sqlite3.Connection, same: Collection[Pair]) -> None:
+    """Let a database know a person by all codes, if it does not yet."""
+    own, before = sites.own(database), stored_pairs(database)
+    if not own or before.issuperset(same):
+        return
+    people = People(own, before.union(same))
+    with transaction(database) as connection:
+        connection.executemany("INSERT OR IGNORE INTO same_people VALUES (?,?)", sorted(same))
+        conflicts.rename(connection, "main", people)
+        rename_own(connection, people)
+
+
+def _delete_pages(folder: Path, codes: Collection[str]) -> list[str]:
+    """Delete pages on the progress of a person, which are named by code and task, and return their
+    paths. Codes have no small letters, and tasks begin with one.
+    """
+    person = "|".join(map(re.escape, codes))
+    name = re.compile(rf"progress-({person})-[a-z_][^/]*\.html")
+    found = sorted(path for path in folder.iterdir() if name.fullmatch(path.name))
+    for path in found:
+        path.unlink()
+    return [str(path) for path in found]
+
+
 def _export_folders(folder: Path, event: PersonEvent) -> list[str]:
     """Return the exports in a data folder that hold sessions of a person."""
-    words = [session.encode() for session in event.details.sessions]
-    return sorted(
-        str(path.parent) for path in (folder / "exports").rglob(MANIFEST) if _has(path, words)
-    )
+    manifests = (folder / "exports").rglob(MANIFEST)
+    return sorted(str(path.parent) for path in manifests if _has(path, event.details.sessions))

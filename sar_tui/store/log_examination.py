@@ -5,7 +5,7 @@ import sqlite3
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
-from itertools import product
+from itertools import product, takewhile
 from typing import Any, NamedTuple
 
 import msgspec
@@ -14,7 +14,8 @@ from sar_tui.loop.bus import Record
 from sar_tui.loop.topics import ALL
 from sar_tui.store import log_hashes, messages, rows
 from sar_tui.store.log_hashes import Entry
-from sar_tui.store.merge.people import People, in_full, stored_pairs
+from sar_tui.store.merge.people import People, in_full, local_code, stored_pairs
+from sar_tui.store.messages import StoredRow
 from sar_tui.store.record_changes import changes, ends_and_changes, erased_hashes, status_after
 from sar_tui.store.records import TOLD
 from sar_tui.store.tables import TABLES
@@ -133,8 +134,7 @@ def _changed_groups(
     for position, group in enumerate(groups, start=1):
         digests = []
         while waiting is not None and waiting.seq <= group.until:
-            digest = log_hashes.message_hash(waiting)
-            digests.append(erased.get((str(waiting.seq), digest), digest))
+            digests.append(_first_hash(waiting, erased))
             number = waiting.seq
             waiting = next(stored, None)
         beside = [
@@ -149,6 +149,12 @@ def _changed_groups(
         before, first = group.hash, group.until + 1
     if waiting is not None:
         yield f"There are messages from number {waiting.seq} on that were added to its log."
+
+
+def _first_hash(row: StoredRow, erased: Mapping[tuple[str, bytes], bytes]) -> bytes:
+    """Return the hash of a message as it was recorded."""
+    digest = log_hashes.message_hash(row)
+    return erased.get((str(row.seq), digest), digest)
 
 
 def _where(first: int, group: _Group) -> str:
@@ -204,13 +210,9 @@ def recorded_facts(database: sqlite3.Connection, session: str) -> bytes:
     possible = _possible_hashes(database, session, _people(database), ["facts"], erased)
     first = next(iter(_groups(database, session)), None)
     if first is not None and first.beside == [["facts"]]:
-        stored = messages.stored_rows(database, session)
-        digests = [
-            erased.get((str(row.seq), digest), digest)
-            for row in stored
-            if row.seq <= first.until
-            for digest in [log_hashes.message_hash(row)]
-        ]
+        until = first.until
+        stored = takewhile(lambda row: row.seq <= until, messages.stored_rows(database, session))
+        digests = [_first_hash(row, erased) for row in stored]
         for each in possible:
             if log_hashes.group_hash("", (*digests, each)) == first.hash:
                 return each
@@ -237,7 +239,7 @@ def _codes_at_first(
 
 def _codes_of(people: People, code: str) -> list[str]:
     group = people.group(in_full(code, people.own))
-    return sorted({code, *group, *(one.partition("@")[0] for one in group)})
+    return sorted({code, *group, *(local_code(one) for one in group)})
 
 
 def _people(database: sqlite3.Connection) -> People:

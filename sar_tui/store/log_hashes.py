@@ -177,14 +177,11 @@ def facts_hash(
     database: sqlite3.Connection, session: str, participants: Mapping[str, str]
 ) -> bytes:
     """Return the hash of a session's facts with these participants, by seat."""
-    found = (
-        database.execute(f"SELECT {_FACTS} FROM sessions WHERE id=?", (session,)).fetchone() or ()
-    )
-    (study,) = database.execute("SELECT study FROM sessions WHERE id=?", (session,)).fetchone() or (
-        None,
-    )
-    added = [] if study is None else [study]  # sessions of earlier releases have the same hash
-    return _values_hash("facts", [*found, *added, sorted(participants.items())])
+    row = database.execute(f"SELECT {_FACTS}, study FROM sessions WHERE id=?", (session,))
+    *found, study = row.fetchone() or (None,)
+    if study is not None:  # without one, the hash is that of earlier releases
+        found.append(study)
+    return _values_hash("facts", [*found, sorted(participants.items())])
 
 
 def seats(database: sqlite3.Connection, session: str) -> dict[str, str]:

@@ -109,19 +109,19 @@ def add(db: sqlite3.Connection, event: PersonEvent) -> None:
         insert(connection, event)
 
 
-def events(
-    db: sqlite3.Connection, participant: str | None = None, schema: str = "main"
-) -> list[PersonEvent]:
-    """Return the events of a participant, or of all, in the order of their time.
+def events(db: sqlite3.Connection, participants: Iterable[str] | None = None) -> list[PersonEvent]:
+    """Return the events of some participants, or of all, in the order of their time.
 
     Raises:
         StoreError: a row is damaged.
     """
     names = PEOPLE_EVENTS.names
-    where = "" if participant is None else " WHERE participant=?"
+    where, values = "", tuple[str, ...]()
+    if participants is not None:
+        where = " WHERE participant IN (SELECT value FROM json_each(?))"
+        values = (msgspec.json.encode(list(participants)).decode(),)
     rows = db.execute(
-        f"SELECT {', '.join(names)} FROM {schema}.people_events{where} ORDER BY at, id",
-        () if participant is None else (participant,),
+        f"SELECT {', '.join(names)} FROM people_events{where} ORDER BY at, id", values
     )
     return [_event(dict(zip(names, row, strict=True))) for row in rows]
 
@@ -139,62 +139,61 @@ def _event(row: dict[str, object]) -> PersonEvent:
 
 def withdrawal(db: sqlite3.Connection, participant: str) -> PersonEvent | None:
     """Return the withdrawal of a participant; None if there is none, or it was taken back."""
-    last = None
-    for event in events(db, participant):
-        if event.event in ("withdrawn", "resumed"):
-            last = event
-    return last if last and last.event == "withdrawn" else None
+    return withdrawals(events(db, [participant])).get(participant)
+
+
+def withdrawals(some: Iterable[PersonEvent]) -> dict[str, PersonEvent]:
+    """Return the withdrawals among events in the order of their time, without those that were taken
+    back, by code.
+    """
+    last = {event.participant: event for event in some if event.event in ("withdrawn", "resumed")}
+    return {code: event for code, event in last.items() if event.event == "withdrawn"}
 
 
 def erasure(db: sqlite3.Connection, participant: str) -> PersonEvent | None:
     """Return the erasure of a participant; None if there is none."""
-    found = [event for event in events(db, participant) if event.event == "erased"]
+    found = [event for event in events(db, [participant]) if event.event == "erased"]
     return found[0] if found else None
 
 
 def excluded(db: sqlite3.Connection) -> dict[str, PersonEvent]:
     """Return the withdrawals of participants whose data is excluded, by code."""
-    last: dict[str, PersonEvent] = {}
-    for event in events(db):
-        if event.event in ("withdrawn", "resumed"):
-            last[event.participant] = event
-    return {
-        code: event
-        for code, event in last.items()
-        if event.event == "withdrawn" and event.details.data == "exclude"
-    }
+    found = withdrawals(events(db))
+    return {code: event for code, event in found.items() if event.details.data == "exclude"}
 
 
 def check_may_record(db: sqlite3.Connection, codes: Iterable[str]) -> None:
     """Raise StoreError if nothing new may be recorded of one of some participants: they have
     withdrawn, or were erased.
     """
-    for code in codes:
-        if erased := erasure(db, code):
+    found = events(db, codes)
+    for event in found:
+        if event.event == "erased":
             raise StoreError(
                 Sentence(
                     "The data of {code} was erased on {date}: give a new participant another code.",
-                    code=code,
-                    date=erased.day,
+                    code=event.participant,
+                    date=event.day,
                 ),
                 bad_input=True,
             )
-        if found := withdrawal(db, code):
-            raise StoreError(
-                Sentence(
-                    "{code} has withdrawn on {date}: nothing more is recorded of them.",
-                    code=code,
-                    date=found.day,
-                ),
-                bad_input=True,
-            )
+    for code, event in withdrawals(found).items():
+        raise StoreError(
+            Sentence(
+                "{code} has withdrawn on {date}: nothing more is recorded of them.",
+                code=code,
+                date=event.day,
+            ),
+            bad_input=True,
+        )
 
 
 def check_included(db: sqlite3.Connection, code: str) -> None:
     """Raise StoreError if the data of a participant is excluded from exports, reports and
     progress.
     """
-    if found := excluded(db).get(code):
+    found = withdrawal(db, code)
+    if found and found.details.data == "exclude":
         raise StoreError(excluded_words(found), bad_input=True)
 
 

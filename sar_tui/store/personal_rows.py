@@ -5,7 +5,7 @@ event hold the same, whatever the order in which they are merged.
 """
 
 import sqlite3
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import msgspec
@@ -14,9 +14,10 @@ from sar_tui.model.messages import RecordChanged
 from sar_tui.records.kind import KindError, find
 from sar_tui.store import log_hashes, redaction
 from sar_tui.store.merge import conflicts
-from sar_tui.store.merge.people import Pair, People, in_full, site_of, stored_pairs
+from sar_tui.store.merge.people import Pair, People, in_full, local_code, site_of, stored_pairs
 from sar_tui.store.merge.session_records import remove
 from sar_tui.store.people_events import Details, PersonEvent
+from sar_tui.store.record_changes import changes
 from sar_tui.store.sites import own as own_site
 
 ENROLMENT = "enrolment"
@@ -136,12 +137,14 @@ class _Person:
 
 def _erase(db: sqlite3.Connection, person: _Person) -> Changed:
     whole, shared = [], []
-    for session, seat, partner in _sessions(db, person):
-        if partner is None or _is_erased(db, partner):
+    for session, seat, is_for_two in _sessions(db, person):
+        done = {one.seat: one.at for one in changes(db, session) if one.change == "erased"}
+        if not is_for_two or done.keys() - {seat}:
             whole.append(session)
-        else:
+        elif done.get(seat) != person.event.at:
             shared.append((session, seat))
-    _erase_conflicts(db, person, [*whole, *(session for session, _ in shared)])
+    gone = {*whole, *(session for session, _ in shared)}
+    _erase_conflicts(db, gone, lambda row: _is_of(row, person))
     for session in whole:
         db.execute("DELETE FROM records WHERE session=?", (session,))
     remove(db, whole)
@@ -151,20 +154,16 @@ def _erase(db: sqlite3.Connection, person: _Person) -> Changed:
         old = log_hashes.seats(db, session)[seat]
         redaction.erase_seat(db, session, seat, old, person.replaced_by, said)
     others = _anonymise_enrolments(db, person)
+    others += _rename_replaced(db, person, [person.code], person.replaced_by)
     others += _delete(db, "records", "participant", [person.code], person)
     others += _delete(db, "records", "id", sorted(person.records), person)
     others += _delete(db, "programmes", "participant", person.programme_codes(), person)
     if person.is_own or site_of(person.code) == person.site:
         others += db.execute("DELETE FROM participants WHERE code=?", (person.code,)).rowcount
     others += db.execute(
-        "DELETE FROM people_events WHERE participant IN (?, ?) AND site=? AND id<>?"
-        " AND event<>'erased'",
-        (
-            person.code,
-            person.people.shortened(person.event.participant),
-            person.site,
-            person.event.id,
-        ),
+        "DELETE FROM people_events WHERE participant IN (?, ?) AND site=?"
+        " AND event IN ('withdrawn', 'resumed')",
+        (person.code, person.people.shortened(person.event.participant), person.site),
     ).rowcount
     return Changed(len(whole) + len(shared), len(shared), others)
 
@@ -173,27 +172,47 @@ def _anonymise_enrolments(db: sqlite3.Connection, person: _Person) -> int:
     """Leave the number and the group of a person in each study, under a code that nobody has: what
     was drawn stays drawn.
     """
-    named = [person.code, *sorted(person.records)]
-    slots = ",".join("?" for _ in named[1:])
-    site = "" if person.is_own else " AND site=?"
     return db.execute(
-        "UPDATE records SET participant=?, recorded_by='', session=NULL WHERE kind=?"
-        f" AND participant<>? AND (participant=? OR id IN ({slots})){site}",
-        (
-            person.replaced_by,
-            ENROLMENT,
-            person.replaced_by,
-            *named,
-            *(() if person.is_own else (person.site,)),
-        ),
+        "UPDATE records SET participant=:gone, recorded_by='', session=NULL"
+        f" WHERE kind=:kind AND participant<>:gone AND {person.of_site('records')}"
+        " AND (participant=:code OR id IN (SELECT value FROM json_each(:ids)))",
+        {
+            "gone": person.replaced_by,
+            "kind": ENROLMENT,
+            "site": person.site,
+            "code": person.code,
+            "ids": msgspec.json.encode(sorted(person.records)).decode(),
+        },
     ).rowcount
 
 
-def _sessions(db: sqlite3.Connection, person: _Person) -> list[tuple[str, str, str | None]]:
-    """Return the sessions of the person with their seat, and the partner or None."""
+def _rename_replaced(
+    db: sqlite3.Connection, person: _Person, codes: Iterable[str], new: str
+) -> int:
+    """Replace the code of a person in the enrolments of those who came in their place, which have
+    it as the site of the person does.
+    """
+    return sum(
+        db.execute(
+            "UPDATE records SET content=json_set(content, '$.replaces', :new) WHERE kind=:kind"
+            " AND site=:site AND json_valid(content)"
+            " AND json_extract(content, '$.replaces')=:old",
+            {
+                "new": local_code(new),
+                "old": local_code(code),
+                "kind": ENROLMENT,
+                "site": person.site,
+            },
+        ).rowcount
+        for code in codes
+    )
+
+
+def _sessions(db: sqlite3.Connection, person: _Person) -> list[tuple[str, str, bool]]:
+    """Return the sessions of the person with their seat, and whether they are for two."""
     named = msgspec.json.encode(person.event.details.sessions).decode()
     return db.execute(
-        "SELECT own.session, own.seat, other.participant FROM seats AS own"
+        "SELECT own.session, own.seat, other.seat NOTNULL FROM seats AS own"
         " JOIN sessions ON sessions.id=own.session"
         " LEFT JOIN seats AS other ON other.session=own.session AND other.seat<>own.seat"
         f" WHERE {person.of_site('sessions')} AND own.participant<>:gone AND (own.participant=:code"
@@ -201,13 +220,6 @@ def _sessions(db: sqlite3.Connection, person: _Person) -> list[tuple[str, str, s
         " WHERE given.key=own.session AND given.value=own.seat)) ORDER BY own.session",
         {"site": person.site, "code": person.code, "named": named, "gone": person.replaced_by},
     ).fetchall()
-
-
-def _is_erased(db: sqlite3.Connection, code: str) -> bool:
-    found = db.execute(
-        "SELECT 1 FROM people_events WHERE event='erased' AND replaced_by=?", (code,)
-    ).fetchone()
-    return found is not None
 
 
 def _delete(
@@ -223,21 +235,30 @@ def _delete(
     )
 
 
-def _erase_conflicts(db: sqlite3.Connection, person: _Person, sessions: Iterable[str]) -> None:
-    """Erase all versions that are kept aside of some sessions, and of records of the person."""
-    gone = set(sessions)
+def _erase_conflicts(
+    db: sqlite3.Connection, sessions: Container[str], is_gone: Callable[[Mapping[str, Any]], bool]
+) -> None:
+    """Erase all versions that are kept aside of some sessions, and those with a seat, a programme or
+    a record that goes.
+    """
     rows = db.execute("SELECT kind, key, digest, content FROM conflicts").fetchall()
     for kind, key, digest, packed in rows:
         content = conflicts.decoded(packed)
-        if key in gone if kind == "session" else _is_of(content, person):
+        if kind == "session":
+            (session,) = content["sessions"]
+            found = [{**seat, "site": session["site"]} for seat in content["seats"]]
+        else:
+            found = next(iter(content.values()))
+        if (kind == "session" and key in sessions) or any(map(is_gone, found)):
             db.execute(
                 "DELETE FROM conflicts WHERE kind=? AND key=? AND digest=?", (kind, key, digest)
             )
 
 
-def _is_of(content: conflicts.Content, person: _Person) -> bool:
-    """Return True if a version of a programme or a record is of the person."""
-    (row,) = next(iter(content.values()))
+def _is_of(row: Mapping[str, Any], person: _Person) -> bool:
+    """Return True if a version of a programme or a record, or a seat of one of a session, is of the
+    person.
+    """
     code = in_full(str(row["participant"]), person.people.own)
     is_of_site = person.is_own or row.get("site") == person.event.site
     return is_of_site and person.name == person.people.name(code)
@@ -252,22 +273,29 @@ def _deidentify(db: sqlite3.Connection, person: _Person, old: str) -> Changed:
     """
     new = person.code
     known = person.people.stored(old) if old else ""
-    named = person.event.details.sessions
-    seats = db.execute(
-        "SELECT seats.session, seat, participant FROM seats JOIN sessions ON sessions.id=session"
-        f" WHERE {person.of_site('sessions')} AND participant<>:new ORDER BY session",
-        {"site": person.site, "new": new},
-    ).fetchall()
-    sessions = [row for row in seats if row[2] == known or named.get(row[0]) == row[1]]
-    records = {
-        (id, code)
-        for id, code in db.execute(
-            f"SELECT DISTINCT id, participant FROM records WHERE {person.of_site('records')}"
-            " AND participant<>:new",
-            {"site": person.site, "new": new},
-        )
-        if code == known or id in person.records
+    given = {
+        "site": person.site,
+        "new": new,
+        "known": known,
+        "sessions": msgspec.json.encode(person.event.details.sessions).decode(),
+        "records": msgspec.json.encode(sorted(person.records)).decode(),
     }
+    others_codes = (
+        "participant NOT IN (SELECT :new UNION ALL SELECT replaced_by FROM people_events)"
+    )
+    sessions = db.execute(
+        "SELECT seats.session, seat, participant FROM seats JOIN sessions ON sessions.id=session"
+        f" WHERE {person.of_site('sessions')} AND {others_codes} AND (participant=:known OR EXISTS"
+        " (SELECT 1 FROM json_each(:sessions) AS named WHERE key=session AND value=seat))"
+        " ORDER BY session",
+        given,
+    ).fetchall()
+    records = db.execute(
+        f"SELECT DISTINCT id, participant FROM records WHERE {person.of_site('records')}"
+        f" AND {others_codes} AND (participant=:known"
+        " OR id IN (SELECT value FROM json_each(:records))) ORDER BY id",
+        given,
+    ).fetchall()
     codes = {code for *_, code in sessions} | {code for _, code in records} | ({known} - {""})
     others = 0
     for session, seat, code in sessions:
@@ -278,25 +306,14 @@ def _deidentify(db: sqlite3.Connection, person: _Person, old: str) -> Changed:
     for code in sorted(codes):
         if not _has_more(db, code):
             others += _rename_rest(db, person, code, new)
+    others += _rename_replaced(db, person, sorted(codes), new)
     for code in codes if person.is_own and old else ():
         full = in_full(code, person.people.own)
         db.execute("DELETE FROM same_people WHERE ? IN (code, same_as)", (full,))
     gone = {session for session, *_ in sessions}
-    for kind, key, digest, packed in db.execute(
-        "SELECT kind, key, digest, content FROM conflicts"
-    ).fetchall():
-        is_of_codes = kind != "session" and _code_of(conflicts.decoded(packed)) in {
-            person.people.name(in_full(code, person.people.own)) for code in codes
-        }
-        if key in gone or is_of_codes:
-            where = "WHERE kind=? AND key=? AND digest=?"
-            db.execute(f"DELETE FROM conflicts {where}", (kind, key, digest))
+    names = {person.people.name(in_full(code, person.people.own)) for code in codes}
+    _erase_conflicts(db, gone, lambda row: row["participant"] in names)
     return Changed(len(sessions), 0, others)
-
-
-def _code_of(content: conflicts.Content) -> str:
-    (row,) = next(iter(content.values()))
-    return str(row["participant"])
 
 
 def _redact_record(db: sqlite3.Connection, id: str, new: str) -> int:
@@ -318,7 +335,7 @@ def _without_words(kind: str, content: str) -> str:
     except msgspec.MsgspecError:
         return "{}"
     try:
-        stays = {field.name for field in find(kind).fields if field.type != "text"}
+        stays = {each.name for each in find(kind).fields if each.type != "text" or not each.typed}
     except KindError:
         stays = set()
     kept = {

@@ -19,7 +19,7 @@ from sar_tui.model import messages as m
 from sar_tui.store import log_hashes, messages
 from sar_tui.store.log_examination import Derivation, recorded_facts
 from sar_tui.store.log_hashes import Entry
-from sar_tui.store.merge.people import code_at
+from sar_tui.store.merge.people import code_at, local_code
 from sar_tui.store.messages import StoredRow
 from sar_tui.store.record_changes import erased_hashes, log
 
@@ -39,7 +39,7 @@ def erase_texts(
         old, new: the code of the participant, as the database has it, and the other one.
         said: what is added to the log; its details are made here.
     """
-    texts = _Texts(db, session, {_local(old): _local(new)})
+    texts = _Texts(db, session, {_code_there(db, session, old): local_code(new)})
     _redact(db, session, said, texts, lambda: _seat(db, session, seat, new))
 
 
@@ -49,7 +49,7 @@ def erase_seat(
     """Erase the part of the participant at a seat of a session for two, and all that was typed in
     it. The arguments are those of `erase_texts`.
     """
-    texts = _Texts(db, session, {_local(old): ""})
+    texts = _Texts(db, session, {_code_there(db, session, old): ""})
     part = _Part(db, session, seat)
 
     def change(row: StoredRow, message: m.Message) -> m.Message | None:
@@ -58,10 +58,10 @@ def erase_seat(
 
     def rows() -> None:
         _seat(db, session, seat, new)
-        streams = f"(SELECT stream FROM imu_streams WHERE session=:session AND seat='{seat}')"
+        streams = "(SELECT stream FROM imu_streams WHERE session=:session AND seat=:seat)"
         where = f"session=:session AND stream IN {streams}"
         for table in ("imu_chunks", "imu_streams"):
-            db.execute(f"DELETE FROM {table} WHERE {where}", {"session": session})
+            db.execute(f"DELETE FROM {table} WHERE {where}", {"session": session, "seat": seat})
 
     _redact(db, session, said, change, rows)
 
@@ -141,18 +141,17 @@ def _as_row(row: StoredRow, topic: Topic[Any], message: m.Message, at: int) -> S
     return StoredRow(row.seq, row.run, at, topic.name, messages.layout(topic), text)
 
 
-def _local(code: str) -> str:
-    """Return a code as its own site has it."""
-    return code.partition("@")[0]
-
-
 def _local_seats(db: sqlite3.Connection, session: str) -> dict[str, str]:
     """Return the participants by seat, by the codes that the session's own site has for them."""
-    (site,) = db.execute("SELECT site FROM sessions WHERE id=?", (session,)).fetchone()
     return {
-        seat: _local(code_at(db, code, site))
-        for seat, code in log_hashes.seats(db, session).items()
+        seat: _code_there(db, session, code) for seat, code in log_hashes.seats(db, session).items()
     }
+
+
+def _code_there(db: sqlite3.Connection, session: str, code: str) -> str:
+    """Return the code that the site of a session has for a participant."""
+    (site,) = db.execute("SELECT site FROM sessions WHERE id=?", (session,)).fetchone()
+    return local_code(code_at(db, code, site))
 
 
 # --- texts

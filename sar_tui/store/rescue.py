@@ -212,11 +212,7 @@ def bring_back(folder: Path) -> list[BroughtBack]:
         for path in rescue_files(folder):
             with readable(path) as (source, missing):
                 here = [
-                    each._replace(
-                        missing=tuple(
-                            (one.table, one.rows) for one in missing if one.session == each.session
-                        )
-                    )
+                    each._replace(missing=_of_session(missing, each.session))
                     for row in _sessions(source)
                     if (each := _bring(path, row, source, database, folder))
                 ]
@@ -225,11 +221,10 @@ def bring_back(folder: Path) -> list[BroughtBack]:
                     for one in missing
                     if one.table == "sessions"
                 ]
-                if not any(each.problem for each in here):
-                    _bring_participants(source, database)
-                    _keep_rights(database)
+                is_whole = not any(each.problem for each in here)
+                _bring_rest(source, database, _NOT_OF_SESSIONS if is_whole else ())
             found += here
-            if not any(each.problem for each in here):
+            if is_whole:
                 _rename(path)
     return found
 
@@ -292,20 +287,13 @@ def _erased(source: sqlite3.Connection, database: sqlite3.Connection, session: s
     seats = source.execute("SELECT seat, participant FROM seats WHERE session=?", (session,))
     codes = dict(seats.fetchall())
     for event in people_events.events(database):
-        if event.event == "erased" and (
+        is_of_session = (
             event.participant in codes.values() or event.details.sessions.get(session) in codes
-        ):
-            is_replaced = event.replaced_by in codes.values()
-            return "" if is_replaced else event.participant
+        )
+        is_replaced = event.replaced_by in codes.values()
+        if event.event == "erased" and is_of_session and not is_replaced:
+            return event.participant
     return ""
-
-
-def _keep_rights(database: sqlite3.Connection) -> None:
-    """Do again what was done for people's rights: a rescue file may hold what was there before."""
-    own = sites.own(database)
-    with transaction(database) as connection:
-        for event in people_events.events(database):
-            apply(connection, with_full_codes(event, own))
 
 
 def _is_readable(database: sqlite3.Connection, session: str) -> bool:
@@ -336,10 +324,20 @@ _NOT_OF_SESSIONS = (
 )  # fmt: skip
 
 
-def _bring_participants(source: sqlite3.Connection, database: sqlite3.Connection) -> None:
-    """Copy participants, programmes and what is not of a session, if the database lacks it."""
-    for table in _NOT_OF_SESSIONS:
-        copy_rows(source, database, table, or_ignore=True)
+def _bring_rest(
+    source: sqlite3.Connection, database: sqlite3.Connection, tables: Sequence[str]
+) -> None:
+    """Copy rows of some tables that the database lacks; and do again what was done for people's
+    rights, as the file may hold what was there before.
+    """
+    # without it, erased rows would stay in parts of the file that are free
+    database.execute("PRAGMA secure_delete=ON")
+    with transaction(database) as connection:
+        for table in tables:
+            copy_rows(source, connection, table, or_ignore=True)
+        own = sites.own(connection)
+        for event in people_events.events(connection):
+            apply(connection, with_full_codes(event, own))
 
 
 def _rename(path: Path) -> None:

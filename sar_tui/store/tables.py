@@ -1646,7 +1646,7 @@ PEOPLE_EVENTS = Table(
     "A use of a [person's rights](peoples-rights.md): a withdrawal, a de-identification, an erasure",
     key=("id",),
     since=201,
-    more="Append-only, except that an erasure removes the earlier ones of the person. An `erased` "
+    more="Append-only, except that an erasure removes withdrawals of the person. An `erased` "
     "one is a tombstone: what is of the person does not come back by a merge or a rescue file.",
     columns=(
         Column(
@@ -1712,6 +1712,7 @@ PEOPLE_EVENTS = Table(
         ),
         _SITE,
     ),
+    indexes=("CREATE INDEX idx_people_events_participant ON people_events (participant)",),
 )
 
 TABLES = {

@@ -302,15 +302,12 @@ def enrolments(db: sqlite3.Connection, study: str) -> list[Enrolment]:
 
 def _left(db: sqlite3.Connection) -> dict[str, tuple[str, str]]:
     """Return who withdrew altogether, and the codes of those who were erased, with the reason."""
-    found: dict[str, tuple[str, str]] = {}
-    for event in people_events.events(db):
-        if event.event == "erased":
-            found[event.replaced_by] = ("erased", "asked for it")
-        elif event.event == "withdrawn":
-            found[event.participant] = ("withdrawn", event.reason or "withdrew altogether")
-        else:
-            found.pop(event.participant, None)
-    return found
+    events = people_events.events(db)
+    erased = (event.replaced_by for event in events if event.event == "erased")
+    return dict.fromkeys(erased, ("erased", "asked for it")) | {
+        code: ("withdrawn", event.reason or "withdrew altogether")
+        for code, event in people_events.withdrawals(events).items()
+    }
 
 
 def is_own(participant: str) -> bool:

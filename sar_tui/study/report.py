@@ -13,7 +13,7 @@ from pathlib import Path
 import msgspec
 
 from sar_tui.reports.sections import Section, Table
-from sar_tui.store import sessions
+from sar_tui.store import people_events, sessions
 from sar_tui.study import ledger
 from sar_tui.study.ledger import Differed, Frozen
 from sar_tui.study.results import Row, long_rows
@@ -84,6 +84,8 @@ def make_report(db: sqlite3.Connection, frozen: Frozen, key: Path, now: datetime
     plan = frozen.plan
     people = grid(db, frozen, key, now)
     rows = long_rows(db, frozen)
+    excluded = people_events.excluded(db)
+    used = [row for row in rows if row["participant"] not in excluded]
     groups = sorted({one.group for one in people}) or [""]
     deviations = tuple(ledger.deviations(db, plan.name, frozen.mode))
     return StudyReport(
@@ -91,8 +93,8 @@ def make_report(db: sqlite3.Connection, frozen: Frozen, key: Path, now: datetime
         version=plan.version,
         sha256=frozen.sha256,
         versions=tuple((each.plan.version, each.reason) for each in ledger.versions(db, plan.name)),
-        groups=tuple(_flow(db, frozen, group, people, rows) for group in groups),
-        dose=tuple(_dose(db, visit.name, rows) for visit in plan.visits),
+        groups=tuple(_flow(db, frozen, group, people, rows, used) for group in groups),
+        dose=tuple(_dose(db, visit.name, used) for visit in plan.visits),
         deviations=deviations,
         missing=_missing(frozen, people, rows),
         code_breaks=len(ledger.of_study(db, ledger.CODE_BREAK, plan.name)),
@@ -106,7 +108,11 @@ def _flow(
     group: str,
     people: Sequence[PersonRow],
     rows: Sequence[Row],
+    used: Sequence[Row],
 ) -> GroupFlow:
+    """Return the numbers of a group. ``used``: the rows without those of people who have withdrawn,
+    and whose data is excluded.
+    """
     mine = [one for one in people if one.group == group]
     codes = {one.participant for one in mine}
     began = {row["participant"] for row in rows} & codes
@@ -121,7 +127,7 @@ def _flow(
         reasons=tuple(
             f"{one.participant}: {one.ended}, {one.why_ended}" for one in ends if one.ended
         ),
-        analysed=_analysed(frozen, codes, rows),
+        analysed=_analysed(frozen, codes, used),
     )
 
 

@@ -18,7 +18,7 @@ from sar_tui.drivers.files import make_private
 from sar_tui.export.columns import Column
 from sar_tui.export.csv_file import CsvWriter
 from sar_tui.export.formats.csv import described_field
-from sar_tui.store import records, sessions
+from sar_tui.store import people_events, records, sessions
 from sar_tui.store.database import StoreError
 from sar_tui.study import ledger
 from sar_tui.study.ledger import Enrolment, Frozen, Played
@@ -184,12 +184,15 @@ def _distinct(row: Row, rows: Sequence[Row]) -> str:
 
 def export(db: sqlite3.Connection, frozen: Frozen, folder: Path) -> list[Path]:
     """Write both tables and their description (``datapackage.json``) into a new or empty folder.
+    People who have withdrawn, and whose data is excluded, are left out.
 
     Raises:
         StoreError: the folder has files, or cannot be written.
     """
-    rows = long_rows(db, frozen)
-    people = [each.participant for each in ledger.enrolments(db, frozen.plan.name)]
+    left_out = people_events.excluded(db)
+    rows = [row for row in long_rows(db, frozen) if row["participant"] not in left_out]
+    enrolled = ledger.enrolments(db, frozen.plan.name)
+    people = [each.participant for each in enrolled if each.participant not in left_out]
     columns, persons = wide(rows, people)
     tables: Mapping[str, tuple[Sequence[Column], Sequence[Row], str]] = {
         LONG: (LONG_COLUMNS, rows, "A row for each block of a person"),

@@ -8,6 +8,7 @@ import runpy
 import shutil
 from collections.abc import Callable
 from contextlib import closing
+from datetime import UTC, datetime
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -17,14 +18,19 @@ import pytest
 from sar_tui.export import registry
 from sar_tui.export.errors import ExportError
 from sar_tui.export.export import Exported, export
+from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import imu
 from sar_tui.store.database import connect, connect_to_read
 from sar_tui.store.selection import Request
+from sar_tui.study import ledger
+from sar_tui.study.rehearsal import Habits, rehearse
 from tests.export.bids_judge import ALLOWED, judge
 from tests.export.exported import ALL, export_as
 from tests.export.hard_study import EMPTY, INTERRUPTED, NOTE, store_study
 from tests.played import catalogue, simulated
+from tests.recorded import score, told
 from tests.store.by_hand import sql, value
+from tests.study.plans import WITH_FORMS, plan
 
 DOCS = Path(__file__).parents[2] / "docs" / "archive-in-bids.md"
 
@@ -233,6 +239,73 @@ def test_scores_and_answers_are_phenotypes(dataset: Path) -> None:
     assert (pain["moment_1"], pain["rating_1"]) == ("before", "3.0")
     assert (pain["session_2"], pain["rating_2"]) == ("n/a", "8.0"), "of a session that never began"
     assert (tired["moment_1"], tired["answer_1"]) == ("after", "not said")
+
+
+@pytest.fixture(scope="module")
+def with_forms(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An export of a study with forms, consent, deviations, and records of people."""
+    folder = tmp_path_factory.mktemp("forms")
+    site, _ = rehearse(
+        plan(WITH_FORMS), WITH_FORMS, catalogue(), folder, folder / "rehearsal.key", people=4,
+        seed=1, start=datetime(2026, 3, 2, tzinfo=UTC), habits=Habits(misses=0.2, late=0.4),
+        persons=lambda number: PEOPLE["average"], effects={},
+    )  # fmt: skip
+    with closing(connect(site.folder)) as database:
+        sql(database, "UPDATE sessions SET mode='live'")
+        consent = {"study": "praise", "version": "2", "answer": "yes", "witness": "W1"}
+        ledger.note(database, ledger.CONSENT, "R01", consent, author="ana")
+        deviation = {"study": "praise", "version": 1, "visit": "second", "what": "late"}
+        for reason in ("A\tbus", "=1+1"):
+            given = {**deviation, "reason": reason}
+            ledger.note(database, ledger.DEVIATION, "R01", given, author="ana")
+        score(database, "R01", "ARAT", "2026-01-10", 20, NOTE)
+        told(database, "R02", "before", "pain", "not said")
+    export_bids(site.folder, folder / "out", with_notes=True)
+    return folder / "out"
+
+
+def test_the_validator_finds_forms_and_records_of_a_study_described(with_forms: Path) -> None:
+    assert {issue.what for issue in judge(with_forms)} <= ALLOWED.keys()
+    files = sorted((with_forms / "phenotype").glob("*.tsv"))
+    assert [path.stem for path in files] == [
+        "arat", "consent", "deviation", "effort", "enrolment", "formfilled", "pain", "sus",
+    ]  # fmt: skip
+    people = {row["participant_id"] for row in read(with_forms / "participants.tsv")}
+    for path in files:
+        rows, sidecar = read(path), load(path.with_suffix(".json"))
+        assert next(iter(rows[0])) == "participant_id"
+        assert {row["participant_id"] for row in rows} <= people
+        assert set(sidecar) == {"MeasurementToolMetadata", *rows[0]} - {"participant_id"}
+        assert all(each["Description"] for each in sidecar.values())
+        for row in rows:
+            levels = {name: each["Levels"] for name, each in sidecar.items() if "Levels" in each}
+            assert all(row[name] in {*known, "n/a"} for name, known in levels.items())
+    (consent,) = read(with_forms / "phenotype" / "consent.tsv")
+    assert (consent["study_1"], consent["answer_1"]) == ("praise", "yes")
+
+
+def test_the_validator_looks_into_forms(with_forms: Path, tmp_path: Path) -> None:
+    changed = shutil.copytree(with_forms, tmp_path / "changed") / "phenotype"
+    sidecar = load(changed / "sus.json")
+    del sidecar["q1_1"]
+    (changed / "sus.json").write_text(json.dumps(sidecar))
+    rows = [line.split("\t") for line in (changed / "effort.tsv").read_text().splitlines()]
+    swapped = ["\t".join([row[1], row[0], *row[2:]]) for row in rows]
+    (changed / "effort.tsv").write_text("\n".join(swapped) + "\n")
+    found = {(issue.what, issue.where) for issue in judge(tmp_path / "changed")}
+    assert found >= {
+        ("TSV_ADDITIONAL_COLUMNS_UNDEFINED q1_1", "/phenotype/sus.tsv"),
+        ("TSV_COLUMN_ORDER_INCORRECT participant_id", "/phenotype/effort.tsv"),
+    }
+
+
+def test_sessions_of_a_study_are_named_by_their_visit_and_block(with_forms: Path) -> None:
+    for path in with_forms.glob("sub-*/sub-*_sessions.tsv"):
+        for row in read(path):
+            assert row["session_id"] == f"ses-{row['visit']}{row['block']}{row['session']}"
+            assert (path.parent / row["session_id"] / "beh").is_dir()
+            assert row["study"] == "praise"
+            assert row["study_condition"] in ("praised", "unpraised", "slow", "fast")
 
 
 def _answer(answer: object) -> str:

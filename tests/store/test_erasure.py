@@ -11,15 +11,18 @@ import pytest
 
 from sar_tui.loop.topics import PROMPT, TRIAL
 from sar_tui.replay.replay import replay
-from sar_tui.store import messages, participants, people_events, sessions
+from sar_tui.store import messages, participants, people_events, sessions, sites
 from sar_tui.store.database import FILE, StoreError, connect
 from sar_tui.store.erasure import Done, de_identify, erase
 from sar_tui.store.integrity import flaws
 from sar_tui.store.locks import hold
+from sar_tui.store.merge.merge import merge
 from sar_tui.store.rescue import bring_back
+from sar_tui.store.tables import FIRST_VERSION, TABLES
 from tests.played import catalogue, simulated
+from tests.recorded import score
 from tests.store.by_hand import sql, value
-from tests.store.persons import copies, fill, holding, played
+from tests.store.persons import CANARY, copies, fill, holding, played
 
 PAIRS = {"attempts": 2, "prompts_per_attempt": 4}
 
@@ -43,9 +46,15 @@ def test_nothing_of_a_person_is_left_in_any_file(data: Path) -> None:
     ids = fill(data)
     fill(data, "P08", "KEPT")
     made = copies(data)
+    page = data / "progress-P07-keyboard-1.html"
+    others = [data / f"progress-{who}-keyboard.html" for who in ("P07-X", "P070", "P07-2", "P0")]
+    for path in (page, *others):
+        path.write_bytes(CANARY if path == page else b"KEPT")
     assert {FILE, *(path.relative_to(data).as_posix() for path in made)} <= set(holding(data))
     done = erased(data)
     assert holding(data) == []
+    assert done.deleted == [str(page)]
+    assert all(path.exists() for path in others)
     assert done.refused == []
     assert sorted(done.rewritten) == sorted(map(str, made))
     assert sorted(done.event.details.sessions) == sorted(ids)
@@ -193,6 +202,101 @@ def test_a_rescue_file_does_not_bring_the_person_back(data: Path) -> None:
     assert bring_back(data) == []
 
 
+def test_records_in_a_rescue_file_do_not_bring_the_person_back(data: Path) -> None:
+    with closing(connect(data)) as database:
+        participants.add(database, "P07")
+        score(database, "P07", "FMA-UE", "2026-03-01", 42, note="CANARY " * 250)
+    with closing(connect(data)) as database:
+        database.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
+    kept_elsewhere = data.with_name("elsewhere.db")
+    shutil.copyfile(data / FILE, kept_elsewhere)
+    erased(data)
+    shutil.copyfile(kept_elsewhere, data / "sar-tui-rescue-abc.db")
+    assert bring_back(data) == []
+    assert value(data, "SELECT count(*) FROM records") == 0
+    assert holding(data) == ["sar-tui-rescued-abc.db"]
+
+
+def test_rights_are_kept_if_a_part_of_a_rescue_file_waits(data: Path) -> None:
+    fill(data)
+    fill(data, "P08", "KEPT")
+    rescue = copies(data)[1]
+    kept_elsewhere = data.with_name("elsewhere.db")
+    shutil.copyfile(rescue, kept_elsewhere)
+    de_identify(data, "P07", author="ana", reason="")
+    erased(data, "P08")
+    sql(data, "DELETE FROM sessions")
+    shutil.copyfile(kept_elsewhere, data / "sar-tui-rescue-abc.db")
+    assert {each.problem[:14] for each in bring_back(data)} == {"", "P08 was erased"}
+    assert value(data, "SELECT count(*) FROM sessions") == 2
+    assert holding(data) == ["sar-tui-rescue-abc.db"]
+    assert sql(data, "SELECT 1 FROM seats WHERE participant='P07'") == []
+
+
+def test_one_of_two_who_were_erased_is_not_brought_back_by_the_other(data: Path) -> None:
+    session = played(data, "pairs", "P07", "P08", **PAIRS)
+    erased(data, "P07")
+    file = data / f"sar-tui-rescue-{session}.db"
+    with closing(connect(data)) as database:
+        database.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
+    shutil.copyfile(data / FILE, data.with_name("elsewhere.db"))
+    erased(data, "P08")
+    shutil.copyfile(data.with_name("elsewhere.db"), file)
+    (brought,) = bring_back(data)
+    assert brought.problem.startswith("P08 was erased")
+    assert value(data, "SELECT count(*) FROM sessions") == 0
+
+
+def test_a_backup_of_before_the_codes_of_a_person_were_known_is_rewritten(data: Path) -> None:
+    with closing(connect(data)) as database:
+        sites.set_own(database, "MUC")
+        participants.add(database, "P07")
+        score(database, "P07", "FMA-UE", "2026-03-01", 42, note="CANARY")
+        theirs = {"participant": "P01@BERN", "site": "BERN"}
+        database.execute(
+            "UPDATE records SET id='R1@BERN', participant=:participant, site=:site", theirs
+        )
+        database.execute("INSERT INTO participants VALUES (:participant, '2026', :site)", theirs)
+    (made, *rest) = copies(data)
+    for path in rest:
+        path.unlink()
+    merge(data, None, ["P01@BERN=P07"], start=lambda name: lambda done, whole: None)
+    done = erased(data)
+    assert str(made) in done.rewritten
+    assert holding(data) == []
+
+
+def test_a_backup_of_an_earlier_version_is_rewritten(data: Path) -> None:
+    fill(data)
+    made = copies(data)[0]
+    with closing(sqlite3.connect(made)) as backup:
+        views = backup.execute("SELECT name FROM sqlite_master WHERE type='view'").fetchall()
+        for (view,) in views:
+            backup.execute(f"DROP VIEW {view}")
+        for table in TABLES.values():
+            if table.since > FIRST_VERSION:
+                backup.execute(f"DROP TABLE {table.name}")
+                continue
+            for column in table.columns:
+                if column.since > FIRST_VERSION:
+                    backup.execute(f"ALTER TABLE {table.name} DROP COLUMN {column.name}")
+        backup.execute(f"PRAGMA user_version={FIRST_VERSION}")
+    done = erased(data)
+    assert done.refused == []
+    assert holding(data) == []
+    with closing(sqlite3.connect(made)) as backup:
+        assert backup.execute("SELECT event, participant FROM people_events").fetchall() == [
+            ("erased", "P07")
+        ]
+
+
+def test_an_export_with_an_empty_manifest_stops_nothing(data: Path) -> None:
+    fill(data)
+    (data / "exports" / "csv").mkdir(parents=True)
+    (data / "exports" / "csv" / "sar-tui-export.json").touch()
+    assert erased(data).folders == []
+
+
 def session_ids(path: Path) -> set[str]:
     with closing(sqlite3.connect(path)) as database:
         return {id for (id,) in database.execute("SELECT id FROM sessions")}
@@ -234,7 +338,7 @@ def killing(*given):
         os.kill(os.getpid(), 9)
     return real(*given)
 setattr(erasure, place, killing)
-erasure.erase(Path(sys.argv[1]), "P07", author="ana", reason="")
+getattr(erasure, sys.argv[4])(Path(sys.argv[1]), "P07", author="ana", reason="")
 """
 
 
@@ -246,7 +350,7 @@ def test_erasing_again_completes_what_was_killed(data: Path, place: str, number:
     fill(data)
     fill(data, "P08", "KEPT")
     copies(data)
-    command = [sys.executable, "-c", KILLED, str(data), place, str(number)]
+    command = [sys.executable, "-c", KILLED, str(data), place, str(number), "erase"]
     assert subprocess.run(command, check=False).returncode == -9
     assert holding(data)
     with closing(connect(data)) as database:
@@ -296,6 +400,29 @@ def test_texts_and_code_go_and_results_stay(data: Path) -> None:
     (last,) = {code for (code,) in sql(data, "SELECT participant FROM seats")}
     assert erase(data, last, author="ana", reason="").sessions == 2
     assert value(data, "SELECT count(*) FROM sessions") == 0
+
+
+@pytest.mark.parametrize(("place", "number"), [("_rewrite", 1), ("_clean", 1), ("_apply", 4)])
+def test_de_identifying_again_completes_what_was_killed(
+    data: Path, place: str, number: int
+) -> None:
+    fill(data)
+    made = copies(data)
+    (data / "progress-P07-keyboard.html").write_bytes(CANARY)
+    command = [sys.executable, "-c", KILLED, str(data), place, str(number), "de_identify"]
+    assert subprocess.run(command, check=False).returncode == -9
+    assert holding(data)
+    new = de_identify(data, "P07", author="ana", reason="").event.participant
+    assert holding(data) == []
+    assert holding(data, b'"P07"') == []
+    assert found(data) == []
+    for path in (data / FILE, *made):
+        with closing(sqlite3.connect(path)) as database:
+            held = database.execute(
+                "SELECT participant FROM seats UNION SELECT participant FROM records"
+                " UNION SELECT participant FROM programmes UNION SELECT code FROM participants"
+            ).fetchall()
+            assert held == [(new,)], path
 
 
 def test_keys_of_a_typed_answer_go(data: Path) -> None:

@@ -14,7 +14,7 @@ import pytest
 from sar_tui.plugins import Catalogue
 from sar_tui.store import people_events
 from sar_tui.store.database import StoreError, connect
-from sar_tui.store.erasure import erase
+from sar_tui.store.erasure import de_identify, erase
 from sar_tui.study import enrolment, ledger, secret
 from sar_tui.study.allocation import AllocationError, Assigned, assign
 from sar_tui.study.ledger import Frozen
@@ -201,3 +201,42 @@ def test_whoever_withdrew_altogether_has_left_the_study(place: Place) -> None:
         )
         (one,) = ledger.enrolments(db, "praise")
     assert (one.ended, one.why_ended) == ("withdrawn", "too tired")
+
+
+@pytest.mark.parametrize("how", ["erased", "de-identified"])
+def test_the_code_of_a_person_who_was_replaced_goes_with_the_person(how: str, place: Place) -> None:
+    with closing(connect(place.folder)) as db:
+        frozen = ledger.find(db)
+        enrolment.enrol(db, frozen, "FIRST", place.key)
+        ledger.note(
+            db, ledger.EXIT, "FIRST", {"study": "praise", "what": "lost", "reason": "moved"},
+            author="me",
+        )  # fmt: skip
+        second = enrolment.enrol(db, frozen, "SECOND", place.key, replaces="FIRST")
+    if how == "erased":
+        new = erase(place.folder, "FIRST", author="me", reason="").event.replaced_by
+    else:
+        new = de_identify(place.folder, "FIRST", author="me", reason="").event.participant
+    first, found = people(place)
+    assert (first.participant, found.replaces) == (new, new)
+    assert (found.group, found.number) == (second.group, 2)
+    de_identify(place.folder, "SECOND", author="me", reason="")
+    assert people(place)[1].replaces == new
+
+
+def test_a_person_who_is_de_identified_stays_in_the_study(place: Place) -> None:
+    given = {"study": "praise", "version": "2", "answer": "yes", "witness": "W01"}
+    with closing(connect(place.folder)) as db:
+        before = enrolment.enrol(db, ledger.find(db), "P01", place.key)
+        ledger.note(db, ledger.CONSENT, "P01", given, author="me")
+    new = de_identify(place.folder, "P01", author="me", reason="").event.participant
+    with closing(connect(place.folder)) as db:
+        after = ledger.enrolment(db, "praise", new)
+        assert (after.number, after.group, after.orders) == (1, before.group, before.orders)
+        consent = ledger.consent_of(db, "praise", new)
+        assert consent
+        assert (consent.content["version"], consent.content["witness"]) == ("2", "")
+        people_events.add(db, people_events.new_event("withdrawn", new, author="me", reason=""))
+    newer = de_identify(place.folder, new, author="me", reason="").event.participant
+    (left,) = people(place)
+    assert (left.participant, left.ended) == (newer, "withdrawn")

@@ -25,6 +25,8 @@ _ID, _VERSION, _KIND, _SESSION, _REMOVED = (
 _LAST = "SELECT id, max(version) FROM records WHERE participant=? GROUP BY id"
 _CODES = (LANGUAGE,)
 """Fields of forms that are texts, and were not typed."""
+_IDS = ("replaces", "record")
+"""Fields of studies with the code of a person, or the id of a record: they leave as texts do."""
 _VALUE = ("content.field", "content.value", "content.unit", "content.option", "content.words")
 
 
@@ -102,6 +104,7 @@ def _value(
     if isinstance(value, bool | int | float):
         return float(value), field.unit if field else "", None, None
     is_declined = field is not None and field.may_decline and value == NOT_SAID
-    if field is not None and (field.type == "choice" or is_declined or name in _CODES):
+    is_name = field is not None and not field.typed and name not in _IDS
+    if field is not None and (field.type == "choice" or is_declined or is_name or name in _CODES):
         return None, "", str(value), None
     return None, "", None, str(value)

@@ -9,7 +9,7 @@ import re
 import sqlite3
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import msgspec
 
@@ -19,6 +19,7 @@ from sar_tui.store.database import StoreError
 from sar_tui.store.merge import conflicts
 from sar_tui.store.merge.conflicts import Content
 from sar_tui.store.participants import check_code
+from sar_tui.store.people_events import What
 from sar_tui.store.programmes import LONGEST_TEXT
 from sar_tui.store.sites import check_site
 from sar_tui.store.tables import SESSION_TABLES, TABLES, Form
@@ -75,7 +76,7 @@ _FORMS: dict[Form, Rule] = {
     "date": _form(r"[0-9T:.+Z -]{0,40}"),
     "record": _form(r"[A-Za-z0-9][A-Za-z0-9_-]{0,95}(@[A-Z0-9][A-Z0-9-]{0,15})?"),
     "kind": _form(r"[A-Za-z0-9][A-Za-z0-9 ._-]{0,63}"),
-    "event": _form(r"withdrawn|resumed|de-identified|erased"),
+    "event": _form("|".join(get_args(What))),
     "id": _form(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"),
     "line": _text(1000),
     "note": _text(4000),

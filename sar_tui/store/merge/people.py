@@ -80,6 +80,11 @@ def site_of(code: str) -> str:
     return code.partition("@")[2]
 
 
+def local_code(code: str) -> str:
+    """Return a code as its own site stores it."""
+    return code.partition("@")[0]
+
+
 def parse_same(text: str, own: str) -> Pair:
     """Return the codes in full of "P01@BERN=P01". Raises StoreError."""
     parts = [part.strip() for part in text.split("=")]

@@ -12,7 +12,7 @@ import msgspec
 
 from sar_tui.store import people_events, sites
 from sar_tui.store.database import StoreError, transaction
-from sar_tui.store.merge.people import Pair, site_of, stored_pairs
+from sar_tui.store.merge.people import Pair, local_code, site_of, stored_pairs
 from sar_tui.store.people_events import PersonEvent
 from sar_tui.store.personal_rows import FINAL, apply, with_full_codes
 
@@ -66,19 +66,23 @@ def keep_rights(
             ) from error
         known = {event.id for event in here}
         accepted = [event for event in there if _is_author(event, own, site) or event.id in known]
-        events = sorted(
-            {event.id: event for event in (*accepted, *here) if event.event in FINAL}.values(),
-            key=lambda event: (event.at, event.id),
-        )
         refused = [_claimed(event, site) for event in there if _is_claim(event, own, site, known)]
         with transaction(copy):
             copy.execute("INSERT OR IGNORE INTO site (number, code) VALUES (1, ?)", (site,))
             pairs = stored_pairs(db) | set(same)
-            for event in events:
+            for event in _final(here, accepted):
                 is_new = event.id not in {one.id for one in there}
                 if apply(copy, event, same=pairs, at=own) and is_new:
                     refused.append(_in_words(event, own))
-    return Rights(tuple(events), tuple(refused))
+    return Rights(_final(accepted, here), tuple(refused))
+
+
+def _final(others: Iterable[PersonEvent], own: Iterable[PersonEvent]) -> tuple[PersonEvent, ...]:
+    """Return the erasures and de-identifications that two databases know, in order; those of both
+    as the second one has them: a later de-identification replaces the code in earlier ones.
+    """
+    known = {event.id: event for event in (*others, *own) if event.event in FINAL}
+    return tuple(sorted(known.values(), key=lambda event: (event.at, event.id)))
 
 
 def take_over(db: sqlite3.Connection, rights: Rights) -> list[str]:
@@ -107,7 +111,7 @@ def _claimed(event: PersonEvent, site: str) -> str:
         code=event.participant,
         event=event.event,
         command=command,
-        local=event.participant.partition("@")[0],
+        local=local_code(event.participant),
     )
 
 

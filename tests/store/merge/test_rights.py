@@ -164,3 +164,48 @@ def test_a_moved_session_is_moved_everywhere(bern: Path, zurich: Path, tmp_path:
         assert whole(folder)
     assert holds(zurich) == holds(third)
     assert merge(bern, before, one_site=True).backup is None
+
+
+@pytest.mark.parametrize("order", [*permutations(("before", "between", "bern"))], ids="-".join)
+def test_a_session_of_two_who_were_erased_does_not_come_back(
+    order: tuple[str, ...], bern: Path, tmp_path: Path
+) -> None:
+    found = {"before": copy(bern, tmp_path / "before"), "bern": bern}
+    erase(bern, "P07", author="ana", reason="")
+    found["between"] = copy(bern, tmp_path / "between")
+    erase(bern, "P08", author="ana", reason="")
+    assert codes(bern) == set()
+    chur = site(tmp_path / "chur", "CHUR")
+    merge(chur, *(found[name] for name in order))
+    assert codes(chur) == set()
+    assert holds(chur) == holds(bern)
+    assert whole(chur)
+    merge(bern, found["before"], one_site=True)
+    assert codes(bern) == set()
+
+
+@pytest.mark.parametrize("how", ["erased", "de-identified"])
+def test_what_is_done_twice_is_done_once_to_each_session(
+    how: str, bern: Path, zurich: Path, tmp_path: Path
+) -> None:
+    before = copy(bern, tmp_path / "before")
+    new = de_identify(bern, "P07", author="ana", reason="why").event.participant
+    between = copy(bern, tmp_path / "between")
+    merge(zurich, between)
+    if how == "erased":
+        erase(bern, new, author="ana", reason="")
+    else:
+        de_identify(bern, new, author="ana", reason="")
+    left, of_bern = holds(bern), {f"{code}@BERN" for code in codes(bern)}
+    third = site(tmp_path / "chur", "CHUR")
+    merge(third, between, bern)
+    assert holds(third) == left
+    merge(zurich, bern)
+    assert codes(zurich) == {"Z01", *of_bern}
+    assert merge(zurich, between).backup is None
+    assert merge(bern, between, one_site=True).backup is None
+    merge(bern, before, one_site=True)
+    assert {f"{code}@BERN" for code in codes(bern)} == of_bern
+    assert b"CANARY" not in dump(bern)
+    assert how == "de-identified" or holds(bern) == left
+    assert all(map(whole, (bern, zurich, third)))

@@ -10,8 +10,8 @@ import msgspec
 from sar_tui import __version__
 from sar_tui.export.contents import dataset_name
 from sar_tui.export.formats.bids.study import Row, Session, Study, label
-from sar_tui.export.formats.bids.tsv import described, write_json, write_rows
-from sar_tui.records.kind import Field, Kind, kinds
+from sar_tui.export.formats.bids.tsv import described, text, write_json, write_rows
+from sar_tui.records.kind import NOT_SAID, Field, Kind, kinds
 
 VERSION = "1.10.0"
 """The version of BIDS that the files follow."""
@@ -101,7 +101,7 @@ def _modes(study: Study) -> str:
     return f"Sessions: {told or 'none'} (column `mode` of `_sessions.tsv` and `_beh.tsv`)."
 
 
-_ELSEWHERE = ("session", "participant", "partner", "started_at")
+_ELSEWHERE = ("participant", "partner", "started_at")
 _ACQ_TIME = "acq_time"
 
 
@@ -271,5 +271,12 @@ def _tool(name: str, kind: Kind | None, occasions: Mapping[str, list[Row]]) -> T
 
 def _described(field: Field) -> dict[str, Any]:
     better = f"; {field.better} is better" if field.better else ""
-    described = {"Description": f"{field.title}{f', {field.range}' * bool(field.range)}{better}."}
-    return {**described, "Units": field.unit} if field.unit else described
+    described: dict[str, Any] = {
+        "Description": f"{field.title}{f', {field.range}' * bool(field.range)}{better}."
+    }
+    if field.unit:
+        described["Units"] = field.unit
+    if field.type == "choice":
+        declined = (NOT_SAID,) if field.may_decline else ()
+        described["Levels"] = {text(level): level for level in (*field.labels, *declined)}
+    return described

@@ -99,7 +99,8 @@ class Study:
         ]
         self.subjects = labels("Participants", "sub", self.owners("participants"), _RECODE)
         self.tasks = labels("Tasks", "task", dict.fromkeys(row["task"] for row in found), _APART)
-        sessions = labels("Sessions", "ses", self.owners("sessions"), _APART)
+        names = {row["session"]: _name(row) for row in found}
+        sessions = labels("Sessions", "ses", names.values(), _APART)
         self.sessions: list[Session] = []
         for row in found:
             codes = {
@@ -115,7 +116,7 @@ class Study:
                         seat=seat,
                         row=row,
                         subject=self.subjects[code],
-                        label=sessions[row["session"]],
+                        label=sessions[names[row["session"]]],
                         task=row["task"],
                         task_label=self.tasks[row["task"]],
                         partner=others[0] if others else "",
@@ -146,6 +147,12 @@ class Study:
             for row in self.rows("runs", session)
         }
         return found or {1: Run(1)}
+
+
+def _name(session: Row) -> str:
+    """Return the visit and the block of a session of a study, and its id; of another one its id."""
+    place = (session.get(name) for name in ("visit", "block"))
+    return " ".join([*filter(None, place), session["session"]])
 
 
 def label(text: str) -> str:
