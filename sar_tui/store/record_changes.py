@@ -9,13 +9,10 @@ from datetime import datetime
 from pathlib import Path
 
 import msgspec
-from msgspec.structs import replace
 
-from sar_tui.loop.topics import NOTE_ADDED, RECORD_CHANGED, SESSION_ENDED
+from sar_tui.loop.topics import RECORD_CHANGED, SESSION_ENDED
 from sar_tui.model.messages import (
-    Json,
     Message,
-    NoteAdded,
     RecordChange,
     RecordChanged,
     SessionEnded,
@@ -172,66 +169,6 @@ def code_at_first(db: sqlite3.Connection, session: str, seat: str, code: str) ->
         if change.change == "moved" and change.seat == seat and change.details:
             return str(change.details["before"])
     return code
-
-
-def erase_note(
-    db: sqlite3.Connection, folder: Path, session: str, seq: int, *, actor: str, reason: str
-) -> bool:
-    """Erase the text and the label of an operator's note, such as one with a name in it.
-
-    Its message stays without them. The hashes of the message as it was, and as it is then, go into
-    the log, so that all hashes still hold, and nothing else can be put in its place.
-
-    Args:
-        db, folder, session: the session, which no program has open.
-        seq: the number of the note's message.
-        actor, reason: who erases it, and why.
-
-    Returns:
-        False if this is no note of a session of this site; nothing has changed then.
-
-    Raises:
-        StoreError: a program has the session open, or the disk cannot write.
-    """
-    held = locks.hold(folder, "session", session)
-    try:
-        # or the text would stay in parts of the file that are free
-        db.execute("PRAGMA secure_delete=ON")
-        with transaction(db) as connection:
-            row = _next_note(connection, session, seq - 1)
-            is_own = connection.execute(
-                "SELECT 1 FROM sessions WHERE id=? AND site=''", (session,)
-            ).fetchone()
-            if row is None or row.seq != seq or not is_own:
-                return False
-            note = messages.decoded(row)
-            assert isinstance(note, NoteAdded)
-            connection.execute(
-                "UPDATE notes SET text='', label='' WHERE session=? AND at_ns=? AND author=? AND "
-                "text=? AND label=?",
-                (session, note.at or row.at, note.actor, note.text, note.label),
-            )
-            messages.replace(connection, session, seq, NOTE_ADDED, replace(note, text="", label=""))
-            rest = _next_note(connection, session, seq - 1)
-            assert rest is not None
-            hashes = " ".join(log_hashes.message_hash(each).hex() for each in (row, rest))
-            erased: Json = {str(seq): hashes}
-            said = RecordChanged(
-                change="redacted", actor=actor, at=utc(), reason=reason, details=erased
-            )
-            log(connection, session, said)
-        db.execute(
-            "PRAGMA wal_checkpoint(TRUNCATE)"
-        ).fetchall()  # or the text would stay in the write-ahead log
-    finally:
-        held.release()
-    return True
-
-
-def _next_note(db: sqlite3.Connection, session: str, after: int) -> messages.StoredRow | None:
-    """Return the first note after a message. All are read: an open cursor blocks a checkpoint."""
-    notes = [*messages.stored_rows(db, session, after, topics=(NOTE_ADDED.name,))]
-    return notes[0] if notes else None
 
 
 def erased_hashes(db: sqlite3.Connection, session: str) -> dict[tuple[str, bytes], bytes]:

@@ -10,19 +10,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from msgspec.structs import replace
 
 from sar_tui.loop.clock import VirtualClock
-from sar_tui.loop.topics import NOTE_ADDED
-from sar_tui.model.messages import NoteAdded, RecordChanged
-from sar_tui.replay.replay import replay
+from sar_tui.model.messages import RecordChanged
 from sar_tui.runs.run import resume
-from sar_tui.store import messages, sessions
 from sar_tui.store.backup import back_up, rehearse
 from sar_tui.store.database import FILE, connect, transaction
 from sar_tui.store.integrity import Flaw, flaws
 from sar_tui.store.log_examination import DERIVED
-from sar_tui.store.record_changes import change_status, erase_note, log
+from sar_tui.store.record_changes import change_status, log
 from sar_tui.store.repair import repair
 from sar_tui.store.rescue import copy_session
 from sar_tui.store.tables import TABLES
@@ -271,29 +267,6 @@ def test_a_session_moved_to_another_person_is_whole(recorded: tuple[str, str], d
     assert found(data) == []
     alter(data, "UPDATE seats SET participant='P01' WHERE session=:s", recorded[KEYS])
     assert [flaw.where for flaw in found(data)] == [recorded[KEYS]]
-
-
-def test_a_note_that_was_erased_leaves_its_hash_and_no_other_takes_its_place(
-    recorded: tuple[str, str], data: Path
-) -> None:
-    session = recorded[KEYS]
-    with closing(connect(data)) as database:
-        logged = messages.read(database, session)
-        note, *later = (one for one in logged if isinstance(one.message, NoteAdded))
-        assert later, "the text of an earlier note must leave the file too"
-        text = note.message.text
-        assert not erase_note(database, data, session, note.seq + 1, actor="ana", reason="no note")
-        assert erase_note(database, data, session, note.seq, actor="ana", reason="a name")
-        assert list(flaws(database)) == []
-        kept = sql(database, "SELECT text, label FROM notes WHERE at_ns=?", note.at)
-        assert kept == [("", "")]
-        row = sessions.find(database, data, session)
-        assert replay(database, data, catalogue(), row).identical
-        assert text.encode() not in (data / FILE).read_bytes()
-        other = replace(note.message, text="sits badly")
-        messages.replace(database, session, note.seq, NOTE_ADDED, other)
-        sql(database, "UPDATE notes SET text='sits badly' WHERE at_ns=?", note.at)
-        assert {flaw.kind for flaw in flaws(database)} == {"log"}
 
 
 def test_equal_messages_have_equal_hashes_whatever_their_topics(data: Path, tmp_path: Path) -> None:
