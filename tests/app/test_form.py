@@ -149,7 +149,7 @@ async def test_the_time_of_each_item_is_kept_and_adds_up(
     known(data)
     now = [0]
     async with fill() as driver:
-        filling = driver.app.screen._filling
+        filling = driver.app.screen._interview
         filling._now = lambda: now[0] * 1_000_000
         filling._shown = 0
         now[0] = 1500
