@@ -9,7 +9,7 @@ from sar_tui.loop.clock import host_now
 from sar_tui.model.language import Language, in_language
 from sar_tui.model.step import FULL, Entry, Step, points, press
 from sar_tui.model.units import MS
-from sar_tui.records.kind import NOT_SAID, Field, Kind, RecordError, Value
+from sar_tui.records.kind import MOST_SHOWN_POINTS, NOT_SAID, Field, Kind, RecordError, Value
 from sar_tui.reports import progress_words
 from sar_tui.rules.parameters import TaskParameters, build, usable
 from sar_tui.rules.scanning import Choice
@@ -19,8 +19,6 @@ from sar_tui.store.forms import FormAnswers
 from sar_tui.store.records import Record
 from sar_tui.tui.language import app_language
 
-_MOST_TICKS = 31
-"""Points of a scale that are drawn and chosen one by one; of more, the number is typed."""
 _LINE = (0, FULL)
 
 
@@ -61,7 +59,7 @@ def step_of(item: Field) -> Step:
         return Step(name=item.name, text=item.title, kind="choice", labels=labels)
     if len(scale) == FULL + 1 and (scale[0], scale[-1]) == _LINE:
         return Step(name=item.name, text=item.title, kind="line", labels=labels)
-    if 1 < len(scale) <= _MOST_TICKS:
+    if 1 < len(scale) <= MOST_SHOWN_POINTS:
         ends = (scale[0], scale[-1], scale[1] - scale[0])
         return Step(name=item.name, text=item.title, kind="number", labels=labels, scale=ends)
     return Step(name=item.name, text=item.title, kind="text")

@@ -290,6 +290,7 @@ def read_redcap(
                 folder.mkdir(parents=True, exist_ok=True)
                 write_private(path, each.declaration)
                 written.append(str(path))
+                known.add(each.kind.casefold())
             except OSError as error:
                 refused.append(f"{path} cannot be written: {error.strerror or error}.")
         told.append(

@@ -9,7 +9,7 @@ items are fields. The fields of its scores, and of how it was filled in, are add
 
 import functools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
@@ -31,6 +31,8 @@ OPEN, COMPLETE = "open", "complete"
 """Values of the field ``status``."""
 LONGEST_TEXT = 2000
 """Characters of a text in a record."""
+MOST_SHOWN_POINTS = 31
+"""Points of a scale that are shown one by one; of more, the number is typed."""
 _MOST_POINTS = 101
 _LINES = "\n\r\t"
 """Control characters that a text of several lines has."""
@@ -348,9 +350,18 @@ class Kind(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
         """The languages that a form has words in, by code."""
         return tuple(self.words) or ("en",)
 
+    def language_shown(self, code: str) -> str:
+        """Return the language in which a form is shown to somebody who speaks this one: that, or
+        that of its declaration.
+        """
+        for known in (code, code.partition("-")[0]):
+            if known in self.words:
+                return known
+        return "en" if self._has_text else next(iter(self.words), "en")
+
     def in_language(self, code: str) -> "Kind":
         """Return a form with its words in a language; as it is declared if it has none in that."""
-        if (words := self._words(code)) is None:
+        if (words := self.words.get(self.language_shown(code))) is None:
             return self
         items = tuple(_worded(item, words, at) for at, item in enumerate(self.items))
         fields = (*items, *self.fields[len(items) :])
@@ -358,13 +369,8 @@ class Kind(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
     def instruction_in(self, code: str) -> str:
         """Return what is shown with each item of a form; empty if nothing is."""
-        words = self._words(code) or self._words("en")
+        words = self.words.get(self.language_shown(code))
         return words.instruction if words else ""
-
-    def _words(self, code: str) -> Words | None:
-        """Return the words in a language; those of any if the items themselves have no text."""
-        own = self.words.get(code) or self.words.get(code.partition("-")[0])
-        return own or (None if self._has_text else next(iter(self.words.values()), None))
 
     @property
     def _has_text(self) -> bool:
@@ -597,22 +603,40 @@ def _form_problem(kind: Kind) -> str:
         return 'A form is filled in by the participant: entered_by = "participant".'
     if kind.fields and kind.form.items not in (0, len(items)):
         return f"The form has {len(items)} fields, not {kind.form.items} items."
-    for code, words in kind.words.items():
-        if any(len(given) not in (0, len(items)) for given in (words.items, words.ends)):
-            return f"The words in {code} have another number of items than the form, {len(items)}."
-        for item in (_worded(item, words, at) for at, item in enumerate(items)):
-            if problem := _labels_problem(item):
-                return problem
-        shown = "".join((words.title, words.instruction, *words.items, *words.labels))
-        if problem := control_problem(f"The words in {code}", shown):
+    problems = (
+        *(_words_problem(code, words, items) for code, words in kind.words.items()),
+        *map(_item_problem, items),
+        *(scoring.problem(each, items) for each in kind.scores),
+    )
+    return next(filter(None, problems), "")
+
+
+def _words_problem(code: str, words: Words, items: Sequence[Field]) -> str:
+    """Return why the words of a form in a language cannot be used; empty if they can."""
+    if any(len(given) not in (0, len(items)) for given in (words.items, words.ends)):
+        return f"The words in {code} have another number of items than the form, {len(items)}."
+    for at, declared in enumerate(items):
+        item = _worded(declared, words, at)
+        if item.type == "choice" and len(item.labels) != len(declared.labels):
+            return f"The choice {item.name} has another number of labels in {code}."
+        if problem := _item_problem(item):
             return problem
-    wrong = next(filter(None, map(_labels_problem, items)), "")
-    return wrong or next(filter(None, (scoring.problem(each, items) for each in kind.scores)), "")
+    ends = [label for own in words.ends for label in own]
+    shown = "".join((words.title, words.instruction, *words.items, *words.labels, *ends))
+    return control_problem(f"The words in {code}", shown)
 
 
-def _labels_problem(item: Field) -> str:
-    if item.type == "choice" and len(item.labels) > _MOST_OPTIONS:
-        return f"The choice {item.name} has at most {_MOST_OPTIONS} labels."
-    if item.is_number and len(item.labels) not in (0, 2, len(item.points)):
+def _item_problem(item: Field) -> str:
+    """Return why an item cannot be asked, in one sentence; empty if it can."""
+    labels, points = item.labels, item.points
+    if item.type == "choice":
+        if len(labels) > _MOST_OPTIONS:
+            return f"The choice {item.name} has at most {_MOST_OPTIONS} labels."
+        if len(set(labels)) < len(labels):
+            return f"The choice {item.name} has two labels that are the same."
+    if points and item.lowest != points[0]:
+        return f"The lowest of {item.name} is a whole number, as its values are."
+    each = len(points) if len(points) <= MOST_SHOWN_POINTS else 0
+    if item.is_number and len(labels) not in (0, 2, each):
         return f"{item.name} has labels for both ends, for each point, or none."
     return ""

@@ -13,13 +13,15 @@ import json
 import math
 import re
 import zipfile
+import zlib
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import msgspec
 
-from sar_tui.records.kind import Field, Kind, toml_problem
+from sar_tui.records.kind import MOST_SHOWN_POINTS, Field, Kind, toml_problem
 from sar_tui.records.scoring import Score, items_of
 
 COLUMNS = (
@@ -40,13 +42,16 @@ LONGEST_NAME = 26
 INSTRUMENT, ORIGIN = "instrument.csv", "OriginID.txt"
 """The files of an instrument's zip."""
 _OWN = "sar-tui: "
-_MOST_CODES = 31
-"""Points of a scale that are written as a list of choices."""
 _SLIDER = (0, 100)
 _YES_NO = {"yesno": ("Yes", "No"), "truefalse": ("True", "False")}
 _LARGEST_FILE = 4_000_000
 _NUMBER = re.compile(r"-?\d{1,15}(\.\d{1,15})?")
+_CODE = re.compile(r"-?[0-9]{1,9}")
 _VARIABLE = re.compile("[a-z][a-z0-9_]*")
+_TAG = re.compile(r"</?[a-zA-Z][^<>]*>|<!--.*?-->", re.DOTALL)
+"""A tag of HTML, which "<5" is none of."""
+_LINE_BREAK = re.compile(r"<(?:br|/p|/div|/li)\b[^<>]*>", re.IGNORECASE)
+_ACTION_TAG = re.compile(r"(?:^|\s)(@[A-Z][A-Z0-9_-]*)")
 _TYPES = frozenset(
     "text notes dropdown radio checkbox yesno truefalse calc file slider descriptive sql".split()
 )
@@ -161,7 +166,7 @@ def _typed(item: Field) -> Row:
     if points and (points[0], points[-1], item.step) == (*_SLIDER, 1) and len(labels) in (0, 2):
         ends = f"{labels[0]} |  | {labels[1]}" if labels else ""
         return {TYPE: "slider", CHOICES: ends, VALIDATION: "number"}
-    if 1 < len(points) <= _MOST_CODES:
+    if 1 < len(points) <= MOST_SHOWN_POINTS:
         if len(labels) != len(points):
             first, last = labels[:1] or ("",), labels[-1:] or ("",)
             labels = (*first, *("",) * (len(points) - 2), *last)
@@ -298,9 +303,14 @@ def read(path: Path) -> list[FoundForm]:
     except UnicodeDecodeError as error:
         raise RedcapError(f"{path.name} is not UTF-8. Save it as CSV UTF-8.") from error
     rows = _rows(path.name, text)
-    if not is_zip and rows and rows[0][1][TYPE] == "text":
-        rows = rows[1:]  # the record's id, in a dictionary of a whole project
+    if not is_zip and rows and _is_record_id(rows[0][1]):
+        rows = rows[1:]
     return list(_forms(rows))
+
+
+def _is_record_id(first: Row) -> bool:
+    """Return True if the first row of a dictionary is the record's id, as in one of a whole project."""
+    return first[TYPE] == "text" and not first[ANNOTATION].startswith(_OWN)
 
 
 def _from_zip(path: Path) -> bytes:
@@ -313,7 +323,9 @@ def _from_zip(path: Path) -> bytes:
         raise RedcapError(
             f"{path.name} is no instrument of REDCap: it has no {INSTRUMENT}."
         ) from None
-    except (zipfile.BadZipFile, RuntimeError, NotImplementedError, EOFError) as error:
+    except (
+        zipfile.BadZipFile, zlib.error, RuntimeError, NotImplementedError, EOFError,
+    ) as error:  # fmt: skip
         raise RedcapError(f"{path.name} is a damaged zip.") from error
 
 
@@ -332,6 +344,8 @@ def _rows(name: str, text: str) -> list[tuple[int, Row]]:
     found = []
     for number, cells in enumerate(lines[1:], 2):
         if any(cell.strip() for cell in cells):
+            if any(cell.strip() for cell in cells[len(head) :]):
+                raise RedcapError(f"{name}: row {number} has more cells than there are columns.")
             given = {column: cell.strip() for column, cell in zip(head, cells, strict=False)}
             found.append((number, dict.fromkeys(COLUMNS, "") | given))
     return found
@@ -354,6 +368,11 @@ def _forms(rows: Sequence[tuple[int, Row]]) -> Iterator[FoundForm]:
         by_form.setdefault(form, []).append((number, row))
     for form, own in by_form.items():
         yield _FormReader(form, own, twice.get(form, [])).found()
+
+
+def _without_html(text: str) -> str:
+    """Return a text without the tags of HTML, and with a blank where a line ended."""
+    return html.unescape(_TAG.sub("", _LINE_BREAK.sub(" ", text))).strip()
 
 
 class _Refused(Exception):
@@ -426,8 +445,8 @@ class _FormReader:
                 self._head = msgspec.json.decode(own, type=_Head)
             except msgspec.MsgspecError:
                 raise _Refused("has an annotation of sar-tui that was changed") from None
-        elif annotation.startswith("@"):
-            raise _Refused(f"has the action tag {annotation.split()[0]}, which nothing here does")
+        elif tag := _ACTION_TAG.search(annotation):
+            raise _Refused(f"has the action tag {tag[1]}, which nothing here does")
         elif annotation:
             self._skip(number, row, ANNOTATION)
 
@@ -447,7 +466,7 @@ class _FormReader:
 
     def _plain(self, number: int, row: Row, column: str) -> str:
         """Return a text without HTML."""
-        text = html.unescape(re.sub(r"<[^<>]+>", "", row[column])).strip()
+        text = _without_html(row[column])
         if text != row[column]:
             self._left_out.append(f"Row {number}: {row[NAME]}: HTML of {column} is left out.")
         if re.search(r"\[[a-z][a-z0-9_]*\]", text):
@@ -491,16 +510,16 @@ class _FormReader:
         codes = [code.strip() for code, _ in pairs]
         if len(set(codes)) < len(codes):
             raise _Refused("has a code twice among its choices")
-        labels = [html.unescape(re.sub(r"<[^<>]+>", "", label)).strip() for _, label in pairs]
+        labels = [_without_html(label) for _, label in pairs]
         return codes, labels
 
     def _radio(self, row: Row) -> dict[str, Any]:
         codes, labels = self._choices(row)
-        if not all(re.fullmatch(r"-?\d+", code) for code in codes):
+        if not all(map(_CODE.fullmatch, codes)):
             raise _Refused("is a radio whose codes are not whole numbers")
         points = [int(code) for code in codes]
         step = points[1] - points[0]
-        if step < 1 or points != list(range(points[0], points[-1] + 1, step)):
+        if step < 1 or any(after - before != step for before, after in pairwise(points)):
             raise _Refused("is a radio whose codes do not rise in equal steps")
         words = ["" if label == code else label for code, label in zip(codes, labels, strict=True)]
         found = {"type": "integer", "lowest": points[0], "highest": points[-1], "step": step}

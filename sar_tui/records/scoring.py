@@ -88,8 +88,12 @@ def compute(score: Score, items: Sequence[Item], values: Mapping[str, object]) -
 def bounds(score: Score, items: Sequence[Item]) -> tuple[float, float]:
     """Return the lowest and the highest value that a score can have."""
     own = items_of(score, items)
-    ends = (sum(each.lowest for each in own), sum(each.highest for each in own))
-    low, high = sorted(_total(score, end / len(own), len(own)) for end in ends)
+    lowest, highest = [each.lowest for each in own], [each.highest for each in own]
+    if score.missing == "others":  # any of them may be the only one that is answered
+        ends = [min(lowest), max(highest)]
+    else:
+        ends = [sum(lowest) / len(own), sum(highest) / len(own)]
+    low, high = sorted(_total(score, mean, len(own)) for mean in ends)
     return low, high
 
 

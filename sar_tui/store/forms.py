@@ -82,11 +82,12 @@ class FormAnswers:
         db: the database.
         kind: the form.
         of: who fills it in, and where it belongs.
-        language: in which it is shown; of a form that was left open, that in which it was begun.
+        language: of the participant; a form that was left open stays in that in which it was begun.
         today: the date of the people in front of the screen.
 
     Attributes:
         record: as it is stored; None before the first answer.
+        language: in which the form is shown.
     """
 
     def __init__(
@@ -100,7 +101,7 @@ class FormAnswers:
         self._db, self._kind, self._of = db, kind, of
         self.record = left_open(db, kind, of, today)
         begun_in = self.record.content.get(LANGUAGE) if self.record else None
-        self.language = str(begun_in or language)
+        self.language = kind.language_shown(str(begun_in or language))
 
     @property
     def given(self) -> dict[str, Value]:

@@ -43,6 +43,9 @@ labels = ["no", "yes"]
 [words.de]
 items = ["E", "F", "G", "H"]
 """
+MANY_LABELS = FORM.replace("highest = 7", "highest = 40").replace(
+    '["no", "yes"]', f"{[str(number) for number in range(40)]}"
+)
 TEXTS = """
 based_on = "KSS"
 permission = "The authors, by e-mail, 2026-03-01"
@@ -153,6 +156,9 @@ def test_no_text_ships_that_its_owner_has_not_given_away() -> None:
         ('"E", "F"', '"E"', "The words in de have another number of items than the form, 4."),
         ('["no", "yes"]', '["no", "so", "yes"]', "labels for both ends, for each point, or none"),
         ('name = "part"', 'name = "q1"', "Two fields are named 'q1'"),
+        ("lowest = 1", "lowest = 0.5", "The lowest of q1 is a whole number"),
+        (FORM, MANY_LABELS, "labels for both ends, for each point, or none"),
+        ('"H"]', '"H"]\nends = [["a\\u001b", "b"], [], [], []]', "The words in de"),
         ("[form]\nitems = 4", "", "is no kind of record"),
         ('name = "mood"', 'name = "mood"\nbased_on = "x"', "no kind 'x' ships"),
     ],
@@ -164,6 +170,58 @@ def test_a_form_that_cannot_be_used_is_refused_in_a_sentence(
     with pytest.raises(KindError) as refused:
         read_kind(tmp_path / "own.toml")
     assert says in str(refused.value)
+
+
+CHOICE = """
+name = "hand"
+title = "Hand"
+entered_by = "participant"
+[form]
+[[fields]]
+name = "hand"
+title = "Which hand?"
+type = "choice"
+labels = ["left", "right"]
+[words.de]
+ends = [["links", "rechts"]]
+"""
+
+
+@pytest.mark.parametrize(
+    ("labels", "says"),
+    [
+        ('"links"', "The choice hand has another number of labels in de."),
+        ('"links", "rechts", "beide"', "The choice hand has another number of labels in de."),
+        ('"links", "links"', "The choice hand has two labels that are the same."),
+    ],
+)
+def test_the_options_of_a_choice_are_the_same_in_each_language(
+    tmp_path: Path, labels: str, says: str
+) -> None:
+    (tmp_path / "own.toml").write_text(CHOICE.replace('"links", "rechts"', labels), "utf-8")
+    with pytest.raises(KindError) as refused:
+        read_kind(tmp_path / "own.toml")
+    assert says in str(refused.value)
+
+
+def test_a_form_is_shown_in_the_language_that_it_has_words_in(own: Path) -> None:
+    shown = [find("mood").language_shown(code) for code in ("de", "de-AT", "es", "en")]
+    assert shown == ["de", "de", "en", "en"]
+
+
+@pytest.mark.parametrize("rule", ["mean", "sum"])
+def test_a_score_of_few_answers_lies_within_its_bounds(tmp_path: Path, rule: str) -> None:
+    """A score that does not would make every correction of its record fail."""
+    wide = FORM.replace("items = 4\nlowest = 1\nhighest = 7\nreversed = [4]\n", "")
+    wide = wide[: wide.index("[[scores]]")]
+    for name, highest in (("a", 10), ("b", 100)):
+        wide += f'[[fields]]\nname = "{name}"\ntitle = "{name}"\ntype = "integer"\n'
+        wide += f"lowest = 0\nhighest = {highest}\n"
+    wide += f'[[scores]]\nrule = "{rule}"\nmissing = "others"\n'
+    (tmp_path / "own.toml").write_text(wide, encoding="utf-8")
+    kind = read_kind(tmp_path / "own.toml")
+    found = kind.read({"b": 100})
+    assert kind.read(found) == found
 
 
 def test_an_answer_that_is_no_number_is_missing() -> None:
