@@ -392,14 +392,12 @@ class SarTui(BaseApp):
         Raises:
             StoreError, PluginError, ParameterError: it cannot begin.
         """
-        from sar_tui.app.forms import FormInterview, access_settings, form_language
+        from sar_tui.app.forms import FormInterview, begin_form, form_language
         from sar_tui.app.screens.questions import QuestionScreen
-        from sar_tui.store.forms import FormAnswers
 
-        parameters, name = access_settings(self.database, of.participant, language)
+        answers, parameters, name = begin_form(self.database, kind, of, language)
         theme = self.catalogue.theme(name, parameters.language)
         tr = form_language(parameters.language, theme.texts)
-        answers = FormAnswers(self.database, kind, of, tr.code)
 
         def tell(text: str) -> None:
             self.notify(text, severity="error", timeout=30)

@@ -6,16 +6,17 @@ from collections.abc import Callable, Mapping
 from sar_tui.app.interview import Page, question_page
 from sar_tui.app.screens.waiting_text import how_to_answer
 from sar_tui.loop.clock import host_now
-from sar_tui.model.language import Language, in_language
+from sar_tui.model.language import BUNDLED, Language, in_language
 from sar_tui.model.step import FULL, Entry, Step, points, press
 from sar_tui.model.units import MS
 from sar_tui.records.kind import MOST_SHOWN_POINTS, NOT_SAID, Field, Kind, RecordError, Value
 from sar_tui.reports import progress_words
+from sar_tui.rules.declaration import show
 from sar_tui.rules.parameters import TaskParameters, build, usable
 from sar_tui.rules.scanning import Choice
 from sar_tui.store import programmes
 from sar_tui.store.database import StoreError
-from sar_tui.store.forms import FormAnswers
+from sar_tui.store.forms import FormAnswers, Occasion
 from sar_tui.store.records import Record
 from sar_tui.tui.language import app_language
 
@@ -45,6 +46,26 @@ def access_settings(
     return build(TaskParameters, kept), saved.theme
 
 
+def begin_form(
+    database: sqlite3.Connection, kind: Kind, of: Occasion, language: str = ""
+) -> tuple[FormAnswers, TaskParameters, str]:
+    """Return the answers of a form, which go on where they were left, with the settings and the
+    theme of the participant, in the language in which the form was begun.
+
+    Args:
+        database: the database.
+        kind: the form.
+        of: who fills it in, and where it belongs.
+        language: as for `access_settings`.
+    """
+    parameters, theme = access_settings(database, of.participant, language)
+    answers = FormAnswers(database, kind, of, parameters.language)
+    begun_in = answers.language
+    if begun_in != kind.language_shown(parameters.language) and begun_in in BUNDLED:
+        parameters, theme = access_settings(database, of.participant, begun_in)
+    return answers, parameters, theme
+
+
 def form_language(code: str, texts: Mapping[str, str] = {}) -> Language:
     """Return the texts of a form's screen, with those of the kinds of record; ``texts``, such as a
     theme's, take precedence.
@@ -63,6 +84,22 @@ def step_of(item: Field) -> Step:
         ends = (scale[0], scale[-1], scale[1] - scale[0])
         return Step(name=item.name, text=item.title, kind="number", labels=labels, scale=ends)
     return Step(name=item.name, text=item.title, kind="text")
+
+
+def _typed(item: Field, value: Value, tr: Language) -> str:
+    """Return an answer as it would be typed."""
+    return tr.figures(show(value)) if item.is_number else str(value)
+
+
+def _hint(item: Field, step: Step, tr: Language) -> str:
+    """Return the hint on an item; of a number that is typed also its range, and words at its
+    ends.
+    """
+    if step.kind != "text" or not (said := item.range_in(tr)):
+        return item.hint
+    if item.labels:
+        said = f"{said} ({' – '.join(item.labels)})"
+    return f"{item.hint}, {said}" if item.hint else said
 
 
 class FormInterview:
@@ -162,7 +199,7 @@ class FormInterview:
         return page._replace(
             where=where if self._count > 1 else "",
             instruction=self._instruction,
-            hint=self._items[self._at].hint,
+            hint=_hint(self._items[self._at], self.step, tr),
             problem=self._problem,
         )
 
@@ -177,7 +214,7 @@ class FormInterview:
             return self.tr(NOT_SAID)
         if item.type == "choice":
             return item.labels[stored.labels.index(str(value))]
-        return f"{value}"
+        return _typed(item, value, self.tr)
 
     # --- keys
 
@@ -253,6 +290,6 @@ class FormInterview:
             case "line":
                 return Entry(place=int(value))
             case "text":
-                return Entry(typed=str(value))
+                return Entry(typed=_typed(item, value, self.tr))
         values = [point.value for point in points(step)]
         return Entry(chosen=(values.index(value),)) if value in values else Entry()

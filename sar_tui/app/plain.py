@@ -21,7 +21,7 @@ from textual.events import Key, Paste
 from textual.message import Message
 
 from sar_tui.app import wellbeing
-from sar_tui.app.forms import FormInterview, access_settings, form_language
+from sar_tui.app.forms import FormInterview, begin_form, form_language
 from sar_tui.app.interview import Interview
 from sar_tui.app.leaving import command_line, lines_about
 from sar_tui.app.live import LAST_WRITE_SECONDS, LiveSession, link_of
@@ -71,7 +71,7 @@ from sar_tui.runs.plan import EnoughToday, Plan, set_up
 from sar_tui.runs.plugin_watchdog import PluginWatchdog
 from sar_tui.store import records, sessions
 from sar_tui.store.database import StoreError, connect
-from sar_tui.store.forms import FormAnswers, Occasion
+from sar_tui.store.forms import Occasion
 from sar_tui.store.training_days import utc
 from sar_tui.tui.base_app import punctual_loop
 from sar_tui.tui.exit_codes import FAILED, INTERRUPTED, after_signal
@@ -318,10 +318,9 @@ class PlainApp:
 
     async def fill_form(self, kind: Kind, of: Occasion, language: str = "") -> None:
         """Have a participant fill in a form. What is answered is stored, also if it is left."""
-        parameters, _ = access_settings(self.database, of.participant, language)
+        answers, parameters, _ = begin_form(self.database, kind, of, language)
         self.screen_keys.set_bounce(parameters.bounce_ms)
         tr = form_language(parameters.language)
-        answers = FormAnswers(self.database, kind, of, parameters.language)
         await self.ask(FormInterview(kind, answers, tr, self.notify))
 
     # --- a session

@@ -174,6 +174,11 @@ def _content(question: Question, answer: str) -> dict[str, Value | None]:
     """Return the values of a record that an answer gives."""
     if question in ("place", "advice"):
         return {question: answer}
-    if answer == NOT_SAID:
-        return {"answer": NOT_SAID, "rating": None}
-    return {"answer": RATED, "rating": int(answer)}
+    rating = None if answer == NOT_SAID else int(answer)
+    given: dict[str, Value | None] = {
+        "answer": NOT_SAID if rating is None else RATED,
+        "rating": rating,
+    }
+    if question == "pain" and not rating:  # it hurts nowhere, whatever was said before
+        given["place"] = None
+    return given

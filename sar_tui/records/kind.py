@@ -9,6 +9,7 @@ items are fields. The fields of its scores, and of how it was filled in, are add
 
 import functools
 import math
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
@@ -333,6 +334,8 @@ class Kind(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
             raise RecordError(tr("{kind} has no answers.", kind=tr(self.title)))
         derived = {name for score in self.scores for name in (score.name, missing_of(score))}
         found = {name: value for name, value in values.items() if name not in derived}
+        if all(item.name in found for item in self.items):
+            found[STATUS] = COMPLETE
         found.setdefault(STATUS, COMPLETE)
         if self.permission:
             found.setdefault(PERMISSION, self.permission)
@@ -347,17 +350,17 @@ class Kind(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
     @property
     def languages(self) -> tuple[str, ...]:
-        """The languages that a form has words in, by code."""
+        """The languages that a form has words in, by code; its declaration counts as English."""
         return tuple(self.words) or ("en",)
 
     def language_shown(self, code: str) -> str:
         """Return the language in which a form is shown to somebody who speaks this one: that, or
-        that of its declaration.
+        English, or the first that it has words in.
         """
-        for known in (code, code.partition("-")[0]):
+        for known in (code, code.partition("-")[0], "en"):
             if known in self.words:
                 return known
-        return "en" if self._has_text else next(iter(self.words), "en")
+        return self.languages[0]
 
     def in_language(self, code: str) -> "Kind":
         """Return a form with its words in a language; as it is declared if it has none in that."""
@@ -373,14 +376,10 @@ class Kind(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
         return words.instruction if words else ""
 
     @property
-    def _has_text(self) -> bool:
-        return all(item.title or item.labels for item in self.items)
-
-    @property
     def why_unusable(self) -> str:
         """Why nobody can fill in a form here, in one or two sentences; empty if they can."""
         assert self.form
-        if not self._has_text:
+        if not _has_text(self.items):
             return (
                 f"The text of {self.name} is not here, as its owner has not allowed that. Put a file "
                 f"with its words into {own_folder()} (docs/forms.md)."
@@ -408,9 +407,15 @@ def time_of(item: Field) -> str:
     return f"{item.name}_ms"
 
 
+def _has_text(items: Sequence[Field]) -> bool:
+    """Return True if each item says what it asks: in words, or by labels that others have not."""
+    bare = [item.labels for item in items if not item.title]
+    return all(bare) and (len(bare) < 2 or len(set(bare)) > 1)
+
+
 def _worded(item: Field, words: Words, at: int) -> Field:
     """Return an item of a form with its words."""
-    title = words.items[at] if at < len(words.items) else item.title
+    title = (words.items[at] if at < len(words.items) else "") or item.title
     labels = (words.ends[at] if at < len(words.ends) else ()) or words.labels
     if item.type not in ("integer", "number", "choice"):
         labels = ()
@@ -532,7 +537,9 @@ def _as_form(kind: Kind) -> Kind:
         *(replace(_added(time_of(item), "Time", "integer"), unit="ms") for item in items),
     )
     assert kind.form
-    return replace(kind, fields=fields, form=replace(kind.form, items=len(items))).in_language("en")
+    words = {"en": Words(), **kind.words} if _has_text(items) else kind.words
+    form = replace(kind.form, items=len(items))
+    return replace(kind, fields=fields, form=form, words=words).in_language("en")
 
 
 def _added(name: str, title: str, type: Literal["integer", "choice", "text"]) -> Field:
@@ -565,7 +572,7 @@ def _problem(kind: Kind) -> str:
     if kind.form:
         names += [name for score in kind.scores for name in (score.name, missing_of(score))]
         names += [STATUS, LANGUAGE, PERMISSION, *map(time_of, fields)]
-    if twice := next((name for name in names if names.count(name) > 1), None):
+    if twice := next((name for name, count in Counter(names).items() if count > 1), None):
         return f"Two fields are named {twice!r}."
     if not fields or not all(word.strip() for word in (kind.name, kind.title, *names)):
         return "A kind has a name, a title and fields, and each field has a name."
@@ -603,6 +610,10 @@ def _form_problem(kind: Kind) -> str:
         return 'A form is filled in by the participant: entered_by = "participant".'
     if kind.fields and kind.form.items not in (0, len(items)):
         return f"The form has {len(items)} fields, not {kind.form.items} items."
+    if kind.fields and kind.form.reversed:
+        return "A field of the form is reversed by its own: reversed = true."
+    if any(not 1 <= number <= len(items) for number in kind.form.reversed):
+        return f"The form has reversed items from 1 to {len(items)}."
     problems = (
         *(_words_problem(code, words, items) for code, words in kind.words.items()),
         *map(_item_problem, items),
@@ -632,10 +643,12 @@ def _item_problem(item: Field) -> str:
     if item.type == "choice":
         if len(labels) > _MOST_OPTIONS:
             return f"The choice {item.name} has at most {_MOST_OPTIONS} labels."
-        if len(set(labels)) < len(labels):
+        if len({label.casefold() for label in labels}) < len(labels):
             return f"The choice {item.name} has two labels that are the same."
-    if points and item.lowest != points[0]:
-        return f"The lowest of {item.name} is a whole number, as its values are."
+        if not all(label and label == label.strip() for label in labels):
+            return f"The choice {item.name} has a label that is empty, or with blanks at its ends."
+    if points and (item.lowest, item.highest) != (points[0], points[-1]):
+        return f"Lowest and highest of {item.name} are whole numbers, and points of its scale."
     each = len(points) if len(points) <= MOST_SHOWN_POINTS else 0
     if item.is_number and len(labels) not in (0, 2, each):
         return f"{item.name} has labels for both ends, for each point, or none."

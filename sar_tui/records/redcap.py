@@ -14,6 +14,7 @@ import math
 import re
 import zipfile
 import zlib
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -51,6 +52,8 @@ _VARIABLE = re.compile("[a-z][a-z0-9_]*")
 _TAG = re.compile(r"</?[a-zA-Z][^<>]*>|<!--.*?-->", re.DOTALL)
 """A tag of HTML, which "<5" is none of."""
 _LINE_BREAK = re.compile(r"<(?:br|/p|/div|/li)\b[^<>]*>", re.IGNORECASE)
+_PIPED = re.compile(r"\[[a-z][a-z0-9_]*(?:[(:-][^\[\]]*)?\]")
+"""Another answer, which REDCap puts into a text: [age], [ill(1)], [event-name]."""
 _ACTION_TAG = re.compile(r"(?:^|\s)(@[A-Z][A-Z0-9_-]*)")
 _TYPES = frozenset(
     "text notes dropdown radio checkbox yesno truefalse calc file slider descriptive sql".split()
@@ -124,8 +127,8 @@ def rows_of(kind: Kind, language: str = "en") -> list[Row]:
         }
         for score in kind.scores
     ]
-    used = [row[NAME] for row in rows]
-    if twice := next((name for name in used if used.count(name) > 1), None):
+    used = Counter(row[NAME] for row in rows)
+    if twice := next((name for name, count in used.items() if count > 1), None):
         raise RedcapError(f"{kind.name}: two variables would be named {twice}.")
     return rows
 
@@ -303,9 +306,15 @@ def read(path: Path) -> list[FoundForm]:
     except UnicodeDecodeError as error:
         raise RedcapError(f"{path.name} is not UTF-8. Save it as CSV UTF-8.") from error
     rows = _rows(path.name, text)
-    if not is_zip and rows and _is_record_id(rows[0][1]):
-        rows = rows[1:]
-    return list(_forms(rows))
+    if is_zip or not rows or not _is_record_id(rows[0][1]):
+        return list(_forms(rows))
+    (number, id), *others = rows
+    found = list(_forms(others))
+    for form in found:
+        if form.name == id[FORM]:
+            said = f"Row {number}: {id[NAME]} is left out, as the record's id."
+            form.left_out.insert(0, said)
+    return found
 
 
 def _is_record_id(first: Row) -> bool:
@@ -331,7 +340,7 @@ def _from_zip(path: Path) -> bytes:
 
 def _rows(name: str, text: str) -> list[tuple[int, Row]]:
     """Return the rows with their numbers in the file, 1 for the head."""
-    first = text.split("\n", 1)[0]
+    first = text.splitlines()[0] if text else ""
     between = ";" if first.count(";") > first.count(",") else ","
     try:
         lines = list(csv.reader(io.StringIO(text, newline=""), delimiter=between, strict=True))
@@ -469,7 +478,7 @@ class _FormReader:
         text = _without_html(row[column])
         if text != row[column]:
             self._left_out.append(f"Row {number}: {row[NAME]}: HTML of {column} is left out.")
-        if re.search(r"\[[a-z][a-z0-9_]*\]", text):
+        if _PIPED.search(text):
             raise _Refused(f"shows another answer in its {column}")
         return text
 
@@ -487,14 +496,14 @@ class _FormReader:
         if type in _YES_NO:
             return {"type": "choice", "labels": list(_YES_NO[type])}
         if type == "dropdown":
-            codes, labels = self._choices(row)
+            codes, labels = self._choices(number, row)
             if codes != [str(code) for code in range(1, len(codes) + 1)]:
                 raise _Refused("is a dropdown whose codes are not 1, 2, 3, …")
             return {"type": "choice", "labels": labels}
         if type == "radio":
-            return self._radio(row)
+            return self._radio(number, row)
         if type == "slider":
-            return self._slider(row)
+            return self._slider(number, row)
         if type in ("text", "notes"):
             if type == "notes":
                 self._left_out.append(f"Row {number}: {row[NAME]} is a text of one line here.")
@@ -502,19 +511,19 @@ class _FormReader:
         asks = {"checkbox": "several options", "file": "a file"}
         raise _Refused(f"asks for {asks.get(type, type)}, which an item here cannot")
 
-    def _choices(self, row: Row) -> tuple[list[str], list[str]]:
+    def _choices(self, number: int, row: Row) -> tuple[list[str], list[str]]:
         """Return the codes and the labels of a list of choices."""
-        pairs = [part.split(",", 1) for part in row[CHOICES].split("|") if part.strip()]
+        listed = self._plain(number, row, CHOICES).split("|")
+        pairs = [part.split(",", 1) for part in listed if part.strip()]
         if len(pairs) < 2 or any(len(pair) < 2 for pair in pairs):
             raise _Refused("has no list of choices, such as 1, No | 2, Yes")
         codes = [code.strip() for code, _ in pairs]
         if len(set(codes)) < len(codes):
             raise _Refused("has a code twice among its choices")
-        labels = [_without_html(label) for _, label in pairs]
-        return codes, labels
+        return codes, [label.strip() for _, label in pairs]
 
-    def _radio(self, row: Row) -> dict[str, Any]:
-        codes, labels = self._choices(row)
+    def _radio(self, number: int, row: Row) -> dict[str, Any]:
+        codes, labels = self._choices(number, row)
         if not all(map(_CODE.fullmatch, codes)):
             raise _Refused("is a radio whose codes are not whole numbers")
         points = [int(code) for code in codes]
@@ -531,8 +540,8 @@ class _FormReader:
             raise _Refused("has words at some points of its scale only")
         return found
 
-    def _slider(self, row: Row) -> dict[str, Any]:
-        parts = [part.strip() for part in row[CHOICES].split("|")]
+    def _slider(self, number: int, row: Row) -> dict[str, Any]:
+        parts = [part.strip() for part in self._plain(number, row, CHOICES).split("|")]
         if len(parts) > 2 and parts[1]:
             raise _Refused("has words in the middle of its slider")
         if (row[LOWEST] or "0", row[HIGHEST] or "100") != ("0", "100"):

@@ -71,17 +71,17 @@ def compute(score: Score, items: Sequence[Item], values: Mapping[str, object]) -
         values: the answers by item; an answer that is no number is missing.
     """
     own = items_of(score, items)
-    given = [
-        _turned(item, float(value))
-        for item in own
-        if isinstance(value := values.get(item.name), int | float)
-    ]
+    answers = [(item, values.get(item.name)) for item in own]
+    given = [_turned(item, value) for item, value in answers if isinstance(value, int | float)]
     missing = len(own) - len(given)
     if len(given) < max(1, score.at_least) or (missing and score.missing == "no score"):
         return Computed(None, missing)
     if score.missing == "middle":
-        answered = {item.name for item in own if isinstance(values.get(item.name), int | float)}
-        given += [(each.lowest + each.highest) / 2 for each in own if each.name not in answered]
+        given += [
+            (item.lowest + item.highest) / 2
+            for item, value in answers
+            if not isinstance(value, int | float)
+        ]
     return Computed(_total(score, sum(given) / len(given), len(own)), missing)
 
 

@@ -1,5 +1,8 @@
 """The options of a question, drawn with characters: boxes of a scale, a line, a list, typed words."""
 
+import textwrap
+from collections.abc import Sequence
+
 from textual.content import Content
 
 from sar_tui.model.step import FULL, Entry, Step, points
@@ -18,7 +21,10 @@ _WIDEST_GAP = 6
 """Most columns from one tick to the next."""
 _MARK = "●"
 _LINE = 51
-"""Columns of a line."""
+"""Most columns of a line."""
+_SHORTEST_LINE = 11
+_NARROWEST_LABEL = 10
+"""Least columns in which a label is broken."""
 _TALL = 9
 """Most points that are written one below the other."""
 _COLUMN_ROWS = 6
@@ -35,27 +41,27 @@ def options_text(step: Step, entry: Entry, columns: int = SMALLEST_SCALE) -> str
     Args:
         step: the question.
         entry: what is chosen or typed.
-        columns: room for a scale; its boxes grow with it.
+        columns: room for them; the boxes of a scale grow with it.
     """
     match step.kind:
         case "text":
-            return _typed(entry.typed)
+            return _typed(entry.typed, columns)
         case "line":
-            return _line(step, entry)
+            return _line(step, entry, columns)
         case "number":
             scale = points(step)
             if len(step.labels) == len(scale) > len(_ENDS):
-                return _list(step, entry)
-            is_short = len(scale) <= _MOST_BOXES
-            return _boxes(step, entry, columns) if is_short else _ticks(step, entry, columns)
-    return _list(step, entry)
+                return _list(step, entry, columns)
+            has_boxes = len(scale) <= min(_MOST_BOXES, columns // _BOXES[0])
+            return _boxes(step, entry, columns) if has_boxes else _ticks(step, entry, columns)
+    return _list(step, entry, columns)
 
 
-def _typed(text: str) -> str:
+def _typed(text: str, columns: int) -> str:
     """Return typed words with a cursor, in lines of equal width."""
-    whole = f"{text}▏"
-    lines = [whole[start : start + _WIDE] for start in range(0, len(whole), _WIDE)]
-    return _block(lines, _WIDE)
+    whole, wide = f"{text}▏", max(1, min(_WIDE, columns))
+    lines = [whole[start : start + wide] for start in range(0, len(whole), wide)]
+    return _block(lines, wide)
 
 
 def _boxes(step: Step, entry: Entry, columns: int) -> str:
@@ -139,11 +145,11 @@ def with_chosen(text: str) -> Content:
     return content
 
 
-def _line(step: Step, entry: Entry) -> str:
-    place = entry.place
-    line = "─" * _LINE
+def _line(step: Step, entry: Entry, columns: int) -> str:
+    place, length = entry.place, max(_SHORTEST_LINE, min(_LINE, columns - 2))
+    line = "─" * length
     if place is not None:
-        at = round(place / FULL * (_LINE - 1))
+        at = round(place / FULL * (length - 1))
         line = f"{line[:at]}{_MARK}{line[at + 1 :]}"
     return _with_ends([f"├{line}┤"], step.labels)
 
@@ -159,7 +165,7 @@ def _with_ends(rows: list[str], labels: tuple[str, ...]) -> str:
     return _block([*rows, *ends], width)
 
 
-def _list(step: Step, entry: Entry) -> str:
+def _list(step: Step, entry: Entry, columns: int) -> str:
     """Return the options one below the other, or in columns, with an arrow before what is chosen or
     pointed at.
     """
@@ -170,23 +176,32 @@ def _list(step: Step, entry: Entry) -> str:
         is_chosen = index in entry.chosen
         box = ("[x] " if is_chosen else "[ ] ") if several else ""
         is_at = index == entry.place if several else is_chosen
-        lines.append(
-            f"{'▶' if is_at else ' '} {box}{point.typed.rjust(digits)}  {point.label}".rstrip()
-        )
-    width = max(map(len, lines))
-    if len(lines) <= _TALL:
-        return _block(lines, width)
-    columns = [lines[start : start + _COLUMN_ROWS] for start in range(0, len(lines), _COLUMN_ROWS)]
-    widths = [max(map(len, column)) for column in columns]
-    rows = [
+        before = f"{'▶' if is_at else ' '} {box}{point.typed.rjust(digits)}  "
+        width = max(_NARROWEST_LABEL, columns - len(before))
+        label = textwrap.wrap(point.label, width, break_on_hyphens=False)
+        indent = " " * len(before)
+        lines.append((before + f"\n{indent}".join(label)).rstrip())
+    if len(points(step)) > _TALL and not any("\n" in line for line in lines):
+        lines = _in_columns(lines, columns)
+    rows = [row for line in lines for row in line.split("\n")]
+    return _block(rows, max(map(len, rows)))
+
+
+def _in_columns(lines: Sequence[str], room: int) -> list[str]:
+    """Return lines in columns beside each other, which are longer where too few have room."""
+    for length in range(_COLUMN_ROWS, len(lines) + 1):
+        columns = [lines[start : start + length] for start in range(0, len(lines), length)]
+        widths = [max(map(len, column)) for column in columns]
+        if sum(widths) + 2 * (len(widths) - 1) <= room:
+            break
+    return [
         "  ".join(
             column[row].ljust(width)
             for column, width in zip(columns, widths, strict=True)
             if row < len(column)
         )
-        for row in range(_COLUMN_ROWS)
+        for row in range(length)
     ]
-    return _block(rows, max(map(len, rows)))
 
 
 def _block(lines: list[str], width: int) -> str:

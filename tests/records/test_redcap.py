@@ -248,6 +248,7 @@ def test_any_form_that_both_can_express_comes_back_as_it_left(
     assert dictionary(again) == content
 
 
+RECORD_ID = "Row 2: record_id is left out, as the record's id."
 DICTIONARY = f"""{HEAD}
 record_id,demo,,text,Record ID,,,,,,,,,,,,,
 age,demo,Please answer,text,How old are you?,,years,integer,18,120,,,,,,,,
@@ -261,7 +262,7 @@ mood,demo,,radio,Mood,"0, low | 1, 1 | 2, 2 | 3, high",,,,,,,,,,,,
 def test_a_foreign_dictionary_comes_back_with_its_names(tmp_path: Path) -> None:
     (tmp_path / "file.csv").write_text(DICTIONARY, encoding="utf-8")
     (found,) = read(tmp_path / "file.csv")
-    assert (found.name, found.refused, found.left_out) == ("demo", [], [])
+    assert (found.name, found.refused, found.left_out) == ("demo", [], [RECORD_ID])
     (tmp_path / "demo.toml").write_text(found.declaration, encoding="utf-8")
     kind = read_kind(tmp_path / "demo.toml")
     before = table(DICTIONARY.encode())[1:]
@@ -307,6 +308,32 @@ def test_what_a_form_cannot_express_is_refused_with_its_row(
 
 
 @pytest.mark.parametrize(
+    ("before", "after", "says"),
+    [
+        ("2, male", "2, <i>male</i>", "Row 4: sex: HTML of Choices"),
+        ("bad |", "<b>bad</b> |", "Row 6: vas: HTML of Choices"),
+    ],
+)
+def test_html_of_labels_is_left_out_with_a_sentence(
+    tmp_path: Path, before: str, after: str, says: str
+) -> None:
+    (tmp_path / "file.csv").write_text(DICTIONARY.replace(before, after), encoding="utf-8")
+    (found,) = read(tmp_path / "file.csv")
+    assert any(text.startswith(says) for text in found.left_out), found
+    assert "<" not in found.declaration
+
+
+@pytest.mark.parametrize("piped", ["[age]", "[ill(1)]", "[sex:label]", "[event-name]"])
+def test_a_label_that_shows_another_answer_is_refused(tmp_path: Path, piped: str) -> None:
+    changed = DICTIONARY.replace("2, male", f"2, {piped}")
+    (tmp_path / "file.csv").write_text(changed, encoding="utf-8")
+    (found,) = read(tmp_path / "file.csv")
+    assert found.refused == [
+        "Row 4: sex shows another answer in its Choices, Calculations, OR Slider Labels."
+    ]
+
+
+@pytest.mark.parametrize(
     ("label", "read_as"),
     [
         ("Less than <5 and more than >3?", "Less than <5 and more than >3?"),
@@ -349,6 +376,7 @@ def test_what_is_layout_only_is_left_out_with_a_sentence(tmp_path: Path) -> None
     (found,) = read(tmp_path / "file.csv")
     assert found.refused == []
     assert found.left_out == [
+        RECORD_ID,
         "Row 5: ill: HTML of Field Label is left out.",
         "Row 5: ill is not required here, as anybody may rather not say.",
         "Row 5: ill: Custom Alignment is left out.",

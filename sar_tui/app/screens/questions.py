@@ -30,6 +30,10 @@ Result = TypeVar("Result")
 _FACE, _LISTENS = "listening", Pose(lean=1)
 _MARGINS, _MARGINS_OF_FORM = 2, 12
 """Columns beside the options, at both sides together."""
+_LEAST_OF_FORM = 68
+"""Least columns of a window in which a form has its margins."""
+_CAN_WAIT = ("given", "keys", "instruction")
+"""Parts that leave their room to a question that would not fit, in this order."""
 _TALL = 46
 """Least rows of a window in which two blank rows are between the parts, unless it is a form."""
 _PASSED_ON = frozenset(("backspace", "escape", "f1", "question_mark", "ctrl+p", "ctrl+q"))
@@ -54,6 +58,7 @@ class QuestionScreen(DismissedOnce[Result]):
         self._interview, self.tr = interview, interview.tr
         self._page = interview.page()
         self._marked: Entry | None = None
+        self._read: object = None
         self.only_chooses = interview.only_chooses
 
     @property
@@ -129,6 +134,10 @@ class QuestionScreen(DismissedOnce[Result]):
         is_typed = event.is_printable and step is not None and step.kind == "text"
         if event.key in _PASSED_ON and not is_typed:
             return
+        if event.key in ("pageup", "pagedown"):
+            body = self.query_one("#questions")
+            page = body.size.height if event.key == "pagedown" else -body.size.height
+            body.scroll_relative(y=page, animate=False)
         event.stop()
         event.prevent_default()
         self._press(event.key, event.character)
@@ -155,7 +164,7 @@ class QuestionScreen(DismissedOnce[Result]):
     def _show(self) -> None:
         interview, app, tr = self._interview, cast(Any, self.app), self.tr
         page, step = interview.page(self._marked), interview.step
-        columns, rows = app.size
+        rows = app.size.height
         if app.switch is not None:  # the keys of these are none of the switch's
             said = interview.said_before if step else ""
             given = tr("You said: {answer}.", answer=said) if said else ""
@@ -174,8 +183,7 @@ class QuestionScreen(DismissedOnce[Result]):
         if step is None:
             self._put("options", " ".join(page.said).replace(". ", ".\n"))
         else:
-            room = columns - (_MARGINS_OF_FORM if interview.title else _MARGINS)
-            drawn = options_text(step, self._marked or interview.entry, room)
+            drawn = options_text(step, self._marked or interview.entry, self._columns)
             self._put("options", drawn if step.kind == "text" else with_chosen(drawn))
         is_scale = step is not None and step.kind == "number" and app.switch is None
         keys = tr("Press ← → or type a number.") if is_scale else ""
@@ -184,9 +192,43 @@ class QuestionScreen(DismissedOnce[Result]):
         self._put("problem", page.problem)
         self._put("given", page.given)
         self.query_one(KeyLine).show(page.press, tr("Enter"))
+        self._make_room()
         self.refresh_bindings()
         app.look_for_choices()
         app.aloud.read(self, interview.place)
+
+    @property
+    def _columns(self) -> int:
+        """The columns that a part has."""
+        columns = self.app.size.width
+        is_wide = bool(self._interview.title) and columns >= _LEAST_OF_FORM
+        return columns - (_MARGINS_OF_FORM if is_wide else _MARGINS)
+
+    def _make_room(self) -> None:
+        """Leave out the blank rows, and then what can wait, if the question would not fit. What is
+        still too long is scrolled.
+        """
+        size, body = self.app.size, self.query_one("#questions")
+        line = self.query_one(KeyLine).get_content_height(size, size, size.width)
+        room = size.height - len(self.query(".top-bar")) - line - len(self.query(KeyFooter))
+
+        def rows(blank: int = 0) -> int:
+            return sum(
+                part.get_content_height(size, size, self._columns) + blank
+                for part in body.children
+                if part.display
+            )
+
+        body.set_class(size.width < _LEAST_OF_FORM, "narrow")
+        body.set_class(rows(blank=2 if self.has_class("tall") else 1) > room, "dense")
+        for name in _CAN_WAIT:
+            if rows() > room:
+                self.query_one(f"#{name}").display = False
+        if self._interview.place != self._read:
+            self._read = self._interview.place
+            body.scroll_home(animate=False)
+        else:
+            self.call_after_refresh(body.scroll_end, animate=False)
 
     def _put(self, name: str, text: str | Content) -> None:
         part = self.query_one(f"#{name}", Static)
