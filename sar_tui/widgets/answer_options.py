@@ -19,7 +19,7 @@ _LARGE_BOX, _LARGEST_BOX = 8, 13
 """Columns from which on the number in a box is three rows high, and in block letters."""
 _WIDEST_GAP = 6
 """Most columns from one tick to the next."""
-_MARK = "●"
+_MARK, _ARROW = "●", "▶"
 _LINE = 51
 """Most columns of a line."""
 _SHORTEST_LINE = 11
@@ -145,6 +145,15 @@ def with_chosen(text: str) -> Content:
     return content
 
 
+def rows_of_chosen(text: str) -> range:
+    """Return the rows of what is chosen in drawn options; none if nothing is."""
+    signs = (_ARROW, _MARK, _HEAVY[0][0], _HEAVY[2][0])
+    rows = [
+        number for number, row in enumerate(text.split("\n")) if any(sign in row for sign in signs)
+    ]
+    return range(rows[0], rows[-1] + 1) if rows else range(0)
+
+
 def _line(step: Step, entry: Entry, columns: int) -> str:
     place, length = entry.place, max(_SHORTEST_LINE, min(_LINE, columns - 2))
     line = "─" * length
@@ -176,7 +185,7 @@ def _list(step: Step, entry: Entry, columns: int) -> str:
         is_chosen = index in entry.chosen
         box = ("[x] " if is_chosen else "[ ] ") if several else ""
         is_at = index == entry.place if several else is_chosen
-        before = f"{'▶' if is_at else ' '} {box}{point.typed.rjust(digits)}  "
+        before = f"{_ARROW if is_at else ' '} {box}{point.typed.rjust(digits)}  "
         width = max(_NARROWEST_LABEL, columns - len(before))
         label = textwrap.wrap(point.label, width, break_on_hyphens=False)
         indent = " " * len(before)

@@ -98,6 +98,102 @@ def test_the_workload_is_the_mean_of_six_scales_in_steps_of_five() -> None:
         tlx.read(answered(tlx, 42))
 
 
+def numbered(kind: Kind, values: Mapping[int, int], usual: int) -> dict[str, Value]:
+    """Return answers by the number of their item; all others are the usual one."""
+    return {f"q{number}": values.get(number, usual) for number in range(1, len(kind.items) + 1)}
+
+
+def scores(kind: Kind, values: Mapping[int, int], usual: int) -> dict[str, Value]:
+    found = kind.read(numbered(kind, values, usual))
+    return {score.name: found[score.name] for score in kind.scores}
+
+
+def test_the_user_experience_goes_from_minus_three_to_three() -> None:
+    """The best answer is 7 of an item, and 1 of one whose good word comes first."""
+    ueq = find("UEQ")
+    reversed_items = (3, 4, 5, 9, 10, 12, 17, 18, 19, 21, 23, 24, 25)
+    assert set(scores(ueq, dict.fromkeys(reversed_items, 1), 7).values()) == {3.0}
+    assert set(scores(ueq, dict.fromkeys(reversed_items, 7), 1).values()) == {-3.0}
+    assert scores(ueq, {2: 6, 4: 3, 13: 5, 21: 1, 26: 1}, 4) == {
+        "attractiveness": 0.0,
+        "perspicuity": (2 + 1 + 1 + 3) / 4,
+        "efficiency": 0.0,
+        "dependability": 0.0,
+        "stimulation": 0.0,
+        "novelty": -3 / 4,
+    }
+    field = ueq.field("novelty")
+    assert (field.lowest, field.highest) == (-3.0, 3.0)
+
+
+def test_the_motivation_inventory_reverses_six_of_its_items() -> None:
+    answers = {1: 7, 5: 6, 8: 5, 10: 7, 14: 1, 17: 6, 20: 3, 11: 2, 19: 1, 21: 3, 2: 6, 9: 7}
+    assert scores(find("IMI"), answers, 4) == {
+        "interest": pytest.approx((7 + 6 + 5 + 7 + (8 - 1) + 6 + 3) / 7, abs=1e-6),
+        "competence": 4.0,
+        "choice": (4 + (8 - 2) + 4 + (8 - 1) + (8 - 3)) / 5,
+        "tension": ((8 - 6) + 4 + (8 - 7) + 4 + 4) / 5,
+    }
+
+
+def test_affect_has_two_sums_of_ten_items() -> None:
+    panas = find("PANAS")
+    positive = dict.fromkeys((1, 3, 5, 9, 10, 12, 14, 16, 17, 19), 5)
+    assert scores(panas, positive, 1) == {"positive": 50, "negative": 10}
+    assert scores(panas, {1: 5, 2: 4}, 2) == {"positive": 5 + 9 * 2, "negative": 4 + 9 * 2}
+    assert (panas.field("positive").lowest, panas.field("positive").highest) == (10, 50)
+
+
+def test_attitudes_to_robots_have_three_sums_and_the_third_is_reversed() -> None:
+    answers = {4: 5, 7: 1, 8: 2, 9: 5, 10: 4, 12: 3, 1: 5, 14: 1, 3: 4, 5: 5, 6: 1}
+    assert scores(find("NARS"), answers, 3) == {
+        "interaction": 5 + 1 + 2 + 5 + 4 + 3,
+        "influence": 5 + 3 + 3 + 3 + 1,
+        "emotions": (6 - 4) + (6 - 5) + (6 - 1),
+    }
+
+
+def test_attributes_of_a_robot_have_three_means_of_six() -> None:
+    answers = {1: 9, 2: 8, 6: 1, 7: 9, 18: 1}
+    assert scores(find("RoSAS"), answers, 5) == {
+        "warmth": pytest.approx((9 + 8 + 5 + 5 + 5 + 1) / 6, abs=1e-6),
+        "competence": pytest.approx((9 + 5 * 5) / 6, abs=1e-6),
+        "discomfort": pytest.approx((5 * 5 + 1) / 6, abs=1e-6),
+    }
+
+
+def test_a_form_in_one_other_language_is_stored_in_that(own: Path) -> None:
+    text = TEXTS.replace("[words.en]", "[words.de]")
+    (own / "kss.toml").write_text(text, encoding="utf-8")
+    kinds_room._read_folder.cache_clear()
+    kss = find("KSS")
+    assert (kss.why_unusable, kss.languages) == ("", ("de",))
+    assert [kss.language_shown(code) for code in ("en", "de", "es")] == ["de"] * 3
+
+
+def test_a_declaration_with_its_own_words_counts_as_english(tmp_path: Path) -> None:
+    (tmp_path / "own.toml").write_text(CHOICE, encoding="utf-8")
+    hand = read_kind(tmp_path / "own.toml")
+    assert hand.languages == ("en", "de")
+    assert hand.in_language("en").items[0].labels == ("left", "right")
+    assert hand.in_language("de").items[0].labels == ("links", "rechts")
+
+
+def test_items_that_have_the_same_labels_and_no_text_cannot_be_asked(own: Path) -> None:
+    text = 'based_on = "FSS"\npermission = "x"\n[words.en]\nlabels = ["no", "yes"]\n'
+    (own / "fss.toml").write_text(text, encoding="utf-8")
+    kinds_room._read_folder.cache_clear()
+    assert "The text of FSS is not here" in find("FSS").why_unusable
+
+
+def test_the_last_answer_completes_a_form_also_as_a_correction() -> None:
+    sus = find("SUS")
+    begun = sus.read({**answered(sus, *[3] * 9), "status": "open"})
+    assert "score" not in begun
+    assert sus.read({**begun, "q10": 3})["status"] == "complete"
+    assert sus.read({**begun, "q10": 3})["score"] == 50
+
+
 def test_a_score_says_how_many_items_are_missing_and_what_it_needs(own: Path) -> None:
     mood = find("mood")
     found = mood.read(answered(mood, 1, 2, NOT_SAID, 2))
@@ -194,7 +290,8 @@ ends = [["links", "rechts"]]
     [
         ('"links"', "The choice hand has another number of labels in de."),
         ('"links", "rechts", "beide"', "The choice hand has another number of labels in de."),
-        ('"links", "links"', "The choice hand has two labels that are the same."),
+        ('"links", "Links"', "The choice hand has two labels that are the same."),
+        ('"links", "rechts "', "The choice hand has a label that is empty, or with blanks"),
     ],
 )
 def test_the_options_of_a_choice_are_the_same_in_each_language(

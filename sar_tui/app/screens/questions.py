@@ -7,6 +7,7 @@ from textual.app import ComposeResult
 from textual.binding import ActiveBinding, Binding, BindingType
 from textual.containers import Horizontal, Vertical
 from textual.content import Content
+from textual.geometry import Region
 from textual.widgets import Static
 
 from sar_tui.app.interview import Interview
@@ -21,7 +22,7 @@ from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.tui.heading import ROOMY, Heading, most_rows
 from sar_tui.tui.key_line import KeyLine
 from sar_tui.tui.language import translated as translated_keys
-from sar_tui.widgets.answer_options import options_text, with_chosen
+from sar_tui.widgets.answer_options import options_text, rows_of_chosen, with_chosen
 from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.robot import draw
 
@@ -228,7 +229,18 @@ class QuestionScreen(DismissedOnce[Result]):
             self._read = self._interview.place
             body.scroll_home(animate=False)
         else:
-            self.call_after_refresh(body.scroll_end, animate=False)
+            self.call_after_refresh(self._reveal_chosen)
+
+    def _reveal_chosen(self) -> None:
+        """Scroll to what is chosen, or marked, or to why it cannot be taken."""
+        body, problem = self.query_one("#questions"), self.query_one("#problem")
+        options = self.query_one("#options", Static)
+        if problem.display:
+            body.scroll_to_widget(problem, animate=False)
+        elif rows := rows_of_chosen(str(options.content)):
+            region = options.virtual_region
+            chosen = Region(region.x, region.y + rows.start, region.width, len(rows))
+            body.scroll_to_region(chosen, animate=False, force=True)
 
     def _put(self, name: str, text: str | Content) -> None:
         part = self.query_one(f"#{name}", Static)
