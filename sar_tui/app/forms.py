@@ -16,7 +16,7 @@ from sar_tui.rules.parameters import TaskParameters, build, usable
 from sar_tui.rules.scanning import Choice
 from sar_tui.store import programmes
 from sar_tui.store.database import StoreError
-from sar_tui.store.forms import FormAnswers, Occasion
+from sar_tui.store.forms import FormAnswers, Occasion, is_complete
 from sar_tui.store.records import Record
 from sar_tui.tui.language import app_language
 
@@ -171,8 +171,9 @@ class FormInterview:
 
     @property
     def result(self) -> Record | None:
-        """The form as it is stored, with its scores; None if it was left before the thanks."""
-        return None if self.step else self._answers.record
+        """The form as it is stored, with its scores; None if it is not complete."""
+        record = self._answers.record
+        return record if record and is_complete(record) else None
 
     @property
     def can_go_back(self) -> bool:
@@ -223,7 +224,8 @@ class FormInterview:
         if self.step is None:
             return False
         is_typed = self.step.kind == "text" and key != "enter"
-        return is_typed or (len(key) == 1 and key.isdecimal())
+        is_sign = self.step.kind == "number" and key == "minus"
+        return is_typed or is_sign or (len(key) == 1 and key.isdecimal())
 
     def press(self, key: str, character: str | None) -> None:
         """Handle a key."""

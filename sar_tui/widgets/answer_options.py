@@ -1,11 +1,11 @@
 """The options of a question, drawn with characters: boxes of a scale, a line, a list, typed words."""
 
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from textual.content import Content
 
-from sar_tui.model.step import FULL, Entry, Step, points
+from sar_tui.model.step import FULL, Entry, Point, Step, points
 from sar_tui.widgets.block_digits import draw_digits
 
 SMALLEST_SCALE = 44
@@ -52,7 +52,7 @@ def options_text(step: Step, entry: Entry, columns: int = SMALLEST_SCALE) -> str
             scale = points(step)
             if len(step.labels) == len(scale) > len(_ENDS):
                 return _list(step, entry, columns)
-            has_boxes = len(scale) <= min(_MOST_BOXES, columns // _BOXES[0])
+            has_boxes = len(scale) <= min(_MOST_BOXES, columns // _least_box(scale))
             return _boxes(step, entry, columns) if has_boxes else _ticks(step, entry, columns)
     return _list(step, entry, columns)
 
@@ -69,16 +69,22 @@ def _boxes(step: Step, entry: Entry, columns: int) -> str:
     ends.
     """
     scale = points(step)
-    least, most = _BOXES
+    least, most = _least_box(scale), _BOXES[1]
     width = min(max(columns // len(scale), least), most)
     if width > least and width % 2 == 0:
         width -= 1  # a digit has a middle only in an odd number of columns
+    numbers = _numbers([point.typed for point in scale], width)
     drawn = [
-        _box(point.typed, width, _HEAVY if index in entry.chosen else _LIGHT)
-        for index, point in enumerate(scale)
+        _box(number, width, _HEAVY if index in entry.chosen else _LIGHT)
+        for index, number in enumerate(numbers)
     ]
     rows = ["".join(parts) for parts in zip(*drawn, strict=True)]
     return _with_ends(rows, step.labels)
+
+
+def _least_box(scale: Sequence[Point]) -> int:
+    """Return the columns of a box that all numbers of a scale fit into."""
+    return max(_BOXES[0], 2 + max(len(point.typed) for point in scale))
 
 
 def _ticks(step: Step, entry: Entry, columns: int) -> str:
@@ -96,10 +102,9 @@ def _ticks(step: Step, entry: Entry, columns: int) -> str:
     return _with_ends([chosen.ljust(width), line, low + high.rjust(width - len(low))], step.labels)
 
 
-def _box(text: str, width: int, border: tuple[str, str, str]) -> list[str]:
+def _box(rows: Sequence[str], width: int, border: tuple[str, str, str]) -> list[str]:
     top, side, bottom = border
     inner = width - 2
-    rows = _number(text, width)
     return [
         f"{top[0]}{top[1] * inner}{top[2]}",
         *(f"{side}{row.center(inner)}{side}" for row in rows),
@@ -107,12 +112,21 @@ def _box(text: str, width: int, border: tuple[str, str, str]) -> list[str]:
     ]
 
 
-def _number(text: str, width: int) -> list[str]:
-    """Return the rows of the number in a box of this width."""
-    if width < _LARGE_BOX:
-        return [text]
-    if width < _LARGEST_BOX:
-        return draw_digits(text)
+def _numbers(texts: Sequence[str], width: int) -> list[list[str]]:
+    """Return the rows of each number, as large as all of them fit into boxes of this width."""
+    ways: list[Callable[[str], list[str]]] = []
+    if width >= _LARGEST_BOX and "-" not in "".join(texts):
+        ways.append(_in_blocks)
+    if width >= _LARGE_BOX:
+        ways.append(draw_digits)
+    for draw in ways:
+        drawn = [draw(text) for text in texts]
+        if max(len(row) for rows in drawn for row in rows) <= width - 2:
+            return drawn
+    return [[text] for text in texts]
+
+
+def _in_blocks(text: str) -> list[str]:
     # its fonts take longer to load than the rest of a small window's modules
     from sar_tui.widgets.large_characters import draw
 
@@ -128,7 +142,7 @@ def with_chosen(text: str) -> Content:
     corner = text.find(_HEAVY[0][0])
     if corner < 0:
         first, at = text.split("\n", 1)[0], text.find(_MARK)
-        above = len(first) if first.strip(_GAP).isdecimal() else 0
+        above = len(first) if first.strip(_GAP).lstrip("-").isdecimal() else 0
         content = content.stylize("$accent", 0, above) if above else content
         return content.stylize("$accent", at, at + 1) if at >= 0 else content
     left = corner - (text.rfind("\n", 0, corner) + 1)

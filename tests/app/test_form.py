@@ -367,6 +367,53 @@ async def test_a_form_goes_on_in_the_language_in_which_it_was_begun(
         assert stored(driver, "own").content["language"] == "de"
 
 
+BIPOLAR = """
+name = "bipolar"
+title = "Bipolar"
+entered_by = "participant"
+[form]
+items = 1
+lowest = -3
+highest = 3
+[[scores]]
+[words.en]
+items = ["How was it?"]
+labels = ["bad", "good"]
+"""
+
+
+@pytest.mark.parametrize("size", [(80, 24), (160, 48)])
+async def test_a_scale_has_points_below_zero(
+    fill: Filled, data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, size: tuple[int, int]
+) -> None:
+    monkeypatch.setattr(kinds_room, "own_folder", lambda: tmp_path)
+    (tmp_path / "bipolar.toml").write_text(BIPOLAR, encoding="utf-8")
+    kinds_room._read_folder.cache_clear()
+    known(data)
+    async with fill("bipolar", size=size) as driver:
+        await driver.wait(700)
+        await driver.strike("-", "2")
+        driver.see("Press Enter to go on.")
+        await driver.press("enter")
+        assert stored(driver, "bipolar").content["score"] == -2
+
+
+async def test_a_form_that_is_left_after_its_last_answer_is_complete(
+    opened: OpenApp, data: Path
+) -> None:
+    known(data)
+    ended: list[Record | None] = []
+    async with opened() as driver:
+        driver.app.fill_form(find("effort"), Occasion("P01"), ended.append)
+        await driver.settle()
+        await driver.wait(700)
+        await driver.press("7", "enter", "escape", "escape")
+        assert driver.screen_name == "HomeScreen"
+    (found,) = ended
+    assert found is not None
+    assert found.content["score"] == 7
+
+
 async def test_the_same_answer_at_once_is_no_error(fill: Filled, data: Path) -> None:
     known(data)
     async with fill("SUS") as driver:
