@@ -61,7 +61,7 @@ def record() -> None:
 def list_kinds(as_json: AsJson = False, data: Data = None, tasks: Tasks = None) -> None:
     """List the kinds of record with their fields; a clinic can add its own (docs/records.md)."""
     from sar_tui.cli.tables import Column, Listing, print_listing
-    from sar_tui.records.kind import kinds
+    from sar_tui.records.kind import kinds, unusable_files
     from sar_tui.reports.progress_words import published
 
     print_listing(
@@ -83,6 +83,8 @@ def list_kinds(as_json: AsJson = False, data: Data = None, tasks: Tasks = None) 
         list(kinds().values()),
         as_json,
     )
+    for problem in unusable_files():
+        print(f"! {problem}", file=sys.stderr)
 
 
 @app.command("add")

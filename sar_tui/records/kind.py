@@ -12,7 +12,7 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import msgspec
 import platformdirs
@@ -428,26 +428,29 @@ def own_folder() -> Path:
 
 
 def kinds() -> dict[str, Kind]:
-    """Return all kinds by name: the bundled ones, and the clinic's own.
+    """Return all kinds by name that can be used: the bundled ones, and the clinic's own."""
+    return {**_read_folder(SHIPPED).kinds, **_own().kinds}
 
-    Raises:
-        KindError: a file cannot be used.
-    """
-    own = own_folder()
-    return {**_read_folder(SHIPPED), **(_read_folder(own) if own.is_dir() else {})}
+
+def unusable_files() -> tuple[str, ...]:
+    """Return why files of the clinic cannot be used, a sentence for each."""
+    return tuple(_own().problems.values())
 
 
 def find(name: str) -> Kind:
     """Return a kind by its name, in capital letters or not.
 
     Raises:
-        KindError: there is none, or a file cannot be used.
+        KindError: there is none, or the file of this name cannot be used.
     """
-    known = kinds()
+    known, problems, sought = kinds(), _own().problems, name.strip().casefold()
+    if problem := problems.get(sought):
+        raise KindError(problem)
     for kind in known.values():
-        if kind.name.casefold() == name.strip().casefold():
+        if kind.name.casefold() == sought:
             return kind
-    raise KindError(f"There is no kind of record {name}. Choose one of: {', '.join(known)}.")
+    none = f"There is no kind of record {name}. Choose one of: {', '.join(known)}."
+    raise KindError(" ".join((*problems.values(), none)))
 
 
 def of_group(group: str) -> Iterator[Kind]:
@@ -455,10 +458,29 @@ def of_group(group: str) -> Iterator[Kind]:
     return (kind for kind in kinds().values() if kind.group == group)
 
 
+class _Folder(NamedTuple):
+    """The kinds of a folder by name, and why files are none, by their names in small letters."""
+
+    kinds: dict[str, Kind]
+    problems: dict[str, str]
+
+
+def _own() -> _Folder:
+    folder = own_folder()
+    return _read_folder(folder) if folder.is_dir() else _Folder({}, {})
+
+
 @functools.lru_cache(maxsize=8)
-def _read_folder(folder: Path) -> dict[str, Kind]:
-    read = (read_kind(path) for path in sorted(folder.glob("*.toml")))
-    return {kind.name: kind for kind in read}
+def _read_folder(folder: Path) -> _Folder:
+    found = _Folder({}, {})
+    for path in sorted(folder.glob("*.toml")):
+        try:
+            kind = read_kind(path)
+        except KindError as error:
+            found.problems[path.stem.casefold()] = str(error)
+        else:
+            found.kinds[kind.name] = kind
+    return found
 
 
 def read_kind(path: Path) -> Kind:

@@ -16,6 +16,7 @@ from sar_tui.records.kind import (
     Value,
     missing_of,
     time_of,
+    unusable_files,
 )
 from sar_tui.store import records
 from sar_tui.store.database import StoreError
@@ -42,7 +43,7 @@ def form(name: str) -> Kind:
     if kind.form is None:
         raise StoreError(f"{kind.name} is no form. `sar-tui record add` enters it.", bad_input=True)
     if why := kind.why_unusable:
-        raise StoreError(why, bad_input=True)
+        raise StoreError(" ".join((*unusable_files(), why)), bad_input=True)
     return kind
 
 

@@ -447,6 +447,19 @@ async def test_a_form_is_read_aloud(fill: Filled, data: Path, transcript: Transc
         assert not driver.app.aloud.is_on
 
 
+async def test_a_file_of_a_form_that_cannot_be_read_stops_nothing_else(
+    opened: OpenApp, data: Path, catalogue: Catalogue, own: Kind, tmp_path: Path
+) -> None:
+    trained(data, catalogue, 1000, 1000)
+    (tmp_path / "own.toml").write_text('name = "own', encoding="utf-8")
+    kinds_room._read_folder.cache_clear()
+    async with opened() as driver:
+        await open_progress(driver, catalogue)
+        await driver.press("a", "enter")
+        driver.see("effort · Effort")
+        driver.lacks("own · About you")
+
+
 async def test_a_therapist_hands_over_a_form_from_the_records(
     opened: OpenApp, data: Path, catalogue: Catalogue
 ) -> None:
