@@ -182,7 +182,7 @@ class FormInterview:
 
     @property
     def choices(self) -> tuple[Choice, ...]:
-        """What a switch can do while the thanks are there."""
+        """Choices of a switch while the thanks are there."""
         return (Choice(self.tr("Finish"), ("enter",)),)
 
     def page(self, marked: Entry | None = None) -> Page:

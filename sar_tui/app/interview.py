@@ -104,7 +104,7 @@ class Interview(Protocol[Result_co]):
 
     @property
     def entry(self) -> Entry:
-        """What is chosen or typed so far."""
+        """The answer as it is chosen or typed so far."""
         ...
 
     @property
@@ -124,7 +124,7 @@ class Interview(Protocol[Result_co]):
 
     @property
     def choices(self) -> tuple[Choice, ...]:
-        """What a switch can do, beside going back, while words stand in place of a question."""
+        """Choices of a switch, beside going back, while words stand in place of a question."""
         ...
 
     @property
@@ -134,7 +134,7 @@ class Interview(Protocol[Result_co]):
 
     @property
     def result(self) -> Result_co:
-        """What came of it, once it is over."""
+        """The outcome, once it is over."""
         ...
 
     def page(self, marked: Entry | None = None) -> Page:

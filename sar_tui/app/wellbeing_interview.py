@@ -233,7 +233,7 @@ class WellbeingInterview:
 
     @property
     def choices(self) -> tuple[Choice, ...]:
-        """What a switch can do about the advice: to go on in spite of it takes a second choice."""
+        """Choices of a switch about the advice: to go on in spite of it takes a second one."""
         words = _SWITCH_ADVICE[self._questions.moment]
         stop, go_on = (self.tr(each) if each else "" for each in words)
         asked = self.tr("You chose: {answer}. Is that right?", answer=go_on)

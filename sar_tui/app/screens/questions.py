@@ -233,6 +233,8 @@ class QuestionScreen(DismissedOnce[Result]):
 
     def _reveal_chosen(self) -> None:
         """Scroll to what is chosen, or marked, or to why it cannot be taken."""
+        if not self.is_current:  # it was closed meanwhile
+            return
         body, problem = self.query_one("#questions"), self.query_one("#problem")
         options = self.query_one("#options", Static)
         if problem.display:
