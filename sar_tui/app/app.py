@@ -396,13 +396,17 @@ class SarTui(BaseApp):
         Raises:
             StoreError, PluginError, ParameterError: it cannot begin.
         """
-        from sar_tui.app.forms import access_settings, form_language
-        from sar_tui.app.screens.form import FormScreen
+        from sar_tui.app.forms import FormInterview, begin_form, form_language
+        from sar_tui.app.screens.questions import QuestionScreen
 
-        parameters, name = access_settings(self.database, of.participant, language)
+        answers, parameters, name = begin_form(self.database, kind, of, language)
         theme = self.catalogue.theme(name, parameters.language)
         tr = form_language(parameters.language, theme.texts)
-        screen = FormScreen(kind, of, tr, self.database)
+
+        def tell(text: str) -> None:
+            self.notify(text, severity="error", timeout=30)
+
+        interview = FormInterview(kind, answers, tr, tell)
         self.clear_notifications()
         self.themes.use(theme, parameters.language)
         self.use_switch(parameters, [of.participant])
@@ -415,7 +419,7 @@ class SarTui(BaseApp):
             self.aloud.close()
             then(record)
 
-        self.push_screen(screen, filled)
+        self.push_screen(QuestionScreen(interview), filled)
 
     # --- during a session
 
@@ -483,7 +487,7 @@ class SarTui(BaseApp):
             self._return_from(live)
             return
         from sar_tui.app import wellbeing
-        from sar_tui.app.screens.wellbeing import WellbeingScreen
+        from sar_tui.app.screens.questions import QuestionScreen
 
         def answered(_: bool | None) -> None:
             self._is_asking = False
@@ -493,7 +497,7 @@ class SarTui(BaseApp):
 
         self.check_database()
         self._is_asking = True
-        self.push_screen(WellbeingScreen(wellbeing.ask_after(self, live)), answered)
+        self.push_screen(QuestionScreen(wellbeing.ask_after(self, live)), answered)
 
     def close_session(self) -> None:
         """Close the live session and its workers, if there is one, and stop sensors that are being

@@ -2,25 +2,24 @@
 
 import sqlite3
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
 
-from sar_tui.app.screens.waiting_text import decline_text, how_to_answer, option_sentences
+from sar_tui.app.interview import Page, question_page
+from sar_tui.app.screens.waiting_text import how_to_answer
 from sar_tui.loop.clock import host_now
-from sar_tui.model.language import Language, in_language
-from sar_tui.model.spoken_text import sentences
+from sar_tui.model.language import BUNDLED, Language, in_language
 from sar_tui.model.step import FULL, Entry, Step, points, press
 from sar_tui.model.units import MS
-from sar_tui.records.kind import NOT_SAID, Field, Kind, RecordError, Value
+from sar_tui.records.kind import MOST_SHOWN_POINTS, NOT_SAID, Field, Kind, RecordError, Value
 from sar_tui.reports import progress_words
+from sar_tui.rules.declaration import show
 from sar_tui.rules.parameters import TaskParameters, build, usable
+from sar_tui.rules.scanning import Choice
 from sar_tui.store import programmes
 from sar_tui.store.database import StoreError
-from sar_tui.store.forms import FormAnswers
+from sar_tui.store.forms import FormAnswers, Occasion, is_complete
 from sar_tui.store.records import Record
 from sar_tui.tui.language import app_language
 
-_MOST_TICKS = 31
-"""Points of a scale that are drawn and chosen one by one; of more, the number is typed."""
 _LINE = (0, FULL)
 
 
@@ -47,6 +46,26 @@ def access_settings(
     return build(TaskParameters, kept), saved.theme
 
 
+def begin_form(
+    database: sqlite3.Connection, kind: Kind, of: Occasion, language: str = ""
+) -> tuple[FormAnswers, TaskParameters, str]:
+    """Return the answers of a form, which go on where they were left, with the settings and the
+    theme of the participant, in the language in which the form was begun.
+
+    Args:
+        database: the database.
+        kind: the form.
+        of: who fills it in, and where it belongs.
+        language: as for `access_settings`.
+    """
+    parameters, theme = access_settings(database, of.participant, language)
+    answers = FormAnswers(database, kind, of, parameters.language)
+    begun_in = answers.language
+    if begun_in != kind.language_shown(parameters.language) and begun_in in BUNDLED:
+        parameters, theme = access_settings(database, of.participant, begun_in)
+    return answers, parameters, theme
+
+
 def form_language(code: str, texts: Mapping[str, str] = {}) -> Language:
     """Return the texts of a form's screen, with those of the kinds of record; ``texts``, such as a
     theme's, take precedence.
@@ -61,44 +80,29 @@ def step_of(item: Field) -> Step:
         return Step(name=item.name, text=item.title, kind="choice", labels=labels)
     if len(scale) == FULL + 1 and (scale[0], scale[-1]) == _LINE:
         return Step(name=item.name, text=item.title, kind="line", labels=labels)
-    if 1 < len(scale) <= _MOST_TICKS:
+    if 1 < len(scale) <= MOST_SHOWN_POINTS:
         ends = (scale[0], scale[-1], scale[1] - scale[0])
         return Step(name=item.name, text=item.title, kind="number", labels=labels, scale=ends)
     return Step(name=item.name, text=item.title, kind="text")
 
 
-class Page(NamedTuple):
-    """Texts of an item, or of the thanks after the last one.
+def _typed(item: Field, value: Value, tr: Language) -> str:
+    """Return an answer as it would be typed."""
+    return tr.figures(show(value)) if item.is_number else str(value)
 
-    Attributes:
-        where: how far the form is filled in.
-        instruction: of the form.
-        text: the item. ``hint``: on how it is answered, such as a unit.
-        said: the options, and what is chosen, in sentences.
-        decline: the key that gives no answer.
-        given: the answer before, and the way back.
-        problem: why the answer cannot be taken.
-        press: the key that leads on.
+
+def _hint(item: Field, step: Step, tr: Language) -> str:
+    """Return the hint on an item; of a number that is typed also its range, and words at its
+    ends.
     """
-
-    where: str
-    instruction: str
-    text: str
-    hint: str
-    said: tuple[str, ...]
-    decline: str
-    given: str
-    problem: str
-    press: str
-
-    @property
-    def sentences(self) -> list[str]:
-        """All of it, in sentences."""
-        where, instruction, text, hint, said, *rest = self
-        return sentences(where, instruction, text, hint, *said, *rest)
+    if step.kind != "text" or not (said := item.range_in(tr)):
+        return item.hint
+    if item.labels:
+        said = f"{said} ({' – '.join(item.labels)})"
+    return f"{item.hint}, {said}" if item.hint else said
 
 
-class Filling:
+class FormInterview:
     """Asks the items of a form, each with a way back, from the first that has no answer.
 
     Args:
@@ -109,9 +113,14 @@ class Filling:
         now: the present time (ns).
 
     Attributes:
+        title: of the form, in the participant's language.
+        step: the item as a question; None while the thanks stand in its place.
         entry: what is chosen or typed so far.
         is_over: True once the participant has read the thanks, or left the form.
     """
+
+    theme = None
+    can_leave = True
 
     def __init__(
         self,
@@ -121,9 +130,10 @@ class Filling:
         tell: Callable[[str], None],
         now: Callable[[], int] = host_now,
     ) -> None:
-        self._answers, self._tr, self._tell, self._now = answers, tr, tell, now
+        self._answers, self.tr, self._tell, self._now = answers, tr, tell, now
         self._stored = kind.items
-        self._kind = kind.in_language(answers.language)
+        shown = kind.in_language(answers.language)
+        self._items, self.title = shown.items, shown.title
         self._instruction = kind.instruction_in(answers.language)
         given = answers.given
         self._at = next(
@@ -133,16 +143,26 @@ class Filling:
         self._appear()
 
     def _appear(self) -> None:
-        self.entry, self._problem, self._shown = self._answered(), "", self._now()
+        """Show an item, or the thanks after the last one."""
+        self.step = None if self._at == self._count else step_of(self._items[self._at])
+        self.entry = self._answered(self.step) if self.step else Entry()
+        self._problem, self._shown = "", self._now()
 
     @property
     def _count(self) -> int:
         return len(self._stored)
 
     @property
-    def title(self) -> str:
-        """The title of the form, in the participant's language."""
-        return self._kind.title
+    def help_text(self) -> str:
+        """The keys that answer."""
+        tr = self.tr
+        lines = [
+            tr("Backspace goes back to the question before."),
+            tr("Each answer is saved at once. A form that is left goes on where it was."),
+        ]
+        if self.step:
+            lines.insert(0, how_to_answer(self.step, Entry(), tr))
+        return "\n".join(lines) + "\n"
 
     @property
     def place(self) -> int:
@@ -150,19 +170,10 @@ class Filling:
         return self._at
 
     @property
-    def record(self) -> Record | None:
-        """The form as it is stored; None without an answer."""
-        return self._answers.record
-
-    @property
-    def is_thanking(self) -> bool:
-        """True while the thanks stand in place of an item."""
-        return self._at == self._count
-
-    @property
-    def is_typing(self) -> bool:
-        """True while an item is answered in typed words."""
-        return not self.is_thanking and self.step.kind == "text"
+    def result(self) -> Record | None:
+        """The form as it is stored, with its scores; None if it is not complete."""
+        record = self._answers.record
+        return record if record and is_complete(record) else None
 
     @property
     def can_go_back(self) -> bool:
@@ -170,32 +181,27 @@ class Filling:
         return self._at > 0
 
     @property
-    def step(self) -> Step:
-        """The item as a question."""
-        return step_of(self._kind.items[self._at])
+    def choices(self) -> tuple[Choice, ...]:
+        """Choices of a switch while the thanks are there."""
+        return (Choice(self.tr("Finish"), ("enter",)),)
 
     def page(self, marked: Entry | None = None) -> Page:
         """Return the texts of the item with what is chosen, or with ``marked`` in its place."""
-        tr = self._tr
-        if self.is_thanking:
-            done = tr("Everything is saved."), tr("Backspace goes back to the question before.")
-            thanks, finish = tr("Thank you"), tr("Press Enter to finish.")
-            return Page("", "", thanks, "", (done[0],), "", done[1], "", finish)
-        step, entry, given = self.step, marked or self.entry, ""
-        if said := self.said_before:
-            given = tr("You said: {answer}. Backspace goes back.", answer=said)
-        is_chosen = bool(entry.chosen) or entry.place is not None
+        tr = self.tr
+        if self.step is None:
+            return Page(
+                tr("Thank you"),
+                (tr("Everything is saved."),),
+                tr("Press Enter to finish."),
+                given=tr("Backspace goes back to the question before."),
+            )
         where = tr("Item {number} of {total}", number=self._at + 1, total=self._count)
-        return Page(
-            where if self._count > 1 else "",
-            self._instruction,
-            step.text,
-            self._kind.items[self._at].hint,
-            option_sentences(step, entry, tr),
-            decline_text(step, tr),
-            given,
-            self._problem,
-            tr("Press Enter to go on.") if is_chosen else how_to_answer(step, entry, tr),
+        page = question_page(self.step, marked or self.entry, self.said_before, tr)
+        return page._replace(
+            where=where if self._count > 1 else "",
+            instruction=self._instruction,
+            hint=_hint(self._items[self._at], self.step, tr),
+            problem=self._problem,
         )
 
     @property
@@ -203,28 +209,30 @@ class Filling:
         """The answer to the item before; empty without one."""
         if self._at == 0:
             return ""
-        item = self._kind.items[self._at - 1]
+        item, stored = self._items[self._at - 1], self._stored[self._at - 1]
         value = self._answers.given.get(item.name)
         if value is None or value == NOT_SAID:
-            return self._tr(NOT_SAID)
+            return self.tr(NOT_SAID)
         if item.type == "choice":
-            return item.labels[self._stored[self._at - 1].labels.index(str(value))]
-        return f"{value}"
+            return item.labels[stored.labels.index(str(value))]
+        return _typed(item, value, self.tr)
 
     # --- keys
 
     def only_chooses(self, key: str) -> bool:
         """Return True if a key chooses an answer, which Enter gives."""
-        if self.is_thanking:
+        if self.step is None:
             return False
-        return (len(key) == 1 and key.isdecimal()) or (self.is_typing and key != "enter")
+        is_typed = self.step.kind == "text" and key != "enter"
+        is_sign = self.step.kind == "number" and key == "minus"
+        return is_typed or is_sign or (len(key) == 1 and key.isdecimal())
 
     def press(self, key: str, character: str | None) -> None:
         """Handle a key."""
         if key in ("backspace", "escape"):
             self._back(key)
-        elif not self.is_thanking:
-            self._choose(character if character and character.isprintable() else key)
+        elif self.step:
+            self._choose(self.step, character if character and character.isprintable() else key)
         elif key == "enter":
             self.is_over = True
 
@@ -232,16 +240,16 @@ class Filling:
         """Take back a typed character, or go back to the item before; from the first, Escape leaves
         the form.
         """
-        if key == "backspace" and self.is_typing and self.entry.typed:
-            self._choose(key)
+        if key == "backspace" and self.step and self.step.kind == "text" and self.entry.typed:
+            self._choose(self.step, key)
         elif self._at > 0:
             self._at -= 1
             self._appear()
         elif key == "escape":
             self.is_over = True
 
-    def _choose(self, key: str) -> None:
-        pressed = press(self.step, self.entry, key)
+    def _choose(self, step: Step, key: str) -> None:
+        pressed = press(step, self.entry, key)
         self._problem = ""
         if isinstance(pressed, Entry):
             self.entry = pressed
@@ -254,9 +262,8 @@ class Filling:
         except RecordError as error:
             self._problem = str(error)
         except StoreError as error:
-            tr = self._tr
-            self._problem = tr("It cannot be saved just now. Please fetch the experimenter.")
-            self._tell(in_language(error, tr))
+            self._problem = self.tr("It cannot be saved just now. Please fetch the experimenter.")
+            self._tell(in_language(error, self.tr))
         else:
             self._at += 1
             self._appear()
@@ -267,17 +274,15 @@ class Filling:
         """
         if answer is None:
             return None
-        shown = self._kind.items[self._at]
+        shown = self._items[self._at]
         if item.type == "choice":
             return item.labels[shown.labels.index(str(answer))]
         assert isinstance(answer, str | int | float)
-        return shown.read(answer, self._tr)
+        return shown.read(answer, self.tr)
 
-    def _answered(self) -> Entry:
+    def _answered(self, step: Step) -> Entry:
         """Return the answer that an item has; nothing is chosen without one."""
-        if self.is_thanking:
-            return Entry()
-        item, step = self._stored[self._at], self.step
+        item = self._stored[self._at]
         value = self._answers.given.get(item.name)
         if value is None or value == NOT_SAID:
             return Entry()
@@ -287,6 +292,6 @@ class Filling:
             case "line":
                 return Entry(place=int(value))
             case "text":
-                return Entry(typed=str(value))
+                return Entry(typed=_typed(item, value, self.tr))
         values = [point.value for point in points(step)]
         return Entry(chosen=(values.index(value),)) if value in values else Entry()

@@ -14,14 +14,15 @@ from collections.abc import Callable, Coroutine, Iterator, Sequence
 from datetime import date
 from math import ceil
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from msgspec.structs import replace
 from textual.events import Key, Paste
 from textual.message import Message
 
 from sar_tui.app import wellbeing
-from sar_tui.app.forms import Filling, access_settings, form_language
+from sar_tui.app.forms import FormInterview, begin_form, form_language
+from sar_tui.app.interview import Interview
 from sar_tui.app.leaving import command_line, lines_about
 from sar_tui.app.live import LAST_WRITE_SECONDS, LiveSession, link_of
 from sar_tui.app.plain_terminal import PlainTerminal
@@ -37,7 +38,7 @@ from sar_tui.app.screens.waiting_text import (
     step_text,
     waiting_text,
 )
-from sar_tui.app.screens.wellbeing import ALONE, TELL_OF_PAIN, Interview, Questions
+from sar_tui.app.wellbeing_interview import ALONE, TELL_OF_PAIN, WellbeingInterview
 from sar_tui.link.errors import LinkError
 from sar_tui.loop import topics
 from sar_tui.loop.clock import LiveClock, host_now
@@ -70,7 +71,7 @@ from sar_tui.runs.plan import EnoughToday, Plan, set_up
 from sar_tui.runs.plugin_watchdog import PluginWatchdog
 from sar_tui.store import records, sessions
 from sar_tui.store.database import StoreError, connect
-from sar_tui.store.forms import FormAnswers, Occasion
+from sar_tui.store.forms import Occasion
 from sar_tui.store.training_days import utc
 from sar_tui.tui.base_app import punctual_loop
 from sar_tui.tui.exit_codes import FAILED, INTERRUPTED, after_signal
@@ -82,6 +83,7 @@ from sar_tui.widgets.task_view import TaskView, view_of
 if TYPE_CHECKING:
     from sar_tui.link.broker_process import BrokerProcess
 
+Result = TypeVar("Result")
 Item = Message | int | Callable[[], Any]
 """Input of the terminal, an exit code with which to end, or something to be done in between."""
 _HANG_UP = after_signal(getattr(signal, "SIGHUP", 1))
@@ -298,39 +300,28 @@ class PlainApp:
 
     # --- questions
 
-    async def ask(self, questions: Questions) -> bool | None:
-        """Ask about pain and tiredness. Return False if the advice to stop is followed, None if the
-        questions are left.
-        """
-        interview, place = Interview(questions), None
-        while interview.goes_on is None and not interview.is_left:
-            self.tell((interview, interview.place), interview.texts().sentences)
+    async def ask(self, interview: Interview[Result]) -> Result:
+        """Ask the questions of an interview; returns its result."""
+        place, typed = None, ""
+        while not interview.is_over:
+            self.tell((interview, interview.place), interview.page().sentences)
+            entered = interview.entry.typed
             if place != interview.place:
-                place = interview.place
+                place, typed = interview.place, ""
                 self.screen_keys.appeared()
+            elif interview.step and interview.step.kind == "text" and entered != typed:
+                self.echo(typed, entered)
+                typed = entered
             key = await self.key(interview)
             interview.press(key.key, key.character)
-        return interview.goes_on
-
-    # --- a form
+        return interview.result
 
     async def fill_form(self, kind: Kind, of: Occasion, language: str = "") -> None:
         """Have a participant fill in a form. What is answered is stored, also if it is left."""
-        parameters, _ = access_settings(self.database, of.participant, language)
+        answers, parameters, _ = begin_form(self.database, kind, of, language)
         self.screen_keys.set_bounce(parameters.bounce_ms)
         tr = form_language(parameters.language)
-        answers = FormAnswers(self.database, kind, of, parameters.language)
-        filling, place, typed = Filling(kind, answers, tr, self.notify), None, ""
-        while not filling.is_over:
-            self.tell((filling, filling.place), filling.page().sentences)
-            if place != filling.place:
-                place, typed = filling.place, ""
-                self.screen_keys.appeared()
-            elif filling.entry.typed != typed and filling.is_typing:
-                self.echo(typed, filling.entry.typed)
-                typed = filling.entry.typed
-            key = await self.key(filling)
-            filling.press(key.key, key.character)
+        await self.ask(FormInterview(kind, answers, tr, self.notify))
 
     # --- a session
 
@@ -769,12 +760,12 @@ class PlainStage:
             self._live.is_mistake = act.command == "end" and act.reason == "mistake"
             self._live.operate(act)
             if act.reason == "pain" and self._live.session.task.parameters.ask_wellbeing:
-                questions = wellbeing.ask_after(self._app, self._live, "pause")
-                self._app.later(functools.partial(self.ask_in_pause, questions))
+                interview = wellbeing.ask_after(self._app, self._live, "pause")
+                self._app.later(functools.partial(self.ask_in_pause, interview))
 
-    async def ask_in_pause(self, questions: Questions) -> None:
+    async def ask_in_pause(self, interview: WellbeingInterview) -> None:
         """Ask about pain; end the session if the participant follows the advice not to go on."""
-        if await self._app.ask(questions) is False:
+        if await self._app.ask(interview) is False:
             self._live.operate(SessionCommand(command="end", reason="finished"))
         elif self.waiting and self._choices:
             self._open_menu(self.waiting)

@@ -96,7 +96,7 @@ class SessionStart:
         """Ask about pain and tiredness, and then begin the session, unless pain speaks against
         it.
         """
-        from sar_tui.app.screens.wellbeing import WellbeingScreen
+        from sar_tui.app.screens.questions import QuestionScreen
         from sar_tui.app.wellbeing import ask_before, warnings
 
         app = self._app
@@ -122,7 +122,7 @@ class SessionStart:
                     app.patient_mode.stopped_by_pain()
                 app.not_begun()
 
-        app.push_screen(WellbeingScreen(ask_before(app, task, theme, codes)), answered)
+        app.push_screen(QuestionScreen(ask_before(app, task, theme, codes)), answered)
 
     def _prepare(self, plan: Plan) -> None:
         """Begin a new session, after a check of its sensors if it has some."""

@@ -4,7 +4,7 @@ import sqlite3
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
-from sar_tui.app.screens.wellbeing import Person, Question, Questions, Save
+from sar_tui.app.wellbeing_interview import Person, Question, Questions, Save, WellbeingInterview
 from sar_tui.loop.task import Task
 from sar_tui.model.language import Language
 from sar_tui.model.messages import StepEnded
@@ -36,20 +36,21 @@ class Asking(Protocol):
         """Show a message."""
 
 
-def ask_before(app: "Asking", task: Task, theme: Theme, codes: Sequence[str]) -> Questions:
+def ask_before(app: "Asking", task: Task, theme: Theme, codes: Sequence[str]) -> WellbeingInterview:
     """Return what is asked before a session."""
     people = _people(task, dict(zip(task.seats, codes, strict=False)))
     tr = session_language(task).including(theme.texts)
     limits = pain_limits(task.parameters)
-    return Questions("before", people, limits, _saving(app, "before"), tr, theme)
+    questions = Questions("before", people, limits, _saving(app, "before"), tr, theme)
+    return WellbeingInterview(questions)
 
 
-def ask_after(app: "Asking", live: "LiveSession", moment: Moment = "after") -> Questions:
+def ask_after(app: "Asking", live: "LiveSession", moment: Moment = "after") -> WellbeingInterview:
     """Return what is asked after a session, or in a pause of it."""
-    return _questions(app, live, moment, _people_of(app, live))
+    return _interview(app, live, moment, _people_of(app, live))
 
 
-def advise(app: "Asking", live: "LiveSession", ended: StepEnded) -> Questions | None:
+def advise(app: "Asking", live: "LiveSession", ended: StepEnded) -> WellbeingInterview | None:
     """Return the advice to stop after a question between attempts; None if no pain
     speaks against it.
     """
@@ -62,7 +63,7 @@ def advise(app: "Asking", live: "LiveSession", ended: StepEnded) -> Questions | 
     ):
         return None
     _saving(app, "pause", live.run.id)(person, "pain", str(ended.answer))
-    return _questions(app, live, "pause", [person], told=ended.answer)
+    return _interview(app, live, "pause", [person], told=ended.answer)
 
 
 def had_better_rest(app: "Asking", live: "LiveSession") -> bool:
@@ -87,18 +88,18 @@ def _people_of(app: "Asking", live: "LiveSession") -> list[Person]:
     ]
 
 
-def _questions(
+def _interview(
     app: "Asking",
     live: "LiveSession",
     moment: Moment,
     people: Sequence[Person],
     told: int | None = None,
-) -> Questions:
+) -> WellbeingInterview:
     session = live.session
     tr = session_language(session.task).including(session.theme.texts)
     limits = pain_limits(session.task.parameters)
     save = _saving(app, moment, live.run.id)
-    return Questions(moment, people, limits, save, tr, session.theme, told)
+    return WellbeingInterview(Questions(moment, people, limits, save, tr, session.theme, told))
 
 
 def warnings(app: "Asking", codes: Sequence[str], tr: Language) -> list[str]:
@@ -173,6 +174,11 @@ def _content(question: Question, answer: str) -> dict[str, Value | None]:
     """Return the values of a record that an answer gives."""
     if question in ("place", "advice"):
         return {question: answer}
-    if answer == NOT_SAID:
-        return {"answer": NOT_SAID, "rating": None}
-    return {"answer": RATED, "rating": int(answer)}
+    rating = None if answer == NOT_SAID else int(answer)
+    given: dict[str, Value | None] = {
+        "answer": NOT_SAID if rating is None else RATED,
+        "rating": rating,
+    }
+    if question == "pain" and not rating:  # it hurts nowhere, whatever was said before
+        given["place"] = None
+    return given

@@ -29,6 +29,7 @@ from sar_tui.tui.exit_codes import FAILED
 
 if TYPE_CHECKING:
     from sar_tui.records.kind import Kind
+    from sar_tui.records.redcap import FoundForm
     from sar_tui.store.records import Record
 
 app = typer.Typer(rich_markup_mode=None, no_args_is_help=True)
@@ -61,7 +62,7 @@ def record() -> None:
 def list_kinds(as_json: AsJson = False, data: Data = None, tasks: Tasks = None) -> None:
     """List the kinds of record with their fields; a clinic can add its own (docs/records.md)."""
     from sar_tui.cli.tables import Column, Listing, print_listing
-    from sar_tui.records.kind import kinds
+    from sar_tui.records.kind import kinds, unusable_files
     from sar_tui.reports.progress_words import published
 
     print_listing(
@@ -83,6 +84,8 @@ def list_kinds(as_json: AsJson = False, data: Data = None, tasks: Tasks = None) 
         list(kinds().values()),
         as_json,
     )
+    for problem in unusable_files():
+        print(f"! {problem}", file=sys.stderr)
 
 
 @app.command("add")
@@ -269,7 +272,6 @@ def read_redcap(
     as_json: AsJson = False,
 ) -> None:
     """Read forms from REDCap. A form that cannot be the same here is refused, with its rows."""
-    from sar_tui.drivers.files import write_private
     from sar_tui.records.kind import kinds, own_folder
     from sar_tui.records.redcap import RedcapError, read
 
@@ -279,19 +281,10 @@ def read_redcap(
         raise Refused(str(error)) from error
     folder = to or own_folder()
     known = {name.casefold() for name in kinds()} if to is None else set()
-    told, written = [], []
+    told = []
     for each in found:
-        refused = list(each.refused)
         path = folder / f"{each.name}.toml"
-        if each.kind.casefold() in known:
-            refused.append(f"There is a kind of record {each.kind} already.")
-        if not refused:
-            try:
-                folder.mkdir(parents=True, exist_ok=True)
-                write_private(path, each.declaration)
-                written.append(str(path))
-            except OSError as error:
-                refused.append(f"{path} cannot be written: {error.strerror or error}.")
+        refused = each.refused or _write_declaration(each, path, known)
         told.append(
             {
                 "form": each.name,
@@ -302,16 +295,32 @@ def read_redcap(
         )
         if as_json:
             continue
-        for text in each.left_out:
-            console().print(f"! {text}", soft_wrap=True)
-        for text in refused:
+        for text in (*each.left_out, *refused):
             console().print(f"! {text}", soft_wrap=True)
         done = "is refused" if refused else f"is read: {path}"
         console().print(f"The form {each.name} {done}.", soft_wrap=True)
     if as_json:
         print_json({"forms": told})
-    if len(written) < len(found) or not found:
+    if not found or any(each["refused"] for each in told):
         raise typer.Exit(FAILED)
+
+
+def _write_declaration(form: "FoundForm", path: Path, known: set[str]) -> list[str]:
+    """Write the file of a form, whose kind is known from now on. Return why it cannot be, else
+    nothing.
+    """
+    from sar_tui.drivers.files import write_private
+
+    name = form.kind.casefold()
+    if name in known:
+        return [f"There is a kind of record {form.kind} already."]
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_private(path, form.declaration)
+    except OSError as error:
+        return [f"{path} cannot be written: {error.strerror or error}."]
+    known.add(name)
+    return []
 
 
 @app.command("correct")

@@ -9,9 +9,10 @@ items are fields. The fields of its scores, and of how it was filled in, are add
 
 import functools
 import math
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import msgspec
 import platformdirs
@@ -32,6 +33,8 @@ OPEN, COMPLETE = "open", "complete"
 """Values of the field ``status``."""
 LONGEST_TEXT = 2000
 """Characters of a text in a record."""
+MOST_SHOWN_POINTS = 31
+"""Points of a scale that are shown one by one; of more, the number is typed."""
 _MOST_POINTS = 101
 _LINES = "\n\r\t"
 """Control characters that a text of several lines has."""
@@ -334,6 +337,8 @@ class Kind(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
             raise RecordError(tr("{kind} has no answers.", kind=tr(self.title)))
         derived = {name for score in self.scores for name in (score.name, missing_of(score))}
         found = {name: value for name, value in values.items() if name not in derived}
+        if all(item.name in found for item in self.items):
+            found[STATUS] = COMPLETE
         found.setdefault(STATUS, COMPLETE)
         if self.permission:
             found.setdefault(PERMISSION, self.permission)
@@ -348,12 +353,21 @@ class Kind(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
     @property
     def languages(self) -> tuple[str, ...]:
-        """The languages that a form has words in, by code."""
+        """The languages that a form has words in, by code; its declaration counts as English."""
         return tuple(self.words) or ("en",)
+
+    def language_shown(self, code: str) -> str:
+        """Return the language in which a form is shown to somebody who speaks this one: that, or
+        English, or the first that it has words in.
+        """
+        for known in (code, code.partition("-")[0], "en"):
+            if known in self.words:
+                return known
+        return self.languages[0]
 
     def in_language(self, code: str) -> "Kind":
         """Return a form with its words in a language; as it is declared if it has none in that."""
-        if (words := self._words(code)) is None:
+        if (words := self.words.get(self.language_shown(code))) is None:
             return self
         items = tuple(_worded(item, words, at) for at, item in enumerate(self.items))
         fields = (*items, *self.fields[len(items) :])
@@ -361,23 +375,14 @@ class Kind(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
     def instruction_in(self, code: str) -> str:
         """Return what is shown with each item of a form; empty if nothing is."""
-        words = self._words(code) or self._words("en")
+        words = self.words.get(self.language_shown(code))
         return words.instruction if words else ""
-
-    def _words(self, code: str) -> Words | None:
-        """Return the words in a language; those of any if the items themselves have no text."""
-        own = self.words.get(code) or self.words.get(code.partition("-")[0])
-        return own or (None if self._has_text else next(iter(self.words.values()), None))
-
-    @property
-    def _has_text(self) -> bool:
-        return all(item.title or item.labels for item in self.items)
 
     @property
     def why_unusable(self) -> str:
         """Why nobody can fill in a form here, in one or two sentences; empty if they can."""
         assert self.form
-        if not self._has_text:
+        if not _has_text(self.items):
             return (
                 f"The text of {self.name} is not here, as its owner has not allowed that. Put a file "
                 f"with its words into {own_folder()} (docs/forms.md)."
@@ -405,9 +410,15 @@ def time_of(item: Field) -> str:
     return f"{item.name}_ms"
 
 
+def _has_text(items: Sequence[Field]) -> bool:
+    """Return True if each item says what it asks: in words, or by labels that others have not."""
+    bare = [item.labels for item in items if not item.title]
+    return all(bare) and (len(bare) < 2 or len(set(bare)) > 1)
+
+
 def _worded(item: Field, words: Words, at: int) -> Field:
     """Return an item of a form with its words."""
-    title = words.items[at] if at < len(words.items) else item.title
+    title = (words.items[at] if at < len(words.items) else "") or item.title
     labels = (words.ends[at] if at < len(words.ends) else ()) or words.labels
     if item.type not in ("integer", "number", "choice"):
         labels = ()
@@ -420,26 +431,29 @@ def own_folder() -> Path:
 
 
 def kinds() -> dict[str, Kind]:
-    """Return all kinds by name: the bundled ones, and the clinic's own.
+    """Return all kinds by name that can be used: the bundled ones, and the clinic's own."""
+    return {**_read_folder(SHIPPED).kinds, **_own().kinds}
 
-    Raises:
-        KindError: a file cannot be used.
-    """
-    own = own_folder()
-    return {**_read_folder(SHIPPED), **(_read_folder(own) if own.is_dir() else {})}
+
+def unusable_files() -> tuple[str, ...]:
+    """Return why files of the clinic cannot be used, a sentence for each."""
+    return tuple(_own().problems.values())
 
 
 def find(name: str) -> Kind:
     """Return a kind by its name, in capital letters or not.
 
     Raises:
-        KindError: there is none, or a file cannot be used.
+        KindError: there is none, or the file of this name cannot be used.
     """
-    known = kinds()
+    known, problems, sought = kinds(), _own().problems, name.strip().casefold()
+    if problem := problems.get(sought):
+        raise KindError(problem)
     for kind in known.values():
-        if kind.name.casefold() == name.strip().casefold():
+        if kind.name.casefold() == sought:
             return kind
-    raise KindError(f"There is no kind of record {name}. Choose one of: {', '.join(known)}.")
+    none = f"There is no kind of record {name}. Choose one of: {', '.join(known)}."
+    raise KindError(" ".join((*problems.values(), none)))
 
 
 def of_group(group: str) -> Iterator[Kind]:
@@ -447,10 +461,29 @@ def of_group(group: str) -> Iterator[Kind]:
     return (kind for kind in kinds().values() if kind.group == group)
 
 
+class _Folder(NamedTuple):
+    """The kinds of a folder by name, and why files are none, by their names in small letters."""
+
+    kinds: dict[str, Kind]
+    problems: dict[str, str]
+
+
+def _own() -> _Folder:
+    folder = own_folder()
+    return _read_folder(folder) if folder.is_dir() else _Folder({}, {})
+
+
 @functools.lru_cache(maxsize=8)
-def _read_folder(folder: Path) -> dict[str, Kind]:
-    read = (read_kind(path) for path in sorted(folder.glob("*.toml")))
-    return {kind.name: kind for kind in read}
+def _read_folder(folder: Path) -> _Folder:
+    found = _Folder({}, {})
+    for path in sorted(folder.glob("*.toml")):
+        try:
+            kind = read_kind(path)
+        except KindError as error:
+            found.problems[path.stem.casefold()] = str(error)
+        else:
+            found.kinds[kind.name] = kind
+    return found
 
 
 def read_kind(path: Path) -> Kind:
@@ -534,7 +567,9 @@ def _as_form(kind: Kind) -> Kind:
         *(replace(_added(time_of(item), "Time", "integer"), unit="ms") for item in items),
     )
     assert kind.form
-    return replace(kind, fields=fields, form=replace(kind.form, items=len(items))).in_language("en")
+    words = {"en": Words(), **kind.words} if _has_text(items) else kind.words
+    form = replace(kind.form, items=len(items))
+    return replace(kind, fields=fields, form=form, words=words).in_language("en")
 
 
 def _added(name: str, title: str, type: Literal["integer", "choice", "text"]) -> Field:
@@ -567,7 +602,7 @@ def _problem(kind: Kind) -> str:
     if kind.form:
         names += [name for score in kind.scores for name in (score.name, missing_of(score))]
         names += [STATUS, LANGUAGE, PERMISSION, *map(time_of, fields)]
-    if twice := next((name for name in names if names.count(name) > 1), None):
+    if twice := next((name for name, count in Counter(names).items() if count > 1), None):
         return f"Two fields are named {twice!r}."
     if not fields or not all(word.strip() for word in (kind.name, kind.title, *names)):
         return "A kind has a name, a title and fields, and each field has a name."
@@ -605,22 +640,46 @@ def _form_problem(kind: Kind) -> str:
         return 'A form is filled in by the participant: entered_by = "participant".'
     if kind.fields and kind.form.items not in (0, len(items)):
         return f"The form has {len(items)} fields, not {kind.form.items} items."
-    for code, words in kind.words.items():
-        if any(len(given) not in (0, len(items)) for given in (words.items, words.ends)):
-            return f"The words in {code} have another number of items than the form, {len(items)}."
-        for item in (_worded(item, words, at) for at, item in enumerate(items)):
-            if problem := _labels_problem(item):
-                return problem
-        shown = "".join((words.title, words.instruction, *words.items, *words.labels))
-        if problem := control_problem(f"The words in {code}", shown):
+    if kind.fields and kind.form.reversed:
+        return "A field of the form is reversed by its own: reversed = true."
+    if any(not 1 <= number <= len(items) for number in kind.form.reversed):
+        return f"The form has reversed items from 1 to {len(items)}."
+    problems = (
+        *(_words_problem(code, words, items) for code, words in kind.words.items()),
+        *map(_item_problem, items),
+        *(scoring.problem(each, items) for each in kind.scores),
+    )
+    return next(filter(None, problems), "")
+
+
+def _words_problem(code: str, words: Words, items: Sequence[Field]) -> str:
+    """Return why the words of a form in a language cannot be used; empty if they can."""
+    if any(len(given) not in (0, len(items)) for given in (words.items, words.ends)):
+        return f"The words in {code} have another number of items than the form, {len(items)}."
+    for at, declared in enumerate(items):
+        item = _worded(declared, words, at)
+        if item.type == "choice" and len(item.labels) != len(declared.labels):
+            return f"The choice {item.name} has another number of labels in {code}."
+        if problem := _item_problem(item):
             return problem
-    wrong = next(filter(None, map(_labels_problem, items)), "")
-    return wrong or next(filter(None, (scoring.problem(each, items) for each in kind.scores)), "")
+    ends = [label for own in words.ends for label in own]
+    shown = "".join((words.title, words.instruction, *words.items, *words.labels, *ends))
+    return control_problem(f"The words in {code}", shown)
 
 
-def _labels_problem(item: Field) -> str:
-    if item.type == "choice" and len(item.labels) > _MOST_OPTIONS:
-        return f"The choice {item.name} has at most {_MOST_OPTIONS} labels."
-    if item.is_number and len(item.labels) not in (0, 2, len(item.points)):
+def _item_problem(item: Field) -> str:
+    """Return why an item cannot be asked, in one sentence; empty if it can."""
+    labels, points = item.labels, item.points
+    if item.type == "choice":
+        if len(labels) > _MOST_OPTIONS:
+            return f"The choice {item.name} has at most {_MOST_OPTIONS} labels."
+        if len({label.casefold() for label in labels}) < len(labels):
+            return f"The choice {item.name} has two labels that are the same."
+        if not all(label and label == label.strip() for label in labels):
+            return f"The choice {item.name} has a label that is empty, or with blanks at its ends."
+    if points and (item.lowest, item.highest) != (points[0], points[-1]):
+        return f"Lowest and highest of {item.name} are whole numbers, and points of its scale."
+    each = len(points) if len(points) <= MOST_SHOWN_POINTS else 0
+    if item.is_number and len(labels) not in (0, 2, each):
         return f"{item.name} has labels for both ends, for each point, or none."
     return ""

@@ -13,13 +13,16 @@ import json
 import math
 import re
 import zipfile
+import zlib
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import msgspec
 
-from sar_tui.records.kind import Field, Kind, toml_problem
+from sar_tui.records.kind import MOST_SHOWN_POINTS, Field, Kind, toml_problem
 from sar_tui.records.scoring import Score, items_of
 
 COLUMNS = (
@@ -40,13 +43,18 @@ LONGEST_NAME = 26
 INSTRUMENT, ORIGIN = "instrument.csv", "OriginID.txt"
 """The files of an instrument's zip."""
 _OWN = "sar-tui: "
-_MOST_CODES = 31
-"""Points of a scale that are written as a list of choices."""
 _SLIDER = (0, 100)
 _YES_NO = {"yesno": ("Yes", "No"), "truefalse": ("True", "False")}
 _LARGEST_FILE = 4_000_000
 _NUMBER = re.compile(r"-?\d{1,15}(\.\d{1,15})?")
+_CODE = re.compile(r"-?[0-9]{1,9}")
 _VARIABLE = re.compile("[a-z][a-z0-9_]*")
+_TAG = re.compile(r"</?[a-zA-Z][^<>]*>|<!--.*?-->", re.DOTALL)
+"""A tag of HTML, which "<5" is none of."""
+_LINE_BREAK = re.compile(r"<(?:br|/p|/div|/li)\b[^<>]*>", re.IGNORECASE)
+_PIPED = re.compile(r"\[[a-z][a-z0-9_]*(?:[(:-][^\[\]]*)?\]")
+"""Another answer, which REDCap puts into a text: [age], [ill(1)], [event-name]."""
+_ACTION_TAG = re.compile(r"(?:^|\s)(@[A-Z][A-Z0-9_-]*)")
 _TYPES = frozenset(
     "text notes dropdown radio checkbox yesno truefalse calc file slider descriptive sql".split()
 )
@@ -119,8 +127,8 @@ def rows_of(kind: Kind, language: str = "en") -> list[Row]:
         }
         for score in kind.scores
     ]
-    used = [row[NAME] for row in rows]
-    if twice := next((name for name in used if used.count(name) > 1), None):
+    used = Counter(row[NAME] for row in rows)
+    if twice := next((name for name, count in used.items() if count > 1), None):
         raise RedcapError(f"{kind.name}: two variables would be named {twice}.")
     return rows
 
@@ -161,7 +169,7 @@ def _typed(item: Field) -> Row:
     if points and (points[0], points[-1], item.step) == (*_SLIDER, 1) and len(labels) in (0, 2):
         ends = f"{labels[0]} |  | {labels[1]}" if labels else ""
         return {TYPE: "slider", CHOICES: ends, VALIDATION: "number"}
-    if 1 < len(points) <= _MOST_CODES:
+    if 1 < len(points) <= MOST_SHOWN_POINTS:
         if len(labels) != len(points):
             first, last = labels[:1] or ("",), labels[-1:] or ("",)
             labels = (*first, *("",) * (len(points) - 2), *last)
@@ -298,9 +306,20 @@ def read(path: Path) -> list[FoundForm]:
     except UnicodeDecodeError as error:
         raise RedcapError(f"{path.name} is not UTF-8. Save it as CSV UTF-8.") from error
     rows = _rows(path.name, text)
-    if not is_zip and rows and rows[0][1][TYPE] == "text":
-        rows = rows[1:]  # the record's id, in a dictionary of a whole project
-    return list(_forms(rows))
+    if is_zip or not rows or not _is_record_id(rows[0][1]):
+        return list(_forms(rows))
+    (number, id), *others = rows
+    found = list(_forms(others))
+    for form in found:
+        if form.name == id[FORM]:
+            said = f"Row {number}: {id[NAME]} is left out, as the record's id."
+            form.left_out.insert(0, said)
+    return found
+
+
+def _is_record_id(first: Row) -> bool:
+    """Return True if the first row of a dictionary is the record's id, as in one of a whole project."""
+    return first[TYPE] == "text" and not first[ANNOTATION].startswith(_OWN)
 
 
 def _from_zip(path: Path) -> bytes:
@@ -313,13 +332,15 @@ def _from_zip(path: Path) -> bytes:
         raise RedcapError(
             f"{path.name} is no instrument of REDCap: it has no {INSTRUMENT}."
         ) from None
-    except (zipfile.BadZipFile, RuntimeError, NotImplementedError, EOFError) as error:
+    except (
+        zipfile.BadZipFile, zlib.error, RuntimeError, NotImplementedError, EOFError,
+    ) as error:  # fmt: skip
         raise RedcapError(f"{path.name} is a damaged zip.") from error
 
 
 def _rows(name: str, text: str) -> list[tuple[int, Row]]:
     """Return the rows with their numbers in the file, 1 for the head."""
-    first = text.split("\n", 1)[0]
+    first = text.splitlines()[0] if text else ""
     between = ";" if first.count(";") > first.count(",") else ","
     try:
         lines = list(csv.reader(io.StringIO(text, newline=""), delimiter=between, strict=True))
@@ -332,6 +353,8 @@ def _rows(name: str, text: str) -> list[tuple[int, Row]]:
     found = []
     for number, cells in enumerate(lines[1:], 2):
         if any(cell.strip() for cell in cells):
+            if any(cell.strip() for cell in cells[len(head) :]):
+                raise RedcapError(f"{name}: row {number} has more cells than there are columns.")
             given = {column: cell.strip() for column, cell in zip(head, cells, strict=False)}
             found.append((number, dict.fromkeys(COLUMNS, "") | given))
     return found
@@ -354,6 +377,11 @@ def _forms(rows: Sequence[tuple[int, Row]]) -> Iterator[FoundForm]:
         by_form.setdefault(form, []).append((number, row))
     for form, own in by_form.items():
         yield _FormReader(form, own, twice.get(form, [])).found()
+
+
+def _without_html(text: str) -> str:
+    """Return a text without the tags of HTML, and with a blank where a line ended."""
+    return html.unescape(_TAG.sub("", _LINE_BREAK.sub(" ", text))).strip()
 
 
 class _Refused(Exception):
@@ -426,8 +454,8 @@ class _FormReader:
                 self._head = msgspec.json.decode(own, type=_Head)
             except msgspec.MsgspecError:
                 raise _Refused("has an annotation of sar-tui that was changed") from None
-        elif annotation.startswith("@"):
-            raise _Refused(f"has the action tag {annotation.split()[0]}, which nothing here does")
+        elif tag := _ACTION_TAG.search(annotation):
+            raise _Refused(f"has the action tag {tag[1]}, which nothing here does")
         elif annotation:
             self._skip(number, row, ANNOTATION)
 
@@ -447,10 +475,10 @@ class _FormReader:
 
     def _plain(self, number: int, row: Row, column: str) -> str:
         """Return a text without HTML."""
-        text = html.unescape(re.sub(r"<[^<>]+>", "", row[column])).strip()
+        text = _without_html(row[column])
         if text != row[column]:
             self._left_out.append(f"Row {number}: {row[NAME]}: HTML of {column} is left out.")
-        if re.search(r"\[[a-z][a-z0-9_]*\]", text):
+        if _PIPED.search(text):
             raise _Refused(f"shows another answer in its {column}")
         return text
 
@@ -468,14 +496,14 @@ class _FormReader:
         if type in _YES_NO:
             return {"type": "choice", "labels": list(_YES_NO[type])}
         if type == "dropdown":
-            codes, labels = self._choices(row)
+            codes, labels = self._choices(number, row)
             if codes != [str(code) for code in range(1, len(codes) + 1)]:
                 raise _Refused("is a dropdown whose codes are not 1, 2, 3, …")
             return {"type": "choice", "labels": labels}
         if type == "radio":
-            return self._radio(row)
+            return self._radio(number, row)
         if type == "slider":
-            return self._slider(row)
+            return self._slider(number, row)
         if type in ("text", "notes"):
             if type == "notes":
                 self._left_out.append(f"Row {number}: {row[NAME]} is a text of one line here.")
@@ -483,24 +511,24 @@ class _FormReader:
         asks = {"checkbox": "several options", "file": "a file"}
         raise _Refused(f"asks for {asks.get(type, type)}, which an item here cannot")
 
-    def _choices(self, row: Row) -> tuple[list[str], list[str]]:
+    def _choices(self, number: int, row: Row) -> tuple[list[str], list[str]]:
         """Return the codes and the labels of a list of choices."""
-        pairs = [part.split(",", 1) for part in row[CHOICES].split("|") if part.strip()]
+        listed = self._plain(number, row, CHOICES).split("|")
+        pairs = [part.split(",", 1) for part in listed if part.strip()]
         if len(pairs) < 2 or any(len(pair) < 2 for pair in pairs):
             raise _Refused("has no list of choices, such as 1, No | 2, Yes")
         codes = [code.strip() for code, _ in pairs]
         if len(set(codes)) < len(codes):
             raise _Refused("has a code twice among its choices")
-        labels = [html.unescape(re.sub(r"<[^<>]+>", "", label)).strip() for _, label in pairs]
-        return codes, labels
+        return codes, [label.strip() for _, label in pairs]
 
-    def _radio(self, row: Row) -> dict[str, Any]:
-        codes, labels = self._choices(row)
-        if not all(re.fullmatch(r"-?\d+", code) for code in codes):
+    def _radio(self, number: int, row: Row) -> dict[str, Any]:
+        codes, labels = self._choices(number, row)
+        if not all(map(_CODE.fullmatch, codes)):
             raise _Refused("is a radio whose codes are not whole numbers")
         points = [int(code) for code in codes]
         step = points[1] - points[0]
-        if step < 1 or points != list(range(points[0], points[-1] + 1, step)):
+        if step < 1 or any(after - before != step for before, after in pairwise(points)):
             raise _Refused("is a radio whose codes do not rise in equal steps")
         words = ["" if label == code else label for code, label in zip(codes, labels, strict=True)]
         found = {"type": "integer", "lowest": points[0], "highest": points[-1], "step": step}
@@ -512,8 +540,8 @@ class _FormReader:
             raise _Refused("has words at some points of its scale only")
         return found
 
-    def _slider(self, row: Row) -> dict[str, Any]:
-        parts = [part.strip() for part in row[CHOICES].split("|")]
+    def _slider(self, number: int, row: Row) -> dict[str, Any]:
+        parts = [part.strip() for part in self._plain(number, row, CHOICES).split("|")]
         if len(parts) > 2 and parts[1]:
             raise _Refused("has words in the middle of its slider")
         if (row[LOWEST] or "0", row[HIGHEST] or "100") != ("0", "100"):

@@ -71,25 +71,29 @@ def compute(score: Score, items: Sequence[Item], values: Mapping[str, object]) -
         values: the answers by item; an answer that is no number is missing.
     """
     own = items_of(score, items)
-    given = [
-        _turned(item, float(value))
-        for item in own
-        if isinstance(value := values.get(item.name), int | float)
-    ]
+    answers = [(item, values.get(item.name)) for item in own]
+    given = [_turned(item, value) for item, value in answers if isinstance(value, int | float)]
     missing = len(own) - len(given)
     if len(given) < max(1, score.at_least) or (missing and score.missing == "no score"):
         return Computed(None, missing)
     if score.missing == "middle":
-        answered = {item.name for item in own if isinstance(values.get(item.name), int | float)}
-        given += [(each.lowest + each.highest) / 2 for each in own if each.name not in answered]
+        given += [
+            (item.lowest + item.highest) / 2
+            for item, value in answers
+            if not isinstance(value, int | float)
+        ]
     return Computed(_total(score, sum(given) / len(given), len(own)), missing)
 
 
 def bounds(score: Score, items: Sequence[Item]) -> tuple[float, float]:
     """Return the lowest and the highest value that a score can have."""
     own = items_of(score, items)
-    ends = (sum(each.lowest for each in own), sum(each.highest for each in own))
-    low, high = sorted(_total(score, end / len(own), len(own)) for end in ends)
+    lowest, highest = [each.lowest for each in own], [each.highest for each in own]
+    if score.missing == "others":  # any of them may be the only one that is answered
+        ends = [min(lowest), max(highest)]
+    else:
+        ends = [sum(lowest) / len(own), sum(highest) / len(own)]
+    low, high = sorted(_total(score, mean, len(own)) for mean in ends)
     return low, high
 
 

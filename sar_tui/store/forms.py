@@ -12,9 +12,11 @@ from sar_tui.records.kind import (
     STATUS,
     Field,
     Kind,
+    RecordError,
     Value,
     missing_of,
     time_of,
+    unusable_files,
 )
 from sar_tui.store import records
 from sar_tui.store.database import StoreError
@@ -41,18 +43,28 @@ def form(name: str) -> Kind:
     if kind.form is None:
         raise StoreError(f"{kind.name} is no form. `sar-tui record add` enters it.", bad_input=True)
     if why := kind.why_unusable:
-        raise StoreError(why, bad_input=True)
+        raise StoreError(" ".join((*unusable_files(), why)), bad_input=True)
     return kind
 
 
 def left_open(
     db: sqlite3.Connection, kind: Kind, of: Occasion, today: date | None = None
 ) -> Record | None:
-    """Return the form that was begun on this day for the same occasion, and is not complete."""
+    """Return the form that was begun on this day for the same occasion, and is not complete. None
+    if its declaration has changed so that the answers are none of it.
+    """
     last = newest(db, kind, of)
-    if last is None or last.content.get(STATUS) != OPEN:
+    if last is None or last.content.get(STATUS) != OPEN or not _is_of(kind, last):
         return None
     return last if _local_day(last) == (today or date.today()) else None
+
+
+def _is_of(kind: Kind, record: Record) -> bool:
+    """Return True if a record is as its form declares it today, with something left to answer."""
+    try:
+        return kind.read(record.content) == record.content
+    except RecordError:
+        return False
 
 
 def newest(db: sqlite3.Connection, kind: Kind, of: Occasion) -> Record | None:
@@ -82,11 +94,12 @@ class FormAnswers:
         db: the database.
         kind: the form.
         of: who fills it in, and where it belongs.
-        language: in which it is shown; of a form that was left open, that in which it was begun.
+        language: of the participant; a form that was left open stays in that in which it was begun.
         today: the date of the people in front of the screen.
 
     Attributes:
         record: as it is stored; None before the first answer.
+        language: in which the form is shown.
     """
 
     def __init__(
@@ -100,7 +113,7 @@ class FormAnswers:
         self._db, self._kind, self._of = db, kind, of
         self.record = left_open(db, kind, of, today)
         begun_in = self.record.content.get(LANGUAGE) if self.record else None
-        self.language = str(begun_in or language)
+        self.language = kind.language_shown(str(begun_in or language))
 
     @property
     def given(self) -> dict[str, Value]:
@@ -116,17 +129,15 @@ class FormAnswers:
             StoreError: it is not valid, or the disk cannot write.
         """
         known = self.record.content if self.record else {}
-        answers = {**self.given, item.name: NOT_SAID if value is None else value}
-        is_complete = all(each.name in answers for each in self._kind.items)
         so_far = known.get(time_of(item), 0)
         given = {
-            item.name: answers[item.name],
+            item.name: NOT_SAID if value is None else value,
             time_of(item): (so_far if isinstance(so_far, int) else 0) + max(0, ms),
-            STATUS: COMPLETE if is_complete else OPEN,
             LANGUAGE: self.language,
         }
         if self.record:
-            self.record = records.correct(self._db, self.record.id, given)
+            if given.items() - known.items():
+                self.record = records.correct(self._db, self.record.id, given)
             return
         of = self._of
         self.record = records.add(
@@ -134,7 +145,7 @@ class FormAnswers:
             self._kind,
             of.participant,
             "",
-            given,
+            {STATUS: OPEN, **given},
             session=of.session,
             seat=of.seat,
             moment=of.moment,

@@ -82,7 +82,9 @@ class KeyLine(Widget):
         return self._grows and bool(self._parts[1]) and is_roomy(*self.app.size)
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
-        return 3 if self._is_large else 1
+        if self._is_large:
+            return 3
+        return max(1, self.render().get_height({}, max(1, width)))
 
     def render(self) -> Content:
         before, found, after = self._parts

@@ -1,8 +1,11 @@
 """The options of a question, drawn with characters: boxes of a scale, a line, a list, typed words."""
 
+import textwrap
+from collections.abc import Callable, Sequence
+
 from textual.content import Content
 
-from sar_tui.model.step import FULL, Entry, Step, points
+from sar_tui.model.step import FULL, Entry, Point, Step, points
 from sar_tui.widgets.block_digits import draw_digits
 
 SMALLEST_SCALE = 44
@@ -16,9 +19,12 @@ _LARGE_BOX, _LARGEST_BOX = 8, 13
 """Columns from which on the number in a box is three rows high, and in block letters."""
 _WIDEST_GAP = 6
 """Most columns from one tick to the next."""
-_MARK = "●"
+_MARK, _ARROW = "●", "▶"
 _LINE = 51
-"""Columns of a line."""
+"""Most columns of a line."""
+_SHORTEST_LINE = 11
+_NARROWEST_LABEL = 10
+"""Least columns in which a label is broken."""
 _TALL = 9
 """Most points that are written one below the other."""
 _COLUMN_ROWS = 6
@@ -35,27 +41,27 @@ def options_text(step: Step, entry: Entry, columns: int = SMALLEST_SCALE) -> str
     Args:
         step: the question.
         entry: what is chosen or typed.
-        columns: room for a scale; its boxes grow with it.
+        columns: room for them; the boxes of a scale grow with it.
     """
     match step.kind:
         case "text":
-            return _typed(entry.typed)
+            return _typed(entry.typed, columns)
         case "line":
-            return _line(step, entry)
+            return _line(step, entry, columns)
         case "number":
             scale = points(step)
             if len(step.labels) == len(scale) > len(_ENDS):
-                return _list(step, entry)
-            is_short = len(scale) <= _MOST_BOXES
-            return _boxes(step, entry, columns) if is_short else _ticks(step, entry, columns)
-    return _list(step, entry)
+                return _list(step, entry, columns)
+            has_boxes = len(scale) <= min(_MOST_BOXES, columns // _least_box(scale))
+            return _boxes(step, entry, columns) if has_boxes else _ticks(step, entry, columns)
+    return _list(step, entry, columns)
 
 
-def _typed(text: str) -> str:
+def _typed(text: str, columns: int) -> str:
     """Return typed words with a cursor, in lines of equal width."""
-    whole = f"{text}▏"
-    lines = [whole[start : start + _WIDE] for start in range(0, len(whole), _WIDE)]
-    return _block(lines, _WIDE)
+    whole, wide = f"{text}▏", max(1, min(_WIDE, columns))
+    lines = [whole[start : start + wide] for start in range(0, len(whole), wide)]
+    return _block(lines, wide)
 
 
 def _boxes(step: Step, entry: Entry, columns: int) -> str:
@@ -63,16 +69,22 @@ def _boxes(step: Step, entry: Entry, columns: int) -> str:
     ends.
     """
     scale = points(step)
-    least, most = _BOXES
+    least, most = _least_box(scale), _BOXES[1]
     width = min(max(columns // len(scale), least), most)
     if width > least and width % 2 == 0:
         width -= 1  # a digit has a middle only in an odd number of columns
+    numbers = _numbers([point.typed for point in scale], width)
     drawn = [
-        _box(point.typed, width, _HEAVY if index in entry.chosen else _LIGHT)
-        for index, point in enumerate(scale)
+        _box(number, width, _HEAVY if index in entry.chosen else _LIGHT)
+        for index, number in enumerate(numbers)
     ]
     rows = ["".join(parts) for parts in zip(*drawn, strict=True)]
     return _with_ends(rows, step.labels)
+
+
+def _least_box(scale: Sequence[Point]) -> int:
+    """Return the columns of a box that all numbers of a scale fit into."""
+    return max(_BOXES[0], 2 + max(len(point.typed) for point in scale))
 
 
 def _ticks(step: Step, entry: Entry, columns: int) -> str:
@@ -90,10 +102,9 @@ def _ticks(step: Step, entry: Entry, columns: int) -> str:
     return _with_ends([chosen.ljust(width), line, low + high.rjust(width - len(low))], step.labels)
 
 
-def _box(text: str, width: int, border: tuple[str, str, str]) -> list[str]:
+def _box(rows: Sequence[str], width: int, border: tuple[str, str, str]) -> list[str]:
     top, side, bottom = border
     inner = width - 2
-    rows = _number(text, width)
     return [
         f"{top[0]}{top[1] * inner}{top[2]}",
         *(f"{side}{row.center(inner)}{side}" for row in rows),
@@ -101,12 +112,21 @@ def _box(text: str, width: int, border: tuple[str, str, str]) -> list[str]:
     ]
 
 
-def _number(text: str, width: int) -> list[str]:
-    """Return the rows of the number in a box of this width."""
-    if width < _LARGE_BOX:
-        return [text]
-    if width < _LARGEST_BOX:
-        return draw_digits(text)
+def _numbers(texts: Sequence[str], width: int) -> list[list[str]]:
+    """Return the rows of each number, as large as all of them fit into boxes of this width."""
+    ways: list[Callable[[str], list[str]]] = []
+    if width >= _LARGEST_BOX and "-" not in "".join(texts):
+        ways.append(_in_blocks)
+    if width >= _LARGE_BOX:
+        ways.append(draw_digits)
+    for draw in ways:
+        drawn = [draw(text) for text in texts]
+        if max(len(row) for rows in drawn for row in rows) <= width - 2:
+            return drawn
+    return [[text] for text in texts]
+
+
+def _in_blocks(text: str) -> list[str]:
     # its fonts take longer to load than the rest of a small window's modules
     from sar_tui.widgets.large_characters import draw
 
@@ -122,7 +142,7 @@ def with_chosen(text: str) -> Content:
     corner = text.find(_HEAVY[0][0])
     if corner < 0:
         first, at = text.split("\n", 1)[0], text.find(_MARK)
-        above = len(first) if first.strip(_GAP).isdecimal() else 0
+        above = len(first) if first.strip(_GAP).lstrip("-").isdecimal() else 0
         content = content.stylize("$accent", 0, above) if above else content
         return content.stylize("$accent", at, at + 1) if at >= 0 else content
     left = corner - (text.rfind("\n", 0, corner) + 1)
@@ -139,11 +159,20 @@ def with_chosen(text: str) -> Content:
     return content
 
 
-def _line(step: Step, entry: Entry) -> str:
-    place = entry.place
-    line = "─" * _LINE
+def rows_of_chosen(text: str) -> range:
+    """Return the rows of what is chosen in drawn options; none if nothing is."""
+    signs = (_ARROW, _MARK, _HEAVY[0][0], _HEAVY[2][0])
+    rows = [
+        number for number, row in enumerate(text.split("\n")) if any(sign in row for sign in signs)
+    ]
+    return range(rows[0], rows[-1] + 1) if rows else range(0)
+
+
+def _line(step: Step, entry: Entry, columns: int) -> str:
+    place, length = entry.place, max(_SHORTEST_LINE, min(_LINE, columns - 2))
+    line = "─" * length
     if place is not None:
-        at = round(place / FULL * (_LINE - 1))
+        at = round(place / FULL * (length - 1))
         line = f"{line[:at]}{_MARK}{line[at + 1 :]}"
     return _with_ends([f"├{line}┤"], step.labels)
 
@@ -159,7 +188,7 @@ def _with_ends(rows: list[str], labels: tuple[str, ...]) -> str:
     return _block([*rows, *ends], width)
 
 
-def _list(step: Step, entry: Entry) -> str:
+def _list(step: Step, entry: Entry, columns: int) -> str:
     """Return the options one below the other, or in columns, with an arrow before what is chosen or
     pointed at.
     """
@@ -170,23 +199,32 @@ def _list(step: Step, entry: Entry) -> str:
         is_chosen = index in entry.chosen
         box = ("[x] " if is_chosen else "[ ] ") if several else ""
         is_at = index == entry.place if several else is_chosen
-        lines.append(
-            f"{'▶' if is_at else ' '} {box}{point.typed.rjust(digits)}  {point.label}".rstrip()
-        )
-    width = max(map(len, lines))
-    if len(lines) <= _TALL:
-        return _block(lines, width)
-    columns = [lines[start : start + _COLUMN_ROWS] for start in range(0, len(lines), _COLUMN_ROWS)]
-    widths = [max(map(len, column)) for column in columns]
-    rows = [
+        before = f"{_ARROW if is_at else ' '} {box}{point.typed.rjust(digits)}  "
+        width = max(_NARROWEST_LABEL, columns - len(before))
+        label = textwrap.wrap(point.label, width, break_on_hyphens=False)
+        indent = " " * len(before)
+        lines.append((before + f"\n{indent}".join(label)).rstrip())
+    if len(points(step)) > _TALL and not any("\n" in line for line in lines):
+        lines = _in_columns(lines, columns)
+    rows = [row for line in lines for row in line.split("\n")]
+    return _block(rows, max(map(len, rows)))
+
+
+def _in_columns(lines: Sequence[str], room: int) -> list[str]:
+    """Return lines in columns beside each other, which are longer where too few have room."""
+    for length in range(_COLUMN_ROWS, len(lines) + 1):
+        columns = [lines[start : start + length] for start in range(0, len(lines), length)]
+        widths = [max(map(len, column)) for column in columns]
+        if sum(widths) + 2 * (len(widths) - 1) <= room:
+            break
+    return [
         "  ".join(
             column[row].ljust(width)
             for column, width in zip(columns, widths, strict=True)
             if row < len(column)
         )
-        for row in range(_COLUMN_ROWS)
+        for row in range(length)
     ]
-    return _block(rows, max(map(len, rows)))
 
 
 def _block(lines: list[str], width: int) -> str:

@@ -16,6 +16,7 @@ _DIGITS = {
     "9": ("█▀█", "▀▀█", "▀▀▀"),
     ".": (" ", " ", "▀"),
     ",": (" ", " ", "█"),
+    "-": ("  ", "▀▀", "  "),
 }
 _NUMBER = re.compile(r"\d+(?:[.,]\d+)?")
 _SHARE = re.compile(r"(\d+)( \w+ )(\d+) ")
@@ -25,7 +26,7 @@ _GAP = "\N{NO-BREAK SPACE}"
 
 
 def draw_digits(number: str) -> list[str]:
-    """Return the rows of a number without a sign."""
+    """Return the rows of a number."""
     return [" ".join(rows) for rows in zip(*(_DIGITS[digit] for digit in number), strict=True)]
 
 

@@ -12,7 +12,7 @@ from sar_tui.plugins import Catalogue
 from sar_tui.records import kind as kinds_room
 from sar_tui.records.kind import Kind, find
 from sar_tui.store import records
-from sar_tui.store.forms import Occasion
+from sar_tui.store.forms import FormAnswers, Occasion
 from sar_tui.store.records import Record
 from tests.app.app_driver import AppDriver, OpenApp, given, known
 from tests.app.test_progress import open_progress, trained
@@ -149,7 +149,7 @@ async def test_the_time_of_each_item_is_kept_and_adds_up(
     known(data)
     now = [0]
     async with fill() as driver:
-        filling = driver.app.screen._filling
+        filling = driver.app.screen._interview
         filling._now = lambda: now[0] * 1_000_000
         filling._shown = 0
         now[0] = 1500
@@ -267,6 +267,164 @@ async def test_nothing_is_cut_off_at_80_by_24(fill: Filled, data: Path, kind: st
         driver.see("Thank you")
 
 
+LONG = """
+name = "long"
+title = "Long"
+entered_by = "participant"
+[form]
+[[fields]]
+name = "understood"
+title = "When you think of the last two weeks, how often did you feel that the robot understood you?"
+type = "choice"
+labels = ["a", "b", "c", "d", "e", "f", "g", "h", "The last option, which says more than a line has room for."]
+[[fields]]
+name = "word"
+title = "Which word?"
+type = "integer"
+lowest = 0
+highest = 20
+labels = {labels}
+[[fields]]
+name = "typed"
+title = "How many?"
+type = "integer"
+lowest = 0
+highest = 50
+labels = ["none", "all"]
+[words.en]
+instruction = "Please think of the last two weeks, and answer as honestly as you can."
+""".replace("{labels}", f"{[f'word number {number}' for number in range(21)]}")  # fmt: skip
+
+
+@pytest.fixture
+def long(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Kind:
+    """A form whose items are longer than a small window."""
+    monkeypatch.setattr(kinds_room, "own_folder", lambda: tmp_path)
+    (tmp_path / "long.toml").write_text(LONG, encoding="utf-8")
+    kinds_room._read_folder.cache_clear()
+    return find("long")
+
+
+@pytest.mark.usefixtures("long")
+async def test_what_is_chosen_is_in_sight_in_a_window_that_is_too_small(
+    fill: Filled, data: Path
+) -> None:
+    known(data)
+    async with fill("long", size=(40, 12)) as driver:
+        driver.see("When you think of")
+        await driver.press("9")
+        driver.see("▶ 9 The last option", "Press Enter to go on.")
+        await driver.press("1")
+        driver.see("▶ 1 a")
+        await driver.press("pageup")
+        await driver.settle()
+        driver.see("When you think of")
+        await driver.press("enter")
+        driver.see("Which word?")
+        await driver.press("left")
+        driver.see("▶ 20 word number 20")
+        await driver.press("enter", "6", "0", "enter")
+        driver.see("lies within")
+
+
+@pytest.mark.usefixtures("long")
+async def test_long_options_and_the_range_of_a_number_are_shown(fill: Filled, data: Path) -> None:
+    known(data)
+    async with fill("long") as driver:
+        await driver.press("1", "enter")
+        rows = [row for row in driver.rows if "word\N{NO-BREAK SPACE}number" in row]
+        assert len(rows) == 7, "three columns"
+        await driver.press("tab")
+        driver.see("0 to 50 (none – all)")
+
+
+async def test_a_form_that_was_changed_meanwhile_begins_anew(
+    fill: Filled, data: Path, own: Kind, tmp_path: Path
+) -> None:
+    known(data)
+    async with fill("own") as driver:
+        await driver.press("4", "2", "enter", "2", "enter")
+        driver.see("Item 3 of 5")
+    changed = OWN.replace('labels = ["left", "right"]', 'labels = ["left", "both"]')
+    (tmp_path / "own.toml").write_text(changed, encoding="utf-8")
+    kinds_room._read_folder.cache_clear()
+    async with fill("own") as driver:
+        driver.see("Item 1 of 5")
+        await driver.press("4", "2", "enter")
+        driver.see("Item 2 of 5")
+        assert len(records.listing(driver.app.database, kinds=("own",))) == 2
+
+
+@pytest.mark.usefixtures("own")
+async def test_a_form_goes_on_in_the_language_in_which_it_was_begun(
+    fill: Filled, data: Path
+) -> None:
+    known(data)
+    async with fill("own", language="de") as driver:
+        await driver.press("4", "2", "enter")
+    async with fill("own") as driver:
+        driver.see("Welche Hand?", "Zurück")
+        await driver.press("1", "enter")
+        assert stored(driver, "own").content["language"] == "de"
+
+
+BIPOLAR = """
+name = "bipolar"
+title = "Bipolar"
+entered_by = "participant"
+[form]
+items = 1
+lowest = -3
+highest = 3
+[[scores]]
+[words.en]
+items = ["How was it?"]
+labels = ["bad", "good"]
+"""
+
+
+@pytest.mark.parametrize("size", [(80, 24), (160, 48)])
+async def test_a_scale_has_points_below_zero(
+    fill: Filled, data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, size: tuple[int, int]
+) -> None:
+    monkeypatch.setattr(kinds_room, "own_folder", lambda: tmp_path)
+    (tmp_path / "bipolar.toml").write_text(BIPOLAR, encoding="utf-8")
+    kinds_room._read_folder.cache_clear()
+    known(data)
+    async with fill("bipolar", size=size) as driver:
+        await driver.wait(700)
+        await driver.strike("-", "2")
+        driver.see("Press Enter to go on.")
+        await driver.press("enter")
+        assert stored(driver, "bipolar").content["score"] == -2
+
+
+async def test_a_form_that_is_left_after_its_last_answer_is_complete(
+    opened: OpenApp, data: Path
+) -> None:
+    known(data)
+    ended: list[Record | None] = []
+    async with opened() as driver:
+        driver.app.fill_form(find("effort"), Occasion("P01"), ended.append)
+        await driver.settle()
+        await driver.wait(700)
+        await driver.press("7", "enter", "escape", "escape")
+        assert driver.screen_name == "HomeScreen"
+    (found,) = ended
+    assert found is not None
+    assert found.content["score"] == 7
+
+
+async def test_the_same_answer_at_once_is_no_error(fill: Filled, data: Path) -> None:
+    known(data)
+    async with fill("SUS") as driver:
+        answers = FormAnswers(driver.app.database, find("SUS"), Occasion("P01"))
+        item = find("SUS").items[0]
+        answers.answer(item, 4, 0)
+        answers.answer(item, 4, 0)
+        assert stored(driver).version == 1
+
+
 async def test_a_form_is_filled_in_with_one_switch(fill: Filled, data: Path) -> None:
     known(data, switch="one", task="gonogo")
     async with fill("pain-now") as driver:
@@ -288,6 +446,19 @@ async def test_a_form_is_read_aloud(fill: Filled, data: Path, transcript: Transc
         assert listener.count > 12
         await driver.press("escape", "escape", "escape", "escape", "escape")
         assert not driver.app.aloud.is_on
+
+
+async def test_a_file_of_a_form_that_cannot_be_read_stops_nothing_else(
+    opened: OpenApp, data: Path, catalogue: Catalogue, own: Kind, tmp_path: Path
+) -> None:
+    trained(data, catalogue, 1000, 1000)
+    (tmp_path / "own.toml").write_text('name = "own', encoding="utf-8")
+    kinds_room._read_folder.cache_clear()
+    async with opened() as driver:
+        await open_progress(driver, catalogue)
+        await driver.press("a", "enter")
+        driver.see("effort · Effort")
+        driver.lacks("own · About you")
 
 
 async def test_a_therapist_hands_over_a_form_from_the_records(

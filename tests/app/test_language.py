@@ -12,7 +12,7 @@ import pytest
 
 import sar_tui.app
 import sar_tui.loop
-from sar_tui.app.screens.wellbeing import QUESTIONS
+from sar_tui.app.wellbeing_interview import QUESTIONS
 from sar_tui.model.language import BUNDLED, language, read_words
 from sar_tui.plugins import Catalogue, task_folder
 from sar_tui.records.kind import NOT_SAID

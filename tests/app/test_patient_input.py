@@ -34,7 +34,7 @@ SEEDS = range(2, 6)
 STRINGS = int(os.environ.get("SAR_TUI_TEST_STRINGS", "2000")) // len(SEEDS)
 ALLOWED = {
     "PatientScreen", "SessionScreen", "PassphraseScreen", "HelpScreen", "TooSmallScreen",
-    "SensorCheckScreen", "SavingScreen", "WellbeingScreen",
+    "SensorCheckScreen", "SavingScreen", "QuestionScreen",
 }  # fmt: skip
 """Screens of a participant who trains alone; and the blank one below all."""
 

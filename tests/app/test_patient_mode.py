@@ -333,7 +333,7 @@ async def test_therapists_keys_do_nothing(opened: OpenApp, data: Path) -> None:
         assert {act["actor"] for act in driver.messages("operator/act")} <= {"participant"}
         assert driver.messages("event_handler/marked") == []
     assert set(screens) == {
-        "PatientScreen", "WellbeingScreen", "SensorCheckScreen", "SessionScreen instructions",
+        "PatientScreen", "QuestionScreen", "SensorCheckScreen", "SessionScreen instructions",
         "SessionScreen attempt", "SessionScreen trial", "HelpScreen paused",
         "PassphraseScreen paused",
     }  # fmt: skip

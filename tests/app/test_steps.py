@@ -18,6 +18,7 @@ from sar_tui.rules.questions import EARLIER, QUESTIONS
 from sar_tui.runs.plan import make_plan
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
+from sar_tui.widgets.answer_options import SMALLEST_SCALE
 from tests.app.app_driver import OpenApp, OpenSession, plan, stored
 from tests.recorded import said
 
@@ -26,8 +27,8 @@ EMPTY = Entry()
 PLACES = Step(name="where", text="Where?", kind="choices", labels=("hand", "arm"))
 
 
-def shown(step: Step, entry: Entry = EMPTY, who: str = "") -> list[str]:
-    text = step_text(AskedStep(number=1, step=step, entry=entry, who=who), ENGLISH)
+def shown(step: Step, entry: Entry = EMPTY, columns: int = SMALLEST_SCALE) -> list[str]:
+    text = step_text(AskedStep(number=1, step=step, entry=entry), ENGLISH, columns=columns)
     return [text.headline, *text.text.replace("\u00a0", " ").split("\n"), text.press]
 
 
@@ -142,7 +143,7 @@ def test_the_numbers_of_a_scale_stand_above_the_words_at_its_ends() -> None:
 
 
 def test_borgs_scale_fits_on_a_small_screen() -> None:
-    _, *rows, how = shown(EARLIER["effort"], Entry(chosen=(2,)))
+    _, *rows, how = shown(EARLIER["effort"], Entry(chosen=(2,)), columns=78)
     assert len(rows) == 6
     assert max(map(len, rows)) <= 68
     assert "▶ 0.5  extremely weak" in rows[2]
@@ -156,7 +157,7 @@ def test_options_are_ticked_and_the_cursor_points_at_one() -> None:
 
 @pytest.mark.parametrize(("place", "at"), [(None, -1), (0, 1), (100, 51)])
 def test_a_mark_stands_on_a_line_once_it_is_placed(place: int | None, at: int) -> None:
-    line = shown(Step(name="a", text="A", kind="line"), Entry(place=place))[1]
+    line = shown(Step(name="a", text="A", kind="line"), Entry(place=place), columns=78)[1]
     assert line.find("●") == at
 
 

@@ -409,6 +409,6 @@ async def test_questions_after_a_session_have_its_theme(opened: OpenApp, study: 
         await driver.press("f7", "enter", *given("0", "0"))
         await driver.do_session()
         await driver.press("enter")
-        assert (driver.screen_name, driver.app.theme) == ("WellbeingScreen", "sar-high-contrast")
+        assert (driver.screen_name, driver.app.theme) == ("QuestionScreen", "sar-high-contrast")
         await driver.press(*given("0", "0"))
         assert (driver.screen_name, driver.app.theme) == ("StudyScreen", theme)

@@ -77,6 +77,11 @@ async def test_a_held_key_answers_once_and_the_last_of_corrected_answers_counts(
     assert found == [("pain", 1), ("pain", 2), ("pain", 3), ("tiredness", 1)]
 
 
+async def test_no_pain_after_all_hurts_nowhere(asked: AppDriver) -> None:
+    await asked.press(*given("3", "2"), "backspace", "backspace", *given("0", "1"))
+    assert answers(asked) == [("before", "pain", 0), ("before", "tiredness", 1)]
+
+
 async def test_ten_is_a_one_and_a_zero_and_another_zero_corrects_it(asked: AppDriver) -> None:
     await asked.press("1", "0")
     asked.see("┃ 10 ┃")

@@ -15,6 +15,7 @@ from sar_tui.records.kind import (
     find,
     kinds,
     read_kind,
+    unusable_files,
 )
 
 GRIP = """
@@ -49,6 +50,22 @@ def test_a_clinic_adds_a_kind_by_a_file(tmp_path: Path, monkeypatch: pytest.Monk
     (tmp_path / "grip.toml").write_text(GRIP, encoding="utf-8")
     assert find("GRIP").score == find("grip").fields[0]
     assert "pain" in kinds()
+
+
+def test_a_file_that_cannot_be_used_hides_no_other_kind(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(kinds_room, "own_folder", lambda: tmp_path)
+    kinds_room._read_folder.cache_clear()
+    (tmp_path / "grip.toml").write_text(GRIP, encoding="utf-8")
+    (tmp_path / "Pain.toml").write_text('name = "pain', encoding="utf-8")
+    assert {"grip", "tiredness"} <= kinds().keys()
+    (problem,) = unusable_files()
+        assert problem.startswith("Pain.toml, line 1: This is not valid TOML")
+    assert find("grip").name == "grip"
+    for name in ("pain", "nothing"):
+        with pytest.raises(KindError, match=r"Pain\.toml is no kind of record"):
+            find(name)
 
 
 @pytest.mark.parametrize(

@@ -248,6 +248,7 @@ def test_any_form_that_both_can_express_comes_back_as_it_left(
     assert dictionary(again) == content
 
 
+RECORD_ID = "Row 2: record_id is left out, as the record's id."
 DICTIONARY = f"""{HEAD}
 record_id,demo,,text,Record ID,,,,,,,,,,,,,
 age,demo,Please answer,text,How old are you?,,years,integer,18,120,,,,,,,,
@@ -261,7 +262,7 @@ mood,demo,,radio,Mood,"0, low | 1, 1 | 2, 2 | 3, high",,,,,,,,,,,,
 def test_a_foreign_dictionary_comes_back_with_its_names(tmp_path: Path) -> None:
     (tmp_path / "file.csv").write_text(DICTIONARY, encoding="utf-8")
     (found,) = read(tmp_path / "file.csv")
-    assert (found.name, found.refused, found.left_out) == ("demo", [], [])
+    assert (found.name, found.refused, found.left_out) == ("demo", [], [RECORD_ID])
     (tmp_path / "demo.toml").write_text(found.declaration, encoding="utf-8")
     kind = read_kind(tmp_path / "demo.toml")
     before = table(DICTIONARY.encode())[1:]
@@ -280,6 +281,9 @@ def test_a_foreign_dictionary_comes_back_with_its_names(tmp_path: Path) -> None:
         (",yesno,", ",file,", "Row 5: ill asks for a file"),
         (",yesno,", ",colour,", "Row 5: ill has the type 'colour'"),
         (",dropdown,Sex,\"1, female | 2, male | 3, other\"", ",dropdown,Sex,", "Row 4: sex has no list of choices"),
+        ("3, high", f"{'9' * 5000}, high", "Row 7: mood is a radio whose codes are not whole numbers"),
+        ("3, high", "999999999, high", "Row 7: mood is a radio whose codes do not rise in equal"),
+        ("2, male", "2, female", "demo: The choice sex has two labels that are the same."),
         ("sex,demo", "age,demo", "Row 4: age is the name of row 3, too."),
         ("sex,demo", "Sex,demo", "Row 4: Sex is no name of a variable"),
         ("ill,demo", "ill,other", "Row 6: the rows of demo are not together."),
@@ -290,6 +294,7 @@ def test_a_foreign_dictionary_comes_back_with_its_names(tmp_path: Path) -> None:
         ("bad |  | good", "bad | so | good", "Row 6: vas has words in the middle"),
         ("good,,number,,,,", "good,,number,,,,[ill]='1'", "Row 6: vas is shown only under a condition"),
         ("3, high\",,,,,,,,,,,,", "3, high\",,,,,,,,,,,,@HIDDEN", "Row 7: mood has the action tag @HIDDEN"),
+        ("3, high\",,,,,,,,,,,,", "3, high\",,,,,,,,,,,,So. @NOW", "Row 7: mood has the action tag @NOW"),
     ],
 )  # fmt: skip
 def test_what_a_form_cannot_express_is_refused_with_its_row(
@@ -302,6 +307,66 @@ def test_what_a_form_cannot_express_is_refused_with_its_row(
     assert any(text.startswith(says) for text in found["demo"].refused), found["demo"].refused
 
 
+@pytest.mark.parametrize(
+    ("before", "after", "says"),
+    [
+        ("2, male", "2, <i>male</i>", "Row 4: sex: HTML of Choices"),
+        ("bad |", "<b>bad</b> |", "Row 6: vas: HTML of Choices"),
+    ],
+)
+def test_html_of_labels_is_left_out_with_a_sentence(
+    tmp_path: Path, before: str, after: str, says: str
+) -> None:
+    (tmp_path / "file.csv").write_text(DICTIONARY.replace(before, after), encoding="utf-8")
+    (found,) = read(tmp_path / "file.csv")
+    assert any(text.startswith(says) for text in found.left_out), found
+    assert "<" not in found.declaration
+
+
+@pytest.mark.parametrize("piped", ["[age]", "[ill(1)]", "[sex:label]", "[event-name]"])
+def test_a_label_that_shows_another_answer_is_refused(tmp_path: Path, piped: str) -> None:
+    changed = DICTIONARY.replace("2, male", f"2, {piped}")
+    (tmp_path / "file.csv").write_text(changed, encoding="utf-8")
+    (found,) = read(tmp_path / "file.csv")
+    assert found.refused == [
+        "Row 4: sex shows another answer in its Choices, Calculations, OR Slider Labels."
+    ]
+
+
+@pytest.mark.parametrize(
+    ("label", "read_as"),
+    [
+        ("Less than <5 and more than >3?", "Less than <5 and more than >3?"),
+        ("How<br>are<br/>you?", "How are you?"),
+        ('<p class="x">How are</p><p>you?</p>', "How are you?"),
+        ("a &lt; b<!-- not > this -->", "a < b"),
+    ],
+)
+def test_html_is_left_out_and_nothing_else(tmp_path: Path, label: str, read_as: str) -> None:
+    quoted = '"' + label.replace('"', '""') + '"'
+    (tmp_path / "file.csv").write_text(DICTIONARY.replace("Are you ill?", quoted), "utf-8")
+    (found,) = read(tmp_path / "file.csv")
+    assert f'title = "{read_as}"' in found.declaration
+
+
+def test_an_instrument_without_its_zip_keeps_a_first_item_that_is_a_text(tmp_path: Path) -> None:
+    (tmp_path / "own.toml").write_text(OTHERS.partition("[form]")[0] + TEXT_ITEM, "utf-8")
+    kind = read_kind(tmp_path / "own.toml")
+    assert same(back(tmp_path, dictionary(kind)), kind)
+
+
+TEXT_ITEM = """
+group = "form"
+when = "When it was filled in"
+has_time = true
+[form]
+[[fields]]
+name = "remark"
+title = "Anything else?"
+type = "text"
+"""
+
+
 def test_what_is_layout_only_is_left_out_with_a_sentence(tmp_path: Path) -> None:
     changed = DICTIONARY.replace("Are you ill?,,,,,,,,,", "<b>Are you ill?</b>,,,,,,,,y,LH")
     changed += (
@@ -311,6 +376,7 @@ def test_what_is_layout_only_is_left_out_with_a_sentence(tmp_path: Path) -> None
     (found,) = read(tmp_path / "file.csv")
     assert found.refused == []
     assert found.left_out == [
+        RECORD_ID,
         "Row 5: ill: HTML of Field Label is left out.",
         "Row 5: ill is not required here, as anybody may rather not say.",
         "Row 5: ill: Custom Alignment is left out.",
@@ -328,12 +394,20 @@ def test_a_score_that_was_changed_in_redcap_is_refused(tmp_path: Path) -> None:
     assert "is computed otherwise than the score" in found[0].refused[0]
 
 
+def _damaged(content: bytes) -> bytes:
+    """Return a zip whose compressed data are overwritten, but not its directory."""
+    at = content.index(b"instrument.csv") + len("instrument.csv")
+    return content[:at] + b"\xff" * 40 + content[at + 40 :]
+
+
 @pytest.mark.parametrize(
     ("content", "says"),
     [
         (b"", "is no data dictionary: it has no column"),
         (b"a,b\n1,2\n", "is no data dictionary: it has no column"),
         (HEAD.encode() + b"\n\xff\xfe", "is not UTF-8"),
+        (f"{DICTIONARY.rstrip()},x".encode(), "row 7 has more cells"),
+        (_damaged(instrument_zip(find("SUS"))), "is a damaged zip"),
         (b"PK\x05\x06" + bytes(18), "is no instrument of REDCap: it has no instrument.csv."),
     ],
 )

@@ -2,6 +2,8 @@
 
 import re
 
+import pytest
+
 from sar_tui.model.step import Entry, Step
 from sar_tui.widgets.answer_options import options_text, with_chosen
 
@@ -18,6 +20,27 @@ def filled(columns: int, chosen: int) -> list[str]:
 def test_only_the_rows_of_the_chosen_box_are_filled() -> None:
     gap = "\N{NO-BREAK SPACE}" * 2
     assert filled(78, 7) == ["┏━━━━━┓", f"┃{gap}7{gap}┃", "┗━━━━━┛"]
+
+
+@pytest.mark.parametrize("scale", [(-3, 3, 1), (-10, 0, 1), (0, 100, 10), (-50, 50, 10), (0, 1, 1)])
+def test_all_numbers_of_a_scale_fit_into_their_boxes(scale: tuple[int, int, int]) -> None:
+    step = Step(name="a", text="A", kind="number", scale=scale)
+    for columns in range(30, 160):
+        text = options_text(step, Entry(chosen=(0,)), columns)
+        assert with_chosen(text).plain == text
+        rows = text.split("\n")
+        assert len({len(row) for row in rows}) == 1, text
+        assert len(rows[0]) <= columns, text
+
+
+@pytest.mark.parametrize("columns", [30, 44, 78])
+def test_options_are_broken_where_a_row_is_too_short(columns: int) -> None:
+    labels = ("yes", "no, as it was too far away for me to see what there was to be done")
+    step = Step(name="a", text="A", kind="choice", labels=labels)
+    first, *others = options_text(step, Entry(chosen=(1,)), columns).split("\n")
+    assert len(first) <= columns
+    words = " ".join(" ".join(others).split())
+    assert words == f"▶ 2 {labels[1]}"
 
 
 def test_a_digit_is_in_the_middle_of_its_box() -> None:

@@ -10,7 +10,7 @@ from textual.containers import Center, Horizontal, Vertical
 from textual.screen import Screen
 from textual.widgets import Button, Static
 
-from sar_tui.app.screens.wellbeing import ALONE, TELL_OF_PAIN
+from sar_tui.app.wellbeing_interview import ALONE, TELL_OF_PAIN
 from sar_tui.model.language import Language, in_language, language
 from sar_tui.model.spoken_text import sentences
 from sar_tui.plugins import PluginError, task_folder

@@ -477,21 +477,21 @@ class _Pause:
         self._live.is_mistake = act.command == "end" and act.reason == "mistake"
         self._live.operate(act)
         if act.reason == "pain" and self._live.session.task.parameters.ask_wellbeing:
-            from sar_tui.app.screens.wellbeing import WellbeingScreen
+            from sar_tui.app.screens.questions import QuestionScreen
             from sar_tui.app.wellbeing import ask_after
 
             app = self._screen.app
-            question = WellbeingScreen(ask_after(app, self._live, "pause"))
+            question = QuestionScreen(ask_after(app, self._live, "pause"))
             app.push_screen(question, self._told_of_pain)
 
     def step_ended(self, ended: StepEnded) -> None:
         """Pause after too much pain in an answer between attempts, and advise to stop."""
-        from sar_tui.app.screens.wellbeing import WellbeingScreen
+        from sar_tui.app.screens.questions import QuestionScreen
         from sar_tui.app.wellbeing import advise
 
         if advice := advise(self._screen.app, self._live, ended):
             self._live.operate(SessionCommand(command="pause", reason="pain", seat=ended.seat))
-            self._screen.app.push_screen(WellbeingScreen(advice), self._told_of_pain)
+            self._screen.app.push_screen(QuestionScreen(advice), self._told_of_pain)
 
     def _told_of_pain(self, goes_on: bool | None) -> None:
         """End the session if the participant follows the advice not to go on."""

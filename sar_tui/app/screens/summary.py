@@ -375,8 +375,9 @@ def _levels(
     for row in reversed(range(rows + has_ends)):
         cells = [(_cell(height - row * len(BARS), BARS) * width, "$accent") for height in heights]
         for at in (0, -1):
-            if has_ends and row == -(-heights[at] // len(BARS)):
-                cells[at] = (f"{highest[at]}".center(width), "$text-muted")
+            level = f"{highest[at]}"
+            if has_ends and len(level) <= step and row == -(-heights[at] // len(BARS)):
+                cells[at] = (level.center(width), "$text-muted")
         lines.append(
             Content.assemble(
                 *((text.ljust(step).replace(" ", _SPACE), style) for text, style in cells)

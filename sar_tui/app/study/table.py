@@ -91,7 +91,7 @@ class StudyTable(Vertical):
                 for place, said in words.items()
             }
             widths = dict.fromkeys(visits, 2)
-            visits = self._fitting(visits, room // (2 + _GAP))
+            visits = self._fitting(visits, max(0, room // (2 + _GAP)))
         spare = room - sum(widths[name] for name in visits)
         gap = " " * max(_GAP, min(_WIDEST_GAP, spare // len(visits) if visits else 0))
         names = [f"{titles[name]:<{widths[name]}}" for name in visits]
