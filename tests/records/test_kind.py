@@ -61,7 +61,7 @@ def test_a_file_that_cannot_be_used_hides_no_other_kind(
     (tmp_path / "Pain.toml").write_text('name = "pain', encoding="utf-8")
     assert {"grip", "tiredness"} <= kinds().keys()
     (problem,) = unusable_files()
-        assert problem.startswith("Pain.toml, line 1: This is not valid TOML")
+    assert problem.startswith("Pain.toml, line 1: This is not valid TOML")
     assert find("grip").name == "grip"
     for name in ("pain", "nothing"):
         with pytest.raises(KindError, match=r"Pain\.toml is no kind of record"):
