@@ -13,10 +13,19 @@ from sar_tui.store import programmes, sessions
 from sar_tui.store.database import StoreError
 from sar_tui.study import ledger
 from sar_tui.study.conditions import session_plan
-from sar_tui.study.enrolment import Names, draws_of, group_named, names_of
+from sar_tui.study.enrolment import Names, draws_of, names_of
 from sar_tui.study.ledger import Enrolment, Frozen, Played
 from sar_tui.study.plan import OWN
-from sar_tui.study.schedule import Item, Next, State, items, next_item, numbers
+from sar_tui.study.schedule import (
+    Item,
+    Next,
+    NothingLeft,
+    State,
+    items,
+    next_item,
+    numbers,
+    visit_days,
+)
 
 _OTHER_DAY: dict[State, str] = {
     "early": "The visit {visit} of {who} is from {first} to {last}: today is too early.",
@@ -43,11 +52,13 @@ class NeedsReason(StoreError):
 
     Attributes:
         what: as the kind ``deviation`` has it.
+        found: the block.
     """
 
-    def __init__(self, message: str, what: str) -> None:
+    def __init__(self, message: str, what: str, found: Next) -> None:
         super().__init__(message, bad_input=True)
         self.what = what
+        self.found = found
 
 
 def person(db: sqlite3.Connection, frozen: Frozen, participant: str, key: Path) -> Person:
@@ -59,7 +70,7 @@ def person(db: sqlite3.Connection, frozen: Frozen, participant: str, key: Path) 
     """
     enrolled = ledger.enrolment(db, frozen.plan.name, participant)
     names = names_of(frozen.plan, draws_of(frozen, key))
-    group = group_named(frozen.plan, enrolled, names)
+    group = names.group(enrolled.group)
     return Person(
         frozen=frozen,
         enrolled=enrolled,
@@ -103,16 +114,17 @@ def due(
             bad_input=True,
         )
     check_consent(db, one)
-    if visit or block:
-        return _wanted(one, now, visit, block, reason)
     found = next_item(plan, one.items, one.played, now)
-    if found.item is None:
+    if visit or block:
+        item = _wanted(one, visit, block)
+        if isinstance(found, NothingLeft) or item.key != found.item.key:
+            return _out_of_order(one, now, item, reason)
+    if isinstance(found, NothingLeft):
         told = [Sentence("{who} has done all of the study {study}.", who=who, study=plan.name)]
         told += [
             Sentence("The visit {visit} was missed.", visit=each.name) for each in found.passed
         ]
         raise StoreError(joined(told), bad_input=True)
-    assert found.day
     if found.state in _OTHER_DAY and not reason and not _is_noted(db, one, found):
         said = Sentence(
             _OTHER_DAY[found.state],
@@ -121,13 +133,12 @@ def due(
             first=found.day.first,
             last=found.day.last,
         )
-        raise NeedsReason(said, found.state)
+        raise NeedsReason(said, found.state, found)
     return found
 
 
 def _is_noted(db: sqlite3.Connection, one: Person, found: Next) -> bool:
     """Return True if a reason was given for the day of a visit, with an earlier block of it."""
-    assert found.item
     who, study = one.enrolled.participant, one.frozen.plan.name
     place = (found.item.visit.name, found.state)
     return any(
@@ -136,8 +147,8 @@ def _is_noted(db: sqlite3.Connection, one: Person, found: Next) -> bool:
     )
 
 
-def _wanted(one: Person, now: datetime, visit: str, block: str, reason: str) -> Next:
-    """Return a block that was asked for out of order."""
+def _wanted(one: Person, visit: str, block: str) -> Item:
+    """Return the block that was asked for: the first of these names that was not begun."""
     alike = [
         item
         for item in one.items
@@ -154,16 +165,23 @@ def _wanted(one: Person, now: datetime, visit: str, block: str, reason: str) -> 
             ),
             bad_input=True,
         )
-    done = {(each.visit, each.block, each.position) for each in one.played}
-    item = next((each for each in alike if each.key not in done), alike[0])
-    following = next_item(one.frozen.plan, one.items, one.played, now)
-    if following.item and item.key == following.item.key and following.state == "due":
-        return following
-    what = "repeated" if item.key in done else "out of order"
+    begun = {each.key for each in one.played}
+    return next((each for each in alike if each.key not in begun), alike[0])
+
+
+def _out_of_order(one: Person, now: datetime, item: Item, reason: str) -> Next:
+    """Return a block that is not the next one. Raises NeedsReason."""
+    days = visit_days(one.frozen.plan, one.items, one.played, now)
+    found = Next(
+        item=item,
+        day=next(day for day in days if day.visit.name == item.visit.name),
+        repeats=any(each.key == item.key for each in one.played),
+    )
     if not reason:
+        what = "repeated" if found.repeats else "out of order"
         said = Sentence(_OTHER_PLACE[what], block=item.block.name, visit=item.visit.name)
-        raise NeedsReason(said, what)
-    return Next(item=item, state="due", repeats=item.key in done)
+        raise NeedsReason(said, what, found)
+    return found
 
 
 def check_consent(db: sqlite3.Connection, one: Person) -> None:
@@ -222,7 +240,6 @@ def plan_of(
         PluginError, ParameterError, Failed: the condition cannot run here.
     """
     item = found.item
-    assert item
     plan, who = one.frozen.plan, one.enrolled.participant
     condition = plan.conditions[item.condition]
     own = programmes.newest(db, who, condition.task).parameters
@@ -287,12 +304,11 @@ def note_deviations(
     """Record what differs from the plan when a block begins: visits that were missed, a day that is
     early or late, an order, a block that is begun again.
     """
-    assert found.item
+    plan, who = one.frozen.plan, one.enrolled.participant
     noted = {
-        (each.participant, each.content.get("visit"), each.content["what"])
-        for each in ledger.of_study(db, ledger.DEVIATION, one.frozen.plan.name)
+        (each.content.get("visit"), each.content["what"])
+        for each in ledger.of_study(db, ledger.DEVIATION, plan.name, who)
     }
-    who = one.enrolled.participant
     entries = [("missed", visit.name, "", "") for visit in found.passed]
     name, block = found.item.visit.name, found.item.block.name
     if found.state in ("early", "late"):
@@ -302,23 +318,10 @@ def note_deviations(
     elif found.repeats:
         entries.append(("repeated", name, block, "the session before was cut off"))
     for what, visit, of_block, why in entries:
-        if what in ("missed", "early", "late") and (who, visit, what) in noted:
+        if what in ("missed", "early", "late") and (visit, what) in noted:
             continue
-        ledger.note(
-            db,
-            ledger.DEVIATION,
-            who,
-            {
-                "study": one.frozen.plan.name,
-                "version": one.frozen.plan.version,
-                "visit": visit,
-                "block": of_block,
-                "what": what,
-                "reason": why,
-            },
-            author=author,
-            now=now,
-        )
+        content = {"visit": visit, "block": of_block, "what": what, "reason": why}
+        ledger.note(db, ledger.DEVIATION, plan, who, content, author=author, now=now)
 
 
 def note_form(
@@ -331,15 +334,14 @@ def note_form(
     now: datetime | None = None,
 ) -> None:
     """Record that a form of a study was filled in."""
-    assert found.item
-    content: dict[str, int | str] = {
-        "study": one.frozen.plan.name,
-        "version": one.frozen.plan.version,
+    content = {
         "visit": found.item.visit.name,
         "block": found.item.block.name,
         "record": record,
     }
-    ledger.note(db, ledger.FORM, one.enrolled.participant, content, author=author, now=now)
+    ledger.note(
+        db, ledger.FORM, one.frozen.plan, one.enrolled.participant, content, author=author, now=now
+    )
 
 
 def in_words(one: Person, item: Item) -> Sentence:

@@ -18,10 +18,10 @@ from sar_tui.drivers.files import make_private
 from sar_tui.export.columns import Column
 from sar_tui.export.csv_file import CsvWriter
 from sar_tui.export.formats.csv import described_field
-from sar_tui.store import records, sessions
+from sar_tui.store import records, sessions, sites
 from sar_tui.store.database import StoreError
 from sar_tui.study import ledger
-from sar_tui.study.ledger import Enrolment, Frozen, Played
+from sar_tui.study.ledger import Enrolment, Frozen, Participation, Played
 from sar_tui.study.plan import Block, Study
 
 Row = dict[str, Any]
@@ -64,22 +64,22 @@ LONG_COLUMNS = (
 )
 
 
-def long_rows(db: sqlite3.Connection, frozen: Frozen) -> list[Row]:
-    """Return a row for each block that was begun, by person in the order of enrolment."""
-    plan = frozen.plan
-    deviations = ledger.deviations(db, plan.name, frozen.mode)
-    everything = ledger.played(db, plan.name, frozen.mode)
+def long_rows(db: sqlite3.Connection, frozen: Frozen, people: Sequence[Participation]) -> list[Row]:
+    """Return a row for each block that was begun, by person in the order of enrolment.
+
+    ``people``: of the study, as `ledger.people` reads them.
+    """
+    plan, site = frozen.plan, sites.own(db)
     found = []
-    for enrolled in ledger.enrolments(db, plan.name):
-        own = [one for one in everything if one.participant == enrolled.participant]
-        noted = [each for each in deviations if each.participant == enrolled.participant]
-        first = min((one.day for one in own), default="")
-        for one in own:
+    for enrolled, played, deviations in people:
+        of_person = _of_person(plan, enrolled, site)
+        first = min((one.day for one in played), default="")
+        for one in played:
             deviated = sum(
-                each.visit == one.visit and each.block in ("", one.block) for each in noted
+                each.visit == one.visit and each.block in ("", one.block) for each in deviations
             )
             row = {
-                **_of_person(db, plan, enrolled),
+                **of_person,
                 **_place(plan, one),
                 "day": (date.fromisoformat(one.day) - date.fromisoformat(first)).days,
                 **_results(db, one),
@@ -89,12 +89,11 @@ def long_rows(db: sqlite3.Connection, frozen: Frozen) -> list[Row]:
     return found
 
 
-def _of_person(db: sqlite3.Connection, plan: Study, enrolled: Enrolment) -> Row:
+def _of_person(plan: Study, enrolled: Enrolment, own_site: str) -> Row:
     _, _, site = enrolled.participant.partition("@")
-    own = db.execute("SELECT code FROM site").fetchone()
     return {
         "study": plan.name,
-        "site": site or (own[0] if own else None),
+        "site": site or own_site or None,
         "participant": enrolled.participant,
         "group": enrolled.group or None,
         "stratum": enrolled.stratum or None,
@@ -155,16 +154,18 @@ def wide(rows: Sequence[Row], people: Sequence[str]) -> tuple[list[Column], list
     for name in _OF_PERSON:
         columns[name] = next(each for each in LONG_COLUMNS if each.name == name)
     declared = {each.name: each for each in LONG_COLUMNS}
+    several = {(row["visit"], row["block"]) for row in rows if row["position"] > 1}
     for row in rows:
         mine = by_person[row["participant"]]
         mine |= {name: row[name] for name in _OF_PERSON}
-        part = "_".join(filter(None, (row["visit"], row["block"], _distinct(row, rows))))
+        condition = row["condition"] if (row["visit"], row["block"]) in several else ""
+        part = "_".join(filter(None, (row["visit"], row["block"], condition)))
         for name in _MEASURES:
             if row.get(name) is None:
                 continue
             key = f"{part}_{name}".replace("-", "_")
             where = f"In the block {row['block']} of the visit {row['visit']}"
-            under = f", condition {row['condition']}" if _distinct(row, rows) else ""
+            under = f", condition {condition}" if condition else ""
             columns.setdefault(
                 key,
                 msgspec.structs.replace(
@@ -175,22 +176,15 @@ def wide(rows: Sequence[Row], people: Sequence[str]) -> tuple[list[Column], list
     return list(columns.values()), list(by_person.values())
 
 
-def _distinct(row: Row, rows: Sequence[Row]) -> str:
-    """Return the condition of a row if a person has several in its block; else an empty text."""
-    place = row["visit"], row["block"]
-    positions = (each["position"] for each in rows if (each["visit"], each["block"]) == place)
-    return str(row["condition"]) if any(position > 1 for position in positions) else ""
-
-
 def export(db: sqlite3.Connection, frozen: Frozen, folder: Path) -> list[Path]:
     """Write both tables and their description (``datapackage.json``) into a new or empty folder.
 
     Raises:
         StoreError: the folder has files, or cannot be written.
     """
-    rows = long_rows(db, frozen)
-    people = [each.participant for each in ledger.enrolments(db, frozen.plan.name)]
-    columns, persons = wide(rows, people)
+    people = ledger.people(db, frozen)
+    rows = long_rows(db, frozen, people)
+    columns, persons = wide(rows, [each.enrolled.participant for each in people])
     tables: Mapping[str, tuple[Sequence[Column], Sequence[Row], str]] = {
         LONG: (LONG_COLUMNS, rows, "A row for each block of a person"),
         WIDE: (columns, persons, "A row for each person"),

@@ -15,7 +15,7 @@ TODAY = date(2026, 3, 2)
 FIRST, SECOND = PLAN.visits
 
 
-def cell(state: State, first: str | None = None, last: str | None = None) -> VisitCell:
+def cell(state: State, first: date | None = None, last: date | None = None) -> VisitCell:
     return VisitCell(state=state, first=first, last=last, days=(), done=0, of=1, deviated=False)
 
 
@@ -33,9 +33,9 @@ def row(who: str, second: VisitCell, visit: int = 2) -> PersonRow:
     )
 
 
-DUE = cell("due", "2026-02-28", "2026-03-04")
-LATE = cell("late", "2026-02-20", "2026-02-24")
-EARLY = cell("early", "2026-03-05", "2026-03-09")
+DUE = cell("due", date(2026, 2, 28), date(2026, 3, 4))
+LATE = cell("late", date(2026, 2, 20), date(2026, 2, 24))
+EARLY = cell("early", date(2026, 3, 5), date(2026, 3, 9))
 
 
 @pytest.mark.parametrize(

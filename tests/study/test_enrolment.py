@@ -12,7 +12,7 @@ from typing import NamedTuple
 import pytest
 
 from sar_tui.plugins import Catalogue
-from sar_tui.store import people_events
+from sar_tui.store import participants, people_events
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.erasure import erase
 from sar_tui.study import enrolment, ledger, secret
@@ -77,6 +77,32 @@ def test_a_changed_plan_needs_a_new_version_and_a_reason(place: Place) -> None:
         assert [each.plan.version for each in ledger.versions(db, "praise")] == [1, 2]
 
 
+def test_a_later_version_keeps_what_people_were_enrolled_with(place: Place) -> None:
+    later = TWO_GROUPS.replace('name = "praise"', 'name = "praise"\nversion = 2', 1)
+    coded = later.replace("[outcome]", "[allocation]\nblind = true\n[outcome]", 1)
+    changes = {
+        "keep the group silent": later.replace("groups.silent", "groups.quiet"),
+        "have the same orders of conditions": later.replace('["slow", "fast"]', '["fast", "slow"]'),
+        "have the same conditions, as their": coded.replace(
+            "conditions.unpraised", "conditions.plain"
+        ).replace('"unpraised"', '"plain"'),
+    }
+    with closing(connect(place.folder)) as db:
+        enrolment.enrol(db, ledger.find(db), "P01", place.key)
+    for said, text in changes.items():
+        with pytest.raises(StoreError, match=f"version 2 must {said}"):
+            freeze(place, text, reason="changed")
+    assert freeze(place, later, reason="the same groups").plan.version == 2
+
+
+def test_nobody_is_known_after_an_enrolment_that_failed(place: Place) -> None:
+    with closing(connect(place.folder)) as db:
+        frozen = ledger.find(db)
+        with pytest.raises(StoreError, match="P09 is not in the study praise"):
+            enrolment.enrol(db, frozen, "P01", place.key, replaces="P09")
+        assert participants.codes(db) == []
+
+
 def test_a_frozen_plan_has_each_setting_of_its_conditions(place: Place) -> None:
     import msgspec
 
@@ -114,10 +140,12 @@ def test_whoever_replaces_a_person_gets_their_group_and_order(place: Place) -> N
         first = enrolment.enrol(db, frozen, "P01", place.key)
         with pytest.raises(StoreError, match="P01 still takes part"):
             enrolment.enrol(db, frozen, "P02", place.key, replaces="P01")
-        content = {"study": "praise", "what": "lost", "reason": "moved away"}
-        ledger.note(db, ledger.EXIT, "P01", content, author="me")
+        content = {"what": "lost", "reason": "moved away"}
+        ledger.note(db, ledger.EXIT, frozen.plan, "P01", content, author="me")
         second = enrolment.enrol(db, frozen, "P02", place.key, replaces="P01")
         assert (second.group, second.orders) == (first.group, first.orders)
+        with pytest.raises(StoreError, match="P01 was replaced by P02 already"):
+            enrolment.enrol(db, frozen, "P03", place.key, replaces="P01")
         enrolment.enrol(db, frozen, "P03", place.key)
     drawn = [one for one in people(place) if not one.replaces]
     assert len(drawn) == 2

@@ -67,7 +67,8 @@ def played(tmp_path_factory: pytest.TempPathFactory) -> Played:
 
 def long_rows(folder: Path) -> list[results.Row]:
     with closing(connect(folder)) as db:
-        return results.long_rows(db, ledger.find(db))
+        frozen = ledger.find(db)
+        return results.long_rows(db, frozen, ledger.people(db, frozen))
 
 
 def test_each_site_has_both_groups_and_both_orders(played: Played) -> None:
@@ -95,7 +96,8 @@ def test_each_form_that_was_filled_in_has_its_score(played: Played) -> None:
 def test_missed_and_late_visits_are_listed(played: Played) -> None:
     for site in played.sites:
         with closing(connect(site.folder)) as db:
-            rows = grid(db, ledger.find(db), played.key, LATER)
+            frozen = ledger.find(db)
+            rows = grid(frozen, ledger.people(db, frozen), played.key, LATER)
             noted = ledger.of_study(db, ledger.DEVIATION, "praise")
         for row in rows:
             cell = row.visits["second"]
@@ -158,7 +160,7 @@ def test_a_blind_study_tells_no_condition_in_what_it_exports(tmp_path: Path) -> 
                 content = path.read_bytes().replace(b"praise,1,", b"").replace(b"study-praise", b"")
                 content = content.replace(b"Praise and reaction time", b"")
                 assert not [name for name in names if name in content.lower()], path
-            rows = grid(db, frozen, found.key, LATER)
+            rows = grid(frozen, ledger.people(db, frozen), found.key, LATER)
             assert {row.group for row in rows} <= {"G1", "G2"}
             for table in ("sessions", "records"):
                 column = "study" if table == "sessions" else "content"

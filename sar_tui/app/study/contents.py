@@ -24,7 +24,8 @@ def read_due(
     for name in reversed(names):
         with suppress(StoreError, PlanError):  # the screen of the study tells it
             frozen = ledger.find(database, name)
-            for row in grid(database, frozen, key_file(name), now, who):
+            people = ledger.people(database, frozen, who)
+            for row in grid(frozen, people, key_file(name), now):
                 if words := card_words(frozen.plan, row, today, tr):
                     return words
     return ""

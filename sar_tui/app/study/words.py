@@ -43,7 +43,7 @@ def sentence(plan: Study, rows: Sequence[PersonRow], today: date, tr: Language) 
             ((cell.first, row.participant) for row, cell in nexts if cell.first), default=None
         )
         if coming:
-            day = day_words(date.fromisoformat(coming[0]), today, tr)
+            day = day_words(coming[0], today, tr)
             said.append(tr("The next one is {who}, from {day}.", who=coming[1], day=day))
     return " ".join(said)
 
@@ -71,9 +71,8 @@ def dated(error: Exception, tr: Language) -> str:
 
 def about(who: str, found: Next, today: date, tr: Language) -> str:
     """Return what is to be known of a block before it begins."""
-    assert found.item
     said = [tr("The visit {visit} was missed.", visit=visit.name) for visit in found.passed]
-    if found.day and found.day.first and found.day.last:
+    if found.day.first and found.day.last:
         first, last = (day_words(day, today, tr) for day in (found.day.first, found.day.last))
         visit = found.item.visit.name
         said.append(
@@ -115,7 +114,6 @@ def key_words(who: str, visit: int, block: int, what: str, found: Next, tr: Lang
         found: the block.
         tr: the language.
     """
-    assert found.item
     slots = {"visit": visit, "block": block, "what": what, "who": who}
     if found.item.block.form:
         return tr("Press Enter to fill in visit {visit}, block {block} ({what}) of {who}.", **slots)
