@@ -42,8 +42,9 @@ def opened(monkeypatch: pytest.MonkeyPatch, data: Path) -> Iterator[Opened]:
             participants.add(database, code)
     calls: Opened = []
 
-    def run_app(folder: Path, catalogue: Catalogue, **given: Any) -> int:
-        calls.append({"folder": folder, "joinable": joinable_sessions(folder), **given})
+    def run_app(folder: Path, catalogue: Catalogue, what: object = None, **given: Any) -> int:
+        joinable = joinable_sessions(folder)
+        calls.append({"folder": folder, "joinable": joinable, "what": what, **given})
         return 7
 
     monkeypatch.setattr("sar_tui.app.app.run_app", run_app)
@@ -67,14 +68,14 @@ def session(call: Call, data: Path) -> str:
 def test_without_a_command_the_app_opens(call: Call, opened: Opened, data: Path) -> None:
     assert call().code == 7
     (how,) = opened
-    assert (how["folder"], how.get("plan"), how.get("resume")) == (data, None, None)
+    assert (how["folder"], how["what"]) == (data, None)
 
 
 def test_run_seats_two_left_and_right_each_with_a_sensor(call: Call, opened: Opened) -> None:
     settings = "--set policy=race --set respond_with=reaches"
     sensors = "--imu simulated --set imu_b=simulated:tremor"
     assert call(f"run pairs -p p01 -p p02 {settings} {sensors}").code == 7
-    plan = opened[0]["plan"]
+    plan = opened[0]["what"]
     assert (plan.task.name, plan.parameters.policy) == ("pairs", "race")
     assert (plan.participant, plan.partner) == ("P01", "P02")
     assert (plan.parameters.imu, plan.parameters.imu_b) == ("simulated", "simulated:tremor")
@@ -105,7 +106,7 @@ def test_a_cue_that_no_output_can_show_is_refused(
 def test_run_plans_a_live_session(call: Call, opened: Opened) -> None:
     for seed in ("--seed 5", "", ""):
         assert call(f"{RUN} --set attempts=3 --theme high-contrast {seed}").code == 7
-    plan, *others = (how["plan"] for how in opened)
+    plan, *others = (how["what"] for how in opened)
     assert (plan.task.name, plan.participant, plan.theme) == ("keyboard", "P01", "high-contrast")
     assert (plan.mode, plan.parameters.attempts) == ("live", 3)
     assert len({plan.seed, *(other.seed for other in others)}) == 3, "a new one is drawn"
@@ -123,12 +124,12 @@ def test_options_override_the_participants_saved_settings_and_keep_the_rest(
     call(f"{RUN} --set attempts=2 --speech sound --language en")
     for option in ("--imu simulated:tremor", "--set imu=simulated:tremor", ""):
         assert call(f"run reaching -p P01 {option}").code == 7
-    first, second, *reaching = (how["plan"].parameters for how in opened)
+    first, second, *reaching = (how["what"].parameters for how in opened)
     assert (first.attempts, first.outputs, first.language) == (6, ("screen", "tones"), "es")
     assert (second.attempts, second.language) == (2, "en")
     assert second.outputs == ("screen", "tones", "speech")
     assert (first.prompts_per_attempt, second.prompts_per_attempt) == (8, 8)
-    assert [how["plan"].theme for how in opened[:2]] == ["high-contrast"] * 2
+    assert [how["what"].theme for how in opened[:2]] == ["high-contrast"] * 2
     assert [each.imu for each in reaching] == ["simulated:tremor", "simulated:tremor", "phidget:1"]
 
 
@@ -145,7 +146,7 @@ def test_outputs_are_named_either_way_and_the_option_speech_adds_speech(
     }
     for options, (outputs, speech) in cases.items():
         assert call(f"{RUN} {options}").code == 7
-        parameters = opened[-1]["plan"].parameters
+        parameters = opened[-1]["what"].parameters
         assert parameters.outputs == outputs, options
         assert not speech or parameters.speech == speech, options
 
@@ -189,7 +190,7 @@ def test_resume_goes_on_with_the_session_that_is_named(
     with sqlite3.connect(data / "sar-tui.db") as connection:
         connection.execute("UPDATE sessions SET mode='live', status='running'")
     assert call("resume", session[:6]).code == 7
-    assert opened[0]["resume"] == session
+    assert opened[0]["what"] == session
 
 
 @pytest.mark.parametrize("arguments", ["resume", "resume last"])
@@ -206,7 +207,7 @@ def test_resume_without_an_id_says_whose_session_it_is_and_asks(
     called = call(arguments)
     assert (called.code, opened, "Nothing was resumed." in called.out) == (1, [], True)
     called = call(arguments)
-    assert (called.code, opened[0]["resume"]) == (7, session)
+    assert (called.code, opened[0]["what"]) == (7, session)
     assert f"The latest interrupted session is {session} of SIM: keyboard, began " in called.err
     assert "1 of 1 attempts done." in called.err
     assert call("resume --yes").code == 7, "a script is asked nothing"
@@ -234,9 +235,9 @@ def test_a_session_that_operators_may_join_is_found_while_it_runs(
     assert call("resume", session, "--operator").code == 7
     first, resumed = opened
     (live,) = first["joinable"]
-    assert (live.session, live.task, live.participants) == (first["plan"].id, "keyboard", ("P01",))
+    assert (live.session, live.task, live.participants) == (first["what"].id, "keyboard", ("P01",))
     assert live.description().startswith("P01, keyboard, since ")
-    assert first["link"].link == first["plan"].id
+    assert first["link"].link == first["what"].id
     assert first["link"].pid is None  # its process has ended
     assert [live.session for live in resumed["joinable"]] == [session]
     assert live_sessions() == []
@@ -277,7 +278,7 @@ def test_an_unknown_code_is_asked_about_before_the_screen_changes(
     monkeypatch.setattr("sar_tui.cli.common.print", lambda *_, **__: None, raising=False)
     assert call("run keyboard -p P0l").code == code
     assert asked == ["There is no participant P0L. Is it P01? Is P0L a new participant?"]
-    assert [how["plan"].participant for how in opened] == plans
+    assert [how["what"].participant for how in opened] == plans
 
 
 def test_where_nobody_can_be_asked_a_new_participant_needs_to_be_said(
@@ -289,4 +290,4 @@ def test_where_nobody_can_be_asked_a_new_participant_needs_to_be_said(
     assert opened == []
     assert call("run keyboard -p P0l --new").code == 7
     assert call("run pairs -p P01 -p P03 --new").code == 7
-    assert [how["plan"].participants for how in opened] == [("P0L",), ("P01", "P03")]
+    assert [how["what"].participants for how in opened] == [("P0L",), ("P01", "P03")]

@@ -24,12 +24,11 @@ from tests.end_to_end.participant_terminal import (
 )
 
 
-@pytest.mark.parametrize(
-    ("kills", "attempts", "prompts"), [(1, 2, 4), pytest.param(20, 8, 8, marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
 def test_kills_lose_no_acknowledged_trial_and_change_no_prompt(
-    data: Path, catalogue: Catalogue, kills: int, attempts: int, prompts: int
+    data: Path, catalogue: Catalogue
 ) -> None:
+    kills, attempts, prompts = 20, 8, 8
     pressed = 0
     start = run_command(data, prompts_per_attempt=prompts, attempts=attempts)
     for kill in range(kills):

@@ -69,6 +69,7 @@ def _table(process: int, name: str, inodes: set[str]) -> list[str]:
     return [line for line in lines if line.split()[column] in inodes]
 
 
+@pytest.mark.slow
 def test_default_session_opens_no_socket(data: Path) -> None:
     with SessionTerminals(data) as terminals:
         participant = terminals.participant(prompts_per_attempt=2, attempts=1)

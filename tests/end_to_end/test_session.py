@@ -6,6 +6,8 @@ import time
 from itertools import accumulate
 from pathlib import Path
 
+import pytest
+
 from sar_tui.model.units import MS
 from sar_tui.timing.pty import Terminal
 from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answers
@@ -48,6 +50,7 @@ def test_each_press_is_stored_with_its_correctness_and_timing_and_replayed(data:
     assert replays_identically(data)
 
 
+@pytest.mark.slow
 def test_no_byte_is_written_while_a_response_is_awaited(data: Path) -> None:
     wait = {"foreperiod_min_ms": 700, "foreperiod_max_ms": 700}  # long enough to look meanwhile
     with Terminal(run_command(data, prompts_per_attempt=2, attempts=1, **wait)) as t:
