@@ -7,6 +7,7 @@ from typing import Any
 
 import msgspec
 
+from sar_tui.model.session_mode import SessionMode
 from sar_tui.model.step import Step
 from sar_tui.model.study_place import StudyPlace
 from sar_tui.plugins import Catalogue, PluginError
@@ -84,7 +85,7 @@ def session_plan(
     level: int | None = None,
     place: StudyPlace | None = None,
     seed: int | None = None,
-    mode: str = "live",
+    mode: SessionMode = "live",
     id: str = "",
 ) -> Plan:
     """Return the plan of a session: every setting is that of the condition, the block, or its
@@ -121,7 +122,7 @@ def session_plan(
         saved=Programme(theme=condition.theme),
         steps=_steps(condition, block) if block else (),
         seed=seed,
-        mode=mode,  # type: ignore[arg-type]
+        mode=mode,
         id=id,
         study=place,
     )

@@ -62,7 +62,7 @@ def names_of(plan: Study, draws: Draws | None) -> Names:
 
 def needs_key(plan: Study) -> bool:
     """Return True if something about people of the study is drawn."""
-    return plan.is_allocated or bool(plan.squares)
+    return bool(plan.groups or plan.squares)
 
 
 def freeze(

@@ -14,8 +14,7 @@ import msgspec
 
 from sar_tui.store.database import StoreError
 from sar_tui.study.outcome import MEASURES, Outcome, read_power
-from sar_tui.study.toml_lines import Path as Key
-from sar_tui.study.toml_lines import TomlLines
+from sar_tui.study.toml_lines import Key, TomlLines
 
 ALLOCATED = "as allocated"
 """In place of a condition: that of the person's group."""
@@ -202,11 +201,6 @@ class Study(_Declared, frozen=True, kw_only=True):
     people: int = 0
     power: dict[str, Any] = {}
     prereg: dict[str, str] = {}
-
-    @property
-    def is_allocated(self) -> bool:
-        """True if people are allocated to groups."""
-        return bool(self.groups)
 
     @property
     def squares(self) -> dict[tuple[str, ...], Order]:

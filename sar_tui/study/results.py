@@ -15,7 +15,7 @@ import msgspec
 
 from sar_tui import __version__
 from sar_tui.drivers.files import make_private
-from sar_tui.export.columns import Column
+from sar_tui.export.columns import Column, Type
 from sar_tui.export.csv_file import CsvWriter
 from sar_tui.export.formats.csv import described_field
 from sar_tui.store import records, sessions, sites
@@ -31,8 +31,8 @@ _MEASURES = ("metric", "accuracy", "success_rate", "level", "score")
 """Columns of the long table that the wide one has for each block."""
 
 
-def _column(name: str, meaning: str, type: str = "string", unit: str = "") -> Column:
-    return Column(name, meaning, type, unit=unit, treatment="open")  # type: ignore[arg-type]
+def _column(name: str, meaning: str, type: Type = "string", unit: str = "") -> Column:
+    return Column(name, meaning, type, unit=unit, treatment="open")
 
 
 LONG_COLUMNS = (

@@ -2,7 +2,7 @@
 
 import re
 
-Path = tuple[str | int, ...]
+Key = tuple[str | int, ...]
 """Place of a value: names of tables and keys, and indices in arrays of tables."""
 
 _HEADER = re.compile(r"\s*(\[\[?)\s*(.+?)\s*\]\]?\s*(?:#.*)?$")
@@ -33,9 +33,9 @@ class TomlLines:
 
     def __init__(self, text: str, name: str) -> None:
         self._name = name
-        self._lines: dict[Path, int] = {}
-        counts: dict[Path, int] = {}
-        table: Path = ()
+        self._lines: dict[Key, int] = {}
+        counts: dict[Key, int] = {}
+        table: Key = ()
         quote = ""
         for number, line in enumerate(text.splitlines(), 1):
             if quote:  # within a text of several lines
@@ -52,7 +52,7 @@ class TomlLines:
                 rest = line[key.end() :]
                 quote = next((q for q in ('"""', "'''") if rest.count(q) == 1), "")
 
-    def line(self, key: Path) -> int:
+    def line(self, key: Key) -> int:
         """Return the line of a value, or of the innermost table around it; 1 if none is known."""
         while key:
             if key in self._lines:
@@ -60,7 +60,7 @@ class TomlLines:
             key = key[:-1]
         return 1
 
-    def at(self, key: Path, said: str) -> str:
+    def at(self, key: Key, said: str) -> str:
         """Return a message on a value, with its line."""
         return f"{self._name}, line {self.line(key)}: {said}"
 
@@ -80,7 +80,7 @@ class TomlLines:
             said = f"This must be {' or '.join(filter(None, names))}"
         return self.at(self._known(key), f"{said}.")
 
-    def _known(self, key: Path) -> Path:
+    def _known(self, key: Key) -> Key:
         """Return a place in which msgspec left out a name: the first that is like it."""
         if _ANY not in key:
             return key
@@ -99,13 +99,13 @@ class TomlLines:
         return f"{self._name}, line {line}: This is not valid TOML: {reason}."
 
 
-def _parts(dotted: str) -> Path:
+def _parts(dotted: str) -> Key:
     return tuple(quoted or plain for quoted, plain in _PART.findall(dotted))
 
 
-def _indexed(parts: Path, counts: dict[Path, int]) -> Path:
+def _indexed(parts: Key, counts: dict[Key, int]) -> Key:
     """Return the place of a table, with the index of the newest element of each array above it."""
-    found: Path = ()
+    found: Key = ()
     for at, part in enumerate(parts):
         found = (*found, part)
         if found in counts and at < len(parts) - 1:

@@ -15,7 +15,7 @@ from textual.widgets import Input, Static
 
 from sar_tui.app.code_list import CodeList
 from sar_tui.app.study.table import StudyTable
-from sar_tui.app.study.words import about, dated, deviations, key_words, sentence
+from sar_tui.app.study.words import about, dated, deviations, key_words, present, sentence
 from sar_tui.drivers.login_name import login_name
 from sar_tui.model.language import Language, in_language
 from sar_tui.plugins import PluginError
@@ -147,7 +147,7 @@ class StudyScreen(DismissedOnce[None]):
     @property
     def _now(self) -> datetime:
         """The present, on the day of the app."""
-        return datetime.combine(self.app.today(), datetime.now().time()).astimezone()
+        return present(self.app.today())
 
     # --- what is shown
 

@@ -1,14 +1,19 @@
-"""The texts on what is due in a study. Pure."""
+"""The texts on what is due in a study."""
 
+import sqlite3
 from collections.abc import Sequence
-from datetime import date
+from contextlib import suppress
+from datetime import date, datetime
 
 from sar_tui.app.home.words import day_words, short_day, weekday_words
 from sar_tui.model.language import Language, Sentence, error_text, in_language
 from sar_tui.records.kind import Value
-from sar_tui.study.plan import Study
+from sar_tui.store.database import StoreError
+from sar_tui.study import ledger
+from sar_tui.study.plan import PlanError, Study
 from sar_tui.study.schedule import Next
-from sar_tui.study.status import PersonRow, VisitCell
+from sar_tui.study.secret import key_file
+from sar_tui.study.status import PersonRow, VisitCell, grid
 
 _DEVIATIONS = {
     "missed": "visit missed",
@@ -120,6 +125,28 @@ def key_words(who: str, visit: int, block: int, what: str, found: Next, tr: Lang
     if found.resume:
         return tr("Press Enter to resume visit {visit}, block {block} ({what}) of {who}.", **slots)
     return tr("Press Enter to start visit {visit}, block {block} ({what}) of {who}.", **slots)
+
+
+def due_in_studies(
+    database: sqlite3.Connection, names: Sequence[str], who: str, today: date, tr: Language
+) -> str:
+    """Return what is due for a participant, of the newest of these studies in which something is;
+    empty if nothing is.
+    """
+    now = present(today)
+    for name in reversed(names):
+        with suppress(StoreError, PlanError):  # the screen of the study tells it
+            frozen = ledger.find(database, name)
+            people = ledger.people(database, frozen, who)
+            for row in grid(frozen, people, key_file(name), now):
+                if words := card_words(frozen.plan, row, today, tr):
+                    return words
+    return ""
+
+
+def present(today: date) -> datetime:
+    """Return the time of day on the day of the app."""
+    return datetime.combine(today, datetime.now().time()).astimezone()
 
 
 def card_words(plan: Study, row: PersonRow, today: date, tr: Language) -> str:
