@@ -366,7 +366,7 @@ def next_command(
             if began:
                 break  # nothing more today
             raise
-        if began and found.state != "due" and found.item.visit.name != began:
+        if began and found.item.visit.name != began:
             break
         print(in_words(one, found.item), file=sys.stderr)
         ended = _begin(home, one, found, reason, how)

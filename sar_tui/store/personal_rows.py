@@ -21,6 +21,8 @@ from sar_tui.store.sites import own as own_site
 
 ENROLMENT = "enrolment"
 """Kind of the records with what was drawn for a person of a study."""
+_WORDS_ON_STUDIES = ("reason", "witness")
+"""Texts of records on studies that somebody types; the others are names and numbers of the plan."""
 FINAL = ("de-identified", "erased")
 """Events that change what is stored of the person."""
 
@@ -151,6 +153,7 @@ def _erase(db: sqlite3.Connection, person: _Person) -> Changed:
         old = log_hashes.seats(db, session)[seat]
         redaction.erase_seat(db, session, seat, old, person.replaced_by, said)
     others = _anonymise_enrolments(db, person)
+    _rename_replaced(db, person.code, person.replaced_by)
     others += _delete(db, "records", "participant", [person.code], person)
     others += _delete(db, "records", "id", sorted(person.records), person)
     others += _delete(db, "programmes", "participant", person.programme_codes(), person)
@@ -187,6 +190,15 @@ def _anonymise_enrolments(db: sqlite3.Connection, person: _Person) -> int:
             *(() if person.is_own else (person.site,)),
         ),
     ).rowcount
+
+
+def _rename_replaced(db: sqlite3.Connection, old: str, new: str) -> None:
+    """Give the enrolment of whoever replaces a person in a study the other code."""
+    db.execute(
+        "UPDATE records SET content=json_set(content, '$.replaces', ?)"
+        " WHERE kind=? AND json_valid(content) AND json_extract(content, '$.replaces')=?",
+        (new, ENROLMENT, old),
+    )
 
 
 def _sessions(db: sqlite3.Connection, person: _Person) -> list[tuple[str, str, str | None]]:
@@ -278,6 +290,7 @@ def _deidentify(db: sqlite3.Connection, person: _Person, old: str) -> Changed:
     for code in sorted(codes):
         if not _has_more(db, code):
             others += _rename_rest(db, person, code, new)
+            _rename_replaced(db, code, new)
     for code in codes if person.is_own and old else ():
         full = in_full(code, person.people.own)
         db.execute("DELETE FROM same_people WHERE ? IN (code, same_as)", (full,))
@@ -318,7 +331,13 @@ def _without_words(kind: str, content: str) -> str:
     except msgspec.MsgspecError:
         return "{}"
     try:
-        stays = {field.name for field in find(kind).fields if field.type != "text"}
+        declared = find(kind)
+        stays = {
+            field.name
+            for field in declared.fields
+            if field.type != "text"
+            or (declared.group == "study" and field.name not in _WORDS_ON_STUDIES)
+        }
     except KindError:
         stays = set()
     kept = {

@@ -196,7 +196,7 @@ def enrol(
             group, numbers = _of_replaced(plan, people, replaces, names)
         elif draws:
             group = _drawn(plan, draws, people, stratum, given, rows, names)
-            numbers = _orders(plan, draws, people, stratum, names.groups.get(group, group))
+            numbers = _orders(plan, draws, people, stratum, group, names)
         enrolled = Enrolment(
             participant=code,
             study=plan.name,
@@ -277,11 +277,12 @@ def _drawn(
 
 
 def _orders(
-    plan: Study, draws: Draws, people: list[Enrolment], stratum: str, group: str
+    plan: Study, draws: Draws, people: list[Enrolment], stratum: str, group: str, names: Names
 ) -> tuple[int, ...]:
     """Return the rows of the orders of the next person, balanced within group and stratum."""
     alike = sum(
-        one.group == group and one.stratum == stratum and not one.replaces for one in people
+        names.group(one.group) == group and one.stratum == stratum and not one.replaces
+        for one in people
     )
     return tuple(
         row_of_order(draws, len(orders(plan, each)), alike, "|".join(each), group, stratum)

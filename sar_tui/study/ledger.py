@@ -9,6 +9,7 @@ import hashlib
 import sqlite3
 from collections.abc import Mapping, Sequence
 from datetime import datetime
+from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import msgspec
@@ -21,6 +22,7 @@ from sar_tui.store.database import StoreError, store, transaction
 from sar_tui.store.participants import check_own
 from sar_tui.store.personal_rows import ENROLMENT
 from sar_tui.store.records import Record
+from sar_tui.store.sessions import status_now
 from sar_tui.store.studies import names
 from sar_tui.store.tables import STUDIES
 from sar_tui.store.training_days import UTC_OFFSET, trained_at, utc
@@ -90,7 +92,7 @@ class Played(msgspec.Struct, frozen=True, kw_only=True):
 
     Attributes:
         id: of the session, or of the record of the answers.
-        status: of the session; ``completed`` for a form.
+        status: of the session, ``running`` while a program plays it; ``completed`` for a form.
         day: local date on which it began.
         began, ended: when, UTC.
     """
@@ -111,6 +113,11 @@ class Played(msgspec.Struct, frozen=True, kw_only=True):
     def key(self) -> tuple[str, str, int]:
         """The key of the item of a schedule that it belongs to."""
         return self.visit, self.block, self.position
+
+    @property
+    def is_running(self) -> bool:
+        """True if the person is in this session at the moment."""
+        return self.status == "running"
 
 
 class Differed(msgspec.Struct, frozen=True, kw_only=True):
@@ -368,7 +375,7 @@ def _left(db: sqlite3.Connection) -> dict[str, tuple[str, str]]:
             found[event.replaced_by] = ("erased", "asked for it")
         elif event.event == "withdrawn":
             found[event.participant] = ("withdrawn", event.reason or "withdrew altogether")
-        else:
+        elif event.event == "resumed":
             found.pop(event.participant, None)
     return found
 
@@ -450,6 +457,7 @@ def played(db: sqlite3.Connection, study: str, mode: Mode, participant: str = ""
         f"{' AND participant=?' if participant else ''} ORDER BY sessions.rowid",
         (study, participant) if participant else (study,),
     )
+    folder = _folder(db)
     found = []
     for id, who, status, began, ended, place, offset_s in rows:
         values = msgspec.json.decode(place)
@@ -459,7 +467,7 @@ def played(db: sqlite3.Connection, study: str, mode: Mode, participant: str = ""
             Played(
                 id=id,
                 participant=who,
-                status=status,
+                status=status_now(status, id, folder),
                 day=day,
                 began=began,
                 ended=ended or began,
@@ -482,3 +490,9 @@ def played(db: sqlite3.Connection, study: str, mode: Mode, participant: str = ""
             )
         )
     return sorted(found, key=lambda one: one.ended)
+
+
+def _folder(db: sqlite3.Connection) -> Path:
+    """Return the data folder of a database, in which locks of its sessions are."""
+    (_, _, file) = db.execute("PRAGMA database_list").fetchone()
+    return Path(file).parent

@@ -1,6 +1,7 @@
 """The next block of a person: what it is, whether it may begin, and the plan of its session."""
 
 import sqlite3
+from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
 from typing import NamedTuple
@@ -95,11 +96,12 @@ def due(
         db: the database.
         one: the person.
         now: the present.
-        visit, block: those that are wanted, if others than the next ones; needs a reason.
+        visit, block: those that are wanted; others than the next ones need a reason.
         reason: why it differs from the plan.
 
     Raises:
-        StoreError: there is nothing more, participation has ended, or consent is missing.
+        StoreError: there is nothing more, participation has ended, consent is missing, or the
+            person is in a session.
         NeedsReason: it differs from the plan, and no reason was given.
     """
     plan, who = one.frozen.plan, one.enrolled.participant
@@ -114,11 +116,13 @@ def due(
             bad_input=True,
         )
     check_consent(db, one)
+    if any(each.is_running for each in one.played):
+        raise StoreError(Sentence("{who} is in a session now.", who=who), bad_input=True)
     found = next_item(plan, one.items, one.played, now)
     if visit or block:
-        item = _wanted(one, visit, block)
-        if isinstance(found, NothingLeft) or item.key != found.item.key:
-            return _out_of_order(one, now, item, reason)
+        alike = _alike(one, visit, block)
+        if isinstance(found, NothingLeft) or found.item not in alike:
+            return _out_of_order(one, now, alike, reason)
     if isinstance(found, NothingLeft):
         told = [Sentence("{who} has done all of the study {study}.", who=who, study=plan.name)]
         told += [
@@ -147,8 +151,10 @@ def _is_noted(db: sqlite3.Connection, one: Person, found: Next) -> bool:
     )
 
 
-def _wanted(one: Person, visit: str, block: str) -> Item:
-    """Return the block that was asked for: the first of these names that was not begun."""
+def _alike(one: Person, visit: str, block: str) -> list[Item]:
+    """Return the blocks of these names; an empty name is of any. Raises StoreError: there are
+    none.
+    """
     alike = [
         item
         for item in one.items
@@ -165,17 +171,21 @@ def _wanted(one: Person, visit: str, block: str) -> Item:
             ),
             bad_input=True,
         )
+    return alike
+
+
+def _out_of_order(one: Person, now: datetime, alike: Sequence[Item], reason: str) -> Next:
+    """Return a block that is not the next one: the first of those that were asked for that was not
+    begun. Raises NeedsReason.
+    """
     begun = {each.key for each in one.played}
-    return next((each for each in alike if each.key not in begun), alike[0])
-
-
-def _out_of_order(one: Person, now: datetime, item: Item, reason: str) -> Next:
-    """Return a block that is not the next one. Raises NeedsReason."""
+    item = next((each for each in alike if each.key not in begun), alike[0])
     days = visit_days(one.frozen.plan, one.items, one.played, now)
     found = Next(
         item=item,
         day=next(day for day in days if day.visit.name == item.visit.name),
-        repeats=any(each.key == item.key for each in one.played),
+        repeats=item.key in begun,
+        out_of_order=item.key not in begun,
     )
     if not reason:
         what = "repeated" if found.repeats else "out of order"
@@ -277,7 +287,7 @@ def _carried_level(db: sqlite3.Connection, one: Person, item: Item) -> int | Non
         return None
     visit, _, block = level.partition("/")
     for each in reversed(one.played):
-        if (each.visit, each.block) == (visit, block) and each.status in ("completed", "aborted"):
+        if (each.visit, each.block) == (visit, block):
             attempts = [
                 row for row in sessions.rows(db, "attempts", each.id) if not row["practice"]
             ]
@@ -313,10 +323,10 @@ def note_deviations(
     name, block = found.item.visit.name, found.item.block.name
     if found.state in ("early", "late"):
         entries.append((found.state, name, "", reason))
-    elif reason:
-        entries.append(("repeated" if found.repeats else "out of order", name, block, reason))
     elif found.repeats:
-        entries.append(("repeated", name, block, "the session before was cut off"))
+        entries.append(("repeated", name, block, reason or "the session before was cut off"))
+    elif found.out_of_order:
+        entries.append(("out of order", name, block, reason))
     for what, visit, of_block, why in entries:
         if what in ("missed", "early", "late") and (visit, what) in noted:
             continue

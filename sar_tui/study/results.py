@@ -126,8 +126,8 @@ def _block(plan: Study, one: Played) -> Block | None:
 
 def _results(db: sqlite3.Connection, one: Played) -> Row:
     if not one.condition:
-        content = records.find_record(db, one.id).content
-        return {"score": content.get("score")}
+        answers = records.find_record(db, one.id)
+        return {"score": None if answers.removed else answers.content.get("score")}
     attempts = [row for row in sessions.rows(db, "attempts", one.id) if not row["practice"]]
     metrics = [row["metric"] for row in attempts if row["metric"] is not None]
     accuracies = [row["accuracy"] for row in attempts if row["accuracy"] is not None]
@@ -144,26 +144,34 @@ def _results(db: sqlite3.Connection, one: Played) -> Row:
     }
 
 
-def wide(rows: Sequence[Row], people: Sequence[str]) -> tuple[list[Column], list[Row]]:
+def wide(
+    plan: Study, rows: Sequence[Row], people: Sequence[Row]
+) -> tuple[list[Column], list[Row]]:
     """Return the columns and the rows of the wide table: of each block and condition its measures.
 
     Of a block that was begun again the last session counts.
+
+    Args:
+        plan: the study.
+        rows: of the long table.
+        people: columns of the long table that belong to each person.
     """
-    by_person: dict[str, Row] = {who: {"participant": who} for who in people}
+    of_person = ("participant", *_OF_PERSON)
+    by_person = {one["participant"]: {name: one[name] for name in of_person} for one in people}
     columns = {"participant": _column("participant", "Code of the participant.")}
     for name in _OF_PERSON:
         columns[name] = next(each for each in LONG_COLUMNS if each.name == name)
     declared = {each.name: each for each in LONG_COLUMNS}
     several = {(row["visit"], row["block"]) for row in rows if row["position"] > 1}
+    several |= {(visit.name, block.name) for visit, block in plan.blocks() if block.conditions}
     for row in rows:
         mine = by_person[row["participant"]]
-        mine |= {name: row[name] for name in _OF_PERSON}
         condition = row["condition"] if (row["visit"], row["block"]) in several else ""
         part = "_".join(filter(None, (row["visit"], row["block"], condition)))
         for name in _MEASURES:
             if row.get(name) is None:
                 continue
-            key = f"{part}_{name}".replace("-", "_")
+            key = f"{part}_{name}".replace("-", ".")
             where = f"In the block {row['block']} of the visit {row['visit']}"
             under = f", condition {condition}" if condition else ""
             columns.setdefault(
@@ -184,7 +192,9 @@ def export(db: sqlite3.Connection, frozen: Frozen, folder: Path) -> list[Path]:
     """
     people = ledger.people(db, frozen)
     rows = long_rows(db, frozen, people)
-    columns, persons = wide(rows, [each.enrolled.participant for each in people])
+    site = sites.own(db)
+    of_people = [_of_person(frozen.plan, each.enrolled, site) for each in people]
+    columns, persons = wide(frozen.plan, rows, of_people)
     tables: Mapping[str, tuple[Sequence[Column], Sequence[Row], str]] = {
         LONG: (LONG_COLUMNS, rows, "A row for each block of a person"),
         WIDE: (columns, persons, "A row for each person"),

@@ -106,7 +106,8 @@ class Next(msgspec.Struct, frozen=True, kw_only=True):
         state: of its visit: due, early or late.
         day: its visit.
         resume: id of an interrupted session of it that goes on where it was; empty without one.
-        repeats: True if an interrupted session of it is begun again.
+        repeats: True if it is done again, or an interrupted session of it is begun again.
+        out_of_order: True if it was asked for before another one.
         passed: visits that are over and were not made, up to it.
     """
 
@@ -115,6 +116,7 @@ class Next(msgspec.Struct, frozen=True, kw_only=True):
     day: VisitDay
     resume: str = ""
     repeats: bool = False
+    out_of_order: bool = False
     passed: tuple[Visit, ...] = ()
 
 

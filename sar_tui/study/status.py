@@ -38,6 +38,7 @@ class VisitCell(msgspec.Struct, frozen=True, kw_only=True):
         days: on which something was done.
         done, of: numbers of blocks and forms.
         deviated: True if a deviation is recorded.
+        playing: True if the person is in a session of it now.
     """
 
     state: State
@@ -47,6 +48,7 @@ class VisitCell(msgspec.Struct, frozen=True, kw_only=True):
     done: int
     of: int
     deviated: bool
+    playing: bool = False
 
     @property
     def words(self) -> str:
@@ -70,7 +72,9 @@ class VisitCell(msgspec.Struct, frozen=True, kw_only=True):
         return Sentence("{state} !", state=said) if self.deviated else said
 
     def when(self, day: Callable[[date], str]) -> str:
-        """Return when the visit may be, or that it is over, as `sentence`."""
+        """Return when the visit may be, or that it is under way or over, as `sentence`."""
+        if self.playing:
+            return Sentence("in a session now")
         if self.state == "due" and self.last:
             return Sentence("due by {day}", day=day(self.last))
         if self.state == "early" and self.first:
@@ -100,6 +104,11 @@ class PersonRow(msgspec.Struct, frozen=True, kw_only=True):
     deviations: int
     ended: str
     next: NextPlace | None = None
+
+    @property
+    def is_playing(self) -> bool:
+        """True if the person is in a session of the study now."""
+        return any(cell.playing for cell in self.visits.values())
 
     def next_visit(self, plan: Study) -> VisitCell | None:
         """Return the visit that comes next, or is under way; None if there is none."""
@@ -133,10 +142,12 @@ def grid(
     found = []
     for enrolled, played, deviations in people:
         group = names.group(enrolled.group)
+        shown = names.groups.get(group, enrolled.group)
         if draws is None and group not in plan.groups:
             group = any_group
         mine = list(items(plan, enrolled, group))
         at_visits = {each.visit for each in deviations}
+        playing = {each.visit for each in played if each.is_running}
         cells = {
             day.visit.name: VisitCell(
                 state=day.state,
@@ -146,6 +157,7 @@ def grid(
                 done=day.done,
                 of=day.of,
                 deviated=day.visit.name in at_visits,
+                playing=day.visit.name in playing,
             )
             for day in visit_days(plan, mine, played, now)
         }
@@ -153,7 +165,7 @@ def grid(
             PersonRow(
                 participant=enrolled.participant,
                 number=enrolled.number,
-                group=enrolled.group,
+                group=shown,
                 stratum=enrolled.stratum,
                 visits=cells,
                 deviations=len(deviations),

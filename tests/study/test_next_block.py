@@ -13,7 +13,7 @@ import pytest
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
-from sar_tui.store import programmes, records, sessions
+from sar_tui.store import locks, programmes, records, sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.integrity import flaws
 from sar_tui.store.programmes import Programme
@@ -21,6 +21,7 @@ from sar_tui.study import enrolment, ledger, next_block
 from sar_tui.study.next_block import NeedsReason, Person, due, person, plan_of
 from sar_tui.study.report import make_report
 from sar_tui.study.schedule import Next
+from sar_tui.study.status import grid
 from tests.study.plans import TWO_GROUPS, plan
 
 NOW = datetime(2026, 3, 2, 12, tzinfo=UTC)
@@ -154,6 +155,46 @@ def test_a_condition_done_twice_makes_up_for_no_other(study: Rehearsed) -> None:
     ledger.note(study.db, ledger.EXIT, study.frozen.plan, "P01", content, author="me")
     report = make_report(study.db, study.frozen, study.key, NOW)
     assert report.missing == {"first/baseline": 1, "first/speeds": 1, "second/training": 1}
+
+
+def test_a_reason_that_nothing_needs_is_no_deviation(study: Rehearsed) -> None:
+    study.play(reason="as in the plan")
+    assert study.deviations() == []
+
+
+def test_a_session_whose_program_crashed_goes_on_by_any_name(study: Rehearsed) -> None:
+    id = study.play()
+    study.db.execute("UPDATE sessions SET status='running', ended_at=NULL")
+    assert study.due()[1].resume == id
+    assert study.due(visit="first")[1].resume == id
+    _, again = study.due(NOW + timedelta(days=2), reason="?")
+    assert (again.item.block.name, again.resume, again.repeats) == ("baseline", "", True)
+
+
+def test_whoever_is_in_a_session_is_shown_and_begins_no_other(study: Rehearsed) -> None:
+    id = study.play()
+    study.db.execute("UPDATE sessions SET status='running', ended_at=NULL")
+    held = locks.hold(study.folder, "session", id)
+    try:
+        with pytest.raises(StoreError, match="P01 is in a session now"):
+            study.due()
+        people = ledger.people(study.db, study.frozen)
+        (row,) = grid(study.frozen, people, study.key, NOW)
+        assert [cell.words for cell in row.visits.values()] == ["in a session now", ""]
+    finally:
+        held.release()
+
+
+def test_a_level_is_carried_over_from_a_block_that_was_cut_off_and_left(tmp_path: Path) -> None:
+    leaves = TWO_GROUPS.replace("[outcome]", '[interrupted]\nthen = "leave"\n[outcome]')
+    study = Rehearsed(tmp_path, leaves)
+    with closing(study.db):
+        id = study.play()
+        study.db.execute("UPDATE sessions SET status='interrupted'")
+        later = NOW + timedelta(days=7)
+        one, found = study.due(later, visit="second", reason="only day")
+        last = [row["level"] for row in sessions.rows(study.db, "attempts", id)][-1]
+        assert plan_of(study.db, CATALOGUE, one, found).parameters.start_level == last
 
 
 def test_a_level_that_is_to_be_carried_over_must_be_there(study: Rehearsed) -> None:

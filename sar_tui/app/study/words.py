@@ -30,12 +30,13 @@ def sentence(plan: Study, rows: Sequence[PersonRow], today: date, tr: Language) 
     """Return the sentence at the head of the screen: "3 people are due today. 1 is late."."""
     if not rows:
         return tr("Nobody is enrolled yet.")
+    playing = [row.participant for row in rows if row.is_playing]
     nexts = [(row, cell) for row in rows if (cell := row.next_visit(plan))]
-    if not nexts:
+    if not nexts and not playing:
         return tr("Nobody has anything more to do.")
-    due = sum(cell.state == "due" for _, cell in nexts)
-    late = sum(cell.state == "late" for _, cell in nexts)
-    said = []
+    due = sum(cell.state == "due" and not cell.playing for _, cell in nexts)
+    late = sum(cell.state == "late" and not cell.playing for _, cell in nexts)
+    said = [tr("{who} is in a session now.", who=", ".join(playing))] if playing else []
     if due:
         text = "1 person is due today." if due == 1 else "{count} people are due today."
         said.append(tr(text, count=due))
