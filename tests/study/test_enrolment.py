@@ -14,7 +14,7 @@ import pytest
 from sar_tui.plugins import Catalogue
 from sar_tui.store import participants, people_events
 from sar_tui.store.database import StoreError, connect
-from sar_tui.store.erasure import erase
+from sar_tui.store.erasure import de_identify, erase
 from sar_tui.study import enrolment, ledger, secret
 from sar_tui.study.allocation import AllocationError, Assigned, assign
 from sar_tui.study.ledger import Frozen
@@ -229,3 +229,32 @@ def test_whoever_withdrew_altogether_has_left_the_study(place: Place) -> None:
         )
         (one,) = ledger.enrolments(db, "praise")
     assert (one.ended, one.why_ended) == ("withdrawn", "too tired")
+
+
+def test_whoever_was_given_another_code_stays_in_the_study(place: Place) -> None:
+    with closing(connect(place.folder)) as db:
+        frozen = ledger.find(db)
+        for code in ("P01", "P02"):
+            enrolment.enrol(db, frozen, code, place.key)
+        content = {"what": "lost", "reason": "moved to Thun"}
+        ledger.note(db, ledger.EXIT, frozen.plan, "P01", content, author="me")
+        enrolment.enrol(db, frozen, "P03", place.key, replaces="P01")
+        event = people_events.new_event("withdrawn", "P02", author="me", reason="tired of it")
+        people_events.add(db, event)
+    before = people(place)
+    new = [
+        de_identify(place.folder, code, author="me", reason="end").event.participant
+        for code in ("P01", "P02")
+    ]
+    after = people(place)
+    assert [(one.number, one.group, one.orders) for one in after] == [
+        (one.number, one.group, one.orders) for one in before
+    ]
+    assert [one.participant for one in after] == [*new, "P03"]
+    assert [one.ended for one in after] == ["lost", "withdrawn", ""]
+    assert after[2].replaces == new[0]
+    with closing(connect(place.folder)) as db:
+        stored = "".join(text for (text,) in db.execute("SELECT content FROM records"))
+        assert enrolment.enrol(db, frozen, "P04", place.key).number == 4
+    assert "Thun" not in stored
+    assert "P01" not in stored
