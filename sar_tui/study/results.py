@@ -144,9 +144,7 @@ def _results(db: sqlite3.Connection, one: Played) -> Row:
     }
 
 
-def wide(
-    plan: Study, rows: Sequence[Row], people: Sequence[Row]
-) -> tuple[list[Column], list[Row]]:
+def wide(plan: Study, rows: Sequence[Row], people: Sequence[Row]) -> tuple[list[Column], list[Row]]:
     """Return the columns and the rows of the wide table: of each block and condition its measures.
 
     Of a block that was begun again the last session counts.
