@@ -14,6 +14,8 @@ import msgspec
 
 from sar_tui.reports.sections import Section, Table
 from sar_tui.study import ledger
+from sar_tui.study.allocation import AllocationError
+from sar_tui.study.enrolment import draws_of, names_of
 from sar_tui.study.ledger import Differed, Frozen, Participation
 from sar_tui.study.plan import Study
 from sar_tui.study.results import Row, long_rows
@@ -87,6 +89,7 @@ def make_report(db: sqlite3.Connection, frozen: Frozen, key: Path, now: datetime
     states = grid(frozen, people, key, now)
     rows = long_rows(db, frozen, people)
     groups = sorted({one.group for one in states}) or [""]
+    compared = _compared(frozen, key)
     deviations = sorted(
         (each for one in people for each in one.deviations), key=lambda each: each.at
     )
@@ -95,7 +98,7 @@ def make_report(db: sqlite3.Connection, frozen: Frozen, key: Path, now: datetime
         version=plan.version,
         sha256=frozen.sha256,
         versions=tuple((each.plan.version, each.reason) for each in ledger.versions(db, plan.name)),
-        groups=tuple(_flow(frozen, group, people, states, rows) for group in groups),
+        groups=tuple(_flow(frozen, group, people, states, rows, compared) for group in groups),
         dose=tuple(_dose(visit.name, people, rows) for visit in plan.visits),
         deviations=tuple(deviations),
         missing=_missing(plan, people, states, now),
@@ -110,6 +113,7 @@ def _flow(
     people: Sequence[Participation],
     states: Sequence[PersonRow],
     rows: Sequence[Row],
+    compared: set[str],
 ) -> GroupFlow:
     mine = [one for one in states if one.group == group]
     codes = {one.participant for one in mine}
@@ -124,11 +128,28 @@ def _flow(
         completed=sum(all(cell.state == "done" for cell in one.visits.values()) for one in mine),
         ended=dict(Counter(one.ended for one in ended)),
         reasons=tuple(f"{one.participant}: {one.ended}, {one.why_ended}" for one in ended),
-        analysed=_analysed(frozen, codes, rows),
+        analysed=_analysed(frozen, codes, rows, compared),
     )
 
 
-def _analysed(frozen: Frozen, codes: set[str], rows: Sequence[Row]) -> int | None:
+def _compared(frozen: Frozen, key: Path) -> set[str]:
+    """Return the conditions that are compared within people, as rows have them; empty if none are,
+    or they are not known here.
+    """
+    outcome = frozen.plan.outcome
+    if outcome is None or outcome.compared != "within":
+        return set()
+    try:
+        names = names_of(frozen.plan, draws_of(frozen, key))
+    except AllocationError:
+        return set()
+    block = frozen.plan.block(outcome.visit, outcome.block)
+    return {names.conditions[name] for name in outcome.conditions or block.conditions}
+
+
+def _analysed(
+    frozen: Frozen, codes: set[str], rows: Sequence[Row], compared: set[str]
+) -> int | None:
     outcome = frozen.plan.outcome
     if outcome is None:
         return None
@@ -144,8 +165,12 @@ def _analysed(frozen: Frozen, codes: set[str], rows: Sequence[Row]) -> int | Non
         return found
 
     there = having(outcome.visit, outcome.block)
-    wanted = 2 if outcome.compared == "within" else 1
-    found = {who for who, conditions in there.items() if len(conditions) >= wanted}
+    least = 2 if outcome.compared == "within" else 1
+    found = {
+        who
+        for who, having_them in there.items()
+        if len(having_them) >= least and compared <= having_them
+    }
     if outcome.baseline:
         found &= having(outcome.baseline.visit, outcome.baseline.block).keys()
     return len(found & codes)

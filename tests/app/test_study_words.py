@@ -2,9 +2,10 @@
 
 from datetime import date
 
+import msgspec
 import pytest
 
-from sar_tui.app.study.words import about, card_words, sentence
+from sar_tui.app.study.words import about, card_words, cell_words, sentence
 from sar_tui.model.language import ENGLISH
 from sar_tui.study.schedule import Item, Next, State, VisitDay
 from sar_tui.study.status import NextPlace, PersonRow, VisitCell
@@ -51,6 +52,13 @@ EARLY = cell("early", date(2026, 3, 5), date(2026, 3, 9))
 def test_the_sentence_counts_who_is_due(cells: list[VisitCell], said: str) -> None:
     rows = [row(f"P{number:02}", each) for number, each in enumerate(cells)]
     assert sentence(PLAN, rows, TODAY, ENGLISH) == said
+
+
+def test_whoever_is_in_a_session_is_named_and_not_counted_as_due() -> None:
+    playing = msgspec.structs.replace(DUE, playing=True)
+    said = sentence(PLAN, [row("P01", playing), row("P02", DUE)], TODAY, ENGLISH)
+    assert said == "P01 is in a session now. 1 person is due today."
+    assert cell_words(playing, TODAY, ENGLISH) == "in a session now"
 
 
 def test_the_sentence_tells_the_end_of_a_study() -> None:

@@ -7,6 +7,7 @@ from collections import Counter
 from contextlib import closing
 from datetime import UTC, datetime
 from pathlib import Path
+from sqlite3 import Connection
 from typing import NamedTuple
 
 import frictionless
@@ -25,6 +26,7 @@ from sar_tui.study import enrolment, ledger, results, secret
 from sar_tui.study.envelopes import page, sheets
 from sar_tui.study.next_block import person
 from sar_tui.study.rehearsal import Habits, Rehearsed, rehearse
+from sar_tui.study.report import make_report
 from sar_tui.study.status import grid
 from tests.study.plans import TWO_GROUPS, WITH_FORMS, plan
 
@@ -205,3 +207,47 @@ def test_sheets_have_the_groups_that_people_are_drawn_into(played: Played) -> No
                 assert found[one.number] == one.group
     printed = page(plan(), list(sheets(plan(), draws, "BERN", 3)))
     assert printed.count('class="sheet"') == 3
+
+
+def test_conditions_and_blocks_that_look_alike_have_columns_of_their_own() -> None:
+    alike = TWO_GROUPS.replace('"speeds"', '"a-b"').replace('"second"', '"first-a"')
+    study = plan(alike.replace('block = "training"', 'block = "b"').replace('"training"', '"b"'))
+    person = {"site": None, "group": "praise", "stratum": None, "order": "1"}
+    places = (("first", "a-b", "slow", 1.0), ("first-a", "b", "praised", 2.0))
+    rows: list[results.Row] = [
+        {"participant": "P01", "visit": visit, "block": block, "condition": condition,
+         "position": 1, "metric": metric, **person}
+        for visit, block, condition, metric in places
+    ]  # fmt: skip
+    people = [{"participant": who, **person} for who in ("P01", "P02")]
+    columns, found = results.wide(study, rows, people)
+    assert [column.name for column in columns[5:]] == [
+        "first_a.b_slow_metric", "first.a_b_metric",
+    ]  # fmt: skip
+    assert found[0]["first_a.b_slow_metric"] == 1.0
+    assert found[1] == {"participant": "P02", **person}
+
+
+def test_who_lacks_a_compared_condition_is_not_analysed(tmp_path: Path) -> None:
+    three = TWO_GROUPS.replace(
+        'conditions = ["slow", "fast"]', 'conditions = ["slow", "fast", "praised"]'
+    ).replace('order = "latin square"', "")
+    outcome = (
+        '[outcome]\nvisit = "first"\nblock = "speeds"\ncompared = "within"\n'
+        'conditions = ["slow", "fast"]\n'
+    )
+    head, _, rest = three.partition("[outcome]")
+    text = head + outcome + rest[rest.index("[[visits]]") :]
+    found = play(tmp_path, text, people=2, habits=Habits())
+    for site in found.sites:
+        with closing(connect(site.folder)) as db:
+            frozen = ledger.find(db)
+
+            def analysed(db: Connection = db, frozen: ledger.Frozen = frozen) -> int:
+                report = make_report(db, frozen, found.key, LATER)
+                return sum(flow.analysed or 0 for flow in report.groups)
+
+            assert analysed() == 1
+            db.execute("DELETE FROM attempts WHERE session IN (SELECT id FROM sessions WHERE"
+                       " json_extract(study, '$.condition')='fast')")  # fmt: skip
+            assert analysed() == 0
