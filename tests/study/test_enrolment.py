@@ -12,7 +12,7 @@ from typing import NamedTuple
 import pytest
 
 from sar_tui.plugins import Catalogue
-from sar_tui.store import participants, people_events
+from sar_tui.store import participants, people_events, records
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.erasure import de_identify, erase
 from sar_tui.study import enrolment, ledger, secret
@@ -258,3 +258,11 @@ def test_whoever_was_given_another_code_stays_in_the_study(place: Place) -> None
         assert enrolment.enrol(db, frozen, "P04", place.key).number == 4
     assert "Thun" not in stored
     assert "P01" not in stored
+
+
+def test_nobody_changes_or_removes_an_enrolment(place: Place) -> None:
+    with closing(connect(place.folder)) as db:
+        enrolment.enrol(db, ledger.find(db), "P01", place.key)
+        for given, removed in (({"group": "silent"}, False), ({}, True)):
+            with pytest.raises(StoreError, match="praise-1 is part of the ledger of a study"):
+                records.correct(db, "praise-1", given, removed=removed)
