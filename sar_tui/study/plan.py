@@ -384,6 +384,8 @@ def _allocation_problems(plan: Study) -> Iterator[Problem]:
     for name, values in given.strata.items():
         if len(set(values)) < 2:
             yield ("allocation", "strata", name), f"The factor {name} has two values or more."
+        if not all(values) or any("|" in value for value in values):
+            yield ("allocation", "strata", name), "A value of a factor is a text without |."
 
 
 def _outcome_problems(plan: Study) -> Iterator[Problem]:
