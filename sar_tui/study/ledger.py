@@ -304,12 +304,15 @@ def people(db: sqlite3.Connection, frozen: Frozen, participant: str = "") -> lis
         done.setdefault(one.participant, []).append(one)
     for each in of_study(db, DEVIATION, study, participant):
         differed.setdefault(each.participant, []).append(_recorded(each))
+    is_left = frozen.plan.interrupted.then == "leave"
     found = []
     for enrolled in enrolments(db, study, participant):
         who = enrolled.participant
         own = done.get(who, [])
         deviations = differed.get(who, []) + [
-            _ended_early(one) for one in own if one.status == "aborted"
+            _ended_early(one)
+            for one in own
+            if one.status == "aborted" or (one.status == "interrupted" and is_left)
         ]
         found.append(Participation(enrolled, own, sorted(deviations, key=lambda each: each.at)))
     return found
@@ -328,13 +331,15 @@ def _recorded(deviation: Record) -> Differed:
 
 
 def _ended_early(one: Played) -> Differed:
-    """Return the deviation of a session that somebody ended before all attempts were done."""
+    """Return the deviation of a session that was ended, or cut off for good, before all attempts
+    were done.
+    """
     return Differed(
         participant=one.participant,
         visit=one.visit,
         block=one.block,
         what="ended early",
-        reason="",
+        reason="" if one.status == "aborted" else "cut off",
         at=one.ended,
     )
 

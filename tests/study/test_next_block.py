@@ -195,6 +195,10 @@ def test_a_level_is_carried_over_from_a_block_that_was_cut_off_and_left(tmp_path
         one, found = study.due(later, visit="second", reason="only day")
         last = [row["level"] for row in sessions.rows(study.db, "attempts", id)][-1]
         assert plan_of(study.db, CATALOGUE, one, found).parameters.start_level == last
+        (differed,) = ledger.people(study.db, study.frozen)[0].deviations
+        assert (differed.block, differed.what, differed.reason) == (
+            "baseline", "ended early", "cut off",
+        )  # fmt: skip
 
 
 def test_a_level_that_is_to_be_carried_over_must_be_there(study: Rehearsed) -> None:

@@ -71,13 +71,21 @@ def test_the_first_block_is_due_on_any_day_and_each_follows_the_one_before() -> 
 
 
 @pytest.mark.parametrize(
-    ("day", "state"), [(4, "early"), (5, "due"), (7, "due"), (9, "due"), (10, "late"), (60, "late")]
+    ("day", "state"),
+    [(4, "early"), (5, "due"), (7, "due"), (10, "due"), (11, "late"), (60, "late")],
 )
 def test_a_visit_is_early_or_late_outside_of_its_window(day: int, state: str) -> None:
-    study = plan()
+    study = plan(TWO_GROUPS.replace("[2, 2]", "[2, 3]"))
     found = due(study, [done(0, item) for item in mine(study)[:3]], day)
     assert found.item == mine(study)[3]
     assert found.state == state
+
+
+def test_days_are_counted_back_from_a_later_visit_that_was_made_first() -> None:
+    study = plan()
+    found = due(study, [done(0, mine(study)[3])], 0)
+    assert found.item == mine(study)[0]
+    assert found.day.first == found.day.last == (FIRST - timedelta(days=7)).date()
 
 
 THREE = (

@@ -234,8 +234,8 @@ class StudyScreen(DismissedOnce[None]):
             visit, block = numbers(one.frozen.plan, one.items, found.item)
             what = found.item.block.form or one.names.conditions[found.item.condition]
             key = key_words(who, visit, block, what, found, tr)
-        noted = ledger.of_study(database, ledger.DEVIATION, self._study, who)
-        differs = deviations([each.content for each in noted], tr)
+        people = ledger.people(database, frozen, who)
+        differs = deviations([each for one in people for each in one.deviations], tr)
         return "\n".join(filter(None, (said, differs))), key
 
     def _offered(self, frozen: Frozen, who: str) -> tuple[Person, Next, str]:

@@ -7,9 +7,9 @@ from datetime import date, datetime
 
 from sar_tui.app.home.words import day_words, short_day, weekday_words
 from sar_tui.model.language import Language, Sentence, error_text, in_language
-from sar_tui.records.kind import Value
 from sar_tui.store.database import StoreError
 from sar_tui.study import ledger
+from sar_tui.study.ledger import Differed
 from sar_tui.study.plan import PlanError, Study
 from sar_tui.study.schedule import Next
 from sar_tui.study.secret import key_file
@@ -22,7 +22,6 @@ _DEVIATIONS = {
     "out of order": "out of order",
     "repeated": "repeated",
     "ended early": "ended early",
-    "left out": "left out",
 }
 
 
@@ -99,14 +98,13 @@ def about(who: str, found: Next, today: date, tr: Language) -> str:
     return " ".join(said)
 
 
-def deviations(noted: Sequence[dict[str, Value]], tr: Language) -> str:
+def deviations(noted: Sequence[Differed], tr: Language) -> str:
     """Return the deviations of a person in a line; empty without one."""
     listed = []
     for each in noted:
-        where = each.get("visit", "")
-        what, why = tr(_DEVIATIONS.get(str(each["what"]), "other")), each.get("reason", "")
-        said = f"{where}: {what}" if where else what
-        listed.append(f"{said} ({why})" if why else said)
+        what = tr(_DEVIATIONS.get(each.what, "other"))
+        said = f"{each.visit}: {what}" if each.visit else what
+        listed.append(f"{said} ({each.reason})" if each.reason else said)
     return tr("Differs from the plan: {listed}.", listed=", ".join(listed)) if listed else ""
 
 
