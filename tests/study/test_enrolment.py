@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections import Counter
 from contextlib import closing
 from pathlib import Path
 from typing import NamedTuple
@@ -56,6 +57,8 @@ def check_draws(place: Place) -> None:
     draws, study, before = secret.read(place.key), plan(), list[Assigned]()
     weights = dict.fromkeys(study.groups, 1)
     for one in found:
+        if one.replaces:
+            continue
         group = assign(study.allocation, weights, draws, before, one.stratum)
         assert one.group == group
         before.append(Assigned(group=group, stratum=one.stratum))
@@ -146,12 +149,12 @@ def test_whoever_replaces_a_person_gets_their_group_and_order(place: Place) -> N
         assert (second.group, second.orders) == (first.group, first.orders)
         with pytest.raises(StoreError, match="P01 was replaced by P02 already"):
             enrolment.enrol(db, frozen, "P03", place.key, replaces="P01")
-        enrolment.enrol(db, frozen, "P03", place.key)
-    drawn = [one for one in people(place) if not one.replaces]
-    assert len(drawn) == 2
+        for number in range(3, 15):
+            enrolment.enrol(db, frozen, f"P{number:02}", place.key)
+    check_draws(place)
 
 
-def test_a_factor_is_asked_for(tmp_path: Path) -> None:
+def test_a_factor_is_asked_for_and_orders_are_balanced_in_its_strata(tmp_path: Path) -> None:
     text = TWO_GROUPS.replace("[outcome]", '[allocation.strata]\nage = ["young", "old"]\n[outcome]')
     place = Place(tmp_path / "data", tmp_path / "praise.key")
     frozen = freeze(place, text)
@@ -161,7 +164,14 @@ def test_a_factor_is_asked_for(tmp_path: Path) -> None:
         with pytest.raises(StoreError, match="age is young or old, not 'middle'"):
             enrolment.enrol(db, frozen, "P01", place.key, factors={"age": "middle"})
         found = enrolment.enrol(db, frozen, "P01", place.key, factors={"age": "old"})
-    assert found.stratum == "old"
+        assert found.stratum == "old"
+        for number in range(2, 31):
+            age = "young" if number % 3 else "old"
+            enrolment.enrol(db, frozen, f"P{number:02}", place.key, factors={"age": age})
+    orders = Counter((one.group, one.stratum, one.orders[0]) for one in people(place))
+    for group in ("praise", "silent"):
+        for age in ("young", "old"):
+            assert abs(orders[group, age, 0] - orders[group, age, 1]) <= 1
 
 
 def start(place: Place, prefix: str, number: int) -> "subprocess.Popen[str]":

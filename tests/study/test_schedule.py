@@ -83,9 +83,8 @@ def test_a_visit_is_early_or_late_outside_of_its_window(day: int, state: str) ->
 
 def test_days_are_counted_back_from_a_later_visit_that_was_made_first() -> None:
     study = plan()
-    found = due(study, [done(0, mine(study)[3])], 0)
-    assert found.item == mine(study)[0]
-    assert found.day.first == found.day.last == (FIRST - timedelta(days=7)).date()
+    second = [done(0, mine(study)[3])]
+    assert next_item(study, mine(study), second, FIRST) == NothingLeft((study.visit("first"),))
 
 
 THREE = (
