@@ -217,9 +217,9 @@ def test_whoever_has_left_begins_nothing(study: Rehearsed) -> None:
 def test_no_session_starts_without_the_consent_that_the_plan_asks_for(tmp_path: Path) -> None:
     study = Rehearsed(tmp_path, CONSENT, mode="live")
 
-    def say(answer: str, version: str) -> None:
+    def say(answer: str, version: str, on: str = "") -> None:
         content = {"study": "praise", "version": version, "answer": answer}
-        records.add(study.db, records.kind_of(ledger.CONSENT), "P01", "", content)
+        records.add(study.db, records.kind_of(ledger.CONSENT), "P01", on, content)
 
     with pytest.raises(StoreError, match="has not agreed to the study praise yet"):
         study.due()
@@ -229,6 +229,7 @@ def test_no_session_starts_without_the_consent_that_the_plan_asks_for(tmp_path: 
     ):
         study.due()
     say("yes", "2")
+    say("no", "2", on="2026-01-05")  # entered later, of an earlier day
     assert study.due()[1].item.block.name == "baseline"
     say("withdrawn", "2")
     with pytest.raises(StoreError, match="has withdrawn the consent"):

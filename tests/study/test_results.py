@@ -95,12 +95,22 @@ def test_each_form_that_was_filled_in_has_its_score(played: Played) -> None:
             assert len(set(scores)) > 3
 
 
+def test_practice_is_not_among_the_attempts_of_a_block(tmp_path: Path) -> None:
+    text = TWO_GROUPS.replace("attempts = 3\nlevel = 3", "attempts = 3\npractice = 2\nlevel = 3")
+    found = play(tmp_path, text, people=1, habits=Habits())
+    first, *_ = long_rows(found.sites[0].folder)
+    assert (first["block"], first["attempts"]) == ("baseline", 3)
+
+
 def test_missed_and_late_visits_are_listed(played: Played) -> None:
     for site in played.sites:
         with closing(connect(site.folder)) as db:
             frozen = ledger.find(db)
             rows = grid(frozen, ledger.people(db, frozen), played.key, LATER)
             noted = ledger.of_study(db, ledger.DEVIATION, "praise")
+        late = {each.participant for each in noted if each.content["what"] == "late"}
+        trained = [row for row in long_rows(site.folder) if row["visit"] == "second"]
+        assert late == {row["participant"] for row in trained if row["deviations"]}
         for row in rows:
             cell = row.visits["second"]
             is_noted = any(each.participant == row.participant for each in noted)
