@@ -238,6 +238,22 @@ def test_conditions_and_blocks_that_look_alike_have_columns_of_their_own() -> No
     assert found[1] == {"participant": "P02", **person}
 
 
+def test_the_report_counts_who_began_and_what_they_did_in_a_visit(tmp_path: Path) -> None:
+    found = play(tmp_path, people=4, habits=Habits())
+    site = found.sites[0]
+    with closing(connect(site.folder)) as db:
+        frozen = ledger.find(db)
+        enrolment.enrol(db, frozen, "P99", found.key)
+        report = make_report(db, frozen, found.key, LATER)
+    flows = report.groups
+    assert sum(flow.allocated for flow in flows) == 3
+    assert sum(flow.began for flow in flows) == sum(flow.as_intended for flow in flows) == 2
+    dose = report.dose[0]
+    seconds = sum(each.seconds for each in site.times if each.visit == dose.visit)
+    assert (dose.people, dose.sessions) == (2, 3)
+    assert dose.minutes == pytest.approx(seconds / 60 / 2)
+
+
 def test_who_lacks_a_compared_condition_is_not_analysed(tmp_path: Path) -> None:
     three = TWO_GROUPS.replace(
         'conditions = ["slow", "fast"]', 'conditions = ["slow", "fast", "praised"]'
