@@ -119,6 +119,29 @@ def test_a_visit_too_early_or_late_needs_a_reason_which_is_recorded(study: Rehea
     assert study.deviations() == [("second", None, "early", "leaves for holidays")]
 
 
+def test_a_reason_for_the_day_holds_for_all_blocks_of_a_visit(tmp_path: Path) -> None:
+    text = f'{TWO_GROUPS}[[visits.blocks]]\nname = "again"\ncondition = "unpraised"\n'
+    study = Rehearsed(tmp_path, text)
+    with closing(study.db):
+        for _ in range(3):
+            study.play()
+        early = NOW + timedelta(days=3)
+        study.play(early, reason="leaves for holidays")
+        assert study.due(early)[1].item.block.name == "again"
+
+
+def test_without_the_key_of_a_blind_study_the_states_of_visits_are_known(tmp_path: Path) -> None:
+    study = Rehearsed(
+        tmp_path, TWO_GROUPS.replace("[outcome]", "[allocation]\nblind = true\n[outcome]", 1)
+    )
+    with closing(study.db):
+        study.play()
+        people = ledger.people(study.db, study.frozen)
+        shown = [grid(study.frozen, people, key, NOW) for key in (study.key, tmp_path / "none")]
+    assert shown[0] == shown[1]
+    assert shown[0][0].group in ("G1", "G2")
+
+
 def test_a_block_out_of_order_or_done_again_needs_a_reason(study: Rehearsed) -> None:
     with pytest.raises(NeedsReason, match="is out of order"):
         study.due(visit="first", block="speeds")
