@@ -183,10 +183,11 @@ def trials_of_outcome(plan: Study, catalogue: Catalogue) -> Number | None:
     Raises:
         PluginError, ParameterError, Failed: a condition cannot run here.
     """
+    is_metric = plan.outcome is not None and plan.outcome.measure == "metric"
     found = []
     for _, session in _sessions_of_outcome(plan, catalogue):
         attempts, level = session.parameters.attempts, session.parameters.start_level
-        is_time = session.task.metric.name == "reaction_time"
+        is_time = is_metric and session.task.metric.name == "reaction_time"
         prompts = session.task(session.parameters).trials_at(level) if is_time else 1
         found.append((attempts * prompts, attempts, prompts))
     if not found:

@@ -31,6 +31,8 @@ name = "training"
 condition = "praise"
 """
 
+SDS = "person_sd = 40\nsession_sd = 20\ntrial_sd = 60"
+
 app = typer.Typer(cls=Commands, rich_markup_mode=None)
 app.callback()(lambda: None)
 app.command("power")(at_home(power))
@@ -84,18 +86,20 @@ def test_an_effect_that_no_size_finds_is_said(file: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("power", "trials", "source"),
+    ("measure", "power", "trials", "source"),
     [
-        ("effect = 20", 12, "the plan: 3 attempts of 4 prompts"),
-        ("effect = 20\ntrials = 30", 30, "stated in the plan"),
+        ("metric", "", 12, "the plan: 3 attempts of 4 prompts"),
+        ("metric", "trials = 30", 30, "stated in the plan"),
+        ("accuracy", SDS, 3, "the plan: 3 attempts"),
     ],
 )
 def test_trials_are_those_of_the_block_unless_they_are_stated(
-    file: Path, power: str, trials: int, source: str
+    file: Path, measure: str, power: str, trials: int, source: str
 ) -> None:
     import json
 
-    file.write_text(f"{TWO_GROUPS}[power]\n{power}\nsizes = [20]\n", encoding="utf-8")
+    text = TWO_GROUPS.replace("[outcome]", f'[outcome]\nmeasure = "{measure}"')
+    file.write_text(f"{text}[power]\neffect = 20\nsizes = [20]\n{power}\n", encoding="utf-8")
     found = json.loads(run(file, "--json", "--draws", 1000).output)
     assert found["numbers"]["trials"] == {"value": trials, "source": source}
 
