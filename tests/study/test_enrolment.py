@@ -17,7 +17,7 @@ from sar_tui.store import participants, people_events, records
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.erasure import de_identify, erase
 from sar_tui.study import enrolment, ledger, secret
-from sar_tui.study.allocation import AllocationError, Assigned, assign
+from sar_tui.study.allocation import AllocationError, Assigned, ListedGroup, assign
 from sar_tui.study.ledger import Frozen
 from tests.study.plans import TWO_GROUPS, plan
 
@@ -276,3 +276,12 @@ def test_nobody_changes_or_removes_an_enrolment(place: Place) -> None:
         for given, removed in (({"group": "silent"}, False), ({}, True)):
             with pytest.raises(StoreError, match="praise-1 is part of the ledger of a study"):
                 records.correct(db, "praise-1", given, removed=removed)
+
+
+def test_a_list_names_groups_of_the_plan_only(tmp_path: Path) -> None:
+    listed = tmp_path / "list.csv"
+    listed.write_text("group,stratum\npraise,BERN\nplacebo,BERN\n")
+    with pytest.raises(AllocationError, match=r"line 3: the group is one of .*, not 'placebo'"):
+        secret.read_list(listed, ("praise", "silent"))
+    listed.write_text("group,stratum\npraise, BERN\n")
+    assert secret.read_list(listed, ("praise",)) == (ListedGroup("praise", "BERN"),)
