@@ -167,7 +167,7 @@ def methods(
 ) -> None:
     """Write the methods of a study for a paper; every number is from the log."""
     from sar_tui.study import ledger
-    from sar_tui.study.methods import methods as text_of
+    from sar_tui.study.plan_words import methods as text_of
 
     with home.database() as database:
         text = text_of(database, home.folder, ledger.find(database, name))

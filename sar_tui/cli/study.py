@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from sar_tui.study.plan import Study
     from sar_tui.study.rehearsal import Rehearsed
     from sar_tui.study.schedule import Next
+    from sar_tui.study.status import PersonRow
 
 app = typer.Typer(rich_markup_mode=None, no_args_is_help=True)
 
@@ -101,11 +102,11 @@ def checked_plan(home: Home, file: Path) -> "tuple[str, Study]":
     """
     from sar_tui.model.toml_lines import TomlLines
     from sar_tui.study.conditions import problems_here
-    from sar_tui.study.plan import read_plan
+    from sar_tui.study.plan import parse_plan, read_plan
 
     with study_errors():
-        plan = read_plan(file)
-    text = file.read_text(encoding="utf-8")
+        text = read_plan(file)
+        plan = parse_plan(text, str(file))
     lines = TomlLines(text, str(file))
     found = [lines.at(key, said) for key, said in problems_here(plan, home.catalogue())]
     if found:
@@ -120,7 +121,7 @@ app.command("power")(power)
 def check(home: Home, file: PlanFile) -> None:
     """Check a plan: each mistake with its line; without one, what it plans."""
     from sar_tui.study.conditions import warnings
-    from sar_tui.study.summary import summary
+    from sar_tui.study.plan_words import summary
 
     _, plan = checked_plan(home, file)
     out = console()
@@ -222,9 +223,10 @@ def enrol(
     code = check_own(participant)
     factors = {k: str(v) for k, v in read_settings(factor, "--factor age=young").items()}
     if plan is not None:
-        _freeze_first(home, plan, key)
+        named = _freeze_first(home, plan, key)
+        name = name or named
     with home.writable_database() as database, study_errors():
-        frozen = ledger.find(database, name or (_name_in(plan) if plan else ""))
+        frozen = ledger.find(database, name)
         are_new(database, [code], said=new)
         enrolled = enrolment.enrol(
             database,
@@ -246,14 +248,8 @@ def enrol(
     print(f"What is due: sar-tui study next {code}")
 
 
-def _name_in(file: Path) -> str:
-    from sar_tui.study.plan import read_plan
-
-    return read_plan(file).name
-
-
-def _freeze_first(home: Home, file: Path, key: Path | None) -> None:
-    """Freeze the plan of the first person; later the same text again."""
+def _freeze_first(home: Home, file: Path, key: Path | None) -> str:
+    """Freeze the plan of the first person, unless the same text is frozen; return its name."""
     from sar_tui.study import ledger
 
     text, plan = checked_plan(home, file)
@@ -261,6 +257,7 @@ def _freeze_first(home: Home, file: Path, key: Path | None) -> None:
         last = ledger.newest(database, plan.name)
     if last is None or last.sha256 != ledger.sha256_of(text):
         _freeze(home, file, key, reason="")
+    return plan.name
 
 
 @app.command("consent")
@@ -361,20 +358,19 @@ def next_command(
         _show_due(one, found, as_json)
         return
     how = live.showing(markers, plain=plain, sync_flash=sync_flash, operator=operator)
-    done = 0
+    began = ""
     while True:
         try:
             one, found = _due(home, code, name, key, visit, block, reason)
         except StoreError:
-            if done:
+            if began:
                 break  # nothing more today
             raise
-        assert found.item
-        if done and found.state != "due":
+        if began and found.item.visit.name != began:
             break
-        print(f"{in_words(one, found.item)}", file=sys.stderr)
+        print(in_words(one, found.item), file=sys.stderr)
         ended = _begin(home, one, found, reason, how)
-        done += 1
+        began = found.item.visit.name
         if ended:
             raise typer.Exit(ended)
         if once or visit or block or not _is_completed(home, one, found):
@@ -386,25 +382,32 @@ def next_command(
 def _due(
     home: Home, code: str, name: str, key: Path | None, visit: str, block: str, reason: str
 ) -> "tuple[Person, Next]":
-    from sar_tui.study import ledger, next_block
+    from sar_tui.store.database import StoreError
+    from sar_tui.study import next_block
 
     with home.database() as database, study_errors():
-        frozen = ledger.find(database, name)
-        one = next_block.person(database, frozen, code, key_of(frozen.plan, key))
+        one = _person(database, code, name, key)
         try:
             found = next_block.due(
                 database, one, datetime.now(UTC), visit=visit, block=block, reason=reason
             )
         except next_block.NeedsReason as needed:
             said = f"{needed} If it is to be now, say why: --reason …"
-            raise next_block.NeedsReason(said, needed.what) from None
+            raise StoreError(said, bad_input=True) from None
     return one, found
+
+
+def _person(database: "sqlite3.Connection", code: str, name: str, key: Path | None) -> "Person":
+    """Return a person of a study. Raises StoreError, AllocationError."""
+    from sar_tui.study import ledger, next_block
+
+    frozen = ledger.find(database, name)
+    return next_block.person(database, frozen, code, key_of(frozen.plan, key))
 
 
 def _show_due(one: "Person", found: "Next", as_json: bool) -> None:
     from sar_tui.study.next_block import in_words
 
-    assert found.item
     item = found.item
     if as_json:
         condition = one.names.conditions.get(item.condition, "")
@@ -433,7 +436,6 @@ def _begin(home: Home, one: "Person", found: "Next", reason: str, how: live.Show
     from sar_tui.drivers.login_name import login_name
     from sar_tui.study import next_block
 
-    assert found.item
     if found.item.block.form:
         return _fill_form(home, one, found, reason, plain=how.plain)
     if found.resume:
@@ -460,7 +462,6 @@ def _fill_form(home: Home, one: "Person", found: "Next", reason: str, *, plain: 
     from sar_tui.store.training_days import utc
     from sar_tui.study import next_block
 
-    assert found.item
     kind = forms.form(found.item.block.form)
     of, began = forms.Occasion(one.enrolled.participant), utc()
     with home.writable_database() as database:
@@ -484,7 +485,6 @@ def _is_completed(home: Home, one: "Person", found: "Next") -> bool:
     from sar_tui.study import ledger
     from sar_tui.study.schedule import finished
 
-    assert found.item
     plan = one.frozen.plan
     with home.database() as database:
         played = ledger.played(database, plan.name, one.frozen.mode, one.enrolled.participant)
@@ -494,18 +494,17 @@ def _is_completed(home: Home, one: "Person", found: "Next") -> bool:
 
 def _print_after(home: Home, code: str, name: str, key: Path | None) -> None:
     """Say what comes next, after the last block of today."""
-    from sar_tui.study import ledger, next_block
     from sar_tui.study.schedule import visit_days
 
     with home.database() as database, study_errors():
-        frozen = ledger.find(database, name)
-        one = next_block.person(database, frozen, code, key_of(frozen.plan, key))
-    for day in visit_days(frozen.plan, one.items, one.played, datetime.now(UTC)):
+        one = _person(database, code, name, key)
+    plan = one.frozen.plan
+    for day in visit_days(plan, one.items, one.played, datetime.now(UTC)):
         if day.state not in ("done", "missed"):
             when = f" from {day.first} to {day.last}" if day.first else ""
             print(f"{code}: the visit {day.visit.name} has {day.of - day.done} to do{when}.")
             return
-    print(f"{code} has done all of the study {frozen.plan.name}.")
+    print(f"{code} has done all of the study {plan.name}.")
 
 
 @app.command("exit")
@@ -537,8 +536,8 @@ def exit_study(
         enrolled = ledger.enrolment(database, plan.name, code)
         if enrolled.ended:
             raise Refused(f"{code} has left the study {plan.name} already: {enrolled.ended}.")
-        content = {"study": plan.name, "what": what, "reason": reason}
-        ledger.note(database, ledger.EXIT, code, content, author=login_name())
+        content = {"what": what, "reason": reason}
+        ledger.note(database, ledger.EXIT, plan, code, content, author=login_name())
     print(f"{code} takes part in the study {plan.name} no longer: {what}.")
 
 
@@ -562,16 +561,19 @@ def deviation(
     with home.writable_database() as database, study_errors():
         plan = ledger.find(database, name).plan
         ledger.enrolment(database, plan.name, code)
-        content: dict[str, int | str] = {
-            "study": plan.name,
-            "version": plan.version,
-            "visit": visit,
-            "block": block,
-            "what": "other",
-            "reason": reason,
-        }
-        ledger.note(database, ledger.DEVIATION, code, content, author=login_name())
+        _check_place(plan, visit, block)
+        content = {"visit": visit, "block": block, "what": "other", "reason": reason}
+        ledger.note(database, ledger.DEVIATION, plan, code, content, author=login_name())
     print(f"It is recorded for {code}.")
+
+
+def _check_place(plan: "Study", visit: str, block: str) -> None:
+    """Raise Refused if no block of a plan has these names; an empty one is of any name."""
+    if not any(
+        visit in ("", there.name) and block in ("", each.name) for there, each in plan.blocks()
+    ):
+        listed = ", ".join(f"{there.name}/{each.name}" for there, each in plan.blocks())
+        raise Refused(f"The plan has no such block. It has: {listed}.")
 
 
 @app.command("reveal")
@@ -581,39 +583,40 @@ def reveal(
     """Break the code of a person in a blind study: say the group, and record who asked and why."""
     from sar_tui.drivers.login_name import login_name
     from sar_tui.store.participants import check_own
-    from sar_tui.study import ledger, next_block
+    from sar_tui.study import ledger
 
     if not reason.strip():
         raise Refused("A code is broken for a reason only: --reason …")
     code = check_own(participant)
     with home.writable_database() as database, study_errors():
-        frozen = ledger.find(database, name)
-        one = next_block.person(database, frozen, code, key_of(frozen.plan, key))
-        content = {"study": frozen.plan.name, "reason": reason}
-        ledger.note(database, ledger.CODE_BREAK, code, content, author=login_name())
+        one = _person(database, code, name, key)
+        plan = one.frozen.plan
+        ledger.note(
+            database, ledger.CODE_BREAK, plan, code, {"reason": reason}, author=login_name()
+        )
     print(f"{code} is in the group {one.names.group(one.enrolled.group)}. It is recorded.")
 
 
 @app.command("status")
 def status(home: Home, name: Which = "", key: Key = None, as_json: AsJson = False) -> None:
     """Show who has done what: a row a person, a column a visit."""
+    from sar_tui.study import ledger
     from sar_tui.study.status import grid
 
     with home.database() as database, study_errors():
-        from sar_tui.study import ledger
-
         frozen = ledger.find(database, name)
-        rows = grid(database, frozen, key_of(frozen.plan, key), datetime.now(UTC))
+        people = ledger.people(database, frozen)
+    rows = grid(frozen, people, key_of(frozen.plan, key), datetime.now(UTC))
     if as_json:
         print_json({"study": frozen.plan.name, "version": frozen.plan.version, "people": rows})
         return
     _print_status(frozen, rows)
 
 
-def _print_status(frozen: "Frozen", rows: "Sequence[Any]") -> None:
+def _print_status(frozen: "Frozen", rows: "list[PersonRow]") -> None:
     from sar_tui.cli.tables import Column, Listing, print_listing
 
-    def of_visit(visit: str) -> "Callable[[Any], str]":
+    def of_visit(visit: str) -> "Callable[[PersonRow], str]":
         return lambda row: row.visits[visit].words
 
     visits = tuple(Column(visit.name, of_visit(visit.name)) for visit in frozen.plan.visits)
@@ -631,7 +634,7 @@ def _print_status(frozen: "Frozen", rows: "Sequence[Any]") -> None:
             folds=True,
             whole=("who",),
         ),
-        list(rows),
+        rows,
         False,
     )
 
@@ -783,7 +786,7 @@ def prereg(
 ) -> None:
     """Write the preregistration, in the order of AsPredicted's questions."""
     from sar_tui.study.ledger import sha256_of
-    from sar_tui.study.preregistration import preregistration
+    from sar_tui.study.plan_words import preregistration
 
     text, plan = checked_plan(home, file)
     written = preregistration(plan, sha256_of(text))

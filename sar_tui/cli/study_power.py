@@ -12,7 +12,7 @@ from sar_tui.cli.errors import Refused
 from sar_tui.cli.progress_line import progress_line
 
 if TYPE_CHECKING:
-    from sar_tui.study.outcome import Assumptions, Outcome, Power
+    from sar_tui.study.outcome import Assumptions, Number, Outcome, Power
     from sar_tui.study.pilot import Pilot
     from sar_tui.study.power import Compute, Curve, Estimate
 
@@ -95,7 +95,8 @@ def power(
     outcome = read_outcome(plan)
     stated = read_power(plan, outcome)
     pilot = _pilot(from_pilot, plan, outcome, stated, simulated) if from_pilot else None
-    assumed = assumptions(stated, outcome, pilot.numbers if pilot else None)
+    planned = _planned_trials(home, file)
+    assumed = assumptions(stated, outcome, pilot.numbers if pilot else None, planned)
     with _where(on, processes) as compute, progress_line("Simulating") as show:
         curve = power_curve(
             assumed.model,
@@ -140,6 +141,20 @@ def _plan(file: Path) -> dict[str, Any]:
         raise Refused(f"{file} is not a text in UTF-8.") from None
     except TomlError as error:
         raise Refused(f"{file}, {error}") from error
+
+
+def _planned_trials(home: Home, file: Path) -> "Number | None":
+    """Return the number of trials in the block of the outcome; None if the plan is unfinished."""
+    from sar_tui.plugins import PluginError
+    from sar_tui.rules.declaration import ParameterError
+    from sar_tui.runs.plan import Failed
+    from sar_tui.study.conditions import trials_of_outcome
+    from sar_tui.study.plan import PlanError, parse_plan, read_plan
+
+    try:
+        return trials_of_outcome(parse_plan(read_plan(file), str(file)), home.catalogue())
+    except (PlanError, PluginError, ParameterError, Failed):
+        return None
 
 
 def _pilot(

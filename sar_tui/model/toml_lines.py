@@ -4,7 +4,7 @@ import re
 import tomllib
 from typing import Any, NamedTuple
 
-Path = tuple[str | int, ...]
+Key = tuple[str | int, ...]
 """Place of a value: names of tables and keys, and indices in arrays of tables."""
 
 _NAME = r"""(?:[\w-]+|"[^"]*"|'[^']*')"""
@@ -70,9 +70,9 @@ class TomlLines:
 
     def __init__(self, text: str, name: str = "") -> None:
         self._name = name
-        self._lines: dict[Path, int] = {}
-        counts: dict[Path, int] = {}
-        table: Path = ()
+        self._lines: dict[Key, int] = {}
+        counts: dict[Key, int] = {}
+        table: Key = ()
         quote = ""
         for number, line in enumerate(text.split("\n"), 1):
             if quote:  # within a text of several lines
@@ -89,12 +89,12 @@ class TomlLines:
                 rest = line[key.end() :]
                 quote = next((q for q in ('"""', "'''") if rest.count(q) == 1), "")
 
-    def _note(self, key: Path, number: int) -> None:
+    def _note(self, key: Key, number: int) -> None:
         """Note the line of a value, if it is the first one of it or of what is around it."""
         for length in range(1, len(key) + 1):
             self._lines.setdefault(key[:length], number)
 
-    def line(self, key: Path) -> int:
+    def line(self, key: Key) -> int:
         """Return the line of a value, or of the innermost table around it; 1 if none is known."""
         while key:
             if key in self._lines:
@@ -102,7 +102,7 @@ class TomlLines:
             key = key[:-1]
         return 1
 
-    def at(self, key: Path, said: str) -> str:
+    def at(self, key: Key, said: str) -> str:
         """Return a message on a value, with its line."""
         return f"{self._name}, line {self.line(key)}: {said}"
 
@@ -122,7 +122,7 @@ class TomlLines:
             said = f"This must be {' or '.join(filter(None, names))}"
         return self.at(self._known(key), f"{said}.")
 
-    def _known(self, key: Path) -> Path:
+    def _known(self, key: Key) -> Key:
         """Return a place in which msgspec left out a name: the first that is like it."""
         if _ANY not in key:
             return key
@@ -134,13 +134,13 @@ class TomlLines:
         return next(alike, key[: key.index(_ANY)])
 
 
-def _parts(dotted: str) -> Path:
+def _parts(dotted: str) -> Key:
     return tuple(part.strip("\"'") for part in _PART.findall(dotted))
 
 
-def _indexed(parts: Path, counts: dict[Path, int]) -> Path:
+def _indexed(parts: Key, counts: dict[Key, int]) -> Key:
     """Return the place of a table, with the index of the newest element of each array above it."""
-    found: Path = ()
+    found: Key = ()
     for at, part in enumerate(parts):
         found = (*found, part)
         if found in counts and at < len(parts) - 1:

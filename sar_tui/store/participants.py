@@ -61,13 +61,17 @@ def add(db: sqlite3.Connection, code: str, now: datetime | None = None) -> str:
         StoreError: the code is not valid, or of another site, nothing may be recorded of them any
             more, or the disk cannot write.
     """
-    code = check_own(code)
-    check_may_record(db, [code])
-    row = (code, utc(now))
     with transaction(db) as connection:
-        connection.execute(
-            "INSERT OR IGNORE INTO participants (code, created_at) VALUES (?, ?)", row
-        )
+        return store(connection, code, now)
+
+
+def store(connection: sqlite3.Connection, code: str, now: datetime | None = None) -> str:
+    """Add a participant as `add`, in a transaction of the caller."""
+    code = check_own(code)
+    check_may_record(connection, [code])
+    connection.execute(
+        "INSERT OR IGNORE INTO participants (code, created_at) VALUES (?, ?)", (code, utc(now))
+    )
     return code
 
 

@@ -25,6 +25,10 @@ from sar_tui.store.training_days import utc
 
 TOLD = "told in a pause"
 """Answer that follows from a key in a pause, and stands in the session's log."""
+OF_LEDGERS = ("enrolment", "code-break")
+"""Kinds that nobody corrects: what is drawn in a study next follows from the first, and the second
+tells who was unblinded.
+"""
 ANSWER = "answer"
 """Kind of what was asked between attempts."""
 _BETWEEN = "; "
@@ -172,8 +176,8 @@ def correct(
         tr: the language in which an error is raised.
 
     Raises:
-        StoreError: there is no such record, it is of another site or of a session's log, nothing
-            would change, a value is not valid, or the disk cannot write.
+        StoreError: there is no such record, it is of another site, of a session's log or of
+            `OF_LEDGERS`, nothing would change, a value is not valid, or the disk cannot write.
     """
     last = find_record(db, id)
     _, sign, site = id.partition("@")
@@ -189,6 +193,11 @@ def correct(
                 "can say more.",
                 id=id,
             ),
+            bad_input=True,
+        )
+    if last.kind in OF_LEDGERS:
+        raise StoreError(
+            tr("The record {id} is part of the ledger of a study, and stays as it is.", id=id),
             bad_input=True,
         )
     kind = kind_of(last.kind)

@@ -9,7 +9,6 @@ import hashlib
 import hmac
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from itertools import count
 from typing import TypeVar
 
 import msgspec
@@ -112,7 +111,7 @@ def assign(
     number = len(same)
     match given.method:
         case "simple":
-            return draws.choice(_as_floats(weights), "group", stratum, number)
+            return draws.choice(weights, "group", stratum, number)
         case "blocks":
             return _of_block(given, weights, draws, stratum, number)
         case "big stick":
@@ -135,10 +134,6 @@ def assign(
     return rows[number]
 
 
-def _as_floats(weights: Mapping[str, int]) -> dict[str, float]:
-    return {name: float(weight) for name, weight in weights.items()}
-
-
 def sizes(given: Allocation, weights: Mapping[str, int]) -> tuple[int, ...]:
     """Return the sizes of blocks: those of the plan, else two, three and four times the weights."""
     return given.sizes or tuple(sum(weights.values()) * times for times in (2, 3, 4))
@@ -147,16 +142,18 @@ def sizes(given: Allocation, weights: Mapping[str, int]) -> tuple[int, ...]:
 def _of_block(
     given: Allocation, weights: Mapping[str, int], draws: Draws, stratum: str, number: int
 ) -> str:
-    first = 0
-    for block in count():
-        possible = {str(size): 1.0 for size in sizes(given, weights)}
-        size = int(draws.choice(possible, "size", stratum, block))
-        if number < first + size:
-            times = size // sum(weights.values())
-            groups = [name for name, weight in weights.items() for _ in range(weight * times)]
-            return draws.shuffled(groups, "block", stratum, block)[number - first]
-        first += size
-    raise AssertionError
+    possible = {str(size): 1 for size in sizes(given, weights)}
+
+    def size_of(block: int) -> int:
+        return int(draws.choice(possible, "size", stratum, block))
+
+    block, first = 0, 0
+    while number >= first + size_of(block):
+        first += size_of(block)
+        block += 1
+    times = size_of(block) // sum(weights.values())
+    groups = [name for name, weight in weights.items() for _ in range(weight * times)]
+    return draws.shuffled(groups, "block", stratum, block)[number - first]
 
 
 def _big_stick(
@@ -170,7 +167,7 @@ def _big_stick(
     smaller, larger = sorted(weights, key=lambda name: counts[name])
     if counts[larger] - counts[smaller] >= given.largest_difference:
         return smaller
-    return draws.choice(_as_floats(weights), "group", stratum, len(same))
+    return draws.choice(weights, "group", stratum, len(same))
 
 
 def _minimised(
@@ -195,8 +192,8 @@ def _minimised(
 
     found = {group: imbalance(group) for group in weights}
     least = min(found.values())
-    best = {group: float(weights[group]) for group in weights if found[group] <= least + 1e-9}
-    others = {group: float(weights[group]) for group in weights if group not in best}
+    best = {name: weight for name, weight in weights.items() if found[name] <= least + 1e-9}
+    others = {name: weight for name, weight in weights.items() if name not in best}
     number = len(before)
     follows = not others or draws.uniform("follows", number) < given.certainty
     return draws.choice(best if follows else others, "group", number)

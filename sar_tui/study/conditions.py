@@ -7,6 +7,7 @@ from typing import Any
 
 import msgspec
 
+from sar_tui.model.session_mode import SessionMode
 from sar_tui.model.step import Step
 from sar_tui.model.study_place import StudyPlace
 from sar_tui.plugins import Catalogue, PluginError
@@ -17,6 +18,7 @@ from sar_tui.runs.plan import Failed, Plan, make_plan
 from sar_tui.store import forms
 from sar_tui.store.database import StoreError
 from sar_tui.store.programmes import Programme
+from sar_tui.study.outcome import Number
 from sar_tui.study.plan import ALLOCATED, OWN, Block, Condition, Problem, Study
 
 
@@ -84,7 +86,7 @@ def session_plan(
     level: int | None = None,
     place: StudyPlace | None = None,
     seed: int | None = None,
-    mode: str = "live",
+    mode: SessionMode = "live",
     id: str = "",
 ) -> Plan:
     """Return the plan of a session: every setting is that of the condition, the block, or its
@@ -121,7 +123,7 @@ def session_plan(
         saved=Programme(theme=condition.theme),
         steps=_steps(condition, block) if block else (),
         seed=seed,
-        mode=mode,  # type: ignore[arg-type]
+        mode=mode,
         id=id,
         study=place,
     )
@@ -174,16 +176,46 @@ def resolved(plan: Study, catalogue: Catalogue) -> dict[str, dict[str, Any]]:
     return found
 
 
-def warnings(plan: Study, catalogue: Catalogue) -> Iterator[str]:
-    """Yield sentences on what is possible, and makes the outcome hard to interpret."""
+def trials_of_outcome(plan: Study, catalogue: Catalogue) -> Number | None:
+    """Return the number of trials behind a person's outcome: of reaction times prompts, else
+    attempts. Of conditions that differ it is the smallest. None without sessions in the block.
+
+    Raises:
+        PluginError, ParameterError, Failed: a condition cannot run here.
+    """
+    is_metric = plan.outcome is not None and plan.outcome.measure == "metric"
+    found = []
+    for _, session in _sessions_of_outcome(plan, catalogue):
+        attempts, level = session.parameters.attempts, session.parameters.start_level
+        is_time = is_metric and session.task.metric.name == "reaction_time"
+        prompts = session.task(session.parameters).trials_at(level) if is_time else 1
+        found.append((attempts * prompts, attempts, prompts))
+    if not found:
+        return None
+    trials, attempts, prompts = min(found)
+    of_prompts = f" of {prompts} prompts" if prompts > 1 else ""
+    return Number(trials, f"the plan: {attempts} attempts{of_prompts}")
+
+
+def _sessions_of_outcome(plan: Study, catalogue: Catalogue) -> Iterator[tuple[str, Plan]]:
+    """Yield the conditions of the block of the outcome, each with the plan of its session; nothing
+    if the outcome is a form's.
+    """
     outcome = plan.outcome
-    if outcome is None or outcome.measure != "metric":
+    if outcome is None or outcome.is_form:
         return
     block = plan.block(outcome.visit, outcome.block)
     names = [group.condition for group in plan.groups.values()]
     names = names if block.condition == ALLOCATED else [block.condition, *block.conditions]
-    for name in filter(None, names):
-        session = session_plan(plan, catalogue, plan.conditions[name], block, "P01", {})
+    for name in dict.fromkeys(filter(None, names)):
+        yield name, session_plan(plan, catalogue, plan.conditions[name], block, "P01", {})
+
+
+def warnings(plan: Study, catalogue: Catalogue) -> Iterator[str]:
+    """Yield sentences on what is possible, and makes the outcome hard to interpret."""
+    if plan.outcome is None or plan.outcome.measure != "metric":
+        return
+    for name, session in _sessions_of_outcome(plan, catalogue):
         if DIFFICULTY[session.parameters.difficulty_policy].moves_level:
             yield (
                 f"In the condition {name} the level follows the results, and the results depend on "

@@ -3,14 +3,14 @@ order of conditions.
 """
 
 import sqlite3
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
 from typing import NamedTuple
 
 from sar_tui.model.language import Sentence
 from sar_tui.plugins import Catalogue
-from sar_tui.store import sites
+from sar_tui.store import participants, sites
 from sar_tui.store.database import StoreError, transaction
 from sar_tui.study import conditions, ledger, secret
 from sar_tui.study.allocation import (
@@ -62,7 +62,7 @@ def names_of(plan: Study, draws: Draws | None) -> Names:
 
 def needs_key(plan: Study) -> bool:
     """Return True if something about people of the study is drawn."""
-    return plan.is_allocated or bool(plan.squares)
+    return bool(plan.groups or plan.squares)
 
 
 def freeze(
@@ -80,7 +80,8 @@ def freeze(
     """Freeze a version of a plan, with a key for what is drawn: a new one if there is none yet.
 
     Raises:
-        StoreError: as `ledger.freeze`; or the key is not that of the version before.
+        StoreError: as `ledger.freeze`; the key is not that of the version before; or people are
+            enrolled, and their groups or orders would be lost.
         AllocationError: the key cannot be read or written.
     """
     last = ledger.newest(db, plan.name)
@@ -90,6 +91,12 @@ def freeze(
         commitment = draws.commitment
         if last and last.commitment not in ("", commitment):
             raise StoreError(Sentence(_OTHER_KEY, key=str(key), study=plan.name), bad_input=True)
+    if last and plan.version > last.plan.version:
+        earlier = [each.plan for each in ledger.versions(db, plan.name)]
+        if (wrong := _lost(earlier, plan)) and ledger.enrolments(db, plan.name):
+            raise StoreError(
+                f"People are enrolled already: version {plan.version} must {wrong}.", bad_input=True
+            )
     ledger.freeze(
         db,
         text,
@@ -101,6 +108,23 @@ def freeze(
         reason=reason,
         now=now,
     )
+
+
+def _lost(versions: Sequence[Study], plan: Study) -> str:
+    """Return the part of the versions before that a later one must keep, and does not; empty if it
+    keeps all: groups, orders and neutral codes of people follow from it.
+    """
+    before = versions[-1]
+    if missing := [name for name in before.groups if name not in plan.groups]:
+        return f"keep the group {missing[0]}"
+    if list(before.squares.items()) != list(plan.squares.items()):
+        return "have the same orders of conditions"
+    is_coded = any(each.allocation.blind for each in (*versions, plan))
+    if is_coded and before.groups.keys() != plan.groups.keys():
+        return "have the same groups, as their neutral codes follow from their names"
+    if is_coded and before.conditions.keys() != plan.conditions.keys():
+        return "have the same conditions, as their neutral codes follow from their names"
+    return ""
 
 
 _OTHER_KEY = "{key} is not the key with which the study {study} was frozen."
@@ -150,12 +174,12 @@ def enrol(
         AllocationError: the key or the list cannot be used.
     """
     plan = frozen.plan
-    code = ledger.know(db, participant, now)
     draws = draws_of(frozen, key)
     given = _checked_factors(plan.allocation, factors)
     rows = secret.read_list(listed, tuple(plan.groups)) if listed else ()
     names = names_of(plan, draws)
     with transaction(db) as connection:
+        code = participants.store(connection, participant, now)
         people = [
             one
             for one in ledger.enrolments(connection, plan.name)
@@ -172,7 +196,7 @@ def enrol(
             group, numbers = _of_replaced(plan, people, replaces, names)
         elif draws:
             group = _drawn(plan, draws, people, stratum, given, rows, names)
-            numbers = _orders(plan, draws, people, stratum, names.groups.get(group, group))
+            numbers = _orders(plan, draws, people, stratum, group, names)
         enrolled = Enrolment(
             participant=code,
             study=plan.name,
@@ -213,6 +237,10 @@ def _of_replaced(
                     f"{replaces} still takes part: end it first, sar-tui study exit {replaces}",
                     bad_input=True,
                 )
+            if after := next((each for each in people if each.replaces == replaces), None):
+                raise StoreError(
+                    f"{replaces} was replaced by {after.participant} already.", bad_input=True
+                )
             return names.group(one.group), one.orders
     raise StoreError(f"{replaces} is not in the study {plan.name}.", bad_input=True)
 
@@ -249,18 +277,14 @@ def _drawn(
 
 
 def _orders(
-    plan: Study, draws: Draws, people: list[Enrolment], stratum: str, group: str
+    plan: Study, draws: Draws, people: list[Enrolment], stratum: str, group: str, names: Names
 ) -> tuple[int, ...]:
     """Return the rows of the orders of the next person, balanced within group and stratum."""
     alike = sum(
-        one.group == group and one.stratum == stratum and not one.replaces for one in people
+        names.group(one.group) == group and one.stratum == stratum and not one.replaces
+        for one in people
     )
     return tuple(
         row_of_order(draws, len(orders(plan, each)), alike, "|".join(each), group, stratum)
         for each in plan.squares
     )
-
-
-def group_named(plan: Study, enrolled: Enrolment, names: Names) -> str:
-    """Return the name of a person's group."""
-    return names.group(enrolled.group) if plan.groups else ""

@@ -9,7 +9,8 @@ import hashlib
 import sqlite3
 from collections.abc import Mapping, Sequence
 from datetime import datetime
-from typing import Any, Literal
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
 
 import msgspec
 
@@ -18,10 +19,10 @@ from sar_tui.records.kind import Value
 from sar_tui.store import people_events, records
 from sar_tui.store.counted import COUNTS
 from sar_tui.store.database import StoreError, store, transaction
-from sar_tui.store.participants import add as add_participant
 from sar_tui.store.participants import check_own
 from sar_tui.store.personal_rows import ENROLMENT
 from sar_tui.store.records import Record
+from sar_tui.store.sessions import status_now
 from sar_tui.store.studies import names
 from sar_tui.store.tables import STUDIES
 from sar_tui.store.training_days import UTC_OFFSET, trained_at, utc
@@ -91,8 +92,9 @@ class Played(msgspec.Struct, frozen=True, kw_only=True):
 
     Attributes:
         id: of the session, or of the record of the answers.
-        status: of the session; ``completed`` for a form.
-        day: local date on which it began. ``ended``: when, UTC.
+        status: of the session, ``running`` while a program plays it; ``completed`` for a form.
+        day: local date on which it began.
+        began, ended: when, UTC.
     """
 
     id: str
@@ -104,7 +106,37 @@ class Played(msgspec.Struct, frozen=True, kw_only=True):
     version: int = 1
     status: str = "completed"
     day: str = ""
+    began: str = ""
     ended: str = ""
+
+    @property
+    def key(self) -> tuple[str, str, int]:
+        """The key of the item of a schedule that it belongs to."""
+        return self.visit, self.block, self.position
+
+    @property
+    def is_running(self) -> bool:
+        """True if the person is in this session at the moment."""
+        return self.status == "running"
+
+
+class Differed(msgspec.Struct, frozen=True, kw_only=True):
+    """A deviation from the plan: recorded, or a session that was ended early."""
+
+    participant: str
+    visit: str
+    block: str
+    what: str
+    reason: str
+    at: str
+
+
+class Participation(NamedTuple):
+    """A person in a study, with what was done and what differed from the plan, each by time."""
+
+    enrolled: Enrolment
+    played: list[Played]
+    deviations: list[Differed]
 
 
 # --- plans
@@ -167,27 +199,25 @@ def freeze(
         )
 
 
-_COLUMNS = "plan, sha256, commitment, mode, frozen_at, frozen_by, reason, site, name"
+_SELECT = (
+    "SELECT plan, sha256, commitment, mode, frozen_at, frozen_by, reason, site, name FROM studies"
+    " WHERE name=?"
+)
 
 
 def versions(db: sqlite3.Connection, name: str) -> list[Frozen]:
     """Return the frozen versions of a study, the oldest first; of a version that several sites
     froze, this site's.
     """
-    rows = db.execute(
-        f"SELECT {_COLUMNS} FROM studies WHERE name=? ORDER BY version, site DESC", (name,)
-    )
-    found = {}
-    for row in rows:
-        frozen = _frozen(row)
-        found[frozen.plan.version] = frozen
+    rows = db.execute(f"{_SELECT} ORDER BY version, site DESC", (name,))
+    found = {frozen.plan.version: frozen for frozen in map(_frozen, rows)}
     return list(found.values())
 
 
 def newest(db: sqlite3.Connection, name: str) -> Frozen | None:
     """Return the newest frozen version of a study; None if there is none."""
-    found = versions(db, name)
-    return found[-1] if found else None
+    row = db.execute(f"{_SELECT} ORDER BY version DESC, site LIMIT 1", (name,)).fetchone()
+    return _frozen(row) if row else None
 
 
 def _frozen(row: Sequence[Any]) -> Frozen:
@@ -212,9 +242,8 @@ def find(db: sqlite3.Connection, name: str = "") -> Frozen:
         StoreError: there is no such study, none at all, or more than one.
     """
     known = names(db)
-    if name in known or (not name and len(known) == 1):
-        found = newest(db, name or known[0])
-        assert found
+    wanted = name or (known[0] if len(known) == 1 else "")
+    if found := newest(db, wanted):
         return found
     if not known:
         raise StoreError(
@@ -266,19 +295,62 @@ def enrol(
     )
 
 
-def enrolments(db: sqlite3.Connection, study: str) -> list[Enrolment]:
-    """Return the people of a study, in the order of their enrolment."""
-    ends = {
-        record.participant: record
-        for record in records.listing(db, kinds=(EXIT,))
-        if record.content["study"] == study
-    }
+def people(db: sqlite3.Connection, frozen: Frozen, participant: str = "") -> list[Participation]:
+    """Return the people of a study, in the order of their enrolment; or one person only."""
+    study = frozen.plan.name
+    done: dict[str, list[Played]] = {}
+    differed: dict[str, list[Differed]] = {}
+    for one in played(db, study, frozen.mode, participant):
+        done.setdefault(one.participant, []).append(one)
+    for each in of_study(db, DEVIATION, study, participant):
+        differed.setdefault(each.participant, []).append(_recorded(each))
+    is_left = frozen.plan.interrupted.then == "leave"
+    found = []
+    for enrolled in enrolments(db, study, participant):
+        who = enrolled.participant
+        own = done.get(who, [])
+        deviations = differed.get(who, []) + [
+            _ended_early(one)
+            for one in own
+            if one.status == "aborted" or (one.status == "interrupted" and is_left)
+        ]
+        found.append(Participation(enrolled, own, sorted(deviations, key=lambda each: each.at)))
+    return found
+
+
+def _recorded(deviation: Record) -> Differed:
+    content = deviation.content
+    return Differed(
+        participant=deviation.participant,
+        visit=str(content.get("visit", "")),
+        block=str(content.get("block", "")),
+        what=str(content["what"]),
+        reason=str(content.get("reason", "")),
+        at=deviation.at,
+    )
+
+
+def _ended_early(one: Played) -> Differed:
+    """Return the deviation of a session that was ended, or cut off for good, before all attempts
+    were done.
+    """
+    return Differed(
+        participant=one.participant,
+        visit=one.visit,
+        block=one.block,
+        what="ended early",
+        reason="" if one.status == "aborted" else "cut off",
+        at=one.ended,
+    )
+
+
+def enrolments(db: sqlite3.Connection, study: str, participant: str = "") -> list[Enrolment]:
+    """Return who is in a study, in the order of their enrolment; or one person only."""
+    ends = {record.participant: record for record in of_study(db, EXIT, study, participant)}
     left = _left(db)
     found = []
-    for record in records.listing(db, kinds=(ENROLMENT,)):
+    for record in of_study(db, ENROLMENT, study, participant):
         content = record.content
-        if content["study"] != study:
-            continue
         end = ends.get(record.participant)
         withdrawn, why = left.get(record.participant, ("", ""))
         orders = str(content.get("order", ""))
@@ -317,9 +389,8 @@ def is_own(participant: str) -> bool:
 
 def enrolment(db: sqlite3.Connection, study: str, participant: str) -> Enrolment:
     """Return the enrolment of a person. Raises StoreError if they are not in the study."""
-    for one in enrolments(db, study):
-        if one.participant == participant:
-            return one
+    for one in enrolments(db, study, participant):
+        return one
     raise StoreError(
         Sentence(
             "{who} is not enrolled in the study {study}: sar-tui study enrol {who}",
@@ -332,7 +403,8 @@ def enrolment(db: sqlite3.Connection, study: str, participant: str) -> Enrolment
 
 def note(
     db: sqlite3.Connection,
-    kind: str,
+    name: str,
+    plan: Study,
     participant: str,
     content: Mapping[str, Value],
     *,
@@ -341,61 +413,31 @@ def note(
 ) -> None:
     """Store a record of a study on a person: a deviation, an end, a form, a look at the group.
 
+    Args:
+        db: the database.
+        name: of the kind.
+        plan: of the study; the record gets its name, and its version if the kind has one.
+        participant: the person.
+        content: values of the other fields; empty ones are left out.
+        author: who records it.
+        now: when; None for the present.
+
     Raises:
         StoreError: the participant is of another site, or the disk cannot write.
     """
     check_own(participant)
-    given = {name: value for name, value in content.items() if value not in (None, "")}
-    records.add(db, records.kind_of(kind), participant, "", given, author=author, now=now)
+    kind = records.kind_of(name)
+    given: dict[str, Value | None] = {"study": plan.name}
+    if any(field.name == "version" for field in kind.fields):
+        given["version"] = plan.version
+    given |= {field: value for field, value in content.items() if value != ""}
+    records.add(db, kind, participant, "", given, author=author, now=now)
 
 
-def of_study(
-    db: sqlite3.Connection, kind: str, study: str, participant: str | None = None
-) -> list[Record]:
+def of_study(db: sqlite3.Connection, kind: str, study: str, participant: str = "") -> list[Record]:
     """Return the records of a kind that belong to a study, by time; of one person, or of all."""
-    found = records.listing(db, kinds=(kind,), participant=participant)
+    found = records.listing(db, kinds=(kind,), participant=participant or None)
     return [each for each in found if each.content["study"] == study]
-
-
-class Differed(msgspec.Struct, frozen=True, kw_only=True):
-    """A deviation from the plan: recorded, or a session that was ended early."""
-
-    participant: str
-    visit: str
-    block: str
-    what: str
-    reason: str
-    at: str
-
-
-def deviations(db: sqlite3.Connection, study: str, mode: Mode) -> list[Differed]:
-    """Return what differs from the plan of a study, by time: what was recorded, and sessions that
-    somebody ended before all attempts were done.
-    """
-    found = [
-        Differed(
-            participant=each.participant,
-            visit=str(each.content.get("visit", "")),
-            block=str(each.content.get("block", "")),
-            what=str(each.content["what"]),
-            reason=str(each.content.get("reason", "")),
-            at=each.at,
-        )
-        for each in of_study(db, DEVIATION, study)
-    ]
-    found += [
-        Differed(
-            participant=one.participant,
-            visit=one.visit,
-            block=one.block,
-            what="ended early",
-            reason="",
-            at=one.ended,
-        )
-        for one in played(db, study, mode)
-        if one.status == "aborted"
-    ]
-    return sorted(found, key=lambda each: each.at)
 
 
 def consent_of(db: sqlite3.Connection, study: str, participant: str) -> Record | None:
@@ -404,10 +446,10 @@ def consent_of(db: sqlite3.Connection, study: str, participant: str) -> Record |
     return max(found, key=lambda each: (each.day, each.recorded_at), default=None)
 
 
-def played(
-    db: sqlite3.Connection, study: str, mode: Mode, participant: str | None = None
-) -> list[Played]:
-    """Return the sessions of a study that count, and the forms that were filled in, by time."""
+def played(db: sqlite3.Connection, study: str, mode: Mode, participant: str = "") -> list[Played]:
+    """Return the sessions of a study that count, and the forms that were filled in, by time; of one
+    person, or of all.
+    """
     counted = COUNTS if mode == "live" else "sessions.mode='simulated'"
     rows = db.execute(
         "SELECT sessions.id, participant, status, started_at, ended_at, study,"
@@ -417,13 +459,22 @@ def played(
         f"{' AND participant=?' if participant else ''} ORDER BY sessions.rowid",
         (study, participant) if participant else (study,),
     )
+    folder = _folder(db)
     found = []
     for id, who, status, began, ended, place, offset_s in rows:
         values = msgspec.json.decode(place)
         del values["study"]
         day = trained_at(began, offset_s).strftime("%Y-%m-%d")
         found.append(
-            Played(id=id, participant=who, status=status, day=day, ended=ended or began, **values)
+            Played(
+                id=id,
+                participant=who,
+                status=status_now(status, id, folder),
+                day=day,
+                began=began,
+                ended=ended or began,
+                **values,
+            )
         )
     for record in of_study(db, FORM, study, participant):
         content = record.content
@@ -436,12 +487,14 @@ def played(
                 block=str(content["block"]),
                 version=int(content["version"]),
                 day=trained_at(record.at, None).strftime("%Y-%m-%d"),
+                began=record.at,
                 ended=record.at,
             )
         )
     return sorted(found, key=lambda one: one.ended)
 
 
-def know(db: sqlite3.Connection, participant: str, now: datetime | None = None) -> str:
-    """Add a participant, and return the code as it is stored. Raises StoreError."""
-    return add_participant(db, participant, now)
+def _folder(db: sqlite3.Connection) -> Path:
+    """Return the data folder of a database, in which locks of its sessions are."""
+    (_, _, file) = db.execute("PRAGMA database_list").fetchone()
+    return Path(file).parent

@@ -1,6 +1,7 @@
 """The next block of a person: what it is, whether it may begin, and the plan of its session."""
 
 import sqlite3
+from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
 from typing import NamedTuple
@@ -13,10 +14,19 @@ from sar_tui.store import programmes, sessions
 from sar_tui.store.database import StoreError
 from sar_tui.study import ledger
 from sar_tui.study.conditions import session_plan
-from sar_tui.study.enrolment import Names, draws_of, group_named, names_of
+from sar_tui.study.enrolment import Names, draws_of, names_of
 from sar_tui.study.ledger import Enrolment, Frozen, Played
 from sar_tui.study.plan import OWN
-from sar_tui.study.schedule import Item, Next, State, items, next_item, numbers
+from sar_tui.study.schedule import (
+    Item,
+    Next,
+    NothingLeft,
+    State,
+    items,
+    next_item,
+    numbers,
+    visit_days,
+)
 
 _OTHER_DAY: dict[State, str] = {
     "early": "The visit {visit} of {who} is from {first} to {last}: today is too early.",
@@ -43,11 +53,13 @@ class NeedsReason(StoreError):
 
     Attributes:
         what: as the kind ``deviation`` has it.
+        found: the block.
     """
 
-    def __init__(self, message: str, what: str) -> None:
+    def __init__(self, message: str, what: str, found: Next) -> None:
         super().__init__(message, bad_input=True)
         self.what = what
+        self.found = found
 
 
 def person(db: sqlite3.Connection, frozen: Frozen, participant: str, key: Path) -> Person:
@@ -59,7 +71,7 @@ def person(db: sqlite3.Connection, frozen: Frozen, participant: str, key: Path) 
     """
     enrolled = ledger.enrolment(db, frozen.plan.name, participant)
     names = names_of(frozen.plan, draws_of(frozen, key))
-    group = group_named(frozen.plan, enrolled, names)
+    group = names.group(enrolled.group)
     return Person(
         frozen=frozen,
         enrolled=enrolled,
@@ -84,11 +96,12 @@ def due(
         db: the database.
         one: the person.
         now: the present.
-        visit, block: those that are wanted, if others than the next ones; needs a reason.
+        visit, block: those that are wanted; others than the next ones need a reason.
         reason: why it differs from the plan.
 
     Raises:
-        StoreError: there is nothing more, participation has ended, or consent is missing.
+        StoreError: there is nothing more, participation has ended, consent is missing, or the
+            person is in a session.
         NeedsReason: it differs from the plan, and no reason was given.
     """
     plan, who = one.frozen.plan, one.enrolled.participant
@@ -103,16 +116,19 @@ def due(
             bad_input=True,
         )
     check_consent(db, one)
-    if visit or block:
-        return _wanted(one, now, visit, block, reason)
+    if any(each.is_running for each in one.played):
+        raise StoreError(Sentence("{who} is in a session now.", who=who), bad_input=True)
     found = next_item(plan, one.items, one.played, now)
-    if found.item is None:
+    if visit or block:
+        alike = _alike(one, visit, block)
+        if isinstance(found, NothingLeft) or found.item not in alike:
+            return _out_of_order(one, now, alike, reason)
+    if isinstance(found, NothingLeft):
         told = [Sentence("{who} has done all of the study {study}.", who=who, study=plan.name)]
         told += [
             Sentence("The visit {visit} was missed.", visit=each.name) for each in found.passed
         ]
         raise StoreError(joined(told), bad_input=True)
-    assert found.day
     if found.state in _OTHER_DAY and not reason and not _is_noted(db, one, found):
         said = Sentence(
             _OTHER_DAY[found.state],
@@ -121,13 +137,12 @@ def due(
             first=found.day.first,
             last=found.day.last,
         )
-        raise NeedsReason(said, found.state)
+        raise NeedsReason(said, found.state, found)
     return found
 
 
 def _is_noted(db: sqlite3.Connection, one: Person, found: Next) -> bool:
     """Return True if a reason was given for the day of a visit, with an earlier block of it."""
-    assert found.item
     who, study = one.enrolled.participant, one.frozen.plan.name
     place = (found.item.visit.name, found.state)
     return any(
@@ -136,8 +151,10 @@ def _is_noted(db: sqlite3.Connection, one: Person, found: Next) -> bool:
     )
 
 
-def _wanted(one: Person, now: datetime, visit: str, block: str, reason: str) -> Next:
-    """Return a block that was asked for out of order."""
+def _alike(one: Person, visit: str, block: str) -> list[Item]:
+    """Return the blocks of these names; an empty name is of any. Raises StoreError: there are
+    none.
+    """
     alike = [
         item
         for item in one.items
@@ -154,16 +171,27 @@ def _wanted(one: Person, now: datetime, visit: str, block: str, reason: str) -> 
             ),
             bad_input=True,
         )
-    done = {(each.visit, each.block, each.position) for each in one.played}
-    item = next((each for each in alike if each.key not in done), alike[0])
-    following = next_item(one.frozen.plan, one.items, one.played, now)
-    if following.item and item.key == following.item.key and following.state == "due":
-        return following
-    what = "repeated" if item.key in done else "out of order"
+    return alike
+
+
+def _out_of_order(one: Person, now: datetime, alike: Sequence[Item], reason: str) -> Next:
+    """Return a block that is not the next one: the first of those that were asked for that was not
+    begun. Raises NeedsReason.
+    """
+    begun = {each.key for each in one.played}
+    item = next((each for each in alike if each.key not in begun), alike[0])
+    days = visit_days(one.frozen.plan, one.items, one.played, now)
+    found = Next(
+        item=item,
+        day=next(day for day in days if day.visit.name == item.visit.name),
+        repeats=item.key in begun,
+        out_of_order=item.key not in begun,
+    )
     if not reason:
+        what = "repeated" if found.repeats else "out of order"
         said = Sentence(_OTHER_PLACE[what], block=item.block.name, visit=item.visit.name)
-        raise NeedsReason(said, what)
-    return Next(item=item, state="due", repeats=item.key in done)
+        raise NeedsReason(said, what, found)
+    return found
 
 
 def check_consent(db: sqlite3.Connection, one: Person) -> None:
@@ -222,7 +250,6 @@ def plan_of(
         PluginError, ParameterError, Failed: the condition cannot run here.
     """
     item = found.item
-    assert item
     plan, who = one.frozen.plan, one.enrolled.participant
     condition = plan.conditions[item.condition]
     own = programmes.newest(db, who, condition.task).parameters
@@ -260,7 +287,7 @@ def _carried_level(db: sqlite3.Connection, one: Person, item: Item) -> int | Non
         return None
     visit, _, block = level.partition("/")
     for each in reversed(one.played):
-        if (each.visit, each.block) == (visit, block) and each.status in ("completed", "aborted"):
+        if (each.visit, each.block) == (visit, block):
             attempts = [
                 row for row in sessions.rows(db, "attempts", each.id) if not row["practice"]
             ]
@@ -287,38 +314,24 @@ def note_deviations(
     """Record what differs from the plan when a block begins: visits that were missed, a day that is
     early or late, an order, a block that is begun again.
     """
-    assert found.item
+    plan, who = one.frozen.plan, one.enrolled.participant
     noted = {
-        (each.participant, each.content.get("visit"), each.content["what"])
-        for each in ledger.of_study(db, ledger.DEVIATION, one.frozen.plan.name)
+        (each.content.get("visit"), each.content["what"])
+        for each in ledger.of_study(db, ledger.DEVIATION, plan.name, who)
     }
-    who = one.enrolled.participant
     entries = [("missed", visit.name, "", "") for visit in found.passed]
     name, block = found.item.visit.name, found.item.block.name
     if found.state in ("early", "late"):
         entries.append((found.state, name, "", reason))
-    elif reason:
-        entries.append(("repeated" if found.repeats else "out of order", name, block, reason))
     elif found.repeats:
-        entries.append(("repeated", name, block, "the session before was cut off"))
+        entries.append(("repeated", name, block, reason or "the session before was cut off"))
+    elif found.out_of_order:
+        entries.append(("out of order", name, block, reason))
     for what, visit, of_block, why in entries:
-        if what in ("missed", "early", "late") and (who, visit, what) in noted:
+        if what in ("missed", "early", "late") and (visit, what) in noted:
             continue
-        ledger.note(
-            db,
-            ledger.DEVIATION,
-            who,
-            {
-                "study": one.frozen.plan.name,
-                "version": one.frozen.plan.version,
-                "visit": visit,
-                "block": of_block,
-                "what": what,
-                "reason": why,
-            },
-            author=author,
-            now=now,
-        )
+        content = {"visit": visit, "block": of_block, "what": what, "reason": why}
+        ledger.note(db, ledger.DEVIATION, plan, who, content, author=author, now=now)
 
 
 def note_form(
@@ -331,15 +344,14 @@ def note_form(
     now: datetime | None = None,
 ) -> None:
     """Record that a form of a study was filled in."""
-    assert found.item
-    content: dict[str, int | str] = {
-        "study": one.frozen.plan.name,
-        "version": one.frozen.plan.version,
+    content = {
         "visit": found.item.visit.name,
         "block": found.item.block.name,
         "record": record,
     }
-    ledger.note(db, ledger.FORM, one.enrolled.participant, content, author=author, now=now)
+    ledger.note(
+        db, ledger.FORM, one.frozen.plan, one.enrolled.participant, content, author=author, now=now
+    )
 
 
 def in_words(one: Person, item: Item) -> Sentence:

@@ -73,7 +73,8 @@ class Power(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         mean: of the measure; it changes no power.
         person_sd: standard deviation (SD) of people's own means.
         session_sd: SD of a person's sessions around their own mean.
-        trial_sd: SD of the trials of a session. ``trials``: their number, whose mean is the outcome.
+        trial_sd: SD of the trials of a session. ``trials``: their number, whose mean is the outcome;
+            by default that of the plan's block.
         retest: correlation of two visits, instead of ``session_sd``.
         dropout: share of people who are lost before the outcome.
         effect: difference of the means, in the unit; or ``effect_d``, in SDs of the outcome between
@@ -315,7 +316,10 @@ class Assumptions(msgspec.Struct, frozen=True):
 
 
 def assumptions(
-    power: Power, outcome: Outcome, pilot: Mapping[str, Number] | None = None
+    power: Power,
+    outcome: Outcome,
+    pilot: Mapping[str, Number] | None = None,
+    planned_trials: Number | None = None,
 ) -> Assumptions:
     """Return the model of an outcome.
 
@@ -326,15 +330,18 @@ def assumptions(
         power, outcome: of the plan.
         pilot: numbers that replace those of the plan, and its correlation of visits, but not the
             number of trials.
+        planned_trials: of the plan's block, if ``[power]`` does not say how many there are.
 
     Raises:
         StoreError: a number is missing, or two contradict each other.
     """
     stated = dict(_stated(power))
+    is_time = outcome.measure == "metric" and power.unit == "ms"
+    if planned_trials and (is_time or pilot or "trial_sd" in stated):
+        stated.setdefault("trials", planned_trials)
     if pilot:
         stated.pop("retest", None)
         stated = {**stated, **pilot, **{k: v for k, v in stated.items() if k == "trials"}}
-    is_time = outcome.measure == "metric" and power.unit == "ms"
     defaults = {
         **(_REACTION_TIMES if is_time else _OTHERS),
         **(_AT_HOME if power.place == "home" else _IN_LAB),

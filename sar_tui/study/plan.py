@@ -12,14 +12,13 @@ from typing import Any, Literal
 
 import msgspec
 
-from sar_tui.model.toml_lines import Path as Key
-from sar_tui.model.toml_lines import TomlError, TomlLines, decode
+from sar_tui.model.toml_lines import Key, TomlError, TomlLines, decode
 from sar_tui.store.database import StoreError
-from sar_tui.study.latin_squares import Order, rows
 from sar_tui.study.outcome import MEASURES, Outcome, read_power
 
 ALLOCATED = "as allocated"
 """In place of a condition: that of the person's group."""
+Order = Literal["fixed", "latin square", "williams"]
 OWN = "own"
 """Level at which the person is expected to reach the goal, from earlier sessions of the task."""
 _NAME = re.compile(r"[a-z][a-z0-9-]{0,31}")
@@ -204,11 +203,6 @@ class Study(_Declared, frozen=True, kw_only=True):
     prereg: dict[str, str] = {}
 
     @property
-    def is_allocated(self) -> bool:
-        """True if people are allocated to groups."""
-        return bool(self.groups)
-
-    @property
     def squares(self) -> dict[tuple[str, ...], Order]:
         """Sets of conditions whose order differs between people, and how."""
         return {
@@ -233,26 +227,21 @@ class Study(_Declared, frozen=True, kw_only=True):
 # --- reading
 
 
-def read_plan(path: Path) -> Study:
-    """Read a plan.
-
-    Raises:
-        PlanError: it cannot be read, or declares something that cannot be.
-    """
+def read_plan(path: Path) -> str:
+    """Return the text of a plan. Raises PlanError."""
     try:
-        text = path.read_bytes().decode()
+        return path.read_text(encoding="utf-8")
     except OSError as error:
         raise PlanError(f"{path} cannot be read: {error.strerror}.") from error
     except UnicodeDecodeError:
         raise PlanError(f"{path} is not a text in UTF-8.") from None
-    return parse_plan(text, str(path))
 
 
 def parse_plan(text: str, name: str) -> Study:
     """Return the plan in a TOML text; ``name`` is that of its file, for messages.
 
     Raises:
-        PlanError: as `read_plan`.
+        PlanError: it is no TOML, or declares something that cannot be.
     """
     lines = TomlLines(text, name)
     try:
@@ -395,6 +384,8 @@ def _allocation_problems(plan: Study) -> Iterator[Problem]:
     for name, values in given.strata.items():
         if len(set(values)) < 2:
             yield ("allocation", "strata", name), f"The factor {name} has two values or more."
+        if not all(values) or any("|" in value for value in values):
+            yield ("allocation", "strata", name), "A value of a factor is a text without |."
 
 
 def _outcome_problems(plan: Study) -> Iterator[Problem]:
@@ -433,6 +424,25 @@ def _outcome_problems(plan: Study) -> Iterator[Problem]:
             yield ("power",), str(error)
 
 
+# --- orders of conditions
+
+
 def orders(plan: Study, conditions: tuple[str, ...]) -> tuple[tuple[str, ...], ...]:
-    """Return the orders of some conditions between which people differ."""
-    return rows(conditions, plan.squares[conditions])
+    """Return the orders of some conditions between which people differ, so that no order favours a
+    condition.
+
+    - ``latin square``: each condition is once at each position.
+    - ``williams``: and follows each other one equally often (Williams 1949, Aust J Sci Res A
+      2:149-168). With an odd number of conditions there are twice as many rows.
+    """
+    count = len(conditions)
+    first = _zigzag(count) if plan.squares[conditions] == "williams" else range(count)
+    square = [[(index + start) % count for index in first] for start in range(count)]
+    if plan.squares[conditions] == "williams" and count % 2:
+        square += [row[::-1] for row in square]
+    return tuple(tuple(conditions[index] for index in row) for row in square)
+
+
+def _zigzag(count: int) -> list[int]:
+    """Return the first row of a Williams design: 0, 1, n-1, 2, n-2, …"""
+    return [0, *((at + 1) // 2 if at % 2 else count - at // 2 for at in range(1, count))]

@@ -19,7 +19,7 @@ from sar_tui.store import forms, records, sessions, sites
 from sar_tui.store.database import connect
 from sar_tui.study import enrolment, ledger, next_block
 from sar_tui.study.plan import Study
-from sar_tui.study.schedule import Next, next_item
+from sar_tui.study.schedule import Next, NothingLeft, next_item
 
 _HOUR = 9
 
@@ -154,7 +154,6 @@ def _visits(
             continue
         while found := _due_now(db, frozen, code, key, visit.name, now, late=late):
             one, what = found
-            assert what.item
             next_block.note_deviations(
                 db, one, what, "came later" if what.state == "late" else "", author="", now=now
             )
@@ -178,8 +177,8 @@ def _visits(
             )
             now = ended + timedelta(minutes=1)
         if at + 1 < len(plan.visits) and draw.random() < habits.leaves:
-            content = {"study": plan.name, "what": "lost", "reason": "does not come any more"}
-            ledger.note(db, ledger.EXIT, code, content, author="", now=now)
+            content = {"what": "lost", "reason": "does not come any more"}
+            ledger.note(db, ledger.EXIT, plan, code, content, author="", now=now)
             return
 
 
@@ -214,7 +213,7 @@ def _due_now(
     """Return the next block of a person, if it is of a visit that they are at; None if not."""
     one = next_block.person(db, frozen, code, key)
     found = next_item(frozen.plan, one.items, one.played, now)
-    if found.item is None or found.item.visit.name != visit or found.state == "early":
+    if isinstance(found, NothingLeft) or found.item.visit.name != visit or found.state == "early":
         return None
     return one, next_block.due(db, one, now, reason="came later" if late else "")
 

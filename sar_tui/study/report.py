@@ -13,10 +13,14 @@ from pathlib import Path
 import msgspec
 
 from sar_tui.reports.sections import Section, Table
-from sar_tui.store import people_events, sessions
+from sar_tui.store import people_events
 from sar_tui.study import ledger
-from sar_tui.study.ledger import Differed, Frozen
+from sar_tui.study.allocation import AllocationError
+from sar_tui.study.enrolment import draws_of, names_of
+from sar_tui.study.ledger import Differed, Frozen, Participation
+from sar_tui.study.plan import Study
 from sar_tui.study.results import Row, long_rows
+from sar_tui.study.schedule import finished
 from sar_tui.study.status import PersonRow, grid
 
 
@@ -82,115 +86,137 @@ class StudyReport(msgspec.Struct, frozen=True, kw_only=True):
 def make_report(db: sqlite3.Connection, frozen: Frozen, key: Path, now: datetime) -> StudyReport:
     """Return the report on a study as it stands now."""
     plan = frozen.plan
-    people = grid(db, frozen, key, now)
-    rows = long_rows(db, frozen)
+    people = ledger.people(db, frozen)
+    states = grid(frozen, people, key, now)
+    rows = long_rows(db, frozen, people)
     excluded = people_events.excluded(db)
     used = [row for row in rows if row["participant"] not in excluded]
-    groups = sorted({one.group for one in people}) or [""]
-    deviations = tuple(ledger.deviations(db, plan.name, frozen.mode))
+    groups = sorted({one.group for one in states}) or [""]
+    compared = _compared(frozen, key)
+    deviations = sorted(
+        (each for one in people for each in one.deviations), key=lambda each: each.at
+    )
     return StudyReport(
         study=plan.name,
         version=plan.version,
         sha256=frozen.sha256,
         versions=tuple((each.plan.version, each.reason) for each in ledger.versions(db, plan.name)),
-        groups=tuple(_flow(db, frozen, group, people, rows, used) for group in groups),
-        dose=tuple(_dose(db, visit.name, used) for visit in plan.visits),
-        deviations=deviations,
-        missing=_missing(frozen, people, rows),
+        groups=tuple(
+            _flow(frozen, group, people, states, rows, used, compared) for group in groups
+        ),
+        dose=tuple(_dose(visit.name, people, used) for visit in plan.visits),
+        deviations=tuple(deviations),
+        missing=_missing(plan, people, states, now),
         code_breaks=len(ledger.of_study(db, ledger.CODE_BREAK, plan.name)),
         other_plans=_other_plans(db, frozen),
     )
 
 
 def _flow(
-    db: sqlite3.Connection,
     frozen: Frozen,
     group: str,
-    people: Sequence[PersonRow],
+    people: Sequence[Participation],
+    states: Sequence[PersonRow],
     rows: Sequence[Row],
     used: Sequence[Row],
+    compared: set[str],
 ) -> GroupFlow:
     """Return the numbers of a group. ``used``: the rows without those of people who have withdrawn,
     and whose data is excluded.
     """
-    mine = [one for one in people if one.group == group]
+    mine = [one for one in states if one.group == group]
     codes = {one.participant for one in mine}
     began = {row["participant"] for row in rows} & codes
-    ends = [one for one in ledger.enrolments(db, frozen.plan.name) if one.participant in codes]
+    ended = [one.enrolled for one in people if one.enrolled.participant in codes]
+    ended = [one for one in ended if one.ended]
     return GroupFlow(
         group=group,
         allocated=len(mine),
         began=len(began),
         as_intended=sum(one.participant in began and not one.deviations for one in mine),
         completed=sum(all(cell.state == "done" for cell in one.visits.values()) for one in mine),
-        ended=dict(Counter(one.ended for one in ends if one.ended)),
-        reasons=tuple(
-            f"{one.participant}: {one.ended}, {one.why_ended}" for one in ends if one.ended
-        ),
-        analysed=_analysed(frozen, codes, used),
+        ended=dict(Counter(one.ended for one in ended)),
+        reasons=tuple(f"{one.participant}: {one.ended}, {one.why_ended}" for one in ended),
+        analysed=_analysed(frozen, codes, used, compared),
     )
 
 
-def _analysed(frozen: Frozen, codes: set[str], rows: Sequence[Row]) -> int | None:
+def _compared(frozen: Frozen, key: Path) -> set[str]:
+    """Return the conditions that are compared within people, as rows have them; empty if none are,
+    or they are not known here.
+    """
+    outcome = frozen.plan.outcome
+    if outcome is None or outcome.compared != "within":
+        return set()
+    try:
+        names = names_of(frozen.plan, draws_of(frozen, key))
+    except AllocationError:
+        return set()
+    block = frozen.plan.block(outcome.visit, outcome.block)
+    return {names.conditions[name] for name in outcome.conditions or block.conditions}
+
+
+def _analysed(
+    frozen: Frozen, codes: set[str], rows: Sequence[Row], compared: set[str]
+) -> int | None:
     outcome = frozen.plan.outcome
     if outcome is None:
         return None
     _, dot, _ = outcome.measure.partition(".")
     name = "score" if dot else outcome.measure
 
-    def having(visit: str, block: str) -> dict[str, int]:
-        return Counter(
-            row["participant"]
-            for row in rows
-            if (row["visit"], row["block"]) == (visit, block) and row.get(name) is not None
-        )
+    def having(visit: str, block: str) -> dict[str, set[str]]:
+        """Return the conditions in which people have a result, by person."""
+        found: dict[str, set[str]] = {}
+        for row in rows:
+            if (row["visit"], row["block"]) == (visit, block) and row.get(name) is not None:
+                found.setdefault(row["participant"], set()).add(row["condition"])
+        return found
 
     there = having(outcome.visit, outcome.block)
-    wanted = 2 if outcome.compared == "within" else 1
-    found = {who for who, count in there.items() if count >= wanted}
+    least = 2 if outcome.compared == "within" else 1
+    found = {
+        who
+        for who, having_them in there.items()
+        if len(having_them) >= least and compared <= having_them
+    }
     if outcome.baseline:
         found &= having(outcome.baseline.visit, outcome.baseline.block).keys()
     return len(found & codes)
 
 
-def _dose(db: sqlite3.Connection, visit: str, rows: Sequence[Row]) -> Dose:
-    mine = [row for row in rows if row["visit"] == visit and row["condition"]]
-    people = {row["participant"] for row in mine}
-    minutes = 0.0
-    for row in mine:
-        stored = sessions.stored(db, row["session"])
-        if stored and stored["ended_at"]:
-            began, ended = (
-                datetime.fromisoformat(stored[name]) for name in ("started_at", "ended_at")
-            )
-            minutes += (ended - began).total_seconds() / 60
-    count = len(people) or 1
+def _dose(visit: str, people: Sequence[Participation], rows: Sequence[Row]) -> Dose:
+    sessions = [
+        one for each in people for one in each.played if one.visit == visit and one.condition
+    ]
+    came = {one.participant for one in sessions}
+    seconds = sum(
+        (datetime.fromisoformat(one.ended) - datetime.fromisoformat(one.began)).total_seconds()
+        for one in sessions
+    )
+    count = len(came) or 1
     return Dose(
         visit=visit,
-        people=len(people),
-        sessions=len(mine) / count,
-        attempts=sum(row["attempts"] or 0 for row in mine) / count,
-        minutes=minutes / count,
+        people=len(came),
+        sessions=len(sessions) / count,
+        attempts=sum(row.get("attempts", 0) for row in rows if row["visit"] == visit) / count,
+        minutes=seconds / 60 / count,
     )
 
 
-def _missing(frozen: Frozen, people: Sequence[PersonRow], rows: Sequence[Row]) -> dict[str, int]:
+def _missing(
+    plan: Study, people: Sequence[Participation], states: Sequence[PersonRow], now: datetime
+) -> dict[str, int]:
     """Return how many people lack a block of a visit that is over for them."""
-    found: dict[str, int] = {}
-    for visit, block in frozen.plan.blocks():
-        for one in people:
-            cell = one.visits[visit.name]
-            is_over = cell.state in ("missed", "late") or bool(one.ended)
-            needed = len(block.conditions) or 1
-            done = sum(
-                row["participant"] == one.participant
-                and (row["visit"], row["block"]) == (visit.name, block.name)
-                for row in rows
-            )
-            if is_over and done < needed:
-                place = f"{visit.name}/{block.name}"
-                found[place] = found.get(place, 0) + 1
-    return found
+    found = Counter[str]()
+    for one, row in zip(people, states, strict=True):
+        done = Counter((visit, block) for visit, block, _ in finished(plan, one.played, now))
+        for visit, block in plan.blocks():
+            is_over = row.ended or row.visits[visit.name].state in ("missed", "late")
+            if is_over and done[visit.name, block.name] < (len(block.conditions) or 1):
+                found[f"{visit.name}/{block.name}"] += 1
+    order = (f"{visit.name}/{block.name}" for visit, block in plan.blocks())
+    return {place: found[place] for place in order if place in found}
 
 
 def _other_plans(db: sqlite3.Connection, frozen: Frozen) -> tuple[str, ...]:

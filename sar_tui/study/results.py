@@ -15,13 +15,13 @@ import msgspec
 
 from sar_tui import __version__
 from sar_tui.drivers.files import make_private
-from sar_tui.export.columns import Column
+from sar_tui.export.columns import Column, Type
 from sar_tui.export.csv_file import CsvWriter
 from sar_tui.export.formats.csv import described_field
-from sar_tui.store import people_events, records, sessions
+from sar_tui.store import people_events, records, sessions, sites
 from sar_tui.store.database import StoreError
 from sar_tui.study import ledger
-from sar_tui.study.ledger import Enrolment, Frozen, Played
+from sar_tui.study.ledger import Enrolment, Frozen, Participation, Played
 from sar_tui.study.plan import Block, Study
 
 Row = dict[str, Any]
@@ -31,8 +31,8 @@ _MEASURES = ("metric", "accuracy", "success_rate", "level", "score")
 """Columns of the long table that the wide one has for each block."""
 
 
-def _column(name: str, meaning: str, type: str = "string", unit: str = "") -> Column:
-    return Column(name, meaning, type, unit=unit, treatment="open")  # type: ignore[arg-type]
+def _column(name: str, meaning: str, type: Type = "string", unit: str = "") -> Column:
+    return Column(name, meaning, type, unit=unit, treatment="open")
 
 
 LONG_COLUMNS = (
@@ -64,22 +64,22 @@ LONG_COLUMNS = (
 )
 
 
-def long_rows(db: sqlite3.Connection, frozen: Frozen) -> list[Row]:
-    """Return a row for each block that was begun, by person in the order of enrolment."""
-    plan = frozen.plan
-    deviations = ledger.deviations(db, plan.name, frozen.mode)
-    everything = ledger.played(db, plan.name, frozen.mode)
+def long_rows(db: sqlite3.Connection, frozen: Frozen, people: Sequence[Participation]) -> list[Row]:
+    """Return a row for each block that was begun, by person in the order of enrolment.
+
+    ``people``: of the study, as `ledger.people` reads them.
+    """
+    plan, site = frozen.plan, sites.own(db)
     found = []
-    for enrolled in ledger.enrolments(db, plan.name):
-        own = [one for one in everything if one.participant == enrolled.participant]
-        noted = [each for each in deviations if each.participant == enrolled.participant]
-        first = min((one.day for one in own), default="")
-        for one in own:
+    for enrolled, played, deviations in people:
+        of_person = _of_person(plan, enrolled, site)
+        first = min((one.day for one in played), default="")
+        for one in played:
             deviated = sum(
-                each.visit == one.visit and each.block in ("", one.block) for each in noted
+                each.visit == one.visit and each.block in ("", one.block) for each in deviations
             )
             row = {
-                **_of_person(db, plan, enrolled),
+                **of_person,
                 **_place(plan, one),
                 "day": (date.fromisoformat(one.day) - date.fromisoformat(first)).days,
                 **_results(db, one),
@@ -89,12 +89,11 @@ def long_rows(db: sqlite3.Connection, frozen: Frozen) -> list[Row]:
     return found
 
 
-def _of_person(db: sqlite3.Connection, plan: Study, enrolled: Enrolment) -> Row:
+def _of_person(plan: Study, enrolled: Enrolment, own_site: str) -> Row:
     _, _, site = enrolled.participant.partition("@")
-    own = db.execute("SELECT code FROM site").fetchone()
     return {
         "study": plan.name,
-        "site": site or (own[0] if own else None),
+        "site": site or own_site or None,
         "participant": enrolled.participant,
         "group": enrolled.group or None,
         "stratum": enrolled.stratum or None,
@@ -127,8 +126,8 @@ def _block(plan: Study, one: Played) -> Block | None:
 
 def _results(db: sqlite3.Connection, one: Played) -> Row:
     if not one.condition:
-        content = records.find_record(db, one.id).content
-        return {"score": content.get("score")}
+        answers = records.find_record(db, one.id)
+        return {"score": None if answers.removed else answers.content.get("score")}
     attempts = [row for row in sessions.rows(db, "attempts", one.id) if not row["practice"]]
     metrics = [row["metric"] for row in attempts if row["metric"] is not None]
     accuracies = [row["accuracy"] for row in attempts if row["accuracy"] is not None]
@@ -145,26 +144,34 @@ def _results(db: sqlite3.Connection, one: Played) -> Row:
     }
 
 
-def wide(rows: Sequence[Row], people: Sequence[str]) -> tuple[list[Column], list[Row]]:
+def wide(plan: Study, rows: Sequence[Row], people: Sequence[Row]) -> tuple[list[Column], list[Row]]:
     """Return the columns and the rows of the wide table: of each block and condition its measures.
 
     Of a block that was begun again the last session counts.
+
+    Args:
+        plan: the study.
+        rows: of the long table.
+        people: columns of the long table that belong to each person.
     """
-    by_person: dict[str, Row] = {who: {"participant": who} for who in people}
+    of_person = ("participant", *_OF_PERSON)
+    by_person = {one["participant"]: {name: one[name] for name in of_person} for one in people}
     columns = {"participant": _column("participant", "Code of the participant.")}
     for name in _OF_PERSON:
         columns[name] = next(each for each in LONG_COLUMNS if each.name == name)
     declared = {each.name: each for each in LONG_COLUMNS}
+    several = {(row["visit"], row["block"]) for row in rows if row["position"] > 1}
+    several |= {(visit.name, block.name) for visit, block in plan.blocks() if block.conditions}
     for row in rows:
         mine = by_person[row["participant"]]
-        mine |= {name: row[name] for name in _OF_PERSON}
-        part = "_".join(filter(None, (row["visit"], row["block"], _distinct(row, rows))))
+        condition = row["condition"] if (row["visit"], row["block"]) in several else ""
+        part = "_".join(filter(None, (row["visit"], row["block"], condition)))
         for name in _MEASURES:
             if row.get(name) is None:
                 continue
-            key = f"{part}_{name}".replace("-", "_")
+            key = f"{part}_{name}".replace("-", ".")
             where = f"In the block {row['block']} of the visit {row['visit']}"
-            under = f", condition {row['condition']}" if _distinct(row, rows) else ""
+            under = f", condition {condition}" if condition else ""
             columns.setdefault(
                 key,
                 msgspec.structs.replace(
@@ -175,13 +182,6 @@ def wide(rows: Sequence[Row], people: Sequence[str]) -> tuple[list[Column], list
     return list(columns.values()), list(by_person.values())
 
 
-def _distinct(row: Row, rows: Sequence[Row]) -> str:
-    """Return the condition of a row if a person has several in its block; else an empty text."""
-    place = row["visit"], row["block"]
-    positions = (each["position"] for each in rows if (each["visit"], each["block"]) == place)
-    return str(row["condition"]) if any(position > 1 for position in positions) else ""
-
-
 def export(db: sqlite3.Connection, frozen: Frozen, folder: Path) -> list[Path]:
     """Write both tables and their description (``datapackage.json``) into a new or empty folder.
     People who have withdrawn, and whose data is excluded, are left out.
@@ -190,10 +190,11 @@ def export(db: sqlite3.Connection, frozen: Frozen, folder: Path) -> list[Path]:
         StoreError: the folder has files, or cannot be written.
     """
     left_out = people_events.excluded(db)
-    rows = [row for row in long_rows(db, frozen) if row["participant"] not in left_out]
-    enrolled = ledger.enrolments(db, frozen.plan.name)
-    people = [each.participant for each in enrolled if each.participant not in left_out]
-    columns, persons = wide(rows, people)
+    people = [one for one in ledger.people(db, frozen) if one.enrolled.participant not in left_out]
+    rows = long_rows(db, frozen, people)
+    site = sites.own(db)
+    of_people = [_of_person(frozen.plan, each.enrolled, site) for each in people]
+    columns, persons = wide(frozen.plan, rows, of_people)
     tables: Mapping[str, tuple[Sequence[Column], Sequence[Row], str]] = {
         LONG: (LONG_COLUMNS, rows, "A row for each block of a person"),
         WIDE: (columns, persons, "A row for each person"),

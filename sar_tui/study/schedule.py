@@ -6,10 +6,12 @@ from typing import Literal
 
 import msgspec
 
+from sar_tui.model.language import Sentence
+from sar_tui.store.database import StoreError
 from sar_tui.study.ledger import Enrolment, Played
 from sar_tui.study.plan import ALLOCATED, Block, Study, Visit, orders
 
-State = Literal["done", "due", "early", "late", "missed", "open", "interrupted"]
+State = Literal["done", "due", "early", "late", "missed", "open"]
 """State of a visit on a day. ``open``: its day has not come, as an earlier one is not done."""
 _FINISHED = ("completed", "aborted")
 
@@ -40,8 +42,23 @@ def items(plan: Study, enrolled: Enrolment, group: str) -> Iterator[Item]:
         plan: the study.
         enrolled: the person.
         group: of the person, by its name; empty without groups.
+
+    Raises:
+        StoreError: the group or the orders are those of another version of the plan.
     """
     squares = list(plan.squares)
+    if len(squares) != len(enrolled.orders) or (plan.groups and group not in plan.groups):
+        raise StoreError(
+            Sentence(
+                "{who} was enrolled in version {version} of the study {study}, which has other "
+                "groups or orders of conditions than version {newer}.",
+                who=enrolled.participant,
+                version=enrolled.version,
+                study=plan.name,
+                newer=plan.version,
+            ),
+            bad_input=True,
+        )
     for visit, block in plan.blocks():
         if block.form:
             yield Item(visit=visit, block=block)
@@ -86,19 +103,27 @@ class Next(msgspec.Struct, frozen=True, kw_only=True):
     """The next item of a person.
 
     Attributes:
-        item: None if there is nothing more.
         state: of its visit: due, early or late.
-        resume: id of an interrupted session of it that goes on where it was.
-        repeats: True if an interrupted session of it is begun again.
+        day: its visit.
+        resume: id of an interrupted session of it that goes on where it was; empty without one.
+        repeats: True if it is done again, or an interrupted session of it is begun again.
+        out_of_order: True if it was asked for before another one.
         passed: visits that are over and were not made, up to it.
     """
 
-    item: Item | None = None
+    item: Item
     state: State = "due"
-    day: VisitDay | None = None
+    day: VisitDay
     resume: str = ""
     repeats: bool = False
+    out_of_order: bool = False
     passed: tuple[Visit, ...] = ()
+
+
+class NothingLeft(msgspec.Struct, frozen=True):
+    """The end of a person's items. ``passed``: visits that are over and were not made."""
+
+    passed: tuple[Visit, ...]
 
 
 def finished(
@@ -115,7 +140,7 @@ def finished(
             and not can_resume(plan, one, now)
         )
         if one.status in _FINISHED or left:
-            found[one.visit, one.block, one.position] = one
+            found[one.key] = one
     return found
 
 
@@ -201,7 +226,9 @@ def _state(
     return "early" if today < first else "due"
 
 
-def next_item(plan: Study, mine: Sequence[Item], played: Sequence[Played], now: datetime) -> Next:
+def next_item(
+    plan: Study, mine: Sequence[Item], played: Sequence[Played], now: datetime
+) -> Next | NothingLeft:
     """Return what is due next: the first item that is not done, of the first visit that is neither
     done nor missed.
     """
@@ -216,7 +243,7 @@ def next_item(plan: Study, mine: Sequence[Item], played: Sequence[Played], now: 
         for item in mine:
             if item.visit.name == day.visit.name and item.key not in done:
                 return _with_interrupted(plan, item, day, played, tuple(passed), now)
-    return Next(passed=tuple(passed))
+    return NothingLeft(tuple(passed))
 
 
 def _with_interrupted(
@@ -227,7 +254,7 @@ def _with_interrupted(
     passed: tuple[Visit, ...],
     now: datetime,
 ) -> Next:
-    before = [one for one in played if (one.visit, one.block, one.position) == item.key]
+    before = [one for one in played if one.key == item.key]
     cut_off = next((one for one in before[::-1] if one.status == "interrupted"), None)
     resumes = cut_off is not None and can_resume(plan, cut_off, now)
     return Next(

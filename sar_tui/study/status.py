@@ -1,6 +1,5 @@
 """The status of a study: each person with each visit, done, due, late or missed."""
 
-import sqlite3
 from collections.abc import Callable, Sequence
 from datetime import date, datetime
 from pathlib import Path
@@ -8,12 +7,19 @@ from pathlib import Path
 import msgspec
 
 from sar_tui.model.language import ENGLISH, Sentence, in_language
-from sar_tui.study import ledger
 from sar_tui.study.allocation import AllocationError
-from sar_tui.study.enrolment import draws_of, group_named, names_of
-from sar_tui.study.ledger import Frozen, Played
+from sar_tui.study.enrolment import draws_of, names_of
+from sar_tui.study.ledger import Frozen, Participation, Played
 from sar_tui.study.plan import Study
-from sar_tui.study.schedule import Item, State, items, next_item, numbers, visit_days
+from sar_tui.study.schedule import (
+    Item,
+    NothingLeft,
+    State,
+    items,
+    next_item,
+    numbers,
+    visit_days,
+)
 
 _WORDS: dict[State, Sentence] = {
     "done": Sentence("done"),
@@ -28,19 +34,21 @@ class VisitCell(msgspec.Struct, frozen=True, kw_only=True):
     """State of a visit of a person.
 
     Attributes:
-        first, last: days of its window, ISO 8601; None until the first visit was made.
+        first, last: days of its window; None until the first visit was made.
         days: on which something was done.
         done, of: numbers of blocks and forms.
         deviated: True if a deviation is recorded.
+        playing: True if the person is in a session of it now.
     """
 
     state: State
-    first: str | None
-    last: str | None
-    days: tuple[str, ...]
+    first: date | None
+    last: date | None
+    days: tuple[date, ...]
     done: int
     of: int
     deviated: bool
+    playing: bool = False
 
     @property
     def words(self) -> str:
@@ -64,11 +72,13 @@ class VisitCell(msgspec.Struct, frozen=True, kw_only=True):
         return Sentence("{state} !", state=said) if self.deviated else said
 
     def when(self, day: Callable[[date], str]) -> str:
-        """Return when the visit may be, or that it is over, as `sentence`."""
+        """Return when the visit may be, or that it is under way or over, as `sentence`."""
+        if self.playing:
+            return Sentence("in a session now")
         if self.state == "due" and self.last:
-            return Sentence("due by {day}", day=day(date.fromisoformat(self.last)))
+            return Sentence("due by {day}", day=day(self.last))
         if self.state == "early" and self.first:
-            return Sentence("from {day}", day=day(date.fromisoformat(self.first)))
+            return Sentence("from {day}", day=day(self.first))
         return _WORDS.get(self.state, "")
 
 
@@ -95,25 +105,32 @@ class PersonRow(msgspec.Struct, frozen=True, kw_only=True):
     ended: str
     next: NextPlace | None = None
 
+    @property
+    def is_playing(self) -> bool:
+        """True if the person is in a session of the study now."""
+        return any(cell.playing for cell in self.visits.values())
+
     def next_visit(self, plan: Study) -> VisitCell | None:
         """Return the visit that comes next, or is under way; None if there is none."""
         return self.visits[plan.visits[self.next.visit - 1].name] if self.next else None
 
 
 def grid(
-    db: sqlite3.Connection, frozen: Frozen, key: Path, now: datetime, participant: str = ""
+    frozen: Frozen, people: Sequence[Participation], key: Path, now: datetime
 ) -> list[PersonRow]:
-    """Return the people of a study in the order of their enrolment, with what they have done.
+    """Return the people of a study in their order, with what they have done.
 
     Args:
-        db: the database.
         frozen: the study.
+        people: as `ledger.people` reads them.
         key: file of its key.
         now: the present.
-        participant: of one person only.
 
     Without the key, of a study in which people are allocated, the states of visits are still right:
     only the conditions in them are not known.
+
+    Raises:
+        StoreError: as `schedule.items`.
     """
     plan = frozen.plan
     try:
@@ -121,42 +138,39 @@ def grid(
     except AllocationError:
         draws = None
     names = names_of(plan, draws)
-    deviations = ledger.deviations(db, plan.name, frozen.mode)
-    everything = ledger.played(db, plan.name, frozen.mode, participant or None)
+    any_group = next(iter(plan.groups), "")
     found = []
-    for enrolled in ledger.enrolments(db, plan.name):
-        who = enrolled.participant
-        if participant not in ("", who):
-            continue
-        group = group_named(plan, enrolled, names)
-        mine = list(
-            items(plan, enrolled, group if group in plan.groups else next(iter(plan.groups), ""))
-        )
-        own = [one for one in everything if one.participant == who]
-        noted = [each for each in deviations if each.participant == who]
-        at_visits = {each.visit for each in noted}
+    for enrolled, played, deviations in people:
+        group = names.group(enrolled.group)
+        shown = names.groups.get(group, enrolled.group)
+        if draws is None and group not in plan.groups:
+            group = any_group
+        mine = list(items(plan, enrolled, group))
+        at_visits = {each.visit for each in deviations}
+        playing = {each.visit for each in played if each.is_running}
         cells = {
             day.visit.name: VisitCell(
                 state=day.state,
-                first=day.first.isoformat() if day.first else None,
-                last=day.last.isoformat() if day.last else None,
-                days=tuple(each.isoformat() for each in day.days),
+                first=day.first,
+                last=day.last,
+                days=day.days,
                 done=day.done,
                 of=day.of,
                 deviated=day.visit.name in at_visits,
+                playing=day.visit.name in playing,
             )
-            for day in visit_days(plan, mine, own, now)
+            for day in visit_days(plan, mine, played, now)
         }
         found.append(
             PersonRow(
-                participant=who,
+                participant=enrolled.participant,
                 number=enrolled.number,
-                group=enrolled.group,
+                group=shown,
                 stratum=enrolled.stratum,
                 visits=cells,
-                deviations=len(noted),
+                deviations=len(deviations),
                 ended=enrolled.ended,
-                next=None if enrolled.ended else _next(plan, mine, own, now),
+                next=None if enrolled.ended else _next(plan, mine, played, now),
             )
         )
     return found
@@ -165,8 +179,8 @@ def grid(
 def _next(
     plan: Study, mine: Sequence[Item], played: Sequence[Played], now: datetime
 ) -> NextPlace | None:
-    found = next_item(plan, mine, played, now).item
-    if found is None:
+    found = next_item(plan, mine, played, now)
+    if isinstance(found, NothingLeft):
         return None
-    visit, block = numbers(plan, mine, found)
+    visit, block = numbers(plan, mine, found.item)
     return NextPlace(visit=visit, block=block)

@@ -16,6 +16,7 @@ from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import records
 from sar_tui.store.database import connect
 from sar_tui.store.interface_language import choose_interface_language
+from sar_tui.store.locks import hold
 from sar_tui.study import enrolment, ledger, next_block
 from sar_tui.study.secret import key_file
 from tests.album import Album
@@ -412,3 +413,25 @@ async def test_questions_after_a_session_have_its_theme(opened: OpenApp, study: 
         assert (driver.screen_name, driver.app.theme) == ("QuestionScreen", "sar-high-contrast")
         await driver.press(*given("0", "0"))
         assert (driver.screen_name, driver.app.theme) == ("StudyScreen", theme)
+
+
+@pytest.mark.parametrize("text", [TWO_VISITS, MANY])
+async def test_whoever_is_in_a_session_is_shown_until_its_end(
+    opened: OpenApp, study: Study, text: str
+) -> None:
+    study.enrol("P01", text=text, now=MONDAY)
+    study.play("P01", MONDAY)
+    study.today_is(MONDAY.date())
+    choose_interface_language(study.data, "de")
+    ((id,),) = stored(study.data, "SELECT id FROM sessions")
+    with closing(connect(study.data)) as db:
+        db.execute("UPDATE sessions SET status='running', ended_at=NULL")
+    held = hold(study.data, "session", id)
+    async with opened() as driver:
+        await driver.press("f7")
+        driver.see("Gerade in einer Sitzung: P01.")
+        driver.see("◆ jetzt", "! anders") if text == MANY else driver.see("P01 gerade in einer")
+        assert key_line(driver) == ""
+        held.release()
+        await driver.press("escape", "f7")
+        driver.lacks("Gerade in einer Sitzung")

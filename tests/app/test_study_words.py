@@ -2,9 +2,10 @@
 
 from datetime import date
 
+import msgspec
 import pytest
 
-from sar_tui.app.study.words import about, card_words, sentence
+from sar_tui.app.study.words import about, card_words, cell_words, sentence
 from sar_tui.model.language import ENGLISH
 from sar_tui.study.schedule import Item, Next, State, VisitDay
 from sar_tui.study.status import NextPlace, PersonRow, VisitCell
@@ -15,7 +16,7 @@ TODAY = date(2026, 3, 2)
 FIRST, SECOND = PLAN.visits
 
 
-def cell(state: State, first: str | None = None, last: str | None = None) -> VisitCell:
+def cell(state: State, first: date | None = None, last: date | None = None) -> VisitCell:
     return VisitCell(state=state, first=first, last=last, days=(), done=0, of=1, deviated=False)
 
 
@@ -33,9 +34,9 @@ def row(who: str, second: VisitCell, visit: int = 2) -> PersonRow:
     )
 
 
-DUE = cell("due", "2026-02-28", "2026-03-04")
-LATE = cell("late", "2026-02-20", "2026-02-24")
-EARLY = cell("early", "2026-03-05", "2026-03-09")
+DUE = cell("due", date(2026, 2, 28), date(2026, 3, 4))
+LATE = cell("late", date(2026, 2, 20), date(2026, 2, 24))
+EARLY = cell("early", date(2026, 3, 5), date(2026, 3, 9))
 
 
 @pytest.mark.parametrize(
@@ -51,6 +52,13 @@ EARLY = cell("early", "2026-03-05", "2026-03-09")
 def test_the_sentence_counts_who_is_due(cells: list[VisitCell], said: str) -> None:
     rows = [row(f"P{number:02}", each) for number, each in enumerate(cells)]
     assert sentence(PLAN, rows, TODAY, ENGLISH) == said
+
+
+def test_whoever_is_in_a_session_is_named_and_not_counted_as_due() -> None:
+    playing = msgspec.structs.replace(DUE, playing=True)
+    said = sentence(PLAN, [row("P01", playing), row("P02", DUE)], TODAY, ENGLISH)
+    assert said == "P01 is in a session now. 1 person is due today."
+    assert cell_words(playing, TODAY, ENGLISH) == "in a session now"
 
 
 def test_the_sentence_tells_the_end_of_a_study() -> None:

@@ -32,10 +32,11 @@ def rehearsed(request: pytest.FixtureRequest, tmp_path: Path, call: Call) -> Pat
     )  # fmt: skip
     data = site.folder.rename(tmp_path / "data")
     with closing(connect(data)) as database:
-        ledger.note(database, ledger.CONSENT, "R01", {"study": "praise", "version": "2",
-                                                      "answer": "yes"}, author="ana")  # fmt: skip
-        late = {"study": "praise", "version": 1, "visit": "second", "what": "late"}
-        ledger.note(database, ledger.DEVIATION, "R01", {**late, "reason": "Bus"}, author="ana")
+        study = ledger.find(database, "praise").plan
+        given = {"version": "2", "answer": "yes"}
+        ledger.note(database, ledger.CONSENT, study, "R01", given, author="ana")
+        late = {"visit": "second", "what": "late", "reason": "Bus"}
+        ledger.note(database, ledger.DEVIATION, study, "R01", late, author="ana")
     return data
 
 

@@ -12,6 +12,7 @@ from sar_tui.cli.errors import Commands
 from sar_tui.cli.study_power import power
 from sar_tui.store.database import FILE
 from tests.program import Call
+from tests.study.plans import TWO_GROUPS
 
 PLAN = """
 [outcome]
@@ -29,6 +30,8 @@ name = "second"
 name = "training"
 condition = "praise"
 """
+
+SDS = "person_sd = 40\nsession_sd = 20\ntrial_sd = 60"
 
 app = typer.Typer(cls=Commands, rich_markup_mode=None)
 app.callback()(lambda: None)
@@ -80,6 +83,25 @@ def test_groups_are_printed_with_their_size(file: Path) -> None:
 def test_an_effect_that_no_size_finds_is_said(file: Path) -> None:
     done = run(changed(file, "effect_dz = 0.5", "effect_dz = 0.001"), "--draws", 1000)
     assert "Even 5,000 people find it in less than 80 %." in done.output
+
+
+@pytest.mark.parametrize(
+    ("measure", "power", "trials", "source"),
+    [
+        ("metric", "", 12, "the plan: 3 attempts of 4 prompts"),
+        ("metric", "trials = 30", 30, "stated in the plan"),
+        ("accuracy", SDS, 3, "the plan: 3 attempts"),
+    ],
+)
+def test_trials_are_those_of_the_block_unless_they_are_stated(
+    file: Path, measure: str, power: str, trials: int, source: str
+) -> None:
+    import json
+
+    text = TWO_GROUPS.replace("[outcome]", f'[outcome]\nmeasure = "{measure}"')
+    file.write_text(f"{text}[power]\neffect = 20\nsizes = [20]\n{power}\n", encoding="utf-8")
+    found = json.loads(run(file, "--json", "--draws", 1000).output)
+    assert found["numbers"]["trials"] == {"value": trials, "source": source}
 
 
 def test_json_has_all_that_is_printed_and_repeats(file: Path) -> None:

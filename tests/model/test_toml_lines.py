@@ -2,7 +2,7 @@
 
 import pytest
 
-from sar_tui.model.toml_lines import Path, TomlError, TomlLines, decode
+from sar_tui.model.toml_lines import Key, TomlError, TomlLines, decode
 
 TEXT = """name = \'\'\'
 [not.a.table]
@@ -41,7 +41,7 @@ do = 1
         (("missing",), 1),
     ],
 )
-def test_a_value_is_found_at_its_line_or_at_that_of_its_table(key: Path, line: int) -> None:
+def test_a_value_is_found_at_its_line_or_at_that_of_its_table(key: Key, line: int) -> None:
     assert TomlLines(TEXT).line(key) == line
 
 

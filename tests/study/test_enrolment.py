@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections import Counter
 from contextlib import closing
 from pathlib import Path
 from typing import NamedTuple
@@ -12,11 +13,11 @@ from typing import NamedTuple
 import pytest
 
 from sar_tui.plugins import Catalogue
-from sar_tui.store import people_events
+from sar_tui.store import participants, people_events, records
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.erasure import de_identify, erase
 from sar_tui.study import enrolment, ledger, secret
-from sar_tui.study.allocation import AllocationError, Assigned, assign
+from sar_tui.study.allocation import AllocationError, Assigned, ListedGroup, assign
 from sar_tui.study.ledger import Frozen
 from tests.study.plans import TWO_GROUPS, plan
 
@@ -56,6 +57,8 @@ def check_draws(place: Place) -> None:
     draws, study, before = secret.read(place.key), plan(), list[Assigned]()
     weights = dict.fromkeys(study.groups, 1)
     for one in found:
+        if one.replaces:
+            continue
         group = assign(study.allocation, weights, draws, before, one.stratum)
         assert one.group == group
         before.append(Assigned(group=group, stratum=one.stratum))
@@ -75,6 +78,32 @@ def test_a_changed_plan_needs_a_new_version_and_a_reason(place: Place) -> None:
     assert (frozen.plan.version, frozen.reason) == (2, "too short")
     with closing(connect(place.folder)) as db:
         assert [each.plan.version for each in ledger.versions(db, "praise")] == [1, 2]
+
+
+def test_a_later_version_keeps_what_people_were_enrolled_with(place: Place) -> None:
+    later = TWO_GROUPS.replace('name = "praise"', 'name = "praise"\nversion = 2', 1)
+    coded = later.replace("[outcome]", "[allocation]\nblind = true\n[outcome]", 1)
+    changes = {
+        "keep the group silent": later.replace("groups.silent", "groups.quiet"),
+        "have the same orders of conditions": later.replace('["slow", "fast"]', '["fast", "slow"]'),
+        "have the same conditions, as their": coded.replace(
+            "conditions.unpraised", "conditions.plain"
+        ).replace('"unpraised"', '"plain"'),
+    }
+    with closing(connect(place.folder)) as db:
+        enrolment.enrol(db, ledger.find(db), "P01", place.key)
+    for said, text in changes.items():
+        with pytest.raises(StoreError, match=f"version 2 must {said}"):
+            freeze(place, text, reason="changed")
+    assert freeze(place, later, reason="the same groups").plan.version == 2
+
+
+def test_nobody_is_known_after_an_enrolment_that_failed(place: Place) -> None:
+    with closing(connect(place.folder)) as db:
+        frozen = ledger.find(db)
+        with pytest.raises(StoreError, match="P09 is not in the study praise"):
+            enrolment.enrol(db, frozen, "P01", place.key, replaces="P09")
+        assert participants.codes(db) == []
 
 
 def test_a_frozen_plan_has_each_setting_of_its_conditions(place: Place) -> None:
@@ -114,16 +143,18 @@ def test_whoever_replaces_a_person_gets_their_group_and_order(place: Place) -> N
         first = enrolment.enrol(db, frozen, "P01", place.key)
         with pytest.raises(StoreError, match="P01 still takes part"):
             enrolment.enrol(db, frozen, "P02", place.key, replaces="P01")
-        content = {"study": "praise", "what": "lost", "reason": "moved away"}
-        ledger.note(db, ledger.EXIT, "P01", content, author="me")
+        content = {"what": "lost", "reason": "moved away"}
+        ledger.note(db, ledger.EXIT, frozen.plan, "P01", content, author="me")
         second = enrolment.enrol(db, frozen, "P02", place.key, replaces="P01")
         assert (second.group, second.orders) == (first.group, first.orders)
-        enrolment.enrol(db, frozen, "P03", place.key)
-    drawn = [one for one in people(place) if not one.replaces]
-    assert len(drawn) == 2
+        with pytest.raises(StoreError, match="P01 was replaced by P02 already"):
+            enrolment.enrol(db, frozen, "P03", place.key, replaces="P01")
+        for number in range(3, 15):
+            enrolment.enrol(db, frozen, f"P{number:02}", place.key)
+    check_draws(place)
 
 
-def test_a_factor_is_asked_for(tmp_path: Path) -> None:
+def test_a_factor_is_asked_for_and_orders_are_balanced_in_its_strata(tmp_path: Path) -> None:
     text = TWO_GROUPS.replace("[outcome]", '[allocation.strata]\nage = ["young", "old"]\n[outcome]')
     place = Place(tmp_path / "data", tmp_path / "praise.key")
     frozen = freeze(place, text)
@@ -133,7 +164,14 @@ def test_a_factor_is_asked_for(tmp_path: Path) -> None:
         with pytest.raises(StoreError, match="age is young or old, not 'middle'"):
             enrolment.enrol(db, frozen, "P01", place.key, factors={"age": "middle"})
         found = enrolment.enrol(db, frozen, "P01", place.key, factors={"age": "old"})
-    assert found.stratum == "old"
+        assert found.stratum == "old"
+        for number in range(2, 31):
+            age = "young" if number % 3 else "old"
+            enrolment.enrol(db, frozen, f"P{number:02}", place.key, factors={"age": age})
+    orders = Counter((one.group, one.stratum, one.orders[0]) for one in people(place))
+    for group in ("praise", "silent"):
+        for age in ("young", "old"):
+            assert abs(orders[group, age, 0] - orders[group, age, 1]) <= 1
 
 
 def start(place: Place, prefix: str, number: int) -> "subprocess.Popen[str]":
@@ -209,9 +247,8 @@ def test_the_code_of_a_person_who_was_replaced_goes_with_the_person(how: str, pl
         frozen = ledger.find(db)
         enrolment.enrol(db, frozen, "FIRST", place.key)
         ledger.note(
-            db, ledger.EXIT, "FIRST", {"study": "praise", "what": "lost", "reason": "moved"},
-            author="me",
-        )  # fmt: skip
+            db, ledger.EXIT, frozen.plan, "FIRST", {"what": "lost", "reason": "moved"}, author="me"
+        )
         second = enrolment.enrol(db, frozen, "SECOND", place.key, replaces="FIRST")
     if how == "erased":
         new = erase(place.folder, "FIRST", author="me", reason="").event.replaced_by
@@ -225,10 +262,11 @@ def test_the_code_of_a_person_who_was_replaced_goes_with_the_person(how: str, pl
 
 
 def test_a_person_who_is_de_identified_stays_in_the_study(place: Place) -> None:
-    given = {"study": "praise", "version": "2", "answer": "yes", "witness": "W01"}
+    given = {"version": "2", "answer": "yes", "witness": "W01"}
     with closing(connect(place.folder)) as db:
-        before = enrolment.enrol(db, ledger.find(db), "P01", place.key)
-        ledger.note(db, ledger.CONSENT, "P01", given, author="me")
+        frozen = ledger.find(db)
+        before = enrolment.enrol(db, frozen, "P01", place.key)
+        ledger.note(db, ledger.CONSENT, frozen.plan, "P01", given, author="me")
     new = de_identify(place.folder, "P01", author="me", reason="").event.participant
     with closing(connect(place.folder)) as db:
         after = ledger.enrolment(db, "praise", new)
@@ -240,3 +278,49 @@ def test_a_person_who_is_de_identified_stays_in_the_study(place: Place) -> None:
     newer = de_identify(place.folder, new, author="me", reason="").event.participant
     (left,) = people(place)
     assert (left.participant, left.ended) == (newer, "withdrawn")
+
+
+def test_whoever_was_given_another_code_stays_in_the_study(place: Place) -> None:
+    with closing(connect(place.folder)) as db:
+        frozen = ledger.find(db)
+        for code in ("P01", "P02"):
+            enrolment.enrol(db, frozen, code, place.key)
+        content = {"what": "lost", "reason": "moved to Thun"}
+        ledger.note(db, ledger.EXIT, frozen.plan, "P01", content, author="me")
+        enrolment.enrol(db, frozen, "P03", place.key, replaces="P01")
+        event = people_events.new_event("withdrawn", "P02", author="me", reason="tired of it")
+        people_events.add(db, event)
+    before = people(place)
+    new = [
+        de_identify(place.folder, code, author="me", reason="end").event.participant
+        for code in ("P01", "P02")
+    ]
+    after = people(place)
+    assert [(one.number, one.group, one.orders) for one in after] == [
+        (one.number, one.group, one.orders) for one in before
+    ]
+    assert [one.participant for one in after] == [*new, "P03"]
+    assert [one.ended for one in after] == ["lost", "withdrawn", ""]
+    assert after[2].replaces == new[0]
+    with closing(connect(place.folder)) as db:
+        stored = "".join(text for (text,) in db.execute("SELECT content FROM records"))
+        assert enrolment.enrol(db, frozen, "P04", place.key).number == 4
+    assert "Thun" not in stored
+    assert "P01" not in stored
+
+
+def test_nobody_changes_or_removes_an_enrolment(place: Place) -> None:
+    with closing(connect(place.folder)) as db:
+        enrolment.enrol(db, ledger.find(db), "P01", place.key)
+        for given, removed in (({"group": "silent"}, False), ({}, True)):
+            with pytest.raises(StoreError, match="praise-1 is part of the ledger of a study"):
+                records.correct(db, "praise-1", given, removed=removed)
+
+
+def test_a_list_names_groups_of_the_plan_only(tmp_path: Path) -> None:
+    listed = tmp_path / "list.csv"
+    listed.write_text("group,stratum\npraise,BERN\nplacebo,BERN\n")
+    with pytest.raises(AllocationError, match=r"line 3: the group is one of .*, not 'placebo'"):
+        secret.read_list(listed, ("praise", "silent"))
+    listed.write_text("group,stratum\npraise, BERN\n")
+    assert secret.read_list(listed, ("praise",)) == (ListedGroup("praise", "BERN"),)

@@ -13,7 +13,7 @@ import pytest
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
-from sar_tui.store import programmes, records, sessions
+from sar_tui.store import locks, programmes, records, sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.integrity import flaws
 from sar_tui.store.programmes import Programme
@@ -21,6 +21,7 @@ from sar_tui.study import enrolment, ledger, next_block
 from sar_tui.study.next_block import NeedsReason, Person, due, person, plan_of
 from sar_tui.study.report import make_report
 from sar_tui.study.schedule import Next
+from sar_tui.study.status import grid
 from tests.study.plans import TWO_GROUPS, plan
 
 NOW = datetime(2026, 3, 2, 12, tzinfo=UTC)
@@ -46,7 +47,6 @@ class Rehearsed:
 
     def play(self, now: datetime = NOW, **wanted: str) -> str:
         one, found = self.due(now, **wanted)
-        assert found.item
         next_block.note_deviations(
             self.db, one, found, wanted.get("reason", ""), author="me", now=now
         )
@@ -119,6 +119,29 @@ def test_a_visit_too_early_or_late_needs_a_reason_which_is_recorded(study: Rehea
     assert study.deviations() == [("second", None, "early", "leaves for holidays")]
 
 
+def test_a_reason_for_the_day_holds_for_all_blocks_of_a_visit(tmp_path: Path) -> None:
+    text = f'{TWO_GROUPS}[[visits.blocks]]\nname = "again"\ncondition = "unpraised"\n'
+    study = Rehearsed(tmp_path, text)
+    with closing(study.db):
+        for _ in range(3):
+            study.play()
+        early = NOW + timedelta(days=3)
+        study.play(early, reason="leaves for holidays")
+        assert study.due(early)[1].item.block.name == "again"
+
+
+def test_without_the_key_of_a_blind_study_the_states_of_visits_are_known(tmp_path: Path) -> None:
+    study = Rehearsed(
+        tmp_path, TWO_GROUPS.replace("[outcome]", "[allocation]\nblind = true\n[outcome]", 1)
+    )
+    with closing(study.db):
+        study.play()
+        people = ledger.people(study.db, study.frozen)
+        shown = [grid(study.frozen, people, key, NOW) for key in (study.key, tmp_path / "none")]
+    assert shown[0] == shown[1]
+    assert shown[0][0].group in ("G1", "G2")
+
+
 def test_a_block_out_of_order_or_done_again_needs_a_reason(study: Rehearsed) -> None:
     with pytest.raises(NeedsReason, match="is out of order"):
         study.due(visit="first", block="speeds")
@@ -135,6 +158,72 @@ def test_a_block_out_of_order_or_done_again_needs_a_reason(study: Rehearsed) -> 
         study.due(block="nap", reason="?")
 
 
+def test_the_next_block_by_its_name_is_in_order_and_its_day_may_differ(study: Rehearsed) -> None:
+    for _ in range(3):
+        study.play()
+    early = NOW + timedelta(days=3)
+    with pytest.raises(NeedsReason, match="today is too early"):
+        study.due(early, visit="second")
+    study.play(early, visit="second", reason="leaves for holidays")
+    assert study.deviations() == [("second", None, "early", "leaves for holidays")]
+
+
+def test_a_condition_done_twice_makes_up_for_no_other(study: Rehearsed) -> None:
+    for _ in range(2):
+        study.play()
+    study.play(block="baseline", reason="noise in the corridor")
+    study.db.execute("UPDATE sessions SET study=json_set(study, '$.block', 'speeds')")
+    study.db.execute("UPDATE sessions SET study=json_set(study, '$.position', 1)")
+    content = {"what": "lost", "reason": "moved away"}
+    ledger.note(study.db, ledger.EXIT, study.frozen.plan, "P01", content, author="me")
+    report = make_report(study.db, study.frozen, study.key, NOW)
+    assert report.missing == {"first/baseline": 1, "first/speeds": 1, "second/training": 1}
+
+
+def test_a_reason_that_nothing_needs_is_no_deviation(study: Rehearsed) -> None:
+    study.play(reason="as in the plan")
+    assert study.deviations() == []
+
+
+def test_a_session_whose_program_crashed_goes_on_by_any_name(study: Rehearsed) -> None:
+    id = study.play()
+    study.db.execute("UPDATE sessions SET status='running', ended_at=NULL")
+    assert study.due()[1].resume == id
+    assert study.due(visit="first")[1].resume == id
+    _, again = study.due(NOW + timedelta(days=2), reason="?")
+    assert (again.item.block.name, again.resume, again.repeats) == ("baseline", "", True)
+
+
+def test_whoever_is_in_a_session_is_shown_and_begins_no_other(study: Rehearsed) -> None:
+    id = study.play()
+    study.db.execute("UPDATE sessions SET status='running', ended_at=NULL")
+    held = locks.hold(study.folder, "session", id)
+    try:
+        with pytest.raises(StoreError, match="P01 is in a session now"):
+            study.due()
+        people = ledger.people(study.db, study.frozen)
+        (row,) = grid(study.frozen, people, study.key, NOW)
+        assert [cell.words for cell in row.visits.values()] == ["in a session now", ""]
+    finally:
+        held.release()
+
+
+def test_a_level_is_carried_over_from_a_block_that_was_cut_off_and_left(tmp_path: Path) -> None:
+    leaves = TWO_GROUPS.replace("[outcome]", '[interrupted]\nthen = "leave"\n[outcome]')
+    study = Rehearsed(tmp_path, leaves)
+    with closing(study.db):
+        id = study.play()
+        study.db.execute("UPDATE sessions SET status='interrupted'")
+        later = NOW + timedelta(days=7)
+        one, found = study.due(later, visit="second", reason="only day")
+        last = [row["level"] for row in sessions.rows(study.db, "attempts", id)][-1]
+        assert plan_of(study.db, CATALOGUE, one, found).parameters.start_level == last
+        (differed,) = ledger.people(study.db, study.frozen)[0].deviations
+        assert (differed.block, differed.what, differed.reason) == (
+            "baseline", "ended early", "cut off",
+        )  # fmt: skip
+
+
 def test_a_level_that_is_to_be_carried_over_must_be_there(study: Rehearsed) -> None:
     one, found = study.due(visit="second", reason="only day")
     with pytest.raises(StoreError, match="the block first/baseline, which P01 has not done"):
@@ -142,8 +231,8 @@ def test_a_level_that_is_to_be_carried_over_must_be_there(study: Rehearsed) -> N
 
 
 def test_whoever_has_left_begins_nothing(study: Rehearsed) -> None:
-    content = {"study": "praise", "what": "withdrawn", "reason": "too tired"}
-    ledger.note(study.db, ledger.EXIT, "P01", content, author="me")
+    content = {"what": "withdrawn", "reason": "too tired"}
+    ledger.note(study.db, ledger.EXIT, study.frozen.plan, "P01", content, author="me")
     with pytest.raises(StoreError, match=r"takes part no longer: withdrawn \(too tired\)"):
         study.due()
 
@@ -151,9 +240,9 @@ def test_whoever_has_left_begins_nothing(study: Rehearsed) -> None:
 def test_no_session_starts_without_the_consent_that_the_plan_asks_for(tmp_path: Path) -> None:
     study = Rehearsed(tmp_path, CONSENT, mode="live")
 
-    def say(answer: str, version: str) -> None:
+    def say(answer: str, version: str, on: str = "") -> None:
         content = {"study": "praise", "version": version, "answer": answer}
-        records.add(study.db, records.kind_of(ledger.CONSENT), "P01", "", content)
+        records.add(study.db, records.kind_of(ledger.CONSENT), "P01", on, content)
 
     with pytest.raises(StoreError, match="has not agreed to the study praise yet"):
         study.due()
@@ -163,7 +252,8 @@ def test_no_session_starts_without_the_consent_that_the_plan_asks_for(tmp_path: 
     ):
         study.due()
     say("yes", "2")
-    assert study.due()[1].item
+    say("no", "2", on="2026-01-05")  # entered later, of an earlier day
+    assert study.due()[1].item.block.name == "baseline"
     say("withdrawn", "2")
     with pytest.raises(StoreError, match="has withdrawn the consent"):
         study.due()
@@ -177,9 +267,8 @@ def test_a_session_that_is_ended_early_is_done_and_a_deviation(study: Rehearsed)
     id = study.play()
     study.db.execute("UPDATE sessions SET status='aborted' WHERE id=?", (id,))
     _, found = study.due()
-    assert found.item
     assert found.item.block.name == "speeds"
-    (differed,) = ledger.deviations(study.db, "praise", "simulated")
+    ((differed,),) = (each.deviations for each in ledger.people(study.db, study.frozen))
     assert (differed.block, differed.what) == ("baseline", "ended early")
     report = make_report(study.db, study.frozen, study.key, NOW)
     assert sum(flow.as_intended for flow in report.groups) == 0

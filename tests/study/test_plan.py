@@ -73,9 +73,7 @@ def test_a_file_that_cannot_be_read_is_refused(tmp_path: Path) -> None:
 def test_each_condition_is_once_at_each_position(count: int) -> None:
     names = tuple("abcdefgh"[:count])
     for order in ("latin square", "williams"):
-        text = TWO_GROUPS.replace('"latin square"', f'"{order}"')
-        changed = plan(text)
-        square = orders_of(changed, names, order)
+        square = orders_of(names, order)
         for position in range(count):
             column = [row[position] for row in square]
             assert all(column.count(name) == len(square) // count for name in names)
@@ -84,17 +82,19 @@ def test_each_condition_is_once_at_each_position(count: int) -> None:
 @pytest.mark.parametrize("count", range(2, 9))
 def test_in_a_williams_design_each_condition_follows_each_other_equally_often(count: int) -> None:
     names = tuple("abcdefgh"[:count])
-    square = orders_of(plan(), names, "williams")
+    square = orders_of(names, "williams")
     pairs = [pair for row in square for pair in pairwise(row)]
     counts = {pair: pairs.count(pair) for pair in set(pairs)}
     assert len(counts) == count * (count - 1)
     assert len(set(counts.values())) == 1
 
 
-def orders_of(study: object, names: tuple[str, ...], order: str) -> tuple[tuple[str, ...], ...]:
-    from sar_tui.study.latin_squares import rows
-
-    return rows(names, order)  # type: ignore[arg-type]
+def orders_of(names: tuple[str, ...], order: str) -> tuple[tuple[str, ...], ...]:
+    """Return the orders of a plan with these conditions."""
+    conditions = "".join(f'[conditions.{name}]\ntask = "keyboard"\n' for name in names)
+    block = f'name = "all"\nconditions = {list(names)}\norder = "{order}"\n'
+    text = f'name = "orders"\n{conditions}[[visits]]\nname = "only"\n[[visits.blocks]]\n{block}'
+    return orders(plan(text), names)
 
 
 def test_the_orders_of_a_plan_are_those_of_its_square() -> None:

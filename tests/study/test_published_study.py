@@ -23,6 +23,7 @@ import pytest
 
 from sar_tui.plugins import Catalogue
 from sar_tui.records import kind
+from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
 from sar_tui.study import ledger
@@ -190,10 +191,11 @@ def test_a_study_of_three_kinds_of_feedback_on_two_days(
 
     study = plan(FEEDBACK)
     assert not [*problems_here(study, catalogue)]
-    start = datetime(2026, 3, 2, tzinfo=UTC)
+    (tmp_path / "k.key").write_text("5a" * 32)
     (site,) = rehearse(
-        study, FEEDBACK, catalogue, tmp_path, tmp_path / "k.key", people=6, seed=1, start=start
-    )
+        study, FEEDBACK, catalogue, tmp_path, tmp_path / "k.key", people=6, seed=1,
+        start=datetime(2026, 3, 2, tzinfo=UTC), persons=lambda _: PEOPLE["average"],
+    )  # fmt: skip
     with closing(connect(site.folder)) as db:
         frozen = ledger.find(db)
         told = set()

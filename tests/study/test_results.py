@@ -7,6 +7,7 @@ from collections import Counter
 from contextlib import closing
 from datetime import UTC, datetime
 from pathlib import Path
+from sqlite3 import Connection
 from typing import NamedTuple
 
 import frictionless
@@ -25,6 +26,7 @@ from sar_tui.study import enrolment, ledger, results, secret
 from sar_tui.study.envelopes import page, sheets
 from sar_tui.study.next_block import person
 from sar_tui.study.rehearsal import Habits, Rehearsed, rehearse
+from sar_tui.study.report import make_report
 from sar_tui.study.status import grid
 from tests.study.plans import TWO_GROUPS, WITH_FORMS, plan
 
@@ -67,7 +69,8 @@ def played(tmp_path_factory: pytest.TempPathFactory) -> Played:
 
 def long_rows(folder: Path) -> list[results.Row]:
     with closing(connect(folder)) as db:
-        return results.long_rows(db, ledger.find(db))
+        frozen = ledger.find(db)
+        return results.long_rows(db, frozen, ledger.people(db, frozen))
 
 
 def test_each_site_has_both_groups_and_both_orders(played: Played) -> None:
@@ -92,11 +95,22 @@ def test_each_form_that_was_filled_in_has_its_score(played: Played) -> None:
             assert len(set(scores)) > 3
 
 
+def test_practice_is_not_among_the_attempts_of_a_block(tmp_path: Path) -> None:
+    text = TWO_GROUPS.replace("attempts = 3\nlevel = 3", "attempts = 3\npractice = 2\nlevel = 3")
+    found = play(tmp_path, text, people=1, habits=Habits())
+    first, *_ = long_rows(found.sites[0].folder)
+    assert (first["block"], first["attempts"]) == ("baseline", 3)
+
+
 def test_missed_and_late_visits_are_listed(played: Played) -> None:
     for site in played.sites:
         with closing(connect(site.folder)) as db:
-            rows = grid(db, ledger.find(db), played.key, LATER)
+            frozen = ledger.find(db)
+            rows = grid(frozen, ledger.people(db, frozen), played.key, LATER)
             noted = ledger.of_study(db, ledger.DEVIATION, "praise")
+        late = {each.participant for each in noted if each.content["what"] == "late"}
+        trained = [row for row in long_rows(site.folder) if row["visit"] == "second"]
+        assert late == {row["participant"] for row in trained if row["deviations"]}
         for row in rows:
             cell = row.visits["second"]
             is_noted = any(each.participant == row.participant for each in noted)
@@ -158,7 +172,7 @@ def test_a_blind_study_tells_no_condition_in_what_it_exports(tmp_path: Path) -> 
                 content = path.read_bytes().replace(b"praise,1,", b"").replace(b"study-praise", b"")
                 content = content.replace(b"Praise and reaction time", b"")
                 assert not [name for name in names if name in content.lower()], path
-            rows = grid(db, frozen, found.key, LATER)
+            rows = grid(frozen, ledger.people(db, frozen), found.key, LATER)
             assert {row.group for row in rows} <= {"G1", "G2"}
             for table in ("sessions", "records"):
                 column = "study" if table == "sessions" else "content"
@@ -203,3 +217,63 @@ def test_sheets_have_the_groups_that_people_are_drawn_into(played: Played) -> No
                 assert found[one.number] == one.group
     printed = page(plan(), list(sheets(plan(), draws, "BERN", 3)))
     assert printed.count('class="sheet"') == 3
+
+
+def test_conditions_and_blocks_that_look_alike_have_columns_of_their_own() -> None:
+    alike = TWO_GROUPS.replace('"speeds"', '"a-b"').replace('"second"', '"first-a"')
+    study = plan(alike.replace('block = "training"', 'block = "b"').replace('"training"', '"b"'))
+    person = {"site": None, "group": "praise", "stratum": None, "order": "1"}
+    places = (("first", "a-b", "slow", 1.0), ("first-a", "b", "praised", 2.0))
+    rows: list[results.Row] = [
+        {"participant": "P01", "visit": visit, "block": block, "condition": condition,
+         "position": 1, "metric": metric, **person}
+        for visit, block, condition, metric in places
+    ]  # fmt: skip
+    people = [{"participant": who, **person} for who in ("P01", "P02")]
+    columns, found = results.wide(study, rows, people)
+    assert [column.name for column in columns[5:]] == [
+        "first_a.b_slow_metric", "first.a_b_metric",
+    ]  # fmt: skip
+    assert found[0]["first_a.b_slow_metric"] == 1.0
+    assert found[1] == {"participant": "P02", **person}
+
+
+def test_the_report_counts_who_began_and_what_they_did_in_a_visit(tmp_path: Path) -> None:
+    found = play(tmp_path, people=4, habits=Habits())
+    site = found.sites[0]
+    with closing(connect(site.folder)) as db:
+        frozen = ledger.find(db)
+        enrolment.enrol(db, frozen, "P99", found.key)
+        report = make_report(db, frozen, found.key, LATER)
+    flows = report.groups
+    assert sum(flow.allocated for flow in flows) == 3
+    assert sum(flow.began for flow in flows) == sum(flow.as_intended for flow in flows) == 2
+    dose = report.dose[0]
+    seconds = sum(each.seconds for each in site.times if each.visit == dose.visit)
+    assert (dose.people, dose.sessions) == (2, 3)
+    assert dose.minutes == pytest.approx(seconds / 60 / 2)
+
+
+def test_who_lacks_a_compared_condition_is_not_analysed(tmp_path: Path) -> None:
+    three = TWO_GROUPS.replace(
+        'conditions = ["slow", "fast"]', 'conditions = ["slow", "fast", "praised"]'
+    ).replace('order = "latin square"', "")
+    outcome = (
+        '[outcome]\nvisit = "first"\nblock = "speeds"\ncompared = "within"\n'
+        'conditions = ["slow", "fast"]\n'
+    )
+    head, _, rest = three.partition("[outcome]")
+    text = head + outcome + rest[rest.index("[[visits]]") :]
+    found = play(tmp_path, text, people=2, habits=Habits())
+    for site in found.sites:
+        with closing(connect(site.folder)) as db:
+            frozen = ledger.find(db)
+
+            def analysed(db: Connection = db, frozen: ledger.Frozen = frozen) -> int:
+                report = make_report(db, frozen, found.key, LATER)
+                return sum(flow.analysed or 0 for flow in report.groups)
+
+            assert analysed() == 1
+            db.execute("DELETE FROM attempts WHERE session IN (SELECT id FROM sessions WHERE"
+                       " json_extract(study, '$.condition')='fast')")  # fmt: skip
+            assert analysed() == 0

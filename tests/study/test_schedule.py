@@ -2,11 +2,13 @@
 
 from datetime import UTC, datetime, timedelta
 
+import msgspec
 import pytest
 
+from sar_tui.store.database import StoreError
 from sar_tui.study.ledger import Enrolment, Played
 from sar_tui.study.plan import Study
-from sar_tui.study.schedule import Item, Next, items, next_item, visit_days
+from sar_tui.study.schedule import Item, Next, NothingLeft, items, next_item, visit_days
 from tests.study.plans import TWO_GROUPS, plan
 
 FIRST = datetime(2026, 3, 2, 12, tzinfo=UTC)
@@ -35,7 +37,9 @@ def done(day: int, item: Item, status: str = "completed") -> Played:
 
 
 def due(study: Study, played: list[Played], day: int) -> Next:
-    return next_item(study, mine(study), played, FIRST + timedelta(days=day))
+    found = next_item(study, mine(study), played, FIRST + timedelta(days=day))
+    assert isinstance(found, Next)
+    return found
 
 
 def test_conditions_come_in_the_persons_order_and_the_groups_where_it_says_so() -> None:
@@ -48,6 +52,15 @@ def test_conditions_come_in_the_persons_order_and_the_groups_where_it_says_so() 
     ]
 
 
+@pytest.mark.parametrize(
+    "person",
+    [msgspec.structs.replace(PERSON, orders=()), msgspec.structs.replace(PERSON, group="quiet")],
+)
+def test_groups_and_orders_of_another_version_are_refused(person: Enrolment) -> None:
+    with pytest.raises(StoreError, match="enrolled in version 1 of the study praise, which has"):
+        list(items(plan(), person, person.group))
+
+
 def test_the_first_block_is_due_on_any_day_and_each_follows_the_one_before() -> None:
     study = plan()
     own = mine(study)
@@ -58,13 +71,20 @@ def test_the_first_block_is_due_on_any_day_and_each_follows_the_one_before() -> 
 
 
 @pytest.mark.parametrize(
-    ("day", "state"), [(4, "early"), (5, "due"), (7, "due"), (9, "due"), (10, "late"), (60, "late")]
+    ("day", "state"),
+    [(4, "early"), (5, "due"), (7, "due"), (10, "due"), (11, "late"), (60, "late")],
 )
 def test_a_visit_is_early_or_late_outside_of_its_window(day: int, state: str) -> None:
-    study = plan()
+    study = plan(TWO_GROUPS.replace("[2, 2]", "[2, 3]"))
     found = due(study, [done(0, item) for item in mine(study)[:3]], day)
     assert found.item == mine(study)[3]
     assert found.state == state
+
+
+def test_days_are_counted_back_from_a_later_visit_that_was_made_first() -> None:
+    study = plan()
+    second = [done(0, mine(study)[3])]
+    assert next_item(study, mine(study), second, FIRST) == NothingLeft((study.visit("first"),))
 
 
 THREE = (
@@ -94,10 +114,10 @@ def test_a_visit_is_missed_once_the_next_ones_window_begins() -> None:
 def test_a_plan_may_say_that_visits_are_left_out_or_end_the_participation() -> None:
     first = [done(0, item) for item in mine(plan(THREE))[:3]]
     skips = plan(THREE.replace("name =", 'missed = "skip"\nname =', 1))
-    assert due(skips, first, 10).day
     assert due(skips, first, 10).passed[0].name == "second"
     stops = plan(THREE.replace("name =", 'missed = "stop"\nname =', 1))
-    assert due(stops, first, 10).item is None
+    ended = next_item(stops, mine(stops), first, FIRST + timedelta(days=10))
+    assert ended == NothingLeft((stops.visit("second"),))
 
 
 @pytest.mark.parametrize(
@@ -115,7 +135,7 @@ def test_a_session_that_was_cut_off_goes_on_or_is_begun_again_or_left(
     study = plan(TWO_GROUPS.replace("[outcome]", f'[interrupted]\nthen = "{then}"\n[outcome]'))
     played = [done(0, mine(study)[0], "interrupted")]
     found = next_item(study, mine(study), played, FIRST + timedelta(hours=hours))
-    assert found.item
+    assert isinstance(found, Next)
     assert found.item.block.name == block
     assert bool(found.resume) is resumes
     assert found.repeats is (block == "baseline" and not resumes)

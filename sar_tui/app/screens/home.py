@@ -240,9 +240,9 @@ class HomeScreen(Screen[None]):
         """Return what is due for a participant in a study; empty without a study."""
         if not self._studies:
             return ""
-        from sar_tui.app.study.contents import read_due
+        from sar_tui.app.study.words import due_in_studies
 
-        return read_due(self.app.database, self._studies, who, self.app.today(), self.app.tr)
+        return due_in_studies(self.app.database, self._studies, who, self.app.today(), self.app.tr)
 
     def _choose_saved_theme(self, who: str, task: str) -> None:
         """Choose the theme saved with a participant's settings; a choice by hand stays."""

@@ -15,7 +15,7 @@ from textual.widgets import Input, Static
 
 from sar_tui.app.code_list import CodeList
 from sar_tui.app.study.table import StudyTable
-from sar_tui.app.study.words import about, dated, deviations, key_words, sentence
+from sar_tui.app.study.words import about, dated, deviations, key_words, present, sentence
 from sar_tui.drivers.login_name import login_name
 from sar_tui.model.language import Language, in_language
 from sar_tui.plugins import PluginError
@@ -29,7 +29,7 @@ from sar_tui.study.allocation import AllocationError
 from sar_tui.study.enrolment import draws_of
 from sar_tui.study.ledger import Frozen
 from sar_tui.study.next_block import NeedsReason, Person
-from sar_tui.study.plan import PlanError
+from sar_tui.study.plan import PlanError, Study
 from sar_tui.study.schedule import Next, numbers
 from sar_tui.study.secret import key_file
 from sar_tui.study.status import PersonRow, grid
@@ -109,7 +109,7 @@ class StudyScreen(DismissedOnce[None]):
     def _study_of(self, who: str) -> str:
         """Return the newest study in which a person is; empty if they are in none."""
         for name in reversed(self._names):
-            if any(one.participant == who for one in ledger.enrolments(self.app.database, name)):
+            if ledger.enrolments(self.app.database, name, who):
                 return name
         return ""
 
@@ -147,7 +147,7 @@ class StudyScreen(DismissedOnce[None]):
     @property
     def _now(self) -> datetime:
         """The present, on the day of the app."""
-        return datetime.combine(self.app.today(), datetime.now().time()).astimezone()
+        return present(self.app.today())
 
     # --- what is shown
 
@@ -157,7 +157,7 @@ class StudyScreen(DismissedOnce[None]):
         key, self._read_at = key_file(self._study), self._state
         try:
             frozen = ledger.find(database, self._study)
-            rows = grid(database, frozen, key, self._now)
+            rows = grid(frozen, ledger.people(database, frozen), key, self._now)
         except (StoreError, PlanError) as error:  # another program has written it
             self._frozen, self._problem = None, in_language(error, tr)
             self._show_person()
@@ -175,11 +175,10 @@ class StudyScreen(DismissedOnce[None]):
             return
         self._shown = shown
         self._frozen, self._rows, self._problem = frozen, rows, problem
-        self._show()
+        self._show(frozen.plan)
 
-    def _show(self) -> None:
-        assert self._frozen
-        tr, plan, rows = self.app.tr, self._frozen.plan, self._rows
+    def _show(self, plan: Study) -> None:
+        tr, rows = self.app.tr, self._rows
         title = tr("Study {study}", study=plan.name)
         named = f"{title} · {plan.title}" if plan.title else title
         self.query_one("#who", Static).update(named)
@@ -189,18 +188,15 @@ class StudyScreen(DismissedOnce[None]):
         self.query_one("#where", Static).update(done)
         said = sentence(plan, rows, self.app.today(), tr)
         self.query_one("#sentence", Heading).show(said, most_rows(self.app.size))
-        self.query_one(StudyTable).show(plan, rows, self._chosen)
+        self.query_one(StudyTable).show(plan, rows, self._chosen(plan))
         self._show_person()
 
-    @property
-    def _chosen(self) -> str | None:
+    def _chosen(self, plan: Study) -> str | None:
         """The chosen person; to begin with, who was chosen before this screen and has something to
         do, or who is due.
         """
         if chosen := self.query_one(CodeList).chosen:
             return chosen
-        assert self._frozen
-        plan = self._frozen.plan
         states = {
             row.participant: cell.state for row in self._rows if (cell := row.next_visit(plan))
         }
@@ -220,43 +216,40 @@ class StudyScreen(DismissedOnce[None]):
                 how=f"sar-tui study enrol P01 --study {self._study} --new",
             )
         elif self._frozen and who and not self._problem:
-            said, key = self._words_of(who)
+            said, key = self._words_of(self._frozen, who)
         self._about = said
         self.query_one("#about", Static).update(said)
         self.query_one("#about").set_class(bool(self._problem), "needs-a-look")
         self.query_one("#key", KeyLine).show(key, "Enter")
 
-    def _words_of(self, who: str) -> tuple[str, str]:
+    def _words_of(self, frozen: Frozen, who: str) -> tuple[str, str]:
         """Return what is to be known of a person, and what Enter does."""
         tr, database = self.app.tr, self.app.database
         key = ""
         try:
-            one, found, said = self._offered(who)
+            one, found, said = self._offered(frozen, who)
         except (StoreError, AllocationError) as error:
             said = dated(error, tr)
         else:
-            assert found.item
             visit, block = numbers(one.frozen.plan, one.items, found.item)
             what = found.item.block.form or one.names.conditions[found.item.condition]
             key = key_words(who, visit, block, what, found, tr)
-        noted = ledger.of_study(database, ledger.DEVIATION, self._study, who)
-        differs = deviations([each.content for each in noted], tr)
+        people = ledger.people(database, frozen, who)
+        differs = deviations([each for one in people for each in one.deviations], tr)
         return "\n".join(filter(None, (said, differs))), key
 
-    def _offered(self, who: str) -> tuple[Person, Next, str]:
+    def _offered(self, frozen: Frozen, who: str) -> tuple[Person, Next, str]:
         """Return the next block of a person, with what is to be known of it.
 
         Raises:
             StoreError, AllocationError: there is none.
         """
-        database, now = self.app.database, self._now
-        assert self._frozen
-        one = next_block.person(database, self._frozen, who, key_file(self._study))
+        database = self.app.database
+        one = next_block.person(database, frozen, who, key_file(self._study))
         try:
-            found = next_block.due(database, one, now)
+            found = next_block.due(database, one, self._now)
         except NeedsReason as needed:
-            said = dated(needed, self.app.tr)
-            return one, next_block.due(database, one, now, reason=needed.what), said
+            return one, needed.found, dated(needed, self.app.tr)
         return one, found, about(who, found, self.app.today(), self.app.tr)
 
     # --- several studies
@@ -286,17 +279,15 @@ class StudyScreen(DismissedOnce[None]):
     def _entered(self, event: OptionList.OptionSelected) -> None:
         if self._problem:
             self._tell(self._problem)
-        elif event.option.id:
-            self._begin(event.option.id)
+        elif self._frozen and event.option.id:
+            self._begin(self._frozen, event.option.id)
 
-    def _begin(self, who: str, reason: str = "") -> None:
+    def _begin(self, frozen: Frozen, who: str, reason: str = "") -> None:
         """Begin the next block of a person, after asking why if it differs from the plan."""
         app, tr = self.app, self.app.tr
-        assert self._frozen
         try:
-            one = next_block.person(app.database, self._frozen, who, key_file(self._study))
+            one = next_block.person(app.database, frozen, who, key_file(self._study))
             found = next_block.due(app.database, one, self._now, reason=reason)
-            assert found.item
             if found.item.block.form:
                 self._fill_form(one, found, reason)
             else:
@@ -305,7 +296,7 @@ class StudyScreen(DismissedOnce[None]):
 
             def answered(why: str | None) -> None:
                 if why:
-                    self._begin(who, why)
+                    self._begin(frozen, who, why)
 
             app.push_screen(ReasonScreen(dated(needed, tr)), answered)
         except (StoreError, AllocationError, PluginError, ParameterError, Failed) as error:
@@ -334,7 +325,6 @@ class StudyScreen(DismissedOnce[None]):
         """
         from sar_tui.store import forms
 
-        assert found.item
         app, database = self.app, self.app.database
 
         def filled(record: Record | None) -> None:
@@ -343,7 +333,7 @@ class StudyScreen(DismissedOnce[None]):
             self.refresh_contents()
 
         kind = forms.form(found.item.block.form)
-        next_block.note_deviations(database, one, found, reason, author=login_name())
+        next_block.note_deviations(database, one, found, reason, author=login_name(), now=self._now)
         app.fill_form(kind, forms.Occasion(one.enrolled.participant), filled)
 
     def _tell(self, text: str) -> None:

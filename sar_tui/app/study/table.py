@@ -22,7 +22,7 @@ _GAP, _WIDEST_GAP = 2, 8
 """Blanks between columns: the fewest, and the most where there is room."""
 _LONGEST_NAME = 16
 _SIGNS: dict[State, str] = {"done": "●", "due": "▸", "early": "·", "late": "»", "missed": "–"}
-_LEFT = "×"
+_LEFT, _PLAYING = "×", "◆"
 _STYLES: dict[State, str] = {"due": "$accent", "late": "$warning"}
 
 
@@ -99,7 +99,7 @@ class StudyTable(Vertical):
         self.query_one("#columns", Static).update(heading.rstrip())
         legend = self.query_one("#legend", Static)
         legend.display = bool(self._rows) and not is_in_words
-        legend.update(tr("● done  ▸ due  · not yet  » late  – missed  × left  ! deviation"))
+        legend.update(tr("● done  ◆ now  ▸ due  · not yet  » late  – missed  × left  ! deviation"))
 
         def row(code: str) -> Content:
             cells = [
@@ -143,6 +143,8 @@ class StudyTable(Vertical):
 
     def _style(self, row: PersonRow, visit: str) -> str:
         cell = row.visits[visit]
+        if cell.playing:
+            return "$success"
         if row.ended or cell.state in ("done", "missed", "open"):
             return "$text-muted"
         return _STYLES.get(cell.state, "")
@@ -151,4 +153,5 @@ class StudyTable(Vertical):
 def _sign(row: PersonRow, visit: str) -> str:
     cell = row.visits[visit]
     sign = _LEFT if row.ended and cell.state != "done" else _SIGNS.get(cell.state, " ")
+    sign = _PLAYING if cell.playing else sign
     return f"{sign}{'!' if cell.deviated else ''}"

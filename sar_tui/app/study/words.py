@@ -1,14 +1,19 @@
-"""The texts on what is due in a study. Pure."""
+"""The texts on what is due in a study."""
 
+import sqlite3
 from collections.abc import Sequence
-from datetime import date
+from contextlib import suppress
+from datetime import date, datetime
 
 from sar_tui.app.home.words import day_words, short_day, weekday_words
 from sar_tui.model.language import Language, Sentence, error_text, in_language
-from sar_tui.records.kind import Value
-from sar_tui.study.plan import Study
+from sar_tui.store.database import StoreError
+from sar_tui.study import ledger
+from sar_tui.study.ledger import Differed
+from sar_tui.study.plan import PlanError, Study
 from sar_tui.study.schedule import Next
-from sar_tui.study.status import PersonRow, VisitCell
+from sar_tui.study.secret import key_file
+from sar_tui.study.status import PersonRow, VisitCell, grid
 
 _DEVIATIONS = {
     "missed": "visit missed",
@@ -17,7 +22,6 @@ _DEVIATIONS = {
     "out of order": "out of order",
     "repeated": "repeated",
     "ended early": "ended early",
-    "left out": "left out",
 }
 
 
@@ -25,12 +29,13 @@ def sentence(plan: Study, rows: Sequence[PersonRow], today: date, tr: Language) 
     """Return the sentence at the head of the screen: "3 people are due today. 1 is late."."""
     if not rows:
         return tr("Nobody is enrolled yet.")
+    playing = [row.participant for row in rows if row.is_playing]
     nexts = [(row, cell) for row in rows if (cell := row.next_visit(plan))]
-    if not nexts:
+    if not nexts and not playing:
         return tr("Nobody has anything more to do.")
-    due = sum(cell.state == "due" for _, cell in nexts)
-    late = sum(cell.state == "late" for _, cell in nexts)
-    said = []
+    due = sum(cell.state == "due" and not cell.playing for _, cell in nexts)
+    late = sum(cell.state == "late" and not cell.playing for _, cell in nexts)
+    said = [tr("{who} is in a session now.", who=", ".join(playing))] if playing else []
     if due:
         text = "1 person is due today." if due == 1 else "{count} people are due today."
         said.append(tr(text, count=due))
@@ -43,7 +48,7 @@ def sentence(plan: Study, rows: Sequence[PersonRow], today: date, tr: Language) 
             ((cell.first, row.participant) for row, cell in nexts if cell.first), default=None
         )
         if coming:
-            day = day_words(date.fromisoformat(coming[0]), today, tr)
+            day = day_words(coming[0], today, tr)
             said.append(tr("The next one is {who}, from {day}.", who=coming[1], day=day))
     return " ".join(said)
 
@@ -71,9 +76,8 @@ def dated(error: Exception, tr: Language) -> str:
 
 def about(who: str, found: Next, today: date, tr: Language) -> str:
     """Return what is to be known of a block before it begins."""
-    assert found.item
     said = [tr("The visit {visit} was missed.", visit=visit.name) for visit in found.passed]
-    if found.day and found.day.first and found.day.last:
+    if found.day.first and found.day.last:
         first, last = (day_words(day, today, tr) for day in (found.day.first, found.day.last))
         visit = found.item.visit.name
         said.append(
@@ -94,14 +98,13 @@ def about(who: str, found: Next, today: date, tr: Language) -> str:
     return " ".join(said)
 
 
-def deviations(noted: Sequence[dict[str, Value]], tr: Language) -> str:
+def deviations(noted: Sequence[Differed], tr: Language) -> str:
     """Return the deviations of a person in a line; empty without one."""
     listed = []
     for each in noted:
-        where = each.get("visit", "")
-        what, why = tr(_DEVIATIONS.get(str(each["what"]), "other")), each.get("reason", "")
-        said = f"{where}: {what}" if where else what
-        listed.append(f"{said} ({why})" if why else said)
+        what = tr(_DEVIATIONS.get(each.what, "other"))
+        said = f"{each.visit}: {what}" if each.visit else what
+        listed.append(f"{said} ({each.reason})" if each.reason else said)
     return tr("Differs from the plan: {listed}.", listed=", ".join(listed)) if listed else ""
 
 
@@ -115,13 +118,34 @@ def key_words(who: str, visit: int, block: int, what: str, found: Next, tr: Lang
         found: the block.
         tr: the language.
     """
-    assert found.item
     slots = {"visit": visit, "block": block, "what": what, "who": who}
     if found.item.block.form:
         return tr("Press Enter to fill in visit {visit}, block {block} ({what}) of {who}.", **slots)
     if found.resume:
         return tr("Press Enter to resume visit {visit}, block {block} ({what}) of {who}.", **slots)
     return tr("Press Enter to start visit {visit}, block {block} ({what}) of {who}.", **slots)
+
+
+def due_in_studies(
+    database: sqlite3.Connection, names: Sequence[str], who: str, today: date, tr: Language
+) -> str:
+    """Return what is due for a participant, of the newest of these studies in which something is;
+    empty if nothing is.
+    """
+    now = present(today)
+    for name in reversed(names):
+        with suppress(StoreError, PlanError):  # the screen of the study tells it
+            frozen = ledger.find(database, name)
+            people = ledger.people(database, frozen, who)
+            for row in grid(frozen, people, key_file(name), now):
+                if words := card_words(frozen.plan, row, today, tr):
+                    return words
+    return ""
+
+
+def present(today: date) -> datetime:
+    """Return the time of day on the day of the app."""
+    return datetime.combine(today, datetime.now().time()).astimezone()
 
 
 def card_words(plan: Study, row: PersonRow, today: date, tr: Language) -> str:

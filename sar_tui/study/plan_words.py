@@ -1,13 +1,58 @@
-"""The text of a preregistration from a plan, in the order of AsPredicted's nine questions."""
+"""A study in words: the summary of its plan, its preregistration, and its methods for a paper."""
 
-from collections.abc import Iterator
+import sqlite3
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from pathlib import Path
 
+from sar_tui.export.methods import methods as methods_of_sessions
+from sar_tui.export.passports import passports
+from sar_tui.store import sessions
+from sar_tui.study import ledger
 from sar_tui.study.allocation import sizes
+from sar_tui.study.ledger import Frozen, Participation
 from sar_tui.study.outcome import Outcome
-from sar_tui.study.plan import Study
+from sar_tui.study.plan import Block, Study, orders
+
+# --- summary
+
+
+def summary(plan: Study) -> Iterator[str]:
+    """Yield lines on a plan: name, groups, conditions, visits and their blocks."""
+    yield f"{plan.title or plan.name}: version {plan.version} of the study {plan.name} is fine."
+    if plan.groups:
+        named = ", ".join(f"{name} ({each.condition})" for name, each in plan.groups.items())
+        blind = ", blind" if plan.allocation.blind else ""
+        yield f"Groups: {named}; allocated by {plan.allocation.method}{blind}."
+    conditions = ", ".join(f"{name} ({each.task})" for name, each in plan.conditions.items())
+    yield f"Conditions: {conditions}."
+    for visit in plan.visits:
+        before, after = visit.window
+        days = f" ({before} days before to {after} after)" if before or after else ""
+        yield f"Visit {visit.name}, day {visit.day}{days}:"
+        for block in visit.blocks:
+            yield f"  {block.name}: {_block(plan, block)}"
+    if plan.consent:
+        yield f"Nobody begins without consent to version {plan.consent.version} of the text."
+
+
+def _block(plan: Study, block: Block) -> str:
+    if block.form:
+        return f"the form {block.form}"
+    what = block.condition or ", ".join(block.conditions)
+    if block.conditions and block.order != "fixed":
+        what += f" in {len(orders(plan, block.conditions))} orders ({block.order})"
+    attempts = f", {block.attempts} attempts" if block.attempts else ""
+    purpose = "" if block.purpose == "training" else f", {block.purpose}"
+    level = "" if block.level is None else f", level {block.level}"
+    return f"{what}{attempts}{level}{purpose}"
+
+
+# --- preregistration
+
 
 _TO_ADD = "(To be written: [prereg] {key} in the plan.)"
-QUESTIONS = {
+_QUESTIONS = {
     "data": "Have any data been collected for this study already?",
     "hypothesis": "What's the main question being asked or hypothesis being tested in this study?",
     "outcome": "Describe the key dependent variable(s) specifying how they will be measured.",
@@ -24,7 +69,8 @@ QUESTIONS = {
 
 
 def preregistration(plan: Study, sha256: str) -> str:
-    """Return the answers in Markdown. What the plan does not say is marked as to be written.
+    """Return the answers to AsPredicted's nine questions in Markdown. What the plan does not say is
+    marked as to be written.
 
     ``sha256``: of the plan.
     """
@@ -38,7 +84,7 @@ def preregistration(plan: Study, sha256: str) -> str:
         "type": f"Experiment. {plan.title or plan.name}",
     }
     parts = [f"# Preregistration: {plan.title or plan.name}"]
-    for number, (key, question) in enumerate(QUESTIONS.items(), 1):
+    for number, (key, question) in enumerate(_QUESTIONS.items(), 1):
         own = plan.prereg.get(key, "")
         found = " ".join(filter(None, (derived.get(key, ""), own)))
         parts.append(f"## {number}. {question}\n\n{found or _TO_ADD.format(key=key)}")
@@ -112,4 +158,47 @@ def _analysis(outcome: Outcome) -> str:
     return (
         f"Analysis of covariance: the outcome on the group and the baseline{where}; a two-sided "
         "test of the group, alpha .05."
+    )
+
+
+# --- methods
+
+
+def methods(db: sqlite3.Connection, folder: Path, frozen: Frozen) -> str:
+    """Return a page in Markdown: participants and design, then the methods of the sessions. All
+    numbers are from the log.
+    """
+    people = ledger.people(db, frozen)
+    ids = {one.id for each in people for one in each.played}
+    rows = [row for row in sessions.listing(db, folder) if row["id"] in ids][::-1]
+    design = " ".join(_design(frozen, people))
+    rest = methods_of_sessions(rows, passports(rows, with_dates=True)) if rows else ""
+    return f"# Methods of {frozen.plan.title or frozen.plan.name}\n\n{design}\n\n" + rest.replace(
+        "# Methods\n\n", "", 1
+    )
+
+
+def _design(frozen: Frozen, people: Sequence[Participation]) -> Iterator[str]:
+    plan = frozen.plan
+    enrolled = [one.enrolled for one in people]
+    sites = {one.participant.partition("@")[2] for one in enrolled}
+    at = f" at {len(sites)} sites" if len(sites) > 1 else ""
+    yield f"{len(people)} people were enrolled{at}."
+    groups = Counter(one.group for one in enrolled if one.group)
+    if groups:
+        counts = ", ".join(f"{count} in {name}" for name, count in sorted(groups.items()))
+        yield f"By group: {counts}."
+    yield from conditions_in_words(plan)
+    days = ", ".join(f"{visit.name} (day {visit.day})" for visit in plan.visits)
+    yield f"Visits: {days}."
+    ended = Counter(one.ended for one in enrolled if one.ended)
+    if ended:
+        yield f"Participation ended early: {', '.join(f'{n} {how}' for how, n in ended.items())}."
+    deviations = Counter(each.what for one in people for each in one.deviations)
+    if deviations:
+        told = ", ".join(f"{count} {what}" for what, count in deviations.most_common())
+        yield f"Deviations from the plan: {told}."
+    yield (
+        f"The plan was frozen on {frozen.frozen_at[:10]} as version {plan.version} (SHA-256 "
+        f"{frozen.sha256})."
     )
