@@ -114,7 +114,68 @@ def checked_plan(home: Home, file: Path) -> "tuple[str, Study]":
     return text, plan
 
 
-app.command("power")(power)
+def _days(text: str) -> str:
+    """Return the days of visits with spaces between them. Raises BadParameter, so that they are
+    asked for again.
+    """
+    try:
+        found = [int(day) for day in text.replace(",", " ").split()]
+    except ValueError:
+        found = []
+    if not found or found[0] != 0 or sorted(set(found)) != found:
+        raise typer.BadParameter("Days are numbers in order that begin with 0, such as 0 7 14.")
+    return " ".join(map(str, found))
+
+
+@app.command("new")
+def new_study(
+    home: Home,
+    to: Annotated[
+        Path,
+        typer.Option("--to", parser=named_path, metavar="FILE", help="The new file."),
+    ] = Path("study.toml"),
+    name: Annotated[
+        str,
+        typer.Option(prompt="Name of the study (a-z, 0-9, -)", metavar="NAME", show_default=False),
+    ] = "my-study",
+    task: Annotated[
+        str, typer.Option(prompt="Task", metavar="TASK", show_default=False)
+    ] = "keyboard",
+    conditions: Annotated[
+        str,
+        typer.Option(
+            prompt="Conditions, with spaces between them", metavar="NAMES", show_default=False
+        ),
+    ] = "praise silence",
+    within: Annotated[
+        bool,
+        typer.Option(
+            "--within/--groups",
+            prompt="Does each person do all conditions (else: groups)?",
+            show_default=False,
+        ),
+    ] = False,
+    days: Annotated[
+        str,
+        typer.Option(
+            prompt="Days of the visits, such as 0 7 14; 0: one visit",
+            parser=_days,
+            metavar="DAYS",
+            show_default=False,
+        ),
+    ] = "0",
+) -> None:
+    """Write a new plan from the answers to five questions."""
+    from sar_tui.study.new_plan import new_plan
+    from sar_tui.study.plan import parse_plan
+
+    kind = home.catalogue().task(task)
+    listed = conditions.replace(",", " ").split()
+    text = new_plan(name, kind.name, listed, within=within, days=[*map(int, days.split())])
+    with study_errors():
+        parse_plan(text, str(to))
+    write_new(to, text)
+    print(f"{to} is written. Change it, then: sar-tui study check {to}")
 
 
 @app.command("check")
@@ -129,6 +190,126 @@ def check(home: Home, file: PlanFile) -> None:
         out.print(line, soft_wrap=True)
     for warning in warnings(plan, home.catalogue()):
         out.print(f"! {warning}", soft_wrap=True)
+
+
+@app.command("rehearse")
+def rehearse(
+    home: Home,
+    file: PlanFile,
+    to: Annotated[
+        Path,
+        typer.Option(
+            "--to", parser=named_path, metavar="DIR", show_default=False, help="A new folder."
+        ),
+    ],
+    people: Annotated[int, typer.Option("--people", min=1, max=500, help="Number of people.")] = 12,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Of all but groups.")] = 1,
+    misses: Annotated[
+        float, typer.Option("--misses", min=0, max=1, help="Share of visits that are missed.")
+    ] = 0.0,
+    late: Annotated[
+        float, typer.Option("--late", min=0, max=1, help="Share of visits that are late.")
+    ] = 0.0,
+    leaves: Annotated[
+        float, typer.Option("--leaves", min=0, max=1, help="Share who leave after a visit.")
+    ] = 0.0,
+    as_json: AsJson = False,
+) -> None:
+    """Let simulated people go through a whole plan, in a folder with a ledger of its own."""
+    from sar_tui.cli.progress_line import progress_line
+    from sar_tui.drivers.files import make_private
+    from sar_tui.study.rehearsal import Habits, monday
+    from sar_tui.study.rehearsal import rehearse as run
+
+    text, plan = checked_plan(home, file)
+    if to.exists() and any(to.iterdir()):
+        raise Refused(f"{to} is not empty: name a new folder.")
+    make_private(to)
+    with _removed_unless_done(to), study_errors(), progress_line("Rehearsing") as tell:
+        found = run(
+            plan,
+            text,
+            home.catalogue(),
+            to,
+            to / "rehearsal.key",
+            people=people,
+            seed=seed,
+            start=monday(datetime.now(UTC)),
+            habits=Habits(misses=misses, late=late, leaves=leaves),
+            progress=lambda done, of: tell("Rehearsing", done, of),
+        )
+    if as_json:
+        print_json({"sites": found})
+        return
+    _print_rehearsed(found)
+
+
+@contextmanager
+def _removed_unless_done(folder: Path) -> "Iterator[None]":
+    """Remove a rehearsal that failed, so that it can be tried again in the same folder."""
+    from shutil import rmtree
+
+    try:
+        yield
+    except BaseException:
+        rmtree(folder, ignore_errors=True)
+        raise
+
+
+def _print_rehearsed(found: "Sequence[Rehearsed]") -> None:
+    from statistics import mean
+
+    from sar_tui.cli.tables import Column, Listing, print_listing
+
+    times: dict[tuple[str, str, str], list[float]] = {}
+    for site in found:
+        for each in site.times:
+            times.setdefault((each.visit, each.block, each.condition), []).append(each.seconds)
+    print_listing(
+        Listing(
+            "blocks",
+            empty="Nobody did a block.",
+            columns=(
+                Column("visit", lambda row: row[0][0]),
+                Column("block", lambda row: row[0][1]),
+                Column("condition", lambda row: row[0][2]),
+                Column("people", lambda row: str(len(row[1]))),
+                Column("minutes", lambda row: f"{mean(row[1]) / 60:.1f}"),
+                Column("longest", lambda row: f"{max(row[1]) / 60:.1f}"),
+            ),
+        ),
+        list(times.items()),
+        False,
+    )
+    for site in found:
+        print(f"{len(site.people)} people: sar-tui --data {site.folder} study status")
+
+
+app.command("power")(power)
+
+
+@app.command("prereg")
+def prereg(
+    home: Home,
+    file: PlanFile,
+    to: Annotated[
+        Path | None,
+        typer.Option(
+            "--to", parser=named_path, metavar="FILE", show_default=False, help="A new file."
+        ),
+    ] = None,
+) -> None:
+    """Write the preregistration, in the order of AsPredicted's questions."""
+    from sar_tui.study.ledger import sha256_of
+    from sar_tui.study.plan_words import preregistration
+
+    text, plan = checked_plan(home, file)
+    written = preregistration(plan, sha256_of(text))
+    if to is None:
+        print(written, end="")
+    else:
+        write_new(to, written)
+        print(f"{to} is written.")
 
 
 @app.command("freeze")
@@ -165,6 +346,37 @@ def _freeze(home: Home, file: Path, key: Path | None, *, reason: str) -> None:
     print(f"The study {plan.name} is frozen in version {plan.version}.")
     if enrolment.needs_key(plan):
         print(f"Its key is {where}. Other sites need a copy; keep it away from the data.")
+
+
+@app.command("envelopes")
+def envelopes(
+    home: Home,
+    to: Annotated[
+        Path,
+        typer.Option(
+            "--to", parser=named_path, metavar="FILE.html", show_default=False, help="A new file."
+        ),
+    ],
+    number: Annotated[
+        int, typer.Option("--number", min=1, max=500, help="Sheets for each stratum.")
+    ] = 40,
+    name: Which = "",
+    key: Key = None,
+) -> None:
+    """Write numbered sheets for sealed envelopes, for a clinic without a computer at enrolment."""
+    from sar_tui.store import sites
+    from sar_tui.study import ledger
+    from sar_tui.study.enrolment import draws_of
+    from sar_tui.study.envelopes import page, sheets
+
+    with home.database() as database, study_errors():
+        frozen = ledger.find(database, name)
+        draws = draws_of(frozen, key_of(frozen.plan, key))
+        if draws is None:
+            raise Refused("Nobody is allocated in this study.")
+        found = list(sheets(frozen.plan, draws, sites.own(database), number))
+    write_new(to, page(frozen.plan, found))
+    print(f"{to} has {len(found)} sheets. They tell the groups: seal them, and delete the file.")
 
 
 @app.command("enrol")
@@ -507,6 +719,48 @@ def _print_after(home: Home, code: str, name: str, key: Path | None) -> None:
     print(f"{code} has done all of the study {plan.name}.")
 
 
+@app.command("status")
+def status(home: Home, name: Which = "", key: Key = None, as_json: AsJson = False) -> None:
+    """Show who has done what: a row a person, a column a visit."""
+    from sar_tui.study import ledger
+    from sar_tui.study.status import grid
+
+    with home.database() as database, study_errors():
+        frozen = ledger.find(database, name)
+        people = ledger.people(database, frozen)
+    rows = grid(frozen, people, key_of(frozen.plan, key), datetime.now(UTC))
+    if as_json:
+        print_json({"study": frozen.plan.name, "version": frozen.plan.version, "people": rows})
+        return
+    _print_status(frozen, rows)
+
+
+def _print_status(frozen: "Frozen", rows: "list[PersonRow]") -> None:
+    from sar_tui.cli.tables import Column, Listing, print_listing
+
+    def of_visit(visit: str) -> "Callable[[PersonRow], str]":
+        return lambda row: row.visits[visit].words
+
+    visits = tuple(Column(visit.name, of_visit(visit.name)) for visit in frozen.plan.visits)
+    print_listing(
+        Listing(
+            "people",
+            empty=f"Nobody is enrolled in the study {frozen.plan.name} yet.",
+            columns=(
+                Column("who", lambda row: row.participant),
+                Column("group", lambda row: row.group),
+                *visits,
+                Column("deviations", lambda row: str(row.deviations or "")),
+                Column("ended", lambda row: row.ended),
+            ),
+            folds=True,
+            whole=("who",),
+        ),
+        rows,
+        False,
+    )
+
+
 @app.command("exit")
 def exit_study(
     home: Home,
@@ -597,112 +851,6 @@ def reveal(
     print(f"{code} is in the group {one.names.group(one.enrolled.group)}. It is recorded.")
 
 
-@app.command("status")
-def status(home: Home, name: Which = "", key: Key = None, as_json: AsJson = False) -> None:
-    """Show who has done what: a row a person, a column a visit."""
-    from sar_tui.study import ledger
-    from sar_tui.study.status import grid
-
-    with home.database() as database, study_errors():
-        frozen = ledger.find(database, name)
-        people = ledger.people(database, frozen)
-    rows = grid(frozen, people, key_of(frozen.plan, key), datetime.now(UTC))
-    if as_json:
-        print_json({"study": frozen.plan.name, "version": frozen.plan.version, "people": rows})
-        return
-    _print_status(frozen, rows)
-
-
-def _print_status(frozen: "Frozen", rows: "list[PersonRow]") -> None:
-    from sar_tui.cli.tables import Column, Listing, print_listing
-
-    def of_visit(visit: str) -> "Callable[[PersonRow], str]":
-        return lambda row: row.visits[visit].words
-
-    visits = tuple(Column(visit.name, of_visit(visit.name)) for visit in frozen.plan.visits)
-    print_listing(
-        Listing(
-            "people",
-            empty=f"Nobody is enrolled in the study {frozen.plan.name} yet.",
-            columns=(
-                Column("who", lambda row: row.participant),
-                Column("group", lambda row: row.group),
-                *visits,
-                Column("deviations", lambda row: str(row.deviations or "")),
-                Column("ended", lambda row: row.ended),
-            ),
-            folds=True,
-            whole=("who",),
-        ),
-        rows,
-        False,
-    )
-
-
-def _days(text: str) -> str:
-    """Return the days of visits with spaces between them. Raises BadParameter, so that they are
-    asked for again.
-    """
-    try:
-        found = [int(day) for day in text.replace(",", " ").split()]
-    except ValueError:
-        found = []
-    if not found or found[0] != 0 or sorted(set(found)) != found:
-        raise typer.BadParameter("Days are numbers in order that begin with 0, such as 0 7 14.")
-    return " ".join(map(str, found))
-
-
-@app.command("new")
-def new_study(
-    home: Home,
-    to: Annotated[
-        Path,
-        typer.Option("--to", parser=named_path, metavar="FILE", help="The new file."),
-    ] = Path("study.toml"),
-    name: Annotated[
-        str,
-        typer.Option(prompt="Name of the study (a-z, 0-9, -)", metavar="NAME", show_default=False),
-    ] = "my-study",
-    task: Annotated[
-        str, typer.Option(prompt="Task", metavar="TASK", show_default=False)
-    ] = "keyboard",
-    conditions: Annotated[
-        str,
-        typer.Option(
-            prompt="Conditions, with spaces between them", metavar="NAMES", show_default=False
-        ),
-    ] = "praise silence",
-    within: Annotated[
-        bool,
-        typer.Option(
-            "--within/--groups",
-            prompt="Does each person do all conditions (else: groups)?",
-            show_default=False,
-        ),
-    ] = False,
-    days: Annotated[
-        str,
-        typer.Option(
-            prompt="Days of the visits, such as 0 7 14; 0: one visit",
-            parser=_days,
-            metavar="DAYS",
-            show_default=False,
-        ),
-    ] = "0",
-) -> None:
-    """Write a new plan from the answers to five questions."""
-    from sar_tui.study.new_plan import new_plan
-    from sar_tui.study.plan import parse_plan
-
-    kind = home.catalogue().task(task)
-    listed = conditions.replace(",", " ").split()
-    text = new_plan(name, kind.name, listed, within=within, days=[*map(int, days.split())])
-    with study_errors():
-        parse_plan(text, str(to))
-    write_new(to, text)
-    print(f"{to} is written. Change it, then: sar-tui study check {to}")
-
-
 @app.command("export")
 def export(
     home: Home,
@@ -771,151 +919,3 @@ def _write_bids(
         Options(author=login_name()),
     )
     return [*exported.notices, *exported.problems]
-
-
-@app.command("prereg")
-def prereg(
-    home: Home,
-    file: PlanFile,
-    to: Annotated[
-        Path | None,
-        typer.Option(
-            "--to", parser=named_path, metavar="FILE", show_default=False, help="A new file."
-        ),
-    ] = None,
-) -> None:
-    """Write the preregistration, in the order of AsPredicted's questions."""
-    from sar_tui.study.ledger import sha256_of
-    from sar_tui.study.plan_words import preregistration
-
-    text, plan = checked_plan(home, file)
-    written = preregistration(plan, sha256_of(text))
-    if to is None:
-        print(written, end="")
-    else:
-        write_new(to, written)
-        print(f"{to} is written.")
-
-
-@app.command("envelopes")
-def envelopes(
-    home: Home,
-    to: Annotated[
-        Path,
-        typer.Option(
-            "--to", parser=named_path, metavar="FILE.html", show_default=False, help="A new file."
-        ),
-    ],
-    number: Annotated[
-        int, typer.Option("--number", min=1, max=500, help="Sheets for each stratum.")
-    ] = 40,
-    name: Which = "",
-    key: Key = None,
-) -> None:
-    """Write numbered sheets for sealed envelopes, for a clinic without a computer at enrolment."""
-    from sar_tui.store import sites
-    from sar_tui.study import ledger
-    from sar_tui.study.enrolment import draws_of
-    from sar_tui.study.envelopes import page, sheets
-
-    with home.database() as database, study_errors():
-        frozen = ledger.find(database, name)
-        draws = draws_of(frozen, key_of(frozen.plan, key))
-        if draws is None:
-            raise Refused("Nobody is allocated in this study.")
-        found = list(sheets(frozen.plan, draws, sites.own(database), number))
-    write_new(to, page(frozen.plan, found))
-    print(f"{to} has {len(found)} sheets. They tell the groups: seal them, and delete the file.")
-
-
-@app.command("rehearse")
-def rehearse(
-    home: Home,
-    file: PlanFile,
-    to: Annotated[
-        Path,
-        typer.Option(
-            "--to", parser=named_path, metavar="DIR", show_default=False, help="A new folder."
-        ),
-    ],
-    people: Annotated[int, typer.Option("--people", min=1, max=500, help="Number of people.")] = 12,
-    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Of all but groups.")] = 1,
-    misses: Annotated[
-        float, typer.Option("--misses", min=0, max=1, help="Share of visits that are missed.")
-    ] = 0.0,
-    late: Annotated[
-        float, typer.Option("--late", min=0, max=1, help="Share of visits that are late.")
-    ] = 0.0,
-    leaves: Annotated[
-        float, typer.Option("--leaves", min=0, max=1, help="Share who leave after a visit.")
-    ] = 0.0,
-    as_json: AsJson = False,
-) -> None:
-    """Let simulated people go through a whole plan, in a folder with a ledger of its own."""
-    from sar_tui.cli.progress_line import progress_line
-    from sar_tui.drivers.files import make_private
-    from sar_tui.study.rehearsal import Habits, monday
-    from sar_tui.study.rehearsal import rehearse as run
-
-    text, plan = checked_plan(home, file)
-    if to.exists() and any(to.iterdir()):
-        raise Refused(f"{to} is not empty: name a new folder.")
-    make_private(to)
-    with _removed_unless_done(to), study_errors(), progress_line("Rehearsing") as tell:
-        found = run(
-            plan,
-            text,
-            home.catalogue(),
-            to,
-            to / "rehearsal.key",
-            people=people,
-            seed=seed,
-            start=monday(datetime.now(UTC)),
-            habits=Habits(misses=misses, late=late, leaves=leaves),
-            progress=lambda done, of: tell("Rehearsing", done, of),
-        )
-    if as_json:
-        print_json({"sites": found})
-        return
-    _print_rehearsed(found)
-
-
-@contextmanager
-def _removed_unless_done(folder: Path) -> "Iterator[None]":
-    """Remove a rehearsal that failed, so that it can be tried again in the same folder."""
-    from shutil import rmtree
-
-    try:
-        yield
-    except BaseException:
-        rmtree(folder, ignore_errors=True)
-        raise
-
-
-def _print_rehearsed(found: "Sequence[Rehearsed]") -> None:
-    from statistics import mean
-
-    from sar_tui.cli.tables import Column, Listing, print_listing
-
-    times: dict[tuple[str, str, str], list[float]] = {}
-    for site in found:
-        for each in site.times:
-            times.setdefault((each.visit, each.block, each.condition), []).append(each.seconds)
-    print_listing(
-        Listing(
-            "blocks",
-            empty="Nobody did a block.",
-            columns=(
-                Column("visit", lambda row: row[0][0]),
-                Column("block", lambda row: row[0][1]),
-                Column("condition", lambda row: row[0][2]),
-                Column("people", lambda row: str(len(row[1]))),
-                Column("minutes", lambda row: f"{mean(row[1]) / 60:.1f}"),
-                Column("longest", lambda row: f"{max(row[1]) / 60:.1f}"),
-            ),
-        ),
-        list(times.items()),
-        False,
-    )
-    for site in found:
-        print(f"{len(site.people)} people: sar-tui --data {site.folder} study status")
