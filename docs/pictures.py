@@ -5,10 +5,11 @@ import os
 import re
 import tempfile
 from contextlib import closing
-from datetime import datetime
+from datetime import datetime, timedelta
 from pathlib import Path
 from typing import Any
 
+import msgspec
 from textual.app import App
 
 from docs.cast import Cast
@@ -30,11 +31,18 @@ from sar_tui.model.units import MS, SECOND
 from sar_tui.operator.app import WizardApp
 from sar_tui.operator.screen import PanelScreen
 from sar_tui.plugins import Catalogue
+from sar_tui.records.kind import find
 from sar_tui.runs.demonstration import make_demonstration
 from sar_tui.runs.plan import make_plan
-from sar_tui.store import programmes
+from sar_tui.runs.simulate import simulate
+from sar_tui.simulation.participant_model import PEOPLE
+from sar_tui.store import participants, programmes
 from sar_tui.store.database import connect
+from sar_tui.store.forms import Occasion
 from sar_tui.store.programmes import Programme
+from sar_tui.study import enrolment, ledger, next_block
+from sar_tui.study.plan import parse_plan
+from sar_tui.study.secret import key_file
 
 IMAGES = Path(__file__).parent / "images"
 
@@ -60,6 +68,9 @@ async def _draw() -> None:
         await _draw_reaching(data / "reaching", catalogue)
         await _draw_pairs(data / "pairs", catalogue)
         await _draw_panel(data / "panel", catalogue)
+        os.environ["XDG_CONFIG_HOME"] = str(data / "configuration")
+        await _draw_study(data / "study", catalogue)
+        await _draw_form(data / "form", catalogue)
 
 
 TODAY = datetime(2026, 3, 20, 14, 15).astimezone()
@@ -264,6 +275,98 @@ async def _draw_progress(data: Path, catalogue: Catalogue) -> None:
         for _ in range(10):
             await pilot.pause()
         save(app, "progress")
+
+
+_STUDY = """
+name = "praise"
+title = "Praise and reaction time"
+hypothesis = "People are faster with praise."
+[groups.praised]
+condition = "praise"
+[groups.unpraised]
+condition = "silence"
+[conditions.praise]
+task = "keyboard"
+settings = { feedback_form = "qualitative", prompts_per_attempt = 2 }
+[conditions.silence]
+task = "keyboard"
+settings = { feedback_schedule = "none", prompts_per_attempt = 2 }
+[outcome]
+visit = "second"
+block = "training"
+compared = "groups"
+[[visits]]
+name = "first"
+[[visits.blocks]]
+name = "baseline"
+condition = "silence"
+attempts = 1
+[[visits]]
+name = "second"
+day = 7
+window = [2, 2]
+[[visits.blocks]]
+name = "training"
+condition = "as allocated"
+attempts = 1
+[[visits]]
+name = "third"
+day = 28
+window = [3, 7]
+[[visits.blocks]]
+name = "training"
+condition = "as allocated"
+attempts = 1
+"""
+_CAME = {"P01": (0, 7), "P02": (2, 9), "P03": (4,), "P04": (16,), "P05": ()}
+"""Days, after the first person's enrolment, on which people came to their visits."""
+
+
+async def _draw_study(data: Path, catalogue: Catalogue) -> None:
+    """A study under way: what is done, due, late, and on which day."""
+    plan = parse_plan(_STUDY, "study.toml")
+    key = key_file(plan.name)
+    key.parent.mkdir(parents=True)
+    key.write_text("5a" * 32)
+    first = TODAY - timedelta(days=18)
+    with closing(connect(data)) as database:
+        enrolment.freeze(database, catalogue, _STUDY, plan, key, mode="live", author="", now=first)
+        frozen = ledger.find(database)
+        for code, days in _CAME.items():
+            enrolled = first + timedelta(days=days[0] if days else 18)
+            enrolment.enrol(database, frozen, code, key, now=enrolled)
+            for day in days:
+                now = first + timedelta(days=day)
+                person = next_block.person(database, frozen, code, key)
+                due = next_block.due(database, person, now)
+                planned = next_block.plan_of(database, catalogue, person, due, seed=1)
+                shown = msgspec.structs.replace(planned, mode="simulated")
+                simulate(shown, PEOPLE["average"], data, catalogue, began=now)
+                database.execute("UPDATE sessions SET mode='live'")
+    app = demonstration(data, catalogue, clock := VirtualClock(SECOND))
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot, clock)
+        await pilot.press("f7")
+        for _ in range(5):
+            await settle(pilot, clock)
+        await pilot.press("down")
+        await settle(pilot, clock)
+        save(app, "study")
+
+
+async def _draw_form(data: Path, catalogue: Catalogue) -> None:
+    """An item of a form."""
+    app = demonstration(data, catalogue, clock := VirtualClock(SECOND))
+    with closing(connect(data)) as database:
+        participants.add(database, "P01")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot, clock)
+        app.fill_form(find("SUS"), Occasion("P01"), lambda _: None)
+        for _ in range(5):
+            await settle(pilot, clock)
+        await pilot.press("4")
+        await settle(pilot, clock)
+        save(app, "form")
 
 
 _SHORT = {
