@@ -252,12 +252,12 @@ def with_forms(tmp_path_factory: pytest.TempPathFactory) -> Path:
     )  # fmt: skip
     with closing(connect(site.folder)) as database:
         sql(database, "UPDATE sessions SET mode='live'")
-        consent = {"study": "praise", "version": "2", "answer": "yes", "witness": "W1"}
-        ledger.note(database, ledger.CONSENT, "R01", consent, author="ana")
-        deviation = {"study": "praise", "version": 1, "visit": "second", "what": "late"}
+        study = ledger.find(database, "praise").plan
+        consent = {"version": "2", "answer": "yes", "witness": "W1"}
+        ledger.note(database, ledger.CONSENT, study, "R01", consent, author="ana")
         for reason in ("A\tbus", "=1+1"):
-            given = {**deviation, "reason": reason}
-            ledger.note(database, ledger.DEVIATION, "R01", given, author="ana")
+            late = {"visit": "second", "what": "late", "reason": reason}
+            ledger.note(database, ledger.DEVIATION, study, "R01", late, author="ana")
         score(database, "R01", "ARAT", "2026-01-10", 20, NOTE)
         told(database, "R02", "before", "pain", "not said")
     export_bids(site.folder, folder / "out", with_notes=True)

@@ -6,6 +6,7 @@ from rich.style import Style
 from textual import events
 from textual.app import App, ComposeResult
 from textual.binding import Binding, BindingType
+from textual.pilot import Pilot
 from textual.widgets import Button
 
 from sar_tui.widgets.key_footer import KeyFooter
@@ -37,10 +38,17 @@ class Saving(App[None]):
         return {key.description: not key._disabled for key in self.query("FooterKey")}  # type: ignore[attr-defined]
 
 
+async def composed(app: Saving, pilot: Pilot[None]) -> None:
+    """Wait until the footer shows its keys."""
+    await pilot.pause()
+    while not app.keys:
+        await pilot.pause()
+
+
 async def test_it_lists_the_keys_that_work() -> None:
     app = Saving()
     async with app.run_test() as pilot:
-        await pilot.pause()
+        await composed(app, pilot)
         assert app.keys == {"Back": True}
         for can_save, keys in (
             (True, {"Save": True, "Back": True}),
@@ -55,7 +63,7 @@ async def test_it_lists_the_keys_that_work() -> None:
 async def test_it_keeps_its_widgets_while_the_focus_moves() -> None:
     app = Saving()
     async with app.run_test() as pilot:
-        await pilot.pause()
+        await composed(app, pilot)
         before, focused = list(app.query("FooterKey")), app.focused
         await pilot.press("tab")
         await pilot.pause()
@@ -69,7 +77,7 @@ async def test_its_keys_can_be_clicked() -> None:
     pressed: list[str] = []
     app.action_save = lambda: pressed.append("save")  # type: ignore[attr-defined]
     async with app.run_test() as pilot:
-        await pilot.pause()
+        await composed(app, pilot)
         back, save = app.query("FooterKey")
         assert app.keys == {"Back": True, "Save": True}
         assert back.region.x < save.region.x, "the way back comes first"
