@@ -46,6 +46,7 @@ def open_source(name: str, *, seed: int = 0, clock: Clock | None = None) -> ImuS
     - ``recorded:FILE``, ``recorded:FILE?rate=deg/s&acceleration=g&speed=fast&loop=yes``: a
       recording;
     - ``ros://HOST[:PORT]/TOPIC[?rate=HZ]``: a sensor on a ROS system, over rosbridge;
+    - ``phyphox://HOST[:PORT]``: a phone with the app phyphox;
     - any other: the entry point of that name, called with the text after the colon.
 
     Args:
@@ -146,8 +147,15 @@ def _ros(text: str, _seed: int, _clock: Clock | None) -> ImuSource:
     return RosImuSource(text)
 
 
+def _phyphox(text: str, _seed: int, _clock: Clock | None) -> ImuSource:
+    from sar_tui.inputs.phyphox import PhyphoxSource
+
+    return PhyphoxSource(text)
+
+
 _SHIPPED: dict[str, Callable[[str, int, Clock | None], ImuSource]] = {
     "phidget": _phidget,
+    "phyphox": _phyphox,
     "recorded": _recorded,
     "ros": _ros,
     "simulated": _simulated,

@@ -153,6 +153,7 @@ def test_a_plug_in_is_opened_by_its_name_with_the_text_after_the_colon() -> None
         "faulty",
         "hollow",
         "phidget",
+        "phyphox",
         "recorded",
         "ros",
         "simulated",
