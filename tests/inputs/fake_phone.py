@@ -180,15 +180,20 @@ class Phone:
                 pass
 
             def handle(self) -> None:
-                phone.connections.append(self.connection)
                 try:
                     super().handle()
                 except OSError:  # the connection was shut down under it
                     self.close_connection = True
 
-        self.connections: list[Any] = []
-        self._server = ThreadingHTTPServer(("127.0.0.1", self.port), Handler)
-        self._server.daemon_threads = True
+        class Server(ThreadingHTTPServer):
+            daemon_threads = True
+
+            def process_request(self, request: Any, client_address: Any) -> None:
+                phone._connections.append(request)
+                super().process_request(request, client_address)
+
+        self._connections: list[Any] = []
+        self._server = Server(("127.0.0.1", self.port), Handler)
         self.port = self._server.server_address[1]
         threading.Thread(
             target=self._server.serve_forever, args=(0.005,), name="phone", daemon=True
@@ -200,7 +205,7 @@ class Phone:
             self._server.shutdown()
             self._server.server_close()
             self._server = None
-            for connection in self.connections:
+            for connection in self._connections:
                 try:
                     connection.shutdown(2)
                 except OSError:
