@@ -136,7 +136,7 @@ class ReadSource:
 
     def __init__(self, delivery: Delivery, name: str) -> None:
         self.delivery = delivery
-        self._name = name
+        self._thread_name = name
         self._stopped = threading.Event()
         self._thread: threading.Thread | None = None
 
@@ -151,7 +151,7 @@ class ReadSource:
         self.delivery.begin(sink, on_status)
         self._stopped = threading.Event()
         self._thread = threading.Thread(
-            target=self._run, args=(self._stopped,), name=self._name, daemon=True
+            target=self._run, args=(self._stopped,), name=self._thread_name, daemon=True
         )
         self._thread.start()
 

@@ -207,14 +207,14 @@ def lsl_markers(_: Machine) -> Finding:
     """Check that LSL is installed, and that its clock is the session's."""
     from importlib.util import find_spec
 
-    from sar_tui.outputs.markers.lsl import SAME_CLOCK_NS, clock_offset_ns, library, no_package
-    from sar_tui.outputs.markers.marker import MarkerError
+    from sar_tui.drivers.lsl import NoLibrary, clock_offset_ns, library, no_package
+    from sar_tui.outputs.markers.lsl import SAME_CLOCK_NS
 
     if find_spec("pylsl") is None:
         return not_installed(no_package(), _MARKERS)
     try:
         pylsl = library()
-    except MarkerError as error:
+    except NoLibrary as error:
         return care(str(error), _MARKERS)
     offset_ns = clock_offset_ns(pylsl)
     found = f"LSL {pylsl.library_version() / 100:.2f}"
