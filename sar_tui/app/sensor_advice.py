@@ -86,8 +86,11 @@ def _sensor(watch: SensorWatch, tr: Language) -> Fact:
         info = watch.feed.info
         if not info:
             return Fact("right", title, tr("attached"))
-        serial = tr(", serial {number}", number=info.serial) if info.serial else ""
-        return Fact("right", title, f"{info.model}{serial}")
+        name = _named(info.model, info.serial, tr)
+        if watch.before in (None, (info.model, info.serial)):
+            return Fact("right", title, name)
+        other = tr("Last time it was {sensor}.", sensor=_named(*watch.before, tr))
+        return Fact("wrong", title, f"{name}. {other}")
     if watch.state == "none" and watch.waited < LOOKING:
         return Fact("wait", title, tr("Looking for it …"))
     why = {
@@ -100,6 +103,10 @@ def _sensor(watch: SensorWatch, tr: Language) -> Fact:
         f"{tr('A session plays it from its beginning.')}",
     }
     return Fact("wrong", title, why[watch.state])
+
+
+def _named(model: str, serial: str, tr: Language) -> str:
+    return model + (tr(", serial {number}", number=serial) if serial else "")
 
 
 def _samples(watch: SensorWatch, tr: Language) -> Fact:

@@ -33,6 +33,11 @@ def source_names() -> list[str]:
     return sorted({*_SHIPPED, *_INSTALLED.names()})
 
 
+def plug_in_names() -> list[str]:
+    """Return the names of the sensors of plug-ins."""
+    return sorted(_INSTALLED.names())
+
+
 def open_source(name: str, *, seed: int = 0, clock: Clock | None = None) -> ImuSource:
     """Make a source of samples by name; it is not started. Raises SourceError, with the fault in
     the name.

@@ -168,6 +168,21 @@ def blocks(db: sqlite3.Connection, session: str) -> Iterator[Record]:
         yield Record(before, at, _SAMPLES[part or "hand"], ImuBlock(seat=seat or "A", samples=data))
 
 
+def last_sensors(db: sqlite3.Connection, participant: str) -> dict[str, tuple[str, str]]:
+    """Return the sensors in the last live session of a participant that had any: model and serial
+    number, by the part of the body.
+    """
+    rows = db.execute(
+        "SELECT part, model, serial FROM imu_streams JOIN seats USING (session, seat)"
+        " WHERE participant=:participant AND session=(SELECT session FROM imu_streams"
+        " JOIN seats USING (session, seat) JOIN sessions ON sessions.id=session"
+        " WHERE participant=:participant AND mode='live' ORDER BY started_at DESC LIMIT 1)"
+        " ORDER BY stream",
+        {"participant": participant},
+    )
+    return {part: (model, serial) for part, model, serial in rows}
+
+
 def samples(
     db: sqlite3.Connection,
     session: str,

@@ -72,7 +72,7 @@ def sensor_driver(_: Machine) -> Finding:
     return advised(f"{problem}.".rsplit("; ", 1), _NO_SENSOR)
 
 
-def motion_sensor(_: Machine) -> Finding:
+def motion_sensor(_: Machine | None = None) -> Finding:
     """Look for a PhidgetSpatial on a USB port. It is fine if there is none."""
     from sar_tui.drivers.phidget import usb_denied
     from sar_tui.inputs.imu import Status
