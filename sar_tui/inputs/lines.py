@@ -74,6 +74,10 @@ class Line(Protocol):
         """Return what has arrived, after a tenth of a second at most. Raises Absent."""
         ...
 
+    def forget(self) -> None:
+        """Forget the sensor, which has fallen silent."""
+        ...
+
     def close(self) -> None:
         """Close it."""
         ...
@@ -123,8 +127,10 @@ class LineSource(ReadSource):
                         self.delivery.complain(found)
                 if received:
                     heard_ns = came_ns
-                elif came_ns - heard_ns > SILENCE:
-                    raise Absent(waiting)
+                elif self.info and came_ns - heard_ns > SILENCE:
+                    self.delivery.wait(waiting)
+                    lines = Lines(self._units)
+                    line.forget()
 
 
 class Lines:
@@ -277,6 +283,9 @@ class _Datagrams:
         self._sender = self._sender or sender
         return datagram + b"\n" if sender == self._sender else b""
 
+    def forget(self) -> None:
+        self._sender = None
+
     def close(self) -> None:
         self._port.close()
 
@@ -341,6 +350,9 @@ class _Port:
             _, end, received = received.partition(b"\n")
             self._is_whole = bool(end)
         return received
+
+    def forget(self) -> None:
+        self._is_whole = False
 
     def close(self) -> None:
         with contextlib.suppress(OSError):

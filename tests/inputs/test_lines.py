@@ -190,7 +190,7 @@ def test_a_second_sender_is_not_mixed_in(udp: Bench, board: Board) -> None:
 def test_lost_and_broken_lines_are_counted_as_missing_samples(board: Board) -> None:
     feed = ImuFeed(UdpSource(f"//:{board.port}?t=us&rate=deg/s&acceleration=g"), host_now)
     feed.start()
-    random, left_out = Random(3), 0
+    random, sent, left_out = Random(3), 0, 0
     statuses = list[Status]()
     wait_until(lambda: statuses.extend(feed.drain().statuses) or statuses)  # type: ignore[func-returns-value]
     for number in range(400):
@@ -202,7 +202,9 @@ def test_lost_and_broken_lines_are_counted_as_missing_samples(board: Board) -> N
             left_out += 1
         else:
             board.send(line(number))
-    wait_until(lambda: feed.drain() and feed.received == 400 - left_out)
+            sent += 1
+        if number % 50 == 49:  # the system keeps some 200 datagrams for a reader that is late
+            wait_until(lambda sent=sent: feed.drain() and feed.received == sent)  # type: ignore[misc]
     feed.stop()
     assert (feed.lost, feed.dropped) == (left_out, 0)
 
