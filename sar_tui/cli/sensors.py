@@ -3,10 +3,10 @@
 import math
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-import msgspec
 import typer
 
 from sar_tui.cli.common import AsJson, Home, console, named_path, print_json
@@ -53,14 +53,16 @@ Pause = Callable[[int], None]
 Verdict = Literal["fit", "with care", "not fit"]
 
 
-class Seen(msgspec.Struct, frozen=True):
+@dataclass(frozen=True)
+class Seen:
     """A sensor that is seen here. ``source``: its name for ``--imu``; empty if there is none."""
 
     source: str
     what: str
 
 
-class Examined(msgspec.Struct, kw_only=True):
+@dataclass(kw_only=True)
+class Examined:
     """Result of an examination.
 
     ``lost``: samples that never arrived; ``dropped``: those that could not be used. Noise is the
@@ -83,7 +85,7 @@ class Examined(msgspec.Struct, kw_only=True):
     lifted: str = ""
     lifted_deg: float | None = None
     verdict: Verdict = "fit"
-    problems: list[str] = []
+    problems: list[str] = field(default_factory=list)
 
     def mind(self, problem: str, verdict: Verdict = "with care") -> None:
         """Note a problem; the verdict is never better than before."""

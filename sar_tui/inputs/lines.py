@@ -22,6 +22,7 @@ from sar_tui.drivers.serial_port import open_port, split_port, why_not
 from sar_tui.inputs.delivery import Absent, Delivery, ReadSource, Unusable
 from sar_tui.inputs.imu import ACCELERATION_UNITS, NOTHING, RATE_UNITS, Info, Sample, SourceError
 from sar_tui.loop.clock import host_now
+from sar_tui.model.language import Sentence
 from sar_tui.model.units import SECOND
 from sar_tui.model.visible_text import visible
 
@@ -39,12 +40,18 @@ _READ_S = 0.1
 _LONGEST = 500
 _TIME_MS = {"s": 1000.0, "ms": 1.0, "us": 0.001}
 _WRAPS = (1 << 30, 1 << 32)
-"""Where the counters of boards begin anew: ``ticks_us`` of MicroPython, ``micros`` of Arduino."""
+"""Sizes of the counters of boards: ``ticks_us`` of MicroPython, ``micros`` of Arduino."""
 _WRAP_MS = 10_000.0
 """A step across that is shorter than this."""
-_OPTIONS = "after it, if no header names the units, ?t=us&rate=deg/s&acceleration=g"
-_UDP = "Use udp://:PORT or udp://HOST:PORT, such as udp://:5005, and " + _OPTIONS
-_SERIAL = "Use serial://PORT[@BAUD], such as serial:///dev/ttyUSB0@500000, and " + _OPTIONS
+_NO_UDP = (
+    'There is no sensor "udp:{address}". Use udp://:PORT or udp://HOST:PORT, such as udp://:5005, '
+    "and after it, if no header names the units, ?t=us&rate=deg/s&acceleration=g."
+)
+_NO_SERIAL = (
+    'There is no sensor "serial:{address}". Use serial://PORT[@BAUD], such as '
+    "serial:///dev/ttyUSB0@500000, and after it, if no header names the units, "
+    "?t=us&rate=deg/s&acceleration=g."
+)
 _NO_LINE = (
     'This is no line of a time, three rates and three accelerations: "{}". Such lines are left out.'
 )
@@ -243,7 +250,7 @@ class UdpSource(LineSource):
             units = _units(parts.query)
             self._host, self._port = parts.hostname or "127.0.0.1", parts.port
         except ValueError as error:
-            raise SourceError(f'There is no sensor "udp:{address}". {_UDP}.') from error
+            raise SourceError(Sentence(_NO_UDP, address=address)) from error
         super().__init__(f"udp://{self._host}:{self._port}", units)
 
     def open(self) -> Line:
@@ -307,7 +314,7 @@ class SerialSource(LineSource):
         except ValueError:
             found = None
         if not found:
-            raise SourceError(f'There is no sensor "serial:{address}". {_SERIAL}.')
+            raise SourceError(Sentence(_NO_SERIAL, address=address))
         self._port, self._baud = found
         super().__init__(f"serial:{self._port}", units)
 

@@ -22,15 +22,17 @@ from sar_tui.inputs.imu import (
     Vector,
 )
 from sar_tui.loop.clock import host_now
+from sar_tui.model.language import Sentence
 from sar_tui.model.visible_text import visible
 
 LOOK_S = 0.5
 """Time to look for the stream before saying that it is missing."""
 _PULL_S = 0.1
 _MOST = 1024
-_EXAMPLE = (
-    "Use lsl://NAME with the name of the stream, and after it, if its channels do not say which "
-    "is which, ?columns=ax,ay,az,wx,wy,wz&rate=deg/s&acceleration=g"
+_NO_ADDRESS = (
+    'There is no sensor "lsl:{address}". Use lsl://NAME with the name of the stream, and after '
+    "it, if its channels do not say which is which, "
+    "?columns=ax,ay,az,wx,wy,wz&rate=deg/s&acceleration=g."
 )
 _LABELS = {
     "w": re.compile(r"(?:gyro?(?:scope)?|rate|angular.*|omega|w)[ _.:-]*([xyz])"),
@@ -77,9 +79,9 @@ class LslSource(ReadSource):
             options = dict(parse_qsl(query, strict_parsing=bool(query)))
             self._options = msgspec.convert(options, _Options)
         except ValueError as error:
-            raise SourceError(f'There is no sensor "lsl:{address}". {_EXAMPLE}.') from error
+            raise SourceError(Sentence(_NO_ADDRESS, address=address)) from error
         if not self._stream or "'" in self._stream:
-            raise SourceError(f'There is no sensor "lsl:{address}". {_EXAMPLE}.')
+            raise SourceError(Sentence(_NO_ADDRESS, address=address))
         super().__init__(Delivery(self._described, _NOT_RISING), "lsl")
 
     def _described(self, rate_hz: float, has_acceleration: bool) -> Info:

@@ -16,6 +16,7 @@ import msgspec
 from sar_tui.inputs.delivery import Absent, Delivery, ReadSource, Unusable
 from sar_tui.inputs.imu import NOTHING, Info, Sample, SourceError, Vector
 from sar_tui.loop.clock import host_now
+from sar_tui.model.language import Sentence
 from sar_tui.model.units import MS, SECOND
 from sar_tui.model.visible_text import visible
 
@@ -209,7 +210,7 @@ def _parsed(address: str) -> tuple[str, int | None]:
             and parts.port != 0
         ):
             return parts.hostname, parts.port
-    raise SourceError(_NO_ADDRESS.format(address=address))
+    raise SourceError(Sentence(_NO_ADDRESS, address=address))
 
 
 # --- what is asked for, and what comes
@@ -280,7 +281,7 @@ class _Track:
 
 
 class _Reading:
-    """How far the phone's buffers have been read, and whether its clock still runs on.
+    """Reads the phone's buffers, and watches that its clock runs on.
 
     Args:
         config: the experiment on the phone. Raises Unusable if it has no gyroscope.

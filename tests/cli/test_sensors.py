@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Callable
+from dataclasses import fields
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
@@ -116,7 +117,7 @@ def test_a_sensor_that_is_missing_or_ends_is_not_fit(call: Call, monkeypatch: Pa
     done = call("sensors serial:///dev/nowhere --json")
     assert done.code == 1
     assert done.json["problems"] == ["Waiting for the serial port /dev/nowhere: plug the board in."]
-    assert set(done.json) == set(Examined.__struct_fields__)
+    assert set(done.json) == {field.name for field in fields(Examined)}
 
 
 def test_a_sensor_is_examined_for_people(call: Call, monkeypatch: Patch) -> None:
