@@ -116,7 +116,6 @@ class _Trial:
 
     def __init__(self, bench: SensorBench) -> None:
         self.bench = bench
-        bench.statuses.clear()
         self.tap = _Tapped(bench.make(), bench.statuses)
         self.feed = ImuFeed(self.tap, bench.now)
         self.found: list[Status] = []
@@ -124,6 +123,7 @@ class _Trial:
         self.begun = bench.now()
 
     def start(self) -> None:
+        self.bench.statuses.clear()
         self.feed.start()
 
     def plug_in(self) -> None:
@@ -316,11 +316,11 @@ def _is_attached_again(bench: SensorBench) -> None:
 
 def _stops(bench: SensorBench) -> None:
     with _trial(bench) as trial:
-        for times in (1, 2):
+        for _ in range(2):
             trial.start()
             trial.plug_in()
             trial.measure(range(COUNT))
-            trial.until_state("attached", times)
+            trial.until_state("attached")
             trial.tap.stop()
             trial.tap.stop()
             delivered = len(trial.tap.samples), len(trial.tap.statuses)

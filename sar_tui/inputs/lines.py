@@ -6,6 +6,7 @@ earlier than its listener.
 """
 
 import contextlib
+import errno
 import re
 import socket
 import threading
@@ -327,10 +328,8 @@ class SerialSource(LineSource):
             )
         try:
             return _Port(open_port(self._port, self._baud, _READ_S), self._port)
-        except FileNotFoundError as error:
-            raise Absent(f"Waiting for the serial port {self._port}: plug the board in.") from error
-        except (OSError, ValueError) as error:
-            if why_not(error) == why_not(FileNotFoundError(2, "")):
+        except (OSError, ValueError) as error:  # serial.SerialException is an OSError
+            if getattr(error, "errno", None) == errno.ENOENT:
                 raise Absent(
                     f"Waiting for the serial port {self._port}: plug the board in."
                 ) from error

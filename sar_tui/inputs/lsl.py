@@ -113,6 +113,8 @@ class LslSource(ReadSource):
                 except pylsl.LostError as error:
                     raise Absent(waiting) from error
                 came_ns = host_now()
+                if stopped.is_set():
+                    return
                 for values, stamp_s in zip(chunk, stamps, strict=True):
                     origin_s = stamp_s if origin_s is None else origin_s
                     acceleration, rate = columns.read(values)

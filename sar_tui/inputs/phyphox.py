@@ -161,7 +161,8 @@ class PhyphoxSource(ReadSource):
             try:
                 while not stopped.wait(POLL_S):
                     for sample in self._poll(phone, reading):
-                        self.delivery.put(sample)
+                        if not stopped.is_set():
+                            self.delivery.put(sample)
             finally:
                 if stopped.is_set() and self._has_started_it:
                     self._has_started_it = False
