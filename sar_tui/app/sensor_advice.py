@@ -54,6 +54,12 @@ INVALID = {
 }
 
 
+_SILENT = "It is attached, but sends nothing. Unplug it, and plug it in again."
+_SILENT_IN_NETWORK = (
+    "It is attached, but sends nothing. See that it is switched on, and in the network."
+)
+
+
 class Fact(NamedTuple):
     """One line of the check: whether it is right, its title, and its text."""
 
@@ -86,20 +92,32 @@ def _sensor(watch: SensorWatch, tr: Language) -> Fact:
         info = watch.feed.info
         if not info:
             return Fact("right", title, tr("attached"))
-        serial = tr(", serial {number}", number=info.serial) if info.serial else ""
-        return Fact("right", title, f"{info.model}{serial}")
+        name = _named(info.model, info.serial, tr)
+        if watch.before in (None, (info.model, info.serial)):
+            return Fact("right", title, name)
+        other = tr("Last time it was {sensor}.", sensor=_named(*watch.before, tr))
+        return Fact("wrong", title, f"{name}. {other}")
     if watch.state == "none" and watch.waited < LOOKING:
         return Fact("wait", title, tr("Looking for it …"))
     why = {
         "none": f"{tr('No sensor found.')} "
         f"{watch.detail or tr('Plug it in; it is found by itself.')}",
-        "attached": tr("It is attached, but sends nothing. Unplug it, and plug it in again."),
+        "attached": tr(_SILENT if _has_cable(watch) else _SILENT_IN_NETWORK),
         "unplugged": f"{tr('It was unplugged.')} {watch.detail or tr('Plug it in again.')}",
         "failed": watch.detail,
         "ended": f"{watch.detail or tr('The recording is over.')} "
         f"{tr('A session plays it from its beginning.')}",
     }
     return Fact("wrong", title, why[watch.state])
+
+
+def _has_cable(watch: SensorWatch) -> bool:
+    info = watch.feed.info
+    return info is None or info.source.startswith(("USB", "serial:"))
+
+
+def _named(model: str, serial: str, tr: Language) -> str:
+    return model + (tr(", serial {number}", number=serial) if serial else "")
 
 
 def _samples(watch: SensorWatch, tr: Language) -> Fact:

@@ -77,6 +77,8 @@ class SensorWatch:
         saturated: number of samples beyond its range; ``unmeasured``: those of them that were not
             sent.
         test: the test reach, once there was one.
+        before: model and serial number of the sensor that the participant wore last time; None if
+            there was none.
     """
 
     def __init__(self, feed: ImuFeed, now: Callable[[], int], hand: Hand) -> None:
@@ -88,13 +90,14 @@ class SensorWatch:
         self.stalled = self.too_slow = False
         self.saturated = self.unmeasured = 0
         self.test: ReachTest | None = None
+        self.before: tuple[str, str] | None = None
         self._now = now
         self._trouble: tuple[int, str] | None = None
         self._blocks: deque[Samples] = deque()
         self._segmenter: Segmenter | None = None
 
-    def look(self) -> None:
-        """Take the samples and reports that arrived since the last look."""
+    def look(self) -> Samples:
+        """Take the samples and reports that arrived since the last look; return the samples."""
         samples, statuses = self.feed.drain()
         for status in statuses:
             self._on_status(status)
@@ -105,6 +108,7 @@ class SensorWatch:
         self._forget()
         if self.test and self.test.is_running:
             self._continue_test(self.test)
+        return samples
 
     # --- state
 

@@ -31,6 +31,7 @@ from sar_tui.widgets.language import language_of
 
 if TYPE_CHECKING:
     from sar_tui.app.app import SarTui
+    from sar_tui.app.sensor_monitor import SensorWatch
     from sar_tui.inputs.imu_feed import ImuFeed
     from sar_tui.link.broker_process import BrokerProcess
 
@@ -150,6 +151,7 @@ class SessionStart:
         app.clear_notifications()
         app.themes.use(theme, plan.parameters.language)
         screen = SensorCheckScreen(plan, feeds, clock)
+        self._recall_sensors(plan, screen.sensors)
         app.aloud.use(plan.parameters, theme, planned_language(plan, app.catalogue))
 
         def checked(begins: bool | None) -> None:
@@ -164,6 +166,14 @@ class SessionStart:
                 app.not_begun()
 
         app.push_screen(screen, checked)
+
+    def _recall_sensors(self, plan: Plan, watches: "Sequence[SensorWatch]") -> None:
+        """Tell each watch which sensor its participant wore last time."""
+        from sar_tui.store.imu import last_sensors
+
+        for watch in watches:
+            code = plan.participants["AB".index(watch.feed.seat)]
+            watch.before = last_sensors(self._app.database, code).get(watch.feed.part)
 
     def _stop_feeds(self) -> None:
         for feed in self.feeds:

@@ -57,6 +57,7 @@ COMMANDS = {
     "passphrase": "passphrase:passphrase",
     "doctor": "doctor.command:doctor",
     "timing": "timing:timing",
+    "sensors": "sensors:sensors",
     "markers": "markers:markers",
     "agent": "wizard:agent",
     "link": "link:app",

@@ -1,9 +1,17 @@
 """The contract of a motion sensor: sources, their samples and their statuses."""
 
+import math
 from collections.abc import Callable
 from typing import Literal, NamedTuple, Protocol
 
 import msgspec
+
+G = 9.80665
+"""m/s² in a g."""
+DEGREE = math.pi / 180
+"""rad in a degree."""
+RATE_UNITS = {"rad/s": 1.0, "deg/s": DEGREE}
+ACCELERATION_UNITS = {"m/s2": 1.0, "g": G}
 
 Vector = tuple[float, float, float]
 NOTHING: Vector = (float("nan"),) * 3

@@ -10,14 +10,10 @@ from urllib.parse import urlsplit
 
 from sar_tui.drivers.installation import pip_install
 from sar_tui.drivers.phidget import UDEV_RULE, describe, new_channel, usb_denied
-from sar_tui.inputs.imu import Info, Sample, SourceError, Status, Vector
+from sar_tui.inputs.imu import DEGREE, G, Info, Sample, SourceError, Status, Vector
 from sar_tui.loop.clock import host_now
 from sar_tui.model.language import Sentence
 
-G = 9.80665
-"""m/s² in a g."""
-DEGREE = math.pi / 180
-"""rad in a degree."""
 NO_GYROSCOPE = ("1041", "1043", "1049")
 """Models with an accelerometer only."""
 SERVER_PORT = 5661

@@ -5,7 +5,6 @@ magnetic field in gauss, both optional.
 """
 
 import csv
-import math
 import zipfile
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -16,7 +15,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from sar_tui.inputs.imu import SourceError
+from sar_tui.inputs.imu import ACCELERATION_UNITS, RATE_UNITS, SourceError
 from sar_tui.motion.faults import turns_too_far
 from sar_tui.motion.samples import SAMPLE, Floats, Samples, join
 
@@ -76,8 +75,6 @@ _LATEST_S = 9e9
 _TOO_LARGE = 1e30
 FASTEST_RAD_S = 50.0
 """Beyond the range of motion sensors (2000 deg/s are 35 rad/s)."""
-_RATE = {"rad/s": 1.0, "deg/s": math.pi / 180}
-_ACCELERATION = {"m/s2": 1.0, "g": 9.80665}
 
 
 class Units(msgspec.Struct, frozen=True, kw_only=True):
@@ -194,8 +191,8 @@ def _samples(table: Table, units: Units, last: int | None) -> Samples:
     samples["at"] = samples["host"] = at
     samples["device_ms"] = time_s * 1e3
     factors = {
-        "rate": _RATE[units.rate],
-        "acceleration": _ACCELERATION[units.acceleration],
+        "rate": RATE_UNITS[units.rate],
+        "acceleration": ACCELERATION_UNITS[units.acceleration],
         "field": 1.0,
     }
     for field, names in VECTORS.items():

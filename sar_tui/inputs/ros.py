@@ -2,23 +2,19 @@
 
 import math
 from collections.abc import Callable
-from itertools import pairwise
-from statistics import fmean, median
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import msgspec
 from msgspec import Meta
 
 from sar_tui.drivers.rosbridge import AddressError, Bridge, TopicName, parse
+from sar_tui.inputs.delivery import Delivery
 from sar_tui.inputs.imu import NOTHING, Info, Sample, SourceError, Status, Vector
 from sar_tui.loop.clock import host_now
 from sar_tui.model.units import SECOND
 from sar_tui.model.visible_text import visible
 
 IMU = "sensor_msgs/Imu"
-LOOKED_AT = 50
-"""Samples from which the rate is estimated; or those of one second, at least five."""
-_FEWEST = 5
 _TOO_LARGE = 1e30
 _EXAMPLE = (
     "ros://HOST/TOPIC or ros://HOST:PORT/TOPIC, such as ros://192.0.2.7/imu/data, and after it, "
@@ -97,11 +93,10 @@ class RosImuSource:
     """
 
     def __init__(self, address: str) -> None:
-        self.info: Info | None = None
         try:
             self._address = parse(address, _EXAMPLE)
             self._topic: str = msgspec.convert(self._address.path, TopicName)
-            self._rate_hz = msgspec.convert(self._address.options, _Options, strict=False).rate
+            rate_hz = msgspec.convert(self._address.options, _Options, strict=False).rate
         except AddressError as error:
             raise SourceError(str(error)) from error
         except msgspec.ValidationError as error:
@@ -109,13 +104,20 @@ class RosImuSource:
                 f'The sensor "{address}" is not valid ({error}). Use {_EXAMPLE}.'
             ) from error
         self._bridge: Bridge | None = None
+        self._delivery = Delivery(self._described, _NOT_RISING.format(self._topic), rate_hz)
+        self._begin()
+
+    @property
+    def info(self) -> Info | None:
+        """Description of the sensor; None until it is attached."""
+        return self._delivery.info
 
     def start(self, sink: Callable[[Sample], None], on_status: Callable[[Status], None]) -> None:
         """Connect in the background, and deliver samples."""
         self.stop()
-        self._sink, self._on_status = sink, on_status
+        self._delivery.begin(sink, on_status)
         self._begin()
-        self._report_status("detached", f"Waiting for the ROS bridge at {self._address}.")
+        self._delivery.wait(f"Waiting for the ROS bridge at {self._address}.")
         bridge = Bridge(
             self._address,
             {},
@@ -130,32 +132,29 @@ class RosImuSource:
         bridge, self._bridge = self._bridge, None
         if bridge is not None:
             bridge.close()
-        self.info = None
+        self._delivery.forget()
 
     def zero(self) -> None:
         """Do nothing: ROS has no common service for it."""
 
     def _begin(self) -> None:
-        self.info = None
-        self._last_error = ""
-        self._first: list[Sample] = []
+        self._delivery.forget()
         self._origin_ns: int | None = None
+        self._frame = ""
 
     def _changed(self, bridge: Bridge) -> None:
         if bridge is not self._bridge:
             return
         self._begin()
         if bridge.problem:
-            self._report_status("error", bridge.problem)
+            self._delivery.complain(bridge.problem)
         elif bridge.is_connected:
-            self._report_status(
-                "detached",
-                f"Waiting for samples on {self._topic} of the ROS bridge at {self._address}.",
+            self._delivery.wait(
+                f"Waiting for samples on {self._topic} of the ROS bridge at {self._address}."
             )
         else:
-            self._report_status(
-                "detached",
-                f"The connection to the ROS bridge at {self._address} was lost. Waiting for it.",
+            self._delivery.wait(
+                f"The connection to the ROS bridge at {self._address} was lost. Waiting for it."
             )
 
     def _received(self, bridge: Bridge, message: Any) -> None:
@@ -165,19 +164,13 @@ class RosImuSource:
         try:
             imu = msgspec.convert(message, _Imu)
         except msgspec.ValidationError as error:
-            self._complain(_NO_SAMPLE.format(self._topic, error))
+            self._delivery.complain(_NO_SAMPLE.format(self._topic, error))
             return
         if not _measures(imu.angular_velocity_covariance):
-            self._complain(_NO_RATE.format(self._topic))
+            self._delivery.complain(_NO_RATE.format(self._topic))
             return
-        sample = self._sample(host_ns, imu)
-        if self.info is not None:
-            self._last_error = ""
-            self._sink(sample)
-            return
-        self._first.append(sample)
-        if rate_hz := self._rate_hz or self._rate_seen(imu.header.stamp.ns != 0):
-            self._attach(imu, rate_hz)
+        self._frame = visible(imu.header.frame_id)[:40]
+        self._delivery.put(self._sample(host_ns, imu), stamped=imu.header.stamp.ns != 0)
 
     def _sample(self, host_ns: int, imu: _Imu) -> Sample:
         device_ns = imu.header.stamp.ns or host_ns
@@ -192,42 +185,13 @@ class RosImuSource:
             imu.angular_velocity.vector,
         )
 
-    def _rate_seen(self, stamped: bool) -> float | None:
-        """Return samples per second among the first ones; None until there are enough."""
-        first, count = self._first, len(self._first)
-        if count < LOOKED_AT and (count < _FEWEST or first[-1].host_ns - first[0].host_ns < SECOND):
-            return None
-        steps = [after.device_ms - before.device_ms for before, after in pairwise(first)]
-        step = median(steps) if stamped else fmean(steps)
-        if step > 0:
-            return 1000 / step
-        self._complain(_NOT_RISING.format(self._topic))
-        first.clear()
-        return None
-
-    def _attach(self, imu: _Imu, rate_hz: float) -> None:
-        frame = visible(imu.header.frame_id)[:40]
-        self.info = Info(
+    def _described(self, rate_hz: float, has_acceleration: bool) -> Info:
+        return Info(
             source=f"ros://{self._address.host}:{self._address.port}{self._topic}",
-            model=f"{IMU} ({frame})" if frame else IMU,
+            model=f"{IMU} ({self._frame})" if self._frame else IMU,
             rate_hz=rate_hz,
-            has_acceleration=_measures(imu.linear_acceleration_covariance),
+            has_acceleration=has_acceleration,
         )
-        self._report_status("attached")
-        for sample in self._first:
-            self._sink(sample)
-        self._first.clear()
-
-    def _complain(self, what: str) -> None:
-        """Report an error, once until samples are valid again."""
-        if what != self._last_error:
-            self._last_error = what
-            self._report_status("error", what)
-
-    def _report_status(
-        self, state: Literal["attached", "detached", "error"], detail: str = ""
-    ) -> None:
-        self._on_status(Status(state=state, at=host_now(), detail=detail))
 
 
 def _measures(covariance: tuple[float | None, ...]) -> bool:

@@ -33,6 +33,11 @@ def source_names() -> list[str]:
     return sorted({*_SHIPPED, *_INSTALLED.names()})
 
 
+def plug_in_names() -> list[str]:
+    """Return the names of the sensors of plug-ins."""
+    return sorted(_INSTALLED.names())
+
+
 def open_source(name: str, *, seed: int = 0, clock: Clock | None = None) -> ImuSource:
     """Make a source of samples by name; it is not started. Raises SourceError, with the fault in
     the name.
@@ -46,15 +51,18 @@ def open_source(name: str, *, seed: int = 0, clock: Clock | None = None) -> ImuS
     - ``recorded:FILE``, ``recorded:FILE?rate=deg/s&acceleration=g&speed=fast&loop=yes``: a
       recording;
     - ``ros://HOST[:PORT]/TOPIC[?rate=HZ]``: a sensor on a ROS system, over rosbridge;
+    - ``phyphox://HOST[:PORT]``: a phone with the app phyphox;
+    - ``udp://[HOST]:PORT``, ``serial://PORT[@BAUD]``: lines of text;
+    - ``lsl://NAME``: a stream of LSL;
     - any other: the entry point of that name, called with the text after the colon.
+
+    A plug-in takes precedence, so that it keeps working when a source of its name is included.
 
     Args:
         seed: the seed of a simulated hand's noise.
         clock: the clock of simulated hands and recordings; the host's if None.
     """
     kind, _, text = name.strip().partition(":")
-    if kind in _SHIPPED:
-        return _SHIPPED[kind](text, seed, clock)
 
     def made(make: Callable[[str], ImuSource]) -> ImuSource:
         source = make(text)
@@ -65,6 +73,8 @@ def open_source(name: str, *, seed: int = 0, clock: Clock | None = None) -> ImuS
 
     if (source := _INSTALLED.load(kind, made)) is not None:
         return GuardedSource(source, kind)
+    if kind in _SHIPPED:
+        return _SHIPPED[kind](text, seed, clock)
     raise SourceError(f'There is no sensor "{name}". Choose one of: {", ".join(source_names())}.')
 
 
@@ -146,11 +156,39 @@ def _ros(text: str, _seed: int, _clock: Clock | None) -> ImuSource:
     return RosImuSource(text)
 
 
+def _phyphox(text: str, _seed: int, _clock: Clock | None) -> ImuSource:
+    from sar_tui.inputs.phyphox import PhyphoxSource
+
+    return PhyphoxSource(text)
+
+
+def _udp(text: str, _seed: int, _clock: Clock | None) -> ImuSource:
+    from sar_tui.inputs.lines import UdpSource
+
+    return UdpSource(text)
+
+
+def _serial(text: str, _seed: int, _clock: Clock | None) -> ImuSource:
+    from sar_tui.inputs.lines import SerialSource
+
+    return SerialSource(text)
+
+
+def _lsl(text: str, _seed: int, _clock: Clock | None) -> ImuSource:
+    from sar_tui.inputs.lsl import LslSource
+
+    return LslSource(text)
+
+
 _SHIPPED: dict[str, Callable[[str, int, Clock | None], ImuSource]] = {
+    "lsl": _lsl,
     "phidget": _phidget,
+    "phyphox": _phyphox,
     "recorded": _recorded,
     "ros": _ros,
+    "serial": _serial,
     "simulated": _simulated,
+    "udp": _udp,
 }
 
 

@@ -30,7 +30,7 @@ from sar_tui.simulation.participant_model import PEOPLE, Person
 from sar_tui.store import imu, sessions
 from sar_tui.store.database import connect
 
-_EXCLUSIVE = ("phidget", "ros")
+_EXCLUSIVE = ("lsl", "phidget", "phyphox", "ros", "serial", "udp")
 """Kinds of sensors that cannot be worn in two places."""
 _TRUNK = "imu_trunk"
 """The parameter that names the sensor on the trunk."""

@@ -10,6 +10,7 @@ import msgspec
 from sar_tui.loop.bus import Record, Topic
 from sar_tui.loop.topics import IMU, SENSOR, TRUNK_IMU, TRUNK_SENSOR
 from sar_tui.model.messages import BodyPart, ImuBlock, SensorChanged
+from sar_tui.store.counted import COUNTS
 from sar_tui.store.database import StoreError
 from sar_tui.store.tables import IMU_CHUNKS, IMU_STREAMS
 
@@ -166,6 +167,21 @@ def blocks(db: sqlite3.Connection, session: str) -> Iterator[Record]:
                 f"Block {seq} of sensor stream {stream} of session {session} is damaged."
             )
         yield Record(before, at, _SAMPLES[part or "hand"], ImuBlock(seat=seat or "A", samples=data))
+
+
+def last_sensors(db: sqlite3.Connection, participant: str) -> dict[str, tuple[str, str]]:
+    """Return the sensors in the last session of a participant that counts and had any: model and serial
+    number, by the part of the body.
+    """
+    rows = db.execute(
+        "SELECT part, model, serial FROM imu_streams JOIN seats USING (session, seat)"
+        " WHERE participant=:participant AND session=(SELECT session FROM imu_streams"
+        " JOIN seats USING (session, seat) JOIN sessions ON sessions.id=session"
+        f" WHERE participant=:participant AND {COUNTS} ORDER BY started_at DESC LIMIT 1)"
+        " ORDER BY stream",
+        {"participant": participant},
+    )
+    return {part: (model, serial) for part, model, serial in rows}
 
 
 def samples(

@@ -203,7 +203,8 @@ class PairsParameters(TaskParameters, frozen=True, kw_only=True):
         str,
         meta(
             "Sensor on the left",
-            help="phidget:SERIAL, phidget://host:port, simulated, recorded:FILE, or session:ID.",
+            help="phidget:SERIAL, phyphox://host, udp://:port, serial://port, simulated, recorded:FILE, "
+            "or session:ID.",
             min_length=1,
             group="Reaches",
             personal=True,

@@ -159,7 +159,8 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
         str,
         meta(
             "Motion sensor",
-            help="phidget, phidget://host:port, simulated, recorded:FILE, or session:ID.",
+            help="phidget, phyphox://host, udp://:port, serial://port, simulated, recorded:FILE, "
+            "or session:ID.",
             min_length=1,
             personal=True,
         ),

@@ -72,7 +72,8 @@ class TrackingTempoParameters(TaskParameters, frozen=True, kw_only=True):
         str,
         meta(
             "Motion sensor",
-            help="phidget, phidget://host:port, simulated, recorded:FILE, or session:ID.",
+            help="phidget, phyphox://host, udp://:port, serial://port, simulated, recorded:FILE, "
+            "or session:ID.",
             min_length=1,
             personal=True,
         ),

@@ -174,7 +174,14 @@ class _Enough(Exception):
     """Ends the sender of the page."""
 
 
-@each_version
+@pytest.mark.parametrize(
+    "version",
+    [
+        v
+        for v in VERSIONS
+        if any("feed.drain" in b.code for b in kept(v, "write-your-own-sensor.md"))
+    ],
+)
 def test_a_sensor_is_fed_by_the_sender_of_its_page(
     version: str,
     install: Install,

@@ -47,6 +47,7 @@ class Plugged:
         self.zeroed = 0
         self.running = False
         self.moves: list[ReachShape] = []
+        self.serial = "4711"
         self.clock: VirtualClock
 
     def start(self, sink: Callable[[Sample], None], on_status: Callable[[Status], None]) -> None:
@@ -63,7 +64,9 @@ class Plugged:
         self.zeroed += 1
 
     def plug(self) -> None:
-        self.info = Info(source="USB", model="Spatial 3/3/3 (1044)", serial="4711", rate_hz=250.0)
+        self.info = Info(
+            source="USB", model="Spatial 3/3/3 (1044)", serial=self.serial, rate_hz=250.0
+        )
         self.inner.start(lambda sample: self.sink(self.alter(sample)), self.on_status)
 
     def unplug(self) -> None:
@@ -137,6 +140,20 @@ async def test_the_session_takes_over_the_running_sensor(
     async with opened(session) as driver:
         assert driver.screen_name == "SessionScreen", "a session that is resumed has no check"
     assert driver.stored("SELECT task, mode FROM sessions") == [("reaching", "live")]
+
+
+async def test_a_sensor_that_is_not_the_one_of_last_time_is_said(open_check: OpenCheck) -> None:
+    for serial, is_said in (("4711", False), ("4711", False), ("4712", True)):
+        source = Plugged()
+        source.serial = serial
+        async with open_check(source) as driver:
+            await driver.wait(1000)
+            said = re.search(
+                r"Last time.*\n.*it was Spatial 3/3/3 \(1044\), serial 4711\.", driver.text
+            )
+            assert bool(said) == is_said
+            await driver.press("enter")
+            await driver.wait(1000)
 
 
 async def test_escape_leads_home_and_back_again(opened: OpenApp, data: Path) -> None:

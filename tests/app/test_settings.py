@@ -220,7 +220,7 @@ async def test_an_unknown_sensor_is_told(first_run: AppDriver, catalogue: Catalo
     first_run.app.push_screen(SettingsScreen("P01", catalogue.task("reaching")))
     await first_run.settle()
     await fill(first_run, "imu", "fidget")
-    known = "phidget, recorded, ros, simulated, session"
+    known = "lsl, phidget, phyphox, recorded, ros, serial, simulated, udp, session"
     assert meaning(first_run) == f'There is no sensor "fidget". Choose one of: {known}.'
     await fill(first_run, "imu", "simulated:steady")
     assert "There is no" not in meaning(first_run)

@@ -7,8 +7,9 @@ from typing import Any
 import pytest
 
 from sar_tui.drivers import rosbridge
+from sar_tui.inputs.delivery import LOOKED_AT
 from sar_tui.inputs.imu import Sample, SourceError, Status
-from sar_tui.inputs.ros import LOOKED_AT, RosImuSource
+from sar_tui.inputs.ros import RosImuSource
 from sar_tui.loop.clock import host_now
 from sar_tui.model.units import MS, SECOND
 from tests.fake_rosbridge import RosBridge, hide_roslibpy, ros_bridge, wait_until

@@ -152,10 +152,14 @@ def test_a_plug_in_is_opened_by_its_name_with_the_text_after_the_colon() -> None
         "camera",
         "faulty",
         "hollow",
+        "lsl",
         "phidget",
+        "phyphox",
         "recorded",
         "ros",
+        "serial",
         "simulated",
+        "udp",
     ]
 
 

@@ -72,7 +72,7 @@ def sensor_driver(_: Machine) -> Finding:
     return advised(f"{problem}.".rsplit("; ", 1), _NO_SENSOR)
 
 
-def motion_sensor(_: Machine) -> Finding:
+def motion_sensor(_: Machine | None = None) -> Finding:
     """Look for a PhidgetSpatial on a USB port. It is fine if there is none."""
     from sar_tui.drivers.phidget import usb_denied
     from sar_tui.inputs.imu import Status
@@ -207,14 +207,14 @@ def lsl_markers(_: Machine) -> Finding:
     """Check that LSL is installed, and that its clock is the session's."""
     from importlib.util import find_spec
 
-    from sar_tui.outputs.markers.lsl import SAME_CLOCK_NS, clock_offset_ns, library, no_package
-    from sar_tui.outputs.markers.marker import MarkerError
+    from sar_tui.drivers.lsl import NoLibrary, clock_offset_ns, library, no_package
+    from sar_tui.outputs.markers.lsl import SAME_CLOCK_NS
 
     if find_spec("pylsl") is None:
         return not_installed(no_package(), _MARKERS)
     try:
         pylsl = library()
-    except MarkerError as error:
+    except NoLibrary as error:
         return care(str(error), _MARKERS)
     offset_ns = clock_offset_ns(pylsl)
     found = f"LSL {pylsl.library_version() / 100:.2f}"

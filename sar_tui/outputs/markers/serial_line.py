@@ -1,20 +1,19 @@
 """Markers on a serial line: a byte each for trigger boxes, or a line of JSON each."""
 
 import contextlib
-import os
 import time
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, NoReturn
 from urllib.parse import parse_qsl
 
 from sar_tui.drivers.installation import pip_install_extra
+from sar_tui.drivers.serial_port import open_port, split_port, why_not
 from sar_tui.outputs.markers.marker import CODES, Marker, MarkerError
 
 if TYPE_CHECKING:
     import serial
 
 _PREFIX = "serial:"
-_BAUD = 115200
 _PULSE_MS = 10
 _LONGEST_PULSE_MS = 1000
 _WRITE_SECONDS = 0.5
@@ -33,11 +32,9 @@ class SerialLine:
     def __init__(self, address: str) -> None:
         self.address = address
         place, _, options = address.removeprefix(_PREFIX).partition("?")
-        port, at, baud = place.rpartition("@")
-        has_baud = bool(at) and baud.isascii() and baud.isdigit()
-        self._port, self._baud = (port, int(baud)) if has_baud else (place, _BAUD)
-        if not address.startswith(_PREFIX) or not self._port or not 0 < self._baud < 10_000_000:
+        if not address.startswith(_PREFIX) or not (found := split_port(place)):
             self._refuse("use serial:PORT or serial:PORT@BAUD, such as serial:/dev/ttyUSB0@115200")
+        self._port, self._baud = found
         self._codes = dict(CODES)
         self._pulse_ms, self._sends_lines = _PULSE_MS, False
         for name, value in parse_qsl(options, keep_blank_values=True):
@@ -73,15 +70,11 @@ class SerialLine:
         self.close()
 
     def open(self, session: str, task: str) -> str:
-        import serial
-
         try:
-            self._line = serial.Serial(
-                self._port, self._baud, timeout=0, write_timeout=_WRITE_SECONDS, exclusive=True
-            )
+            self._line = open_port(self._port, self._baud, 0, _WRITE_SECONDS)
         except (OSError, ValueError) as error:  # serial.SerialException is an OSError
             raise MarkerError(
-                f"The serial port {self._port} cannot be opened ({_reason(error)}). Plug the "
+                f"The serial port {self._port} cannot be opened ({why_not(error)}). Plug the "
                 "trigger box in, see that you may use it (on Linux: the group dialout), and close "
                 "other programs that use it."
             ) from error
@@ -99,7 +92,7 @@ class SerialLine:
                     self._line.write(b"\0")
         except OSError as error:
             raise MarkerError(
-                f"The serial port {self._port} takes no markers ({_reason(error)})."
+                f"The serial port {self._port} takes no markers ({why_not(error)})."
             ) from error
         return True
 
@@ -109,13 +102,6 @@ class SerialLine:
             with contextlib.suppress(OSError):
                 line.close()
         return ""
-
-
-def _reason(error: Exception) -> str:
-    """Return the system's words for an error, which pyserial puts into a sentence of its own."""
-    original = error.__context__ if isinstance(error.__context__, OSError) else error
-    number = getattr(original, "errno", None)
-    return os.strerror(number) if isinstance(number, int) else str(error)
 
 
 def no_package() -> str:

@@ -6,6 +6,7 @@ from types import ModuleType
 
 import pytest
 
+from sar_tui.drivers import lsl as driver
 from sar_tui.loop.clock import host_now
 from sar_tui.model.units import SECOND
 from sar_tui.outputs.markers import lsl
@@ -45,7 +46,7 @@ class Library(ModuleType):
 def library(monkeypatch: pytest.MonkeyPatch) -> Library:
     library = Library(ahead_s=7.0)
     monkeypatch.setitem(sys.modules, "pylsl", library)
-    monkeypatch.setattr(lsl, "_configured", False)
+    monkeypatch.setattr(driver, "_configured", False)
     return library
 
 
@@ -78,5 +79,5 @@ def test_lsl_is_quiet_unless_the_users_configuration_says_otherwise(
 ) -> None:
     (tmp_path / "lsl_api.cfg").write_text(own, encoding="utf-8")
     monkeypatch.setenv("LSLAPICFG", str(tmp_path / "lsl_api.cfg"))
-    lsl.library()
+    driver.library()
     assert library.contents == used
