@@ -1,5 +1,6 @@
 """Results as tables in the terminal and on a page, and the machine they were measured on."""
 
+import math
 import os
 import platform
 from collections.abc import Callable, Mapping
@@ -237,6 +238,41 @@ def _motion(motion: Results) -> dict[str, Rows]:
     }
 
 
+_BOUNDARIES = ("onset_ms", "end_ms")
+_REACHES = {
+    "open": "Reaches of people, in an open stream (median error and p90, ms)",
+    "window": "Reaches of people, each in its known window (ms)",
+    "daily": "Daily life of people, who do not reach",
+    "simulated": "Simulated reaches (ms)",
+}
+
+
+def _reaches(reaches: Results) -> dict[str, Rows]:
+    head = ["movement", "detector", "found", "false/min", "onset, p90", "end, p90"]
+    found = {
+        title: [head, *(_found(figures) for figures in reaches[part])]
+        for part, title in _REACHES.items()
+    }
+    if watch := reaches["watch"]:
+        counted = [str(watch[figure]) for figure in ("sets", "exact", "within_one")]
+        found["Sets of 20 repetitions with a watch, counted"] = [
+            ["sets", "exact", "within one"],
+            counted,
+        ]
+    return found
+
+
+def _found(figures: Results) -> list[str]:
+    count, false = figures["reaches"], figures["false_a_minute"]
+    return [
+        figures["kind"],
+        figures["detector"],
+        f"{figures['found']}/{count}" if count else "",
+        "" if false is None else f"{false:.2f}",
+        *("{:.0f}, {:.0f}".format(*(figures[name] or (math.nan,) * 2)) for name in _BOUNDARIES),
+    ]
+
+
 def _sensor(sensor: Results) -> dict[str, Rows]:
     return {
         "A motion sensor's stream, with the session on the screen": [
@@ -306,6 +342,7 @@ _TABLES: Mapping[str, Callable[[Results], dict[str, Rows]]] = {
     "export": _export,
     "merge": _merge,
     "motion": _motion,
+    "reaches": _reaches,
     "sensor": _sensor,
     "agent": _agent,
     "operator": _operator,
