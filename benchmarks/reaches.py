@@ -33,6 +33,7 @@ from sar_tui.motion.analysis import AnalysisParameters, Window, analyse
 from sar_tui.motion.arrays import lengths
 from sar_tui.motion.detection import detect
 from sar_tui.motion.detector_names import DetectorName
+from sar_tui.motion.orientation import OrientationParameters
 from sar_tui.motion.reach_kinds import KINDS
 from sar_tui.motion.repetitions import count_repetitions
 from sar_tui.motion.rest import even
@@ -205,7 +206,10 @@ def _in_window(
         started_ns=origin_ns + round(started_s * 1e9),
         to_ns=origin_ns + round(to_s * 1e9),
     )
-    parameters = AnalysisParameters(detector=detector)  # type: ignore[arg-type]
+    parameters = AnalysisParameters(
+        detector=detector,  # type: ignore[arg-type]
+        orientation=OrientationParameters(home_s=0.0),  # as in a session: it begins at home
+    )
     found_ns = analyse(samples, window, parameters)
     if found_ns.onset_ns is None or found_ns.end_ns is None:
         return None
