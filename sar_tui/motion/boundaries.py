@@ -25,7 +25,7 @@ falls below the second share of its own.
 POINTS = 24
 """Number of points that the line is fitted to."""
 _EVENLY = np.linspace(0.0, 1.0, POINTS)
-TAIL = 0.02
+TAIL = 0.05
 """Share of the peak speed below which a movement is over."""
 
 
@@ -48,16 +48,15 @@ def onset(time_s: Floats, speed: Floats, floor: float = 0.0, level: float = 0.0)
     √(speed / peak))) / 2 is linear throughout; the line is fitted to that, which avoids the root's
     own error of 2 % of the lobe at either end.
 
-    A movement may trail off more slowly: it lasts as long as its speed stays above 2 % of the peak
-    (after Alt Murphy, Willén & Sunnerhagen 2011, Neurorehabil Neural Repair 25:71-80) and above
-    three times the noise. A movement that is fast from the first sample began there.
+    A movement may trail off more slowly: it lasts as long as its speed stays above 5 % of the peak
+    and above three times the noise. With 2 %, the small movements in which a hand of a real person
+    settles would count. A movement that is fast from the first sample began there.
 
     Args:
         time_s: shape (n,), rising or falling.
         speed: shape (n,), at least 0, its largest value last.
         floor: noise at rest; the fit begins above it.
-        level: the movement counts from this speed on, instead of from 0; and twice of it is where
-            it trails off.
+        level: the movement counts from this speed on, instead of from 0.
     """
     if len(speed) < 3 or speed[-1] <= 0:
         return float(time_s[0])
@@ -79,8 +78,7 @@ def onset(time_s: Floats, speed: Floats, floor: float = 0.0, level: float = 0.0)
     peak = float(speed[-1])
     begins = (1.0 - math.sqrt(1.0 - math.sqrt(min(level / peak, 1.0)))) / 2.0
     start = float(when.sum()) / POINTS - slope * (middle - begins)
-    tail = 2.0 * level / peak if level else TAIL
-    over = (relative < max(tail, 3.0 * floor / peak)).nonzero()[0]
+    over = (relative < max(TAIL, 3.0 * floor / peak)).nonzero()[0]
     trail = float(time_s[over[-1]]) if len(over) else float(time_s[0])
     return min(start, trail) if slope > 0 else max(start, trail)
 

@@ -27,7 +27,7 @@ FAR = 0.8
 """Share of the excursion beyond which the hand counts as at its target."""
 MOVING = 0.01
 """A way lasts while the hand turns at this share of the way's largest rate, or more."""
-SUBMOVEMENT = 0.05
+SUBMOVEMENT = 0.1
 """Least peak of a submovement that begins or ends a reach, as a share of the reach's peak."""
 NOISE = 1.8
 """95th percentile of the norm of normal noise on three axes, as a multiple of its median (slow ends
