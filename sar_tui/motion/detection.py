@@ -140,9 +140,9 @@ class Detector(NamedTuple):
 
 DETECTORS: dict[str, Detector] = {
     "orientation": Detector(
-        "1", orientation.OrientationParameters, orientation.find, is_quiet=True
+        "2", orientation.OrientationParameters, orientation.find, is_quiet=True
     ),
-    "single-axis": Detector("1", single_axis.SingleAxisParameters, single_axis.find),
+    "single-axis": Detector("2", single_axis.SingleAxisParameters, single_axis.find),
     "fixed-threshold": Detector(
         "1", fixed_threshold.FixedThresholdParameters, fixed_threshold.find
     ),

@@ -45,14 +45,14 @@ TURNING = 0.3
 """Share of the largest speed below which a hand near its start turns around, and does not just
 pass.
 """
+UNSEEN = 0.8
+"""Weight of a short rest that the samples begin with: most of it may not be seen, or none."""
 TOO_LONG = 2.0
 """Multiple of the longest reach within which a hand must be back, or it was no reach."""
 LINGER_S = 1.2
 """Longest time from a stop on the way back until the hand is nearer to its start, as a cup is put
 down in between.
 """
-HOME_S = 0.3
-"""Shortest rest from which a reach starts, if it is not the one that ended the reach before."""
 JUST_BEFORE_S = 0.1
 """Time before the end of a rest at which its orientation is taken."""
 
@@ -67,6 +67,7 @@ class Limits(NamedTuple):
     least_rad: float
     return_share: float
     longest_s: float
+    home_s: float
 
 
 class Excursion(NamedTuple):
@@ -104,8 +105,8 @@ class OrientationParameters(msgspec.Struct, frozen=True, kw_only=True):
         pause_s: a shorter pause does not end a movement.
         dwell_s: the longest rest at the target within a reach.
         longest_s: longest reach; a longer one is cut off.
-        home_s: shortest rest from which the first reach starts, where the recording is known to
-            begin there; unset, it needs as long a rest as each other.
+        home_s: shortest rest with which the recording may begin that shows that it begins at home;
+            0 if it is known to.
     """
 
     cutoff_hz: float = 8.0
@@ -113,12 +114,12 @@ class OrientationParameters(msgspec.Struct, frozen=True, kw_only=True):
     begin_rad_s: float = 0.1
     end_rad_s: float = 0.05
     least_rad: float = 0.1
-    return_share: float = 0.4
+    return_share: float = 0.5
     shortest_s: float = 0.4
     pause_s: float = 0.4
     dwell_s: float = 5.0
     longest_s: float = 15.0
-    home_s: float | msgspec.UnsetType = msgspec.UNSET
+    home_s: float = 0.3
 
 
 class _Motion(NamedTuple):
@@ -198,6 +199,7 @@ def _reaches(
         least_rad=parameters.least_rad,
         return_share=parameters.return_share,
         longest_s=parameters.longest_s,
+        home_s=parameters.home_s,
     )
     for excursion in excursions(orientation, motion.slow[first:last], grid.rate_hz, limits):
         bounds = _bounds(motion, excursion.later(first), earliest, parameters, hand)
@@ -309,8 +311,8 @@ def excursions(
     The hand stops, or turns around, where its speed is low beside the movements before and after.
     From each such stop, a turn leads to the first stop at which little of the largest angle is
     left. Of all sets of turns that do not overlap, the one whose movement is largest is taken, each
-    weighted by how far it comes back (dynamic programming over the stops). So a return is not taken
-    for a way out: turned around like that, one reach less would fit into the movement.
+    weighted by how far it comes back and how calm the hand is at both ends (dynamic programming
+    over the stops). So a return is not taken for a way out: one reach less would fit.
 
     Args:
         orientation: quaternions, shape (n, 4), relative to any orientation.
@@ -318,8 +320,11 @@ def excursions(
         rate_hz: samples per second.
         limits: definitions of rest and of an excursion.
     """
-    stops = _stops(slow, limits)
-    begins, ends = np.array(stops).T if stops else np.empty((2, 0), dtype=int)
+    stops = _stops(slow, rate_hz, limits)
+    if not stops:
+        return
+    begins, ends = np.array([stop[:2] for stop in stops]).T
+    calm = [stop.calm for stop in stops]
     homes = np.maximum(begins, ends - round(JUST_BEFORE_S * rate_hz))
     path = np.cumsum(slow)
     farthest, linger = TOO_LONG * limits.longest_s * rate_hz, LINGER_S * rate_hz
@@ -338,7 +343,10 @@ def excursions(
             continue
         back, left = index + 1 + found[0], found[1]
         moved = float(path[begins[back]] - path[ends[index]])
-        total = best[index][0] + moved * (1.0 - left)
+        total = (
+            best[index][0]
+            + moved * min(1.0, (1.0 - left) / (1.0 - TURNING)) * calm[index] * calm[back]
+        )
         if total > best[back][0]:
             best[back] = total, (index, back)
     chosen = []
@@ -359,8 +367,19 @@ def excursions(
         yield Excursion(first, first + top, last, stop, angle, (x, y, z))
 
 
-def _stops(slow: Floats, limits: Limits) -> list[tuple[int, int]]:
-    """Return the first and last sample of each stretch in which the hand rests or turns around.
+class _Stop(NamedTuple):
+    """A stretch in which the hand rests or turns around, from sample ``first`` to ``last``.
+
+    ``calm``: 1 at rest, less if the hand hardly slows down.
+    """
+
+    first: int
+    last: int
+    calm: float
+
+
+def _stops(slow: Floats, rate_hz: float, limits: Limits) -> list[_Stop]:
+    """Return the stretches in which the hand rests or turns around, in order of time.
 
     The speed there is a share ``limits.slower`` or less of the peaks before and after.
     """
@@ -380,7 +399,12 @@ def _stops(slow: Floats, limits: Limits) -> list[tuple[int, int]]:
         before, after = above[above < low], above[above > low]
         begin = first + int(before[-1]) + 1 if len(before) else first
         end = first + int(after[0]) - 1 if len(after) else last
-        stops.append((begin, end))
+        least = float(part[low])
+        share = 0.0 if least <= limits.still else least / float(max(sides))
+        calm = min(1.0, (1.0 - share) / (1.0 - TURNING))
+        if not first and end < limits.home_s * rate_hz:
+            calm *= UNSEEN
+        stops.append(_Stop(begin, end, calm))
     return stops
 
 
@@ -394,8 +418,8 @@ def _return(
     """Return the index of the stop at which the hand is back, and the share of the largest angle
     that is left there; None if it does not come back.
 
-    A stop on the way back, of which less than ``linger`` samples pass before the hand is nearer,
-    does not end it.
+    A stop of at most ``linger`` samples on the way back, after which the hand comes nearer, does
+    not end it.
     """
     largest = np.maximum.accumulate(away)
     near = limits.return_share * largest
@@ -407,6 +431,6 @@ def _return(
     for index in range(at + 1, len(away)):
         if away[index] > limits.return_share * most or ends[at] - begins[at] > linger:
             break
-        if away[index] <= away[at] - NEAR * most:
+        if away[index] <= away[at] - SUBMOVEMENT * most:
             at = index
     return at, float(away[at]) / most
