@@ -32,7 +32,7 @@ BACK_S = 2.0
 """It may come back so long after the end that was found: it has set down a glass first."""
 DENT_SHARE = 0.5
 """Share of the excursion by which the hand may come back, or leave again, in between."""
-PATH_SHARE, PATH_RAD = 2.5, 4.0 * math.pi
+PATH_SHARE, PATH_RAD = 3.0, 4.0 * math.pi
 """All its movements together turn the hand by at most this times the way out and back, and by a
 whole turn each way; walking somewhere and back, or a bout of a rhythm, by more.
 """
