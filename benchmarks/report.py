@@ -1,6 +1,5 @@
 """Results as tables in the terminal and on a page, and the machine they were measured on."""
 
-import math
 import os
 import platform
 from collections.abc import Callable, Mapping
@@ -62,6 +61,7 @@ def checks(results: Results) -> dict[str, bool]:
         "export",
         "merge",
         "motion",
+        "reaches",
         "sensor",
         "agent",
         "operator",
@@ -241,6 +241,8 @@ def _motion(motion: Results) -> dict[str, Rows]:
 _BOUNDARIES = ("onset_ms", "end_ms")
 _REACHES = {
     "open": "Reaches of people, in an open stream (median error and p90, ms)",
+    "people": "The same, by person (ms)",
+    "calibrated": "The same, calibrated by each recording's first three, which are not scored (ms)",
     "window": "Reaches of people, each in its known window (ms)",
     "daily": "Daily life of people, who do not reach",
     "simulated": "Simulated reaches (ms)",
@@ -269,7 +271,7 @@ def _found(figures: Results) -> list[str]:
         figures["detector"],
         f"{figures['found']}/{count}" if count else "",
         "" if false is None else f"{false:.2f}",
-        *("{:.0f}, {:.0f}".format(*(figures[name] or (math.nan,) * 2)) for name in _BOUNDARIES),
+        *("{:.0f}, {:.0f}".format(*figures[name]) if figures[name] else "" for name in _BOUNDARIES),
     ]
 
 

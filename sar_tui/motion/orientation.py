@@ -42,11 +42,13 @@ NEAR = 0.15
 already.
 """
 TURNING = 0.3
-"""Share of the largest speed below which a hand near its start turns around, and does not just
-pass.
+"""A hand is back without any doubt if no more than this share of the largest angle is left there,
+and no more than this share of the largest speed, as where it turns around.
 """
-UNSEEN = 0.8
-"""Weight of a short rest that the samples begin with: most of it may not be seen, or none."""
+UNSEEN = 0.45
+"""Share of the largest speed that is assumed in a short rest with which the samples begin, as most
+of it may not be seen.
+"""
 TOO_LONG = 2.0
 """Multiple of the longest reach within which a hand must be back, or it was no reach."""
 LINGER_S = 1.2
@@ -76,6 +78,7 @@ class Excursion(NamedTuple):
 
     ``stop``: where the hand leaves again, or the end of the stretch. ``angle``: shape (stop -
     first,), rad, from the orientation at ``first``. ``axis``: that of the largest angle.
+    ``confidence``: see `reach.Reach`.
     """
 
     first: int
@@ -84,6 +87,7 @@ class Excursion(NamedTuple):
     stop: int
     angle: Floats
     axis: tuple[float, float, float]
+    confidence: float
 
     def later(self, samples: int) -> "Excursion":
         """Return it with its samples counted from further back."""
@@ -258,6 +262,7 @@ def _bounds(
         departure_s=departure_s,
         end_s=end_s,
         axis=excursion.axis,
+        confidence=excursion.confidence,
         flags=("reversed",) if is_reversed else (),
     )
 
@@ -324,7 +329,6 @@ def excursions(
     if not stops:
         return
     begins, ends = np.array([stop[:2] for stop in stops]).T
-    calm = [stop.calm for stop in stops]
     homes = np.maximum(begins, ends - round(JUST_BEFORE_S * rate_hz))
     path = np.cumsum(slow)
     farthest, linger = TOO_LONG * limits.longest_s * rate_hz, LINGER_S * rate_hz
@@ -343,9 +347,9 @@ def excursions(
             continue
         back, left = index + 1 + found[0], found[1]
         moved = float(path[begins[back]] - path[ends[index]])
-        total = (
-            best[index][0]
-            + moved * min(1.0, (1.0 - left) / (1.0 - TURNING)) * calm[index] * calm[back]
+        shares = (left, stops[index].speed, stops[back].speed)
+        total = best[index][0] + moved * math.prod(
+            min(1.0, (1.0 - share) / (1.0 - TURNING)) for share in shares
         )
         if total > best[back][0]:
             best[back] = total, (index, back)
@@ -364,18 +368,20 @@ def excursions(
         angle = quaternions.angle(turned)
         top = int(angle[: last - first].argmax())
         x, y, z = (quaternions.to_rotation(turned[top]) / angle[top]).tolist()
-        yield Excursion(first, first + top, last, stop, angle, (x, y, z))
+        left = min(1.0, float(angle[last - first] / angle[top]))
+        confidence = (1.0 - left) * (1.0 - stops[index].speed) * (1.0 - stops[back].speed)
+        yield Excursion(first, first + top, last, stop, angle, (x, y, z), confidence)
 
 
 class _Stop(NamedTuple):
     """A stretch in which the hand rests or turns around, from sample ``first`` to ``last``.
 
-    ``calm``: 1 at rest, less if the hand hardly slows down.
+    ``speed``: lowest speed as a share of the larger peak beside; 0 at rest.
     """
 
     first: int
     last: int
-    calm: float
+    speed: float
 
 
 def _stops(slow: Floats, rate_hz: float, limits: Limits) -> list[_Stop]:
@@ -400,11 +406,10 @@ def _stops(slow: Floats, rate_hz: float, limits: Limits) -> list[_Stop]:
         begin = first + int(before[-1]) + 1 if len(before) else first
         end = first + int(after[0]) - 1 if len(after) else last
         least = float(part[low])
-        share = 0.0 if least <= limits.still else least / float(max(sides))
-        calm = min(1.0, (1.0 - share) / (1.0 - TURNING))
+        speed = 0.0 if least <= limits.still else least / float(max(sides))
         if not first and end < limits.home_s * rate_hz:
-            calm *= UNSEEN
-        stops.append(_Stop(begin, end, calm))
+            speed = max(speed, UNSEEN)
+        stops.append(_Stop(begin, end, speed))
     return stops
 
 

@@ -56,8 +56,11 @@ be judged.
 """
 
 
-def plausible(found: Detected) -> Detected:
-    """Return what was found without the excursions that are no reach, by the module's rules."""
+def plausible(found: Detected, least_rad: float = LEAST_RAD) -> Detected:
+    """Return what was found without the excursions that are no reach, by the module's rules.
+
+    ``least_rad``: the smallest excursion of a reach.
+    """
     if not found.reaches:
         return found
     spectrum = found.spectrum or Spectrum(found.rate, found.rate_hz)
@@ -68,13 +71,19 @@ def plausible(found: Detected) -> Detected:
         reaches=tuple(
             bounds
             for bounds in found.reaches
-            if UNKNOWN in bounds.flags or _is_plausible(bounds, found, orientation, fast, slow)
+            if UNKNOWN in bounds.flags
+            or _is_plausible(bounds, found, least_rad, orientation, fast, slow)
         )
     )
 
 
 def _is_plausible(
-    bounds: Bounds, found: Detected, orientation: Floats, fast: Floats, slow: Floats
+    bounds: Bounds,
+    found: Detected,
+    least_rad: float,
+    orientation: Floats,
+    fast: Floats,
+    slow: Floats,
 ) -> bool:
     first, last = np.searchsorted(found.time_s, (bounds.onset_s, bounds.end_s)).tolist()
     last = max(first, min(last, len(orientation) - 1))
@@ -84,7 +93,7 @@ def _is_plausible(
     speed = slow[first : last + 1]
     path = float(speed.sum()) / found.rate_hz
     return (
-        _is_excursion(turned[:inside])
+        _is_excursion(turned[:inside], least_rad)
         and path <= min(PATH_SHARE * 2.0 * float(turned[:inside].max()), PATH_RAD)
         and _is_back(turned, inside)
         and _is_calm(
@@ -98,11 +107,12 @@ def _is_plausible(
     )
 
 
-def _is_excursion(turned: Floats) -> bool:
+def _is_excursion(turned: Floats, least_rad: float) -> bool:
     """Return True if an angle rises far enough and falls, without a large dent.
 
     Args:
         turned: angle from the orientation at the onset, rad, from there to the end.
+        least_rad: how far, rad.
     """
     top = int(turned.argmax())
     rise, fall = turned[: top + 1], turned[top:]
@@ -110,7 +120,7 @@ def _is_excursion(turned: Floats) -> bool:
         float((np.maximum.accumulate(rise) - rise).max()),
         float((fall - np.minimum.accumulate(fall)).max()),
     )
-    return float(turned[top]) >= LEAST_RAD and dent <= DENT_SHARE * float(turned[top])
+    return float(turned[top]) >= least_rad and dent <= DENT_SHARE * float(turned[top])
 
 
 def _is_back(turned: Floats, inside: int) -> bool:
