@@ -47,27 +47,35 @@ Way = tuple[float, float, int]
 
 def main() -> None:
     """Label all recordings, write the file, and print a summary."""
+    labels = labelled()
+    BY_RULE.write_text(_lines(labels))
+    for name, sets in labels["recordings"].items():
+        for each in sets:
+            print(name, each["manner"], len(each["reaches"]), "differ:", len(each["differences"]))
+    for name, off in labels["minus_by_eye_s"].items():
+        print(name, "passes minus labels by eye (median, s):", off)
+
+
+def labelled() -> dict[str, Any]:
+    """Return the content of the file."""
     by_eye = json.loads(BY_EYE.read_text())
     recordings, off = {}, {}
     for name in EXERCISES:
         recording = read_exercise(name)
-        sets = [label_set(recording, part) for part in sets_of(recording)]
+        parts = sets_of(recording)
         if name in by_eye:
             off[name] = {
                 which: compared(
-                    [times for part in sets_of(recording) for times in find(recording, part)],
-                    by_eye[name],
+                    [times for part in parts for times in find(recording, part)], by_eye[name]
                 )
                 for which, find in (("turns", turns), ("gravity", gravity))
             }
-            print(name, "passes minus labels by eye (median, s):", off[name])
             continue
         recordings[name] = [
-            {"manner": manner} | each for manner, each in zip(MANNERS, sets, strict=True)
+            {"manner": manner} | label_set(recording, part)
+            for manner, part in zip(MANNERS, parts, strict=True)
         ]
-        for each in recordings[name]:
-            print(name, each["manner"], len(each["reaches"]), "differ:", len(each["differences"]))
-    BY_RULE.write_text(_lines({"minus_by_eye_s": off, "recordings": recordings}))
+    return {"minus_by_eye_s": off, "recordings": recordings}
 
 
 def sets_of(recording: Recording) -> list[slice]:

@@ -33,6 +33,7 @@ from sar_tui.motion import quaternions
 from sar_tui.motion.analysis import AnalysisParameters, Window, analyse
 from sar_tui.motion.arrays import lengths
 from sar_tui.motion.detection import calibrated, detect
+from sar_tui.motion.detection import find as find_all
 from sar_tui.motion.detector_names import DetectorName
 from sar_tui.motion.orientation import OrientationParameters
 from sar_tui.motion.reach_kinds import KINDS
@@ -87,13 +88,13 @@ def measure(quick: bool, measured: Callable[[], None]) -> dict[str, Any]:
     }
     for name in exercises:
         for detector, find in DETECTORS.items():
-            found["open"] += _open(name, detector, find)
-            found["window"] += _windowed(name, detector)
+            found["open"] += in_the_open(name, detector, find)
+            found["window"] += in_windows(name, detector)
         own = [each for each in found["open"] if each.detector == OURS]
         found["people"] += [
             each._replace(kind=f"person {name[1]}") for each in own[-len(labels(name)) :]
         ]
-        found["calibrated"] += _open(name, OURS, _calibrated(name), CALIBRATING)
+        found["calibrated"] += in_the_open(name, OURS, _calibrated(name), CALIBRATING)
         measured()
     for name in daily:
         recording = read_daily_life(name)
@@ -197,7 +198,7 @@ DETECTORS: Mapping[str, Callable[[Recording], list[Times]]] = {
 # --- recordings
 
 
-def _open(
+def in_the_open(
     name: str, detector: str, find: Callable[[Recording], list[Times]], skipped: int = 0
 ) -> Iterator[Kind]:
     """Yield what a detector finds in each set of a recording, searched as a whole, without the
@@ -224,7 +225,7 @@ def _open(
         )  # fmt: skip
 
 
-def _windowed(name: str, detector: str) -> Iterator[Kind]:
+def in_windows(name: str, detector: str) -> Iterator[Kind]:
     """Yield what a detector finds in the windows around the reaches of each set."""
     recording = read_exercise(name)
     for part in labels(name):
@@ -293,20 +294,27 @@ def _simulated(kind: str, detector: str, people: int) -> Kind:
 
 
 def _watch() -> dict[str, Any] | None:
-    """Return how well sets of twenty repetitions with a watch are counted; None without them."""
+    """Return how well sets of twenty repetitions with a watch are counted, by the repetition counter
+    and as reaches that were asked for; None without them.
+    """
     package = importlib.util.find_spec("seglearn")
     if package is None or package.origin is None:
         return None
     path = Path(package.origin).parent / "data" / "watch_dataset.npy"
     data = np.load(path, allow_pickle=True).item()
-    off = []
+    counts: dict[str, list[int]] = {"repetitions": [], OURS: []}
     for samples in data["X"]:
-        counted = count_repetitions(samples[:, 3:], samples[:, :3], WATCH_HZ).count
-        off.append(abs(counted - WATCH_COUNT))
+        rate, acceleration = samples[:, 3:], samples[:, :3]
+        counts["repetitions"].append(count_repetitions(rate, acceleration, WATCH_HZ).count)
+        whole = Recording(np.arange(len(rate)) / WATCH_HZ, rate, acceleration)
+        counts[OURS].append(len(find_all(whole).reaches))
     return {
-        "sets": len(off),
-        "exact": sum(by == 0 for by in off),
-        "within_one": sum(by <= 1 for by in off),
+        by: {
+            "sets": len(each),
+            "exact": sum(count == WATCH_COUNT for count in each),
+            "within_one": sum(abs(count - WATCH_COUNT) <= 1 for count in each),
+        }
+        for by, each in counts.items()
     }
 
 

@@ -256,10 +256,10 @@ def _reaches(reaches: Results) -> dict[str, Rows]:
         for part, title in _REACHES.items()
     }
     if watch := reaches["watch"]:
-        counted = [str(watch[figure]) for figure in ("sets", "exact", "within_one")]
+        figures = ("sets", "exact", "within_one")
         found["Sets of 20 repetitions with a watch, counted"] = [
-            ["sets", "exact", "within one"],
-            counted,
+            ["by", "sets", "exact", "within one"],
+            *([by, *(str(each[figure]) for figure in figures)] for by, each in watch.items()),
         ]
     return found
 
