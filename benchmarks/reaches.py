@@ -322,7 +322,7 @@ def _watch() -> dict[str, Any] | None:
 
 
 def _kind(name: str, manner: str) -> str:
-    return f"exercise {name.split('_')[1][1:]}, {manner}"
+    return f"arm {name.split('_')[1][1:]}, {manner}"
 
 
 def _ends(label: Label) -> Times:
