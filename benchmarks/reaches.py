@@ -56,7 +56,7 @@ Times = tuple[float, float]
 
 
 class Kind(NamedTuple):
-    """What was found of one kind of movement, by one detector."""
+    """Results of one detector for one kind of movement."""
 
     kind: str
     detector: str

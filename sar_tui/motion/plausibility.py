@@ -36,7 +36,7 @@ PATH_SHARE, PATH_RAD = 3.0, 4.0 * math.pi
 """All its movements together turn the hand by at most this times the way out and back, and by a
 whole turn each way; walking somewhere and back, or a bout of a rhythm, by more.
 """
-CALM_SHARE = 0.2
+CALM_SHARE = 0.15
 """Share of the reach's largest speed that the hand has at most where it rests."""
 CALM_S = 0.4
 """Shortest rest before and after a reach, and at its target."""
