@@ -56,14 +56,16 @@ def measure(quick: bool, folder: Path, measured: Callable[[], None]) -> dict[str
     """
     seeds = 1 if quick else 5
     windows = [
-        _samples(simulate_reaches(kind, seed).recording) for kind in KINDS for seed in range(seeds)
+        as_samples(simulate_reaches(kind, seed).recording)
+        for kind in KINDS
+        for seed in range(seeds)
     ]
     analyses = [_analysis_ms(samples) for samples in windows]
     measured()
     bare = [_bare_ms(samples) for samples in windows]
     measured()
     pattern = folder / "reaches.npy"
-    np.save(pattern, _samples(simulate_reaches("lift-extend-touch", 5, count=6).recording))
+    np.save(pattern, as_samples(simulate_reaches("lift-extend-touch", 5, count=6).recording))
     runs: list[dict[str, Any]] = []
     for detector in _detectors(quick):
         for hours in FEW_HOURS if quick else HOURS:
@@ -97,7 +99,8 @@ def _detectors(quick: bool) -> list[DetectorName]:
     return ["orientation"] if quick else list(COLUMN_NAMES)
 
 
-def _samples(recording: Recording) -> Samples:
+def as_samples(recording: Recording) -> Samples:
+    """Return a recording as samples of a sensor."""
     samples = np.zeros(len(recording.time_s), dtype=SAMPLE)
     samples["at"] = 1_000_000_000 + np.round(recording.time_s * 1e9).astype(np.int64)
     samples["rate"] = recording.rate

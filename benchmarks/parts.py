@@ -15,6 +15,7 @@ from benchmarks import (
     motion,
     operator,
     paint,
+    reaches,
     response,
     sensor,
     simulate,
@@ -120,6 +121,12 @@ def _motion(extent: Extent) -> Any:
     )
 
 
+def _reaches(extent: Extent) -> Any:
+    return reaches.measure(
+        extent.quick, extent.progress("recordings of people", reaches.steps(extent.quick))
+    )
+
+
 PARTS: Mapping[str, Callable[[Extent], Any]] = {
     "response": _response,
     "frames": _frames,
@@ -131,6 +138,7 @@ PARTS: Mapping[str, Callable[[Extent], Any]] = {
     "export": _export,
     "merge": _merge,
     "motion": _motion,
+    "reaches": _reaches,
     "sensor": _sensor,
     "agent": _agent,
     "operator": _operator,

@@ -61,6 +61,7 @@ def checks(results: Results) -> dict[str, bool]:
         "export",
         "merge",
         "motion",
+        "reaches",
         "sensor",
         "agent",
         "operator",
@@ -237,6 +238,43 @@ def _motion(motion: Results) -> dict[str, Rows]:
     }
 
 
+_BOUNDARIES = ("onset_ms", "end_ms")
+_REACHES = {
+    "open": "Reaches of people, in an open stream (median error and p90, ms)",
+    "people": "The same, by person (ms)",
+    "calibrated": "The same, calibrated by each recording's first three, which are not scored (ms)",
+    "window": "Reaches of people, each in its known window (ms)",
+    "daily": "Daily life of people, who do not reach",
+    "simulated": "Simulated reaches (ms)",
+}
+
+
+def _reaches(reaches: Results) -> dict[str, Rows]:
+    head = ["movement", "detector", "found", "false/min", "onset, p90", "end, p90"]
+    found = {
+        title: [head, *(_found(figures) for figures in reaches[part])]
+        for part, title in _REACHES.items()
+    }
+    if watch := reaches["watch"]:
+        figures = ("sets", "exact", "within_one")
+        found["Sets of 20 repetitions with a watch, counted"] = [
+            ["by", "sets", "exact", "within one"],
+            *([by, *(str(each[figure]) for figure in figures)] for by, each in watch.items()),
+        ]
+    return found
+
+
+def _found(figures: Results) -> list[str]:
+    count, false = figures["reaches"], figures["false_a_minute"]
+    return [
+        figures["kind"],
+        figures["detector"],
+        f"{figures['found']}/{count}" if count else "",
+        "" if false is None else f"{false:.2f}",
+        *("{:.0f}, {:.0f}".format(*figures[name]) if figures[name] else "" for name in _BOUNDARIES),
+    ]
+
+
 def _sensor(sensor: Results) -> dict[str, Rows]:
     return {
         "A motion sensor's stream, with the session on the screen": [
@@ -306,6 +344,7 @@ _TABLES: Mapping[str, Callable[[Results], dict[str, Rows]]] = {
     "export": _export,
     "merge": _merge,
     "motion": _motion,
+    "reaches": _reaches,
     "sensor": _sensor,
     "agent": _agent,
     "operator": _operator,

@@ -110,6 +110,16 @@ def detect(
     one_way: Annotated[
         bool, typer.Option("--one-way", help="Find movements from rest to rest without a way back.")
     ] = False,
+    calibrate: Annotated[
+        int,
+        typer.Option(
+            "--calibrate",
+            min=0,
+            metavar="N",
+            help="Take the first N reaches found as the person's, and leave out much smaller or "
+            "longer movements; 0 for none.",
+        ),
+    ] = 0,
     rate: Annotated[Rate, typer.Option(help="Unit of the file's angular rates.")] = Rate.radians,
     acceleration: Annotated[
         Acceleration, typer.Option(help="Unit of its accelerations.")
@@ -126,11 +136,15 @@ def detect(
 
     from sar_tui.inputs.imu import SourceError
     from sar_tui.inputs.recording_file import Units
-    from sar_tui.motion.detection import detect_long
+    from sar_tui.motion.detection import calibrated, detect_long
 
     if one_way and (repetitions or detector != "orientation"):
         raise typer.BadParameter(
             "--one-way goes neither with --repetitions nor with another detector."
+        )
+    if calibrate and (repetitions or one_way or detector != "orientation"):
+        raise typer.BadParameter(
+            "--calibrate goes neither with --repetitions, --one-way nor another detector."
         )
     units = msgspec.convert({"rate": rate.value, "acceleration": acceleration.value}, Units)
     try:
@@ -141,6 +155,10 @@ def detect(
         with progress_line("Finding reaches") as show:
             blocks = speed.watch(_told(_blocks(file, units), show))
             found = detect_long(blocks, detector, hand.value, one_way=one_way)
+            if calibrate:
+                person = calibrated(found.reaches[:calibrate])
+                blocks = _told(_blocks(file, units), show)
+                found = detect_long(blocks, detector, hand.value, parameters=person)
     except (SourceError, ValueError) as error:
         raise Refused(str(error)) from error
     _refuse_mostly_missing(file, found.lasts_s, found.samples / found.rate_hz)

@@ -25,8 +25,10 @@ falls below the second share of its own.
 POINTS = 24
 """Number of points that the line is fitted to."""
 _EVENLY = np.linspace(0.0, 1.0, POINTS)
-TAIL = 0.02
-"""Share of the peak speed below which a movement is over."""
+SLOW, SETTLED, TAIL = 0.1, 0.05, 0.02
+"""Shares of the peak speed: a movement is over below the last; or below the second, if it takes longer
+from there to the last than from the first to the second, as the hand settles.
+"""
 
 
 def first_peak(speed: Floats, prominent: float = PROMINENT) -> int:
@@ -50,14 +52,15 @@ def onset(time_s: Floats, speed: Floats, floor: float = 0.0, level: float = 0.0)
 
     A movement may trail off more slowly: it lasts as long as its speed stays above 2 % of the peak
     (after Alt Murphy, Willén & Sunnerhagen 2011, Neurorehabil Neural Repair 25:71-80) and above
-    three times the noise. A movement that is fast from the first sample began there.
+    three times the noise. But a hand that stops falls from 5 to 2 % in less time than from 10 to 5
+    %, as minimum-jerk speed does; what lasts longer is the small movement in which it settles, and
+    does not count. A movement that is fast from the first sample began there.
 
     Args:
         time_s: shape (n,), rising or falling.
         speed: shape (n,), at least 0, its largest value last.
         floor: noise at rest; the fit begins above it.
-        level: the movement counts from this speed on, instead of from 0; and twice of it is where
-            it trails off.
+        level: the movement counts from this speed on, instead of from 0.
     """
     if len(speed) < 3 or speed[-1] <= 0:
         return float(time_s[0])
@@ -79,10 +82,18 @@ def onset(time_s: Floats, speed: Floats, floor: float = 0.0, level: float = 0.0)
     peak = float(speed[-1])
     begins = (1.0 - math.sqrt(1.0 - math.sqrt(min(level / peak, 1.0)))) / 2.0
     start = float(when.sum()) / POINTS - slope * (middle - begins)
-    tail = 2.0 * level / peak if level else TAIL
-    over = (relative < max(tail, 3.0 * floor / peak)).nonzero()[0]
-    trail = float(time_s[over[-1]]) if len(over) else float(time_s[0])
+    trail = float(time_s[_trail(relative, 3.0 * floor / peak)])
     return min(start, trail) if slope > 0 else max(start, trail)
+
+
+def _trail(relative: Floats, noise: float) -> int:
+    """Return where a movement begins that trails off slowly; its peak, 1, is the last."""
+    last = len(relative) - 1
+    slow, settled, over = (
+        last - int(below[-1]) if len(below := (relative < share).nonzero()[0]) else last
+        for share in (max(SLOW, noise), max(SETTLED, noise), max(TAIL, noise))
+    )
+    return last - min(over, settled + (settled - slow))
 
 
 def edges(

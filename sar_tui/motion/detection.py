@@ -12,7 +12,7 @@ import numpy as np
 
 from sar_tui.motion import fixed_threshold, one_way, orientation, single_axis
 from sar_tui.motion.measures import measure
-from sar_tui.motion.plausibility import plausible
+from sar_tui.motion.plausibility import LEAST_RAD, plausible
 from sar_tui.motion.reach import Bounds, Detected, Hand, Reach
 from sar_tui.motion.rest import Grid
 from sar_tui.motion.samples import Recording, Samples, join, recording
@@ -140,9 +140,9 @@ class Detector(NamedTuple):
 
 DETECTORS: dict[str, Detector] = {
     "orientation": Detector(
-        "1", orientation.OrientationParameters, orientation.find, is_quiet=True
+        "2", orientation.OrientationParameters, orientation.find, is_quiet=True
     ),
-    "single-axis": Detector("1", single_axis.SingleAxisParameters, single_axis.find),
+    "single-axis": Detector("2", single_axis.SingleAxisParameters, single_axis.find),
     "fixed-threshold": Detector(
         "1", fixed_threshold.FixedThresholdParameters, fixed_threshold.find
     ),
@@ -170,7 +170,8 @@ def detect(
     Args:
         recording: the samples; best with at least a second of rest before the reach.
         detector: a name in ``DETECTORS``, or one of its earlier names.
-        parameters: of that detector's type; its defaults if None.
+        parameters: of that detector's type, such as those of a person (`calibrated`); its defaults
+            if None, and then a smaller turn than `plausibility.LEAST_RAD` is no reach.
         hand: the hand with the sensor.
         since_s: reaches that begin earlier are left out, as they were found in an earlier part.
 
@@ -178,9 +179,31 @@ def detect(
     rate.
     """
     found = find(recording, detector, parameters, hand)
-    is_quiet = DETECTORS[detector].is_quiet
-    likely = plausible(found) if is_quiet else found
+    likely = found
+    if DETECTORS[detector].is_quiet:
+        least_rad = LEAST_RAD if parameters is None else getattr(parameters, "least_rad", LEAST_RAD)
+        likely = plausible(found, least_rad)
     return measure(likely._replace(reaches=apart(likely.reaches, since_s)), recording)
+
+
+LEAST_SHARE, LONGEST_SHARE = 1 / 3, 3.0
+"""A person's reaches turn the hand by at least the first share of the smallest calibrating one, and
+last at most the second share of the longest.
+"""
+
+
+def calibrated(reaches: Sequence[Reach]) -> orientation.OrientationParameters:
+    """Return the parameters for a person, of whom some reaches are known; three are enough.
+
+    Raises ValueError for none that was measured.
+    """
+    turned_deg = [reach.excursion_deg for reach in reaches if reach.excursion_deg]
+    if not turned_deg:
+        raise ValueError("There is no reach to calibrate with.")
+    return orientation.OrientationParameters(
+        least_rad=LEAST_SHARE * math.radians(min(turned_deg)),
+        longest_s=LONGEST_SHARE * max(reach.reach_time_s for reach in reaches),
+    )
 
 
 def detect_one_way(recording: Recording, since_s: float = -math.inf) -> tuple[Reach, ...]:
@@ -245,6 +268,7 @@ def detect_long(
     window: int = WINDOW,
     *,
     one_way: bool = False,
+    parameters: msgspec.Struct | None = None,
 ) -> LongDetection:
     """Find and measure the reaches in samples that come in blocks.
 
@@ -254,13 +278,12 @@ def detect_long(
     cut off at its end.
 
     With ``one_way`` it finds movements without a way back (`detection.detect_one_way`), whatever
-    the detector.
+    the detector. ``parameters`` are as for `detection.detect`.
 
     Raises ValueError for no samples, and as `detection.detect`.
     """
-    windows = _Windows(
-        detect_one_way if one_way else partial(detect, detector=detector, hand=hand), window
-    )
+    of_any_kind = partial(detect, detector=detector, parameters=parameters, hand=hand)
+    windows = _Windows(detect_one_way if one_way else of_any_kind, window)
     for block in blocks:
         windows.add(block)
     return windows.finish()

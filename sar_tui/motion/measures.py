@@ -174,6 +174,7 @@ def _measured(
         ldlj_out=ldlj(way_out, rate_hz) if is_out_long else None,
         ldlj_back=ldlj(way_back, rate_hz) if is_back_long else None,
         tremor_index=None,
+        confidence=bounds.confidence,
         flags=tuple(dict.fromkeys((*bounds.flags, *flags))),
     )
 

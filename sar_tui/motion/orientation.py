@@ -4,6 +4,7 @@ about whatever axes.
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import NamedTuple
 
 import msgspec
@@ -11,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sar_tui.motion import quaternions
-from sar_tui.motion.arrays import changes, lengths, order_statistic
+from sar_tui.motion.arrays import lengths, order_statistic, turning_points
 from sar_tui.motion.boundaries import checked, first_peak, onset, stretches
 from sar_tui.motion.filters import usable_cutoff
 from sar_tui.motion.reach import OUTWARDS, Bounds, Detected, Hand
@@ -26,7 +27,7 @@ FAR = 0.8
 """Share of the excursion beyond which the hand counts as at its target."""
 MOVING = 0.01
 """A way lasts while the hand turns at this share of the way's largest rate, or more."""
-SUBMOVEMENT = 0.05
+SUBMOVEMENT = 0.1
 """Least peak of a submovement that begins or ends a reach, as a share of the reach's peak."""
 NOISE = 1.8
 """95th percentile of the norm of normal noise on three axes, as a multiple of its median (slow ends
@@ -41,8 +42,12 @@ NEAR = 0.15
 already.
 """
 TURNING = 0.3
-"""Share of the largest speed below which a hand near its start turns around, and does not just
-pass.
+"""A hand is back without any doubt if no more than this share of the largest angle is left there,
+and no more than this share of the largest speed, as where it turns around.
+"""
+UNSEEN = 0.45
+"""Share of the largest speed that is assumed in a short rest with which the samples begin, as most
+of it may not be seen.
 """
 TOO_LONG = 2.0
 """Multiple of the longest reach within which a hand must be back, or it was no reach."""
@@ -50,18 +55,17 @@ LINGER_S = 1.2
 """Longest time from a stop on the way back until the hand is nearer to its start, as a cup is put
 down in between.
 """
-HOME_S = 0.3
-"""Shortest rest from which a reach starts, if it is not the one that ended the reach before."""
 JUST_BEFORE_S = 0.1
 """Time before the end of a rest at which its orientation is taken."""
 
 
 class Limits(NamedTuple):
-    """Definitions: a hand at rest is slower than ``still`` (rad/s); ``home_s`` is the shortest
-    first rest from which a reach starts; for the others see `OrientationParameters`.
+    """Definitions: a hand at rest is slower than ``still`` (rad/s); where it turns around it is
+    slower than a share ``slower`` of the peaks beside; for the others see `OrientationParameters`.
     """
 
     still: float
+    slower: float
     least_rad: float
     return_share: float
     longest_s: float
@@ -74,6 +78,7 @@ class Excursion(NamedTuple):
 
     ``stop``: where the hand leaves again, or the end of the stretch. ``angle``: shape (stop -
     first,), rad, from the orientation at ``first``. ``axis``: that of the largest angle.
+    ``confidence``: see `reach.Reach`.
     """
 
     first: int
@@ -82,6 +87,7 @@ class Excursion(NamedTuple):
     stop: int
     angle: Floats
     axis: tuple[float, float, float]
+    confidence: float
 
     def later(self, samples: int) -> "Excursion":
         """Return it with its samples counted from further back."""
@@ -103,8 +109,8 @@ class OrientationParameters(msgspec.Struct, frozen=True, kw_only=True):
         pause_s: a shorter pause does not end a movement.
         dwell_s: the longest rest at the target within a reach.
         longest_s: longest reach; a longer one is cut off.
-        home_s: shortest rest from which the first reach starts, where the recording is known to
-            begin there; unset, it needs as long a rest as each other.
+        home_s: shortest rest with which the recording may begin that shows that it begins at home;
+            0 if it is known to.
     """
 
     cutoff_hz: float = 8.0
@@ -112,12 +118,12 @@ class OrientationParameters(msgspec.Struct, frozen=True, kw_only=True):
     begin_rad_s: float = 0.1
     end_rad_s: float = 0.05
     least_rad: float = 0.1
-    return_share: float = 0.4
+    return_share: float = 0.5
     shortest_s: float = 0.4
     pause_s: float = 0.4
     dwell_s: float = 5.0
     longest_s: float = 15.0
-    home_s: float | msgspec.UnsetType = msgspec.UNSET
+    home_s: float = 0.3
 
 
 class _Motion(NamedTuple):
@@ -193,10 +199,11 @@ def _reaches(
     earliest = first
     limits = Limits(
         still=motion.end,
+        slower=motion.end / motion.begin,
         least_rad=parameters.least_rad,
         return_share=parameters.return_share,
         longest_s=parameters.longest_s,
-        home_s=HOME_S if parameters.home_s is msgspec.UNSET else parameters.home_s,
+        home_s=parameters.home_s,
     )
     for excursion in excursions(orientation, motion.slow[first:last], grid.rate_hz, limits):
         bounds = _bounds(motion, excursion.later(first), earliest, parameters, hand)
@@ -255,6 +262,7 @@ def _bounds(
         departure_s=departure_s,
         end_s=end_s,
         axis=excursion.axis,
+        confidence=excursion.confidence,
         flags=("reversed",) if is_reversed else (),
     )
 
@@ -302,10 +310,14 @@ def _edges(motion: _Motion, earliest: int, first: int, last: int, stop: int) -> 
 def excursions(
     orientation: Floats, slow: Floats, rate_hz: float, limits: Limits
 ) -> Iterator[Excursion]:
-    """Yield the turns away from an orientation at rest and back, in order of time.
+    """Yield the turns away from an orientation and back that explain most of the movement, in order
+    of time.
 
-    A stretch that begins in movement may begin on a way back, so its first home is found from its
-    end, backwards.
+    The hand stops, or turns around, where its speed is low beside the movements before and after.
+    From each such stop, a turn leads to the first stop at which little of the largest angle is
+    left. Of all sets of turns that do not overlap, the one whose movement is largest is taken, each
+    weighted by how far it comes back and how calm the hand is at both ends (dynamic programming
+    over the stops). So a return is not taken for a way out: one reach less would fit.
 
     Args:
         orientation: quaternions, shape (n, 4), relative to any orientation.
@@ -313,110 +325,117 @@ def excursions(
         rate_hz: samples per second.
         limits: definitions of rest and of an excursion.
     """
-    homes = _homes(slow <= limits.still, rate_hz, limits.home_s)
-    if slow[0] > limits.still >= slow[-1]:
-        backwards = list(_chains(orientation[::-1], slow[::-1], [0], rate_hz, limits))
-        first = len(slow) - 1 - (backwards[-1].last if backwards else 0)
-        homes = [first, *(home for home in homes if home > first)]
-    yield from _chains(orientation, slow, homes, rate_hz, limits)
-
-
-def _chains(
-    orientation: Floats, slow: Floats, homes: list[int], rate_hz: float, limits: Limits
-) -> Iterator[Excursion]:
-    """Yield the turns away from a home and back, and from there again.
-
-    A rest from which the hand does not come back was not the start of a reach: the next one is
-    tried.
-    """
-    at, farthest = 0, round(TOO_LONG * limits.longest_s * rate_hz)
-    for home in homes:
-        start = home
-        while start >= at:
-            ahead = slice(start, start + farthest)
-            found = _excursion_from(orientation[ahead], slow[ahead], LINGER_S * rate_hz, limits)
-            if found is None:
-                break
-            yield found.later(start)
-            at = start = start + found.last
-
-
-def _homes(resting: npt.NDArray[np.bool_], rate_hz: float, first_s: float) -> list[int]:
-    """Return the samples at which a reach may start: just before the end of each rest that is no
-    mere turn.
-
-    A rest with which the samples begin may be shorter than others: ``first_s``.
-    """
-    edges = changes(resting)
-    rests = zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
-    shortest, before = HOME_S * rate_hz, round(JUST_BEFORE_S * rate_hz)
-    return [
-        max(first, last - 1 - before)
-        for first, last in rests
-        if last - first >= (first_s * rate_hz if first <= shortest else shortest)
-    ] or [0]
-
-
-def _excursion_from(
-    orientation: Floats, slow: Floats, linger: float, limits: Limits
-) -> Excursion | None:
-    """Return the first turn away from the orientation at the first sample and back; None without a
-    way back.
-
-    A stop on the way back, of which less than ``linger`` samples pass before the hand is nearer,
-    does not end it.
-    """
-    turned = quaternions.multiply(quaternions.conjugate(orientation[0]), orientation)
-    angle = quaternions.angle(turned)
-    highest = np.maximum.accumulate(angle)
-    back = ((highest >= limits.least_rad) & (angle <= limits.return_share * highest)).nonzero()[0]
-    at = 0
-    while (index := int(np.searchsorted(back, at))) < len(back):
-        came = int(back[index])
-        largest = float(highest[came])
-        leaves = _leaves(angle, came, limits.return_share * largest)
-        if _is_back(
-            angle[came:leaves], slow[came:leaves], limits.still, largest, float(slow[:leaves].max())
-        ):
-            rests = (slow[came:leaves] <= limits.still).nonzero()[0]
-            last = came + (
-                _settles(angle[came:leaves], rests, NEAR * largest, linger)
-                if len(rests)
-                else int(angle[came:leaves].argmin())
+    stops = _stops(slow, rate_hz, limits)
+    if not stops:
+        return
+    begins, ends = np.array([stop[:2] for stop in stops]).T
+    homes = np.maximum(begins, ends - round(JUST_BEFORE_S * rate_hz))
+    path = np.cumsum(slow)
+    farthest, linger = TOO_LONG * limits.longest_s * rate_hz, LINGER_S * rate_hz
+    best: list[tuple[float, tuple[int, int] | None]] = [(0.0, None) for _ in stops]
+    for index, home in enumerate(homes.tolist()):
+        if index and best[index - 1][0] >= best[index][0]:
+            best[index] = best[index - 1][0], None
+        later = slice(index + 1, int(np.searchsorted(begins, home + farthest)))
+        away = quaternions.angle(
+            quaternions.multiply(
+                quaternions.conjugate(orientation[home]), orientation[begins[later]]
             )
-            stop = min(leaves, _leaves(angle, last, NEAR * largest)) if len(rests) else last + 1
-            top = int(angle[:came].argmax())
-            x, y, z = (quaternions.to_rotation(turned[top]) / angle[top]).tolist()
-            return Excursion(0, top, last, stop, angle[:stop], (x, y, z))
-        at = leaves
-    return None
+        )
+        found = _return(away, begins[later], ends[later], linger, limits)
+        if found is None:
+            continue
+        back, left = index + 1 + found[0], found[1]
+        moved = float(path[begins[back]] - path[ends[index]])
+        shares = (left, stops[index].speed, stops[back].speed)
+        total = best[index][0] + moved * math.prod(
+            min(1.0, (1.0 - share) / (1.0 - TURNING)) for share in shares
+        )
+        if total > best[back][0]:
+            best[back] = total, (index, back)
+    chosen = []
+    at = len(stops) - 1
+    while at >= 0:
+        pair = best[at][1]
+        if pair is not None:
+            chosen.append(pair)
+        at = at - 1 if pair is None else pair[0]
+    for index, back in reversed(chosen):
+        first, last, stop = int(homes[index]), int(begins[back]), int(ends[back]) + 1
+        turned = quaternions.multiply(
+            quaternions.conjugate(orientation[first]), orientation[first:stop]
+        )
+        angle = quaternions.angle(turned)
+        top = int(angle[: last - first].argmax())
+        x, y, z = (quaternions.to_rotation(turned[top]) / angle[top]).tolist()
+        left = min(1.0, float(angle[last - first] / angle[top]))
+        confidence = (1.0 - left) * (1.0 - stops[index].speed) * (1.0 - stops[back].speed)
+        yield Excursion(first, first + top, last, stop, angle, (x, y, z), confidence)
 
 
-def _settles(angle: Floats, rests: npt.NDArray[np.intp], by: float, linger: float) -> int:
-    """Return the first of some samples at rest from which the angle does not soon fall further."""
-    at = int(rests[0])
-    while True:
-        nearer = (angle[at:] <= angle[at] - by).nonzero()[0]
-        if not len(nearer) or nearer[0] > linger:
-            return at
-        later = rests[rests >= at + nearer[0]]
-        if not len(later):
-            return at
-        at = int(later[0])
+class _Stop(NamedTuple):
+    """A stretch in which the hand rests or turns around, from sample ``first`` to ``last``.
 
-
-def _leaves(angle: Floats, since: int, by: float) -> int:
-    """Return where an angle has risen by so much above its lowest since a sample; the number of
-    samples if nowhere.
+    ``speed``: lowest speed as a share of the larger peak beside; 0 at rest.
     """
-    lowest = np.minimum.accumulate(angle[since:])
-    leaves = (angle[since:] > lowest + by).nonzero()[0]
-    return since + int(leaves[0]) if len(leaves) else len(angle)
+
+    first: int
+    last: int
+    speed: float
 
 
-def _is_back(angle: Floats, slow: Floats, still: float, largest: float, fastest: float) -> bool:
-    """Return True if the hand stops near its start, or turns around there, instead of passing on
-    its way.
+def _stops(slow: Floats, rate_hz: float, limits: Limits) -> list[_Stop]:
+    """Return the stretches in which the hand rests or turns around, in order of time.
+
+    The speed there is a share ``limits.slower`` or less of the peaks before and after.
     """
-    speed = float(slow.min())
-    return speed <= still or (float(angle.min()) <= NEAR * largest and speed <= TURNING * fastest)
+    level = np.log(np.maximum(slow, limits.still))
+    turns = turning_points(level.tolist(), -math.log(limits.slower))
+    if not turns:
+        return []
+    peaks = turns[1::2] if level[turns[0]] < level[turns[1]] else turns[::2]
+    edges = [0, *peaks, len(slow) - 1]
+    stops = []
+    for first, last in pairwise(edges):
+        part = slow[first : last + 1]
+        sides = [slow[peak] for peak in (first, last) if peak in peaks]
+        low = int(part.argmin())
+        most = max(limits.still, float(part[low]), SUBMOVEMENT * float(min(sides)))
+        above = (part > most).nonzero()[0]
+        before, after = above[above < low], above[above > low]
+        begin = first + int(before[-1]) + 1 if len(before) else first
+        end = first + int(after[0]) - 1 if len(after) else last
+        least = float(part[low])
+        speed = 0.0 if least <= limits.still else least / float(max(sides))
+        if not first and end < limits.home_s * rate_hz:
+            speed = max(speed, UNSEEN)
+        stops.append(_Stop(begin, end, speed))
+    return stops
+
+
+def _return(
+    away: Floats,
+    begins: npt.NDArray[np.intp],
+    ends: npt.NDArray[np.intp],
+    linger: float,
+    limits: Limits,
+) -> tuple[int, float] | None:
+    """Return the index of the stop at which the hand is back, and the share of the largest angle
+    that is left there; None if it does not come back.
+
+    A stop of at most ``linger`` samples on the way back, after which the hand comes nearer, does
+    not end it.
+    """
+    largest = np.maximum.accumulate(away)
+    near = limits.return_share * largest
+    back = ((largest >= limits.least_rad) & (away <= near)).nonzero()[0]
+    if not len(back):
+        return None
+    at = int(back[0])
+    most = float(largest[at])
+    for index in range(at + 1, len(away)):
+        if away[index] > limits.return_share * most or ends[at] - begins[at] > linger:
+            break
+        if away[index] <= away[at] - SUBMOVEMENT * most:
+            at = index
+    return at, float(away[at]) / most

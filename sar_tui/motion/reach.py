@@ -19,6 +19,9 @@ class Reach(msgspec.Struct, frozen=True, kw_only=True):
     is too short. ``tremor_index``: the share of 3-12 Hz in the reach's movement power, 0 to 1.
     ``flags``: warnings such as ``no_rest``, ``gap``, ``saturated``, ``cut``.
 
+    ``confidence``, 0 to 1: how far the hand comes back, times how still it is before the reach and
+    after; None from other detectors than ``orientation``.
+
     ``excursion_deg``: the largest angle from the orientation at the onset. ``straightness``: the
     angle between the orientations at onset and arrival as a share of the path between them, 0 to 1.
     ``return_error_deg``: the angle between those at onset and end; None without a way back.
@@ -53,6 +56,7 @@ class Reach(msgspec.Struct, frozen=True, kw_only=True):
     tremor_rest_hz: float | None = None
     tremor_rest_rad_s: float | None = None
     tremor_action_rad_s: float | None = None
+    confidence: float | None = None
     flags: tuple[str, ...] = ()
 
 
@@ -68,7 +72,7 @@ class Bounds(msgspec.Struct, frozen=True, kw_only=True):
 
     ``arrival_s`` and ``departure_s``: when the hand arrives at the target and leaves it; equal, or
     slightly reversed, if it does not rest there. ``axis``: unit vector in the sensor's axes;
-    rotation about it is positive on the way out. ``flags``: see Reach.
+    rotation about it is positive on the way out. ``confidence``, ``flags``: see Reach.
     """
 
     onset_s: float
@@ -76,6 +80,7 @@ class Bounds(msgspec.Struct, frozen=True, kw_only=True):
     departure_s: float
     end_s: float
     axis: tuple[float, float, float]
+    confidence: float | None = None
     flags: tuple[str, ...] = ()
 
 

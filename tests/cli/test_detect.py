@@ -179,3 +179,25 @@ def test_reaches_without_a_way_back_have_no_measures_of_it(call: Call, write: Wr
     of_the_way_back = ("turn_s", "back_s", "dwell_s", "peak_return_rad_s", "sparc_back")
     assert {reach[name] for name in of_the_way_back} == {None}
     call("detect", path, "--one-way").shows("One reach in")
+
+
+def test_the_first_reaches_of_a_person_leave_out_movements_that_are_much_smaller(
+    call: Call, recorded: list[Row], write: Write
+) -> None:
+    found = reaches(call, SAMPLE)
+    assert reaches(call, SAMPLE, "--calibrate", "3") == found
+    one = next(reach for reach in found if reach["excursion_deg"] > 60)
+    own = [row for row in recorded if one["onset_s"] - 1.0 < row["t"] < one["end_s"] + 1.0]
+    lasts_s = own[-1]["t"] - own[0]["t"] + 0.008
+    rows = [
+        {name: share * value if name[0] == "w" else value for name, value in row.items()}
+        | {"t": row["t"] + number * lasts_s}
+        for number, share in enumerate((1.0, 1.0, 0.3))
+        for row in own
+    ]
+    both = write(rows)
+    assert len(reaches(call, both)) == 3
+    assert len(reaches(call, both, "--calibrate", "2")) == 2
+    call("detect", both, "--calibrate", "3", "--one-way").refused("--calibrate goes neither with")
+    still = write([{"t": row["t"], "wx": 0.0, "wy": 0.0, "wz": 0.0} for row in recorded])
+    call("detect", still, "--calibrate", "3").refused("no reach to calibrate with")

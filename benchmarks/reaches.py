@@ -1,0 +1,374 @@
+"""Reaches of people found and timed: by the product, by the thesis' fixed threshold, and by a
+published method, on the recordings in ``tests/data/real-reaches`` and on simulated reaches.
+
+In the *open stream* a detector searches a whole recording. In the *known window* it searches
+the time around one labelled reach, as in a session. A reach is found if it shares with a label at
+least half of the longer one's time. With *calibration* the product knows the recording's first
+three labelled reaches, which are not scored.
+
+The published method is zero-velocity detection by the energy of the angular rate (Skog, Händel,
+Nilsson & Rantakokko 2010, IEEE Trans Biomed Eng 57:2657-2666). Movements between still stretches
+are ways, and two in a row that turn the hand opposite ways are a reach.
+"""
+
+import importlib.util
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from benchmarks.motion import as_samples
+from benchmarks.real_recordings import (
+    DAILY_LIFE,
+    EXERCISES,
+    Label,
+    labels,
+    read_daily_life,
+    read_exercise,
+)
+from sar_tui.motion import quaternions
+from sar_tui.motion.analysis import AnalysisParameters, Window, analyse
+from sar_tui.motion.arrays import lengths
+from sar_tui.motion.detection import calibrated, detect
+from sar_tui.motion.detection import find as find_all
+from sar_tui.motion.detector_names import DetectorName
+from sar_tui.motion.orientation import OrientationParameters
+from sar_tui.motion.reach_kinds import KINDS
+from sar_tui.motion.repetitions import count_repetitions
+from sar_tui.motion.rest import even
+from sar_tui.motion.samples import Recording
+from sar_tui.motion.trajectories import simulate_reaches
+
+OURS: DetectorName = "orientation"
+SHARED = 0.5
+CALIBRATING = 3
+KNOWN_SHARE, OPEN_SHARE, MOST_FALSE = 0.95, 0.9, 0.5
+MOST_END_MS, MOST_TRUE_END_MS = 200.0, 80.0
+AROUND_S = 2.0
+WATCH_HZ, WATCH_COUNT = 50.0, 20
+WINDOW_S, STILL_RAD_S = 0.2, 0.2
+LEAST_RAD, DWELL_S = math.radians(10), 5.0
+Times = tuple[float, float]
+"""Onset and end of a reach, in s."""
+
+
+class Kind(NamedTuple):
+    """Results of one detector for one kind of movement."""
+
+    kind: str
+    detector: str
+    reaches: int
+    found: int
+    false: int
+    minutes: float
+    onset_s: Sequence[float]
+    end_s: Sequence[float]
+
+    def figures(self) -> dict[str, Any]:
+        """Return it with errors as median and 90th percentile of the absolute value, in ms."""
+        return {
+            "kind": self.kind,
+            "detector": self.detector,
+            "reaches": self.reaches,
+            "found": self.found,
+            "false_a_minute": self.false / self.minutes if self.minutes else None,
+            "onset_ms": _error(self.onset_s),
+            "end_ms": _error(self.end_s),
+        }
+
+
+def measure(quick: bool, measured: Callable[[], None]) -> dict[str, Any]:
+    """Return all figures; ``measured`` is called after each recording."""
+    exercises, daily = (EXERCISES[:2], DAILY_LIFE[:2]) if quick else (EXERCISES, DAILY_LIFE)
+    found: dict[str, list[Kind]] = {
+        name: [] for name in ("open", "people", "window", "calibrated", "daily")
+    }
+    for name in exercises:
+        for detector, find in DETECTORS.items():
+            found["open"] += in_the_open(name, detector, find)
+            found["window"] += in_windows(name, detector)
+        own = [each for each in found["open"] if each.detector == OURS]
+        found["people"] += [
+            each._replace(kind=f"person {name[1]}") for each in own[-len(labels(name)) :]
+        ]
+        found["calibrated"] += in_the_open(name, OURS, _calibrated(name), CALIBRATING)
+        measured()
+    for name in daily:
+        recording = read_daily_life(name)
+        minutes = float(recording.time_s[-1] - recording.time_s[0]) / 60
+        for detector, find in DETECTORS.items():
+            false = len(find(recording))
+            found["daily"].append(Kind("daily life", detector, 0, 0, false, minutes, [], []))
+        measured()
+    simulated = [
+        _simulated(kind, detector, 2 if quick else 20) for kind in KINDS for detector in DETECTORS
+    ]
+    measured()
+    found["simulated"] = simulated
+    figures = {name: [each.figures() for each in _joined(kinds)] for name, kinds in found.items()}
+    return figures | {"watch": _watch(), "checks": _checks(figures)}
+
+
+def steps(quick: bool) -> int:
+    """Return the number of calls of ``measured``."""
+    return 5 if quick else len(EXERCISES) + len(DAILY_LIFE) + 1
+
+
+def _checks(figures: Mapping[str, Sequence[Mapping[str, Any]]]) -> dict[str, bool]:
+    """Return whether the product's own detector reaches its goals, by name."""
+    ours = {
+        part: next(each for each in reversed(rows) if each["detector"] == OURS)
+        for part, rows in figures.items()
+    }
+    found = {part: ours[part]["found"] / ours[part]["reaches"] for part in ("open", "window")}
+    ends = {part: abs((ours[part]["end_ms"] or [math.inf])[0]) for part in ("open", "simulated")}
+    return {
+        f"reaches: at least {KNOWN_SHARE:.0%} found in a known window": found["window"]
+        >= KNOWN_SHARE,
+        f"reaches: at least {OPEN_SHARE:.0%} found in an open stream": found["open"] >= OPEN_SHARE,
+        f"reaches: at most {MOST_FALSE:g} a minute in daily life": ours["daily"]["false_a_minute"]
+        <= MOST_FALSE,
+        f"reaches: median error of ends at most {MOST_END_MS:g} ms": ends["open"] <= MOST_END_MS,
+        f"reaches: that of simulated ones at most {MOST_TRUE_END_MS:g} ms": ends["simulated"]
+        <= MOST_TRUE_END_MS,
+    }
+
+
+# --- detectors
+
+
+def _by(detector: DetectorName) -> Callable[[Recording], list[Times]]:
+    return lambda recording: [(reach.onset_s, reach.end_s) for reach in detect(recording, detector)]
+
+
+def _calibrated(name: str) -> Callable[[Recording], list[Times]]:
+    """Return our detector with the parameters of the person whose first reaches in a recording are
+    known.
+    """
+    first = labels(name)[0].reaches[:CALIBRATING]
+
+    def find(recording: Recording) -> list[Times]:
+        known = [
+            reach
+            for reach in detect(recording)
+            if any(_is_same((reach.onset_s, reach.end_s), label) for label in first)
+        ]
+        return [
+            (reach.onset_s, reach.end_s) for reach in detect(recording, OURS, calibrated(known))
+        ]
+
+    return find
+
+
+def zero_velocity(recording: Recording) -> list[Times]:
+    """Return reaches by zero-velocity detection, in order of time."""
+    grid = even(recording)
+    rate = grid.rate - np.median(grid.rate, axis=0)
+    size = max(1, round(WINDOW_S * grid.rate_hz))
+    energy = np.convolve((rate**2).sum(axis=1), np.ones(size) / size, "same")
+    moving = np.concatenate(([False], energy > STILL_RAD_S**2, [False]))
+    edges = np.flatnonzero(np.diff(moving.astype(int)))
+    orientation = quaternions.integrate(rate, 1.0 / grid.rate_hz)
+    ways = []
+    for first, stop in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+        turned = quaternions.multiply(
+            quaternions.conjugate(orientation[first]), orientation[stop - 1]
+        )
+        vector = quaternions.to_rotation(turned[None])[0]
+        if float(lengths(vector[None])[0]) >= LEAST_RAD:
+            ways.append((float(grid.time_s[first]), float(grid.time_s[stop - 1]), vector))
+    found: list[Times] = []
+    for (out_s, arrival_s, out), (departure_s, end_s, back) in pairwise(ways):
+        is_next = not found or out_s >= found[-1][1]
+        if is_next and departure_s - arrival_s <= DWELL_S and float(out @ back) < 0:
+            found.append((out_s, end_s))
+    return found
+
+
+DETECTORS: Mapping[str, Callable[[Recording], list[Times]]] = {
+    "orientation": _by("orientation"),
+    "fixed-threshold": _by("fixed-threshold"),
+    "zero-velocity": zero_velocity,
+}
+
+
+# --- recordings
+
+
+def in_the_open(
+    name: str, detector: str, find: Callable[[Recording], list[Times]], skipped: int = 0
+) -> Iterator[Kind]:
+    """Yield what a detector finds in each set of a recording, searched as a whole, without the
+    first reaches of the first set.
+    """
+    found = find(read_exercise(name))
+    for part in labels(name):
+        reaches = part.reaches[skipped:]
+        from_s = _ends(reaches[0])[0] - AROUND_S / 2 if skipped else part.from_s
+        skipped = 0
+        inside = [times for times in found if from_s <= sum(times) / 2 <= part.to_s]
+        pairs = [(times, label) for label in reaches for times in inside if _is_same(times, label)]
+        known = {times for times, _ in pairs}
+        false = [
+            times
+            for times in inside
+            if times not in known and not any(_overlap(times, each) > 0 for each in part.doubtful)
+        ]
+        yield Kind(
+            _kind(name, part.manner), detector, len(reaches), len({label for _, label in pairs}),
+            len(false), (part.to_s - from_s) / 60,
+            [times[0] - label.onset_s for times, label in pairs],
+            [times[1] - label.end_s for times, label in pairs],
+        )  # fmt: skip
+
+
+def in_windows(name: str, detector: str) -> Iterator[Kind]:
+    """Yield what a detector finds in the windows around the reaches of each set."""
+    recording = read_exercise(name)
+    for part in labels(name):
+        pairs = []
+        for index, label in enumerate(part.reaches):
+            onset_s, end_s = _ends(label)
+            before = _ends(part.reaches[index - 1])[1] if index else -math.inf
+            after = _ends(part.reaches[index + 1])[0] if index + 1 < len(part.reaches) else math.inf
+            from_s = max(onset_s - AROUND_S, min(before, onset_s - 0.1))
+            to_s = min(end_s + AROUND_S, max(after, end_s + 0.1))
+            times = _in_window(recording, detector, from_s, onset_s, to_s)
+            if times and _is_same(times, label):
+                pairs.append((times, label))
+        yield Kind(
+            _kind(name, part.manner), detector, len(part.reaches), len(pairs), 0, 0.0,
+            [times[0] - label.onset_s for times, label in pairs],
+            [times[1] - label.end_s for times, label in pairs],
+        )  # fmt: skip
+
+
+def _in_window(
+    recording: Recording, detector: str, from_s: float, started_s: float, to_s: float
+) -> Times | None:
+    """Return the reach that a detector finds between two times; None without one."""
+    if detector == "zero-velocity":
+        inside = (recording.time_s >= from_s) & (recording.time_s <= to_s)
+        found = zero_velocity(Recording(recording.time_s[inside], recording.rate[inside]))
+        return max(found, key=lambda times: times[1] - times[0], default=None)
+    samples = as_samples(recording)
+    origin_ns = int(samples["at"][0]) - round(float(recording.time_s[0]) * 1e9)
+    window = Window(
+        from_ns=origin_ns + round(from_s * 1e9),
+        started_ns=origin_ns + round(started_s * 1e9),
+        to_ns=origin_ns + round(to_s * 1e9),
+    )
+    parameters = AnalysisParameters(
+        detector=detector,  # type: ignore[arg-type]
+        orientation=OrientationParameters(home_s=0.0),  # as in a session: it begins at home
+    )
+    found_ns = analyse(samples, window, parameters)
+    if found_ns.onset_ns is None or found_ns.end_ns is None:
+        return None
+    return (found_ns.onset_ns - origin_ns) / 1e9, (found_ns.end_ns - origin_ns) / 1e9
+
+
+def _simulated(kind: str, detector: str, people: int) -> Kind:
+    """Return what a detector finds of simulated reaches, three of each person."""
+    reaches = found = false = 0
+    minutes = 0.0
+    onset_s: list[float] = []
+    end_s: list[float] = []
+    for seed in range(people):
+        made = simulate_reaches(kind, 1000 + seed, count=3)
+        truth = [Label(begin_s, math.nan, math.nan, stop_s) for begin_s, stop_s in made.truth]
+        times_found = DETECTORS[detector](made.recording)
+        pairs = [
+            (times, label) for label in truth for times in times_found if _is_same(times, label)
+        ]
+        reaches += len(truth)
+        found += len(pairs)
+        false += len(times_found) - len(pairs)
+        minutes += float(made.recording.time_s[-1]) / 60
+        onset_s += [times[0] - label.onset_s for times, label in pairs]
+        end_s += [times[1] - label.end_s for times, label in pairs]
+    return Kind(kind, detector, reaches, found, false, minutes, onset_s, end_s)
+
+
+def _watch() -> dict[str, Any] | None:
+    """Return how well sets of twenty repetitions with a watch are counted, by the repetition counter
+    and as reaches that were asked for; None without them.
+    """
+    package = importlib.util.find_spec("seglearn")
+    if package is None or package.origin is None:
+        return None
+    path = Path(package.origin).parent / "data" / "watch_dataset.npy"
+    data = np.load(path, allow_pickle=True).item()
+    counts: dict[str, list[int]] = {"repetitions": [], OURS: []}
+    for samples in data["X"]:
+        rate, acceleration = samples[:, 3:], samples[:, :3]
+        counts["repetitions"].append(count_repetitions(rate, acceleration, WATCH_HZ).count)
+        whole = Recording(np.arange(len(rate)) / WATCH_HZ, rate, acceleration)
+        counts[OURS].append(len(find_all(whole).reaches))
+    return {
+        by: {
+            "sets": len(each),
+            "exact": sum(count == WATCH_COUNT for count in each),
+            "within_one": sum(abs(count - WATCH_COUNT) <= 1 for count in each),
+        }
+        for by, each in counts.items()
+    }
+
+
+# --- figures
+
+
+def _kind(name: str, manner: str) -> str:
+    return f"arm {name.split('_')[1][1:]}, {manner}"
+
+
+def _ends(label: Label) -> Times:
+    """Return onset and end of a label, the next best time where one is not known."""
+    onset_s = label.arrival_s - 1.0 if math.isnan(label.onset_s) else label.onset_s
+    end_s = label.departure_s + 1.0 if math.isnan(label.end_s) else label.end_s
+    if math.isnan(end_s):
+        end_s = label.arrival_s + 1.5
+    return onset_s, end_s
+
+
+def _overlap(one: Times, other: Times) -> float:
+    shared_s = min(one[1], other[1]) - max(one[0], other[0])
+    return shared_s / max(one[1] - one[0], other[1] - other[0])
+
+
+def _is_same(times: Times, label: Label) -> bool:
+    return _overlap(times, _ends(label)) >= SHARED
+
+
+def _joined(kinds: Sequence[Kind]) -> list[Kind]:
+    """Return a row for each kind and detector, and for all kinds together."""
+    names = sorted({each.kind for each in kinds})
+    rows = []
+    for kind in [*names, "all"] if len(names) > 1 else names:
+        for detector in DETECTORS:
+            same = [
+                each for each in kinds if each.detector == detector and kind in (each.kind, "all")
+            ]
+            if same:
+                rows.append(_sum(kind, detector, same))
+    return rows
+
+
+def _sum(kind: str, detector: str, kinds: Sequence[Kind]) -> Kind:
+    return Kind(
+        kind, detector, sum(each.reaches for each in kinds), sum(each.found for each in kinds),
+        sum(each.false for each in kinds), sum(each.minutes for each in kinds),
+        [off for each in kinds for off in each.onset_s],
+        [off for each in kinds for off in each.end_s],
+    )  # fmt: skip
+
+
+def _error(off_s: Sequence[float]) -> list[float] | None:
+    """Return the median error and the 90th percentile of its absolute value, in ms."""
+    known = 1000 * np.array([off for off in off_s if not math.isnan(off)])
+    if not len(known):
+        return None
+    return [float(np.median(known)), float(np.percentile(np.abs(known), 90))]
