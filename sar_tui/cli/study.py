@@ -723,12 +723,13 @@ def _print_after(home: Home, code: str, name: str, key: Path | None) -> None:
 def status(home: Home, name: Which = "", key: Key = None, as_json: AsJson = False) -> None:
     """Show who has done what: a row a person, a column a visit."""
     from sar_tui.study import ledger
-    from sar_tui.study.status import grid
+    from sar_tui.study.status import as_of, grid
 
     with home.database() as database, study_errors():
         frozen = ledger.find(database, name)
         people = ledger.people(database, frozen)
-    rows = grid(frozen, people, key_of(frozen.plan, key), datetime.now(UTC))
+    now = as_of(frozen, people, datetime.now(UTC))
+    rows = grid(frozen, people, key_of(frozen.plan, key), now)
     if as_json:
         print_json({"study": frozen.plan.name, "version": frozen.plan.version, "people": rows})
         return
@@ -788,7 +789,7 @@ def exit_study(
     with home.writable_database() as database, study_errors():
         plan = ledger.find(database, name).plan
         enrolled = ledger.enrolment(database, plan.name, code)
-        if enrolled.ended:
+        if enrolled.ended and not enrolled.by_consent:
             raise Refused(f"{code} has left the study {plan.name} already: {enrolled.ended}.")
         content = {"what": what, "reason": reason}
         ledger.note(database, ledger.EXIT, plan, code, content, author=login_name())
@@ -887,7 +888,7 @@ def export(
             raise Refused(f"The study {frozen.plan.name} has no session yet: leave out --bids.")
         written = results.export(database, frozen, to)
         if bids:
-            said = _write_bids(home, database, ids, to / "bids")
+            said = _write_bids(home, database, frozen.plan.name, ids, to / "bids")
             written.append(to / "bids")
     if as_json:
         print_json({"files": [str(path) for path in written], "notices": said})
@@ -899,9 +900,9 @@ def export(
 
 
 def _write_bids(
-    home: Home, database: "sqlite3.Connection", ids: Sequence[str], to: Path
+    home: Home, database: "sqlite3.Connection", study: str, ids: Sequence[str], to: Path
 ) -> list[str]:
-    """Write sessions as a BIDS data set, and return sentences on what it lacks."""
+    """Write the sessions of a study as a BIDS data set, and return sentences on what it lacks."""
     from sar_tui.drivers.login_name import login_name
     from sar_tui.export.export import Options
     from sar_tui.export.export import export as write
@@ -916,6 +917,6 @@ def _write_bids(
         load("bids"),
         to,
         lambda steps: lambda: None,
-        Options(author=login_name()),
+        Options(author=login_name(), study=study),
     )
     return [*exported.notices, *exported.problems]

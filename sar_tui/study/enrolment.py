@@ -232,7 +232,7 @@ def _of_replaced(
 ) -> tuple[str, tuple[int, ...]]:
     for one in people:
         if one.participant == replaces:
-            if not one.ended:
+            if not one.ended or one.by_consent:
                 raise StoreError(
                     f"{replaces} still takes part: end it first, sar-tui study exit {replaces}",
                     bad_input=True,

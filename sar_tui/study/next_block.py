@@ -105,6 +105,8 @@ def due(
         NeedsReason: it differs from the plan, and no reason was given.
     """
     plan, who = one.frozen.plan, one.enrolled.participant
+    if one.enrolled.by_consent:
+        check_consent(db, one)
     if one.enrolled.ended:
         raise StoreError(
             Sentence(
@@ -218,9 +220,11 @@ def check_consent(db: sqlite3.Connection, one: Person) -> None:
         raise StoreError(said, bad_input=True)
     if answer != "yes":
         said = Sentence(
-            "{who} has withdrawn the consent to the study {study}: no session starts.",
+            "{who} has withdrawn the consent to the study {study}: no session starts. If they "
+            "leave: {how}",
             who=who,
             study=study,
+            how=f"sar-tui study exit {who} --reason …",
         )
         raise StoreError(said, bad_input=True)
     if given.content["version"] != wanted.version:

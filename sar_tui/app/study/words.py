@@ -22,6 +22,7 @@ _DEVIATIONS = {
     "out of order": "out of order",
     "repeated": "repeated",
     "ended early": "ended early",
+    "level changed by hand": "level changed by hand",
 }
 
 
