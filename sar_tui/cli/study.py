@@ -862,6 +862,7 @@ def export(
         ),
     ],
     name: Which = "",
+    key: Key = None,
     bids: Annotated[
         bool,
         typer.Option(
@@ -886,7 +887,7 @@ def export(
             )
         if bids and not ids:
             raise Refused(f"The study {frozen.plan.name} has no session yet: leave out --bids.")
-        written = results.export(database, frozen, to)
+        written = results.export(database, frozen, to, key_of(frozen.plan, key))
         if bids:
             said = _write_bids(home, database, frozen.plan.name, ids, to / "bids")
             written.append(to / "bids")
