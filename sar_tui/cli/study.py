@@ -181,14 +181,17 @@ def new_study(
 @app.command("check")
 def check(home: Home, file: PlanFile) -> None:
     """Check a plan: each mistake with its line; without one, what it plans."""
+    from sar_tui.study import ledger
     from sar_tui.study.conditions import warnings
     from sar_tui.study.plan_words import summary
 
-    _, plan = checked_plan(home, file)
+    text, plan = checked_plan(home, file)
+    with home.database() as database:
+        frozen = ledger.frozen_otherwise(database, plan, text)
     out = console()
     for line in summary(plan):
         out.print(line, soft_wrap=True)
-    for warning in warnings(plan, home.catalogue()):
+    for warning in (*filter(None, [frozen]), *warnings(plan, home.catalogue())):
         out.print(f"! {warning}", soft_wrap=True)
 
 
@@ -434,19 +437,24 @@ def enrol(
 
     code = check_own(participant)
     factors = {k: str(v) for k, v in read_settings(factor, "--factor age=young").items()}
-    if plan is not None:
-        named = _freeze_first(home, plan, key)
-        name = name or named
+    replaced = check_own(replaces) if replaces else ""
+    text, planned = checked_plan(home, plan) if plan else ("", None)
     with home.writable_database() as database, study_errors():
-        frozen = ledger.find(database, name)
+        wanted = planned or ledger.find(database, name).plan
+        if name not in ("", wanted.name):
+            raise Refused(f"{plan} is the plan of {wanted.name}, not of {name}.")
         are_new(database, [code], said=new)
+        enrolment.check(database, wanted, code, factors=factors, replaces=replaced, listed=listed)
+        if plan and not ledger.is_frozen(database, wanted.name, text):
+            _freeze(home, plan, key, reason="")
+        frozen = ledger.find(database, wanted.name)
         enrolled = enrolment.enrol(
             database,
             frozen,
             code,
             key_of(frozen.plan, key),
             factors=factors,
-            replaces=check_own(replaces) if replaces else "",
+            replaces=replaced,
             listed=listed,
             author=login_name(),
         )
@@ -458,18 +466,6 @@ def enrol(
     if frozen.plan.consent:
         print(f"Before the first session: sar-tui study consent {code} --answer yes")
     print(f"What is due: sar-tui study next {code}")
-
-
-def _freeze_first(home: Home, file: Path, key: Path | None) -> str:
-    """Freeze the plan of the first person, unless the same text is frozen; return its name."""
-    from sar_tui.study import ledger
-
-    text, plan = checked_plan(home, file)
-    with home.database() as database:
-        last = ledger.newest(database, plan.name)
-    if last is None or last.sha256 != ledger.sha256_of(text):
-        _freeze(home, file, key, reason="")
-    return plan.name
 
 
 @app.command("consent")

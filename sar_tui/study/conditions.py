@@ -19,20 +19,43 @@ from sar_tui.store import forms
 from sar_tui.store.database import StoreError
 from sar_tui.store.programmes import Programme
 from sar_tui.study.outcome import Number
-from sar_tui.study.plan import ALLOCATED, OWN, Block, Condition, Problem, Study
+from sar_tui.study.plan import ALLOCATED, OWN, QUESTIONS, Block, Condition, Problem, Study
 
 
 def problems_here(plan: Study, catalogue: Catalogue) -> Iterator[Problem]:
     """Yield what a plan names and is not here, or cannot be: tasks, themes, settings, levels,
-    forms.
+    forms; and what no plan is to be frozen with.
     """
     for name, condition in plan.conditions.items():
         for key, said in _condition_problems(plan, catalogue, condition):
             yield ("conditions", name, *key), said
+    for key in plan.prereg:
+        if key not in QUESTIONS:
+            known = ", ".join(QUESTIONS)
+            yield ("prereg", key), f"There is no question {key!r:.40}. There are: {known}."
     for at, visit in enumerate(plan.visits):
+        if said := _too_early(plan, at):
+            yield ("visits", at, "window"), said
         for number, block in enumerate(visit.blocks):
             for said in _block_problems(plan, catalogue, block):
                 yield ("visits", at, "blocks", number), said
+
+
+def _too_early(plan: Study, at: int) -> str:
+    """Return what is wrong with a window that opens before the visit before it can have been; empty
+    if nothing is. The first visit is on its day, from which the others count.
+    """
+    if at == 0:
+        return ""
+    visit, earlier = plan.visits[at], plan.visits[at - 1]
+    opens = visit.day - visit.window[0]
+    least = earlier.day - (earlier.window[0] if at > 1 else 0)
+    if opens >= least:
+        return ""
+    return (
+        f"The window of the visit {visit.name} opens on day {opens}, before the visit "
+        f"{earlier.name} can have been (from day {least} on)."
+    )
 
 
 def _condition_problems(
@@ -213,6 +236,7 @@ def _sessions_of_outcome(plan: Study, catalogue: Catalogue) -> Iterator[tuple[st
 
 def warnings(plan: Study, catalogue: Catalogue) -> Iterator[str]:
     """Yield sentences on what is possible, and makes the outcome hard to interpret."""
+    yield from _readable_codes(plan)
     if plan.outcome is None or plan.outcome.measure != "metric":
         return
     for name, session in _sessions_of_outcome(plan, catalogue):
@@ -220,4 +244,18 @@ def warnings(plan: Study, catalogue: Catalogue) -> Iterator[str]:
             yield (
                 f"In the condition {name} the level follows the results, and the results depend on "
                 'the level: to compare them, set difficulty_policy = "fixed".'
+            )
+
+
+def _readable_codes(plan: Study) -> Iterator[str]:
+    """Yield a sentence on each condition of groups of a blind study that a block names, too."""
+    if not plan.allocation.blind:
+        return
+    named = {block.condition: f"{visit.name}/{block.name}" for visit, block in plan.blocks()}
+    for condition in dict.fromkeys(group.condition for group in plan.groups.values()):
+        if condition in named:
+            yield (
+                f"The block {named[condition]} names the condition {condition}, which a group has, "
+                "too: whoever sees the code of the condition there knows that group. Give the block "
+                "a condition of its own, with the same settings."
             )

@@ -200,13 +200,8 @@ def freeze(
         last = newest(connection, plan.name)
         if last and last.plan.version == plan.version and last.sha256 == sha256_of(text):
             return
-        if last and plan.version <= last.plan.version:
-            raise StoreError(
-                f"Version {last.plan.version} of the study {plan.name} was frozen as another "
-                f"text. Write version = {last.plan.version + 1} for a changed plan, and give the "
-                "reason: sar-tui study amend FILE --reason …",
-                bad_input=True,
-            )
+        if problem := frozen_otherwise(connection, plan, text):
+            raise StoreError(problem, bad_input=True)
         if last and not reason:
             raise StoreError(
                 f"The study {plan.name} is frozen in version {last.plan.version}. A later version "
@@ -249,6 +244,26 @@ def newest(db: sqlite3.Connection, name: str) -> Frozen | None:
     """Return the newest frozen version of a study; None if there is none."""
     row = db.execute(f"{_SELECT} ORDER BY version DESC, site LIMIT 1", (name,)).fetchone()
     return _frozen(row) if row else None
+
+
+def is_frozen(db: sqlite3.Connection, name: str, text: str) -> bool:
+    """Return True if the newest frozen version of a study is this text."""
+    last = newest(db, name)
+    return last is not None and last.sha256 == sha256_of(text)
+
+
+def frozen_otherwise(db: sqlite3.Connection, plan: Study, text: str) -> str:
+    """Return what to do about a plan whose version, or a later one, is frozen as another text; empty
+    if none is.
+    """
+    last = newest(db, plan.name)
+    if last is None or plan.version > last.plan.version or last.sha256 == sha256_of(text):
+        return ""
+    return (
+        f"Version {last.plan.version} of the study {plan.name} was frozen as another text. Write "
+        f"version = {last.plan.version + 1} for a changed plan, and give the reason: sar-tui study "
+        "amend FILE --reason …"
+    )
 
 
 def _frozen(row: Sequence[Any]) -> Frozen:
