@@ -17,7 +17,7 @@ from sar_tui.store import people_events
 from sar_tui.study import ledger
 from sar_tui.study.allocation import AllocationError
 from sar_tui.study.enrolment import draws_of, names_of
-from sar_tui.study.ledger import Differed, Frozen, Participation
+from sar_tui.study.ledger import Differed, Enrolment, Frozen, Participation
 from sar_tui.study.plan import Study
 from sar_tui.study.results import Row, long_rows
 from sar_tui.study.schedule import finished
@@ -150,9 +150,16 @@ def _flow(
         as_intended=sum(one.participant in began and not one.deviations for one in mine),
         completed=sum(all(cell.state == "done" for cell in one.visits.values()) for one in mine),
         ended=dict(Counter(one.ended for one in ended)),
-        reasons=tuple(f"{one.participant}: {one.ended}, {one.why_ended}" for one in ended),
+        reasons=tuple(map(_reason, ended)),
         analysed=_analysed(frozen, codes, used, compared),
     )
+
+
+def _reason(one: Enrolment) -> str:
+    """Return who takes part no longer and why, with the command that records it if nothing does."""
+    said = f"{one.participant}: {one.ended}, {one.why_ended}"
+    is_recorded = not one.by_consent or not ledger.is_own(one.participant)
+    return said if is_recorded else f"{said} (to record it: sar-tui study exit {one.participant})"
 
 
 def _compared(frozen: Frozen, key: Path) -> set[str]:
@@ -330,7 +337,7 @@ def _deviation_parts(report: StudyReport) -> list[str | Table]:
 def _missing_words(report: StudyReport) -> Iterator[str | Table]:
     if report.missing:
         said = ", ".join(f"{place} of {count}" for place, count in report.missing.items())
-        yield f"Of people whose visit is over: {said}."
+        yield f"Of people whose visit is over, or who have left: {said}."
     elif not report.short:
         yield "Nothing is missing in the visits that are over."
     if report.short:

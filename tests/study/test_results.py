@@ -27,7 +27,7 @@ from sar_tui.study.envelopes import page, sheets
 from sar_tui.study.next_block import person
 from sar_tui.study.rehearsal import Habits, Rehearsed, rehearse
 from sar_tui.study.report import make_report
-from sar_tui.study.status import grid
+from sar_tui.study.status import as_of, grid
 from tests.study.plans import TWO_GROUPS, WITH_FORMS, plan
 
 START = datetime(2026, 3, 2, tzinfo=UTC)
@@ -123,6 +123,21 @@ def test_missed_and_late_visits_are_listed(played: Played) -> None:
             assert cell.deviated == is_noted
             assert (cell.state == "done") or (cell.done, cell.state) == (0, "missed")
     assert any(row.visits["second"].state == "missed" for row in rows)
+
+
+def test_a_rehearsal_is_shown_as_of_its_own_end(tmp_path: Path) -> None:
+    habits = {"stay": Habits(misses=1.0), "leave": Habits(misses=1.0, leaves=1.0)}
+    for name, how in habits.items():
+        found = play(tmp_path / name, people=2, habits=how)
+        with closing(connect(found.sites[0].folder)) as db:
+            frozen = ledger.find(db)
+            people = ledger.people(db, frozen)
+            (row,) = grid(frozen, people, found.key, as_of(frozen, people, START))
+            report = make_report(db, frozen, found.key, START)
+        shown = "visit missed" if name == "stay" else ""
+        assert [cell.words for cell in row.visits.values()] == ["done", shown]
+        assert row.ended == ("" if name == "stay" else "lost")
+        assert report.missing == {"second/training": 1}
 
 
 def test_a_merge_in_either_direction_gives_the_same_table(played: Played, tmp_path: Path) -> None:
