@@ -181,14 +181,17 @@ def new_study(
 @app.command("check")
 def check(home: Home, file: PlanFile) -> None:
     """Check a plan: each mistake with its line; without one, what it plans."""
+    from sar_tui.study import ledger
     from sar_tui.study.conditions import warnings
     from sar_tui.study.plan_words import summary
 
-    _, plan = checked_plan(home, file)
+    text, plan = checked_plan(home, file)
+    with home.database() as database:
+        frozen = ledger.frozen_otherwise(database, plan, text)
     out = console()
     for line in summary(plan):
         out.print(line, soft_wrap=True)
-    for warning in warnings(plan, home.catalogue()):
+    for warning in (*filter(None, [frozen]), *warnings(plan, home.catalogue())):
         out.print(f"! {warning}", soft_wrap=True)
 
 
@@ -434,19 +437,24 @@ def enrol(
 
     code = check_own(participant)
     factors = {k: str(v) for k, v in read_settings(factor, "--factor age=young").items()}
-    if plan is not None:
-        named = _freeze_first(home, plan, key)
-        name = name or named
+    replaced = check_own(replaces) if replaces else ""
+    text, planned = checked_plan(home, plan) if plan else ("", None)
     with home.writable_database() as database, study_errors():
-        frozen = ledger.find(database, name)
+        wanted = planned or ledger.find(database, name).plan
+        if name not in ("", wanted.name):
+            raise Refused(f"{plan} is the plan of {wanted.name}, not of {name}.")
         are_new(database, [code], said=new)
+        enrolment.check(database, wanted, code, factors=factors, replaces=replaced, listed=listed)
+        if plan and not ledger.is_frozen(database, wanted.name, text):
+            _freeze(home, plan, key, reason="")
+        frozen = ledger.find(database, wanted.name)
         enrolled = enrolment.enrol(
             database,
             frozen,
             code,
             key_of(frozen.plan, key),
             factors=factors,
-            replaces=check_own(replaces) if replaces else "",
+            replaces=replaced,
             listed=listed,
             author=login_name(),
         )
@@ -458,18 +466,6 @@ def enrol(
     if frozen.plan.consent:
         print(f"Before the first session: sar-tui study consent {code} --answer yes")
     print(f"What is due: sar-tui study next {code}")
-
-
-def _freeze_first(home: Home, file: Path, key: Path | None) -> str:
-    """Freeze the plan of the first person, unless the same text is frozen; return its name."""
-    from sar_tui.study import ledger
-
-    text, plan = checked_plan(home, file)
-    with home.database() as database:
-        last = ledger.newest(database, plan.name)
-    if last is None or last.sha256 != ledger.sha256_of(text):
-        _freeze(home, file, key, reason="")
-    return plan.name
 
 
 @app.command("consent")
@@ -723,12 +719,13 @@ def _print_after(home: Home, code: str, name: str, key: Path | None) -> None:
 def status(home: Home, name: Which = "", key: Key = None, as_json: AsJson = False) -> None:
     """Show who has done what: a row a person, a column a visit."""
     from sar_tui.study import ledger
-    from sar_tui.study.status import grid
+    from sar_tui.study.status import as_of, grid
 
     with home.database() as database, study_errors():
         frozen = ledger.find(database, name)
         people = ledger.people(database, frozen)
-    rows = grid(frozen, people, key_of(frozen.plan, key), datetime.now(UTC))
+    now = as_of(frozen, people, datetime.now(UTC))
+    rows = grid(frozen, people, key_of(frozen.plan, key), now)
     if as_json:
         print_json({"study": frozen.plan.name, "version": frozen.plan.version, "people": rows})
         return
@@ -788,7 +785,7 @@ def exit_study(
     with home.writable_database() as database, study_errors():
         plan = ledger.find(database, name).plan
         enrolled = ledger.enrolment(database, plan.name, code)
-        if enrolled.ended:
+        if enrolled.ended and not enrolled.by_consent:
             raise Refused(f"{code} has left the study {plan.name} already: {enrolled.ended}.")
         content = {"what": what, "reason": reason}
         ledger.note(database, ledger.EXIT, plan, code, content, author=login_name())
@@ -861,6 +858,7 @@ def export(
         ),
     ],
     name: Which = "",
+    key: Key = None,
     bids: Annotated[
         bool,
         typer.Option(
@@ -885,9 +883,9 @@ def export(
             )
         if bids and not ids:
             raise Refused(f"The study {frozen.plan.name} has no session yet: leave out --bids.")
-        written = results.export(database, frozen, to)
+        written = results.export(database, frozen, to, key_of(frozen.plan, key))
         if bids:
-            said = _write_bids(home, database, ids, to / "bids")
+            said = _write_bids(home, database, frozen.plan.name, ids, to / "bids")
             written.append(to / "bids")
     if as_json:
         print_json({"files": [str(path) for path in written], "notices": said})
@@ -899,9 +897,9 @@ def export(
 
 
 def _write_bids(
-    home: Home, database: "sqlite3.Connection", ids: Sequence[str], to: Path
+    home: Home, database: "sqlite3.Connection", study: str, ids: Sequence[str], to: Path
 ) -> list[str]:
-    """Write sessions as a BIDS data set, and return sentences on what it lacks."""
+    """Write the sessions of a study as a BIDS data set, and return sentences on what it lacks."""
     from sar_tui.drivers.login_name import login_name
     from sar_tui.export.export import Options
     from sar_tui.export.export import export as write
@@ -916,6 +914,6 @@ def _write_bids(
         load("bids"),
         to,
         lambda steps: lambda: None,
-        Options(author=login_name()),
+        Options(author=login_name(), study=study),
     )
     return [*exported.notices, *exported.problems]

@@ -12,7 +12,7 @@ from sar_tui.cli.errors import Refused
 from sar_tui.cli.progress_line import progress_line
 
 if TYPE_CHECKING:
-    from sar_tui.study.outcome import Assumptions, Number, Outcome, Power
+    from sar_tui.study.outcome import Assumptions, Baseline, Number, Outcome, Power
     from sar_tui.study.pilot import Pilot
     from sar_tui.study.power import Compute, Curve, Estimate
 
@@ -24,13 +24,15 @@ _NUMBERS = {
     "trial_sd": "SD of trials",
     "trials": "trials in a session",
     "within_sd": "SD within a person",
+    "baseline_trials": "trials in a baseline",
+    "baseline_sd": "SD of a person's baselines",
     "retest": "correlation of two visits",
     "dropout": "share of people lost",
     "effect": "effect",
     "effect_d": "effect, d",
     "effect_dz": "effect, dz",
 }
-_IN_UNIT = ("mean", "person_sd", "session_sd", "trial_sd", "within_sd", "effect")
+_IN_UNIT = ("mean", "person_sd", "session_sd", "trial_sd", "within_sd", "baseline_sd", "effect")
 _DESIGNS = {
     "within": "conditions of one person, paired t-test",
     "groups": "two groups, t-test",
@@ -95,8 +97,10 @@ def power(
     outcome = read_outcome(plan)
     stated = read_power(plan, outcome)
     pilot = _pilot(from_pilot, plan, outcome, stated, simulated) if from_pilot else None
-    planned = _planned_trials(home, file)
-    assumed = assumptions(stated, outcome, pilot.numbers if pilot else None, planned)
+    planned, at_baseline = (
+        _planned_trials(home, file, place) for place in (outcome, outcome.baseline)
+    )
+    assumed = assumptions(stated, outcome, pilot.numbers if pilot else None, planned, at_baseline)
     with _where(on, processes) as compute, progress_line("Simulating") as show:
         curve = power_curve(
             assumed.model,
@@ -143,16 +147,20 @@ def _plan(file: Path) -> dict[str, Any]:
         raise Refused(f"{file}, {error}") from error
 
 
-def _planned_trials(home: Home, file: Path) -> "Number | None":
-    """Return the number of trials in the block of the outcome; None if the plan is unfinished."""
+def _planned_trials(home: Home, file: Path, place: "Outcome | Baseline | None") -> "Number | None":
+    """Return the number of trials in the block of the outcome or the baseline; None without it, or
+    if the plan is unfinished.
+    """
     from sar_tui.plugins import PluginError
     from sar_tui.rules.declaration import ParameterError
     from sar_tui.runs.plan import Failed
-    from sar_tui.study.conditions import trials_of_outcome
+    from sar_tui.study.conditions import trials_of
     from sar_tui.study.plan import PlanError, parse_plan, read_plan
 
+    if place is None:
+        return None
     try:
-        return trials_of_outcome(parse_plan(read_plan(file), str(file)), home.catalogue())
+        return trials_of(parse_plan(read_plan(file), str(file)), home.catalogue(), place)
     except (PlanError, PluginError, ParameterError, Failed):
         return None
 

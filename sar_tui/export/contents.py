@@ -60,6 +60,7 @@ class Contents:
         passports: Sequence[Passport] = (),
         *,
         with_events: bool = False,
+        study: str = "",
     ) -> None:
         self._database = database
         self._sessions = {privacy.id(session): session for session in selection.ids}
@@ -79,7 +80,7 @@ class Contents:
             parameters(fields, damage),
             runs(damage),
             sync_signals(damage),
-            records(selection.sessions, kinds(), damage),
+            records(selection.sessions, kinds(), damage, study),
             attempts(database, selection.ids, damage),
             answers(damage),
             trials(database, selection.ids, declared, damage, not_loaded),

@@ -66,12 +66,14 @@ class Options(msgspec.Struct, frozen=True, kw_only=True):
     Attributes:
         with_notes: texts that somebody may have typed leave, too.
         with_events: with a row for each message of the sessions.
+        study: name of the study that is exported; of records, only its own leave. Empty: all do.
         recode: the file with random codes and date shifts; None: codes and dates leave as they are.
         recipient: for whom, for the ledger. ``author``: the login name of who exports.
     """
 
     with_notes: bool = False
     with_events: bool = False
+    study: str = ""
     recode: Path | None = None
     recipient: str = ""
     author: str = ""
@@ -164,6 +166,7 @@ def export(
                     catalogue,
                     measured,
                     with_events=options.with_events,
+                    study=options.study,
                 ),
             )
             made.append((part, contents, measured))

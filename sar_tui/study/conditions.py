@@ -18,21 +18,47 @@ from sar_tui.runs.plan import Failed, Plan, make_plan
 from sar_tui.store import forms
 from sar_tui.store.database import StoreError
 from sar_tui.store.programmes import Programme
-from sar_tui.study.outcome import Number
-from sar_tui.study.plan import ALLOCATED, OWN, Block, Condition, Problem, Study
+from sar_tui.study.outcome import Baseline, Number, Outcome
+from sar_tui.study.plan import ALLOCATED, OWN, QUESTIONS, Block, Condition, Problem, Study
 
 
 def problems_here(plan: Study, catalogue: Catalogue) -> Iterator[Problem]:
     """Yield what a plan names and is not here, or cannot be: tasks, themes, settings, levels,
-    forms.
+    forms; and what no plan is to be frozen with.
     """
     for name, condition in plan.conditions.items():
         for key, said in _condition_problems(plan, catalogue, condition):
             yield ("conditions", name, *key), said
+    for question in plan.prereg:
+        if question not in QUESTIONS:
+            known = ", ".join(QUESTIONS)
+            yield (
+                ("prereg", question),
+                f"There is no question {question!r:.40}. There are: {known}.",
+            )
     for at, visit in enumerate(plan.visits):
+        if said := _too_early(plan, at):
+            yield ("visits", at, "window"), said
         for number, block in enumerate(visit.blocks):
             for said in _block_problems(plan, catalogue, block):
                 yield ("visits", at, "blocks", number), said
+
+
+def _too_early(plan: Study, at: int) -> str:
+    """Return what is wrong with a window that opens before the visit before it can have been; empty
+    if nothing is. The first visit is on its day, from which the others count.
+    """
+    if at == 0:
+        return ""
+    visit, earlier = plan.visits[at], plan.visits[at - 1]
+    opens = visit.day - visit.window[0]
+    least = earlier.day - (earlier.window[0] if at > 1 else 0)
+    if opens >= least:
+        return ""
+    return (
+        f"The window of the visit {visit.name} opens on day {opens}, before the visit "
+        f"{earlier.name} can have been (from day {least} on)."
+    )
 
 
 def _condition_problems(
@@ -176,16 +202,16 @@ def resolved(plan: Study, catalogue: Catalogue) -> dict[str, dict[str, Any]]:
     return found
 
 
-def trials_of_outcome(plan: Study, catalogue: Catalogue) -> Number | None:
-    """Return the number of trials behind a person's outcome: of reaction times prompts, else
-    attempts. Of conditions that differ it is the smallest. None without sessions in the block.
+def trials_of(plan: Study, catalogue: Catalogue, place: Outcome | Baseline) -> Number | None:
+    """Return the number of trials behind a person's outcome or baseline: of reaction times prompts,
+    else attempts. Of conditions that differ it is the smallest. None without sessions in the block.
 
     Raises:
         PluginError, ParameterError, Failed: a condition cannot run here.
     """
     is_metric = plan.outcome is not None and plan.outcome.measure == "metric"
     found = []
-    for _, session in _sessions_of_outcome(plan, catalogue):
+    for _, session in _sessions_of(plan, catalogue, place):
         attempts, level = session.parameters.attempts, session.parameters.start_level
         is_time = is_metric and session.task.metric.name == "reaction_time"
         prompts = session.task(session.parameters).trials_at(level) if is_time else 1
@@ -197,14 +223,16 @@ def trials_of_outcome(plan: Study, catalogue: Catalogue) -> Number | None:
     return Number(trials, f"the plan: {attempts} attempts{of_prompts}")
 
 
-def _sessions_of_outcome(plan: Study, catalogue: Catalogue) -> Iterator[tuple[str, Plan]]:
-    """Yield the conditions of the block of the outcome, each with the plan of its session; nothing
-    if the outcome is a form's.
+def _sessions_of(
+    plan: Study, catalogue: Catalogue, place: Outcome | Baseline
+) -> Iterator[tuple[str, Plan]]:
+    """Yield the conditions of the block of the outcome or the baseline, each with the plan of its
+    session; nothing if the outcome is a form's.
     """
     outcome = plan.outcome
     if outcome is None or outcome.is_form:
         return
-    block = plan.block(outcome.visit, outcome.block)
+    block = plan.block(place.visit, place.block)
     names = [group.condition for group in plan.groups.values()]
     names = names if block.condition == ALLOCATED else [block.condition, *block.conditions]
     for name in dict.fromkeys(filter(None, names)):
@@ -213,11 +241,26 @@ def _sessions_of_outcome(plan: Study, catalogue: Catalogue) -> Iterator[tuple[st
 
 def warnings(plan: Study, catalogue: Catalogue) -> Iterator[str]:
     """Yield sentences on what is possible, and makes the outcome hard to interpret."""
+    yield from _readable_codes(plan)
     if plan.outcome is None or plan.outcome.measure != "metric":
         return
-    for name, session in _sessions_of_outcome(plan, catalogue):
+    for name, session in _sessions_of(plan, catalogue, plan.outcome):
         if DIFFICULTY[session.parameters.difficulty_policy].moves_level:
             yield (
                 f"In the condition {name} the level follows the results, and the results depend on "
                 'the level: to compare them, set difficulty_policy = "fixed".'
+            )
+
+
+def _readable_codes(plan: Study) -> Iterator[str]:
+    """Yield a sentence on each condition of groups of a blind study that a block names, too."""
+    if not plan.allocation.blind:
+        return
+    named = {block.condition: f"{visit.name}/{block.name}" for visit, block in plan.blocks()}
+    for condition in dict.fromkeys(group.condition for group in plan.groups.values()):
+        if condition in named:
+            yield (
+                f"The block {named[condition]} names the condition {condition}, which a group has, "
+                "too: whoever sees the code of the condition there knows that group. Give the block "
+                "a condition of its own, with the same settings."
             )

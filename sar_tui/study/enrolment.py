@@ -175,25 +175,17 @@ def enrol(
     """
     plan = frozen.plan
     draws = draws_of(frozen, key)
-    given = _checked_factors(plan.allocation, factors)
-    rows = secret.read_list(listed, tuple(plan.groups)) if listed else ()
     names = names_of(plan, draws)
     with transaction(db) as connection:
         code = participants.store(connection, participant, now)
-        people = [
-            one
-            for one in ledger.enrolments(connection, plan.name)
-            if ledger.is_own(one.participant)
-        ]
-        if earlier := next((one for one in people if one.participant == code), None):
-            raise StoreError(
-                f"{code} is in the study {plan.name} already, as number {earlier.number}.",
-                bad_input=True,
-            )
+        people, given, rows = check(
+            connection, plan, code, factors=factors, replaces=replaces, listed=listed
+        )
         stratum = "|".join(filter(None, (sites.own(connection), *given.values())))
         group, numbers = "", tuple[int, ...]()
         if replaces:
-            group, numbers = _of_replaced(plan, people, replaces, names)
+            left = _replaced(plan, people, replaces)
+            group, numbers = names.group(left.group), left.orders
         elif draws:
             group = _drawn(plan, draws, people, stratum, given, rows, names)
             numbers = _orders(plan, draws, people, stratum, group, names)
@@ -209,6 +201,52 @@ def enrol(
         )
         ledger.enrol(connection, enrolled, author=author, now=now)
     return enrolled
+
+
+class _Checked(NamedTuple):
+    """The people of this site in a study, and what is given for one more: values of the factors,
+    and the list of groups.
+    """
+
+    people: list[Enrolment]
+    factors: dict[str, str]
+    rows: tuple[ListedGroup, ...]
+
+
+def check(
+    db: sqlite3.Connection,
+    plan: Study,
+    participant: str,
+    *,
+    factors: Mapping[str, str] = {},
+    replaces: str = "",
+    listed: Path | None = None,
+) -> _Checked:
+    """Check that a person can be enrolled, also before the plan is frozen.
+
+    Args:
+        db: the database.
+        plan: the study.
+        participant, factors, replaces, listed: as for `enrol`.
+
+    Raises:
+        StoreError, AllocationError: as `enrol`.
+    """
+    given = _checked_factors(plan.allocation, factors)
+    rows = secret.read_list(listed, tuple(plan.groups)) if listed else ()
+    people = [one for one in ledger.enrolments(db, plan.name) if ledger.is_own(one.participant)]
+    if earlier := next((one for one in people if one.participant == participant), None):
+        raise StoreError(
+            f"{participant} is in the study {plan.name} already, as number {earlier.number}.",
+            bad_input=True,
+        )
+    if replaces:
+        _replaced(plan, people, replaces)
+    elif plan.groups and plan.allocation.method == "list" and not rows:
+        raise AllocationError(
+            Sentence("The groups of this study are listed elsewhere: add --list FILE.")
+        )
+    return _Checked(people, given, rows)
 
 
 def _checked_factors(given: Allocation, factors: Mapping[str, str]) -> dict[str, str]:
@@ -227,12 +265,11 @@ def _checked_factors(given: Allocation, factors: Mapping[str, str]) -> dict[str,
     return {name: factors[name] for name in given.strata}
 
 
-def _of_replaced(
-    plan: Study, people: list[Enrolment], replaces: str, names: Names
-) -> tuple[str, tuple[int, ...]]:
+def _replaced(plan: Study, people: list[Enrolment], replaces: str) -> Enrolment:
+    """Return who is replaced. Raises StoreError."""
     for one in people:
         if one.participant == replaces:
-            if not one.ended:
+            if not one.ended or one.by_consent:
                 raise StoreError(
                     f"{replaces} still takes part: end it first, sar-tui study exit {replaces}",
                     bad_input=True,
@@ -241,7 +278,7 @@ def _of_replaced(
                 raise StoreError(
                     f"{replaces} was replaced by {after.participant} already.", bad_input=True
                 )
-            return names.group(one.group), one.orders
+            return one
     raise StoreError(f"{replaces} is not in the study {plan.name}.", bad_input=True)
 
 
@@ -257,10 +294,6 @@ def _drawn(
     """Return the group of the next person, by its name."""
     if not plan.groups:
         return ""
-    if plan.allocation.method == "list" and not rows:
-        raise AllocationError(
-            Sentence("The groups of this study are listed elsewhere: add --list FILE.")
-        )
     before = [
         Assigned(
             group=names.group(one.group),

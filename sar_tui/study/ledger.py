@@ -14,8 +14,12 @@ from typing import Any, Literal, NamedTuple
 
 import msgspec
 
+from sar_tui.loop.topics import LEVEL
 from sar_tui.model.language import Sentence
+from sar_tui.model.messages import LevelChanged
 from sar_tui.records.kind import Value
+from sar_tui.rules.difficulty import stay
+from sar_tui.rules.policies import DIFFICULTY
 from sar_tui.store import people_events, records
 from sar_tui.store.counted import COUNTS
 from sar_tui.store.database import StoreError, store, transaction
@@ -38,8 +42,22 @@ ENDS = {
     "excluded": Sentence("excluded"),
     "lost": Sentence("lost"),
     "not eligible": Sentence("not eligible"),
+    "no consent": Sentence("no consent"),
 }
 """Ends of a participation, for people."""
+_WITHOUT_CONSENT = {
+    "no": ("no consent", "did not agree"),
+    "withdrawn": ("withdrawn", "withdrew the consent"),
+}
+"""How a participation ends by an answer to the consent, and why."""
+_LEVELS = tuple(
+    f"(SELECT {what} FROM attempts WHERE attempts.session=sessions.id AND seat='A')"
+    for what in ("total(NOT practice)", "min(level)", "max(level)")
+)
+_SETTINGS = tuple(
+    f"json_extract(parameters, '$.{name}')"
+    for name in ("attempts", "difficulty_policy", "operator_difficulty", "start_level")
+)
 
 
 class Frozen(msgspec.Struct, frozen=True, kw_only=True):
@@ -71,7 +89,10 @@ class Enrolment(msgspec.Struct, frozen=True, kw_only=True):
         group: that they came to, in a blind study a neutral code; empty without groups.
         orders: numbers of the rows of orders, in the order of the plan's ``squares``.
         at: when, UTC.
+        consent: the last answer to it; empty without one.
         ended: how the participation ended; empty if it goes on.
+        ended_at: when, UTC.
+        by_consent: True if it ended by the answer to the consent, which may change.
     """
 
     participant: str
@@ -83,8 +104,11 @@ class Enrolment(msgspec.Struct, frozen=True, kw_only=True):
     orders: tuple[int, ...] = ()
     replaces: str = ""
     at: str = ""
+    consent: str = ""
     ended: str = ""
     why_ended: str = ""
+    ended_at: str = ""
+    by_consent: bool = False
 
 
 class Played(msgspec.Struct, frozen=True, kw_only=True):
@@ -95,6 +119,8 @@ class Played(msgspec.Struct, frozen=True, kw_only=True):
         status: of the session, ``running`` while a program plays it; ``completed`` for a form.
         day: local date on which it began.
         began, ended: when, UTC.
+        attempts: number of those that count; None of a form. ``planned``: of the session.
+        level_by_hand: True if somebody set a level that the settings fix.
     """
 
     id: str
@@ -108,6 +134,9 @@ class Played(msgspec.Struct, frozen=True, kw_only=True):
     day: str = ""
     began: str = ""
     ended: str = ""
+    attempts: int | None = None
+    planned: int = 0
+    level_by_hand: bool = False
 
     @property
     def key(self) -> tuple[str, str, int]:
@@ -121,7 +150,9 @@ class Played(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Differed(msgspec.Struct, frozen=True, kw_only=True):
-    """A deviation from the plan: recorded, or a session that was ended early."""
+    """A deviation from the plan: recorded, or a session that was ended early, or whose level was
+    changed by hand.
+    """
 
     participant: str
     visit: str
@@ -169,13 +200,8 @@ def freeze(
         last = newest(connection, plan.name)
         if last and last.plan.version == plan.version and last.sha256 == sha256_of(text):
             return
-        if last and plan.version <= last.plan.version:
-            raise StoreError(
-                f"Version {last.plan.version} of the study {plan.name} was frozen as another "
-                f"text. Write version = {last.plan.version + 1} for a changed plan, and give the "
-                "reason: sar-tui study amend FILE --reason …",
-                bad_input=True,
-            )
+        if problem := frozen_otherwise(connection, plan, text):
+            raise StoreError(problem, bad_input=True)
         if last and not reason:
             raise StoreError(
                 f"The study {plan.name} is frozen in version {last.plan.version}. A later version "
@@ -218,6 +244,26 @@ def newest(db: sqlite3.Connection, name: str) -> Frozen | None:
     """Return the newest frozen version of a study; None if there is none."""
     row = db.execute(f"{_SELECT} ORDER BY version DESC, site LIMIT 1", (name,)).fetchone()
     return _frozen(row) if row else None
+
+
+def is_frozen(db: sqlite3.Connection, name: str, text: str) -> bool:
+    """Return True if the newest frozen version of a study is this text."""
+    last = newest(db, name)
+    return last is not None and last.sha256 == sha256_of(text)
+
+
+def frozen_otherwise(db: sqlite3.Connection, plan: Study, text: str) -> str:
+    """Return what to do about a plan whose version, or a later one, is frozen as another text; empty
+    if none is.
+    """
+    last = newest(db, plan.name)
+    if last is None or plan.version > last.plan.version or last.sha256 == sha256_of(text):
+        return ""
+    return (
+        f"Version {last.plan.version} of the study {plan.name} was frozen as another text. Write "
+        f"version = {last.plan.version + 1} for a changed plan, and give the reason: sar-tui study "
+        "amend FILE --reason …"
+    )
 
 
 def _frozen(row: Sequence[Any]) -> Frozen:
@@ -314,6 +360,7 @@ def people(db: sqlite3.Connection, frozen: Frozen, participant: str = "") -> lis
             for one in own
             if one.status == "aborted" or (one.status == "interrupted" and is_left)
         ]
+        deviations += [_in_session(one, _BY_HAND) for one in own if one.level_by_hand]
         found.append(Participation(enrolled, own, sorted(deviations, key=lambda each: each.at)))
     return found
 
@@ -334,12 +381,20 @@ def _ended_early(one: Played) -> Differed:
     """Return the deviation of a session that was ended, or cut off for good, before all attempts
     were done.
     """
+    return _in_session(one, "ended early", "" if one.status == "aborted" else "cut off")
+
+
+_BY_HAND = "level changed by hand"
+
+
+def _in_session(one: Played, what: str, reason: str = "") -> Differed:
+    """Return the deviation of a session that follows from its log."""
     return Differed(
         participant=one.participant,
         visit=one.visit,
         block=one.block,
-        what="ended early",
-        reason="" if one.status == "aborted" else "cut off",
+        what=what,
+        reason=reason,
         at=one.ended,
     )
 
@@ -347,12 +402,16 @@ def _ended_early(one: Played) -> Differed:
 def enrolments(db: sqlite3.Connection, study: str, participant: str = "") -> list[Enrolment]:
     """Return who is in a study, in the order of their enrolment; or one person only."""
     ends = {record.participant: record for record in of_study(db, EXIT, study, participant)}
+    agreed = sorted(
+        of_study(db, CONSENT, study, participant), key=lambda each: (each.day, each.recorded_at)
+    )
+    consents = {record.participant: record for record in agreed}
     left = _left(db)
     found = []
     for record in of_study(db, ENROLMENT, study, participant):
         content = record.content
-        end = ends.get(record.participant)
-        withdrawn, why = left.get(record.participant, ("", ""))
+        consent = consents.get(record.participant)
+        ended = _ended(ends.get(record.participant), left.get(record.participant), consent)
         orders = str(content.get("order", ""))
         found.append(
             Enrolment(
@@ -365,19 +424,49 @@ def enrolments(db: sqlite3.Connection, study: str, participant: str = "") -> lis
                 orders=tuple(map(int, filter(None, orders.split(",")))),
                 replaces=str(content.get("replaces", "")),
                 at=record.at,
-                ended=str(end.content["what"]) if end else withdrawn,
-                why_ended=str(end.content["reason"]) if end else why,
+                consent=str(consent.content["answer"]) if consent else "",
+                ended=ended.what,
+                why_ended=ended.why,
+                ended_at=ended.at,
+                by_consent=ended.by_consent,
             )
         )
     return sorted(found, key=lambda one: (one.participant.partition("@")[2], one.number))
 
 
-def _left(db: sqlite3.Connection) -> dict[str, tuple[str, str]]:
+class _End(NamedTuple):
+    """End of a participation: how, why, when, and if it was by the answer to the consent; empty if
+    it goes on.
+    """
+
+    what: str = ""
+    why: str = ""
+    at: str = ""
+    by_consent: bool = False
+
+
+def _ended(end: Record | None, left: _End | None, consent: Record | None) -> _End:
+    """Return how a participation ended: by a record of it, by a withdrawal from everything, or as
+    the person does not agree, or agrees no longer, to the study.
+    """
+    if end:
+        return _End(str(end.content["what"]), str(end.content["reason"]), end.at)
+    if left:
+        return left
+    if consent and (known := _WITHOUT_CONSENT.get(str(consent.content["answer"]))):
+        return _End(*known, consent.recorded_at, by_consent=True)
+    return _End()
+
+
+def _left(db: sqlite3.Connection) -> dict[str, _End]:
     """Return who withdrew altogether, and the codes of those who were erased, with the reason."""
     events = people_events.events(db)
-    erased = (event.replaced_by for event in events if event.event == "erased")
-    return dict.fromkeys(erased, ("erased", "asked for it")) | {
-        code: ("withdrawn", event.reason or "withdrew altogether")
+    return {
+        event.replaced_by: _End("erased", "asked for it", event.at)
+        for event in events
+        if event.event == "erased"
+    } | {
+        code: _End("withdrawn", event.reason or "withdrew altogether", event.at)
         for code, event in people_events.withdrawals(events).items()
     }
 
@@ -453,7 +542,7 @@ def played(db: sqlite3.Connection, study: str, mode: Mode, participant: str = ""
     counted = COUNTS if mode == "live" else "sessions.mode='simulated'"
     rows = db.execute(
         "SELECT sessions.id, participant, status, started_at, ended_at, study,"
-        f" {UTC_OFFSET} FROM sessions"
+        f" {UTC_OFFSET}, {', '.join((*_SETTINGS, *_LEVELS))} FROM sessions"
         " JOIN seats ON seats.session=sessions.id AND seat='A'"
         f" WHERE study IS NOT NULL AND json_extract(study, '$.study')=? AND {counted}"
         f"{' AND participant=?' if participant else ''} ORDER BY sessions.rowid",
@@ -461,7 +550,9 @@ def played(db: sqlite3.Connection, study: str, mode: Mode, participant: str = ""
     )
     folder = _folder(db)
     found = []
-    for id, who, status, began, ended, place, offset_s in rows:
+    for id, who, status, began, ended, place, offset_s, *of_attempts in rows:
+        planned, policy, decided_by, level, done, lowest, highest = of_attempts
+        is_fixed = _is_fixed(policy) and decided_by != "manual" and lowest is not None
         values = msgspec.json.decode(place)
         del values["study"]
         day = trained_at(began, offset_s).strftime("%Y-%m-%d")
@@ -473,6 +564,11 @@ def played(db: sqlite3.Connection, study: str, mode: Mode, participant: str = ""
                 day=day,
                 began=began,
                 ended=ended or began,
+                attempts=int(done),
+                planned=planned or 0,
+                level_by_hand=(
+                    is_fixed and (lowest, highest) != (level, level) and _is_set_by_hand(db, id)
+                ),
                 **values,
             )
         )
@@ -492,6 +588,24 @@ def played(db: sqlite3.Connection, study: str, mode: Mode, participant: str = ""
             )
         )
     return sorted(found, key=lambda one: one.ended)
+
+
+def _is_fixed(policy: str | None) -> bool:
+    """Return True if a difficulty policy never changes a level."""
+    known = DIFFICULTY.get(policy or "")
+    return known is not None and known.step is stay
+
+
+def _is_set_by_hand(db: sqlite3.Connection, session: str) -> bool:
+    """Return True if somebody has set the level in a session. Attempts at another level than that
+    of the start are the reason to look: all messages of the session are read.
+    """
+    rows = db.execute(
+        "SELECT message FROM events WHERE session=? AND topic=?", (session, LEVEL.name)
+    )
+    return any(
+        msgspec.json.decode(text, type=LevelChanged).reason == "operator" for (text,) in rows
+    )
 
 
 def _folder(db: sqlite3.Connection) -> Path:

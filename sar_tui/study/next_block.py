@@ -22,6 +22,7 @@ from sar_tui.study.schedule import (
     Next,
     NothingLeft,
     State,
+    VisitDay,
     items,
     next_item,
     numbers,
@@ -105,6 +106,8 @@ def due(
         NeedsReason: it differs from the plan, and no reason was given.
     """
     plan, who = one.frozen.plan, one.enrolled.participant
+    if one.enrolled.by_consent:
+        check_consent(db, one)
     if one.enrolled.ended:
         raise StoreError(
             Sentence(
@@ -130,14 +133,7 @@ def due(
         ]
         raise StoreError(joined(told), bad_input=True)
     if found.state in _OTHER_DAY and not reason and not _is_noted(db, one, found):
-        said = Sentence(
-            _OTHER_DAY[found.state],
-            visit=found.item.visit.name,
-            who=who,
-            first=found.day.first,
-            last=found.day.last,
-        )
-        raise NeedsReason(said, found.state, found)
+        raise NeedsReason(_other_day(one, found), found.state, found)
     return found
 
 
@@ -181,17 +177,42 @@ def _out_of_order(one: Person, now: datetime, alike: Sequence[Item], reason: str
     begun = {each.key for each in one.played}
     item = next((each for each in alike if each.key not in begun), alike[0])
     days = visit_days(one.frozen.plan, one.items, one.played, now)
+    day = next(day for day in days if day.visit.name == item.visit.name)
     found = Next(
         item=item,
-        day=next(day for day in days if day.visit.name == item.visit.name),
+        state=_state_of(day, now),
+        day=day,
         repeats=item.key in begun,
         out_of_order=item.key not in begun,
     )
     if not reason:
         what = "repeated" if found.repeats else "out of order"
-        said = Sentence(_OTHER_PLACE[what], block=item.block.name, visit=item.visit.name)
-        raise NeedsReason(said, what, found)
+        said = [Sentence(_OTHER_PLACE[what], block=item.block.name, visit=item.visit.name)]
+        if found.state in _OTHER_DAY:
+            said.append(_other_day(one, found))
+        raise NeedsReason(joined(said), what, found)
     return found
+
+
+def _state_of(day: VisitDay, now: datetime) -> State:
+    """Return if today is before or after the window of a visit that is not done, whatever was done
+    before it.
+    """
+    today = now.astimezone().date()
+    if day.state == "done" or day.first is None or day.last is None:
+        return "due"
+    return "early" if today < day.first else "late" if today > day.last else "due"
+
+
+def _other_day(one: Person, found: Next) -> Sentence:
+    """Return the sentence on a visit that is not in its window."""
+    return Sentence(
+        _OTHER_DAY[found.state],
+        visit=found.item.visit.name,
+        who=one.enrolled.participant,
+        first=found.day.first,
+        last=found.day.last,
+    )
 
 
 def check_consent(db: sqlite3.Connection, one: Person) -> None:
@@ -218,9 +239,11 @@ def check_consent(db: sqlite3.Connection, one: Person) -> None:
         raise StoreError(said, bad_input=True)
     if answer != "yes":
         said = Sentence(
-            "{who} has withdrawn the consent to the study {study}: no session starts.",
+            "{who} has withdrawn the consent to the study {study}: no session starts. If they "
+            "leave: {how}",
             who=who,
             study=study,
+            how=f"sar-tui study exit {who} --reason …",
         )
         raise StoreError(said, bad_input=True)
     if given.content["version"] != wanted.version:
@@ -312,23 +335,26 @@ def note_deviations(
     now: datetime | None = None,
 ) -> None:
     """Record what differs from the plan when a block begins: visits that were missed, a day that is
-    early or late, an order, a block that is begun again.
+    early or late, an order, a block that is begun again. What is recorded already, for the same
+    reason if a block is begun again, is not recorded once more.
     """
     plan, who = one.frozen.plan, one.enrolled.participant
+    contents = [each.content for each in ledger.of_study(db, ledger.DEVIATION, plan.name, who)]
     noted = {
-        (each.content.get("visit"), each.content["what"])
-        for each in ledger.of_study(db, ledger.DEVIATION, plan.name, who)
+        tuple(str(content.get(name, "")) for name in ("what", "visit", "block", "reason"))
+        for content in contents
     }
+    noted |= {(what, visit, of_block, "") for what, visit, of_block, _ in noted}
     entries = [("missed", visit.name, "", "") for visit in found.passed]
     name, block = found.item.visit.name, found.item.block.name
     if found.state in ("early", "late"):
         entries.append((found.state, name, "", reason))
-    elif found.repeats:
+    if found.repeats:
         entries.append(("repeated", name, block, reason or "the session before was cut off"))
     elif found.out_of_order:
         entries.append(("out of order", name, block, reason))
     for what, visit, of_block, why in entries:
-        if what in ("missed", "early", "late") and (visit, what) in noted:
+        if (what, visit, of_block, why if what == "repeated" else "") in noted:
             continue
         content = {"visit": visit, "block": of_block, "what": what, "reason": why}
         ledger.note(db, ledger.DEVIATION, plan, who, content, author=author, now=now)

@@ -272,7 +272,8 @@ class Model(NamedTuple):
     """The model that studies are drawn from, in the unit of the measure.
 
     A person's mean of one session is normal around the mean of the measure: a part of the person,
-    with ``person_sd``, and one of the session, with ``within_sd``.
+    with ``person_sd``, and one of the session, with ``within_sd``; in the session of the baseline
+    with ``baseline_sd``, if that has another number of trials.
     """
 
     design: Design
@@ -280,6 +281,12 @@ class Model(NamedTuple):
     person_sd: float
     within_sd: float
     dropout: float = 0.0
+    baseline_sd: float | None = None
+
+    @property
+    def of_baseline(self) -> float:
+        """SD of a person's baselines."""
+        return self.within_sd if self.baseline_sd is None else self.baseline_sd
 
     @property
     def total_sd(self) -> float:
@@ -293,8 +300,8 @@ class Model(NamedTuple):
 
     @property
     def retest(self) -> float:
-        """Correlation of two visits."""
-        return (self.person_sd / self.total_sd) ** 2
+        """Correlation of two visits; of the baseline and the outcome with a baseline."""
+        return self.person_sd**2 / (self.total_sd * math.hypot(self.person_sd, self.of_baseline))
 
 
 class Assumptions(msgspec.Struct, frozen=True):
@@ -320,6 +327,7 @@ def assumptions(
     outcome: Outcome,
     pilot: Mapping[str, Number] | None = None,
     planned_trials: Number | None = None,
+    baseline_trials: Number | None = None,
 ) -> Assumptions:
     """Return the model of an outcome.
 
@@ -331,6 +339,8 @@ def assumptions(
         pilot: numbers that replace those of the plan, and its correlation of visits, but not the
             number of trials.
         planned_trials: of the plan's block, if ``[power]`` does not say how many there are.
+        baseline_trials: of the baseline's block, likewise. If they are others, the SD of a person's
+            baselines is √(within² - trial² / m + trial² / m_baseline).
 
     Raises:
         StoreError: a number is missing, or two contradict each other.
@@ -366,6 +376,10 @@ def assumptions(
         raise _refusal(
             "[power] says that nobody varies from visit to visit: state session_sd above 0."
         )
+    if outcome.baseline and baseline_trials and power.trials is None:
+        numbers |= _of_baseline(numbers, baseline_trials)
+        if "baseline_sd" in numbers:
+            unit_model = unit_model._replace(baseline_sd=numbers["baseline_sd"].value)
     name = next(name for name in _EFFECTS if name in numbers)
     scale = {
         "effect": 1.0,
@@ -397,7 +411,23 @@ def _within(numbers: Mapping[str, Number]) -> Number:
     return Number(within, f"{person:g} · √((1 - {r:g}) / {r:g}), from the retest")
 
 
+def _of_baseline(numbers: Mapping[str, Number], trials: Number) -> dict[str, Number]:
+    """Return the number of trials of a baseline, and the SD of a person's baselines; nothing if it
+    has as many as the outcome.
+    """
+    if trials.value == numbers["trials"].value:
+        return {}
+    within, trial = numbers["within_sd"].value, numbers["trial_sd"].value
+    if not trial:
+        return {}
+    of_session = max(0.0, within**2 - trial**2 / numbers["trials"].value)
+    sd = math.sqrt(of_session + trial**2 / trials.value)
+    how = f"√({of_session**0.5:.4g}² + {trial:g}² / {trials.value:g})"
+    return {"baseline_trials": trials, "baseline_sd": Number(sd, how)}
+
+
 def _in_order(numbers: Mapping[str, Number]) -> dict[str, Number]:
     order = [*_RULES]
-    order.insert(order.index("trials") + 1, "within_sd")
+    at = order.index("trials") + 1
+    order[at:at] = ["within_sd", "baseline_trials", "baseline_sd"]
     return {name: numbers[name] for name in order if name in numbers}

@@ -27,6 +27,22 @@ _LONGEST_TEXT = 2000
 _TOO_LONG = f"Instructions have at most {_LONGEST_TEXT} characters."
 
 
+QUESTIONS = {
+    "data": "Have any data been collected for this study already?",
+    "hypothesis": "What's the main question being asked or hypothesis being tested in this study?",
+    "outcome": "Describe the key dependent variable(s) specifying how they will be measured.",
+    "conditions": "How many and which conditions will participants be assigned to?",
+    "analysis": "Specify exactly which analyses you will conduct to examine the main "
+    "question/hypothesis.",
+    "exclusions": "Describe exactly how outliers will be defined and handled, and your precise "
+    "rule(s) for excluding observations.",
+    "people": "How many observations will be collected or what will determine sample size?",
+    "other": "Anything else you would like to pre-register?",
+    "type": "Type of study and name.",
+}
+"""AsPredicted's questions by the keys under ``[prereg]`` with which a plan answers them itself."""
+
+
 class PlanError(ValueError):
     """A plan cannot be used. The message names the file, the line, and the reason."""
 
@@ -178,7 +194,7 @@ class Study(_Declared, frozen=True, kw_only=True):
             reason, until the next visit's window begins; it is left out (``skip``) at once; or the
             person takes no further part (``stop``).
         power: assumptions for `sar-tui study power`.
-        prereg: answers to AsPredicted's questions that do not follow from the plan.
+        prereg: answers to AsPredicted's `QUESTIONS` that do not follow from the plan.
     """
 
     name: str

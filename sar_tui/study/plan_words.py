@@ -12,7 +12,7 @@ from sar_tui.study import ledger
 from sar_tui.study.allocation import sizes
 from sar_tui.study.ledger import Frozen, Participation
 from sar_tui.study.outcome import Outcome
-from sar_tui.study.plan import Block, Study, orders
+from sar_tui.study.plan import QUESTIONS, Block, Study, orders
 
 # --- summary
 
@@ -52,20 +52,6 @@ def _block(plan: Study, block: Block) -> str:
 
 
 _TO_ADD = "(To be written: [prereg] {key} in the plan.)"
-_QUESTIONS = {
-    "data": "Have any data been collected for this study already?",
-    "hypothesis": "What's the main question being asked or hypothesis being tested in this study?",
-    "outcome": "Describe the key dependent variable(s) specifying how they will be measured.",
-    "conditions": "How many and which conditions will participants be assigned to?",
-    "analysis": "Specify exactly which analyses you will conduct to examine the main "
-    "question/hypothesis.",
-    "exclusions": "Describe exactly how outliers will be defined and handled, and your precise "
-    "rule(s) for excluding observations.",
-    "people": "How many observations will be collected or what will determine sample size?",
-    "other": "Anything else you would like to pre-register?",
-    "type": "Type of study and name.",
-}
-"""The questions by the keys under ``[prereg]`` with which a plan answers them itself."""
 
 
 def preregistration(plan: Study, sha256: str) -> str:
@@ -84,7 +70,7 @@ def preregistration(plan: Study, sha256: str) -> str:
         "type": f"Experiment. {plan.title or plan.name}",
     }
     parts = [f"# Preregistration: {plan.title or plan.name}"]
-    for number, (key, question) in enumerate(_QUESTIONS.items(), 1):
+    for number, (key, question) in enumerate(QUESTIONS.items(), 1):
         own = plan.prereg.get(key, "")
         found = " ".join(filter(None, (derived.get(key, ""), own)))
         parts.append(f"## {number}. {question}\n\n{found or _TO_ADD.format(key=key)}")

@@ -312,7 +312,8 @@ def _pairs(
 ) -> "tuple[_Sample, _Sample, Floats]":
     """Return baselines and outcomes of a group, and the sums of their products around the means."""
     person = model.person_sd * generator.standard_normal(shape)
-    x, y = person + model.within_sd * generator.standard_normal((2, *shape))
+    x, y = generator.standard_normal((2, *shape))
+    x, y = person + model.of_baseline * x, person + model.within_sd * y
     stay = _staying(shape, model.dropout, generator)
     baseline, outcome = _Sample.among(x, stay), _Sample.among(y + effect, stay)
     return baseline, outcome, np.einsum("ij,ij->i", baseline.centred, outcome.centred)

@@ -6,7 +6,7 @@ allocated, received as intended, completed, lost with reasons, analysed.
 
 import sqlite3
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from datetime import datetime
 from pathlib import Path
 
@@ -17,11 +17,11 @@ from sar_tui.store import people_events
 from sar_tui.study import ledger
 from sar_tui.study.allocation import AllocationError
 from sar_tui.study.enrolment import draws_of, names_of
-from sar_tui.study.ledger import Differed, Frozen, Participation
+from sar_tui.study.ledger import Differed, Enrolment, Frozen, Participation
 from sar_tui.study.plan import Study
 from sar_tui.study.results import Row, long_rows
 from sar_tui.study.schedule import finished
-from sar_tui.study.status import PersonRow, grid
+from sar_tui.study.status import PersonRow, as_of, grid
 
 
 class GroupFlow(msgspec.Struct, frozen=True, kw_only=True):
@@ -60,6 +60,16 @@ class Dose(msgspec.Struct, frozen=True, kw_only=True):
     minutes: float
 
 
+class Short(msgspec.Struct, frozen=True, kw_only=True):
+    """A block that was done with fewer attempts than planned. ``attempts``: those that count."""
+
+    participant: str
+    visit: str
+    block: str
+    attempts: int
+    of: int
+
+
 class StudyReport(msgspec.Struct, frozen=True, kw_only=True):
     """The report on a study.
 
@@ -67,6 +77,7 @@ class StudyReport(msgspec.Struct, frozen=True, kw_only=True):
         versions: of the plan, with the reason of each later one.
         missing: blocks and forms that are missing in visits that people came to or missed, by
             "VISIT/BLOCK".
+        short: blocks that were done in part.
         code_breaks: times that a group was looked up.
         other_plans: sites that froze another text of the same version.
     """
@@ -79,14 +90,16 @@ class StudyReport(msgspec.Struct, frozen=True, kw_only=True):
     dose: tuple[Dose, ...]
     deviations: tuple[Differed, ...]
     missing: dict[str, int]
+    short: tuple[Short, ...]
     code_breaks: int
     other_plans: tuple[str, ...]
 
 
 def make_report(db: sqlite3.Connection, frozen: Frozen, key: Path, now: datetime) -> StudyReport:
-    """Return the report on a study as it stands now."""
+    """Return the report on a study as it stands now; on a rehearsal, as it stood at its end."""
     plan = frozen.plan
     people = ledger.people(db, frozen)
+    now = as_of(frozen, people, now)
     states = grid(frozen, people, key, now)
     rows = long_rows(db, frozen, people)
     excluded = people_events.excluded(db)
@@ -107,6 +120,7 @@ def make_report(db: sqlite3.Connection, frozen: Frozen, key: Path, now: datetime
         dose=tuple(_dose(visit.name, people, used) for visit in plan.visits),
         deviations=tuple(deviations),
         missing=_missing(plan, people, states, now),
+        short=tuple(_short(plan, people, now)),
         code_breaks=len(ledger.of_study(db, ledger.CODE_BREAK, plan.name)),
         other_plans=_other_plans(db, frozen),
     )
@@ -136,9 +150,16 @@ def _flow(
         as_intended=sum(one.participant in began and not one.deviations for one in mine),
         completed=sum(all(cell.state == "done" for cell in one.visits.values()) for one in mine),
         ended=dict(Counter(one.ended for one in ended)),
-        reasons=tuple(f"{one.participant}: {one.ended}, {one.why_ended}" for one in ended),
+        reasons=tuple(map(_reason, ended)),
         analysed=_analysed(frozen, codes, used, compared),
     )
+
+
+def _reason(one: Enrolment) -> str:
+    """Return who takes part no longer and why, with the command that records it if nothing does."""
+    said = f"{one.participant}: {one.ended}, {one.why_ended}"
+    is_recorded = not one.by_consent or not ledger.is_own(one.participant)
+    return said if is_recorded else f"{said} (to record it: sar-tui study exit {one.participant})"
 
 
 def _compared(frozen: Frozen, key: Path) -> set[str]:
@@ -210,13 +231,31 @@ def _missing(
     """Return how many people lack a block of a visit that is over for them."""
     found = Counter[str]()
     for one, row in zip(people, states, strict=True):
-        done = Counter((visit, block) for visit, block, _ in finished(plan, one.played, now))
+        done = Counter(
+            (each.visit, each.block)
+            for each in finished(plan, one.played, now).values()
+            if each.attempts != 0
+        )
         for visit, block in plan.blocks():
-            is_over = row.ended or row.visits[visit.name].state in ("missed", "late")
+            is_over = row.ended or row.visits[visit.name].state in ("done", "missed", "late")
             if is_over and done[visit.name, block.name] < (len(block.conditions) or 1):
                 found[f"{visit.name}/{block.name}"] += 1
     order = (f"{visit.name}/{block.name}" for visit, block in plan.blocks())
     return {place: found[place] for place in order if place in found}
+
+
+def _short(plan: Study, people: Sequence[Participation], now: datetime) -> Iterator[Short]:
+    """Yield blocks that are done with fewer attempts than planned, but with one or more."""
+    for one in people:
+        for each in finished(plan, one.played, now).values():
+            if each.attempts and each.attempts < each.planned:
+                yield Short(
+                    participant=each.participant,
+                    visit=each.visit,
+                    block=each.block,
+                    attempts=each.attempts,
+                    of=each.planned,
+                )
 
 
 def _other_plans(db: sqlite3.Connection, frozen: Frozen) -> tuple[str, ...]:
@@ -237,7 +276,7 @@ def sections(report: StudyReport) -> list[Section]:
         _flow_section(report),
         Section("Dose", [_dose_table(report)]),
         Section("Deviations", _deviation_parts(report)),
-        Section("Missing data", [_missing_words(report)]),
+        Section("Missing data", [*_missing_words(report)]),
         Section("The plan", _plan_parts(report)),
     ]
 
@@ -295,11 +334,18 @@ def _deviation_parts(report: StudyReport) -> list[str | Table]:
     return [f"{said}.", Table(("who", "visit", "block", "what", "reason"), rows)]
 
 
-def _missing_words(report: StudyReport) -> str:
-    if not report.missing:
-        return "Nothing is missing in the visits that are over."
-    said = ", ".join(f"{place} of {count}" for place, count in report.missing.items())
-    return f"Of people whose visit is over: {said}."
+def _missing_words(report: StudyReport) -> Iterator[str | Table]:
+    if report.missing:
+        said = ", ".join(f"{place} of {count}" for place, count in report.missing.items())
+        yield f"Of people whose visit is over, or who have left: {said}."
+    elif not report.short:
+        yield "Nothing is missing in the visits that are over."
+    if report.short:
+        rows = [
+            (each.participant, each.visit, each.block, f"{each.attempts} of {each.of}")
+            for each in report.short
+        ]
+        yield Table(("who", "visit", "block", "attempts"), rows, right=("attempts",))
 
 
 def _plan_parts(report: StudyReport) -> list[str]:

@@ -18,16 +18,18 @@ from sar_tui.drivers.files import make_private
 from sar_tui.export.columns import Column, Type
 from sar_tui.export.csv_file import CsvWriter
 from sar_tui.export.formats.csv import described_field
-from sar_tui.store import people_events, records, sessions, sites
+from sar_tui.store import forms, people_events, records, sessions, sites
 from sar_tui.store.database import StoreError
 from sar_tui.study import ledger
+from sar_tui.study.allocation import AllocationError
+from sar_tui.study.enrolment import draws_of, names_of
 from sar_tui.study.ledger import Enrolment, Frozen, Participation, Played
-from sar_tui.study.plan import Block, Study
+from sar_tui.study.plan import Block, Study, orders
 
 Row = dict[str, Any]
 LONG, WIDE = "long", "wide"
-_OF_PERSON = ("site", "group", "stratum", "order")
-_MEASURES = ("metric", "accuracy", "success_rate", "level", "score")
+_OF_PERSON = ("site", "group", "stratum", "order", "consent")
+_SESSION_MEASURES, _SCORE = ("metric", "accuracy", "success_rate", "level"), "score"
 """Columns of the long table that the wide one has for each block."""
 
 
@@ -43,6 +45,7 @@ LONG_COLUMNS = (
     _column("group", "Group that the person came to; of a blind study a neutral code."),
     _column("stratum", "Site and factors of the allocation."),
     _column("order", "Number of the person's order of conditions, from 1; several with commas."),
+    _column("consent", "Last answer to the consent: yes, no or withdrawn; missing: none."),
     _column("visit", "Visit."),
     _column("block", "Block of the visit."),
     _column("purpose", "Training, practice, probe, retention or transfer."),
@@ -98,6 +101,7 @@ def _of_person(plan: Study, enrolled: Enrolment, own_site: str) -> Row:
         "group": enrolled.group or None,
         "stratum": enrolled.stratum or None,
         "order": ",".join(str(number + 1) for number in enrolled.orders) or None,
+        "consent": enrolled.consent or None,
     }
 
 
@@ -144,15 +148,19 @@ def _results(db: sqlite3.Connection, one: Played) -> Row:
     }
 
 
-def wide(plan: Study, rows: Sequence[Row], people: Sequence[Row]) -> tuple[list[Column], list[Row]]:
+def wide(
+    plan: Study, rows: Sequence[Row], people: Sequence[Row], shown: Mapping[str, str]
+) -> tuple[list[Column], list[Row]]:
     """Return the columns and the rows of the wide table: of each block and condition its measures.
 
-    Of a block that was begun again the last session counts.
+    All columns of the plan are there, also without data yet, and then those of blocks that only an
+    earlier version has. Of a block that was begun again the last session counts.
 
     Args:
         plan: the study.
         rows: of the long table.
         people: columns of the long table that belong to each person.
+        shown: conditions as rows have them, by their names.
     """
     of_person = ("participant", *_OF_PERSON)
     by_person = {one["participant"]: {name: one[name] for name in of_person} for one in people}
@@ -162,29 +170,81 @@ def wide(plan: Study, rows: Sequence[Row], people: Sequence[Row]) -> tuple[list[
     declared = {each.name: each for each in LONG_COLUMNS}
     several = {(row["visit"], row["block"]) for row in rows if row["position"] > 1}
     several |= {(visit.name, block.name) for visit, block in plan.blocks() if block.conditions}
+
+    def column(visit: str, block: str, condition: str, name: str) -> str:
+        """Add the column of a measure if it is not there, and return its name."""
+        of_condition = condition if (visit, block) in several else ""
+        part = "_".join(filter(None, (visit, block, of_condition)))
+        key = f"{part}_{name}".replace("-", ".")
+        under = f", condition {of_condition}" if of_condition else ""
+        meaning = f"In the block {block} of the visit {visit}{under}: {declared[name].meaning}"
+        columns.setdefault(key, msgspec.structs.replace(declared[name], name=key, meaning=meaning))
+        return key
+
+    for visit, block in plan.blocks():
+        named = [shown[each] for each in block.conditions if each in shown]
+        if plan.allocation.blind:  # their order in the plan would tell what the codes are
+            named.sort()
+        for condition in named if block.conditions else [""]:
+            for measure in _measures(block):
+                column(visit.name, block.name, condition, measure)
     for row in rows:
-        mine = by_person[row["participant"]]
-        condition = row["condition"] if (row["visit"], row["block"]) in several else ""
-        part = "_".join(filter(None, (row["visit"], row["block"], condition)))
-        for name in _MEASURES:
-            if row.get(name) is None:
-                continue
-            key = f"{part}_{name}".replace("-", ".")
-            where = f"In the block {row['block']} of the visit {row['visit']}"
-            under = f", condition {condition}" if condition else ""
-            columns.setdefault(
-                key,
-                msgspec.structs.replace(
-                    declared[name], name=key, meaning=f"{where}{under}: {declared[name].meaning}"
-                ),
-            )
-            mine[key] = row[name]
+        for name in (*_SESSION_MEASURES, _SCORE):
+            if row.get(name) is not None:
+                key = column(row["visit"], row["block"], row["condition"] or "", name)
+                by_person[row["participant"]][key] = row[name]
     return list(columns.values()), list(by_person.values())
 
 
-def export(db: sqlite3.Connection, frozen: Frozen, folder: Path) -> list[Path]:
+def _measures(block: Block) -> Sequence[str]:
+    """Return the columns that a block has in the wide table: of a form its score, if it has one."""
+    if not block.form:
+        return _SESSION_MEASURES
+    try:
+        fields = forms.form(block.form).fields
+    except StoreError:  # it is declared elsewhere
+        return (_SCORE,)
+    return (_SCORE,) if any(field.name == _SCORE for field in fields) else ()
+
+
+def _shown_conditions(frozen: Frozen, key: Path) -> dict[str, str]:
+    """Return conditions as people may see them, by name; none of a blind study without its key."""
+    plan = frozen.plan
+    try:
+        return dict(names_of(plan, draws_of(frozen, key)).conditions)
+    except AllocationError:
+        return {} if plan.allocation.blind else {name: name for name in plan.conditions}
+
+
+def _with_orders(columns: Sequence[Column], plan: Study) -> list[Column]:
+    """Return columns of which that of the order says which conditions each number stands for."""
+    told = _orders(plan)
+    return [
+        msgspec.structs.replace(each, meaning=f"{each.meaning} {told}")
+        if told and each.name == "order"
+        else each
+        for each in columns
+    ]
+
+
+def _orders(plan: Study) -> str:
+    """Return the conditions of each order in words: "1: slow, fast; 2: fast, slow". Empty without
+    orders, and in a blind study, where they would tell which condition a code is.
+    """
+    if plan.allocation.blind:
+        return ""
+    return " Then ".join(
+        "; ".join(f"{at}: {', '.join(row)}" for at, row in enumerate(orders(plan, each), 1)) + "."
+        for each in plan.squares
+    )
+
+
+def export(db: sqlite3.Connection, frozen: Frozen, folder: Path, key: Path) -> list[Path]:
     """Write both tables and their description (``datapackage.json``) into a new or empty folder.
     People who have withdrawn, and whose data is excluded, are left out.
+
+    ``key``: file of the study's key, without which a blind study's conditions have no columns until
+    they have data.
 
     Raises:
         StoreError: the folder has files, or cannot be written.
@@ -194,10 +254,10 @@ def export(db: sqlite3.Connection, frozen: Frozen, folder: Path) -> list[Path]:
     rows = long_rows(db, frozen, people)
     site = sites.own(db)
     of_people = [_of_person(frozen.plan, each.enrolled, site) for each in people]
-    columns, persons = wide(frozen.plan, rows, of_people)
+    columns, persons = wide(frozen.plan, rows, of_people, _shown_conditions(frozen, key))
     tables: Mapping[str, tuple[Sequence[Column], Sequence[Row], str]] = {
-        LONG: (LONG_COLUMNS, rows, "A row for each block of a person"),
-        WIDE: (columns, persons, "A row for each person"),
+        LONG: (_with_orders(LONG_COLUMNS, frozen.plan), rows, "A row for each block of a person"),
+        WIDE: (_with_orders(columns, frozen.plan), persons, "A row for each person"),
     }
     try:
         if folder.exists() and any(folder.iterdir()):

@@ -129,8 +129,8 @@ class NothingLeft(msgspec.Struct, frozen=True):
 def finished(
     plan: Study, played: Sequence[Played], now: datetime
 ) -> dict[tuple[str, str, int], Played]:
-    """Return the sessions and forms that are done, by `Item.key`. A session that was cut off is
-    done if the plan says that it is left.
+    """Return the sessions and forms that are done, by `Item.key`. A session that was ended early is
+    done, unless no attempt of it counts; one that was cut off, if the plan says that it is left.
     """
     found = {}
     for one in played:
@@ -139,7 +139,7 @@ def finished(
             and plan.interrupted.then == "leave"
             and not can_resume(plan, one, now)
         )
-        if one.status in _FINISHED or left:
+        if (one.status in _FINISHED and one.attempts != 0) or left:
             found[one.key] = one
     return found
 

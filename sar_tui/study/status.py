@@ -1,7 +1,7 @@
 """The status of a study: each person with each visit, done, due, late or missed."""
 
 from collections.abc import Callable, Sequence
-from datetime import date, datetime
+from datetime import date, datetime, time, timedelta
 from pathlib import Path
 
 import msgspec
@@ -9,7 +9,7 @@ import msgspec
 from sar_tui.model.language import ENGLISH, Sentence, in_language
 from sar_tui.study.allocation import AllocationError
 from sar_tui.study.enrolment import draws_of, names_of
-from sar_tui.study.ledger import Frozen, Participation, Played
+from sar_tui.study.ledger import Enrolment, Frozen, Participation, Played
 from sar_tui.study.plan import Study
 from sar_tui.study.schedule import (
     Item,
@@ -126,6 +126,8 @@ def grid(
         key: file of its key.
         now: the present.
 
+    Of people who have left, visits are shown as they were then: nothing is due to them.
+
     Without the key, of a study in which people are allocated, the states of visits are still right:
     only the conditions in them are not known.
 
@@ -141,6 +143,7 @@ def grid(
     any_group = next(iter(plan.groups), "")
     found = []
     for enrolled, played, deviations in people:
+        then = datetime.fromisoformat(enrolled.ended_at) if enrolled.ended_at else now
         group = names.group(enrolled.group)
         shown = names.groups.get(group, enrolled.group)
         if draws is None and group not in plan.groups:
@@ -150,7 +153,7 @@ def grid(
         playing = {each.visit for each in played if each.is_running}
         cells = {
             day.visit.name: VisitCell(
-                state=day.state,
+                state=_shown(frozen, enrolled, day.state),
                 first=day.first,
                 last=day.last,
                 days=day.days,
@@ -159,7 +162,7 @@ def grid(
                 deviated=day.visit.name in at_visits,
                 playing=day.visit.name in playing,
             )
-            for day in visit_days(plan, mine, played, now)
+            for day in visit_days(plan, mine, played, min(then, now))
         }
         found.append(
             PersonRow(
@@ -174,6 +177,31 @@ def grid(
             )
         )
     return found
+
+
+def _shown(frozen: Frozen, enrolled: Enrolment, state: State) -> State:
+    """Return the state of a visit as it is shown: of people who have left, what was not done or
+    missed is open; in a rehearsal nobody makes up for a visit any more.
+    """
+    if enrolled.ended and state not in ("done", "missed"):
+        return "open"
+    return "missed" if frozen.mode == "simulated" and state == "late" else state
+
+
+def as_of(frozen: Frozen, people: Sequence[Participation], now: datetime) -> datetime:
+    """Return the time for which the status of a study is told: the present; of a rehearsal, whose
+    days are its own, the end of the day after its last window and its last session.
+    """
+    if frozen.mode == "live":
+        return now
+    visits = frozen.plan.visits
+    length = timedelta(days=visits[-1].day - visits[0].day + visits[-1].window[1] + 1)
+    days = {date.fromisoformat(one.day) for _, played, _ in people for one in played}
+    begun = [
+        min(date.fromisoformat(one.day) for one in played) for _, played, _ in people if played
+    ]
+    last = max((*days, *(day + length for day in begun)), default=now.date())
+    return datetime.combine(last, time(12)).astimezone()
 
 
 def _next(

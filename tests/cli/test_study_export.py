@@ -6,9 +6,11 @@ from contextlib import closing
 from datetime import UTC, datetime
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from sar_tui.simulation.participant_model import PEOPLE
+from sar_tui.store import records
 from sar_tui.store.database import connect
 from sar_tui.study import ledger
 from sar_tui.study.rehearsal import Habits, rehearse
@@ -55,6 +57,35 @@ def test_its_sessions_leave_as_bids(call: Call, rehearsed: Path, tmp_path: Path)
     assert call("study export --bids --to", tmp_path / "without").code == 0
     for path in (tmp_path / "without").rglob("*.*sv"):
         assert "R01" not in path.read_text(), path
+
+
+def test_nothing_of_another_study_leaves_with_it(
+    call: Call, rehearsed: Path, tmp_path: Path
+) -> None:
+    with closing(connect(rehearsed)) as database:
+        database.execute("UPDATE sessions SET mode='live'")
+        database.execute("UPDATE studies SET mode='live'")
+        study = ledger.find(database, "praise").plan
+        other = msgspec.structs.replace(study, name="other")
+        for name, given in (
+            (ledger.CONSENT, {"version": "9", "answer": "no"}),
+            (ledger.DEVIATION, {"what": "other", "reason": "of the other"}),
+        ):
+            ledger.note(database, name, other, "R01", given, author="ana")
+        answers = {"score": 3}
+        pain = records.add(database, records.kind_of("nrs"), "R01", "", answers)
+        at = {"visit": "first", "block": "pain", "record": pain.id}
+        ledger.note(database, ledger.FORM, other, "R01", at, author="ana")
+    to = tmp_path / "tables"
+    assert call("study export --study praise --bids --to", to).code == 0
+    phenotype = to / "bids" / "phenotype"
+    assert {path.stem for path in phenotype.glob("*.tsv")} == {
+        "consent", "deviation", "effort", "enrolment", "formfilled", "sus",
+    }  # fmt: skip
+    (_, own) = csv.reader((phenotype / "consent.tsv").read_text().splitlines(), delimiter="\t")
+    assert "yes" in own
+    assert "no" not in own
+    assert "of the other" not in (phenotype / "deviation.tsv").read_text()
 
 
 def _analysed(call: Call) -> int:

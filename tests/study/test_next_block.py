@@ -158,6 +158,27 @@ def test_a_block_out_of_order_or_done_again_needs_a_reason(study: Rehearsed) -> 
         study.due(block="nap", reason="?")
 
 
+def test_each_difference_is_recorded_once(study: Rehearsed) -> None:
+    study.play()
+    early = NOW + timedelta(days=1)
+    with pytest.raises(NeedsReason, match=r"is out of order\. .* today is too early"):
+        study.due(early, visit="second")
+    wanted = {"visit": "second", "reason": "only day"}
+    for _ in range(2):  # the block is left, and begun again
+        one, found = study.due(early, **wanted)
+        next_block.note_deviations(study.db, one, found, "only day", author="me", now=early)
+    study.play(early, **wanted)
+    for reason in ("noise", "noise", "another noise"):
+        study.play(early, visit="first", block="baseline", reason=reason)
+    assert study.deviations() == [
+        ("second", None, "early", "only day"),
+        ("second", "training", "out of order", "only day"),
+        ("first", None, "late", "noise"),
+        ("first", "baseline", "repeated", "noise"),
+        ("first", "baseline", "repeated", "another noise"),
+    ]
+
+
 def test_the_next_block_by_its_name_is_in_order_and_its_day_may_differ(study: Rehearsed) -> None:
     for _ in range(3):
         study.play()

@@ -15,6 +15,8 @@ from sar_tui.study.outcome import (
     read_power,
     tasks_of,
 )
+from sar_tui.study.power import estimate
+from tests.study.exact import groups_with_baseline
 
 OUTCOME = {"measure": "metric", "block": "training", "visit": "second", "compared": "groups"}
 PAIRED = OUTCOME | {"compared": "within"}
@@ -54,6 +56,30 @@ def test_defaults_are_reaction_times_with_their_sources() -> None:
     assert model.retest == pytest.approx(0.75, abs=0.01)
     assert all(number.source for number in found.numbers.values())
     assert found.numbers["within_sd"].source == "√(20² + 69² / 40)"
+
+
+def test_a_shorter_baseline_varies_more_and_says_less_of_the_outcome() -> None:
+    with_baseline = OUTCOME | {
+        "compared": "groups, baseline",
+        "baseline": {"visit": "first", "block": "baseline"},
+    }
+    read = read_outcome({"outcome": with_baseline})
+    stated = read_power({"power": {"effect": 20}}, read)
+    alike, shorter = (
+        assumptions(stated, read, None, Number(40), Number(trials)) for trials in (40, 10)
+    )
+    assert alike.model.baseline_sd is None
+    assert "baseline_sd" not in alike.numbers
+    model = shorter.model
+    assert model.baseline_sd == pytest.approx(math.sqrt(20**2 + 69**2 / 10))
+    assert model.within_sd == alike.model.within_sd
+    assert model.retest == pytest.approx(
+        39**2 / (model.total_sd * math.hypot(39, model.of_baseline))
+    )
+    assert model.retest < alike.model.retest
+    found = estimate(model, 60, draws=4000)
+    exact = groups_with_baseline(model.effect / model.total_sd, model.retest, 60)
+    assert found.low - 0.01 < exact < found.high + 0.01
 
 
 def test_at_home_people_vary_more_and_are_lost() -> None:

@@ -108,3 +108,29 @@ def test_the_plan_on_the_page_can_be_used() -> None:
     assert not [*problems_here(study, Catalogue(())), *warnings(study, Catalogue(()))]
     moving = parse_plan(text.replace('"fixed"', '"one-up-one-down"'), "study.toml")
     assert len([*warnings(moving, Catalogue(()))]) == 2
+
+
+@pytest.mark.parametrize(
+    ("change", "line", "said"),
+    [
+        (("[2, 2]", "[9, 2]"), "window", "opens on day -2, before the visit first can have been"),
+        (("[outcome]", '[prereg]\nexclusion = "None."\n[outcome]'), "exclusion", "no question"),
+    ],
+)
+def test_windows_and_answers_that_cannot_be_are_refused_before_a_plan_is_frozen(
+    change: tuple[str, str], line: str, said: str
+) -> None:
+    ((key, problem),) = problems_here(plan(TWO_GROUPS.replace(*change)), Catalogue(()))
+    assert key[-1] == line
+    assert said in problem
+
+
+def test_a_code_that_can_be_read_is_told() -> None:
+    def told(text: str) -> list[str]:
+        return [each for each in warnings(plan(text), Catalogue(())) if "code" in each]
+
+    blind = TWO_GROUPS.replace("[outcome]", "[allocation]\nblind = true\n[outcome]", 1)
+    (one,) = told(blind)
+    assert "first/baseline names the condition unpraised" in one
+    assert told(TWO_GROUPS) == []
+    assert told(blind.replace('"unpraised"\nattempts', '"slow"\nattempts')) == []

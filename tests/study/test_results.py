@@ -27,12 +27,18 @@ from sar_tui.study.envelopes import page, sheets
 from sar_tui.study.next_block import person
 from sar_tui.study.rehearsal import Habits, Rehearsed, rehearse
 from sar_tui.study.report import make_report
-from sar_tui.study.status import grid
+from sar_tui.study.status import as_of, grid
 from tests.study.plans import TWO_GROUPS, WITH_FORMS, plan
 
 START = datetime(2026, 3, 2, tzinfo=UTC)
 LATER = datetime(2026, 6, 1, tzinfo=UTC)
-BLIND = TWO_GROUPS.replace("[outcome]", "[allocation]\nblind = true\n[outcome]", 1)
+
+
+def blind(text: str) -> str:
+    return text.replace("[outcome]", "[allocation]\nblind = true\n[outcome]", 1)
+
+
+BLIND = blind(TWO_GROUPS)
 EFFECT_MS = 300.0
 
 
@@ -115,8 +121,23 @@ def test_missed_and_late_visits_are_listed(played: Played) -> None:
             cell = row.visits["second"]
             is_noted = any(each.participant == row.participant for each in noted)
             assert cell.deviated == is_noted
-            assert (cell.state == "done") or (cell.done, cell.state) == (0, "late")
-    assert any(row.visits["second"].state == "late" for row in rows)
+            assert (cell.state == "done") or (cell.done, cell.state) == (0, "missed")
+    assert any(row.visits["second"].state == "missed" for row in rows)
+
+
+def test_a_rehearsal_is_shown_as_of_its_own_end(tmp_path: Path) -> None:
+    habits = {"stay": Habits(misses=1.0), "leave": Habits(misses=1.0, leaves=1.0)}
+    for name, how in habits.items():
+        found = play(tmp_path / name, people=2, habits=how)
+        with closing(connect(found.sites[0].folder)) as db:
+            frozen = ledger.find(db)
+            people = ledger.people(db, frozen)
+            (row,) = grid(frozen, people, found.key, as_of(frozen, people, START))
+            report = make_report(db, frozen, found.key, START)
+        shown = "visit missed" if name == "stay" else ""
+        assert [cell.words for cell in row.visits.values()] == ["done", shown]
+        assert row.ended == ("" if name == "stay" else "lost")
+        assert report.missing == {"second/training": 1}
 
 
 def test_a_merge_in_either_direction_gives_the_same_table(played: Played, tmp_path: Path) -> None:
@@ -142,7 +163,7 @@ def test_ten_lines_of_pandas_give_the_outcome_that_was_simulated(
 ) -> None:
     for site in played.sites:
         with closing(connect(site.folder)) as db:
-            results.export(db, ledger.find(db), tmp_path / site.site)
+            results.export(db, ledger.find(db), tmp_path / site.site, played.key)
     read = (pandas.read_csv(tmp_path / site / "wide.csv") for site in ("BERN", "GENF"))
     wide = pandas.concat(read, ignore_index=True)
     change = wide.second_training_metric - wide.first_baseline_metric
@@ -156,9 +177,39 @@ def test_ten_lines_of_pandas_give_the_outcome_that_was_simulated(
 
 def test_the_tables_are_as_they_are_described(played: Played, tmp_path: Path) -> None:
     with closing(connect(played.sites[0].folder)) as db:
-        results.export(db, ledger.find(db), tmp_path / "out")
+        results.export(db, ledger.find(db), tmp_path / "out", played.key)
     report = frictionless.validate(str(tmp_path / "out" / "datapackage.json"))
     assert report.valid, report.to_summary()
+
+
+def test_the_columns_follow_from_the_plan_before_anybody_has_begun(tmp_path: Path) -> None:
+    (tmp_path / "k.key").write_text("5a" * 32)
+    for name, text in (("open", WITH_FORMS), ("blind", blind(WITH_FORMS))):
+        with closing(connect(tmp_path / name)) as db:
+            enrolment.freeze(
+                db, Catalogue(()), text, plan(text), tmp_path / "k.key", mode="live", author="me"
+            )
+            frozen = ledger.find(db)
+            enrolment.enrol(db, frozen, "P01", tmp_path / "k.key")
+            results.export(db, frozen, tmp_path / f"{name}-out", tmp_path / "k.key")
+    wide = pandas.read_csv(tmp_path / "open-out" / "wide.csv")
+    assert list(wide.columns[6:]) == [
+        f"{block}_{measure}"
+        for block in (
+            "first_baseline", "first_speeds_slow", "first_speeds_fast", "first_strain",
+            "second_training", "second_usability",
+        )
+        for measure in (
+            ["score"]
+            if block in ("first_strain", "second_usability")
+            else ["metric", "accuracy", "success_rate", "level"]
+        )
+    ]  # fmt: skip
+    package = (tmp_path / "open-out" / "datapackage.json").read_text()
+    assert package.count("1: slow, fast; 2: fast, slow.") == 2
+    assert "slow" not in (tmp_path / "blind-out" / "datapackage.json").read_text()
+    coded = pandas.read_csv(tmp_path / "blind-out" / "wide.csv").columns
+    assert len(coded) == len(wide.columns)
 
 
 def test_a_blind_study_tells_no_condition_in_what_it_exports(tmp_path: Path) -> None:
@@ -168,7 +219,7 @@ def test_a_blind_study_tells_no_condition_in_what_it_exports(tmp_path: Path) -> 
         with closing(connect(site.folder)) as db:
             frozen = ledger.find(db)
             out = tmp_path / f"out-{site.site}"
-            for path in results.export(db, frozen, out):
+            for path in results.export(db, frozen, out, found.key):
                 content = path.read_bytes().replace(b"praise,1,", b"").replace(b"study-praise", b"")
                 content = content.replace(b"Praise and reaction time", b"")
                 assert not [name for name in names if name in content.lower()], path
@@ -222,7 +273,7 @@ def test_sheets_have_the_groups_that_people_are_drawn_into(played: Played) -> No
 def test_conditions_and_blocks_that_look_alike_have_columns_of_their_own() -> None:
     alike = TWO_GROUPS.replace('"speeds"', '"a-b"').replace('"second"', '"first-a"')
     study = plan(alike.replace('block = "training"', 'block = "b"').replace('"training"', '"b"'))
-    person = {"site": None, "group": "praise", "stratum": None, "order": "1"}
+    person = {"site": None, "group": "praise", "stratum": None, "order": "1", "consent": None}
     places = (("first", "a-b", "slow", 1.0), ("first-a", "b", "praised", 2.0))
     rows: list[results.Row] = [
         {"participant": "P01", "visit": visit, "block": block, "condition": condition,
@@ -230,9 +281,12 @@ def test_conditions_and_blocks_that_look_alike_have_columns_of_their_own() -> No
         for visit, block, condition, metric in places
     ]  # fmt: skip
     people = [{"participant": who, **person} for who in ("P01", "P02")]
-    columns, found = results.wide(study, rows, people)
-    assert [column.name for column in columns[5:]] == [
-        "first_a.b_slow_metric", "first.a_b_metric",
+    shown = {name: name for name in study.conditions}
+    columns, found = results.wide(study, rows, people, shown)
+    names = [column.name for column in columns[6:] if column.name.endswith("metric")]
+    assert names == [
+        "first_baseline_metric", "first_a.b_slow_metric", "first_a.b_fast_metric",
+        "first.a_b_metric",
     ]  # fmt: skip
     assert found[0]["first_a.b_slow_metric"] == 1.0
     assert found[1] == {"participant": "P02", **person}

@@ -32,7 +32,7 @@ from sar_tui.study.next_block import NeedsReason, Person
 from sar_tui.study.plan import PlanError, Study
 from sar_tui.study.schedule import Next, numbers
 from sar_tui.study.secret import key_file
-from sar_tui.study.status import PersonRow, grid
+from sar_tui.study.status import PersonRow, as_of, grid
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.tui.heading import Heading, most_rows
 from sar_tui.tui.key_line import KeyLine
@@ -157,7 +157,8 @@ class StudyScreen(DismissedOnce[None]):
         key, self._read_at = key_file(self._study), self._state
         try:
             frozen = ledger.find(database, self._study)
-            rows = grid(frozen, ledger.people(database, frozen), key, self._now)
+            people = ledger.people(database, frozen)
+            rows = grid(frozen, people, key, as_of(frozen, people, self._now))
         except (StoreError, PlanError) as error:  # another program has written it
             self._frozen, self._problem = None, in_language(error, tr)
             self._show_person()

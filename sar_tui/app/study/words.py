@@ -13,7 +13,7 @@ from sar_tui.study.ledger import Differed
 from sar_tui.study.plan import PlanError, Study
 from sar_tui.study.schedule import Next
 from sar_tui.study.secret import key_file
-from sar_tui.study.status import PersonRow, VisitCell, grid
+from sar_tui.study.status import PersonRow, VisitCell, as_of, grid
 
 _DEVIATIONS = {
     "missed": "visit missed",
@@ -22,6 +22,7 @@ _DEVIATIONS = {
     "out of order": "out of order",
     "repeated": "repeated",
     "ended early": "ended early",
+    "level changed by hand": "level changed by hand",
 }
 
 
@@ -137,7 +138,7 @@ def due_in_studies(
         with suppress(StoreError, PlanError):  # the screen of the study tells it
             frozen = ledger.find(database, name)
             people = ledger.people(database, frozen, who)
-            for row in grid(frozen, people, key_file(name), now):
+            for row in grid(frozen, people, key_file(name), as_of(frozen, people, now)):
                 if words := card_words(frozen.plan, row, today, tr):
                     return words
     return ""

@@ -30,17 +30,30 @@ _IDS = ("replaces", "record")
 _VALUE = ("content.field", "content.value", "content.unit", "content.option", "content.words")
 
 
+_FORMS = (
+    "SELECT json_extract(content, '$.record'), id FROM records WHERE participant=?"
+    " AND kind='form-filled' AND json_extract(content, '$.study')=?"
+)
+
+
 def records(
-    sessions: Collection[Mapping[str, Any]], kinds: Mapping[str, Kind], damage: Damage
+    sessions: Collection[Mapping[str, Any]],
+    kinds: Mapping[str, Kind],
+    damage: Damage,
+    study: str = "",
 ) -> Table:
     """Return the table of the records of these sessions, and of their participants without one. Of
     a form, versions that were stored while it was filled in are left out.
+
+    Of a study only what belongs to it leaves: the records of its sessions, those that name it
+    (enrolment, consent, deviations and the like), and the forms that were filled in as its blocks.
 
     Args:
         sessions: as `store.sessions.listing` returns them. What was told before a session that
             never began leaves with those who had a live one: simulated people tell nothing.
         kinds: those that are declared here, by name.
         damage: notes values that cannot be read.
+        study: name of the study that is exported; empty if no study is.
     """
     ids = {row["id"] for row in sessions}
     live = {
@@ -54,7 +67,7 @@ def records(
         title="A value of a record, in one of its versions; the last version counts",
         columns=tuple(stored(f"records.{name}") for name in (*_HEAD, *_VALUE)),
         key=("record", "version", "field"),
-        rows=partial(_rows, ids, live, kinds, damage),
+        rows=partial(_rows, ids, live, kinds, damage, study),
         of="participant",
         references=(TO_SESSION, TO_PARTICIPANT),
     )
@@ -65,10 +78,12 @@ def _rows(
     live: Collection[str],
     kinds: Mapping[str, Kind],
     damage: Damage,
+    study: str,
     database: sqlite3.Connection,
     participant: str,
 ) -> Iterator[Values]:
     last = dict(database.execute(_LAST, (participant,)))
+    forms = _forms_of(database, participant, study) if study else set()
     for *head, content in database.execute(
         f"SELECT {', '.join(_HEAD)}, content FROM records WHERE participant=?"
         " ORDER BY at, id, version",
@@ -78,11 +93,23 @@ def _rows(
         is_entered = kind is None or kind.form is not None or kind.entered_by == "therapist"
         leaves = participant in live or is_entered if session is None else session in sessions
         values = _read(damage, content) if leaves else {}
+        if study and session is None and head[_ID] not in forms:
+            is_named = kind is not None and kind.group == "study" and values.get("study") == study
+            leaves = leaves and is_named
         is_begun = kind is not None and kind.form is not None and values.get(STATUS) == OPEN
         if leaves and (not is_begun or head[_VERSION] == last[head[_ID]]):
             head[_REMOVED] = bool(head[_REMOVED])
             for name, value in values.items():
                 yield (*head, name, *_value(kind, name, value))
+
+
+def _forms_of(database: sqlite3.Connection, participant: str, study: str) -> set[str]:
+    """Return the ids of the answers to forms of a study; of another site, with its sign."""
+    found = set()
+    for record, id in database.execute(_FORMS, (participant, study)):
+        _, sign, site = id.partition("@")
+        found.add(f"{record}{sign}{site}")
+    return found
 
 
 def _read(damage: Damage, content: str) -> dict[str, Any]:
