@@ -48,10 +48,11 @@ def new_plan(
             "",
             "# Each setting that is not named has its default; `sar-tui tasks show "
             f"{task}` lists all.",
+            "# The level is fixed, as results depend on it.",
             f"[conditions.{condition}]",
             f'task = "{task}"',
             'theme = "calm"',
-            "settings = {}",
+            'settings = { difficulty_policy = "fixed" }',
         ]
     for number, day in enumerate(days, 1):
         lines += ["", "[[visits]]", f'name = "visit-{number}"', f"day = {day}"]
