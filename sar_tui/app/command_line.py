@@ -1,10 +1,13 @@
-"""A command of this program, as it can be typed."""
+"""Commands of this program, as they can be typed."""
 
 import shlex
 from collections.abc import Iterable
 from pathlib import Path
 
-from sar_tui.store.database import default_folder
+
+def hint(said: str, command: str) -> str:
+    """Return a sentence with a command on a line of its own, from which it can be copied."""
+    return f"{said}\n  {command}"
 
 
 def command_line(folder: Path, tasks: Iterable[Path], name: str, *arguments: str) -> str:
@@ -16,6 +19,8 @@ def command_line(folder: Path, tasks: Iterable[Path], name: str, *arguments: str
         name: of the command: one word or several.
         arguments: of the command.
     """
+    from sar_tui.store.database import default_folder
+
     parts = ["sar-tui", *name.split(), *arguments]
     if folder.resolve() != default_folder().resolve():
         parts += ["--data", str(folder)]

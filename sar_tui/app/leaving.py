@@ -185,11 +185,9 @@ def lines_about(
             "F6 and Del restore it."
         )
     elif not live.session.ended and not live.session.broken:
-        place = live.run.study
-        if place:
-            who = live.codes["A"]
+        if live.study:
             yield tr("The session is kept. It goes on with:")
-            yield f"  {command('study next', who, '--study', place.study)}"
+            yield f"  {command('study next', live.codes['A'], '--study', live.study)}"
         else:
             yield tr("The session is kept. Resume it: {command}", command=command("resume", id))
     elif is_for_one_session:

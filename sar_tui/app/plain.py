@@ -21,9 +21,9 @@ from textual.events import Key, Paste
 from textual.message import Message
 
 from sar_tui.app import wellbeing
+from sar_tui.app.command_line import command_line
 from sar_tui.app.forms import FormInterview, begin_form, form_language
 from sar_tui.app.interview import Interview
-from sar_tui.app.command_line import command_line
 from sar_tui.app.leaving import lines_about
 from sar_tui.app.live import LAST_WRITE_SECONDS, LiveSession, link_of
 from sar_tui.app.plain_terminal import PlainTerminal

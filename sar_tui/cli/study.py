@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from sar_tui.app.command_line import hint
 from sar_tui.cli import live
 from sar_tui.cli.common import (
     AsJson,
@@ -31,12 +32,10 @@ from sar_tui.cli.live import AllowOperators
 from sar_tui.cli.study_power import power
 from sar_tui.cli.study_words import (
     changes,
-    hint,
+    commands,
     left_words,
     place_words,
-    study_command,
     why_stopped,
-    with_command,
 )
 
 if TYPE_CHECKING:
@@ -104,7 +103,7 @@ def study_errors(home: Home | None = None, name: str = "") -> "Iterator[None]":
     except (PlanError, AllocationError) as error:
         raise Refused(str(error)) from error
     except StoreError as error:
-        said = with_command(str(error), home, name) if home else str(error)
+        said = commands(home, name).complete(str(error)) if home else str(error)
         if said == str(error):
             raise
         raise StoreError(said, bad_input=error.bad_input) from error
@@ -563,11 +562,11 @@ def enrol(
         return
     group = f" in the group {enrolled.group}" if enrolled.group else ""
     print(f"{code} is number {enrolled.number} of the study {frozen.plan.name}{group}.")
-    study = frozen.plan.name
+    to = commands(home, frozen.plan.name)
     if frozen.plan.consent:
-        agreed = study_command(home, "study consent", code, "--answer", "yes", study=study)
+        agreed = to.command("study consent", code, "--answer", "yes")
         print(hint("When they have agreed to take part:", agreed))
-    print(hint("What is due:", study_command(home, "study next", code, study=study)))
+    print(hint("What is due:", to.command("study next", code)))
 
 
 def _freeze_first(home: Home, file: Path, key: Path | None) -> str:
@@ -820,7 +819,7 @@ def _print_after(home: Home, one: "Person", stopped: str) -> None:
     for day in visit_days(plan, one.items, one.played, now):
         if day.state not in ("done", "missed"):
             left = left_words(code, day, now.astimezone().date())
-            print(hint(left, study_command(home, "study next", code, study=plan.name)))
+            print(hint(left, commands(home, plan.name).command("study next", code)))
             return
     print(f"{code} has done all of the study {plan.name}.")
 
@@ -840,7 +839,7 @@ def status(home: Home, name: Which = "", key: Key = None, as_json: AsJson = Fals
         return
     _print_status(frozen, rows)
     if any(cell.deviated for row in rows for cell in row.visits.values()):
-        how = study_command(home, "report study", study=frozen.plan.name)
+        how = commands(home, frozen.plan.name).command("report study")
         print(hint("! differs from the plan. How, and why:", how))
 
 

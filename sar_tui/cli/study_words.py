@@ -1,75 +1,27 @@
 """Sentences of ``sar-tui study``: the command to go on with, what is left, what a version changes."""
 
-import re
 from collections.abc import Iterator, Mapping
-from contextlib import closing
 from datetime import date
 from typing import TYPE_CHECKING, Any
 
 import msgspec
 
 if TYPE_CHECKING:
-    import sqlite3
-
+    from sar_tui.app.study.commands import StudyCommands
     from sar_tui.cli.common import Home
     from sar_tui.study.next_block import Person
     from sar_tui.study.plan import Study
     from sar_tui.study.schedule import Item, VisitDay
 
-_COMMAND = re.compile(r"\s+sar-tui (study (?:consent|enrol|exit|next)) (.+)$")
-"""A command at the end of a message."""
 
+def commands(home: "Home", study: str = "") -> "StudyCommands":
+    """Return what writes commands on a study as they can be typed here.
 
-# --- commands
-
-
-def hint(said: str, command: str) -> str:
-    """Return a sentence with a command on a line of its own, from which it can be copied."""
-    return f"{said}\n  {command}"
-
-
-def study_command(home: "Home", name: str, *arguments: str, study: str = "") -> str:
-    """Return a command on a study as it can be typed: with the folders in use, and with the study if
-    there are several.
+    ``study``: its name; empty if it was not given, as there is one only.
     """
-    from sar_tui.app.command_line import command_line
-    from sar_tui.store.database import connect_to_read
-    from sar_tui.store.studies import names
+    from sar_tui.app.study.commands import StudyCommands
 
-    with closing(connect_to_read(home.folder)) as database:
-        which = ("--study", study) if study and len(names(database)) > 1 else ()
-    tasks = [folder.absolute() for folder in home.tasks]
-    return command_line(home.folder, tasks, name, *arguments, *which)
-
-
-def with_command(said: str, home: "Home", study: str) -> str:
-    """Return a message whose last words may be a command, with that command as it can be typed."""
-    found = _COMMAND.search(said)
-    if found is None:
-        return said
-    name, arguments = found[1], found[2].split()
-    if name == "study exit" and "--reason" not in arguments:
-        arguments += ["--reason", "WHY"]
-    if name == "study enrol" and _is_new(home, arguments[0]):
-        arguments.append("--new")
-    if "--plan" in arguments:
-        study = ""
-    return hint(said[: found.start()], study_command(home, name, *arguments, study=study))
-
-
-def _is_new(home: "Home", code: str) -> bool:
-    """Return True if nobody is known by a code."""
-    from sar_tui.store.database import StoreError, connect_to_read
-    from sar_tui.store.participants import UnknownParticipant, admit
-
-    with closing(connect_to_read(home.folder)) as database:
-        try:
-            admit(database, [code])
-        except UnknownParticipant:
-            return True
-        except StoreError:
-            pass
-    return False
+    return StudyCommands(home.folder, [folder.absolute() for folder in home.tasks], study)
 
 
 # --- what is left
