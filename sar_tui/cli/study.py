@@ -819,7 +819,10 @@ def _print_after(home: Home, one: "Person", stopped: str) -> None:
     for day in visit_days(plan, one.items, one.played, now):
         if day.state not in ("done", "missed"):
             left = left_words(code, day, now.astimezone().date())
-            print(hint(left, commands(home, plan.name).command("study next", code)))
+            if stopped and one.played and one.played[-1].status == "interrupted":
+                print(left)  # the app has said how it goes on
+            else:
+                print(hint(left, commands(home, plan.name).command("study next", code)))
             return
     print(f"{code} has done all of the study {plan.name}.")
 
