@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.app.command_line import hint
+from sar_tui.app.command_line import command_line, hint
 from sar_tui.cli import live
 from sar_tui.cli.common import (
     AsJson,
@@ -366,7 +366,8 @@ def _print_rehearsed(plan: "Study", found: "Sequence[Rehearsed]") -> None:
         False,
     )
     for site in found:
-        print(f"{len(site.people)} people: sar-tui --data {site.folder} study status")
+        status_there = command_line(site.folder, (), "study status")
+        print(hint(f"{len(site.people)} people:", status_there))
 
 
 def _filled_in(plan: "Study", found: "Sequence[Rehearsed]") -> "Counter[tuple[str, str]]":
