@@ -6,10 +6,8 @@ import asyncio
 import contextlib
 import functools
 import os
-import shlex
 import sys
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Literal, cast
 
 from textual.app import ComposeResult
@@ -18,8 +16,8 @@ from textual.screen import ModalScreen
 from textual.widgets import Static
 from textual.widgets.option_list import Option
 
+from sar_tui.app.command_line import command_line
 from sar_tui.model.language import Language
-from sar_tui.store.database import default_folder
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.tui.exit_codes import INTERRUPTED
 from sar_tui.widgets.language import language_of
@@ -28,7 +26,6 @@ from sar_tui.widgets.lists import OptionList, menu_sentences
 if TYPE_CHECKING:
     from sar_tui.app.app import SarTui
     from sar_tui.app.live import LiveSession
-    from sar_tui.plugins import Catalogue
 
 UNSAVED = (
     "The session's last messages could not be written to the disk; all earlier trials are safe."
@@ -162,7 +159,7 @@ class Leaving:
             )
 
     def _command(self, name: str, *session: str) -> str:
-        return command_line(self._app.folder, self._app.catalogue, name, *session)
+        return command_line(self._app.folder, self._app.catalogue.extra_tasks, name, *session)
 
 
 def lines_about(
@@ -188,23 +185,17 @@ def lines_about(
             "F6 and Del restore it."
         )
     elif not live.session.ended and not live.session.broken:
-        yield tr("The session is kept. Resume it: {command}", command=command("resume", id))
+        if live.study:
+            yield tr("The session is kept. It goes on with:")
+            yield f"  {command('study next', live.codes['A'], '--study', live.study)}"
+        else:
+            yield tr("The session is kept. Resume it: {command}", command=command("resume", id))
     elif is_for_one_session:
         yield tr("The session is kept. Look at it: {command}", command=command("show", id))
         if live.can_be_joined:
             yield tr("What operators did: {command}", command=command("report wizard", id))
     if live.unsaved:
         yield tr(UNSAVED)
-
-
-def command_line(folder: Path, catalogue: "Catalogue", name: str, *session: str) -> str:
-    """Return a command of this program with the folders that it was started with."""
-    parts = ["sar-tui", *name.split(), *session]
-    if folder.resolve() != default_folder().resolve():
-        parts += ["--data", str(folder)]
-    for each in catalogue.extra_tasks:
-        parts += ["--tasks", str(each)]
-    return shlex.join(parts)
 
 
 class LeaveScreen(DismissedOnce[Answer], ModalScreen[Answer]):

@@ -36,7 +36,7 @@ from sar_tui.rules.parameters import TaskParameters
 from sar_tui.runs.plan import Failed, Plan
 from sar_tui.runs.run import Progress, Run, output_nodes, resume, start
 from sar_tui.store import sessions
-from sar_tui.store.database import StoreError, connect
+from sar_tui.store.database import StoreError, connect, connect_to_read
 
 if TYPE_CHECKING:
     from textual.app import App
@@ -65,6 +65,7 @@ class LiveSession:
 
     Attributes:
         markers: sends markers; None if nobody asked for them.
+        study: name of the study that the session belongs to; empty if it is of none.
         trouble: says to the therapist why markers are lost or tones not heard, until somebody was
             told; else empty.
     """
@@ -100,6 +101,7 @@ class LiveSession:
         self._stopping = False
         self._closed = False
         self.is_mistake = False
+        self.study = ""
 
     def open(self, stage: "Stage", what: Plan | str, progress: Progress | None = None) -> None:
         """Open a new session (a plan) or an interrupted one (its id). Raises like `runs.run.start`
@@ -118,6 +120,7 @@ class LiveSession:
                 self.markers.detach()
             raise
         self.codes = self.run.participants
+        self.study = self._study_of(what)
         if self._link and self._peers:
             from sar_tui.link.peer import session_welcome
 
@@ -127,6 +130,14 @@ class LiveSession:
             self._peers.welcome = session_welcome(
                 task, self.run.id, self._link.link, self.run.participants
             )
+
+    def _study_of(self, what: Plan | str) -> str:
+        """Return the name of the study that a session belongs to; empty if it is of none."""
+        if isinstance(what, Plan):
+            return what.study.study if what.study else ""
+        with closing(connect_to_read(self._folder)) as database:
+            row = sessions.stored(database, what)
+        return str(row["study"]["study"]) if row and row["study"] else ""
 
     def _nodes(self, task: Task, theme: Theme, seed: int) -> list[Node]:
         """Make the nodes for keyboard, sensors, the task's view, the outputs and the link.

@@ -21,9 +21,10 @@ from textual.events import Key, Paste
 from textual.message import Message
 
 from sar_tui.app import wellbeing
+from sar_tui.app.command_line import command_line
 from sar_tui.app.forms import FormInterview, begin_form, form_language
 from sar_tui.app.interview import Interview
-from sar_tui.app.leaving import command_line, lines_about
+from sar_tui.app.leaving import lines_about
 from sar_tui.app.live import LAST_WRITE_SECONDS, LiveSession, link_of
 from sar_tui.app.plain_terminal import PlainTerminal
 from sar_tui.app.prompt_needs import PROMPTS, prompts_of, refusal
@@ -574,8 +575,8 @@ class PlainApp:
             )
 
     def _command(self, name: str, *session: str) -> str:
-        line = command_line(self.folder, self.catalogue, name, *session)
-        return f"{line} --plain" if name == "resume" else line
+        line = command_line(self.folder, self.catalogue.extra_tasks, name, *session)
+        return f"{line} --plain" if name in ("resume", "study next") else line
 
 
 class PlainStage:

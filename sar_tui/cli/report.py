@@ -52,6 +52,10 @@ AsPage = Annotated[
 _Study = Annotated[
     str, typer.Argument(metavar="[STUDY]", show_default=False, help="If there are several.")
 ]
+_SameStudy = Annotated[
+    str,
+    typer.Option("--study", metavar="NAME", show_default=False, help="The same as STUDY."),
+]
 
 
 @app.callback()
@@ -138,6 +142,7 @@ def intervention(
 def study(
     home: Home,
     name: _Study = "",
+    same: _SameStudy = "",
     key: Key = None,
     html: AsPage = None,
     as_json: AsJson = False,
@@ -149,7 +154,7 @@ def study(
     from sar_tui.study.report import make_report, sections
 
     with home.database() as database:
-        frozen = ledger.find(database, name)
+        frozen = ledger.find(database, name or same)
         found = make_report(database, frozen, key_of(frozen.plan, key), datetime.now(UTC))
     put_out(found, sections(found), f"Report on the study {frozen.plan.name}", html, as_json)
 
@@ -158,6 +163,7 @@ def study(
 def methods(
     home: Home,
     name: _Study = "",
+    same: _SameStudy = "",
     to: Annotated[
         Path | None,
         typer.Option(
@@ -170,7 +176,7 @@ def methods(
     from sar_tui.study.plan_words import methods as text_of
 
     with home.database() as database:
-        text = text_of(database, home.folder, ledger.find(database, name))
+        text = text_of(database, home.folder, ledger.find(database, name or same))
     if to is None:
         print(text, end="")
     else:

@@ -1,14 +1,17 @@
 """``sar-tui study``: a study from its plan to its tables."""
 
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from datetime import UTC, datetime
+from contextlib import closing, contextmanager
+from datetime import UTC, date, datetime
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from sar_tui.app.command_line import command_line, hint
 from sar_tui.cli import live
 from sar_tui.cli.common import (
     AsJson,
@@ -27,6 +30,13 @@ from sar_tui.cli.common import (
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.live import AllowOperators
 from sar_tui.cli.study_power import power
+from sar_tui.cli.study_words import (
+    changes,
+    commands,
+    left_words,
+    place_words,
+    why_stopped,
+)
 
 if TYPE_CHECKING:
     import sqlite3
@@ -73,8 +83,15 @@ def study() -> None:
 
 
 @contextmanager
-def study_errors() -> "Iterator[None]":
-    """Turn errors of a plan and of the allocation into Refused."""
+def study_errors(home: Home | None = None, name: str = "") -> "Iterator[None]":
+    """Turn errors of a plan and of the allocation into Refused; of others, complete the command
+    that they name.
+
+    Args:
+        home: where the command is to work; None if no error names one.
+        name: of the study; empty if it was not given, as there is one only.
+    """
+    from sar_tui.store.database import StoreError
     from sar_tui.study.allocation import AllocationError
     from sar_tui.study.plan import PlanError
     from sar_tui.study.secret import KeyMissing
@@ -85,6 +102,11 @@ def study_errors() -> "Iterator[None]":
         raise Refused(f"{error} Or name it: --key FILE") from error
     except (PlanError, AllocationError) as error:
         raise Refused(str(error)) from error
+    except StoreError as error:
+        said = commands(home, name).complete(str(error)) if home else str(error)
+        if said == str(error):
+            raise
+        raise StoreError(said, bad_input=error.bad_input) from error
 
 
 def key_of(plan: "Study", given: Path | None) -> Path:
@@ -114,10 +136,40 @@ def checked_plan(home: Home, file: Path) -> "tuple[str, Study]":
     return text, plan
 
 
-def _days(text: str) -> str:
-    """Return the days of visits with spaces between them. Raises BadParameter, so that they are
-    asked for again.
+def _asked(given: str | None, question: str, default: str, check: "Callable[[str], str]") -> str:
+    """Return the answer to a question, which is asked again until it can be used, unless it was
+    given as an option.
+
+    Raises:
+        Refused: the option cannot be used.
     """
+    if given is None:
+        answer: str = typer.prompt(question, default=default, value_proc=check, err=True)
+        return answer
+    try:
+        return check(given)
+    except typer.BadParameter as error:
+        raise Refused(str(error)) from error
+
+
+def _a_name(text: str) -> str:
+    from sar_tui.study.plan import NAMED, is_name
+
+    if not is_name(text.strip()):
+        raise typer.BadParameter(f"A name {NAMED}, unlike {text.strip()!r:.40}.")
+    return text.strip()
+
+
+def _names(text: str) -> str:
+    """Return names of conditions with spaces between them."""
+    found = [_a_name(name) for name in text.replace(",", " ").split()]
+    if len(set(found)) < 2 or len(set(found)) < len(found):
+        raise typer.BadParameter("A study compares two conditions or more, with different names.")
+    return " ".join(found)
+
+
+def _days(text: str) -> str:
+    """Return the days of visits with spaces between them."""
     try:
         found = [int(day) for day in text.replace(",", " ").split()]
     except ValueError:
@@ -135,52 +187,69 @@ def new_study(
         typer.Option("--to", parser=named_path, metavar="FILE", help="The new file."),
     ] = Path("study.toml"),
     name: Annotated[
-        str,
-        typer.Option(prompt="Name of the study (a-z, 0-9, -)", metavar="NAME", show_default=False),
-    ] = "my-study",
-    task: Annotated[
-        str, typer.Option(prompt="Task", metavar="TASK", show_default=False)
-    ] = "keyboard",
-    conditions: Annotated[
-        str,
+        str | None,
         typer.Option(
-            prompt="Conditions, with spaces between them", metavar="NAMES", show_default=False
+            metavar="NAME", show_default=False, help="Its name: a-z, 0-9, -. All else is asked for."
         ),
-    ] = "praise silence",
+    ] = None,
+    task: Annotated[
+        str | None,
+        typer.Option(metavar="TASK", show_default=False, help="The task of all conditions."),
+    ] = None,
+    conditions: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAMES", show_default=False, help="The conditions, with spaces between them."
+        ),
+    ] = None,
     within: Annotated[
-        bool,
+        bool | None,
         typer.Option(
             "--within/--groups",
-            prompt="Does each person do all conditions (else: groups)?",
             show_default=False,
+            help="Each person does all conditions, or is in a group.",
         ),
-    ] = False,
+    ] = None,
     days: Annotated[
-        str,
-        typer.Option(
-            prompt="Days of the visits, such as 0 7 14; 0: one visit",
-            parser=_days,
-            metavar="DAYS",
-            show_default=False,
-        ),
-    ] = "0",
+        str | None,
+        typer.Option(metavar="DAYS", show_default=False, help="Days of the visits, such as 0 7."),
+    ] = None,
 ) -> None:
     """Write a new plan from the answers to five questions."""
     from sar_tui.study.new_plan import new_plan
     from sar_tui.study.plan import parse_plan
 
-    kind = home.catalogue().task(task)
-    listed = conditions.replace(",", " ").split()
-    text = new_plan(name, kind.name, listed, within=within, days=[*map(int, days.split())])
+    catalogue = home.catalogue()
+    tasks = catalogue.task_names()
+
+    def a_task(text: str) -> str:
+        from sar_tui.plugins import PluginError
+
+        try:
+            return catalogue.task(text.strip()).name
+        except PluginError as error:
+            raise typer.BadParameter(str(error)) from error
+
+    name = _asked(name, "Name of the study (a-z, 0-9, -)", "my-study", _a_name)
+    if task is None:
+        print(f"Tasks: {', '.join(tasks)}", file=sys.stderr)
+    task = _asked(task, "Task", "keyboard", a_task)
+    conditions = _asked(
+        conditions, "Conditions, with spaces between them", "praise silence", _names
+    )
+    if within is None:
+        within = typer.confirm("Does each person do all conditions (else: groups)?", err=True)
+    days = _asked(days, "Days of the visits, such as 0 7 14; 0: one visit", "0", _days)
+    text = new_plan(name, task, conditions.split(), within=within, days=[*map(int, days.split())])
     with study_errors():
         parse_plan(text, str(to))
     write_new(to, text)
-    print(f"{to} is written. Change it, then: sar-tui study check {to}")
+    print(hint(f"{to} is written. Change it, then:", f"sar-tui study check {quote(str(to))}"))
 
 
 @app.command("check")
 def check(home: Home, file: PlanFile) -> None:
-    """Check a plan: each mistake with its line; without one, what it plans."""
+    """Check a plan: mistakes with their lines; without one, what it plans."""
     from sar_tui.study import ledger
     from sar_tui.study.conditions import warnings
     from sar_tui.study.plan_words import summary
@@ -244,7 +313,7 @@ def rehearse(
     if as_json:
         print_json({"sites": found})
         return
-    _print_rehearsed(found)
+    _print_rehearsed(plan, found)
 
 
 @contextmanager
@@ -259,7 +328,8 @@ def _removed_unless_done(folder: Path) -> "Iterator[None]":
         raise
 
 
-def _print_rehearsed(found: "Sequence[Rehearsed]") -> None:
+def _print_rehearsed(plan: "Study", found: "Sequence[Rehearsed]") -> None:
+    """Print the times of blocks and the forms, in the order of the plan."""
     from statistics import mean
 
     from sar_tui.cli.tables import Column, Listing, print_listing
@@ -268,24 +338,55 @@ def _print_rehearsed(found: "Sequence[Rehearsed]") -> None:
     for site in found:
         for each in site.times:
             times.setdefault((each.visit, each.block, each.condition), []).append(each.seconds)
+    filled = _filled_in(plan, found)
+    order = [(visit.name, block.name) for visit, block in plan.blocks()]
+
+    def people(row: tuple[str, str, str]) -> int:
+        return len(times[row]) if row in times else filled[row[:2]]
+
+    def minutes(row: tuple[str, str, str], of: "Callable[[list[float]], float]") -> str:
+        return f"{of(times[row]) / 60:.1f}" if row in times else ""
+
+    forms = [
+        (visit.name, block.name, f"form {block.form}")
+        for visit, block in plan.blocks()
+        if block.form and filled[visit.name, block.name]
+    ]
     print_listing(
         Listing(
             "blocks",
             empty="Nobody did a block.",
             columns=(
-                Column("visit", lambda row: row[0][0]),
-                Column("block", lambda row: row[0][1]),
-                Column("condition", lambda row: row[0][2]),
-                Column("people", lambda row: str(len(row[1]))),
-                Column("minutes", lambda row: f"{mean(row[1]) / 60:.1f}"),
-                Column("longest", lambda row: f"{max(row[1]) / 60:.1f}"),
+                Column("visit", lambda row: row[0]),
+                Column("block", lambda row: row[1]),
+                Column("condition", lambda row: row[2]),
+                Column("people", lambda row: str(people(row))),
+                Column("minutes", lambda row: minutes(row, mean)),
+                Column("longest", lambda row: minutes(row, max)),
             ),
         ),
-        list(times.items()),
+        sorted([*times, *forms], key=lambda row: (order.index(row[:2]), row[2])),
         False,
     )
     for site in found:
-        print(f"{len(site.people)} people: sar-tui --data {site.folder} study status")
+        status_there = command_line(site.folder, (), "study status")
+        print(hint(f"{len(site.people)} people:", status_there))
+
+
+def _filled_in(plan: "Study", found: "Sequence[Rehearsed]") -> "Counter[tuple[str, str]]":
+    """Return the number of people who filled in each form, by visit and block."""
+    from sar_tui.store.database import connect_to_read
+    from sar_tui.study import ledger
+
+    counts: Counter[tuple[str, str]] = Counter()
+    for site in found:
+        with closing(connect_to_read(site.folder)) as database:
+            counts += Counter(
+                (each.visit, each.block)
+                for each in ledger.played(database, plan.name, "simulated")
+                if not each.condition
+            )
+    return counts
 
 
 app.command("power")(power)
@@ -331,11 +432,12 @@ def amend(home: Home, file: PlanFile, reason: Reason = "", key: Key = None) -> N
 
 def _freeze(home: Home, file: Path, key: Path | None, *, reason: str) -> None:
     from sar_tui.drivers.login_name import login_name
-    from sar_tui.study import enrolment
+    from sar_tui.study import enrolment, ledger
 
     text, plan = checked_plan(home, file)
     where = key_of(plan, key)
     with home.writable_database() as database, study_errors():
+        before = ledger.newest(database, plan.name)
         enrolment.freeze(
             database,
             home.catalogue(),
@@ -346,7 +448,13 @@ def _freeze(home: Home, file: Path, key: Path | None, *, reason: str) -> None:
             author=login_name(),
             reason=reason,
         )
+        enrolled = ledger.enrolments(database, plan.name)
     print(f"The study {plan.name} is frozen in version {plan.version}.")
+    if before and before.plan.version != plan.version:
+        for line in changes(before.plan, plan):
+            print(f"  {line}")
+        if enrolled and enrolment.needs_key(plan):
+            print("People who were enrolled before keep their group and their order.")
     if enrolment.needs_key(plan):
         print(f"Its key is {where}. Other sites need a copy; keep it away from the data.")
 
@@ -439,7 +547,8 @@ def enrol(
     factors = {k: str(v) for k, v in read_settings(factor, "--factor age=young").items()}
     replaced = check_own(replaces) if replaces else ""
     text, planned = checked_plan(home, plan) if plan else ("", None)
-    with home.writable_database() as database, study_errors():
+    chosen = name or (planned.name if planned else "")
+    with home.writable_database() as database, study_errors(home, chosen):
         wanted = planned or ledger.find(database, name).plan
         if name not in ("", wanted.name):
             raise Refused(f"{plan} is the plan of {wanted.name}, not of {name}.")
@@ -463,9 +572,11 @@ def enrol(
         return
     group = f" in the group {enrolled.group}" if enrolled.group else ""
     print(f"{code} is number {enrolled.number} of the study {frozen.plan.name}{group}.")
+    to = commands(home, frozen.plan.name)
     if frozen.plan.consent:
-        print(f"Before the first session: sar-tui study consent {code} --answer yes")
-    print(f"What is due: sar-tui study next {code}")
+        agreed = to.command("study consent", code, "--answer", "yes")
+        print(hint("When they have agreed to take part:", agreed))
+    print(hint("What is due:", to.command("study next", code)))
 
 
 @app.command("consent")
@@ -501,7 +612,7 @@ def consent(
     from sar_tui.study import ledger
 
     code = check_own(participant)
-    with home.writable_database() as database, study_errors():
+    with home.writable_database() as database, study_errors(home, name):
         plan = ledger.find(database, name).plan
         if plan.consent is None:
             raise Refused(f"The plan of {plan.name} asks for no consent.")
@@ -558,15 +669,13 @@ def next_command(
     """Begin what is due for a person: the next blocks of the visit, one after another."""
     from sar_tui.store.database import StoreError
     from sar_tui.store.participants import check_own
-    from sar_tui.study.next_block import in_words
 
     code = check_own(participant)
     if show or as_json:
         one, found = _due(home, code, name, key, visit, block, reason or "looked at")
         _show_due(one, found, as_json)
         return
-    how = live.showing(markers, plain=plain, sync_flash=sync_flash, operator=operator)
-    began = ""
+    began, stopped = "", ""
     while True:
         try:
             one, found = _due(home, code, name, key, visit, block, reason)
@@ -576,15 +685,20 @@ def next_command(
             raise
         if began and found.item.visit.name != began:
             break
-        print(in_words(one, found.item), file=sys.stderr)
+        how = live.showing(markers, plain=plain, sync_flash=sync_flash, operator=operator)
+        name = one.frozen.plan.name  # also if another study is frozen meanwhile
+        print(place_words(found.item), file=sys.stderr)
         ended = _begin(home, one, found, reason, how)
         began = found.item.visit.name
         if ended:
             raise typer.Exit(ended)
-        if once or visit or block or not _is_completed(home, one, found):
+        with home.database() as database, study_errors(home, name):
+            one = _person(database, code, name, key)
+        stopped = why_stopped(one, found.item, datetime.now(UTC))
+        if once or visit or block or stopped:
             break
         reason = ""
-    _print_after(home, code, name, key)
+    _print_after(home, one, stopped)
 
 
 def _due(
@@ -593,8 +707,9 @@ def _due(
     from sar_tui.store.database import StoreError
     from sar_tui.study import next_block
 
-    with home.database() as database, study_errors():
+    with home.database() as database, study_errors(home, name):
         one = _person(database, code, name, key)
+        _check_place(one.frozen.plan, visit, block)
         try:
             found = next_block.due(
                 database, one, datetime.now(UTC), visit=visit, block=block, reason=reason
@@ -686,31 +801,26 @@ def _fill_form(home: Home, one: "Person", found: "Next", reason: str, *, plain: 
     return ended
 
 
-def _is_completed(home: Home, one: "Person", found: "Next") -> bool:
-    """Return True if a block that was begun is done now, and was not ended early: then the person
-    may want to stop for today.
+def _print_after(home: Home, one: "Person", stopped: str) -> None:
+    """Say what comes next, after the last block of today.
+
+    Args:
+        home: where the study is.
+        one: the person.
+        stopped: why no more blocks were begun; empty if there are none.
     """
-    from sar_tui.study import ledger
-    from sar_tui.study.schedule import finished
-
-    plan = one.frozen.plan
-    with home.database() as database:
-        played = ledger.played(database, plan.name, one.frozen.mode, one.enrolled.participant)
-    done = finished(plan, played, datetime.now(UTC)).get(found.item.key)
-    return done is not None and done.status == "completed"
-
-
-def _print_after(home: Home, code: str, name: str, key: Path | None) -> None:
-    """Say what comes next, after the last block of today."""
     from sar_tui.study.schedule import visit_days
 
-    with home.database() as database, study_errors():
-        one = _person(database, code, name, key)
-    plan = one.frozen.plan
-    for day in visit_days(plan, one.items, one.played, datetime.now(UTC)):
+    plan, code, now = one.frozen.plan, one.enrolled.participant, datetime.now(UTC)
+    if stopped:
+        print(stopped)
+    for day in visit_days(plan, one.items, one.played, now):
         if day.state not in ("done", "missed"):
-            when = f" from {day.first} to {day.last}" if day.first else ""
-            print(f"{code}: the visit {day.visit.name} has {day.of - day.done} to do{when}.")
+            left = left_words(code, day, now.astimezone().date())
+            if stopped and one.played and one.played[-1].status == "interrupted":
+                print(left)  # the app has said how it goes on
+            else:
+                print(hint(left, commands(home, plan.name).command("study next", code)))
             return
     print(f"{code} has done all of the study {plan.name}.")
 
@@ -730,13 +840,16 @@ def status(home: Home, name: Which = "", key: Key = None, as_json: AsJson = Fals
         print_json({"study": frozen.plan.name, "version": frozen.plan.version, "people": rows})
         return
     _print_status(frozen, rows)
+    if any(cell.deviated for row in rows for cell in row.visits.values()):
+        how = commands(home, frozen.plan.name).command("report study")
+        print(hint("! differs from the plan. How, and why:", how))
 
 
 def _print_status(frozen: "Frozen", rows: "list[PersonRow]") -> None:
     from sar_tui.cli.tables import Column, Listing, print_listing
 
     def of_visit(visit: str) -> "Callable[[PersonRow], str]":
-        return lambda row: row.visits[visit].words
+        return lambda row: row.visits[visit].words.replace(f"due by {date.today()}", "due today")
 
     visits = tuple(Column(visit.name, of_visit(visit.name)) for visit in frozen.plan.visits)
     print_listing(
@@ -782,7 +895,7 @@ def exit_study(
     if not reason.strip():
         raise Refused("Say why: --reason …")
     code = check_own(participant)
-    with home.writable_database() as database, study_errors():
+    with home.writable_database() as database, study_errors(home, name):
         plan = ledger.find(database, name).plan
         enrolled = ledger.enrolment(database, plan.name, code)
         if enrolled.ended and not enrolled.by_consent:
@@ -809,7 +922,7 @@ def deviation(
     if not reason.strip():
         raise Refused("Say what differed: --reason …")
     code = check_own(participant)
-    with home.writable_database() as database, study_errors():
+    with home.writable_database() as database, study_errors(home, name):
         plan = ledger.find(database, name).plan
         ledger.enrolment(database, plan.name, code)
         _check_place(plan, visit, block)
@@ -820,11 +933,14 @@ def deviation(
 
 def _check_place(plan: "Study", visit: str, block: str) -> None:
     """Raise Refused if no block of a plan has these names; an empty one is of any name."""
-    if not any(
-        visit in ("", there.name) and block in ("", each.name) for there, each in plan.blocks()
-    ):
-        listed = ", ".join(f"{there.name}/{each.name}" for there, each in plan.blocks())
-        raise Refused(f"The plan has no such block. It has: {listed}.")
+    visits = ", ".join(each.name for each in plan.visits)
+    if visit and visit not in [each.name for each in plan.visits]:
+        raise Refused(f"There is no visit {visit}. The visits of {plan.name}: {visits}.")
+    places = [(there.name, each.name) for there, each in plan.blocks()]
+    if block and not any(visit in ("", there) and block == each for there, each in places):
+        of_visit = f" in the visit {visit}" if visit else ""
+        listed = ", ".join(f"{there}/{each}" for there, each in places if visit in ("", there))
+        raise Refused(f"There is no block {block}{of_visit}. There are: {listed}.")
 
 
 @app.command("reveal")
@@ -839,7 +955,7 @@ def reveal(
     if not reason.strip():
         raise Refused("A code is broken for a reason only: --reason …")
     code = check_own(participant)
-    with home.writable_database() as database, study_errors():
+    with home.writable_database() as database, study_errors(home, name):
         one = _person(database, code, name, key)
         plan = one.frozen.plan
         ledger.note(

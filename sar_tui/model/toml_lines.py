@@ -1,8 +1,11 @@
 """TOML texts, and the lines at which their values stand, so that a mistake can be shown where it is."""
 
+import difflib
 import re
 import tomllib
 from typing import Any, NamedTuple
+
+from msgspec import inspect
 
 Key = tuple[str | int, ...]
 """Place of a value: names of tables and keys, and indices in arrays of tables."""
@@ -18,6 +21,7 @@ _ANY = "..."
 """In place of a name in an error of msgspec."""
 _UNKNOWN = re.compile(r"Object contains unknown field `([^`]*)`")
 _MISSING = re.compile(r"Object missing required field `([^`]*)`")
+_ENUM = re.compile(r"Invalid enum value (.*)$")
 _EXPECTED = re.compile(r"Expected `([^`]*)`, got `[^`]*`$")
 _TYPES = {
     "str": "a text, in quotes",
@@ -106,21 +110,36 @@ class TomlLines:
         """Return a message on a value, with its line."""
         return f"{self._name}, line {self.line(key)}: {said}"
 
-    def invalid(self, error: str) -> str:
-        """Return a message on what msgspec says of a value, with its line."""
+    def invalid(self, error: str, above: Key = (), kind: Any = None) -> str:
+        """Return a message on what msgspec says of a value, with its line.
+
+        Args:
+            error: of msgspec.
+            above: place of what was converted, if it is a part of the file.
+            kind: type to which it was converted, so that names and values that are allowed can be
+                told.
+        """
         found = _PLACE.match(error)
         said, place = (found["said"], found["place"]) if found else (error, "")
         key = tuple(
             int(index) if index.isdigit() else name or index for name, index in _STEP.findall(place)
         )
+        wanted_type = _type_at(kind, key)
         if unknown := _UNKNOWN.search(said):
-            key, said = (*key, unknown[1]), f"There is nothing named {unknown[1]} here"
-        elif missing := _MISSING.search(said):
+            near = difflib.get_close_matches(unknown[1], _fields(wanted_type), 1)
+            meant = f" Did you mean {near[0]}?" if near else ""
+            return self.at(
+                self._known((*above, *key, unknown[1])),
+                f"There is nothing named {unknown[1]} here.{meant}",
+            )
+        if missing := _MISSING.search(said):
             said = f"{missing[1]} is missing"
+        elif (value := _ENUM.match(said)) and (allowed := _values(wanted_type)):
+            said = f"This must be one of {', '.join(map(repr, allowed))}, not {value[1]}"
         elif wanted := _EXPECTED.match(said):
             names = (_TYPES.get(name, name) for name in wanted[1].split(" | "))
             said = f"This must be {' or '.join(filter(None, names))}"
-        return self.at(self._known(key), f"{said}.")
+        return self.at(self._known((*above, *key)), f"{said}.")
 
     def _known(self, key: Key) -> Key:
         """Return a place in which msgspec left out a name: the first that is like it."""
@@ -146,3 +165,38 @@ def _indexed(parts: Key, counts: dict[Key, int]) -> Key:
         if found in counts and at < len(parts) - 1:
             found = (*found, counts[found])
     return found
+
+
+def _type_at(kind: Any, key: Key) -> Any:
+    """Return msgspec's description of the type at a place in another type; None if it is not
+    known.
+    """
+    here = inspect.type_info(kind) if kind else None
+    for step in key:
+        for each in here.types if isinstance(here, inspect.UnionType) else (here,):
+            match each:
+                case inspect.StructType():
+                    fields = {field.encode_name: field.type for field in each.fields}
+                    here = fields.get(str(step))
+                case inspect.DictType():
+                    here = each.value_type
+                case inspect.VarTupleType() | inspect.ListType():
+                    here = each.item_type
+                case _:
+                    continue
+            break
+        else:
+            return None
+    return here
+
+
+def _fields(kind: Any) -> list[str]:
+    """Return the names of the fields of a type, or of those in a union."""
+    kinds = getattr(kind, "types", (kind,))
+    return [field.encode_name for each in kinds for field in getattr(each, "fields", ())]
+
+
+def _values(kind: Any) -> list[object]:
+    """Return the values of a type that lists them."""
+    kinds = getattr(kind, "types", (kind,))
+    return [value for each in kinds for value in getattr(each, "values", ())]

@@ -2,6 +2,7 @@
 are here.
 """
 
+import difflib
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -11,6 +12,7 @@ from sar_tui.model.session_mode import SessionMode
 from sar_tui.model.step import Step
 from sar_tui.model.study_place import StudyPlace
 from sar_tui.plugins import Catalogue, PluginError
+from sar_tui.records.kind import kinds
 from sar_tui.rules.declaration import ParameterError
 from sar_tui.rules.parameters import fields
 from sar_tui.rules.policies import DIFFICULTY
@@ -72,7 +74,9 @@ def _condition_problems(
     known = {field.name for field in fields(task.Parameters)}
     for name in condition.settings:
         if name not in known:
-            yield ("settings", name), f"The task {task.name} has no setting {name}."
+            near = difflib.get_close_matches(name, known, 1)
+            meant = f" Did you mean {near[0]}?" if near else ""
+            yield ("settings", name), f"The task {task.name} has no setting {name}.{meant}"
             return
     try:
         session_plan(plan, catalogue, condition, None, "P01", {})
@@ -85,10 +89,13 @@ def _condition_problems(
 
 def _block_problems(plan: Study, catalogue: Catalogue, block: Block) -> Iterator[str]:
     if block.form:
+        usable = [kind.name for kind in kinds().values() if kind.form and not kind.why_unusable]
         try:
             forms.form(block.form)
         except StoreError as error:
-            yield str(error)
+            is_known = block.form.casefold() in map(str.casefold, kinds())
+            none = f"There is no form {block.form}. The forms are: {', '.join(usable)}."
+            yield str(error) if is_known else none
         return
     for name in dict.fromkeys((block.condition, *block.conditions)):
         if name not in plan.conditions:

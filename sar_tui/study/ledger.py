@@ -49,7 +49,7 @@ _WITHOUT_CONSENT = {
     "no": ("no consent", "did not agree"),
     "withdrawn": ("withdrawn", "withdrew the consent"),
 }
-"""How a participation ends by an answer to the consent, and why."""
+"""End of a participation by an answer to the consent, and its reason."""
 _LEVELS = tuple(
     f"(SELECT {what} FROM attempts WHERE attempts.session=sessions.id AND seat='A')"
     for what in ("total(NOT practice)", "min(level)", "max(level)")

@@ -43,16 +43,20 @@ def new_plan(
         lines += ["", "[allocation]", 'method = "blocks"', "blind = false"]
         for condition in conditions:
             lines += ["", f"[groups.{condition}]", f'condition = "{condition}"']
+    lines += [
+        "",
+        f"# Each setting that is not named has its default; `sar-tui tasks show {task}` lists all.",
+        "# The level is fixed, as results depend on it.",
+    ]
     for condition in conditions:
         lines += [
-            "",
-            "# Each setting that is not named has its default; `sar-tui tasks show "
-            f"{task}` lists all.",
             f"[conditions.{condition}]",
             f'task = "{task}"',
             'theme = "calm"',
-            "settings = {}",
+            'settings = { difficulty_policy = "fixed" }',
+            "",
         ]
+    lines.pop()
     for number, day in enumerate(days, 1):
         lines += ["", "[[visits]]", f'name = "visit-{number}"', f"day = {day}"]
         lines.append(f"window = [{2 if day else 0}, {2 if day else 0}]")

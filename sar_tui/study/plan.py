@@ -22,7 +22,8 @@ Order = Literal["fixed", "latin square", "williams"]
 OWN = "own"
 """Level at which the person is expected to reach the goal, from earlier sessions of the task."""
 _NAME = re.compile(r"[a-z][a-z0-9-]{0,31}")
-_NAMED = "begins with a letter a to z, and has letters, digits and - only, at most 32"
+NAMED = "begins with a letter a to z, and has letters, digits and - only, at most 32"
+"""Rule of names, for people."""
 _LONGEST_TEXT = 2000
 _TOO_LONG = f"Instructions have at most {_LONGEST_TEXT} characters."
 
@@ -257,18 +258,53 @@ def parse_plan(text: str, name: str) -> Study:
     """Return the plan in a TOML text; ``name`` is that of its file, for messages.
 
     Raises:
-        PlanError: it is no TOML, or declares something that cannot be.
+        PlanError: it is no TOML, or declares something that cannot be. The message has a line for
+            each mistake.
     """
     lines = TomlLines(text, name)
     try:
-        plan = msgspec.convert(decode(text), Study)
-    except msgspec.ValidationError as error:
-        raise PlanError(lines.invalid(str(error))) from error
+        content = decode(text)
     except TomlError as error:
         raise PlanError(f"{name}, {error}") from error
-    for key, problem in _problems(plan):
-        raise PlanError(lines.at(key, problem))
+    if found := [*_unreadable_parts(content, lines)]:
+        raise PlanError("\n".join(found))
+    try:
+        plan = msgspec.convert(content, Study)
+    except msgspec.ValidationError as error:
+        raise PlanError(lines.invalid(str(error), kind=Study)) from error
+    if problems := [lines.at(key, problem) for key, problem in _problems(plan)]:
+        raise PlanError("\n".join(dict.fromkeys(problems)))
     return plan
+
+
+def _unreadable_parts(content: dict[str, Any], lines: TomlLines) -> Iterator[str]:
+    """Yield a message on each table that does not have the fields and types of a plan. Of a table
+    with several mistakes it is the first.
+    """
+    for key, values, kind in _parts(content):
+        try:
+            msgspec.convert(values, kind)
+        except msgspec.ValidationError as error:
+            yield lines.invalid(str(error), key, kind)
+
+
+def _parts(content: dict[str, Any]) -> Iterator[tuple[Key, Any, type[_Declared]]]:
+    """Yield the tables of a plan, each with its place and its type, and without the tables in it."""
+    whole = dict(content)
+    for name, kind in (("groups", Group), ("conditions", Condition)):
+        if isinstance(tables := content.get(name), dict):
+            whole[name] = {}
+            yield from (((name, each), tables[each], kind) for each in tables)
+    if isinstance(visits := content.get("visits"), list):
+        whole["visits"] = []
+        for at, visit in enumerate(visits):
+            if isinstance(visit, dict) and isinstance(blocks := visit.get("blocks"), list):
+                yield ("visits", at), visit | {"blocks": []}, Visit
+                for number, block in enumerate(blocks):
+                    yield ("visits", at, "blocks", number), block, Block
+            else:
+                yield ("visits", at), visit, Visit
+    yield (), whole, Study
 
 
 Problem = tuple[Key, str]
@@ -309,10 +345,15 @@ def _names(plan: Study) -> Iterator[Problem]:
             for number, block in enumerate(visit.blocks)
         ]
     for key, name in named:
-        if not _NAME.fullmatch(name):
-            yield key, f"A name {_NAMED}, unlike {name!r:.40}."
+        if not is_name(name):
+            yield key, f"A name {NAMED}, unlike {name!r:.40}."
     for at in _repeated([visit.name for visit in plan.visits]):
         yield ("visits", at, "name"), f"Two visits are named {plan.visits[at].name!r}."
+
+
+def is_name(text: str) -> bool:
+    """Return True if something in a plan can have this name."""
+    return _NAME.fullmatch(text) is not None
 
 
 def _repeated(names: list[str]) -> Iterator[int]:
@@ -437,7 +478,8 @@ def _outcome_problems(plan: Study) -> Iterator[Problem]:
         try:
             read_power({"power": plan.power}, outcome)
         except StoreError as error:
-            yield ("power",), str(error)
+            named = [name for name in re.findall(r"\w+", str(error)) if name in plan.power]
+            yield ("power", *named[:1]), str(error)
 
 
 # --- orders of conditions

@@ -28,7 +28,8 @@ def summary(plan: Study) -> Iterator[str]:
     yield f"Conditions: {conditions}."
     for visit in plan.visits:
         before, after = visit.window
-        days = f" ({before} days before to {after} after)" if before or after else ""
+        days_before = "1 day" if before == 1 else f"{before} days"
+        days = f" ({days_before} before to {after} after)" if before or after else ""
         yield f"Visit {visit.name}, day {visit.day}{days}:"
         for block in visit.blocks:
             yield f"  {block.name}: {_block(plan, block)}"

@@ -96,6 +96,16 @@ async def test_a_note_is_stored_as_the_therapists(driver: AppDriver) -> None:
     assert driver.stored("SELECT author, text FROM notes") == [("therapist", "wore glasses?")]
 
 
+async def test_a_session_that_is_left_can_be_gone_on_with(open_session: OpenSession) -> None:
+    async with open_session() as driver:
+        await driver.answer(await driver.to_first_prompt())
+        await open_changes(driver)
+        await choose(driver, "Stop, and go on later")
+        assert not driver.app.is_running
+        assert "Resume it: sar-tui resume" in driver.app.leaving.lines(0)[0]
+    assert driver.stored("SELECT status FROM sessions") == [("interrupted",)]
+
+
 async def test_feedback_that_has_no_frequency_is_not_offered(open_session: OpenSession) -> None:
     async with open_session(feedback_schedule="request") as driver:
         await open_changes(driver)

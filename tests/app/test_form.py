@@ -105,7 +105,7 @@ async def test_a_form_is_filled_in_with_digits_and_its_score_is_stored(
         driver.see(
             "Strongly disagree",
             "Press Tab if you would rather not say.",
-            "Press ← → or type a number.",
+            "Press the number or an arrow key, then Enter.",
         )
         driver.lacks("Ctrl-P", "Ctrl-Q", "You said")
         await driver.press("enter")

@@ -21,6 +21,7 @@ from sar_tui.study import enrolment, ledger, next_block
 from sar_tui.study.secret import key_file
 from tests.album import Album
 from tests.app.app_driver import AppDriver, OpenApp, given, known, stored
+from tests.app.test_adjust import choose, open_changes
 from tests.app.test_sizes import shrink_and_grow
 from tests.study.plans import plan
 
@@ -154,7 +155,7 @@ async def test_enter_begins_the_next_block_and_comes_back_with_the_one_after_it(
         theme = driver.app.theme
         await driver.press("f7")
         driver.see("Study praise · Praise and reaction time", "0 of 4 visits done")
-        driver.see("2 people are due today.", "P01 due", "P02 due")
+        driver.see("2 people are due today.", "P01 G1 due", "P02 G2 due")
         await driver.press("2")
         driver.see("find: 2 (Esc)")
         driver.lacks("P01")
@@ -164,11 +165,11 @@ async def test_enter_begins_the_next_block_and_comes_back_with_the_one_after_it(
         await driver.press("enter")
         assert driver.screen_name == "StudyScreen"
         assert driver.app.theme == theme, "the session had another one"
-        driver.see("P02 1 of 2 done, due by today")
+        driver.see("P02 G2 1 of 2 done, due today")
         assert "visit 1, block 2" in key_line(driver)
         assert key_line(driver).endswith("of P02.")
         await driver.press("escape")
-        driver.see("P02 1 of 2 done", "P01 due")
+        driver.see("P02 G2 1 of 2 done", "P01 G1 due")
         await driver.press("escape")
         assert driver.screen_name == "HomeScreen"
     ((place, status),) = driver.stored("SELECT study, status FROM sessions")
@@ -192,6 +193,35 @@ async def test_an_interrupted_block_goes_on_where_it_was(opened: OpenApp, study:
         assert driver.session_id == session
 
 
+async def test_a_block_that_is_left_goes_on_later(opened: OpenApp, study: Study) -> None:
+    study.enrol("P01", now=datetime.now(UTC))
+    async with opened() as driver:
+        await driver.press("f7", "enter")
+        await driver.answer(await driver.to_first_prompt())
+        session = driver.session_id
+        await open_changes(driver)
+        await choose(driver, "Stop, and go on later")
+        assert driver.screen_name == "StudyScreen"
+        driver.see("A session was cut off: it goes on where it was.")
+        said = driver.app.leaving.lines(0)
+        assert said[:1] == ["The session is kept. It goes on with:"]
+        assert said[1].startswith("  sar-tui study next P01 --study praise")
+        await driver.press("enter")
+        assert driver.session_id == session
+
+
+async def test_home_names_all_studies_of_a_person(opened: OpenApp, study: Study) -> None:
+    study.enrol("P01", now=MONDAY)
+    other = key_file("other")
+    other.write_text("5b" * 32)
+    text = TWO_VISITS.replace('name = "praise"', 'name = "other"', 1)
+    with closing(connect(study.data)) as db:
+        enrolment.freeze(db, Catalogue(()), text, plan(text), other, mode="live", author="me")
+        enrolment.enrol(db, ledger.find(db, "other"), "P01", other)
+    async with opened() as driver:
+        driver.see("Study other: visit 1, block 1, due.", "Study praise: visit 1, block 1, due.")
+
+
 async def test_on_another_day_a_reason_is_asked_for_once_and_escape_changes_nothing(
     opened: OpenApp, study: Study
 ) -> None:
@@ -212,7 +242,7 @@ async def test_on_another_day_a_reason_is_asked_for_once_and_escape_changes_noth
             assert driver.screen_name == "StudyScreen"
             assert study.deviations() == []
             if what == "late":
-                driver.see("1 visit is late.", "P01 done late")
+                driver.see("1 visit is late.", "P01 G1 done late")
                 await driver.press("enter")
                 await driver.enter("was on holiday")
                 assert driver.screen_name == "SessionScreen"
@@ -263,7 +293,7 @@ async def test_whoever_is_blind_sees_codes_and_what_another_window_records(
         study.note("study-exit", "P02", what="withdrawn", reason="moved away")
         screen._look_again()
         await driver.settle()
-        driver.see("P02 withdrawn", "1 person is due today.")
+        driver.see("P02 G2 withdrawn", "1 person is due today.")
         await driver.press("down")
         driver.see("P02 takes part no longer: withdrawn (moved away).")
         assert not key_line(driver)
@@ -277,7 +307,7 @@ async def test_without_the_key_the_table_is_shown_and_nothing_begins(
     async with opened() as driver:
         driver.see("Study praise: visit 1, block 1, due. F7")
         await driver.press("f7")
-        driver.see("P01 due", "The key of the study is not here")
+        driver.see("P01 G1 due", "The key of the study is not here")
         driver.lacks("praise)", "silence")
         assert not key_line(driver)
         await driver.press("enter")
@@ -430,7 +460,7 @@ async def test_whoever_is_in_a_session_is_shown_until_its_end(
     async with opened() as driver:
         await driver.press("f7")
         driver.see("Gerade in einer Sitzung: P01.")
-        driver.see("◆ jetzt", "! anders") if text == MANY else driver.see("P01 gerade in einer")
+        driver.see("◆ jetzt", "! anders") if text == MANY else driver.see("P01 G1 gerade in einer")
         assert key_line(driver) == ""
         held.release()
         await driver.press("escape", "f7")

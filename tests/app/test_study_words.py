@@ -5,8 +5,9 @@ from datetime import date
 import msgspec
 import pytest
 
-from sar_tui.app.study.words import about, card_words, cell_words, sentence
+from sar_tui.app.study.words import about, card_words, cell_words, deviations, sentence
 from sar_tui.model.language import ENGLISH
+from sar_tui.study.ledger import Differed
 from sar_tui.study.schedule import Item, Next, State, VisitDay
 from sar_tui.study.status import NextPlace, PersonRow, VisitCell
 from tests.study.plans import plan
@@ -81,6 +82,20 @@ def test_what_happened_before_a_block_is_told() -> None:
     item = Item(visit=SECOND, block=SECOND.blocks[0], condition="praised")
     found = Next(item=item, day=day, repeats=True, passed=(FIRST,))
     assert about("P01", found, TODAY, ENGLISH) == (
-        "The visit first was missed. The visit second of P01 is today. "
+        "The visit first was missed. The visit “second” of P01 is today. "
         "A session was cut off: the block begins again."
+    )
+
+
+def test_a_visit_whose_last_day_is_today_is_due_today() -> None:
+    assert cell_words(cell("due", TODAY, TODAY), TODAY, ENGLISH) == "due today"
+
+
+def test_deviations_that_are_alike_are_told_once() -> None:
+    early = Differed(
+        participant="P01", visit="only", block="b", what="ended early", reason="", at=""
+    )
+    late = msgspec.structs.replace(early, what="late", reason="Bus")
+    assert deviations([early, late, early], ENGLISH) == (
+        "Differs from the plan: only: ended early × 2, only: late (Bus)."
     )

@@ -32,7 +32,7 @@ def answers(driver: AppDriver) -> list[tuple[Any, ...]]:
 
 async def test_a_session_asks_before_and_after(asked: AppDriver) -> None:
     asked.see("How much pain do you have now?", "no pain", "worst pain imaginable")
-    asked.see("Press ← → or type a number.")
+    asked.see("Press the number or an arrow key, then Enter.")
     asked.lacks("Ctrl-P", "Ctrl-Q")
     await asked.press("enter", "space", "q")
     asked.see("Please choose first, then press Enter.")

@@ -9,6 +9,7 @@ import pytest
 from sar_tui.model.toml_lines import TomlLines
 from sar_tui.plugins import Catalogue
 from sar_tui.study.conditions import problems_here, warnings
+from sar_tui.study.new_plan import new_plan
 from sar_tui.study.plan import PlanError, orders, parse_plan, read_plan
 from tests.study.plans import TWO_GROUPS, plan
 
@@ -17,9 +18,9 @@ MISTAKES = (
     ("[groups.silent]\n", "[groups.Silent]\n", 9, "A name begins with a letter a to z"),
     ("attempts = 3\nlevel = 3", "attempts = 0\nlevel = 3", 36, "1 to 200, not 0"),
     ("attempts = 3\nlevel = 3", 'attempts = "many"\nlevel = 3', 36, "This must be a whole number"),
-    ("level = 3", "levle = 3", 37, "nothing named levle"),
+    ("level = 3", "levle = 3", 37, "nothing named levle here. Did you mean level?"),
     ('level = "first/baseline"', 'level = "second/training"', 51, "It is one of: first/baseline"),
-    ('order = "latin square"', 'order = "greek"', 41, "Invalid enum value 'greek'"),
+    ('order = "latin square"', 'order = "greek"', 41, "'williams', not 'greek'"),
     ('conditions = ["slow", "fast"]', 'conditions = ["slow"]', 40, "two or more"),
     ("day = 7", "day = 0", 45, "not after that of the visit first"),
     ("window = [2, 2]", "window = [2]", 46, "length 2"),
@@ -37,7 +38,38 @@ def test_a_mistake_is_told_with_its_line(old: str, new: str, line: int, reason: 
         parse_plan(TWO_GROUPS.replace(old, new, 1), "study.toml")
     assert str(told.value).startswith(f"study.toml, line {line}: ")
     assert reason in str(told.value)
-    assert str(told.value).endswith(".")
+    assert str(told.value).endswith((".", "?"))
+
+
+def test_several_mistakes_are_told_each_with_its_line() -> None:
+    changed = (
+        ('task = "keyboard"', 'tsk = "keyboard"'),
+        ("level = 3", "level = []"),
+        ("window = [2, 2]", "window = [2]"),
+        ('compared = "groups, baseline"', 'compared = "group"'),
+    )
+    text = TWO_GROUPS
+    for old, new in changed:
+        text = text.replace(old, new, 1)
+    with pytest.raises(PlanError) as told:
+        parse_plan(text, "study.toml")
+    lines = sorted(int(line) for line in re.findall(r"line (\d+)", str(told.value)))
+    assert lines == [13, 28, 37, 46]
+
+
+@pytest.mark.parametrize("named", ["retest = 4", "sizes = [1]", "efect = 3"])
+def test_a_mistake_in_the_assumptions_is_told_with_its_own_line(named: str) -> None:
+    text = f"{TWO_GROUPS}[power]\neffect = 20\n{named}\n"
+    with pytest.raises(PlanError, match=r"line 54: \[power\]"):
+        parse_plan(text, "study.toml")
+
+
+@pytest.mark.parametrize("within", [True, False])
+@pytest.mark.parametrize("names", [["a", "b"], ["a", "b", "c"]])
+def test_a_new_plan_can_be_used_as_it_is(names: list[str], within: bool) -> None:
+    text = new_plan("new", "keyboard", names, within=within, days=[0, 7])
+    study = parse_plan(text, "study.toml")
+    assert not [*problems_here(study, Catalogue(())), *warnings(study, Catalogue(()))]
 
 
 HERE = (

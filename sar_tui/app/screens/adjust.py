@@ -30,9 +30,9 @@ ACTOR = "therapist"
 _LONGEST_NOTE = 1000
 
 
-class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
+class AdjustScreen(DismissedOnce[bool | None], ModalScreen[bool | None]):
     """Lists the changes; each is recorded like an operator's act, and holds from the next attempt
-    on.
+    on. The result is True if the session is to be left, and gone on with later.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -137,6 +137,7 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
                     for name in self._settings
                 ),
                 Option(tr("Write a note"), id="note"),
+                Option(tr("Stop, and go on later"), id="leave"),
                 Option(tr("Back"), id="back"),
             ]
         )
@@ -167,6 +168,8 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
                 self._command("hold")
             case "release":
                 self._command("release")
+            case "leave":
+                self.dismiss(True)
             case "back":
                 self.action_back()
             case asked:

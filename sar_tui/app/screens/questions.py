@@ -33,7 +33,7 @@ _MARGINS, _MARGINS_OF_FORM = 2, 12
 """Columns beside the options, at both sides together."""
 _LEAST_OF_FORM = 68
 """Least columns of a window in which a form has its margins."""
-_CAN_WAIT = ("given", "keys", "instruction")
+_CAN_WAIT = ("given", "instruction")
 """Parts that leave their room to a question that would not fit, in this order."""
 _TALL = 46
 """Least rows of a window in which two blank rows are between the parts, unless it is a form."""
@@ -98,7 +98,6 @@ class QuestionScreen(DismissedOnce[Result]):
             yield Heading(id="question")
             yield Static("", id="hint", classes="body", markup=False)
             yield Static("", id="options", markup=False)
-            yield Static("", id="keys", classes="body", markup=False)
             yield Static("", id="decline", classes="body", markup=False)
             yield Static("", id="problem", classes="body", markup=False)
             yield Static("", id="given", classes="small", markup=False)
@@ -186,9 +185,6 @@ class QuestionScreen(DismissedOnce[Result]):
         else:
             drawn = options_text(step, self._marked or interview.entry, self._columns)
             self._put("options", drawn if step.kind == "text" else with_chosen(drawn))
-        is_scale = step is not None and step.kind == "number" and app.switch is None
-        keys = tr("Press ← → or type a number.") if is_scale else ""
-        self._put("keys", _with_key(keys, "← →"))
         self._put("decline", _with_key(page.decline, "Tab"))
         self._put("problem", page.problem)
         self._put("given", page.given)

@@ -513,4 +513,9 @@ class _Pause:
 
         waiting = self._screen.stage.waiting
         if is_right and waiting and waiting.stage == "paused":
-            self._screen.app.push_screen(AdjustScreen(self._live))
+            self._screen.app.push_screen(AdjustScreen(self._live), self._leave)
+
+    def _leave(self, leaves: bool | None) -> None:
+        """Leave the session as it is, so that it can be resumed."""
+        if leaves:
+            self._screen.dismiss()

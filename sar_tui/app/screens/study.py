@@ -14,6 +14,7 @@ from textual.screen import ModalScreen
 from textual.widgets import Input, Static
 
 from sar_tui.app.code_list import CodeList
+from sar_tui.app.study.commands import StudyCommands
 from sar_tui.app.study.table import StudyTable
 from sar_tui.app.study.words import about, dated, deviations, key_words, present, sentence
 from sar_tui.drivers.login_name import login_name
@@ -214,7 +215,7 @@ class StudyScreen(DismissedOnce[None]):
         if self._frozen and not self._rows:
             said = tr(
                 "To enrol the first person: {how}",
-                how=f"sar-tui study enrol P01 --study {self._study} --new",
+                how=self._commands.command("study enrol", "P01", "--new"),
             )
         elif self._frozen and who and not self._problem:
             said, key = self._words_of(self._frozen, who)
@@ -230,7 +231,7 @@ class StudyScreen(DismissedOnce[None]):
         try:
             one, found, said = self._offered(frozen, who)
         except (StoreError, AllocationError) as error:
-            said = dated(error, tr)
+            said = self._why(error)
         else:
             visit, block = numbers(one.frozen.plan, one.items, found.item)
             what = found.item.block.form or one.names.conditions[found.item.condition]
@@ -252,6 +253,15 @@ class StudyScreen(DismissedOnce[None]):
         except NeedsReason as needed:
             return one, needed.found, dated(needed, self.app.tr)
         return one, found, about(who, found, self.app.today(), self.app.tr)
+
+    @property
+    def _commands(self) -> StudyCommands:
+        """Commands on this study."""
+        return StudyCommands(self.app.folder, self.app.catalogue.extra_tasks, self._study)
+
+    def _why(self, error: Exception) -> str:
+        """Return what an error says, with the command that it names on a line of its own."""
+        return self._commands.complete(dated(error, self.app.tr))
 
     # --- several studies
 
@@ -301,7 +311,7 @@ class StudyScreen(DismissedOnce[None]):
 
             app.push_screen(ReasonScreen(dated(needed, tr)), answered)
         except (StoreError, AllocationError, PluginError, ParameterError, Failed) as error:
-            self._tell(dated(error, tr))
+            self._tell(self._why(error))
 
     def _begin_session(self, one: Person, found: Next, reason: str) -> None:
         """Begin the session of a block, or go on with the one that was cut off.
@@ -331,6 +341,9 @@ class StudyScreen(DismissedOnce[None]):
         def filled(record: Record | None) -> None:
             if record and forms.is_complete(record):
                 next_block.note_form(database, one, found, record.id, author=login_name())
+            else:
+                kept = app.tr("The answers are kept. Today the form goes on where it was left.")
+                self.notify(kept, markup=False)
             self.refresh_contents()
 
         kind = forms.form(found.item.block.form)

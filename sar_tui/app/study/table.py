@@ -27,8 +27,10 @@ _STYLES: dict[State, str] = {"due": "$accent", "late": "$warning"}
 
 
 class StudyTable(Vertical):
-    """Shows states of visits in words, or in signs where there is no room for words; of more visits
-    than there is room for, those from the first on that somebody has to do.
+    """Shows groups, and states of visits in words, or in signs where there is no room for words; of
+    more visits than there is room for, those from the first on that somebody has to do.
+
+    Groups are left out if they would take the room of words, or of visits.
     """
 
     app: Any
@@ -73,6 +75,9 @@ class StudyTable(Vertical):
         tr, visits = self.app.tr, [visit.name for visit in self._plan.visits]
         columns = code_width(self._rows)
         room = self.content_size.width - BESIDE - columns
+        groups = {code: row.group[:_LONGEST_NAME] for code, row in self._rows.items()}
+        group = tr("Group")
+        of_group = max(len(group), *map(len, groups.values())) if any(groups.values()) else 0
         words = {
             (row.participant, name): self._words(row, row.visits[name])
             for row in self._rows.values()
@@ -92,10 +97,18 @@ class StudyTable(Vertical):
             }
             widths = dict.fromkeys(visits, 2)
             visits = self._fitting(visits, max(0, room // (2 + _GAP)))
+        taken = sum(widths[name] + _GAP for name in visits)
+        if of_group and taken + of_group + _GAP <= room:
+            room -= of_group
+        else:
+            of_group = 0
         spare = room - sum(widths[name] for name in visits)
-        gap = " " * max(_GAP, min(_WIDEST_GAP, spare // len(visits) if visits else 0))
+        gap = " " * max(
+            _GAP, min(_WIDEST_GAP, spare // (len(visits) + bool(of_group)) if visits else 0)
+        )
         names = [f"{titles[name]:<{widths[name]}}" for name in visits]
-        heading = gap.join([" " * (columns + 1), *names])
+        beside = [f"{group:<{of_group}}"] if of_group else []
+        heading = gap.join([" " * (columns + 1), *beside, *names])
         self.query_one("#columns", Static).update(heading.rstrip())
         legend = self.query_one("#legend", Static)
         legend.display = bool(self._rows) and not is_in_words
@@ -108,7 +121,8 @@ class StudyTable(Vertical):
                 )
                 for visit in visits
             ]
-            return Content(gap).join([code_cell(code, columns), *cells])
+            in_group = [Content(f"{groups[code]:<{of_group}}")] if of_group else []
+            return Content(gap).join([code_cell(code, columns), *in_group, *cells])
 
         def lines(codes: Sequence[str]) -> Iterator[Option]:
             return (Option(row(code), id=code) for code in codes)

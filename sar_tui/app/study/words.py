@@ -1,6 +1,7 @@
 """The texts on what is due in a study."""
 
 import sqlite3
+from collections import Counter
 from collections.abc import Sequence
 from contextlib import suppress
 from datetime import date, datetime
@@ -56,7 +57,13 @@ def sentence(plan: Study, rows: Sequence[PersonRow], today: date, tr: Language) 
 
 def cell_words(cell: VisitCell, today: date, tr: Language) -> str:
     """Return the state of a visit: "due by 5 Dec"."""
-    return in_language(cell.sentence(lambda day: _short(day, today, tr)), tr)
+    return _of_today(cell.sentence(lambda day: _short(day, today, tr)), tr)
+
+
+def _of_today(state: str, tr: Language) -> str:
+    """Return the state of a visit with "due today" in place of "due by today"."""
+    said = in_language(state, tr)
+    return said.replace(tr("due by {day}", day=tr("today")), tr("due today"))
 
 
 def _short(day: date, today: date, tr: Language) -> str:
@@ -82,10 +89,10 @@ def about(who: str, found: Next, today: date, tr: Language) -> str:
         first, last = (day_words(day, today, tr) for day in (found.day.first, found.day.last))
         visit = found.item.visit.name
         said.append(
-            tr("The visit {visit} of {who} is {day}.", visit=visit, who=who, day=first)
+            tr("The visit “{visit}” of {who} is {day}.", visit=visit, who=who, day=first)
             if first == last
             else tr(
-                "The visit {visit} of {who} is from {first} to {last}.",
+                "The visit “{visit}” of {who} is from {first} to {last}.",
                 visit=visit,
                 who=who,
                 first=first,
@@ -100,13 +107,14 @@ def about(who: str, found: Next, today: date, tr: Language) -> str:
 
 
 def deviations(noted: Sequence[Differed], tr: Language) -> str:
-    """Return the deviations of a person in a line; empty without one."""
-    listed = []
+    """Return the deviations of a person in a line, those that are alike once; empty without one."""
+    counts: Counter[str] = Counter()
     for each in noted:
         what = tr(_DEVIATIONS.get(each.what, "other"))
         said = f"{each.visit}: {what}" if each.visit else what
-        listed.append(f"{said} ({each.reason})" if each.reason else said)
-    return tr("Differs from the plan: {listed}.", listed=", ".join(listed)) if listed else ""
+        counts[f"{said} ({each.reason})" if each.reason else said] += 1
+    listed = ", ".join(f"{said} × {count}" if count > 1 else said for said, count in counts.items())
+    return tr("Differs from the plan: {listed}.", listed=listed) if listed else ""
 
 
 def key_words(who: str, visit: int, block: int, what: str, found: Next, tr: Language) -> str:
@@ -130,18 +138,17 @@ def key_words(who: str, visit: int, block: int, what: str, found: Next, tr: Lang
 def due_in_studies(
     database: sqlite3.Connection, names: Sequence[str], who: str, today: date, tr: Language
 ) -> str:
-    """Return what is due for a participant, of the newest of these studies in which something is;
-    empty if nothing is.
+    """Return what is due for a participant in these studies: a line for each in which something is,
+    the newest first.
     """
-    now = present(today)
+    now, found = present(today), []
     for name in reversed(names):
         with suppress(StoreError, PlanError):  # the screen of the study tells it
             frozen = ledger.find(database, name)
             people = ledger.people(database, frozen, who)
-            for row in grid(frozen, people, key_file(name), as_of(frozen, people, now)):
-                if words := card_words(frozen.plan, row, today, tr):
-                    return words
-    return ""
+            rows = grid(frozen, people, key_file(name), as_of(frozen, people, now))
+            found += [card_words(frozen.plan, row, today, tr) for row in rows]
+    return "\n".join(filter(None, found))
 
 
 def present(today: date) -> datetime:
@@ -154,7 +161,7 @@ def card_words(plan: Study, row: PersonRow, today: date, tr: Language) -> str:
     cell = row.next_visit(plan)
     if not cell or not row.next:
         return ""
-    state = in_language(cell.when(lambda day: _short(day, today, tr)), tr)
+    state = _of_today(cell.when(lambda day: _short(day, today, tr)), tr)
     return tr(
         "Study {study}: visit {visit}, block {block}, {state}. F7",
         study=plan.name,
