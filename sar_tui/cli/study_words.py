@@ -4,8 +4,6 @@ from collections.abc import Iterator, Mapping
 from datetime import date
 from typing import TYPE_CHECKING, Any
 
-import msgspec
-
 if TYPE_CHECKING:
     from sar_tui.app.study.commands import StudyCommands
     from sar_tui.cli.common import Home
@@ -111,6 +109,8 @@ def _without_blocks(visit: Any) -> dict[str, Any]:
 
 def _changed(what: str, before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[str]:
     """Yield lines on parts of a plan that are new, gone or changed."""
+    import msgspec
+
     for name in after:
         if name not in before:
             yield f"new: {what} {name}"
