@@ -107,6 +107,7 @@ async def test_a_failed_voice_is_told_until_it_speaks(spoken: AppDriver, voice: 
     assert "no voice" not in spoken.rows[0]
 
 
+@pytest.mark.slow
 async def test_an_unseen_agent_is_shown_to_be_read(unseen: AppDriver, voice: Voice) -> None:
     agent = unseen.app.screen.query_one(Agent)
     await voice.begin(unseen)
@@ -159,6 +160,7 @@ async def test_without_an_agent_a_held_key_is_told_at_once_and_a_failed_voice_af
 # --- an answer that comes later, or is asked for
 
 
+@pytest.mark.slow
 async def test_delayed_feedback_has_a_thinking_face(open_session: OpenSession, calm: Theme) -> None:
     async with open_session(feedback_delay_ms=3000) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
@@ -174,6 +176,7 @@ async def test_delayed_feedback_has_a_thinking_face(open_session: OpenSession, c
         assert mouth(calm, "thinking") not in robot(driver)
 
 
+@pytest.mark.slow
 async def test_tab_requests_feedback(open_session: OpenSession) -> None:
     async with open_session(feedback_schedule="request", encouragement=False) as driver:
         await driver.press("enter")
@@ -192,6 +195,7 @@ async def test_tab_requests_feedback(open_session: OpenSession) -> None:
 # --- one stop
 
 
+@pytest.mark.slow
 async def test_f2_stops_it_everywhere(open_session: OpenSession, voice: Voice) -> None:
     async with open_session(attempts=1, prompts_per_attempt=1, **SPOKEN) as driver:
 
@@ -252,6 +256,7 @@ async def test_without_a_voice_the_stop_key_works_but_is_not_named(driver: AppDr
 # --- words
 
 
+@pytest.mark.slow
 async def test_encouragement_replaces_feedback_that_was_read(open_session: OpenSession) -> None:
     async with open_session(attempts=3) as driver:
         await driver.do_attempt(await driver.to_first_prompt())

@@ -120,6 +120,7 @@ def _refuse(driver: AppDriver) -> None:
     driver.app.database.execute("PRAGMA query_only=ON")
 
 
+@pytest.mark.slow
 async def test_a_failure_to_save_settings_is_reported_and_the_form_stays(home: AppDriver) -> None:
     await home.press("f2", "pagedown", "end", "7")
     _refuse(home)
@@ -134,6 +135,7 @@ async def test_a_failed_write_is_reported_on_the_home_screen(home: AppDriver) ->
     await home.fail_to_start("is read-only")
 
 
+@pytest.mark.slow
 async def test_a_failure_to_store_a_new_session_is_reported_on_the_home_screen(
     opened: OpenApp, data: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -146,6 +148,7 @@ async def test_a_failure_to_store_a_new_session_is_reported_on_the_home_screen(
         await driver.fail_to_start("disk I/O error")
 
 
+@pytest.mark.slow
 async def test_an_unsaved_code_stays(opened: OpenApp, monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: object) -> None:
         raise StoreError("The disk is full.")

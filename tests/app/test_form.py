@@ -127,6 +127,7 @@ async def test_a_form_is_filled_in_with_digits_and_its_score_is_stored(
         driver.see("P01")
 
 
+@pytest.mark.slow
 async def test_an_answer_is_changed_from_the_thanks_and_counts_once(
     fill: Filled, data: Path
 ) -> None:
@@ -143,6 +144,7 @@ async def test_an_answer_is_changed_from_the_thanks_and_counts_once(
         assert driver.screen_name == "HomeScreen"
 
 
+@pytest.mark.slow
 async def test_the_time_of_each_item_is_kept_and_adds_up(
     fill: Filled, data: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -252,6 +254,7 @@ async def test_a_form_speaks_the_language_of_the_participant(
         assert stored(driver, "effort").content["language"] == language
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("own")
 @pytest.mark.parametrize("kind", ["SUS", "NASA-TLX", "own"])
 async def test_nothing_is_cut_off_at_80_by_24(fill: Filled, data: Path, kind: str) -> None:
@@ -461,6 +464,7 @@ async def test_a_file_of_a_form_that_cannot_be_read_stops_nothing_else(
         driver.lacks("own · About you")
 
 
+@pytest.mark.slow
 async def test_a_therapist_hands_over_a_form_from_the_records(
     opened: OpenApp, data: Path, catalogue: Catalogue
 ) -> None:

@@ -39,6 +39,7 @@ async def test_a_code_leads_from_a_fresh_start_to_a_session(opened: OpenApp) -> 
     assert driver.stored("SELECT task, theme, mode FROM sessions") == [("keyboard", "calm", "live")]
 
 
+@pytest.mark.slow
 async def test_escape_in_a_list_restores_the_choice(opened: OpenApp, data: Path) -> None:
     known(data, "P02")
     known(data, "P01")
@@ -214,6 +215,7 @@ async def test_settings_that_became_invalid_are_told(opened: OpenApp, data: Path
         driver.see("Press Enter to begin attempt 1 of 20.")
 
 
+@pytest.mark.slow
 async def test_an_interrupted_session_is_dismissed_taken_back_and_resumed(
     opened: OpenApp, open_session: OpenSession
 ) -> None:
@@ -280,6 +282,7 @@ async def test_a_session_in_another_program_is_shown_so_far_and_not_dismissed(
         driver.see("· interrupted · 1/2 attempts")
 
 
+@pytest.mark.slow
 async def test_a_removed_tasks_session_is_shown(open_session: OpenSession, data: Path) -> None:
     async with open_session(attempts=1) as driver:
         await driver.do_session()
@@ -316,6 +319,7 @@ async def test_tasks_are_listed_by_aim_and_the_open_list_says_what_is_done(
     home.lacks("Reach out to a marker")
 
 
+@pytest.mark.slow
 async def test_a_session_of_another_site_is_seen_and_left_as_it_is(
     opened: OpenApp, data: Path, tmp_path: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
@@ -340,6 +344,7 @@ async def test_a_session_of_another_site_is_seen_and_left_as_it_is(
     assert stored(data, "SELECT code, site FROM participants") == [("P01@BERN", "BERN")]
 
 
+@pytest.mark.slow
 async def test_a_home_left_open_over_night_shows_the_new_day(
     opened: OpenApp, open_session: OpenSession, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -377,6 +382,7 @@ async def test_who_had_pain_above_the_limit_this_week_is_on_the_first_screen(
     assert stored(data, "SELECT participant FROM seats") == [("P07",)]
 
 
+@pytest.mark.slow
 async def test_in_a_small_window_the_sessions_take_the_place_of_the_day_until_escape(
     home: AppDriver,
 ) -> None:

@@ -101,6 +101,7 @@ async def test_unsaved_settings_are_discarded_only_by_a_second_press(home: AppDr
     assert not home.app.is_running
 
 
+@pytest.mark.slow
 async def test_a_session_that_was_started_by_mistake_is_discarded_and_can_be_restored(
     opened: OpenApp, open_session: OpenSession, data: Path
 ) -> None:

@@ -452,6 +452,7 @@ async def test_a_preset_leaves_nothing_of_the_one_before(opened: OpenApp, data: 
 # --- the rules of difficulty, and the preview
 
 
+@pytest.mark.slow
 async def test_a_rule_is_looked_at_before_it_is_chosen(form: AppDriver) -> None:
     fixed = await preview(form)
     form.see("✓ Step by step", "15 of 20", "An average person: P01 has too few", "more settings ↓")
@@ -522,6 +523,7 @@ async def test_the_preview_says_whom_it_is_like(
         driver.see("Simulated as P01 did in the last session.")
 
 
+@pytest.mark.slow
 async def test_a_rule_that_is_gone_is_shown_until_another_is_chosen(
     opened: OpenApp, data: Path
 ) -> None:
@@ -639,6 +641,7 @@ async def test_a_version_is_compared_and_brought_back_as_a_new_one(opened: OpenA
         assert field(driver, "threshold").value == "900", "what was not saved is not lost"
 
 
+@pytest.mark.slow
 async def test_without_versions_the_list_says_how_to_make_one(home: AppDriver) -> None:
     await home.press("f2", "f5")
     home.see("There is one version so far.")

@@ -23,6 +23,7 @@ def album() -> Album:
     return Album(Path(__file__).parent / "snapshots", "calm", (80, 24))
 
 
+@pytest.mark.slow
 async def test_snapshots_of_home_and_settings(opened: OpenApp, album: Album) -> None:
     async with opened() as driver:
         album.take("home", driver)

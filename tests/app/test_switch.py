@@ -166,6 +166,7 @@ def assert_whole(driver: AppDriver, task: str) -> None:
         assert taps == [(9,), (9,)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("task", SETTINGS)
 async def test_a_session_with_space_alone(data: Path, catalogue: Catalogue, task: str) -> None:
     async with open_app(data, catalogue, planned(catalogue, task, **SETTINGS[task])) as driver:
@@ -276,6 +277,7 @@ async def test_a_press_that_cannot_be_read_keeps_no_session_from_beginning(
     assert begun["interval_ms"] == FIRST_MS
 
 
+@pytest.mark.slow
 async def test_the_settings_tell_the_scan_interval_that_follows_the_person(
     data: Path, catalogue: Catalogue
 ) -> None:

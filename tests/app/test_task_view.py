@@ -30,6 +30,7 @@ async def play(driver: AppDriver) -> list[str]:
     return [*seen, " ".join(driver.text.split())]
 
 
+@pytest.mark.slow
 async def test_a_task_outside_the_checkout_draws_in_all_places(
     open_task: OpenSession, data: Path, own_tasks: Path
 ) -> None:

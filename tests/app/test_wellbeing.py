@@ -134,6 +134,7 @@ async def test_after_too_much_pain_escape_leads_to_the_advice(asked: AppDriver) 
     assert answers(asked) == [("before", "pain", 1, "shown")]
 
 
+@pytest.mark.slow
 async def test_pain_that_rose_much_is_a_reason_to_stop_in_a_resumed_session_too(
     opened: OpenApp, open_session: OpenSession
 ) -> None:
@@ -183,6 +184,7 @@ async def test_after_too_much_pain_in_a_pause_one_key_goes_on_and_enter_ends(
     assert ("pause", "pain", 6, "left shoulder", "stopped") in answers(asked)
 
 
+@pytest.mark.slow
 async def test_two_participants_are_asked_in_turn_and_an_adverse_event_names_one(
     opened: OpenApp, data: Path, catalogue: Catalogue
 ) -> None:

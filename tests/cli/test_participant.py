@@ -130,6 +130,7 @@ def test_both_seats_of_a_session_for_two_are_moved(call: Call, data: Path) -> No
     call("check").shows("is whole")
 
 
+@pytest.mark.slow
 def test_a_person_is_erased_by_the_program(tmp_path: Path) -> None:
     data = tmp_path / "data"
     fill(data)

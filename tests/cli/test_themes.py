@@ -169,6 +169,7 @@ def test_phrases_that_fall_back_to_english_are_named(
     assert (printed["passed"], printed["english"]) == (False, {"es": ["rest"]})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("file", "old", "new", "says"),
     [

@@ -32,6 +32,7 @@ def prepared(data: Path) -> Path:
     return data
 
 
+@pytest.mark.slow
 def test_signals_and_keys_show_no_shell_and_a_lost_terminal_loses_nothing(prepared: Path) -> None:
     with Terminal(command("--patient", "p01", "--data", str(prepared))) as terminal:
         screen = ScreenReader(terminal)

@@ -240,6 +240,7 @@ def test_operators_and_markers_are_served_as_on_a_screen(data: Path) -> None:
     assert marked.count("prompt_onset") == 3
 
 
+@pytest.mark.slow
 def test_the_environment_variable_of_other_programs_asks_for_lines_too(data: Path) -> None:
     with Terminal(run_command(data), environment={"ACCESSIBLE": "1"}) as terminal:
         terminal.wait_for("Press Enter to go on.")
@@ -249,6 +250,7 @@ def test_the_environment_variable_of_other_programs_asks_for_lines_too(data: Pat
         terminal.hang_up()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("task", ["posner", "pairs"])
 def test_a_task_that_lines_cannot_tell_is_refused_in_a_sentence(data: Path, task: str) -> None:
     people = ["-p", "P01"] + ["-p", "P02"] * (task == "pairs")

@@ -101,6 +101,7 @@ def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("format", first(1, BUNDLED))
 def test_all_tasks_in_one_export_are_valid(data: Path, tmp_path: Path, format: str) -> None:
     assert faults(data, tmp_path / "out", format) == []

@@ -56,6 +56,7 @@ def test_numbers_of_samples_are_read_back_as_the_same_doubles() -> None:
     assert text.count("\r\n") == text.count("\n") == len(numbers)
 
 
+@pytest.mark.slow
 def test_a_damaged_block_is_named_others_leave(call: Call, session: str, tmp_path: Path) -> None:
     data, out = tmp_path / "data", tmp_path / "out"
     before = value(data, "SELECT sum(n) FROM imu_chunks")

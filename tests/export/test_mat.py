@@ -33,6 +33,7 @@ def sorted_rows(columns: dict[str, list[Any]], names: Any) -> list[Any]:
     return sorted(plain, key=repr)
 
 
+@pytest.mark.slow
 @needs_octave
 def test_octave_reads_every_table_as_the_csv_files_have_it(tmp_path: Path) -> None:
     data = tmp_path / "data"

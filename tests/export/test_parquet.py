@@ -106,6 +106,7 @@ def test_another_database_of_a_site_does_not_replace_its_data(clinic: Any, tmp_p
     assert query(lake, "sessions", "count(*)") == [(1,)]
 
 
+@pytest.mark.slow
 def test_every_table_holds_what_csv_files_hold(tmp_path: Path) -> None:
     data, lake = tmp_path / "data", tmp_path / "lake"
     store_study(data)

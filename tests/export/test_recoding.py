@@ -65,6 +65,7 @@ def read_map(path: Path) -> dict[str, tuple[str, int]]:
     return {row["code"]: (row["recoded"], int(row["shift_days"])) for row in rows}
 
 
+@pytest.mark.slow
 def test_no_code_leaves_and_the_map_brings_them_back(data: Path, tmp_path: Path) -> None:
     map_path, out = tmp_path / "kept" / "map.csv", tmp_path / "out"
     export_csv(data, out, recode=map_path)

@@ -74,6 +74,7 @@ def test_in_windows_the_same_reaches_are_found(detector: str, profile: str) -> N
     assert found[1:] == pytest.approx(whole[1:])
 
 
+@pytest.mark.slow
 def test_the_result_does_not_depend_on_the_blocks_unless_there_are_none() -> None:
     with pytest.raises(ValueError, match="There are no samples"):
         detect_long([])
@@ -141,6 +142,7 @@ def restless(seed: int, lasts_s: float = 400.0, rate_hz: float = 50.0) -> Sample
     return np.delete(samples, range(missing, missing + int(generator.integers(100))))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("detector", DETECTORS)
 @pytest.mark.parametrize("seed", first(1, range(12)))
 def test_reaches_neither_overlap_nor_repeat_and_their_ways_are_in_order(

@@ -170,6 +170,7 @@ def misses() -> dict[str, Floats]:
     return {group: np.array(values) for group, values in found.items()}
 
 
+@pytest.mark.slow
 def test_the_count_of_real_exercise_is_exact_in_85_and_within_one_in_95_of_100_cuts() -> None:
     for group, errors in misses().items():
         exact = 0.8 if group in REGULAR else 0.85

@@ -38,6 +38,7 @@ def truth_of(made: SimulatedReaches, time_s: Floats) -> tuple[Rotation, Floats]:
     return Rotation.from_quat(orientation, scalar_first=True), position
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", first(4, KINDS))
 def test_an_outsider_integrates_the_rate_to_the_orientation(kind: str) -> None:
     made = perfect(kind)

@@ -256,6 +256,7 @@ async def test_an_edit_whose_time_runs_out_says_so_and_is_not_shown_with_the_nex
     assert "Time is up" not in driver.text
 
 
+@pytest.mark.slow
 async def test_while_the_panel_is_hidden_only_the_stop_key_acts(driver: PanelDriver) -> None:
     await driver.press("f1", "space", "u", "h", "1", "t", "x", "f2")
     assert [name for name, _ in driver.peer.sent] == [t.COMMAND.name]
@@ -322,6 +323,7 @@ async def test_speech_notes_and_events_are_sent_and_a_note_has_the_time_of_its_k
     assert note.at <= driver.peer.now() - 20 * SECOND
 
 
+@pytest.mark.slow
 async def test_with_two_participants_remarks_go_to_the_chosen_one_and_proposals_name_theirs(
     driver: PanelDriver,
 ) -> None:
@@ -345,6 +347,7 @@ async def test_with_two_participants_remarks_go_to_the_chosen_one_and_proposals_
     assert "DIFFICULTY · clear" in driver.text
 
 
+@pytest.mark.slow
 async def test_keys_and_phrases_of_the_operators_file_are_used_unless_it_is_invalid(
     catalogue: Catalogue, tmp_path: Path
 ) -> None:
@@ -414,6 +417,7 @@ async def test_a_lost_link_is_shown_until_it_is_back_and_the_session_says_which_
     assert "playful" in driver.app.theme
 
 
+@pytest.mark.slow
 async def test_the_panel_shows_the_agent_as_the_participant_sees_it(driver: PanelDriver) -> None:
     await driver.publish(t.ACTION, b.action("a2", text="Look at that!"))
     assert "Look at that!" in driver.text
@@ -437,6 +441,7 @@ async def test_the_panel_shows_the_agent_as_the_participant_sees_it(driver: Pane
     assert str(driver.panel.query_one(Agent).query_one(".robot", Static).render()) == str(ahead)
 
 
+@pytest.mark.slow
 async def test_at_80_by_24_all_keys_are_listed_stop_works_anywhere_and_other_proposals_are_named(
     catalogue: Catalogue, tmp_path: Path
 ) -> None:

@@ -252,6 +252,7 @@ async def test_an_edit_asks_too(panel: b.PanelDriver) -> None:
     assert [(one.verdict, one.digit) for one in panel.sent(t.REASON)] == [("edit", 2)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ends", ["n", "u", "p", "escape", "time"])
 async def test_the_next_act_another_page_or_time_end_the_question(
     panel: b.PanelDriver, ends: str

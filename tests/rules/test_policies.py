@@ -94,6 +94,7 @@ def test_the_names_of_the_policies_are_the_choices_of_a_setting() -> None:
         assert declared[choice].default in policies
 
 
+@pytest.mark.slow
 def test_a_users_policies_run_a_session_that_replays(program: Program) -> None:
     settings = (
         "difficulty_policy=stride",
@@ -133,6 +134,7 @@ def test_a_policy_that_cannot_be_used_is_named_with_the_reason(program: Program)
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.slow
 def test_a_result_that_cannot_be_one_is_told_and_levels_stay_within_bounds(
     program: Program,
 ) -> None:

@@ -136,6 +136,7 @@ def sessions_of(data: Path) -> str:
     return str(session)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kills", first(1, [2, 20]))
 def test_kills_while_a_rescue_file_is_brought_back_lose_nothing(
     tmp_path: Path, killable: Killable, data: Path, kills: int

@@ -149,6 +149,7 @@ def test_a_simulated_task_for_two_has_a_partner_even_if_none_is_named(data: Path
 # --- interrupted and resumed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("policy", first(2, POLICIES))
 @examples(6)
 @given(steps=st.lists(st.integers(0, 30), min_size=1, max_size=3))

@@ -57,6 +57,7 @@ def trained(
         return newest_of(database, "P01", task, 16)
 
 
+@pytest.mark.slow
 def test_the_same_settings_are_played_alike_and_twenty_attempts_long(
     keyboard: type[Task], theme: Theme
 ) -> None:
@@ -88,6 +89,7 @@ def test_prompts_that_reached_the_goal_are_counted_for_the_rule_that_aims_at_the
     assert played(keyboard, theme).share_of_prompts is None, "other rules do not look at it"
 
 
+@pytest.mark.slow
 def test_a_stand_in_is_as_fast_as_the_person(
     keyboard: type[Task], theme: Theme, data: Path, catalogue: Catalogue
 ) -> None:
@@ -101,6 +103,7 @@ def test_a_stand_in_is_as_fast_as_the_person(
     assert as_slow.highest < played(keyboard, theme).highest
 
 
+@pytest.mark.slow
 def test_a_stand_in_does_not_depend_on_the_goal_that_is_set(
     keyboard: type[Task], theme: Theme, data: Path, catalogue: Catalogue
 ) -> None:

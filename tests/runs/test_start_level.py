@@ -61,6 +61,7 @@ def test_the_next_session_can_start_at_the_last_level(
     assert levels[0] == first[-1] == attempts
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("settings", "level"),
     [

@@ -25,6 +25,7 @@ COVERS_ALL = """
 """
 
 
+@pytest.mark.slow
 async def test_app_is_shown_and_receives_keys(tmp_path: Path) -> None:
     async with serving(tmp_path / "diary") as served, chromium() as browser:
         await browser.open(f"{served.origin}/?token={TOKEN}")

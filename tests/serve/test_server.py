@@ -264,6 +264,7 @@ async def test_only_the_agent_view_has_a_voice(tmp_path: Path) -> None:
         assert (await status(served, "/voice/one", UPGRADE | served.allowed))[0] == 404
 
 
+@pytest.mark.slow
 async def test_program_ends_when_its_server_is_killed(tmp_path: Path) -> None:
     """The program quits by itself when its input ends."""
     process = await asyncio.create_subprocess_exec(

@@ -85,6 +85,7 @@ def test_each_practice_attempt_gets_feedback_and_the_schedule_starts_after_it(
     assert session.with_feedback == [1, 2, 5, 8]
 
 
+@pytest.mark.slow
 def test_people_perform_the_same_under_every_schedule(
     by_schedule: dict[str, StoredSession],
 ) -> None:

@@ -69,6 +69,7 @@ def samples(
     ]
 
 
+@pytest.mark.slow
 def test_every_session_is_whole(samples: list[Sample]) -> None:
     for sample in samples:
         assert [attempt["attempt"] for attempt in sample.attempts] == list(range(1, 21))

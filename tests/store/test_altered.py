@@ -91,6 +91,7 @@ def alterations(table: str) -> dict[str, str]:
     return {change: statement for change, statement in found.items() if change not in NOT_RECORDED}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("table", OF_A_SESSION)
 def test_any_value_that_is_changed_and_any_row_that_is_added_or_removed_is_found(
     table: str, played: tuple[Path, str, str], recorded: tuple[str, str], data: Path

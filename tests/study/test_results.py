@@ -79,6 +79,7 @@ def long_rows(folder: Path) -> list[results.Row]:
         return results.long_rows(db, frozen, ledger.people(db, frozen))
 
 
+@pytest.mark.slow
 def test_each_site_has_both_groups_and_both_orders(played: Played) -> None:
     for site in played.sites:
         with closing(connect(site.folder)) as db:

@@ -233,6 +233,7 @@ def test_a_program_that_asks_for_nothing_is_reported() -> None:
         ScriptedParticipant(terminal, random_answers(1, 1, 2)).run(1, patience_s=0.3)
 
 
+@pytest.mark.slow
 def test_the_closed_loop_joins_trials_with_their_truth_while_a_companion_runs(
     tmp_path: Path,
 ) -> None:

@@ -210,6 +210,7 @@ _VALUES = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("statement", _VALUES)
 def test_codes_names_and_texts_pass_the_rules_of_typed_ones(
     zurich: Path, bern: Path, tmp_path: Path, statement: str
