@@ -22,7 +22,7 @@ from sar_tui.cli.common import (
 )
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.progress_line import progress_line
-from sar_tui.cli.study import Key, key_of
+from sar_tui.cli.study_plan import Key, key_of
 from sar_tui.tui.exit_codes import FAILED
 
 if TYPE_CHECKING:
