@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Tasks, console, named_path, print_json
+from sar_tui.cli.common import AsJson, Home, console, named_path, need_screen, print_json
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.progress_line import Show, progress_line
 from sar_tui.motion.detector_names import DetectorName
@@ -87,6 +87,7 @@ class Acceleration(StrEnum):
 
 
 def detect(
+    home: Home,
     file: Annotated[
         Path,
         typer.Argument(
@@ -124,9 +125,35 @@ def detect(
     acceleration: Annotated[
         Acceleration, typer.Option(help="Unit of its accelerations.")
     ] = Acceleration.metres,
+    calibrate_by: Annotated[
+        Path | None,
+        typer.Option(
+            "--calibrate-by",
+            parser=named_path,
+            metavar="LABELS",
+            show_default=False,
+            help="Take the reaches in a file of labels as the person's, if they were accepted, "
+            "moved or added by hand.",
+        ),
+    ] = None,
+    correct: Annotated[
+        bool,
+        typer.Option(
+            "--correct", help="Look through the reaches on a screen, and correct them by hand."
+        ),
+    ] = False,
+    labels: Annotated[
+        Path | None,
+        typer.Option(
+            "--labels",
+            parser=named_path,
+            metavar="LABELS",
+            show_default=False,
+            help="The file of corrected reaches: measure these. With --correct, the file to write; "
+            "default: FILE.labels.json.",
+        ),
+    ] = None,
     as_json: AsJson = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """Find and measure the reaches in a recording, or count the repetitions of an exercise.
 
@@ -146,27 +173,57 @@ def detect(
         raise typer.BadParameter(
             "--calibrate goes neither with --repetitions, --one-way nor another detector."
         )
+    if calibrate_by and (calibrate or repetitions or one_way or detector != "orientation"):
+        raise typer.BadParameter(
+            "--calibrate-by goes neither with --calibrate, --repetitions, --one-way nor another "
+            "detector."
+        )
+    if (correct or labels) and (repetitions or one_way):
+        raise typer.BadParameter("Corrected reaches go neither with --repetitions nor --one-way.")
+    if correct and as_json:
+        raise typer.BadParameter("--correct shows a screen: leave out --json.")
+    if correct:
+        need_screen()
     units = msgspec.convert({"rate": rate.value, "acceleration": acceleration.value}, Units)
     try:
         if repetitions:
             _report_repetitions(file, units, as_json)
             return
+        person = None
+        if calibrate_by:
+            from sar_tui.cli.correct import calibrated_by
+
+            person = calibrated_by(calibrate_by)
+        by_hand = None
+        if correct or labels:
+            from sar_tui.cli.correct import ByHand
+
+            by_hand = ByHand(file, labels, detector, hand.value, may_be_new=correct)
         speed = _Speed()
         with progress_line("Finding reaches") as show:
-            blocks = speed.watch(_told(_blocks(file, units), show))
-            found = detect_long(blocks, detector, hand.value, one_way=one_way)
+            blocks: "Iterable[Samples]" = speed.watch(_told(_blocks(file, units), show))
+            if by_hand:
+                blocks = by_hand.keep(blocks)
+            found = detect_long(
+                blocks, detector, hand.value, one_way=one_way, parameters=person
+            )
             if calibrate:
                 person = calibrated(found.reaches[:calibrate])
                 blocks = _told(_blocks(file, units), show)
                 found = detect_long(blocks, detector, hand.value, parameters=person)
+        if by_hand and not correct:
+            found = by_hand.measured(found)
     except (SourceError, ValueError) as error:
         raise Refused(str(error)) from error
     _refuse_mostly_missing(file, found.lasts_s, found.samples / found.rate_hz)
+    if by_hand and correct:
+        raise typer.Exit(by_hand.correct(home, found))
     if as_json:
         reaches = [_ways_out(reach) for reach in found.reaches] if one_way else found.reaches
         print_json({"detector": detector, "rate_hz": round(found.rate_hz, 3), "reaches": reaches})
     else:
-        _print(found, detector, one_way)
+        by = f"by the {detector} detector{', corrected by hand' if labels else ''}"
+        _print(found, by, one_way)
     if not found.reaches and units.rate == "deg/s" and speed.largest_rad_s < _HARDLY_MOVING_RAD_S:
         largest = f"{math.degrees(speed.largest_rad_s):.2g}"
         console(error=True).print(_SLOW.format(largest=largest), markup=False, soft_wrap=True)
@@ -253,7 +310,7 @@ def _report_repetitions(file: Path, units: "Units", as_json: bool) -> None:
     console().print(sentence, markup=False, soft_wrap=True)
 
 
-def _print(found: "LongDetection", detector: str, one_way: bool) -> None:
+def _print(found: "LongDetection", by: str, one_way: bool) -> None:
     from sar_tui.cli.tables import print_table
 
     out, reaches = console(), found.reaches
@@ -272,7 +329,7 @@ def _print(found: "LongDetection", detector: str, one_way: bool) -> None:
         print_table(out, (*numbers, "flags"), rows, right=numbers)
         for line in explain_flags(flag for reach in reaches for flag in reach.flags):
             out.print(line, markup=False, soft_wrap=True)
-    out.print(_sentence(found, detector), markup=False, soft_wrap=True)
+    out.print(_sentence(found, by), markup=False, soft_wrap=True)
 
 
 def _row(number: int, reach: "Reach", one_way: bool) -> list[object]:
@@ -292,8 +349,8 @@ def _where(lasts_s: float, rate_hz: float) -> str:
     return f"in {lasts_s:.1f} s at {rate_hz:.4g} samples a second"
 
 
-def _sentence(found: "LongDetection", detector: str) -> str:
-    where = f"{_where(found.lasts_s, found.rate_hz)}, by the {detector} detector"
+def _sentence(found: "LongDetection", by: str) -> str:
+    where = f"{_where(found.lasts_s, found.rate_hz)}, {by}"
     if not found.reaches:
         return f"No reach {where}."
     times = [reach.reach_time_s for reach in found.reaches]
