@@ -1,5 +1,6 @@
 """``sar-tui detect --correct`` and ``--labels``: reaches that are corrected by hand."""
 
+import contextlib
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -149,6 +150,8 @@ class ByHand:
             return label
         edges = label.start_s, label.end_s
         if edges not in self._turned:
-            reach = measured_by_hand(label, self.samples, self._detector, self._hand)
-            self._turned[edges] = reach.excursion_deg
+            self._turned[edges] = None
+            with contextlib.suppress(ValueError):  # where no samples are
+                reach = measured_by_hand(label, self.samples, self._detector, self._hand)
+                self._turned[edges] = reach.excursion_deg
         return msgspec.structs.replace(label, excursion_deg=self._turned[edges])

@@ -17,6 +17,7 @@ from sar_tui.motion.detector_names import DetectorName
 if TYPE_CHECKING:
     from sar_tui.inputs.recording_file import Units
     from sar_tui.motion.detection import LongDetection
+    from sar_tui.motion.orientation import OrientationParameters
     from sar_tui.motion.reach import Reach
     from sar_tui.motion.samples import Samples
 
@@ -165,48 +166,31 @@ def detect(
     from sar_tui.inputs.recording_file import Units
     from sar_tui.motion.detection import calibrated, detect_long
 
-    if one_way and (repetitions or detector != "orientation"):
-        raise typer.BadParameter(
-            "--one-way goes neither with --repetitions nor with another detector."
-        )
-    if calibrate and (repetitions or one_way or detector != "orientation"):
-        raise typer.BadParameter(
-            "--calibrate goes neither with --repetitions, --one-way nor another detector."
-        )
-    if calibrate_by and (calibrate or repetitions or one_way or detector != "orientation"):
-        raise typer.BadParameter(
-            "--calibrate-by goes neither with --calibrate, --repetitions, --one-way nor another "
-            "detector."
-        )
-    if (correct or labels) and (repetitions or one_way):
-        raise typer.BadParameter("Corrected reaches go neither with --repetitions nor --one-way.")
-    if correct and as_json:
-        raise typer.BadParameter("--correct shows a screen: leave out --json.")
-    if correct:
-        need_screen()
+    _check_together(
+        one_way=one_way,
+        repetitions=repetitions,
+        detector=detector,
+        calibrate=calibrate,
+        calibrate_by=calibrate_by,
+        correct=correct,
+        labels=labels,
+        as_json=as_json,
+    )
     units = msgspec.convert({"rate": rate.value, "acceleration": acceleration.value}, Units)
+    speed, by_hand = _Speed(), None
     try:
         if repetitions:
             _report_repetitions(file, units, as_json)
             return
-        person = None
-        if calibrate_by:
-            from sar_tui.cli.correct import calibrated_by
-
-            person = calibrated_by(calibrate_by)
-        by_hand = None
         if correct or labels:
             from sar_tui.cli.correct import ByHand
 
             by_hand = ByHand(file, labels, detector, hand.value, may_be_new=correct)
-        speed = _Speed()
+        person = _person(calibrate_by)
         with progress_line("Finding reaches") as show:
-            blocks: "Iterable[Samples]" = speed.watch(_told(_blocks(file, units), show))
-            if by_hand:
-                blocks = by_hand.keep(blocks)
-            found = detect_long(
-                blocks, detector, hand.value, one_way=one_way, parameters=person
-            )
+            blocks = speed.watch(_told(_blocks(file, units), show))
+            kept = by_hand.keep(blocks) if by_hand else blocks
+            found = detect_long(kept, detector, hand.value, one_way=one_way, parameters=person)
             if calibrate:
                 person = calibrated(found.reaches[:calibrate])
                 blocks = _told(_blocks(file, units), show)
@@ -227,6 +211,48 @@ def detect(
     if not found.reaches and units.rate == "deg/s" and speed.largest_rad_s < _HARDLY_MOVING_RAD_S:
         largest = f"{math.degrees(speed.largest_rad_s):.2g}"
         console(error=True).print(_SLOW.format(largest=largest), markup=False, soft_wrap=True)
+
+
+def _check_together(
+    *,
+    one_way: bool,
+    repetitions: bool,
+    detector: DetectorName,
+    calibrate: int,
+    calibrate_by: Path | None,
+    correct: bool,
+    labels: Path | None,
+    as_json: bool,
+) -> None:
+    """Raise BadParameter or Refused for options that do not go together, or not here."""
+    if one_way and (repetitions or detector != "orientation"):
+        raise typer.BadParameter(
+            "--one-way goes neither with --repetitions nor with another detector."
+        )
+    if calibrate and (repetitions or one_way or detector != "orientation"):
+        raise typer.BadParameter(
+            "--calibrate goes neither with --repetitions, --one-way nor another detector."
+        )
+    if calibrate_by and (calibrate or repetitions or one_way or detector != "orientation"):
+        raise typer.BadParameter(
+            "--calibrate-by goes neither with --calibrate, --repetitions, --one-way nor another "
+            "detector."
+        )
+    if (correct or labels) and (repetitions or one_way):
+        raise typer.BadParameter("Corrected reaches go neither with --repetitions nor --one-way.")
+    if correct and as_json:
+        raise typer.BadParameter("--correct shows a screen: leave out --json.")
+    if correct:
+        need_screen()
+
+
+def _person(labels: Path | None) -> "OrientationParameters | None":
+    """Return the limits of the person whose reaches are labelled in a file; None if none is given."""
+    if labels is None:
+        return None
+    from sar_tui.cli.correct import calibrated_by
+
+    return calibrated_by(labels)
 
 
 class _Speed:

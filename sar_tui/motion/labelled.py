@@ -18,6 +18,7 @@ MOST = 0.5
 """A reach that was found gives the rest at the target of the labelled one if they share this much
 of its time.
 """
+_NO_SAMPLES = "There are no samples at a labelled reach, so it cannot be measured: drop it."
 
 
 def measured(
@@ -59,7 +60,7 @@ def measured_by_hand(
     edges_s = (label.start_s - CONTEXT_S, label.end_s + CONTEXT_S)
     first, last = np.searchsorted(at, [round(edge_s * 1e9) for edge_s in edges_s]).tolist()
     if last - first < 2:
-        raise ValueError("There are no samples at a labelled reach: is it another recording?")
+        raise ValueError(_NO_SAMPLES)
     origin_ns = int(at[first])
     window = recording(samples[first:last], origin_ns)
     detected = DETECTORS[detector].find(window, None, hand, None)
@@ -67,8 +68,9 @@ def measured_by_hand(
     bounds = _bounds(label.start_s - origin_s, label.end_s - origin_s, detected)
     bounds = msgspec.structs.replace(bounds, confidence=label.confidence)
     (reach,) = measure(detected._replace(reaches=(bounds,)), window)
-    times = {name: getattr(reach, name) + origin_s for name in ("turn_s",)}
-    return msgspec.structs.replace(reach, onset_s=label.start_s, end_s=label.end_s, **times)
+    return msgspec.structs.replace(
+        reach, onset_s=label.start_s, turn_s=reach.turn_s + origin_s, end_s=label.end_s
+    )
 
 
 def _bounds(start_s: float, end_s: float, detected: Detected) -> Bounds:
@@ -80,10 +82,15 @@ def _bounds(start_s: float, end_s: float, detected: Detected) -> Bounds:
         return min(end_s, bounds.end_s) - max(start_s, bounds.onset_s)
 
     likely = max(detected.reaches, key=shared_s, default=None)
-    if likely and shared_s(likely) >= MOST * (end_s - start_s):
-        if start_s < likely.arrival_s <= likely.departure_s < end_s:
-            return msgspec.structs.replace(likely, onset_s=start_s, end_s=end_s)
+    if (
+        likely
+        and shared_s(likely) >= MOST * (end_s - start_s)
+        and start_s < likely.arrival_s <= likely.departure_s < end_s
+    ):
+        return msgspec.structs.replace(likely, onset_s=start_s, end_s=end_s)
     first, last = np.searchsorted(detected.time_s, (start_s, end_s)).tolist()
+    if first + 2 > len(detected.time_s):
+        raise ValueError(_NO_SAMPLES)
     part = slice(first, max(last, first + 2))
     course = integrate(detected.rate[part], 1.0 / detected.rate_hz)
     turned = multiply(conjugate(course[0]), course)

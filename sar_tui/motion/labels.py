@@ -145,9 +145,7 @@ class Correction:
         if not label.counts or not is_as_asked:
             return None
         state: State = "added" if label.state == "added" else "moved"
-        return self._replace(
-            index, start_s=start_s, end_s=end_s, state=state, excursion_deg=None
-        )
+        return self._replace(index, start_s=start_s, end_s=end_s, state=state, excursion_deg=None)
 
     def insert(self, at_s: float) -> int | None:
         """Add a reach of the usual duration around a time, as far as there is room."""

@@ -1,7 +1,7 @@
 """The angular speed of a hand in a window of a long recording, with the reaches in it marked."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from itertools import groupby
 from typing import Any, ClassVar, NamedTuple
 
@@ -207,17 +207,19 @@ class _Chart:
         per_cell = (view.to_s - view.from_s) / self._columns
         step = next((step for step in _TIME_STEPS if step >= 10 * per_cell), _TIME_STEPS[-1])
         cells = [" "] * width
-        free = _MARGIN
+        free, cursor = _MARGIN, -1
+        if view.cursor_s is not None and self._is_seen(view.cursor_s):
+            cursor = _MARGIN + self._column(view.cursor_s)
         for number in range(math.ceil(view.from_s / step), math.floor(view.to_s / step) + 1):
             label = clock(number * step)
             first = _MARGIN + self._column(number * step) - len(label) // 2
-            if free <= first and first + len(label) <= width:
+            is_free = free <= first and not first <= cursor < first + len(label)
+            if is_free and first + len(label) <= width:
                 cells[first : first + len(label)] = label
                 free = first + len(label) + 1
         line = Text("".join(cells), self._style("axis"))
-        if view.cursor_s is not None and self._is_seen(view.cursor_s):
-            at = _MARGIN + self._column(view.cursor_s)
-            line = Text.assemble(line[:at], ("▲", self._style("edge")), line[at + 1 :])
+        if cursor >= 0:
+            line = Text.assemble(line[:cursor], ("▲", self._style("edge")), line[cursor + 1 :])
         return line
 
     def _cells(self) -> Any:
@@ -230,7 +232,9 @@ class _Chart:
                 continue
             dot = max(0, lowest - round(height / self._unit))
             last = dot if before is None else before
-            from_dot, to_dot = (dot, max(dot, last - 1)) if last > dot else (min(dot, last + 1), dot)
+            from_dot, to_dot = (
+                (dot, max(dot, last - 1)) if last > dot else (min(dot, last + 1), dot)
+            )
             for y in range(from_dot, to_dot + 1):
                 cells[y // 4, column // 2] |= _DOTS[y % 4][column % 2]
             before = dot

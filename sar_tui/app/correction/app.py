@@ -88,8 +88,8 @@ class CorrectionScreen(DismissedOnce[None]):
     """One reach at a time: the hand's speed around it, and what is known of it."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("escape", "leave", "Leave", key_display="Esc", id="leave"),
-        Binding("n,right", "next(1)", "Next", key_display="NP", id="next"),
+        Binding("escape", "leave", "Back", key_display="Esc", id="leave"),
+        Binding("n,right", "next(1)", "Next", key_display="N", id="next"),
         Binding("p,left", "next(-1)", show=False, id="previous"),
         Binding("a,enter", "accept", "Accept", key_display="A", id="accept"),
         Binding("d", "drop", "Drop", key_display="D", id="drop"),
@@ -124,7 +124,7 @@ class CorrectionScreen(DismissedOnce[None]):
         self._chosen: int | None = None
         self._at_s = correction.begins_s
         self._view = (0.0, 1.0)
-        self._told = ""
+        self._has_cursor = False
 
     @property
     def help_text(self) -> str:
@@ -136,7 +136,8 @@ class CorrectionScreen(DismissedOnce[None]):
                 "the end of the reach. Say of each one whether it is a reach, and save with S."
             ),
             tr(
-                "A: it is a reach. D: it is none; D again takes that back. Q and W move its start, "
+                "N and P: the next one, the one before. A: it is a reach. D: it is none; D again "
+                "takes that back. Q and W move its start, "
                 "E and R its end, with Shift ten times as far; [ ] and { } do the same."
             ),
             tr(
@@ -156,7 +157,7 @@ class CorrectionScreen(DismissedOnce[None]):
         yield SpeedChart(self._speed, self._clock, id="chart")
         yield Static("", id="told", classes="needs-a-look", markup=False)
         yield KeyLine()
-        yield KeyFooter(show_command_palette=False, optional=("help", "accept"))
+        yield KeyFooter(show_command_palette=False, optional=("help", "accept", "go_to"))
 
     def on_mount(self) -> None:
         first = self._correction.next(1, after=-1, at_s=0.0)
@@ -170,7 +171,7 @@ class CorrectionScreen(DismissedOnce[None]):
     def _choose(self, index: int) -> None:
         """Show a reach."""
         label = self._correction.labels[index]
-        self._chosen = index
+        self._chosen, self._has_cursor = index, False
         self._at_s = (label.start_s + label.end_s) / 2
         self._view = (label.start_s - AROUND_S, label.end_s + AROUND_S)
         self._show()
@@ -179,7 +180,7 @@ class CorrectionScreen(DismissedOnce[None]):
         """Show a time, with the cursor at it, and the reach that is there."""
         correction = self._correction
         self._at_s = min(max(at_s, correction.begins_s), correction.ends_s)
-        self._chosen = correction.at(self._at_s)
+        self._chosen, self._has_cursor = correction.at(self._at_s), True
         from_s, to_s = self._view
         if not from_s + CURSOR_S <= self._at_s <= to_s - CURSOR_S:
             self._view = (self._at_s - FAR_S / 2, self._at_s + FAR_S / 2)
@@ -207,7 +208,8 @@ class CorrectionScreen(DismissedOnce[None]):
             for index, label in enumerate(self._correction.labels)
             if label.end_s >= from_s and label.start_s <= to_s
         )
-        self.query_one(SpeedChart).show(View(from_s, to_s, spans, self._at_s))
+        cursor_s = self._at_s if self._has_cursor else None
+        self.query_one(SpeedChart).show(View(from_s, to_s, spans, cursor_s))
 
     @property
     def _label(self) -> Label | None:
@@ -232,7 +234,7 @@ class CorrectionScreen(DismissedOnce[None]):
     def _facts(self) -> str:
         tr, label = self.app.tr, self._label
         if label is None:
-            return tr.figures(self._clock(self._at_s, 1))
+            return self._clock(self._at_s, 1)
         lasts = tr("{seconds} s", seconds=f"{label.reach_time_s:.2f}")
         times = tr(
             "{start} to {end}",
@@ -251,7 +253,7 @@ class CorrectionScreen(DismissedOnce[None]):
         hours, minutes = divmod(minutes, 60)
         text = f"{hours}:{minutes:02}:{seconds:02}" if hours else f"{minutes}:{seconds:02}"
         if digits:
-            mark = self.app.tr.figures("0.5")[1]
+            mark: str = self.app.tr.figures("0.5")[1]
             text += f"{mark}{rest:0{digits}}"
         return sign + text
 
@@ -326,7 +328,7 @@ class CorrectionScreen(DismissedOnce[None]):
         if index is None:
             self._show(self.app.tr("There is no room to move it farther."))
             return
-        self._chosen = index
+        self._chosen, self._has_cursor = index, False
         label, (from_s, to_s) = self._correction.labels[index], self._view
         self._at_s = (label.start_s + label.end_s) / 2
         if label.start_s < from_s + STEP_S or label.end_s > to_s - STEP_S:
@@ -347,9 +349,7 @@ class CorrectionScreen(DismissedOnce[None]):
         if not self._only_unsure or (label and label.is_unsure):
             self._show()
             return
-        index = self._correction.next(
-            1, after=self._chosen, at_s=self._at_s, only_unsure=True
-        )
+        index = self._correction.next(1, after=self._chosen, at_s=self._at_s, only_unsure=True)
         if index is None:
             self.action_first()
         else:
@@ -466,7 +466,8 @@ class GoToScreen(DismissedOnce[str | None], ModalScreen[str | None]):
     @on(Input.Submitted)
     def _go(self, event: Input.Submitted) -> None:
         if seconds_of(event.value) is None:
-            said = language_of(self.app)("Type minutes and seconds, such as 12:30.")
+            tr = language_of(self.app)
+            said = tr("Type minutes and seconds, such as 12:30.")
             self.query_one("#problem", Static).update(said)
         else:
             self.dismiss(event.value)
