@@ -121,6 +121,8 @@ class ByHand:
             self.save,
         )
         code = app.run_here()
+        if app.has_lost_terminal:
+            return code
         out = console(error=True)
         if app.failure:
             out.print(app.failure, markup=False, soft_wrap=True)

@@ -27,7 +27,7 @@ _FLATTEST_DEG_S = 20.0
 """Speed up to which the chart goes at least, so that noise at rest looks small."""
 _ROOM = 1.05
 _HOLE_S = 0.25
-"""Where samples are missing for longer, there is no curve."""
+"""The curve is left out where samples are missing for longer."""
 _DOTS = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
 _BLANK = 0x2800
 _SPEED_STEPS = [m * 10**power for power in range(5) for m in (1, 2, 5)]
@@ -56,7 +56,7 @@ class Span(NamedTuple):
 
 
 class View(NamedTuple):
-    """What is shown: the time between two moments, the reaches in it, and the cursor."""
+    """The time between two moments, the reaches in it, and the cursor."""
 
     from_s: float
     to_s: float
@@ -242,7 +242,7 @@ class _Chart:
 
     def _labels(self) -> dict[int, str]:
         """Return round numbers, by the row they label."""
-        step = next(step for step in _SPEED_STEPS if step >= 8 * self._unit)
+        step = next(step for step in _SPEED_STEPS if step >= max(8, self._rows // 2) * self._unit)
         labels = {}
         for count in range(self._rows + 1):
             dot = 4 * self._rows - 1 - round(count * step / self._unit)

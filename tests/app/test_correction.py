@@ -62,7 +62,7 @@ class Driver:
 
 
 class Saved(list[Sequence[Label]]):
-    """What was saved. ``error`` is raised instead."""
+    """The labels of each time they were saved. ``error`` is raised instead."""
 
     error: Exception | None = None
 

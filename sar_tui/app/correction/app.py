@@ -28,11 +28,11 @@ from sar_tui.widgets.lists import OptionList
 from sar_tui.widgets.speed_chart import Span, Speed, SpeedChart, View
 
 STEP_S, STEPS = 0.05, 10
-"""How far a key moves an edge; with Shift, so many times as far."""
+"""Time by which a key moves an edge; with Shift, so many times as far."""
 AROUND_S = 3.0
-"""What is shown before and after a reach."""
+"""Time that is shown before and after a reach."""
 CURSOR_S, FAR_S = 1.0, 10.0
-"""How far a key moves the cursor."""
+"""Times by which keys move the cursor."""
 Save = Callable[[Sequence[Label]], None]
 """Stores labels; raises SourceError or OSError if it cannot."""
 Answer = Literal["save", "leave", "go on"]
