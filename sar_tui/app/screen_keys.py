@@ -126,7 +126,8 @@ class HelpScreen(DismissedOnce[None], ModalScreen[None]):
             yield Static(tr("Press Enter to close this."), classes="muted", markup=False)
 
     def on_mount(self) -> None:
-        self.app.aloud.read(self)  # type: ignore[attr-defined]
+        if aloud := getattr(self.app, "aloud", None):
+            aloud.read(self)
 
     @property
     def sentences(self) -> list[str]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Tasks, console, named_path, print_json
+from sar_tui.cli.common import AsJson, Home, console, named_path, need_screen, print_json
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.progress_line import Show, progress_line
 from sar_tui.motion.detector_names import DetectorName
@@ -17,6 +17,7 @@ from sar_tui.motion.detector_names import DetectorName
 if TYPE_CHECKING:
     from sar_tui.inputs.recording_file import Units
     from sar_tui.motion.detection import LongDetection
+    from sar_tui.motion.orientation import OrientationParameters
     from sar_tui.motion.reach import Reach
     from sar_tui.motion.samples import Samples
 
@@ -87,6 +88,7 @@ class Acceleration(StrEnum):
 
 
 def detect(
+    home: Home,
     file: Annotated[
         Path,
         typer.Argument(
@@ -124,9 +126,35 @@ def detect(
     acceleration: Annotated[
         Acceleration, typer.Option(help="Unit of its accelerations.")
     ] = Acceleration.metres,
+    calibrate_by: Annotated[
+        Path | None,
+        typer.Option(
+            "--calibrate-by",
+            parser=named_path,
+            metavar="LABELS",
+            show_default=False,
+            help="Take the reaches in a file of labels as the person's, if they were accepted, "
+            "moved or added by hand.",
+        ),
+    ] = None,
+    correct: Annotated[
+        bool,
+        typer.Option(
+            "--correct", help="Look through the reaches on a screen, and correct them by hand."
+        ),
+    ] = False,
+    labels: Annotated[
+        Path | None,
+        typer.Option(
+            "--labels",
+            parser=named_path,
+            metavar="LABELS",
+            show_default=False,
+            help="The file of corrected reaches: measure these. With --correct, the file to write; "
+            "default: FILE.labels.json.",
+        ),
+    ] = None,
     as_json: AsJson = False,
-    data: Data = None,
-    tasks: Tasks = None,
 ) -> None:
     """Find and measure the reaches in a recording, or count the repetitions of an exercise.
 
@@ -138,6 +166,65 @@ def detect(
     from sar_tui.inputs.recording_file import Units
     from sar_tui.motion.detection import calibrated, detect_long
 
+    _check_together(
+        one_way=one_way,
+        repetitions=repetitions,
+        detector=detector,
+        calibrate=calibrate,
+        calibrate_by=calibrate_by,
+        correct=correct,
+        labels=labels,
+        as_json=as_json,
+    )
+    units = msgspec.convert({"rate": rate.value, "acceleration": acceleration.value}, Units)
+    speed, by_hand = _Speed(), None
+    try:
+        if repetitions:
+            _report_repetitions(file, units, as_json)
+            return
+        if correct or labels:
+            from sar_tui.cli.correct import ByHand
+
+            by_hand = ByHand(file, labels, detector, hand.value, may_be_new=correct)
+        person = _person(calibrate_by)
+        with progress_line("Finding reaches") as show:
+            blocks = speed.watch(_told(_blocks(file, units), show))
+            kept = by_hand.keep(blocks) if by_hand else blocks
+            found = detect_long(kept, detector, hand.value, one_way=one_way, parameters=person)
+            if calibrate:
+                person = calibrated(found.reaches[:calibrate])
+                blocks = _told(_blocks(file, units), show)
+                found = detect_long(blocks, detector, hand.value, parameters=person)
+        if by_hand and not correct:
+            found = by_hand.measured(found)
+    except (SourceError, ValueError) as error:
+        raise Refused(str(error)) from error
+    _refuse_mostly_missing(file, found.lasts_s, found.samples / found.rate_hz)
+    if by_hand and correct:
+        raise typer.Exit(by_hand.correct(home, found))
+    if as_json:
+        reaches = [_ways_out(reach) for reach in found.reaches] if one_way else found.reaches
+        print_json({"detector": detector, "rate_hz": round(found.rate_hz, 3), "reaches": reaches})
+    else:
+        by = f"by the {detector} detector{', corrected by hand' if labels else ''}"
+        _print(found, by, one_way)
+    if not found.reaches and units.rate == "deg/s" and speed.largest_rad_s < _HARDLY_MOVING_RAD_S:
+        largest = f"{math.degrees(speed.largest_rad_s):.2g}"
+        console(error=True).print(_SLOW.format(largest=largest), markup=False, soft_wrap=True)
+
+
+def _check_together(
+    *,
+    one_way: bool,
+    repetitions: bool,
+    detector: DetectorName,
+    calibrate: int,
+    calibrate_by: Path | None,
+    correct: bool,
+    labels: Path | None,
+    as_json: bool,
+) -> None:
+    """Raise BadParameter or Refused for options that do not go together, or not here."""
     if one_way and (repetitions or detector != "orientation"):
         raise typer.BadParameter(
             "--one-way goes neither with --repetitions nor with another detector."
@@ -146,30 +233,26 @@ def detect(
         raise typer.BadParameter(
             "--calibrate goes neither with --repetitions, --one-way nor another detector."
         )
-    units = msgspec.convert({"rate": rate.value, "acceleration": acceleration.value}, Units)
-    try:
-        if repetitions:
-            _report_repetitions(file, units, as_json)
-            return
-        speed = _Speed()
-        with progress_line("Finding reaches") as show:
-            blocks = speed.watch(_told(_blocks(file, units), show))
-            found = detect_long(blocks, detector, hand.value, one_way=one_way)
-            if calibrate:
-                person = calibrated(found.reaches[:calibrate])
-                blocks = _told(_blocks(file, units), show)
-                found = detect_long(blocks, detector, hand.value, parameters=person)
-    except (SourceError, ValueError) as error:
-        raise Refused(str(error)) from error
-    _refuse_mostly_missing(file, found.lasts_s, found.samples / found.rate_hz)
-    if as_json:
-        reaches = [_ways_out(reach) for reach in found.reaches] if one_way else found.reaches
-        print_json({"detector": detector, "rate_hz": round(found.rate_hz, 3), "reaches": reaches})
-    else:
-        _print(found, detector, one_way)
-    if not found.reaches and units.rate == "deg/s" and speed.largest_rad_s < _HARDLY_MOVING_RAD_S:
-        largest = f"{math.degrees(speed.largest_rad_s):.2g}"
-        console(error=True).print(_SLOW.format(largest=largest), markup=False, soft_wrap=True)
+    if calibrate_by and (calibrate or repetitions or one_way or detector != "orientation"):
+        raise typer.BadParameter(
+            "--calibrate-by goes neither with --calibrate, --repetitions, --one-way nor another "
+            "detector."
+        )
+    if (correct or labels) and (repetitions or one_way):
+        raise typer.BadParameter("Corrected reaches go neither with --repetitions nor --one-way.")
+    if correct and as_json:
+        raise typer.BadParameter("--correct shows a screen: leave out --json.")
+    if correct:
+        need_screen()
+
+
+def _person(labels: Path | None) -> "OrientationParameters | None":
+    """Return the limits of the person whose reaches are labelled in a file; None if none is given."""
+    if labels is None:
+        return None
+    from sar_tui.cli.correct import calibrated_by
+
+    return calibrated_by(labels)
 
 
 class _Speed:
@@ -253,7 +336,7 @@ def _report_repetitions(file: Path, units: "Units", as_json: bool) -> None:
     console().print(sentence, markup=False, soft_wrap=True)
 
 
-def _print(found: "LongDetection", detector: str, one_way: bool) -> None:
+def _print(found: "LongDetection", by: str, one_way: bool) -> None:
     from sar_tui.cli.tables import print_table
 
     out, reaches = console(), found.reaches
@@ -272,7 +355,7 @@ def _print(found: "LongDetection", detector: str, one_way: bool) -> None:
         print_table(out, (*numbers, "flags"), rows, right=numbers)
         for line in explain_flags(flag for reach in reaches for flag in reach.flags):
             out.print(line, markup=False, soft_wrap=True)
-    out.print(_sentence(found, detector), markup=False, soft_wrap=True)
+    out.print(_sentence(found, by), markup=False, soft_wrap=True)
 
 
 def _row(number: int, reach: "Reach", one_way: bool) -> list[object]:
@@ -292,8 +375,8 @@ def _where(lasts_s: float, rate_hz: float) -> str:
     return f"in {lasts_s:.1f} s at {rate_hz:.4g} samples a second"
 
 
-def _sentence(found: "LongDetection", detector: str) -> str:
-    where = f"{_where(found.lasts_s, found.rate_hz)}, by the {detector} detector"
+def _sentence(found: "LongDetection", by: str) -> str:
+    where = f"{_where(found.lasts_s, found.rate_hz)}, {by}"
     if not found.reaches:
         return f"No reach {where}."
     times = [reach.reach_time_s for reach in found.reaches]

@@ -5,7 +5,7 @@ bounded memory.
 import math
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import msgspec
 import numpy as np
@@ -192,7 +192,17 @@ last at most the second share of the longest.
 """
 
 
-def calibrated(reaches: Sequence[Reach]) -> orientation.OrientationParameters:
+class Known(Protocol):
+    """A reach of a person: one that was found, or one that was labelled."""
+
+    @property
+    def excursion_deg(self) -> float | None: ...
+
+    @property
+    def reach_time_s(self) -> float: ...
+
+
+def calibrated(reaches: Sequence[Known]) -> orientation.OrientationParameters:
     """Return the parameters for a person, of whom some reaches are known; three are enough.
 
     Raises ValueError for none that was measured.

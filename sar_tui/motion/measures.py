@@ -111,7 +111,7 @@ def _clipped(bounds: Bounds, recording: Recording) -> tuple[str, ...]:
     """Return the flag of a reach in which the sensor was beyond its range, whether or not it said
     so.
     """
-    inside = (recording.time_s >= bounds.onset_s) & (recording.time_s <= bounds.end_s)
+    inside = _between(recording.time_s, bounds.onset_s, bounds.end_s)
     return ("clipped",) if is_clipped(recording.rate[inside]) else ()
 
 

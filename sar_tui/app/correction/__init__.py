@@ -1,0 +1,1 @@
+"""The reaches that were found in a recording, corrected by hand."""
