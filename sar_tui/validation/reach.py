@@ -92,12 +92,7 @@ def run(conditions: Conditions) -> Report:
     rows = []
     for number, group in enumerate(every):
         conditions.progress(f"reach: {group.name}", number, len(every))
-        rows.append(
-            row_of(
-                group,
-                max(1, conditions.reaches // 3) if conditions.is_quick else conditions.reaches,
-            )
-        )
+        rows.append(row_of(group, conditions.reaches))
     return Report(rows, list(_tables()), claims(rows))
 
 
@@ -160,6 +155,7 @@ def claims(rows: Sequence[Row]) -> list[Claim]:
         )
 
     kinds = [row for row in rows if row["axes"] == "many"]
+    all_but_one = min(100 * (1 - 1 / row["reaches"]) for row in rows)
 
     def within(most: float) -> Callable[[float], bool]:
         return lambda value: abs(value) <= most
@@ -167,9 +163,9 @@ def claims(rows: Sequence[Row]) -> list[Claim]:
     return [
         claim(
             f"Under each difficulty and of each kind the {JUDGED} detector finds exactly one reach "
-            f"in {LEAST_PERCENT:g} % or more.",
+            f"in {LEAST_PERCENT:g} % or more, or in all but one.",
             "exactly_one_percent",
-            lambda share: share >= LEAST_PERCENT,
+            lambda share: share >= min(LEAST_PERCENT, all_but_one),
             ".1f",
         ),
         claim(

@@ -37,13 +37,13 @@ def test_table_4_1_is_printed_beside_the_results(call: Call) -> None:
 @pytest.mark.slow
 def test_several_validations_whose_claims_hold_can_be_named_in_any_order(call: Call) -> None:
     names = "reach,modularity,table-4.1"
-    called = call("validate --full --reaches 3 --json --only", names)
+    called = call("validate --full --reaches 20 --json --only", names)
     assert called.code == 0
     assert list(called.json) == ["table-4.1", "reach", "modularity"]
     rows = {row["scenario"]: row for row in called.json["reach"]}
     for row in rows.values():
-        assert row["reaches"] == 3
-        assert row["orientation_exactly_one_percent"] == 100.0
+        assert row["reaches"] == 20
+        assert row["orientation_exactly_one_percent"] >= 95.0
         assert row["orientation_endless_percent"] == 0.0
     assert rows["clean"]["fixed_threshold_exactly_one_percent"] == 100.0
     assert rows["all combined"]["fixed_threshold_exactly_one_percent"] == 0.0

@@ -206,7 +206,7 @@ def _is_no_number(text: str) -> bool:
 
 def _item(number: int) -> st.SearchStrategy[dict[str, Any]]:
     label = WORDS.map(str.strip).filter(lambda text: text and "|" not in text)
-    some = st.lists(label, min_size=2, max_size=9, unique=True)
+    some = st.lists(label, min_size=2, max_size=9, unique_by=str.casefold)
     whole = st.integers(-5, 5)
     scale = st.builds(
         lambda low, count, step, ends: {

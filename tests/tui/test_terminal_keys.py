@@ -136,7 +136,8 @@ def test_a_key_arrives_by_its_name(key: str, sent: str) -> None:
 def test_every_key_that_does_something_is_among_them(terminal: str) -> None:
     bound = {key for keys in keys_by_command().values() for key in keys}
     characters = {key for key in bound if len(key) == 1} | {
-        "plus", "minus", "equals_sign", "question_mark", "slash", "comma", "full_stop"
+        "plus", "minus", "equals_sign", "question_mark", "slash", "comma", "full_stop",
+        "left_square_bracket", "right_square_bracket", "left_curly_bracket", "right_curly_bracket",
     }  # fmt: skip
     assert bound - characters <= TERMINALS[terminal].keys()
 
