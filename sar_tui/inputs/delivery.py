@@ -1,6 +1,7 @@
 """Shared by sources whose device does not tell its rate: it is attached once the rate is known."""
 
 import threading
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from itertools import pairwise
 from statistics import fmean, median
@@ -126,7 +127,7 @@ class Unusable(Exception):
     """The device is there, but cannot be used. The message says why, and what to do."""
 
 
-class ReadSource:
+class ReadSource(ABC):
     """Base of sources that read their device on a thread, and try again whenever that fails.
 
     Args:
@@ -163,9 +164,10 @@ class ReadSource:
         self._thread = None
         self.delivery.forget()
 
-    def zero(self) -> None:
+    def zero(self) -> None:  # noqa: B027  most devices have nothing to do
         """Do nothing: the device keeps its bias."""
 
+    @abstractmethod
     def _read(self, stopped: threading.Event) -> None:
         """Read the device until it fails, or ``stopped`` is set.
 
@@ -173,7 +175,6 @@ class ReadSource:
             Absent: it is not there.
             Unusable: it cannot be used.
         """
-        raise NotImplementedError
 
     def _run(self, stopped: threading.Event) -> None:
         while not stopped.is_set():

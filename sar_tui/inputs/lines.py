@@ -10,6 +10,7 @@ import errno
 import re
 import socket
 import threading
+from abc import abstractmethod
 from collections.abc import Iterator
 from contextlib import closing
 from importlib.util import find_spec
@@ -105,9 +106,9 @@ class LineSource(ReadSource):
         self._units = units
         super().__init__(Delivery(self._described, _NOT_RISING), "lines")
 
+    @abstractmethod
     def open(self) -> Line:
         """Open the connection. Raises Absent or Unusable."""
-        raise NotImplementedError
 
     def _described(self, rate_hz: float, has_acceleration: bool) -> Info:
         return Info(

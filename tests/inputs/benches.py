@@ -2,6 +2,7 @@
 
 import os
 import socket
+from abc import abstractmethod
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -146,8 +147,9 @@ class LinesBench(SensorBench):
     def is_heard(self) -> bool:
         return self.statuses[-1:] != [] and self.statuses[-1].state == "detached"
 
+    @abstractmethod
     def write(self, text: bytes) -> None:
-        raise NotImplementedError
+        """Send lines."""
 
     def measure(self, device_ms: float, acceleration: Vector, rate: Vector) -> None:
         values = [*(axis / DEGREE for axis in rate), *(axis / G for axis in acceleration)]
