@@ -106,7 +106,9 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
         parameters: the detectors' settings.
     """
     each = parameters.each
-    inside = samples[(samples["at"] >= window.from_ns) & (samples["at"] < window.to_ns)]
+    at = samples["at"]
+    is_inside = (at >= window.from_ns) & (at < window.to_ns)
+    inside = samples if is_inside.all() else samples[is_inside]  # a copy of records is slow
     known: Measured = {
         "detector": parameters.detector,
         "detector_version": DETECTORS[parameters.detector].version,
@@ -142,9 +144,9 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
         found = found._replace(reaches=_fastest(found))
         if name == parameters.detector:
             reaches = measure(found, whole)
-        times_ms[name] = known[f"{COLUMN_NAMES[name]}_reach_time_ms"] = _reach_time_ms(found, whole)
+        times_ms[name] = known[f"{COLUMN_NAMES[name]}_reach_time_ms"] = _reach_time_ms(found)
     too_far = turns_too_far(whole.time_s, whole.rate)
-    reach = _largest(reaches)
+    reach = next(iter(reaches), None)
     holes = _holes(inside["at"], window)
     if reach is None:
         flags = (*window.flags, *(["too_far"] if too_far else []))
@@ -223,13 +225,8 @@ def _fastest(found: Detected) -> tuple[Bounds, ...]:
     return (max(found.reaches, key=peak),)
 
 
-def _reach_time_ms(found: Detected, recording: Recording) -> float | None:
-    """Return the duration of the largest reach; which one that is needs measuring only if there are
-    several.
-    """
-    if len(found.reaches) > 1:
-        largest = _largest(measure(found, recording))
-        return round(largest.reach_time_s * 1000, 3) if largest else None
+def _reach_time_ms(found: Detected) -> float | None:
+    """Return the duration of the only reach; None without one."""
     return next(
         (round((bounds.end_s - bounds.onset_s) * 1000, 3) for bounds in found.reaches), None
     )
@@ -245,14 +242,6 @@ def _disagree(times_ms: dict[DetectorName, float | None], detector: DetectorName
     if detector == "fixed-threshold" or one is None or other is None:
         return False
     return abs(one - other) > DISAGREEMENT * max(one, other)
-
-
-def _largest(reaches: tuple[Reach, ...]) -> Reach | None:
-    return max(
-        reaches,
-        key=lambda reach: reach.peak_extension_rad_s - reach.peak_return_rad_s,
-        default=None,
-    )
 
 
 def _holes(stamps: npt.NDArray[np.int64], window: Window) -> list[tuple[int, int]]:

@@ -27,6 +27,14 @@ def mean_of(vectors: Floats) -> Floats:
     return found
 
 
+def sums_of_axes(vectors: Floats) -> Floats:
+    """Return the sum of each vector's three values, shape (n, 3) to (n,). The same numbers as
+    ``numpy.sum`` along the last axis, sooner.
+    """
+    found: Floats = vectors[:, 0] + vectors[:, 1] + vectors[:, 2]
+    return found
+
+
 def principal_axis(rate: Floats) -> Floats:
     """Return the main axis of rotation, a unit vector of shape (3,); ``rate`` without bias, shape
     (n, 3).
@@ -84,7 +92,7 @@ def changes(values: npt.NDArray[Any]) -> npt.NDArray[np.intp]:
     return found
 
 
-def turning_points(values: Sequence[float], swing: float) -> list[int]:
+def turning_points(values: Sequence[float] | Floats, swing: float) -> list[int]:
     """Return the indices of the extremes between which the signal moves by ``swing`` (above 0) or
     more, alternating.
 
@@ -92,17 +100,33 @@ def turning_points(values: Sequence[float], swing: float) -> list[int]:
     where the first swing starts, the last where the last swing ends; empty without a swing.
     """
     found: list[int] = []
+    signal = np.asarray(values, dtype=float)
+    if not len(signal):
+        return found
     low = high = 0
+    lowest = highest = float(signal[0])
     rising: bool | None = None
-    for index, value in enumerate(values):
-        if rising is not False and value > values[high]:
-            high = index
-        if rising is not True and value < values[low]:
-            low = index
-        if rising is not True and value - values[low] >= swing:
+    extremes = _extremes(signal)
+    for index, value in zip(extremes.tolist(), signal[extremes].tolist(), strict=True):
+        if rising is not False and value > highest:
+            high, highest = index, value
+        if rising is not True and value < lowest:
+            low, lowest = index, value
+        if rising is not True and value - lowest >= swing:
             found.append(low)
-            rising, high = True, index
-        elif rising is not False and values[high] - value >= swing:
+            rising, high, highest = True, index, value
+        elif rising is not False and highest - value >= swing:
             found.append(high)
-            rising, low = False, index
+            rising, low, lowest = False, index, value
     return [*found, high if rising else low] if found else found
+
+
+def _extremes(signal: Floats) -> npt.NDArray[np.intp]:
+    """Return the index of each extreme of a signal; of a plateau its first."""
+    steps = signal[1:] - signal[:-1]
+    changed = steps.nonzero()[0]
+    ways = steps[changed] > 0
+    last = np.ones(len(changed), dtype=bool)
+    last[:-1] = ways[1:] != ways[:-1]
+    found: npt.NDArray[np.intp] = changed[last] + 1
+    return found

@@ -33,19 +33,12 @@ def is_clipped(rate: Floats) -> bool:
         rate: angular rate, shape (n, 3), rad/s, as measured: neither filtered nor interpolated, nor
             without its bias.
     """
-    return any(
-        _has_plateau(side * rate[:, axis])
-        for side, extreme in (
-            (1.0, rate.max(axis=0, initial=0.0)),
-            (-1.0, rate.min(axis=0, initial=0.0)),
-        )
-        for axis in ((rate == extreme).sum(axis=0) >= PLATEAU).nonzero()[0]
-    )
+    return any(_has_plateau(side * axis) for axis in rate.T for side in (1.0, -1.0))
 
 
 def _has_plateau(values: Floats) -> bool:
     largest = values.max(initial=0.0)
-    if largest < MOVING_RAD_S:
+    if largest < MOVING_RAD_S or np.count_nonzero(values == largest) < PLATEAU:
         return False
     steps = np.abs(np.diff(values))
     step = steps[steps > 0].min(initial=np.inf)

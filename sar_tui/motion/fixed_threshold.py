@@ -5,6 +5,7 @@ threshold.
 import msgspec
 import numpy as np
 
+from sar_tui.motion.arrays import finite_only
 from sar_tui.motion.reach import OUTWARDS, Bounds, Detected, Hand
 from sar_tui.motion.rest import Grid, even
 from sar_tui.motion.samples import Floats, Recording
@@ -38,8 +39,8 @@ def find(
     grid = grid or even(recording)
     if not len(grid.time_s):
         return Detected(grid.time_s, grid.rate, grid.rate_hz, ())
-    usable = np.isfinite(recording.rate).all(axis=1)
-    segments = _segments(recording.time_s[usable], np.abs(recording.rate[usable, 2]), parameters)
+    time_s, rate = finite_only(recording.time_s, recording.rate)
+    segments = _segments(time_s, np.abs(rate[:, 2]), parameters)
     reaches = tuple(
         _bounds(grid, segment, parameters.threshold_rad_s, hand) for segment in segments
     )

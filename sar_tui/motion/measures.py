@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from sar_tui.motion.arrays import lengths, mean_of
+from sar_tui.motion.arrays import lengths, mean_of, sums_of_axes
 from sar_tui.motion.faults import is_clipped
 from sar_tui.motion.filters import Spectrum, hann
 from sar_tui.motion.quaternions import angle, conjugate, integrate, rotate
@@ -312,8 +312,8 @@ def tremor_in_movement(rate: Floats, rate_hz: float) -> tuple[float | None, floa
     if largest <= 1e-12 * np.abs(rate).max():
         return None, 0.0
     size, window = len(rate) * _PADDING, hann(len(rate))
-    power = np.sum(
-        np.abs(np.fft.rfft(moving / largest * window[:, np.newaxis], size, axis=0)) ** 2, axis=1
+    power = sums_of_axes(
+        np.abs(np.fft.rfft(moving / largest * window[:, np.newaxis], size, axis=0)) ** 2
     )
     frequency = np.fft.rfftfreq(size, 1.0 / rate_hz)
     action = power[::_PADDING][_inside(frequency[::_PADDING], ACTION_HZ)]
@@ -344,9 +344,7 @@ def tremor_amplitude(rate: Floats, rate_hz: float, band_hz: Band) -> float | Non
     if not largest:
         return 0.0
     window = hann(len(rate))
-    power = np.sum(
-        np.abs(np.fft.rfft(moving / largest * window[:, np.newaxis], axis=0)) ** 2, axis=1
-    )
+    power = sums_of_axes(np.abs(np.fft.rfft(moving / largest * window[:, np.newaxis], axis=0)) ** 2)
     return _amplitude(
         power[_inside(np.fft.rfftfreq(len(rate), 1.0 / rate_hz), band_hz)], largest, window
     )

@@ -390,7 +390,7 @@ def _stops(slow: Floats, rate_hz: float, limits: Limits) -> list[_Stop]:
     The speed there is a share ``limits.slower`` or less of the peaks before and after.
     """
     level = np.log(np.maximum(slow, limits.still))
-    turns = turning_points(level.tolist(), -math.log(limits.slower))
+    turns = turning_points(level, -math.log(limits.slower))
     if not turns:
         return []
     peaks = turns[1::2] if level[turns[0]] < level[turns[1]] else turns[::2]

@@ -45,9 +45,20 @@ def rotate(orientation: Floats, vector: Floats) -> Floats:
     axes to the room's.
     """
     w, axis = orientation[..., :1], orientation[..., 1:]
-    across = 2.0 * np.cross(axis, vector)
-    turned: Floats = vector + w * across + np.cross(axis, across)
+    across = 2.0 * _cross(axis, vector)
+    turned: Floats = vector + w * across + _cross(axis, across)
     return turned
+
+
+def _cross(one: Floats, other: Floats) -> Floats:
+    """Return cross products, shape (..., 3). The same numbers as ``numpy.cross``, sooner."""
+    a, b, c = one[..., 0], one[..., 1], one[..., 2]
+    x, y, z = other[..., 0], other[..., 1], other[..., 2]
+    product: Floats = np.empty(np.broadcast_shapes(one.shape, other.shape))
+    product[..., 0] = b * z - c * y
+    product[..., 1] = c * x - a * z
+    product[..., 2] = a * y - b * x
+    return product
 
 
 def from_rotation(rotation: Floats) -> Floats:
@@ -127,7 +138,8 @@ def _few_products(steps: Floats) -> Floats:
     A quaternion w + xi + yj + zk is taken as two complex numbers, (w + xi) + (y + zi)j: a third of
     the time.
     """
-    one, other = steps[:, 0] + 1j * steps[:, 1], steps[:, 2] + 1j * steps[:, 3]
+    pairs = np.ascontiguousarray(steps).view(complex)
+    one, other = pairs[:, 0].copy(), pairs[:, 1].copy()
     known = 1
     while known < len(steps):
         left, left_j, right, right_j = one[:-known], other[:-known], one[known:], other[known:]
@@ -135,4 +147,6 @@ def _few_products(steps: Floats) -> Floats:
         other[known:] = left * right_j + left_j * right.conj()
         one[known:] = longer
         known *= 2
-    return np.column_stack((one.real, one.imag, other.real, other.imag))
+    products = np.empty((len(steps), 2), dtype=complex)
+    products[:, 0], products[:, 1] = one, other
+    return products.view(float)

@@ -178,7 +178,7 @@ def _without_drift(angle: Floats, period: int) -> Floats:
     """Return the angle without its drift between turns of the same kind, which comes from the
     gyroscope's bias.
     """
-    turns = np.array(turning_points(angle.tolist(), _TURN * _typical_swing(angle, period)))
+    turns = np.array(turning_points(angle, _TURN * _typical_swing(angle, period)))
     if len(turns) < 4:
         return angle
     drift = float(np.median((angle[turns[2:]] - angle[turns[:-2]]) / (turns[2:] - turns[:-2])))
@@ -195,7 +195,7 @@ def _typical_swing(angle: Floats, period: int) -> float:
 
 def _cycles(angle: Floats, period: int) -> tuple[Floats, Floats]:
     """Return instants, in samples, and the number of repetitions up to each."""
-    turns = turning_points(angle.tolist(), _TURN * _typical_swing(angle, period))
+    turns = turning_points(angle, _TURN * _typical_swing(angle, period))
     if len(turns) < 3:
         return np.zeros(1), np.zeros(1)
     times = np.array([0, *turns, len(angle) - 1])

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from sar_tui.motion.arrays import finite_only, lengths, mean_of
+from sar_tui.motion.arrays import finite_only, lengths, mean_of, sums_of_axes
 from sar_tui.motion.filters import Spectrum, hann, smooth
 from sar_tui.motion.samples import Floats, Recording
 
@@ -120,9 +120,10 @@ def _rest(
     """Return where the hand is still and the bias, of windows of ``size`` samples at ``begins``,
     with their levels.
     """
-    still = np.zeros(len(rate), dtype=bool)
-    for begin in begins:
-        still[begin : begin + size] = True
+    edges = np.zeros(len(rate) + 1, dtype=int)
+    edges[begins] += 1
+    edges[begins + size] -= 1
+    still = np.cumsum(edges[:-1]) > 0
     nearby = _running_mean(levels, round(NEARBY_S / STEP_S))
     index, middles = np.arange(float(len(rate))), begins + size / 2
     return still, np.column_stack([np.interp(index, middles, axis) for axis in nearby.T])
@@ -135,9 +136,9 @@ def _windows(x: Floats, begins: npt.NDArray[np.int_], size: int) -> tuple[Floats
     centre = mean_of(x)
     centred = x - centre
     sums = np.concatenate((np.zeros((1, 3)), np.cumsum(centred, axis=0)))
-    squares = np.concatenate(([0.0], np.cumsum((centred**2).sum(axis=1))))
+    squares = np.concatenate(([0.0], np.cumsum(sums_of_axes(centred**2))))
     mean = (sums[begins + size] - sums[begins]) / size
-    variance = (squares[begins + size] - squares[begins]) / size - (mean**2).sum(axis=1)
+    variance = (squares[begins + size] - squares[begins]) / size - sums_of_axes(mean**2)
     return mean + centre, np.sqrt(np.maximum(variance, 0.0))
 
 
@@ -146,18 +147,21 @@ def _agreeing(levels: Floats) -> npt.NDArray[np.int_]:
     of most of them.
     """
     some = levels[:: max(1, len(levels) // 200)]
-    agreement = (lengths(some[:, None] - some[None]) < STEADY_RAD_S).sum(axis=1)
+    apart = lengths(np.moveaxis([axis[:, None] - axis for axis in some.T], 0, -1))
+    agreement = (apart < STEADY_RAD_S).sum(axis=1)
     anchor = int(lengths(levels - some[agreement.argmax()]).argmin())
     chosen, each = [anchor], levels.tolist()  # plain numbers: an array of three takes longer
     for order in (range(anchor + 1, len(each)), range(anchor - 1, -1, -1)):
-        near = each[anchor]
+        near = x, y, z = each[anchor]
         for index in order:
-            if math.dist(each[index], near) < STEADY_RAD_S:
+            level = each[index]
+            if math.dist(level, near) < STEADY_RAD_S:
                 chosen.append(index)
-                near = [
-                    0.8 * level + 0.2 * other
-                    for level, other in zip(near, each[index], strict=True)
-                ]
+                near = x, y, z = (
+                    0.8 * x + 0.2 * level[0],
+                    0.8 * y + 0.2 * level[1],
+                    0.8 * z + 0.2 * level[2],
+                )
     return np.array(sorted(chosen))
 
 

@@ -102,7 +102,7 @@ def movement_units(speed: Floats, rate_hz: float) -> int:
         return 0
     apart = _UNIT_APART_S * rate_hz
     units, counted_at = 0, -math.inf
-    for start, peak in pairwise(turning_points(profile.tolist(), _UNIT_RISE)):
+    for start, peak in pairwise(turning_points(profile, _UNIT_RISE)):
         if profile[peak] > profile[start] and peak - counted_at >= apart:
             units, counted_at = units + 1, peak
     return units
@@ -110,10 +110,13 @@ def movement_units(speed: Floats, rate_hz: float) -> int:
 
 def _measurable(speed: Floats, rate_hz: float, shortest_s: float) -> Floats | None:
     """Return the profile with its peak scaled to 1; None if there is nothing to measure."""
-    enough = rate_hz > 0 and len(speed) >= max(_FEWEST_SAMPLES, shortest_s * rate_hz)
-    if not enough or not np.isfinite(speed).all() or not np.max(speed) > 0:
+    if not rate_hz > 0 or len(speed) < max(_FEWEST_SAMPLES, shortest_s * rate_hz):
         return None
-    return np.asarray(speed, dtype=float) / float(np.max(speed))
+    profile = np.asarray(speed, dtype=float)
+    peak = float(profile.max())
+    if not np.isfinite(profile).all() or not peak > 0:
+        return None
+    return profile / peak
 
 
 def _resampled(profile: Floats, step_s: float, rate_hz: float) -> tuple[Floats, float]:
