@@ -16,7 +16,7 @@ from sar_tui.motion.measures import MEASURES_VERSION, measure
 from sar_tui.motion.orientation import OrientationParameters
 from sar_tui.motion.reach import Bounds, Detected, Hand, Reach
 from sar_tui.motion.rest import even
-from sar_tui.motion.samples import Recording, Samples, recording
+from sar_tui.motion.samples import Samples, recording
 from sar_tui.motion.single_axis import SingleAxisParameters
 
 Measured = dict[str, str | int | float | bool | None]
