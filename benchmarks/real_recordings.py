@@ -1,6 +1,7 @@
 """The recordings of people in ``tests/data/real-reaches``, and their labels; see the README there."""
 
 import json
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -37,11 +38,13 @@ class LabelledSet(NamedTuple):
     doubtful: tuple[tuple[float, float], ...] = ()
 
 
+@cache
 def read_exercise(name: str) -> Recording:
     """Return the recording of an exercise: a name in ``EXERCISES``."""
     return _read(FOLDER / "exercises" / f"{name}.csv.gz")
 
 
+@cache
 def read_daily_life(name: str) -> Recording:
     """Return the recording of a person in ``DAILY_LIFE``, who does not reach."""
     return _read(FOLDER / "daily-life" / f"{name}.csv.gz")

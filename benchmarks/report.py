@@ -243,6 +243,7 @@ _REACHES = {
     "open": "Reaches of people, in an open stream (median error and p90, ms)",
     "people": "The same, by person (ms)",
     "calibrated": "The same, calibrated by each recording's first three, which are not scored (ms)",
+    "left out": "The same, each person with the limits (stop, return) that suit the others best (ms)",
     "window": "Reaches of people, each in its known window (ms)",
     "daily": "Daily life of people, who do not reach",
     "simulated": "Simulated reaches (ms)",

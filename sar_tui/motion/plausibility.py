@@ -4,7 +4,8 @@ of any content.
 A session's window holds a reach because the person was asked for one. A recording of hours holds
 walking, typing and scratching as well, which turn the hand out and back, too. A reach among them
 
-- is large enough, and returns to where it began;
+- is large enough, and returns to where it began: nearer if the hand shakes on its way, as it does
+  when it rubs or types there;
 - has one dominant excursion: the hand does not come back halfway to leave again, nor wander far on
   its way;
 - rests before and after, or at the target and at one end: in walking, rubbing or trembling each
@@ -28,6 +29,8 @@ LEAST_RAD = math.radians(12)
 """Smallest excursion. Gestures of fingers and wrist are smaller, a reach of the arm is larger."""
 LEFT_SHARE, LEFT_RAD = 0.5, math.radians(25)
 """The hand is back if no more is left than this share of the excursion, and than this angle."""
+SHAKEN_POWER = 0.5
+"""Power of the path's multiple by which both limits are divided if the hand shakes on its way."""
 BACK_S = 2.0
 """It may come back so long after the end that was found: it has set down a glass first."""
 DENT_SHARE = 0.5
@@ -90,12 +93,14 @@ def _is_plausible(
     until = last + 1 + round(BACK_S * found.rate_hz)
     turned = angle(multiply(conjugate(orientation[first]), orientation[first:until]))
     inside = last - first + 1
+    if not _is_excursion(turned[:inside], least_rad):
+        return False
     speed = slow[first : last + 1]
     path = float(speed.sum()) / found.rate_hz
+    shaken = float(fast[first : last + 1].sum()) / found.rate_hz / path
     return (
-        _is_excursion(turned[:inside], least_rad)
-        and path <= min(PATH_SHARE * 2.0 * float(turned[:inside].max()), PATH_RAD)
-        and _is_back(turned, inside)
+        path <= min(PATH_SHARE * 2.0 * float(turned[:inside].max()), PATH_RAD)
+        and _is_back(turned, inside, shaken)
         and _is_calm(
             fast,
             first,
@@ -123,12 +128,16 @@ def _is_excursion(turned: Floats, least_rad: float) -> bool:
     return float(turned[top]) >= least_rad and dent <= DENT_SHARE * float(turned[top])
 
 
-def _is_back(turned: Floats, inside: int) -> bool:
+def _is_back(turned: Floats, inside: int, shaken: float) -> bool:
     """Return True if the angle of a reach of ``inside`` samples is small at its end, or soon after
     it.
+
+    ``shaken``: its path below ``CUTOFF_HZ`` as a multiple of that below ``SLOW_HZ``. The larger it
+    is, the nearer the hand must come. It need not be smooth: a tremor in action has the same
+    frequencies as rubbing.
     """
     left = min(LEFT_RAD, LEFT_SHARE * float(turned[:inside].max()))
-    return float(turned[inside - 1 :].min()) <= left
+    return float(turned[inside - 1 :].min()) <= left / max(1.0, shaken) ** SHAKEN_POWER
 
 
 def _is_calm(
