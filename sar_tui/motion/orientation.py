@@ -116,7 +116,7 @@ class OrientationParameters(msgspec.Struct, frozen=True, kw_only=True):
     cutoff_hz: float = 8.0
     rest_s: float = 1.0
     begin_rad_s: float = 0.1
-    end_rad_s: float = 0.05
+    end_rad_s: float = 0.07
     least_rad: float = 0.1
     return_share: float = 0.5
     shortest_s: float = 0.4
