@@ -228,7 +228,7 @@ def in_the_open(
         false = [
             times
             for times in inside
-            if times not in known and not any(_overlap(times, each) > 0 for each in part.doubtful)
+            if times not in known and not any(overlap(times, each) > 0 for each in part.doubtful)
         ]
         yield Kind(
             _kind(name, part.manner), detector, len(reaches), len({label for _, label in pairs}),
@@ -332,17 +332,19 @@ def _simulated(kind: str, detector: str, people: int) -> Kind:
     end_s: list[float] = []
     for seed in range(people):
         made = simulate_reaches(kind, 1000 + seed, count=3)
-        truth = [Label(begin_s, math.nan, math.nan, stop_s) for begin_s, stop_s in made.truth]
         times_found = DETECTORS[detector](made.recording)
         pairs = [
-            (times, label) for label in truth for times in times_found if _is_same(times, label)
+            (times, truth)
+            for truth in made.truth
+            for times in times_found
+            if overlap(times, truth) >= SHARED
         ]
-        reaches += len(truth)
+        reaches += len(made.truth)
         found += len(pairs)
         false += len(times_found) - len(pairs)
         minutes += float(made.recording.time_s[-1]) / 60
-        onset_s += [times[0] - label.onset_s for times, label in pairs]
-        end_s += [times[1] - label.end_s for times, label in pairs]
+        onset_s += [times[0] - truth[0] for times, truth in pairs]
+        end_s += [times[1] - truth[1] for times, truth in pairs]
     return Kind(kind, detector, reaches, found, false, minutes, onset_s, end_s)
 
 
@@ -387,13 +389,14 @@ def _ends(label: Label) -> Times:
     return onset_s, end_s
 
 
-def _overlap(one: Times, other: Times) -> float:
+def overlap(one: Times, other: Times) -> float:
+    """Return the time that two reaches share, as a part of the longer one."""
     shared_s = min(one[1], other[1]) - max(one[0], other[0])
     return shared_s / max(one[1] - one[0], other[1] - other[0])
 
 
 def _is_same(times: Times, label: Label) -> bool:
-    return _overlap(times, _ends(label)) >= SHARED
+    return overlap(times, _ends(label)) >= SHARED
 
 
 def _joined(kinds: Sequence[Kind]) -> list[Kind]:

@@ -115,6 +115,20 @@ def test_a_bout_of_a_rhythm_somewhere_else_and_a_swing_of_it_are_none(motion: Wr
     assert _kept(swinging.measured(), [(3.0, 4.0), (4.0, 5.0), (5.0, 6.0)]) == 0
 
 
+@pytest.mark.parametrize(
+    ("left_deg", "smooth", "rubbing"), [(3.0, 1, 1), (17.0, 1, 0), (25.0, 0, 0)]
+)
+def test_a_hand_that_rubs_somewhere_must_come_back_nearer(
+    motion: WristMotion, left_deg: float, smooth: int, rubbing: int
+) -> None:
+    """People scratch at 3 to 5 Hz (Moreau et al. 2018, IEEE J Biomed Health Inform 22:1011-1018)."""
+    for at_s, turn in ((3.0, 45.0), (6.0, left_deg - 45.0)):
+        motion.shift(at_s, (turn, 0.0, 0.0), 1.0)
+    assert _kept(motion.measured(), [(3.0, 7.0)]) == smooth
+    motion.rhythm(3.8, 6.2, 4.0, (3.0, 8.0, 3.0))
+    assert _kept(motion.measured(), [(3.0, 7.0)]) == rubbing
+
+
 def test_a_reach_that_was_not_measured_whole_is_not_judged(motion: WristMotion) -> None:
     motion.shift(4.0, (40.0, 0.0, 0.0), 1.0)
     found = _found(motion.measured(), [(4.0, 5.0)])
