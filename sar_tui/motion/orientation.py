@@ -5,7 +5,7 @@ about whatever axes.
 import math
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import msgspec
 import numpy as np
@@ -59,6 +59,9 @@ JUST_BEFORE_S = 0.1
 """Time before the end of a rest at which its orientation is taken."""
 
 
+Ends = Literal["still", "home"]
+
+
 class Limits(NamedTuple):
     """Definitions: a hand at rest is slower than ``still`` (rad/s); where it turns around it is
     slower than a share ``slower`` of the peaks beside; for the others see `OrientationParameters`.
@@ -105,6 +108,8 @@ class OrientationParameters(msgspec.Struct, frozen=True, kw_only=True):
         end_rad_s: a movement lasts while it is faster than this.
         least_rad: smallest angle between the orientations at rest and at the target.
         return_share: the hand is back when this share of the largest angle, or less, is left.
+        ends: a reach ends when the hand is ``still`` again, or when it is ``home``: within ``NEAR``
+            of the largest angle.
         shortest_s: shortest duration of a reach without the rest at the target.
         pause_s: a shorter pause does not end a movement.
         dwell_s: the longest rest at the target within a reach.
@@ -119,6 +124,7 @@ class OrientationParameters(msgspec.Struct, frozen=True, kw_only=True):
     end_rad_s: float = 0.07
     least_rad: float = 0.1
     return_share: float = 0.5
+    ends: Ends = "still"
     shortest_s: float = 0.4
     pause_s: float = 0.4
     dwell_s: float = 5.0
@@ -253,6 +259,8 @@ def _bounds(
             grid.time_s[arrives + int(slow[arrives : departs + 1].argmin())]
         )
     departure_s = max(arrival_s, departure_s)
+    if parameters.ends == "home":
+        end_s = max(departure_s, _reaches_home(motion, angle, first, came, near))
     if (arrival_s - onset_s) + (end_s - departure_s) < parameters.shortest_s:
         return None
     is_reversed = abs(excursion.axis[2]) > SIDED and excursion.axis[2] * OUTWARDS[hand] < 0
@@ -265,6 +273,14 @@ def _bounds(
         confidence=excursion.confidence,
         flags=("reversed",) if is_reversed else (),
     )
+
+
+def _reaches_home(motion: _Motion, angle: Floats, first: int, came: int, near: float) -> float:
+    """Return when the angle from sample ``first`` on falls to ``near``, just before sample
+    ``came``.
+    """
+    time = motion.grid.time_s[came - 1 : came + 1]
+    return float(np.interp(-near, -angle[came - 1 - first : came + 1 - first], time))
 
 
 def _dwell(motion: _Motion, first: int, last: int) -> tuple[int, int]:
