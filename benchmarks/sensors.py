@@ -13,7 +13,6 @@ import socket
 import subprocess
 import sys
 import time
-import tty
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
@@ -110,7 +109,9 @@ def measure(duration_s: float, folder: Path, on_second: Callable[[], None]) -> d
 def _read(process: subprocess.Popen[str]) -> str:
     """Return the next line that a process prints."""
     assert process.stdout
-    return process.stdout.readline().strip()
+    if not (line := process.stdout.readline()):
+        raise RuntimeError("A sender or a receiver ended early.")
+    return line.strip()
 
 
 def _end(process: subprocess.Popen[str]) -> str:
@@ -200,6 +201,8 @@ def _lines(rate_hz: int, write: Callable[[bytes], object]) -> Callable[[int], ob
 
 
 def _serial(stack: ExitStack) -> _Sender:
+    import tty  # not on Windows
+
     board, computer = os.openpty()
     tty.setraw(computer)
     stack.callback(os.close, board)
