@@ -35,7 +35,7 @@ RATES_HZ = {"serial": 200, "udp": 200, "lsl": 500, "phyphox": 200}
 """Samples a second of each interface."""
 DRIFT = 30e-6
 RUN_IN_S = 3.0
-MINUTES = 10.0
+MINUTES = 1.0
 QUICK_S = 20.0
 _LINGER_S = 2.0
 """Time from the last sample to the end of its receiver."""
