@@ -28,7 +28,7 @@ SHIPPED = Path(__file__).parent / "kinds"
 NOT_SAID = "not said"
 """Value of an item that somebody would rather not answer."""
 NOT_FOUND = "not found"
-"""What a published change says of what its source, as far as it was read, does not tell."""
+"""Method or interval of a published change that was not told in what was read of its source."""
 STATUS, LANGUAGE, PERMISSION = "status", "language", "permission"
 """Fields of each form: how far it is filled in, in which language, and who allowed its use."""
 OPEN, COMPLETE = "open", "complete"
@@ -229,7 +229,7 @@ class Published(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         source: author, year and DOI.
         method: how it was found; of an MCID, by which anchor or from the distribution.
         interval: between the two tests of an MDC, or the two assessments of an MCID.
-        read: what was read of the source.
+        read: what was read of the source; empty if that is not declared.
     """
 
     kind: Literal["MDC", "MDC95", "MDC90", "MCID"]
@@ -239,7 +239,7 @@ class Published(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     source: str
     method: str = NOT_FOUND
     interval: str = NOT_FOUND
-    read: Literal["abstract", "whole paper"] = "abstract"
+    read: Literal["abstract", "whole paper", ""] = ""
 
 
 class Words(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

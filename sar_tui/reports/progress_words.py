@@ -488,8 +488,8 @@ def warnings(found: Progress, tr: Language) -> list[str]:
 
 def published(value: Published, kind: Kind, tr: Language = ENGLISH) -> str:
     """Return a published change with its people, its method, the time between the two tests, and
-    its source: "MDC95 6.6 points, 22 people, chronic stroke; upper 95 % limit of agreement;
-    interval: 2 weeks (van der Lee 2001; abstract read)".
+    its source: "MDC95 6.6 points, 22 people, chronic stroke; method: upper 95 % limit of
+    agreement; interval: 2 weeks (van der Lee 2001; abstract read)".
     """
     return f"{_published_size(value, kind, tr)} {_source(value, tr)}"
 
@@ -499,7 +499,7 @@ def _published_size(value: Published, kind: Kind, tr: Language) -> str:
     size = tr.figures(low) if low == high else tr("{low} to {high}", low=low, high=high)
     unit = kind.score.unit if kind.score else ""
     return tr(
-        "{size}, {people}; {method}; interval: {interval}",
+        "{size}, {people}; method: {method}; interval: {interval}",
         size=f"{value.kind} {size} {tr(unit)}".rstrip(),
         people=tr(value.of),
         method=tr(value.method),
@@ -508,8 +508,9 @@ def _published_size(value: Published, kind: Kind, tr: Language) -> str:
 
 
 def _source(value: Published, tr: Language) -> str:
-    read = tr("abstract read") if value.read == "abstract" else tr("whole paper read")
-    return f"({value.source}; {read})"  # no decimal comma in a DOI
+    reads = {"": "", "abstract": tr("abstract read"), "whole paper": tr("whole paper read")}
+    told = filter(None, (value.source, reads[value.read]))
+    return f"({'; '.join(told)})"  # no decimal comma in a DOI
 
 
 def instrument_change(found: InstrumentChange, tr: Language) -> str:
