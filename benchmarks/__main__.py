@@ -33,6 +33,7 @@ def main() -> int:
     )
     parser.add_argument("--quick", action="store_true", help="fewer of everything; store nothing")
     parser.add_argument("--trials", type=int, help="number of reaction times for each program")
+    parser.add_argument("--minutes", type=float, help="duration of the part sensors")
     given = parser.parse_args()
     if unknown := set(given.parts) - set(PARTS):
         parser.error(f"there is no part {', '.join(sorted(unknown))}; there is: {', '.join(PARTS)}")
@@ -62,7 +63,7 @@ def main() -> int:
             task = bar.add_task(what, total=total)
             return lambda: bar.update(task, advance=1, refresh=True)
 
-        extent = Extent(Path(folder), progress, given.quick, given.trials)
+        extent = Extent(Path(folder), progress, given.quick, given.trials, given.minutes)
         for part in parts:
             try:
                 results[part] = PARTS[part](extent)

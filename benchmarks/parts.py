@@ -18,6 +18,7 @@ from benchmarks import (
     reaches,
     response,
     sensor,
+    sensors,
     simulate,
 )
 
@@ -31,12 +32,14 @@ class Extent(NamedTuple):
             each step.
         quick: measure fewer of everything.
         asked_trials: the number of reaction times of each program that somebody asked for.
+        asked_minutes: the duration of streams over a line or a network that somebody asked for.
     """
 
     folder: Path
     progress: Callable[[str, int], Callable[[], None]]
     quick: bool
     asked_trials: int | None = None
+    asked_minutes: float | None = None
 
     @property
     def trials(self) -> int:
@@ -85,6 +88,12 @@ def _sessions(extent: Extent) -> Any:
 def _sensor(extent: Extent) -> Any:
     streamed = extent.progress("seconds of a sensor's stream", sensor.total_seconds(extent.quick))
     return sensor.measure(extent.quick, extent.folder, streamed)
+
+
+def _sensors(extent: Extent) -> Any:
+    duration_s = sensors.seconds(extent.asked_minutes, extent.quick)
+    passed = extent.progress("seconds of four sensors", round(sensors.RUN_IN_S + duration_s))
+    return sensors.measure(duration_s, extent.folder, passed)
 
 
 def _agent(extent: Extent) -> Any:
@@ -140,6 +149,7 @@ PARTS: Mapping[str, Callable[[Extent], Any]] = {
     "motion": _motion,
     "reaches": _reaches,
     "sensor": _sensor,
+    "sensors": _sensors,
     "agent": _agent,
     "operator": _operator,
 }

@@ -63,6 +63,7 @@ def checks(results: Results) -> dict[str, bool]:
         "motion",
         "reaches",
         "sensor",
+        "sensors",
         "agent",
         "operator",
     ):
@@ -304,6 +305,41 @@ def _sensor(sensor: Results) -> dict[str, Rows]:
     }
 
 
+def _sensors(sensors: Results) -> dict[str, Rows]:
+    return {
+        f"Sensors over a line or a network, all at once for {sensors['seconds']:.0f} s": [
+            [
+                "sensor",
+                "samples per second",
+                "sent",
+                "received",
+                "lost",
+                "twice",
+                "out of order",
+                "CPU",
+                "sent late by at most (ms)",
+            ],
+            *(
+                [
+                    f"{kind}://",
+                    *(f"{each[name]}" for name in ("rate_hz", "sent", "received", "lost")),
+                    *(f"{each[name]}" for name in ("twice", "out_of_order")),
+                    f"{each['cpu_share']:.1%}",
+                    f"{each['latest_ms']:.1f}",
+                ]
+                for kind, each in sensors["kinds"].items()
+            ),
+        ],
+        "Error of the stamps of these sensors, and delay of their arrival (ms)": [
+            ["sensor", "error: median", "95%", "99%", "delay: median", "95%", "99%"],
+            *(
+                [f"{kind}://", *(f"{error:.2f}" for error in each["error_ms"] + each["delay_ms"])]
+                for kind, each in sensors["kinds"].items()
+            ),
+        ],
+    }
+
+
 def _agent(agent: Results) -> dict[str, Rows]:
     return {
         "Stop key to stillness (ms)": [
@@ -347,6 +383,7 @@ _TABLES: Mapping[str, Callable[[Results], dict[str, Rows]]] = {
     "motion": _motion,
     "reaches": _reaches,
     "sensor": _sensor,
+    "sensors": _sensors,
     "agent": _agent,
     "operator": _operator,
 }

@@ -289,7 +289,9 @@ def _texts_of_form(kind: Kind) -> set[str]:
     """Return the texts of a kind of record that therapists enter and read."""
     if kind.entered_by != "therapist":
         return set()
-    texts = {kind.title, kind.when, *(change.of for change in kind.published)}
+    texts = {kind.title, kind.when}
+    for change in kind.published:
+        texts |= {change.of, change.method, change.interval}
     for field in kind.fields:
         texts |= {field.title, field.hint, field.problem, field.unit, *field.labels}
     return texts - _UNITS - {""}

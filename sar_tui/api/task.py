@@ -11,6 +11,7 @@ from sar_tui.loop.task import Task
 from sar_tui.model.measure import Measure
 from sar_tui.model.random_streams import RandomStreams
 from sar_tui.model.trial_types import (
+    UNSURE,
     Act,
     Again,
     Axis,
@@ -67,7 +68,7 @@ __all__ = [  # noqa: RUF022  in groups
     "Situation", "PastAttempt", "RandomStreams", "Trial",
     "KeyPerceived", "TextPerceived", "ReachPerceived",
     # what it answers
-    "Result", "Results", "Again", "Score", "Json",
+    "Result", "Results", "Again", "Score", "Json", "UNSURE",
     # difficulty within an attempt
     "Staircase", "weighted", "Quest",
     # texts for people

@@ -5,7 +5,7 @@ advice.
 import math
 from typing import Literal, NamedTuple
 
-from sar_tui.app.sensor_monitor import ReachTest, SensorWatch
+from sar_tui.app.sensor_monitor import CALIBRATING, Calibration, ReachTest, SensorWatch
 from sar_tui.inputs.imu import Vector
 from sar_tui.model.language import ENGLISH, Language, in_language
 from sar_tui.model.units import SECOND
@@ -42,9 +42,13 @@ FLAGS = {
     "timed_out": "It took too long.",
     "low_rate": "The sensor sends few samples a second: its times are less exact.",
     "several": "There was more than one reach: this is the largest.",
+    "unsure": "It may have been another movement: reach out, come back to the start, and rest.",
 }
 """Problems of a test reach, and what to do, by flag."""
 
+_NOT_SURE = (
+    "That may have been another movement: rest, reach out, come back to where you were, and rest."
+)
 NO_REACH = "No reach out and back was seen. Is the sensor on the hand that reaches?"
 INVALID = {
     "samples": "Too few samples came to see a reach.",
@@ -200,6 +204,24 @@ def reach_test_text(test: ReachTest, hand: Hand, tr: Language = ENGLISH) -> list
         case "lost":
             return [("wrong", tr("There is no sensor to test. Plug it in, then press T."))]
     return finding_text(test.finding, hand, tr) if test.finding else []
+
+
+def calibration_text(
+    made: Calibration, test: ReachTest, hand: Hand, who: str, tr: Language = ENGLISH
+) -> list[tuple[Mark, str]]:
+    """Return what a calibration asks for, or its result: first why the last reach was not used."""
+    angles = ", ".join(f"{degrees:.0f}°" for degrees in made.turned_deg)
+    turned = tr("The reaches turned the hand by {turned}.", turned=angles)
+    if made.is_over:
+        least = f"{made.least_turn_deg:.0f}"
+        kept = tr("From {least}° on it is a reach. Enter: keep that for {who}, and begin.")
+        return [("right", f"{turned} {kept.format(least=least, who=who)}")]
+    said: list[tuple[Mark, str]] = [("right", turned)] if made.turned_deg else []
+    if made.refused:
+        said = finding_text(made.refused, hand, tr)[-1:]
+    number = tr("Reach {number} of {count}.", number=len(made.turned_deg) + 1, count=CALIBRATING)
+    asked = reach_test_text(test, hand, tr)
+    return [*said, *((mark, f"{number} {text}") for mark, text in asked)]
 
 
 def finding_text(found: Finding, hand: Hand, tr: Language = ENGLISH) -> list[tuple[Mark, str]]:

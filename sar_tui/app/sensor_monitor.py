@@ -7,11 +7,15 @@ from collections import deque
 from collections.abc import Callable
 from typing import Literal
 
+import msgspec
+
 from sar_tui.inputs.imu import Status, Vector
 from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.model.language import Sentence
+from sar_tui.model.trial_types import UNSURE
 from sar_tui.model.units import MS, SECOND
 from sar_tui.motion.analysis import AnalysisParameters, Finding, Window, analyse
+from sar_tui.motion.detection import LEAST_SHARE
 from sar_tui.motion.reach import Hand
 from sar_tui.motion.samples import Samples, join
 from sar_tui.motion.segmenter import Segmenter
@@ -30,6 +34,12 @@ REST_PATIENCE = 8 * SECOND
 REACH_PATIENCE = 15 * SECOND
 """A test reach ends after this time in any case."""
 State = Literal["none", "attached", "unplugged", "failed", "ended"]
+CALIBRATING = 3
+"""Number of reaches by which a person's least turn is estimated."""
+LEAST_TURN_DEG = 3.0
+"""Smallest estimate: less is the unrest of a hand."""
+USABLE = frozenset(("disagree", "low_rate", "no_rest"))
+"""Flags of a reach whose turn is right all the same."""
 RECENT = 5 * SECOND
 """Time for which trouble is shown."""
 
@@ -59,6 +69,38 @@ class ReachTest:
         return self.step in ("rest", "reach")
 
 
+class Calibration:
+    """A person's own reaches, and the least turn of the hand that follows from them.
+
+    Attributes:
+        turned_deg: largest angle of each reach that is used.
+        refused: the last reach, if it cannot be used.
+    """
+
+    def __init__(self) -> None:
+        self.turned_deg: list[float] = []
+        self.refused: Finding | None = None
+
+    @property
+    def is_over(self) -> bool:
+        """True if there are enough reaches."""
+        return len(self.turned_deg) >= CALIBRATING
+
+    @property
+    def least_turn_deg(self) -> float:
+        """The least turn, in whole degrees."""
+        return max(LEAST_TURN_DEG, float(round(LEAST_SHARE * min(self.turned_deg))))
+
+    def add(self, found: Finding) -> None:
+        """Use a reach, unless it is in doubt."""
+        turned = found.details.get("excursion_deg")
+        if USABLE.issuperset(found.flags) and not found.invalid and isinstance(turned, float):
+            self.turned_deg.append(turned)
+            self.refused = None
+        else:
+            self.refused = found
+
+
 class SensorWatch:
     """Drains a started feed, and follows the state of its sensor. It has no timer.
 
@@ -77,6 +119,8 @@ class SensorWatch:
         saturated: number of samples beyond its range; ``unmeasured``: those of them that were not
             sent.
         test: the test reach, once there was one.
+        calibration: by some test reaches, if it was begun; None after a single test.
+        least_confidence: a test reach of which the detector is less sure is flagged ``unsure``.
         before: model and serial number of the sensor that the participant wore last time; None if
             there was none.
     """
@@ -90,6 +134,8 @@ class SensorWatch:
         self.stalled = self.too_slow = False
         self.saturated = self.unmeasured = 0
         self.test: ReachTest | None = None
+        self.calibration: Calibration | None = None
+        self.least_confidence = 0.0
         self.before: tuple[str, str] | None = None
         self._now = now
         self._trouble: tuple[int, str] | None = None
@@ -232,6 +278,15 @@ class SensorWatch:
 
     def begin_test(self) -> None:
         """Begin a test reach, or begin it again. Without a sensor it is ``lost`` at once."""
+        self.calibration = None
+        self._begin_reach()
+
+    def begin_calibration(self) -> None:
+        """Begin the test reaches by which a person's least turn is estimated, or begin them again."""
+        self.calibration = Calibration()
+        self._begin_reach()
+
+    def _begin_reach(self) -> None:
         self.test = ReachTest(self._now())
         if not self.attached:
             self.test.step = "lost"
@@ -271,9 +326,17 @@ class SensorWatch:
             to_ns=self._now() + 1,
             flags=tuple(test.flags),
         )
-        test.finding = found = analyse(samples, window, AnalysisParameters(hand=self.hand))
+        found = analyse(samples, window, AnalysisParameters(hand=self.hand))
+        confidence = found.details.get("confidence")
+        if isinstance(confidence, float) and confidence < self.least_confidence:
+            found = msgspec.structs.replace(found, flags=(*found.flags, UNSURE))
+        test.finding = found
         if found.onset_ns is not None and found.end_ns is not None:
             test.trace = trace_of(
                 samples, found.onset_ns, found.end_ns, found.details, "test reach"
             )
         test.step = "done"
+        if self.calibration:
+            self.calibration.add(found)
+            if not self.calibration.is_over:
+                self._begin_reach()

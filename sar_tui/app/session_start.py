@@ -31,7 +31,7 @@ from sar_tui.widgets.language import language_of
 
 if TYPE_CHECKING:
     from sar_tui.app.app import SarTui
-    from sar_tui.app.sensor_monitor import SensorWatch
+    from sar_tui.app.sensor_monitor import Calibration, SensorWatch
     from sar_tui.inputs.imu_feed import ImuFeed
     from sar_tui.link.broker_process import BrokerProcess
 
@@ -160,7 +160,7 @@ class SessionStart:
                     # a recording that the session plays from its beginning
                     if sensor.state == "ended":
                         sensor.feed.stop()
-                self._enter(plan, feeds)
+                self._enter(self._calibrated(plan, screen.calibration), feeds)
             else:
                 self._stop_feeds()
                 app.not_begun()
@@ -174,6 +174,37 @@ class SessionStart:
         for watch in watches:
             code = plan.participants["AB".index(watch.feed.seat)]
             watch.before = last_sensors(self._app.database, code).get(watch.feed.part)
+
+    def _calibrated(self, plan: Plan, made: "Calibration | None") -> Plan:
+        """Return the plan with the least turn of a calibration, which is kept in the participant's
+        programme.
+        """
+        from sar_tui.drivers.login_name import login_name
+        from sar_tui.store import programmes
+
+        if made is None:
+            return plan
+        own = {"least_turn_deg": made.least_turn_deg}
+        turned = ", ".join(f"{degrees:.0f}°" for degrees in made.turned_deg)
+        plan = msgspec.structs.replace(
+            plan, parameters=msgspec.structs.replace(plan.parameters, **own)
+        )
+        database, code, task = self._app.database, plan.participant, plan.task.name
+        try:
+            last = programmes.newest(database, code, task)
+            saved = programmes.save(
+                database,
+                code,
+                task,
+                programmes.Programme({**last.parameters, **own}, last.theme),
+                after=last.version,
+                author=login_name(),
+                reason=f"Calibrated by reaches that turned the hand by {turned}.",
+            )
+        except StoreError as error:
+            self._app.notify(in_language(error, self._app.tr), severity="warning", timeout=15)
+            return plan
+        return msgspec.structs.replace(plan, programme=saved.version)
 
     def _stop_feeds(self) -> None:
         for feed in self.feeds:

@@ -234,10 +234,6 @@ def main() -> None:
     os._exit(0)  # even if a thread of Zenoh's hangs
 
 
-if __name__ == "__main__":
-    main()
-
-
 # --- samples of sensors for operators
 
 
@@ -286,3 +282,7 @@ def _trace(seat: str, samples: Samples) -> MotionTrace:
         hz=round(rate_hz / stride, 3),
         rates=tuple(round(point, 4) for point in points),
     )
+
+
+if __name__ == "__main__":
+    main()

@@ -10,7 +10,7 @@ from msgspec.structs import replace
 
 from sar_tui.loop.task import Task
 from sar_tui.model.messages import AttemptEnded, Feedback, FeedbackChoice, Outcome, Spread
-from sar_tui.model.trial_types import DOUBTFUL, PastAttempt, Result, Score, Target
+from sar_tui.model.trial_types import DOUBTFUL, UNSURE, PastAttempt, Result, Score, Target
 from sar_tui.model.units import MS
 from sar_tui.rules import feedback_choice
 from sar_tui.rules.feedback import History
@@ -89,13 +89,14 @@ def score_seats(
     """Score an attempt for each seat that has results.
 
     The level is shared: the attempt counts as a success only if every seat reached the goal. In a
-    race the feedback says who won; this does not affect the outcome. ``scored``: the earlier
-    attempts, by seat, oldest first.
+    race the feedback says who won; this does not affect the outcome. An attempt of a seat whose
+    trials are all unsure is not judged. ``scored``: the earlier attempts, by seat, oldest first.
     """
-    scores = {seat: _score(task, results[seat]) for seat in task.seats if results.get(seat)}
+    done = {seat: results[seat] for seat in task.seats if results.get(seat)}
+    scores = {seat: _score(task, mine) for seat, mine in done.items()}
     declared = None if task.metric.is_none else task.target(attempt.level)
-    if declared is None:
-        return _without_goal(task, attempt, scores, results, histories, scored)
+    if declared is None or not all(map(_sure, done.values())):
+        return _not_judged(task, attempt, scores, results, histories, scored)
     target = _checked(declared, Target)
     enough = task.parameters.min_accuracy
     judgements = {seat: judge(score, task.metric, target, enough) for seat, score in scores.items()}
@@ -121,11 +122,18 @@ def score_seats(
     judged_seats = [
         JudgedAttempt(score, target, judgements[seat]) for seat, score in scores.items()
     ]
-    reached, prompts = min((_reached(task, target, results[seat]) for seat in scores), key=_share)
+    reached, prompts = min(
+        (_reached(task, target, _sure(mine)) for mine in done.values()), key=_share
+    )
     return ScoredSeats(seats, updated, outcome, _worst(task, judged_seats), reached, prompts, past)
 
 
-def _without_goal(
+def _sure(results: Sequence[Result]) -> list[Result]:
+    """Return the results that are scored."""
+    return [result for result in results if UNSURE not in result.flags]
+
+
+def _not_judged(
     task: Task,
     attempt: AttemptFacts,
     scores: Mapping[str, Score],
@@ -174,9 +182,10 @@ def _past(
     """Return the attempt as later ones see it, with the measures of the task and those that compare
     it with them.
     """
-    measures = _mean_qualities(task, results) | _checked_measures(
-        task.measures(list(results)), "measures"
-    )
+    sure = _sure(results)
+    measures = _mean_qualities(task, results)
+    if sure:
+        measures |= _checked_measures(task.measures(sure), "measures")
     past = PastAttempt(
         attempt.attempt, attempt.practice, attempt.level, score, measures, attempt.condition
     )
@@ -227,7 +236,10 @@ def _share(counted: tuple[int, int]) -> float:
 
 def _score(task: Task, results: Sequence[Result]) -> Score:
     """Return the task's score of an attempt. Raises an error if it cannot be one."""
-    score = _checked(task.score(list(results)), Score)
+    if not (sure := _sure(results)):
+        return Score(None, None, 0, len(results))
+    score = _checked(task.score(sure), Score)
+    score = replace(score, trials=score.trials + len(results) - len(sure))
     if task.metric.is_none:
         score = replace(score, metric=None)
     if not 0 <= score.correct <= score.trials:
@@ -381,7 +393,7 @@ def _qualities(task: Task, results: Sequence[Result]) -> dict[str, list[float]]:
     measured.
     """
     measured = {}
-    sound = [result for result in results if DOUBTFUL not in result.flags]
+    sound = [result for result in _sure(results) if DOUBTFUL not in result.flags]
     for quality in task.qualities:
         found = [result.details.get(quality.field) for result in sound if result.correct]
         if values := [float(value) for value in found if isinstance(value, int | float)]:

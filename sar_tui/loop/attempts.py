@@ -14,7 +14,7 @@ from sar_tui.loop.trial import OpenTrial
 from sar_tui.model.language import Language
 from sar_tui.model.messages import AttemptStarted, GoalChanged, LevelChanged
 from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.trial_types import Results, Situation
+from sar_tui.model.trial_types import UNSURE, Results, Situation
 from sar_tui.plugin_calls import PLUGIN_ERRORS
 from sar_tui.rules.declaration import ParameterError
 from sar_tui.rules.level_choice import moves_goal
@@ -140,6 +140,14 @@ class Attempts:
         if ended := self.state.ended:
             return (ended.before.attempt, len(ended.before.results))
         return self.last_trial if self.state.results and not self.is_attempt_done else None
+
+    @property
+    def is_unsure(self) -> bool:
+        """True if the last attempt was not scored, as none of its trials is sure."""
+        results = self.state.ended.before.results if self.state.ended else ()
+        return bool(results) and all(
+            UNSURE in result.flags for trial in results for result in trial.values()
+        )
 
     def begin(self, now: int) -> AttemptStarted:
         """Begin the attempt at ``now`` (ns)."""

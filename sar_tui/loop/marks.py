@@ -15,7 +15,7 @@ from sar_tui.model.messages import (
     TrialMarked,
     Waiting,
 )
-from sar_tui.model.trial_types import Mark, Results
+from sar_tui.model.trial_types import UNSURE, Mark, Results
 
 _OPEN = ("quiet", "foreperiod", "storage", "response")
 """Waits of a trial in which a mark is put on that trial; at all other times it is put on the last
@@ -32,11 +32,13 @@ class TrialMark(msgspec.Struct, frozen=True):
         done: attempt and number of the last trial that was done; zeros if there is none to mark.
         open: the same of the trial under way; zeros if there is none.
         marks: names of the marks in this attempt by trial; empty if one was removed.
+        done_is_unsure: True if the trial that was done is not sure without a mark.
     """
 
     done: tuple[int, int] = _NONE
     open: tuple[int, int] = _NONE
     marks: dict[tuple[int, int], str] = {}
+    done_is_unsure: bool = False
 
     @property
     def trial(self) -> tuple[int, int]:
@@ -48,13 +50,23 @@ class TrialMark(msgspec.Struct, frozen=True):
         """Name of the mark on the trial; empty without one."""
         return self.marks.get(self.trial, "")
 
+    @property
+    def is_unsure(self) -> bool:
+        """True if a mark would decide what the trial was."""
+        return self.done_is_unsure and self.open == _NONE and not self.present
+
     def after(self, message: Message) -> "TrialMark":
         """Return the state after a message of the session."""
         match message:
             case Waiting(stage="trial") if message.what in _OPEN:
                 return replace(self, open=(message.attempt, message.trial))
             case TrialEnded():
-                return replace(self, done=(message.attempt, message.trial), open=_NONE)
+                return replace(
+                    self,
+                    done=(message.attempt, message.trial),
+                    open=_NONE,
+                    done_is_unsure=message.is_unsure,
+                )
             case PromptVoided():  # its mark is removed, and the last trial can be marked again
                 return replace(self, open=_NONE)
             case AttemptStarted():  # the last attempt's trial cannot be marked any more
@@ -78,6 +90,11 @@ class MarkedResults(msgspec.Struct, frozen=True):
         if self.mark is None:
             return self.measured
         return {seat: self.mark.applied(result) for seat, result in self.measured.items()}
+
+    @property
+    def is_unsure(self) -> bool:
+        """True if a result is not sure without a mark."""
+        return any(UNSURE in result.flags for result in self.measured.values())
 
     def toggled(self, mark: Mark) -> "MarkedResults":
         """Return the results with ``mark`` instead of the present one, or without it if that is the

@@ -35,6 +35,9 @@ _EASIER = {
 }
 
 
+_UNSURE = "I did not see that one clearly, so it does not count."
+
+
 class Scores:
     """The scores of a session's attempts, and what the next attempt owes to them.
 
@@ -143,8 +146,9 @@ class Scores:
             self._node.emit(GOAL, change)
 
     @property
-    def why_changed(self) -> str:
-        """Sentences for the participant: why the next attempt has another level or goal.
+    def explained(self) -> str:
+        """Sentences for the participant: that the last attempt does not count, and why the next one
+        has another level or goal.
 
         Nothing is said of a level under the default difficulty policy, as the feedback has just
         said whether the goal was reached, nor of one that somebody set by hand.
@@ -152,7 +156,7 @@ class Scores:
         if not self._announced_level:
             return ""
         tr = self._task.tr
-        found = []
+        found = [tr(_UNSURE)] if self._attempts.is_unsure else []
         if (change := self._level_change) and self._attempts.level != self._announced_level:
             is_harder = self._attempts.level > self._announced_level
             text = (_HARDER if is_harder else _EASIER).get(change.reason, "")
@@ -195,7 +199,8 @@ class Scores:
         for message in marks.messages(*last, self._last_results.mark, correct):
             self._node.emit(MARKED, message)
         request = m.UnsaidFeedbackRequest(attempt=last[0])
-        unsaid = self._node.ask(UNSAID_FEEDBACK, request).seats
+        was_unsure = self._attempts.is_unsure
+        unsaid = results if was_unsure else self._node.ask(UNSAID_FEEDBACK, request).seats
         before = self._attempts.state
         scored = self._attempts.amend(results, unsaid)
         if scored is None:
@@ -208,7 +213,12 @@ class Scores:
         """Return the trial that a mark is put on now, and the mark that is on it."""
         found = TrialMark()
         if last := self._attempts.amendable_trial:
-            found = replace(found, done=last, marks={last: _name(self._last_results.mark)})
+            found = replace(
+                found,
+                done=last,
+                marks={last: _name(self._last_results.mark)},
+                done_is_unsure=self._last_results.is_unsure,
+            )
         if trial and self._status.phase in IN_TRIAL and self._status.phase not in MARKABLE:
             number = (self._attempts.attempt, self._attempts.trial)
             found = replace(found, open=number, marks=found.marks | {number: _name(trial.mark)})

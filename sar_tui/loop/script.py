@@ -605,8 +605,8 @@ class SessionScript:
         )
         if phase is Phase.STEP:
             message = replace(message, step=asked)
-        if phase is Phase.READY and (changed := self.scores.why_changed):
-            message = replace(message, why=changed)
+        if phase is Phase.READY and (explained := self.scores.explained):
+            message = replace(message, why=explained)
         self.node.emit(WAITING, message)
 
     def _notice(self, phase: Phase) -> str:

@@ -20,6 +20,11 @@ Json = dict[str, str | int | float | bool | None]
 DOUBTFUL = "disagree"
 """Flag of a trial whose measures are doubtful: it counts, but no change is reported from it."""
 
+UNSURE = "unsure"
+"""Flag of a trial of which it is not sure that it was a response: it is not scored, until a mark says
+what it was.
+"""
+
 LONGEST_SHOW_MS = 10_000
 """Longest time for which an answer to a trial is shown."""
 
@@ -313,7 +318,8 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
             is counted up to it.
         value: the trial's contribution to the attempt's metric; None for none.
         details: more to store with the trial, as the task's ``Details`` declare.
-        flags: added to ``trials.timing``; the framework adds ``anticipation``.
+        flags: added to ``trials.timing``; the framework adds ``anticipation``. A trial with
+            ``unsure`` is not scored.
         remark: said instead of the theme's phrase if the attempt fails for lack of correct trials:
             a sentence without numbers.
         correction: said after the feedback, however the attempt went: a sentence on how to move,
@@ -335,7 +341,11 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
     @property
     def counts(self) -> bool:
         """True if the trial's value counts for the metric."""
-        return self.correct and self.value is not None and "anticipation" not in self.flags
+        return (
+            self.correct
+            and self.value is not None
+            and {"anticipation", UNSURE}.isdisjoint(self.flags)
+        )
 
 
 def complete(result: Result, declared: "type[Details]") -> Result:
@@ -379,10 +389,11 @@ class Mark(msgspec.Struct, frozen=True):
     remark: str = ""
 
     def applied(self, result: Result) -> Result:
-        """Return a result with this mark."""
+        """Return a result with this mark. It is sure, as somebody has seen it."""
         return msgspec.structs.replace(
             result,
             correct=result.correct and self.counts,
+            flags=tuple(flag for flag in result.flags if flag != UNSURE),
             details={**result.details, "mark": self.name},
             remark=result.remark if self.counts else self.remark,
         )

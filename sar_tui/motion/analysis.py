@@ -33,7 +33,7 @@ SATURATED_NS = 300_000_000
 _TIMES = {"reach_time_ms", "out_ms", "back_ms", "dwell_ms", "turn_after_ms"}
 _ROUNDED = (
     "excursion_deg", "straightness", "return_error_deg", "inclination_rest_deg",
-    "inclination_target_deg", "tremor_rest_hz", "tremor_rest_rad_s", "tremor_action_rad_s",
+    "inclination_target_deg", "tremor_rest_hz", "tremor_rest_rad_s", "tremor_action_rad_s", "confidence",
 )  # fmt: skip
 DISAGREEMENT = 0.2
 """Difference of two detectors' times, as a share of the longer one, from which a reach's time is

@@ -27,6 +27,7 @@ from sar_tui.loop.topics import (
     SENSOR,
     SETTING,
     STORAGE,
+    TRIAL,
     TRUNK_SENSOR,
 )
 from sar_tui.model.language import ENGLISH, Language
@@ -43,6 +44,7 @@ from sar_tui.model.messages import (
     SessionCommand,
     SettingChanged,
     StorageChanged,
+    TrialEnded,
 )
 
 MAX_LINES = 40
@@ -100,6 +102,7 @@ _TRUNK_SENSOR = {
     "flowing": "The trunk sensor sends data again.",
     "ended": "The recording that replaces the trunk sensor has ended.",
 }
+_SENSORS = {SENSOR.name: _SENSOR, TRUNK_SENSOR.name: _TRUNK_SENSOR}
 _SENSOR_TONES: dict[str, Tone] = {"attached": "good", "flowing": "good", "ended": "plain"}
 """Tones of a sensor's states; of all others: bad."""
 PAUSE_REASONS = {"tired": "tired", "pain": "in pain", "finished": "wants to end"}
@@ -274,17 +277,28 @@ def _text(
         text = _level_changed(message, tr)
     elif topic == GOAL.name:
         text = _goal_changed(message, tr)
-    elif topic == SENSOR.name and message.state in _SENSOR:
-        text = tr(_SENSOR[message.state]), _SENSOR_TONES.get(message.state, "bad")
-    elif topic == TRUNK_SENSOR.name and message.state in _TRUNK_SENSOR:
-        text = tr(_TRUNK_SENSOR[message.state]), _SENSOR_TONES.get(message.state, "bad")
+    elif topic in _SENSORS and message.state in _SENSORS[topic]:
+        text = tr(_SENSORS[topic][message.state]), _SENSOR_TONES.get(message.state, "bad")
     elif topic == STORAGE.name:
         text = _storage(message, tr)
     elif topic == MARKERS.name:
         text = _markers(message, tr)
+    elif topic == TRIAL.name and message.is_unsure:
+        text = _unsure(message, tr), "bad"
     elif topic == SETTING.name:
         text = _setting_changed(message, tr), "plain"
     return text
+
+
+def _unsure(trial: TrialEnded, tr: Language) -> str:
+    confidence = trial.details.get("confidence")
+    if not isinstance(confidence, int | float):
+        return tr("Trial {number} is unsure: it is not scored without a mark.", number=trial.trial)
+    return tr(
+        "Trial {number} is unsure ({share} %): it is not scored without a mark.",
+        number=trial.trial,
+        share=f"{100 * confidence:.0f}",
+    )
 
 
 # Names, addresses and texts of others are put in by `format`: `tr` would change their numbers.

@@ -341,7 +341,7 @@ def _on_trial(state: SessionState, trial: TrialEnded) -> SessionState:
 def _on_mark(state: SessionState, marked: TrialMarked) -> SessionState:
     seat = state.seat(marked.seat)
     trials = tuple(
-        replace(t, correct=marked.correct)
+        replace(t, correct=marked.correct, details={**t.details, "mark": marked.mark})
         if (t.attempt, t.trial) == (marked.attempt, marked.trial)
         else t
         for t in seat.trials

@@ -11,14 +11,14 @@ from sar_tui.model.messages import AttemptEnded, TrialEnded
 from sar_tui.model.trial_types import Metric
 from sar_tui.reports.charts import BARS, MARKERS, attempts_figure, result_name
 
-_RIGHT, _WRONG, _MISSED = "✓", "✗", "–"
+_RIGHT, _WRONG, _MISSED, _UNSURE = "✓", "✗", "–", "?"
 Piece = tuple[str, str]
 """Text and its style."""
 
 
 def responses(trials: Sequence[TrialEnded], width: int) -> list[Piece]:
-    """Return the last responses, newest last: a tick, a cross, or a dash for none, and the
-    stimulus.
+    """Return the last responses, newest last: a tick, a cross, a question mark for an unsure one or
+    a dash for none, and the stimulus.
     """
     pieces: list[Piece] = []
     for trial in reversed(trials):
@@ -32,6 +32,8 @@ def responses(trials: Sequence[TrialEnded], width: int) -> list[Piece]:
 
 
 def _result(trial: TrialEnded) -> Piece:
+    if trial.is_unsure:
+        return _UNSURE, "$warning bold"
     if trial.correct:
         return _RIGHT, "$success"
     return (_MISSED, "$text-muted") if trial.response is None else (_WRONG, "$warning bold")

@@ -11,9 +11,9 @@ Student's t: with the SD of three sessions, 1.96 would call one difference in fi
 nothing had changed.
 
 The first session is left out of the baseline. Repeated tests get better without any recovery:
-reaction times fall over the first four tests (Scharfen 2018), and choice reactions need about six
-sets of 20 before they stand (Parkin 1997). Where the baseline itself still rises, that rise is
-allowed for in later gains.
+reaction times fall with each of four tests (Scharfen 2018), and choice reactions need four to six
+sets of 20 before they stand (Parkin 1997; docs/progress.md). Where the baseline itself still rises,
+that rise is allowed for in later gains.
 """
 
 import math

@@ -1,10 +1,8 @@
 """Changes of the scores of other instruments, beside what is published of such changes.
 
-What is published stands with the kinds of record (`records/kinds`). Only values that a source
-states, and that were read there, are there, with the people they hold for. Left out are the MDCs of
-the WMFT three to nine months after a stroke (Fritz 2009, doi:10.1177/1545968309335975), which were
-not read. Of a single goal of GAS nothing is published. Early after a stroke the MCID of the times
-of the WMFT was indeterminate where the side that is not dominant was affected (Lang 2008).
+What is published stands with the kinds of record (`records/kinds`), with the people it holds for.
+Only values that a source states, and that were read there, are there; docs/progress.md names those
+that were not found.
 """
 
 from collections.abc import Iterable, Sequence

@@ -27,6 +27,8 @@ from sar_tui.records.scoring import Score
 SHIPPED = Path(__file__).parent / "kinds"
 NOT_SAID = "not said"
 """Value of an item that somebody would rather not answer."""
+NOT_FOUND = "not found"
+"""Method or interval of a published change that was not told in what was read of its source."""
 STATUS, LANGUAGE, PERMISSION = "status", "language", "permission"
 """Fields of each form: how far it is filled in, in which language, and who allowed its use."""
 OPEN, COMPLETE = "open", "complete"
@@ -217,17 +219,27 @@ class Field(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
 
 class Published(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A published minimal detectable change, at 95 % (``MDC``) or 90 % (``MDC90``), or important
-    difference (``MCID``), of the first field of a kind.
+    """A published minimal detectable change or important difference (``MCID``) of the first field
+    of a kind.
 
-    ``low`` and ``high`` are equal for a single value. ``of``: the people it holds for.
+    Attributes:
+        kind: ``MDC95`` and ``MDC90`` hold with 95 and 90 % confidence; of ``MDC`` it is not known.
+        low, high: equal for a single value.
+        of: the people it holds for: condition, phase, number and setting.
+        source: author, year and DOI.
+        method: how it was found; of an MCID, by which anchor or from the distribution.
+        interval: between the two tests of an MDC, or the two assessments of an MCID.
+        read: what was read of the source; empty if that is not declared.
     """
 
-    kind: Literal["MDC", "MDC90", "MCID"]
+    kind: Literal["MDC", "MDC95", "MDC90", "MCID"]
     low: float
     high: float
     of: str
     source: str
+    method: str = NOT_FOUND
+    interval: str = NOT_FOUND
+    read: Literal["abstract", "whole paper", ""] = ""
 
 
 class Words(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -64,7 +64,7 @@ GLOSSARY: dict[str, Entry] = {
         "The gain from the first session to the next three. It comes with repeating any test, and "
         "is no recovery.",
         "The mean of sessions 2, 3 and 4 minus the first session.",
-        "Scharfen 2018, PMID 31162433; docs/progress.md#practice-is-not-recovery",
+        "Scharfen 2018, doi:10.3390/jintelligence6010006; docs/progress.md#practice-is-not-recovery",
     ),
     "result": Entry(
         "Mean result",

@@ -487,17 +487,30 @@ def warnings(found: Progress, tr: Language) -> list[str]:
 
 
 def published(value: Published, kind: Kind, tr: Language = ENGLISH) -> str:
-    """Return a published change with its source: "MCID 9 to 10 points, subacute stroke (Arya
-    2011)".
+    """Return a published change with its people, its method, the time between the two tests, and
+    its source: "MDC95 6.6 points, 22 people, chronic stroke; method: upper 95 % limit of
+    agreement; interval: 2 weeks (van der Lee 2001; abstract read)".
     """
-    return f"{_published_size(value, kind, tr)} ({value.source})"
+    return f"{_published_size(value, kind, tr)} {_source(value, tr)}"
 
 
 def _published_size(value: Published, kind: Kind, tr: Language) -> str:
     low, high = f"{value.low:g}", f"{value.high:g}"
     size = tr.figures(low) if low == high else tr("{low} to {high}", low=low, high=high)
     unit = kind.score.unit if kind.score else ""
-    return f"{value.kind} {size} {tr(unit)}, {tr(value.of)}"
+    return tr(
+        "{size}, {people}; method: {method}; interval: {interval}",
+        size=f"{value.kind} {size} {tr(unit)}".rstrip(),
+        people=tr(value.of),
+        method=tr(value.method),
+        interval=tr(value.interval),
+    )
+
+
+def _source(value: Published, tr: Language) -> str:
+    reads = {"": "", "abstract": tr("abstract read"), "whole paper": tr("whole paper read")}
+    told = filter(None, (value.source, reads[value.read]))
+    return f"({'; '.join(told)})"  # no decimal comma in a DOI
 
 
 def instrument_change(found: InstrumentChange, tr: Language) -> str:
@@ -524,7 +537,7 @@ def instrument_change(found: InstrumentChange, tr: Language) -> str:
         compared = (
             tr("Reaches {value}", value=size) if each.reached else tr("Below {value}", value=size)
         )
-        said.append(f"{compared} ({each.published.source}).")  # no decimal comma in a DOI
+        said.append(f"{compared} {_source(each.published, tr)}.")
     if not found.reached:
         said.append(tr("No change of it that could be compared is published."))
     return " ".join(said)

@@ -532,13 +532,20 @@ ATTEMPTS = Table(
             more="It may differ between levels, and under the difficulty policy `percentile` "
             "between attempts.",
         ),
-        Column("accuracy", "number", "Share of right responses, 0 to 1."),
+        Column(
+            "accuracy",
+            "number",
+            "Share of right responses, 0 to 1.",
+            more="Of those that are scored: [unsure reaches](movement-measures.md#doubtful-reaches) "
+            "are not.",
+        ),
         Column("correct", "integer", "Number of right responses."),
         Column("trials", "integer", "Number of prompts."),
         Column(
             "outcome",
             "string",
-            "Success: better than the goal, and accurate enough. None: it had no goal.",
+            "Success: better than the goal, and accurate enough. None: it had no goal, or none of "
+            "its trials is sure.",
             levels=("success", "failure", "none"),
             form="word",
         ),
@@ -741,6 +748,7 @@ TRIALS = Table(
                     "could not be drawn, and the glyph was), `tone_failed` (a tone was not "
                     "heard), `late_frame` (a frame was seen over 10 ms after its time), "
                     "`unmeasured` (it could not be measured three times; the next flag says why), "
+                    "`unsure` (without a mark it is not scored), "
                     "and those of the task, such as "
                     "[those of reaching](movement-measures.md#flags).",
                 ),

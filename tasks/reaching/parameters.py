@@ -60,6 +60,10 @@ class ReachDetails(Details, frozen=True):
     fixed_threshold_reach_time_ms: Annotated[
         float | None, msgspec.Meta(description="By the fixed-threshold detector.")
     ] = None
+    confidence: Annotated[
+        float | None,
+        msgspec.Meta(description="How sure the orientation detector is that it was one, 0 to 1."),
+    ] = None
     reach_time_ms: Annotated[
         float | None, msgspec.Meta(description="From movement onset to its end.")
     ] = None
@@ -142,7 +146,7 @@ class ReachDetails(Details, frozen=True):
     ] = None
     mark: Annotated[
         str | None,
-        msgspec.Meta(description="The therapist's mark: missed, compensated or assisted."),
+        msgspec.Meta(description="The therapist's mark: missed, compensated, assisted or whole."),
     ] = None
 
 
@@ -258,8 +262,19 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
             "Smallest turn of the hand on the way out, and on the way back.",
             ge=1,
             le=60,
+            personal=True,
         ),
     ] = 7.0
+    least_confidence: Annotated[
+        float,
+        meta(
+            "Least confidence",
+            help="A reach of which the detector is less sure is not scored, until somebody marks "
+            "it. 0: all are scored.",
+            ge=0,
+            le=1,
+        ),
+    ] = 0.6
     thesis_threshold_rad_s: Annotated[
         float,
         meta(

@@ -4,6 +4,7 @@ import math
 from typing import TYPE_CHECKING, Any, Literal
 
 from sar_tui.api.task import (
+    UNSURE,
     Act,
     Again,
     Axis,
@@ -80,6 +81,7 @@ class ReachingTask(Task):
         Quality("trunk_excursion_deg", "lower", "stiller in the back", "with your back still", 3.0),
     )
     marks = (
+        Mark("whole", "f6", "Whole reach", counts=True),
         Mark(
             "missed",
             "f7",
@@ -267,6 +269,7 @@ class ReachingTask(Task):
             )
         value = percept.details["reach_time_ms"]
         leaned = self._leaned(percept)
+        warnings = ((LEANED, leaned), (UNSURE, self._is_unsure(percept)))
         return Result(
             correct=True,
             response="reach",
@@ -274,9 +277,15 @@ class ReachingTask(Task):
             response_at=percept.end,
             value=float(value) if isinstance(value, int | float) else None,
             details=details,
-            flags=(*percept.flags, LEANED) if leaned else percept.flags,
+            flags=(*percept.flags, *(flag for flag, holds in warnings if holds)),
             correction=self.tr(_LEANED) if leaned else "",
         )
+
+    def _is_unsure(self, reach: ReachPerceived) -> bool:
+        """Return True if it may have been another movement, as far as the detector tells."""
+        confidence = reach.details.get("confidence")
+        limit = self.parameters.least_confidence
+        return isinstance(confidence, int | float) and confidence < limit
 
     def _leaned(self, reach: ReachPerceived) -> bool:
         """Return True if the trunk turned farther than the therapist allows, as far as its sensor

@@ -3,7 +3,7 @@
 import math
 import re
 from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, closing
 from pathlib import Path
 from typing import Any
 from unittest.mock import Mock
@@ -21,7 +21,8 @@ from sar_tui.motion.analysis import Finding
 from sar_tui.motion.synthesis import PROFILES, Profile, ReachShape, SimulatedHand
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan, make_plan
-from sar_tui.store.database import StoreError
+from sar_tui.store import programmes
+from sar_tui.store.database import StoreError, connect
 from tests.album import Album
 from tests.app.app_driver import AppDriver, OpenApp, known, open_app, stored
 
@@ -379,6 +380,50 @@ async def test_a_persons_test_reach_is_found_at_rest(open_check: OpenCheck) -> N
         assert not any("├─" in row for row in driver.rows)
         await driver.wait(16_000)
         driver.see(f"! {NO_REACH}")
+
+
+async def calibrate(driver: AppDriver, source: Plugged, *peaks: float) -> None:
+    """Make reaches whose way out is as fast as told (rad/s), each with the same way back."""
+    for peak in peaks:
+        await driver.wait(500)
+        driver.see("Now reach out")
+        shape = ReachShape(out_s=0.7, back_s=0.7, dwell_s=0.5, peak_out=peak, peak_back=-peak)
+        source.inner.move(driver.clock.now() + SECOND, shape)
+        await driver.wait(5000)
+
+
+async def test_three_reaches_set_the_persons_least_turn(open_check: OpenCheck, data: Path) -> None:
+    source = Plugged()
+    async with open_check(source) as driver:
+        await driver.wait(3000)
+        await driver.press("c")
+        driver.see("Reach 1 of 3. Rest the hand")
+        await calibrate(driver, source, 1.5, 1.2, 1.8)
+        driver.see("The reaches turned the hand by 32°, 26°, 38°.", "From 9° on it is a reach.")
+        driver.see("Enter: keep that for P01")
+        await driver.press("enter")
+        await driver.wait(200)
+        assert driver.session.task.parameters.least_turn_deg == 9
+    with closing(connect(data)) as database:
+        saved = programmes.newest(database, "P01", "reaching")
+    assert saved.parameters == {"least_turn_deg": 9.0}
+    assert saved.reason == "Calibrated by reaches that turned the hand by 32°, 26°, 38°."
+
+
+async def test_a_doubtful_reach_does_not_calibrate(open_check: OpenCheck) -> None:
+    source = Plugged()
+    async with open_check(source) as driver:
+        await driver.wait(3000)
+        await driver.press("c")
+        await calibrate(driver, source, 1.5)
+        driver.see("Reach 2 of 3.")
+        short = ReachShape(out_s=0.7, back_s=0.7, dwell_s=0.5, peak_out=1.5, peak_back=-0.85)
+        source.inner.move(driver.clock.now() + SECOND, short)
+        await driver.wait(9000)
+        driver.see("! It may have been another movement")
+        driver.see("Reach 2 of 3.")
+        await driver.press("t")
+        driver.lacks("Reach 2 of 3.")
 
 
 async def test_saturation_is_not_attributed_to_the_cable(open_check: OpenCheck) -> None:

@@ -107,7 +107,8 @@ def test_scores_appear_in_progress_with_their_sources(call: Call) -> None:
     for score in ("score=34 --on 2026-03-01 --new", "score=45 --on 2026-05-01"):
         call(f"record add fma-ue p01 {score}").shows("is recorded.")
     shown = " ".join(call("progress P01").out.split())
-    assert "34 on 2026-03-01, 45 on 2026-05-01; change +11. Reaches MDC 6.8 points" in shown
+    assert "34 on 2026-03-01, 45 on 2026-05-01; change +11. Reaches MDC95 6.82 points" in shown
+    assert "limit of agreement; interval: 2 weeks (van der Lee 2001" in shown
     added = call("record add BBT P09 score=30 --new --json").json["record"]
     today = datetime.strptime(added["at"], "%Y-%m-%d")
     assert timedelta(0) <= datetime.now() - today < timedelta(days=2), (
@@ -116,7 +117,7 @@ def test_scores_appear_in_progress_with_their_sources(call: Call) -> None:
     without = call("progress P09 --json").json
     assert (without["lines"], without["days"], len(without["instruments"])) == ([], [], 1)
     spanish = " ".join(call("progress P01 --note --language es").out.split())
-    assert "cambio +11. Alcanza MDC 6,8 puntos, 1 a 6 semanas" in spanish
+    assert "cambio +11. Alcanza MDC95 6,82 puntos, 51 personas, 1 a 6 semanas" in spanish
     assert "doi:10.1177/15459683231186985" in spanish
     (found,) = call("progress P01 --json").json["instruments"]
     assert (found["instrument"]["name"], found["change"]) == ("FMA-UE", 11.0)

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import msgspec
+import numpy as np
 import pytest
 import zenoh
 
@@ -30,7 +31,7 @@ from sar_tui.link.errors import LinkError
 from sar_tui.link.invitation import Invitation
 from sar_tui.link.listening import ListenOptions, open_link
 from sar_tui.link.node import LinkNode
-from sar_tui.link.peer import Connection, Frame, Peer, PeerEvent, Welcome
+from sar_tui.link.peer import Connection, Frame, MotionTrace, Peer, PeerEvent, Welcome
 from sar_tui.link.zenoh_settings import (
     Guest,
     LinkKeys,
@@ -42,10 +43,11 @@ from sar_tui.link.zenoh_settings import (
 from sar_tui.loop.bus import Bus, Record, Topic
 from sar_tui.loop.clock import LiveClock
 from sar_tui.loop.nodes.arbiter import Arbiter
-from sar_tui.loop.topics import ANSWERED, NOTE_ADDED, PRESENCE, REFUSED, SESSION
+from sar_tui.loop.topics import ANSWERED, IMU, NOTE_ADDED, PRESENCE, REFUSED, SESSION
 from sar_tui.model import messages as m
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS
+from sar_tui.motion.samples import SAMPLE, pack
 from sar_tui.rules.parameters import TaskParameters
 from tests.link.test_node import STARTED, WELCOME
 from tests.link.tls_fixtures import eventually, invite_guests, visiting, without_certificate
@@ -216,6 +218,18 @@ async def test_a_peer_gets_welcome_and_snapshot_and_its_act_returns_until_it_lea
     assert session.of(NOTE_ADDED) == [expected]
     panel.peer.close()
     await until(lambda: session.states(ANNA) == ["joined", "baton", "left"])
+
+
+async def test_a_sensors_samples_arrive_as_a_trace(session: LinkSession) -> None:
+    panel = await session.panel("anna")
+    samples = np.zeros(100, SAMPLE)
+    samples["at"] = session.bus.clock.now() + np.arange(100) * 4 * MS
+    samples["rate"][:, 2] = 1.5
+    session.bus.publish(IMU, m.ImuBlock(samples=pack(samples)))
+    await until(lambda: any(isinstance(each, MotionTrace) for each in panel.events))
+    trace = next(each for each in panel.events if isinstance(each, MotionTrace))
+    assert trace.rates == pytest.approx([1.5] * len(trace.rates))
+    assert "lost" not in panel.states
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,13 @@
 """Scores of other tests beside their published changes."""
 
+import re
 from pathlib import Path
 
 import pytest
 
 from sar_tui.progress.scores import InstrumentChange, Score, changes
-from sar_tui.records.kind import find, kinds
+from sar_tui.records.kind import Kind, Published, find, kinds
+from sar_tui.reports.progress_words import published
 
 
 def scored(name: str, *scores: float) -> InstrumentChange:
@@ -53,15 +55,42 @@ def test_an_improvement_may_be_a_smaller_score_and_an_mdc_holds_both_ways(
 def test_every_published_value_names_its_people_and_its_source() -> None:
     values = [each for kind in kinds().values() for each in kind.published]
     assert values
-    assert all(
-        each.of and "doi:10." in each.source and 0 < each.low <= each.high for each in values
+    for each in values:
+        assert re.search(r"\d+ (people|inpatients)", each.of)
+        assert re.search(r"\d{4}, .*(doi:10\.|DOI not found)", each.source)
+        assert each.method
+        assert each.interval
+        assert 0 < each.low <= each.high
+
+
+def test_the_table_of_the_documentation_has_the_published_values() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "progress.md").read_text(encoding="utf-8")
+    section = page.partition("## Other instruments")[2].partition("\n## ")[0]
+    rows = [line for line in section.splitlines() if line.startswith("|")][2:]
+    assert rows == [row(kind, each) for kind in kinds().values() for each in kind.published]
+
+
+def test_what_a_source_does_not_tell_is_said_to_be_not_found() -> None:
+    own = Published("MDC", 3, 3, "12 people, our own clinic", "Our own clinic, 2026")
+    assert published(own, find("ARAT")) == (
+        "MDC 3 points, 12 people, our own clinic; method: not found; interval: not found "
+        "(Our own clinic, 2026)"
     )
-    pages = (Path(__file__).parents[2] / "docs" / "progress.md").read_text(encoding="utf-8")
-    assert [each.source for each in values if each.source.partition("doi:")[2] not in pages] == []
+
+
+def row(kind: Kind, value: Published) -> str:
+    """Return a published change as a row of the table in docs/progress.md."""
+    assert kind.score
+    size = f"{value.low:g}" if value.low == value.high else f"{value.low:g} to {value.high:g}"
+    change = f"{value.kind} {size} {kind.score.unit}"
+    cells = (kind.name, change, value.of, value.method, value.interval, value.source)
+    assert value.read == "abstract", "the page says so of all"
+    return f"| {' | '.join(cells)} |"
 
 
 def test_values_for_severe_and_for_chronic_impairment_are_told_apart() -> None:
     of = {each.of: (each.kind, each.low, each.high) for each in find("FMA-UE").published}
-    assert of["chronic stroke, minimal to moderate arm impairment"] == ("MCID", 4.25, 7.25)
-    assert of["1 to 6 weeks after stroke, moderate to severe arm impairment"] == ("MCID", 9, 13)
-    assert any(each.of.startswith("chronic stroke") for each in find("ARAT").published)
+    (chronic,) = (value for people, value in of.items() if "minimal to moderate arm" in people)
+    (early,) = (value for people, value in of.items() if "moderate to severe arm" in people)
+    assert (chronic, early) == (("MCID", 4.25, 7.25), ("MCID", 9, 13))
+    assert any("chronic stroke" in each.of for each in find("ARAT").published)

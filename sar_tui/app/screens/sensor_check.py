@@ -14,8 +14,17 @@ from textual.content import Content
 from textual.widgets import Static
 
 from sar_tui.app.patient_mode import keys_in_mode
-from sar_tui.app.sensor_advice import MARKS, Fact, Mark, facts, reach_test_text, signed, worst
-from sar_tui.app.sensor_monitor import SensorWatch
+from sar_tui.app.sensor_advice import (
+    MARKS,
+    Fact,
+    Mark,
+    calibration_text,
+    facts,
+    reach_test_text,
+    signed,
+    worst,
+)
+from sar_tui.app.sensor_monitor import Calibration, SensorWatch
 from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.loop.clock import Clock, Handle, LiveClock
 from sar_tui.model.language import Language
@@ -41,6 +50,7 @@ _PARTS = ("On the hand", "On the trunk")
 _PLACE_TRUNK = "Fasten this sensor to the breastbone, and lean against the back of the chair."
 _PLACE = "Fasten the sensor as drawn, and lay the hand flat on the table, palm down."
 _IDLE = "T: a test reach.  Z: zero the sensor.  Enter: begin the session."
+_IDLE_PERSON = "T: test reach.  C: calibrate by three.  Z: zero the sensor.  Enter: begin."
 _ZEROED = "The sensor removes its bias: keep the hand still for two seconds."
 _IDLE_TRUNK = "Z: zero the sensor.  Enter: begin the session."
 _ZEROED_TRUNK = "The sensor removes its bias: sit still for two seconds."
@@ -58,6 +68,8 @@ _HELP = (
     "Lay the hand flat and still: z points up, and the bias of each axis is shown.",
     "Zero removes that bias, if the sensor can. A test shows what a session would measure: "
     "rest, reach out and back, and rest. It is not stored.",
+    "Calibrate measures three reaches of this person: a movement that turns the hand less than a "
+    "third of the smallest is no reach from then on. Do it again when the person reaches farther.",
     "The session may begin at any time; without a sensor it waits for one.",
 )
 _HELP_WITH_TRUNK = (
@@ -97,6 +109,7 @@ class SensorCheckScreen(DismissedOnce[bool]):
     AUTO_FOCUS = ""
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("t", "test", "Test", id="test-reach"),
+        Binding("c", "calibrate", "Calibrate", id="calibrate"),
         Binding("z", "zero", "Zero", id="zero"),
         Binding("tab", "other", "Other sensor", show=False, id="other-sensor"),
         Binding("enter", "begin", "Begin", id="begin"),
@@ -111,6 +124,8 @@ class SensorCheckScreen(DismissedOnce[bool]):
         self.sensors = [
             SensorWatch(feed, clock.now, hand) for feed, hand in zip(feeds, hands, strict=False)
         ]
+        for sensor in self.sensors:
+            sensor.least_confidence = getattr(plan.parameters, "least_confidence", 0.0)
         self.sensor = self.sensors[0]
         self._unseen = self.sensors[1:]
         self._plan = plan
@@ -161,7 +176,7 @@ class SensorCheckScreen(DismissedOnce[bool]):
             yield SpeedTrace(id="trace")
         if self.app.switch:
             yield KeyLine()
-        yield KeyFooter()
+        yield KeyFooter(optional=("zero", "quit"))
 
     def on_mount(self) -> None:
         if isinstance(self._clock, LiveClock):
@@ -179,6 +194,8 @@ class SensorCheckScreen(DismissedOnce[bool]):
         found = [Choice(begin, ("enter",)), Choice(tr("Test"), ("t",)), Choice(tr("Zero"), ("z",))]
         if self._is_on_trunk:
             del found[1]
+        if self._can_calibrate:
+            found.append(Choice(tr("Calibrate"), ("c",)))
         return (*found, Choice(tr("Back"), ("escape",)))
 
     # --- actions
@@ -189,6 +206,12 @@ class SensorCheckScreen(DismissedOnce[bool]):
             return
         self._set_notice("")
         self.sensor.begin_test()
+        self._show()
+
+    def action_calibrate(self) -> None:
+        """Begin the reaches that set the person's least turn, or begin them again."""
+        self._set_notice("")
+        self.sensor.begin_calibration()
         self._show()
 
     def action_zero(self) -> None:
@@ -206,6 +229,8 @@ class SensorCheckScreen(DismissedOnce[bool]):
         """Offer the other sensor if there is one, and a test reach of a hand."""
         if action == "test" and self._is_on_trunk:
             return False
+        if action == "calibrate":
+            return self._can_calibrate
         return (
             len(self.sensors) > 1 if action == "other" else super().check_action(action, parameters)
         )
@@ -219,6 +244,20 @@ class SensorCheckScreen(DismissedOnce[bool]):
         self.refresh_bindings()
         self._show()
         self.app.look_for_choices()
+
+    @property
+    def _can_calibrate(self) -> bool:
+        """True if the session has a least turn that may be set for the person: a study has its own,
+        and in patient mode nobody changes settings.
+        """
+        has_limit = hasattr(self._plan.parameters, "least_turn_deg") and not self._plan.study
+        return has_limit and not self.app.patient and not self._is_on_trunk
+
+    @property
+    def calibration(self) -> Calibration | None:
+        """A calibration of the hand's sensor that is over; None without one."""
+        made = self.sensors[0].calibration
+        return made if made and made.is_over else None
 
     @property
     def _is_on_trunk(self) -> bool:
@@ -315,9 +354,14 @@ class SensorCheckScreen(DismissedOnce[bool]):
             return [("wrong", self._missing_text())]
         if words and self._clock.now() < until:
             return [(mark, words)]
-        if self.sensor.test:
-            return reach_test_text(self.sensor.test, self.sensor.hand, self.tr)
-        idle = self.tr(_IDLE_TRUNK if self._is_on_trunk else _IDLE_FIRST if self._unseen else _IDLE)
+        test, hand = self.sensor.test, self.sensor.hand
+        if test and self.sensor.calibration:
+            who = self._plan.participant
+            return calibration_text(self.sensor.calibration, test, hand, who, self.tr)
+        if test:
+            return reach_test_text(test, hand, self.tr)
+        idle = _IDLE_FIRST if self._unseen else _IDLE_PERSON if self._can_calibrate else _IDLE
+        idle = self.tr(_IDLE_TRUNK if self._is_on_trunk else idle)
         return [("wait", idle)] if self.sensor.attached and not self.app.switch else []
 
     def _missing_text(self) -> str:

@@ -573,7 +573,8 @@ class SessionStage(Vertical):
             self._position = f"{waiting.attempt_name.capitalize()} · {level}"
         is_result_shown = waiting.stage == "attempt" and bool(self._bars)
         position = self._ended_position if is_result_shown else self._position
-        parts = (self.marks.text, "" if self.marks.asks else position)
+        unsure = "" if self.app.patient else self.marks.unsure_text
+        parts = (self.marks.text, unsure, "" if self.marks.asks else position)
         self.query_one("#where", Static).update(" · ".join(filter(None, parts)))
 
     def _show_attempts(self, done: int) -> None:
@@ -661,9 +662,9 @@ class MarkKeys:
         """Follow the session to the trial that is marked from now on. Returns True if this changes
         the text.
         """
-        before = self.text
+        before = self.text, self.unsure_text
         self._mark = self._trial_mark()
-        return self.text != before
+        return (self.text, self.unsure_text) != before
 
     def marked(self) -> None:
         """Follow a mark that was put on a trial, or removed."""
@@ -688,6 +689,17 @@ class MarkKeys:
 
     def __contains__(self, key: object) -> bool:
         return key in self._marks
+
+    @property
+    def unsure_text(self) -> str:
+        """The words on a trial that is not scored, with the key of the mark by which it is; empty
+        for a sure one.
+        """
+        counting = next((mark for mark in self._marks.values() if mark.counts), None)
+        if not self._mark.is_unsure or counting is None:
+            return ""
+        key, name = counting.key.upper(), self._titles[counting.name]
+        return self.tr("Unsure, not scored · {key}: {mark}", key=key, mark=name)
 
     @property
     def text(self) -> str:

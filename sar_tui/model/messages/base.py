@@ -61,7 +61,7 @@ Policy = Literal["queue", "interrupt", "drop"]
 ActionPart = Literal["say", "show", "gesture", "gaze", "tone"]
 PartState = Literal["queued", "started", "done", "aborted", "failed"]
 Outcome = Literal["success", "failure", "none"]
-"""``none``: of an attempt without goal."""
+"""``none``: of an attempt without goal, or with unsure trials only."""
 SensorState = Literal[
     "attached", "detached", "error", "gap", "saturated", "stalled", "flowing", "ended"
 ]

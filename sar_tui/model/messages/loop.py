@@ -9,6 +9,7 @@ from sar_tui.model.messages.base import Degree, Form, Json, Message, Outcome, Re
 from sar_tui.model.step import Answer, Entry, Step
 from sar_tui.model.step import Kind as StepKind
 from sar_tui.model.tone import Tone
+from sar_tui.model.trial_types import UNSURE
 
 __all__ = [
     "AskedStep",
@@ -138,14 +139,14 @@ class Waiting(Message, frozen=True, kw_only=True):
     20". ``goal``: of the attempt; empty in trials. ``seat``: whose turn it is, or whose sensor is
     awaited; empty for everybody's, or if it is unknown before the prompt. ``notice``: shown to the
     participant first: a new level, a trial to repeat, a limit. ``why``: why level or goal have
-    changed, for the participant. ``reason``, in a pause: how the participant is (see
-    `SessionCommand`), ``interrupted`` (the program had ended), ``storage`` (writing fails; also at
-    the end), ``restored`` (writing works again), ``sensor`` (no data); while it waits for quiet:
-    ``held`` (a key is held down). ``detail``: the error of disk or sensor, for the experimenter.
-    ``ask``: the key that requests feedback on the last attempt, if there is some. ``until``: when a
-    rest is over, or the attempt begins by itself (ns). ``restarts``: number of attempts so far that
-    were interrupted and began again under the next number. ``step``: the question, or another step,
-    that stands on the screen.
+    changed, or the last attempt does not count, for the participant. ``reason``, in a pause: how
+    the participant is (see `SessionCommand`), ``interrupted`` (the program had ended), ``storage``
+    (writing fails; also at the end), ``restored`` (writing works again), ``sensor`` (no data);
+    while it waits for quiet: ``held`` (a key is held down). ``detail``: the error of disk or
+    sensor, for the experimenter. ``ask``: the key that requests feedback on the last attempt, if
+    there is some. ``until``: when a rest is over, or the attempt begins by itself (ns).
+    ``restarts``: number of attempts so far that were interrupted and began again under the next
+    number. ``step``: the question, or another step, that stands on the screen.
     """
 
     what: Literal[
@@ -343,7 +344,7 @@ class Timing(msgspec.Struct, frozen=True, omit_defaults=True):
     ``unreadable_input``, ``repeat_key``, ``late_key``, ``other_seat`` (a key of a participant whose
     turn it was not), ``skipped``, ``onset_refresh``, ``early_key`` (a key before the frame from
     which responses are awaited), ``no_picture`` (its glyph was drawn instead), ``tone_failed``,
-    ``late_frame`` (one was seen over 10 ms after its time).
+    ``late_frame`` (one was seen over 10 ms after its time), ``unsure`` (see `trial_types.UNSURE`).
     ``frame_onsets_ns``: onsets of the frames that were shown; ``tone_onsets_ns``: of the tones that
     began, by ``tone_source`` (see `ToneBegan`).
     """
@@ -379,6 +380,13 @@ class TrialEnded(Message, frozen=True, kw_only=True):
     timing: Timing
     details: Json
     data: dict[str, Any] = {}
+
+    @property
+    def is_unsure(self) -> bool:
+        """True if it is not scored, as it may not have been a response, and no mark says what it
+        was.
+        """
+        return UNSURE in self.timing.flags and not self.details.get("mark")
 
 
 class TrialFeedback(Message, frozen=True, kw_only=True):
