@@ -14,7 +14,7 @@ are ways, and two in a row that turn the hand opposite ways are a reach.
 
 import importlib.util
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -27,23 +27,25 @@ from benchmarks.real_recordings import (
     DAILY_LIFE,
     EXERCISES,
     Label,
+    LabelledSet,
     labels,
     read_daily_life,
     read_exercise,
 )
 from sar_tui.motion import quaternions
-from sar_tui.motion.analysis import AnalysisParameters, Window, analyse
+from sar_tui.motion.analysis import AnalysisParameters, Finding, Window, analyse
 from sar_tui.motion.arrays import lengths
 from sar_tui.motion.detection import apart, calibrated, detect
 from sar_tui.motion.detection import find as find_all
 from sar_tui.motion.detector_names import DetectorName
-from sar_tui.motion.orientation import OrientationParameters
+from sar_tui.motion.orientation import Ends, OrientationParameters
 from sar_tui.motion.plausibility import plausible
 from sar_tui.motion.reach_kinds import KINDS
 from sar_tui.motion.repetitions import count_repetitions
 from sar_tui.motion.rest import Grid, even
 from sar_tui.motion.samples import Recording
 from sar_tui.motion.trajectories import simulate_reaches
+from sar_tui.plugins import Catalogue
 
 OURS: DetectorName = "orientation"
 SHARED = 0.5
@@ -51,6 +53,7 @@ CALIBRATING = 3
 KNOWN_SHARE, OPEN_SHARE, MOST_FALSE = 0.95, 0.9, 0.5
 MOST_END_MS, MOST_TRUE_END_MS = 200.0, 80.0
 AROUND_S = 2.0
+BEFORE_S, ASKED_S = 3.0, 8.0
 WATCH_HZ, WATCH_COUNT = 50.0, 20
 WINDOW_S, STILL_RAD_S = 0.2, 0.2
 LEAST_RAD, DWELL_S = math.radians(10), 5.0
@@ -95,12 +98,13 @@ def measure(quick: bool, measured: Callable[[], None]) -> dict[str, Any]:
     """Return all figures; ``measured`` is called after each recording."""
     exercises, daily = (EXERCISES[:2], DAILY_LIFE[:2]) if quick else (EXERCISES, DAILY_LIFE)
     found: dict[str, list[Kind]] = {
-        name: [] for name in ("open", "people", "window", "calibrated", "daily")
+        name: [] for name in ("open", "people", "window", "home", "calibrated", "daily")
     }
     for name in exercises:
         for detector, find in DETECTORS.items():
             found["open"] += in_the_open(name, detector, find)
             found["window"] += in_windows(name, detector)
+        found["home"] += in_windows(name, OURS, "home")
         own = [each for each in found["open"] if each.detector == OURS]
         found["people"] += [
             each._replace(kind=f"person {name[1]}") for each in own[-len(labels(name)) :]
@@ -122,7 +126,8 @@ def measure(quick: bool, measured: Callable[[], None]) -> dict[str, Any]:
     found["left out"] = left_out(exercises, daily)
     measured()
     figures = {name: [each.figures() for each in _joined(kinds)] for name, kinds in found.items()}
-    return figures | {"watch": _watch(), "checks": _checks(figures)}
+    unsure = {"reaches": _unsure(exercises), "daily life": _unsure_in_daily_life(daily)}
+    return figures | {"watch": _watch(), "unsure": unsure, "checks": _checks(figures)}
 
 
 def steps(quick: bool) -> int:
@@ -238,18 +243,13 @@ def in_the_open(
         )  # fmt: skip
 
 
-def in_windows(name: str, detector: str) -> Iterator[Kind]:
+def in_windows(name: str, detector: str, ends: Ends = "still") -> Iterator[Kind]:
     """Yield what a detector finds in the windows around the reaches of each set."""
     recording = read_exercise(name)
     for part in labels(name):
         pairs = []
-        for index, label in enumerate(part.reaches):
-            onset_s, end_s = _ends(label)
-            before = _ends(part.reaches[index - 1])[1] if index else -math.inf
-            after = _ends(part.reaches[index + 1])[0] if index + 1 < len(part.reaches) else math.inf
-            from_s = max(onset_s - AROUND_S, min(before, onset_s - 0.1))
-            to_s = min(end_s + AROUND_S, max(after, end_s + 0.1))
-            times = _in_window(recording, detector, from_s, onset_s, to_s)
+        for label, window in _windows(part):
+            times = _in_window(recording, detector, window, ends)
             if times and _is_same(times, label):
                 pairs.append((times, label))
         yield Kind(
@@ -299,29 +299,86 @@ def _fit(kinds: Mapping[str, Sequence[Kind]], false: int, person: str) -> tuple[
     return 2 * total.found / (total.reaches + finds), -float(np.median(ends_s))
 
 
+class Asked(NamedTuple):
+    """A window in which a reach is asked for, and when, in s."""
+
+    from_s: float
+    started_s: float
+    to_s: float
+
+
+def _windows(part: LabelledSet) -> Iterator[tuple[Label, Asked]]:
+    """Yield each labelled reach, and a window around it that holds nothing of its neighbours."""
+    for index, label in enumerate(part.reaches):
+        onset_s, end_s = _ends(label)
+        before = _ends(part.reaches[index - 1])[1] if index else -math.inf
+        after = _ends(part.reaches[index + 1])[0] if index + 1 < len(part.reaches) else math.inf
+        from_s = max(onset_s - AROUND_S, min(before, onset_s - 0.1))
+        yield label, Asked(from_s, onset_s, min(end_s + AROUND_S, max(after, end_s + 0.1)))
+
+
 def _in_window(
-    recording: Recording, detector: str, from_s: float, started_s: float, to_s: float
+    recording: Recording, detector: str, asked: Asked, ends: Ends = "still"
 ) -> Times | None:
-    """Return the reach that a detector finds between two times; None without one."""
+    """Return the reach that a detector finds in a window; None without one."""
     if detector == "zero-velocity":
-        inside = (recording.time_s >= from_s) & (recording.time_s <= to_s)
+        inside = (recording.time_s >= asked.from_s) & (recording.time_s <= asked.to_s)
         found = zero_velocity(Recording(recording.time_s[inside], recording.rate[inside]))
         return max(found, key=lambda times: times[1] - times[0], default=None)
-    samples = as_samples(recording)
-    origin_ns = int(samples["at"][0]) - round(float(recording.time_s[0]) * 1e9)
-    window = Window(
-        from_ns=origin_ns + round(from_s * 1e9),
-        started_ns=origin_ns + round(started_s * 1e9),
-        to_ns=origin_ns + round(to_s * 1e9),
-    )
-    parameters = AnalysisParameters(
-        detector=detector,  # type: ignore[arg-type]
-        orientation=OrientationParameters(home_s=0.0),  # as in a session: it begins at home
-    )
-    found_ns = analyse(samples, window, parameters)
-    if found_ns.onset_ns is None or found_ns.end_ns is None:
+    finding = _finding(recording, detector, asked, ends)
+    if finding.onset_ns is None or finding.end_ns is None:
         return None
-    return (found_ns.onset_ns - origin_ns) / 1e9, (found_ns.end_ns - origin_ns) / 1e9
+    return finding.onset_ns / 1e9, finding.end_ns / 1e9
+
+
+def _finding(recording: Recording, detector: str, asked: Asked, ends: Ends = "still") -> Finding:
+    """Return what a session would find in a window, in the recording's own time."""
+    samples = as_samples(recording)
+    samples["at"] += round(float(recording.time_s[0]) * 1e9) - samples["at"][0]
+    window = Window(
+        from_ns=round(asked.from_s * 1e9),
+        started_ns=round(asked.started_s * 1e9),
+        to_ns=round(asked.to_s * 1e9),
+    )
+    # as in a session: it begins at home
+    orientation = OrientationParameters(home_s=0.0, ends=ends)
+    parameters = AnalysisParameters(detector=detector, orientation=orientation)  # type: ignore[arg-type]
+    return analyse(samples, window, parameters)
+
+
+class Unsure(NamedTuple):
+    """Number of movements that were found in windows, and of those of which the detector is not
+    sure.
+    """
+
+    found: int
+    unsure: int
+
+
+def _unsure(exercises: Sequence[str]) -> Unsure:
+    """Count the labelled reaches that a session would not score."""
+    asked = ((name, window) for name in exercises for part in labels(name)
+             for _, window in _windows(part))  # fmt: skip
+    return _counted(_finding(read_exercise(name), OURS, window) for name, window in asked)
+
+
+def _unsure_in_daily_life(daily: Sequence[str]) -> Unsure:
+    """Count what is found where a reach is asked for, and somebody does something else: sits,
+    stands up, walks.
+    """
+    return _counted(
+        _finding(recording, OURS, Asked(at_s - BEFORE_S, at_s, at_s + ASKED_S - BEFORE_S))
+        for recording in map(read_daily_life, daily)
+        for at_s in np.arange(
+            recording.time_s[0] + BEFORE_S, recording.time_s[-1] - ASKED_S, ASKED_S
+        )
+    )
+
+
+def _counted(findings: Iterable[Finding]) -> Unsure:
+    confidences = [found.details["confidence"] for found in findings if found.onset_ns is not None]
+    limit = Catalogue().task("reaching").Parameters().least_confidence  # type: ignore[attr-defined]
+    return Unsure(len(confidences), sum(each < limit for each in confidences))
 
 
 def _simulated(kind: str, detector: str, people: int) -> Kind:

@@ -246,6 +246,7 @@ _REACHES = {
     "calibrated": "The same, calibrated by each recording's first three, which are not scored (ms)",
     "left out": "The same, each person with the limits (stop, return) that suit the others best (ms)",
     "window": "Reaches of people, each in its known window (ms)",
+    "home": "The same, with ends where the hand is back home (ms)",
     "daily": "Daily life of people, who do not reach",
     "simulated": "Simulated reaches (ms)",
 }
@@ -263,6 +264,10 @@ def _reaches(reaches: Results) -> dict[str, Rows]:
             ["by", "sets", "exact", "within one"],
             *([by, *(str(each[figure]) for figure in figures)] for by, each in watch.items()),
         ]
+    found["Found where a reach is asked for, but not sure"] = [
+        ["movements", "found", "not sure, so not scored"],
+        *([what, *map(str, counted)] for what, counted in reaches["unsure"].items()),
+    ]
     return found
 
 

@@ -254,6 +254,14 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
             le=60_000,
         ),
     ] = 2500
+    reach_ends: Annotated[
+        Literal["still", "home"],
+        meta(
+            "A reach ends",
+            help="When the hand is still again, or home: back at the start, but for 15 % of the "
+            "way. By the orientation detector.",
+        ),
+    ] = "still"
     least_turn_deg: Annotated[
         float,
         meta(

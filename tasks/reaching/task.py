@@ -146,7 +146,10 @@ class ReachingTask(Task):
             detector=self.parameters.detector,
             hand=self.parameters.hand,
             orientation=OrientationParameters(
-                least_rad=least_rad, dwell_s=LONGEST_DWELL_S, longest_s=longest_s
+                least_rad=least_rad,
+                dwell_s=LONGEST_DWELL_S,
+                longest_s=longest_s,
+                ends=self.parameters.reach_ends,
             ),
             single_axis=SingleAxisParameters(
                 least_rad=least_rad, dwell_s=LONGEST_DWELL_S, longest_s=longest_s

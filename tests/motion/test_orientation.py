@@ -121,6 +121,21 @@ def test_a_hand_is_back_when_little_of_the_turn_is_left_even_if_it_goes_on_later
     assert found.end_s == pytest.approx(3.6, abs=0.05)
 
 
+@pytest.mark.parametrize("lasts_s", [0.5, 0.8, 1.5])
+def test_a_reach_may_end_when_the_hand_is_home(lasts_s: float) -> None:
+    """The last 15 % of a minimum-jerk way take a third of its time."""
+    time_s = np.arange(0.0, 8.0, 0.01)
+    course = 0.6 * (stroke(time_s, 2.0, 0.7) - stroke(time_s, 3.0, lasts_s))
+    recording = turning(course[:, None], np.array([(0.0, 0.0, 1.0)]))
+    (home,) = find(recording, OrientationParameters(ends="home")).reaches
+    (still,) = find(recording, OrientationParameters(ends="still")).reaches
+    left = 1.0 - stroke(np.linspace(0.0, 1.0, 10_001), 0.0, 1.0)
+    arrives = float(np.interp(-0.15, -left, np.linspace(0.0, 1.0, 10_001)))
+    assert home.end_s == pytest.approx(3.0 + arrives * lasts_s, abs=0.02)
+    assert still.end_s > home.end_s + 0.2 * lasts_s
+    assert home.onset_s == still.onset_s
+
+
 def test_the_axis_is_that_of_the_whole_turn_seen_from_the_sensor_at_rest() -> None:
     time_s = np.arange(0.0, 6.0, 0.01)
     course = stroke(time_s, 2.0, 0.7) - stroke(time_s, 3.2, 0.7)
