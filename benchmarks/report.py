@@ -256,6 +256,13 @@ def _reaches(reaches: Results) -> dict[str, Rows]:
         title: [head, *(_found(figures) for figures in reaches[part])]
         for part, title in _REACHES.items()
     }
+    found["Speed of the hand at the labelled ends of reaches (median)"] = [
+        ["person", "rad/s", "share of the way back's largest"],
+        *(
+            [person, f"{each['rad_s']:.2f}", f"{each['share']:.2f}"]
+            for person, each in reaches["still turning"].items()
+        ),
+    ]
     if watch := reaches["watch"]:
         figures = ("sets", "exact", "within_one")
         found["Sets of 20 repetitions with a watch, counted"] = [

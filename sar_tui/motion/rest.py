@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sar_tui.motion.arrays import finite_only, lengths, mean_of, sums_of_axes
-from sar_tui.motion.filters import Spectrum, hann, smooth
+from sar_tui.motion.filters import Spectrum, hann
 from sar_tui.motion.samples import Floats, Recording
 
 SLOW_HZ = 2.5
