@@ -27,6 +27,7 @@ from benchmarks.real_recordings import (
     DAILY_LIFE,
     EXERCISES,
     Label,
+    is_by_eye,
     labels,
     read_daily_life,
     read_exercise,
@@ -104,9 +105,8 @@ def measure(quick: bool, measured: Callable[[], None]) -> dict[str, Any]:
             found["open"] += in_the_open(name, detector, find)
             found["window"] += in_windows(name, detector)
         own = [each for each in found["open"] if each.detector == OURS]
-        found["people"] += [
-            each._replace(kind=f"person {name[1]}") for each in own[-len(labels(name)) :]
-        ]
+        person = f"person {name[1]}, by {'eye' if is_by_eye(name) else 'rule'}"
+        found["people"] += [each._replace(kind=person) for each in own[-len(labels(name)) :]]
         found["calibrated"] += in_the_open(name, OURS, _calibrated(name), CALIBRATING)
         measured()
     for name in daily:

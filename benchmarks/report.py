@@ -241,7 +241,7 @@ def _motion(motion: Results) -> dict[str, Rows]:
 _BOUNDARIES = ("onset_ms", "end_ms")
 _REACHES = {
     "open": "Reaches of people, in an open stream (median error and p90, ms)",
-    "people": "The same, by person (ms)",
+    "people": "The same, by person and kind of label (ms)",
     "calibrated": "The same, calibrated by each recording's first three, which are not scored (ms)",
     "left out": "The same, each person with the limits (stop, return) that suit the others best (ms)",
     "window": "Reaches of people, each in its known window (ms)",
