@@ -28,6 +28,7 @@ from benchmarks.real_recordings import (
     EXERCISES,
     Label,
     LabelledSet,
+    is_by_eye,
     labels,
     read_daily_life,
     read_exercise,
@@ -38,6 +39,7 @@ from sar_tui.motion.arrays import lengths
 from sar_tui.motion.detection import apart, calibrated, detect
 from sar_tui.motion.detection import find as find_all
 from sar_tui.motion.detector_names import DetectorName
+from sar_tui.motion.filters import usable_cutoff
 from sar_tui.motion.orientation import Ends, OrientationParameters
 from sar_tui.motion.plausibility import plausible
 from sar_tui.motion.reach_kinds import KINDS
@@ -56,6 +58,7 @@ AROUND_S = 2.0
 BEFORE_S, ASKED_S = 3.0, 8.0
 WATCH_HZ, WATCH_COUNT = 50.0, 20
 WINDOW_S, STILL_RAD_S = 0.2, 0.2
+CUTOFF_HZ, BACK_S = 8.0, 1.5
 LEAST_RAD, DWELL_S = math.radians(10), 5.0
 GRID = tuple(
     OrientationParameters(end_rad_s=end_rad_s, return_share=return_share)
@@ -106,9 +109,8 @@ def measure(quick: bool, measured: Callable[[], None]) -> dict[str, Any]:
             found["window"] += in_windows(name, detector)
         found["home"] += in_windows(name, OURS, "home")
         own = [each for each in found["open"] if each.detector == OURS]
-        found["people"] += [
-            each._replace(kind=f"person {name[1]}") for each in own[-len(labels(name)) :]
-        ]
+        person = f"person {name[1]}, by {'eye' if is_by_eye(name) else 'rule'}"
+        found["people"] += [each._replace(kind=person) for each in own[-len(labels(name)) :]]
         found["calibrated"] += in_the_open(name, OURS, _calibrated(name), CALIBRATING)
         measured()
     for name in daily:
@@ -126,8 +128,12 @@ def measure(quick: bool, measured: Callable[[], None]) -> dict[str, Any]:
     found["left out"] = left_out(exercises, daily)
     measured()
     figures = {name: [each.figures() for each in _joined(kinds)] for name, kinds in found.items()}
-    unsure = {"reaches": _unsure(exercises), "daily life": _unsure_in_daily_life(daily)}
-    return figures | {"watch": _watch(), "unsure": unsure, "checks": _checks(figures)}
+    return figures | {
+        "still turning": still_turning(exercises),
+        "watch": _watch(),
+        "unsure": {"reaches": _unsure(exercises), "daily life": _unsure_in_daily_life(daily)},
+        "checks": _checks(figures),
+    }
 
 
 def steps(quick: bool) -> int:
@@ -257,6 +263,30 @@ def in_windows(name: str, detector: str, ends: Ends = "still") -> Iterator[Kind]
             [times[0] - label.onset_s for times, label in pairs],
             [times[1] - label.end_s for times, label in pairs],
         )  # fmt: skip
+
+
+def still_turning(exercises: Sequence[str]) -> dict[str, dict[str, float]]:
+    """Return by person how fast the hand turns about any axis at the labelled ends, in the median:
+    in rad/s, and as a share of the largest rate of that way back.
+
+    A rule that looks at one axis ends a reach while the hand turns about others.
+    """
+    speeds: dict[str, list[tuple[float, float]]] = {}
+    for name in exercises:
+        grid = even(read_exercise(name))
+        speed = lengths(grid.unbiased(1.0).spectrum.below(usable_cutoff(CUTOFF_HZ, grid.rate_hz)))
+        for label in (label for part in labels(name) for label in part.reaches):
+            if math.isnan(label.end_s):
+                continue
+            first, last = np.searchsorted(grid.time_s, (label.end_s - BACK_S, label.end_s)).tolist()
+            way_back = speed[first : last + 1]
+            speeds.setdefault(name[1], []).append(
+                (float(way_back[-1]), float(way_back[-1] / way_back.max()))
+            )
+    return {
+        person: dict(zip(("rad_s", "share"), np.median(each, axis=0).tolist(), strict=True))
+        for person, each in sorted(speeds.items())
+    }
 
 
 def left_out(exercises: Sequence[str], daily: Sequence[str]) -> list[Kind]:

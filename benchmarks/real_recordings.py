@@ -55,6 +55,11 @@ def _read(path: Path) -> Recording:
     return Recording(columns[:, 0], columns[:, 1:4], columns[:, 4:7])
 
 
+def is_by_eye(name: str) -> bool:
+    """Return True if the reaches of an exercise are labelled by eye, False if by the rule."""
+    return name in json.loads(BY_EYE.read_text())
+
+
 def labels(name: str) -> tuple[LabelledSet, ...]:
     """Return the labelled sets of an exercise, in order of time."""
     by_eye = json.loads(BY_EYE.read_text())

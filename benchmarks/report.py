@@ -242,7 +242,7 @@ def _motion(motion: Results) -> dict[str, Rows]:
 _BOUNDARIES = ("onset_ms", "end_ms")
 _REACHES = {
     "open": "Reaches of people, in an open stream (median error and p90, ms)",
-    "people": "The same, by person (ms)",
+    "people": "The same, by person and kind of label (ms)",
     "calibrated": "The same, calibrated by each recording's first three, which are not scored (ms)",
     "left out": "The same, each person with the limits (stop, return) that suit the others best (ms)",
     "window": "Reaches of people, each in its known window (ms)",
@@ -258,6 +258,13 @@ def _reaches(reaches: Results) -> dict[str, Rows]:
         title: [head, *(_found(figures) for figures in reaches[part])]
         for part, title in _REACHES.items()
     }
+    found["Speed of the hand at the labelled ends of reaches (median)"] = [
+        ["person", "rad/s", "share of the way back's largest"],
+        *(
+            [person, f"{each['rad_s']:.2f}", f"{each['share']:.2f}"]
+            for person, each in reaches["still turning"].items()
+        ),
+    ]
     if watch := reaches["watch"]:
         figures = ("sets", "exact", "within_one")
         found["Sets of 20 repetitions with a watch, counted"] = [

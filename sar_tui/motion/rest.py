@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sar_tui.motion.arrays import finite_only, lengths, mean_of, sums_of_axes
-from sar_tui.motion.filters import Spectrum, hann, smooth
+from sar_tui.motion.filters import Spectrum, hann
 from sar_tui.motion.samples import Floats, Recording
 
 SLOW_HZ = 2.5
@@ -21,6 +21,10 @@ STEADY_RAD_S = 0.06
 """Largest change of the bias between rests, rad/s; a larger one is a slow, steady movement."""
 STEP_S = 0.1
 """Time between the starts of two windows."""
+STEADY_HZ, LARGE_RAD_S = 1.0, 0.15
+"""Where a tremor at rest leaves nothing still below ``SLOW_HZ``, the hand rests where it is still
+below the first; sought if the rate above ``SLOW_HZ`` exceeds the second (standard deviation).
+"""
 NEARBY_S = 2.0
 """Time on either side over which the bias is averaged."""
 TREMOR_HZ = (3.0, 12.0)
@@ -97,21 +101,51 @@ def find_rest(rate: Floats, rate_hz: float, rest_s: float, *, tremor: bool = Tru
         rest_s: duration of a rest.
         tremor: False to leave out the tremor's frequency.
     """
-    slow = smooth(rate, rate_hz, SLOW_HZ)
+    spectrum = Spectrum(rate, rate_hz)
+    slow = spectrum.below(SLOW_HZ)
+    large_hz = _large_tremor_hz(rate, spectrum, rest_s, rate_hz) if tremor else None
+    if large_hz is not None:
+        slow = spectrum.below(SLOW_HZ, large_hz)
     for share in (1.0, 0.5, 0.25):
         size = max(2, round(share * rest_s * rate_hz))
         begins = np.arange(0, len(rate) - size + 1, max(1, round(STEP_S * rate_hz)))
         mean, spread = _windows(slow, begins, size)
-        steady = (
-            spread < np.clip(2.0 * spread.min(initial=STILL_RAD_S), STILL_RAD_S / 4, STILL_RAD_S)
-        ).nonzero()[0]
+        steady = _steady(spread)
         if len(steady):
             chosen = _inner(steady[_agreeing(mean[steady])], len(begins))
-            tremor_hz = _tremor_hz(rate, begins[chosen], size, rate_hz) if tremor else None
+            tremor_hz = large_hz
+            if tremor and large_hz is None:
+                tremor_hz = _tremor_hz(rate, begins[chosen], size, rate_hz)
             still, bias = _rest(rate, begins[chosen], mean[chosen], size)
             return Rest(bias, still, share == 1.0, tremor_hz)
     nowhere = np.zeros(len(rate), dtype=bool)
     return Rest(np.tile(rate.mean(axis=0), (len(rate), 1)), nowhere, False, None)
+
+
+def _steady(spread: Floats) -> npt.NDArray[np.intp]:
+    """Return the windows in which the hand is still, by the standard deviation in each."""
+    limit = np.clip(2.0 * spread.min(initial=STILL_RAD_S), STILL_RAD_S / 4, STILL_RAD_S)
+    found: npt.NDArray[np.intp] = (spread < limit).nonzero()[0]
+    return found
+
+
+def _large_tremor_hz(
+    rate: Floats, spectrum: Spectrum, rest_s: float, rate_hz: float
+) -> float | None:
+    """Return the frequency of a tremor at rest that is so large that the hand does not seem still;
+    None without one.
+
+    It is sought where the hand is still below ``STEADY_HZ``.
+    """
+    shaking = rate - spectrum.below(SLOW_HZ)
+    if float((shaking * shaking).sum()) / len(rate) < LARGE_RAD_S**2:
+        return None
+    size = max(2, round(rest_s * rate_hz))
+    begins = np.arange(0, len(rate) - size + 1, max(1, round(STEP_S * rate_hz)))
+    steady = _steady(_windows(spectrum.below(STEADY_HZ), begins, size)[1])
+    if not len(steady):
+        return None
+    return _tremor_hz(rate, begins[steady], size, rate_hz)
 
 
 def _rest(

@@ -21,7 +21,7 @@ SHARED = 0.5
 
 @pytest.mark.parametrize(("people", "minutes"), first_rows(1, [(1, 3.0), (3, MINUTES)]))
 @pytest.mark.parametrize("kind", KINDS)
-def test_less_than_one_false_reach_a_minute_is_found_and_none_overlap(
+def test_less_than_seven_false_reaches_in_ten_minutes_are_found_and_none_overlap(
     kind: str, people: int, minutes: float
 ) -> None:
     false = 0
@@ -30,7 +30,7 @@ def test_less_than_one_false_reach_a_minute_is_found_and_none_overlap(
         found = detect(life.recording)
         false += len(found) - len(trips_among(found, life.trips))
         assert all(after.onset_s >= before.end_s for before, after in pairwise(found))
-    assert false < people * minutes
+    assert false < 0.7 * people * minutes
 
 
 @pytest.mark.parametrize("rest_s", first(1, [0.5, 1.0, 2.0]))

@@ -85,6 +85,15 @@ def test_a_tremor_at_rest_is_no_reach_and_hides_none(tremor_hz: float) -> None:
     shaking.rhythm(5.0, 55.0, tremor_hz, (0.5, 0.7, 2.0), frequency_cv=0.04, amplitude_cv=0.5)
     assert detect(shaking.measured()) == ()
 
+    reaching = WristMotion(40.0, 100.0, np.random.default_rng(3))
+    reaching.rhythm(1.0, 39.0, tremor_hz, (0.5, 0.7, 2.0), frequency_cv=0.04, amplitude_cv=0.5)
+    truth = [(at_s, at_s + 2.5) for at_s in (6.0, 14.0, 22.0, 30.0)]
+    for at_s, end_s in truth:
+        reaching.shift(at_s, (25.0, 30.0, 0.0), 0.9)
+        reaching.shift(end_s - 0.9, (-25.0, -30.0, 0.0), 0.9)
+    times = [(reach.onset_s, reach.end_s) for reach in detect(reaching.measured())]
+    assert times == [pytest.approx(each, abs=0.15) for each in truth]
+
     shaken = msgspec.structs.replace(PROFILES["tremor"], tremor_hz=tremor_hz)
     shape = ReachShape(out_s=0.8, back_s=0.8, dwell_s=0.5)
     (found,) = detect(simulate([shape], shaken).recording)
