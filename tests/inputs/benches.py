@@ -10,7 +10,8 @@ from typing import Any
 from sar_tui.api.testing import SensorBench
 from sar_tui.inputs import lines
 from sar_tui.inputs.imu import DEGREE, G, ImuSource, Vector
-from sar_tui.inputs.lines import HEADER, SerialSource, UdpSource
+from sar_tui.inputs.line_format import HEADER
+from sar_tui.inputs.lines import SerialSource, UdpSource
 from sar_tui.inputs.lsl import LslSource
 from sar_tui.inputs.phidget import PhidgetSource
 from sar_tui.inputs.phyphox import PhyphoxSource
