@@ -234,7 +234,7 @@ class LslBench(SensorBench):
         return LslSource(f"//{self._stream}")
 
     def plug_in(self) -> None:
-        self._outlet = outlet(self._stream)
+        self._outlet = outlet(self._stream, rate_hz=self.rate_hz)
 
     def is_heard(self) -> bool:
         return bool(self._outlet.have_consumers())
