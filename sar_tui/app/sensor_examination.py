@@ -128,7 +128,7 @@ def _attach(watch: SensorWatch, pause: Pause, say: Say) -> bool:
         pause(LOOK)
         waited += LOOK
         watch.look()
-        if watch.detail not in ("", said):
+        if waited > SECOND and watch.detail not in ("", said):
             said = watch.detail
             say(said)
     return watch.attached

@@ -239,7 +239,7 @@ async def test_the_states_of_a_sensor_are_told(open_check: OpenCheck) -> None:
         driver.lacks("At rest")
         source.unplug()
         await driver.wait(100)
-        driver.see("! It was unplugged.")
+        driver.see("! It was disconnected.")
         driver.lacks("Samples")
 
 

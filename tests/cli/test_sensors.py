@@ -129,7 +129,7 @@ def test_a_hand_that_never_rests_and_a_simulated_one_are_examined() -> None:
 def test_a_sensor_that_is_missing_or_ends_is_not_fit(call: Call, monkeypatch: Patch) -> None:
     ended = played(lifted()[:900])
     assert (ended.verdict, ended.problems[0]) == ("not fit", "The recording is at its end.")
-    monkeypatch.setattr(sensor_examination, "WAIT", 50 * MS)
+    monkeypatch.setattr(sensor_examination, "WAIT", 1200 * MS)
     done = call("sensors serial:///dev/nowhere --json")
     assert done.code == 1
     waiting = "Waiting for the serial port /dev/nowhere: plug the board in."
