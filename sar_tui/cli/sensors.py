@@ -42,9 +42,7 @@ def sensors(
     home: Home,
     source: Annotated[
         str | None,
-        typer.Argument(
-            metavar="[SOURCE]", help="A sensor to examine, as for --imu.", show_default=False
-        ),
+        typer.Argument(metavar="[SOURCE]", help="A sensor to examine, as for --imu."),
     ] = None,
     at_rest: Annotated[
         bool, typer.Option("--at-rest", help="Examine it at rest only, without a movement.")
