@@ -154,7 +154,10 @@ def _rest(watch: SensorWatch, tr: Language) -> Fact:
     if bias is None:
         return Fact("wait", title, tr("moving") if watch.still_s == 0 else tr("still …"))
     if math.hypot(*bias) > LARGE_BIAS_RAD_S:
-        return Fact("wrong", title, tr("still, but the bias is large: press Z"))
+        large = tr("still, but the bias is large")
+        if not watch.keeps_bias:
+            large = tr("still, but the bias is large: press Z")
+        return Fact("wrong", title, large)
     return Fact("right", title, tr("still"))
 
 

@@ -135,6 +135,9 @@ class ReadSource(ABC):
         name: name of the thread.
     """
 
+    keeps_bias = True
+    """The device cannot take its present rate as zero."""
+
     def __init__(self, delivery: Delivery, name: str) -> None:
         self.delivery = delivery
         self._thread_name = name
