@@ -37,7 +37,7 @@ _NO_HEADER = (
 )
 _NO_UNITS = (
     f'The lines do not name their units: send the line "{HEADER}" once a second, or add '
-    "?t=us&rate=deg/s&acceleration=g to the name of the sensor."
+    "?t=us&rate=deg/s&acceleration=g to the name of the sensor, in quotation marks."
 )
 
 

@@ -4,7 +4,9 @@ import math
 import os
 import socket
 import threading
+import time
 from collections.abc import Iterator
+from pathlib import Path
 from random import Random
 
 import pytest
@@ -216,6 +218,17 @@ def test_lost_and_broken_lines_are_counted_as_missing_samples(board: Board) -> N
     assert (feed.lost, feed.dropped) == (left_out, 0)
 
 
+def test_a_board_that_prints_between_its_samples_does_not_flood_the_reports(
+    udp: Bench, board: Board
+) -> None:
+    began = time.monotonic()
+    board.send(HEADER.encode())
+    for number in range(200):
+        board.send(line(number) + b"temperature %d\n" % number)
+    wait_until(lambda: len(udp.samples) == 200)
+    assert 1 <= udp.states.count("error") <= 2 + time.monotonic() - began
+
+
 def test_a_board_that_falls_silent_is_detached_and_may_be_another_afterwards(
     udp: Bench, board: Board, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -350,8 +363,10 @@ def test_a_serial_line_is_read_from_its_first_whole_line(cable: Line) -> None:
     assert bench.samples[99].device_ms == 495.0
 
 
-def test_a_board_that_is_unplugged_is_waited_for_and_read_again(cable: Line) -> None:
-    place = f"/tmp/sar-tui-test-{os.getpid()}"
+def test_a_board_that_is_unplugged_is_waited_for_and_read_again(
+    cable: Line, tmp_path: Path
+) -> None:
+    place = str(tmp_path / "board")
     os.symlink(cable.name, place)
     bench = Bench(SerialSource(f"//{place}?t=us&rate=deg/s&acceleration=g"))
     try:
