@@ -62,6 +62,9 @@ _NO_GYROSCOPE = (
     'The experiment "{}" on the phone does not send the gyroscope with its time. Open the '
     "experiment sar-tui; `sar-tui sensors --phyphox FILE` writes it for the phone."
 )
+_SILENT = (
+    "The phone measures, but its gyroscope sends nothing: see whether phyphox shows its values."
+)
 _TIMED = "The phone is set to a timed run: switch that off in the menu of phyphox."
 _REFUSED = "The phone does not start to measure: see what phyphox shows on its screen."
 _CLEARED = "The phone began anew: its data were cleared, or its measurement was paused."
@@ -122,9 +125,13 @@ class PhyphoxSource(ReadSource):
                 raise self._absent(error) from error
             try:
                 while not stopped.wait(POLL_S):
-                    for sample in self._poll(phone, reading):
-                        if not stopped.is_set():
-                            self.delivery.put(sample)
+                    samples = self._poll(phone, reading)
+                    if stopped.is_set():
+                        break
+                    if reading.is_silent and self.info is None:
+                        self.delivery.wait(_SILENT)
+                    for sample in samples:
+                        self.delivery.put(sample)
             finally:
                 if stopped.is_set() and self._has_started_it:
                     self._has_started_it = False
@@ -167,11 +174,108 @@ class PhyphoxSource(ReadSource):
         return Absent(_WAITING.format(bracketed(self._host) + port))
 
 
-# --- what is asked for, and what comes
-
-
 _Row = tuple[float, Vector]
 """Time in s of the phone's clock, and a value about each axis."""
+
+
+class _Reading:
+    """Reads the phone's buffers, and watches that its clock runs on.
+
+    Args:
+        config: the experiment on the phone. Raises Unusable if it has no gyroscope.
+
+    Attributes:
+        answered_ns: when the last reply had come.
+        is_silent: True if the last query was one of the newest times, as nothing came for long.
+    """
+
+    def __init__(self, config: Config) -> None:
+        tracks = {each.source: _outputs(each) for each in config.inputs}
+        if not (gyroscope := tracks.get("gyroscope")):
+            raise Unusable(_NO_GYROSCOPE.format(visible(config.title)[:60]))
+        self._gyroscope = _Track(gyroscope)
+        accelerometer = tracks.get("accelerometer")
+        self._accelerometer = _Track(accelerometer) if accelerometer else None
+        self._aligned = Alignment(HOLD_S if accelerometer else 0.0)
+        self._session: str | None = None
+        self.answered_ns = self._begun_ns = self._new_ns = 0
+        self.is_silent = False
+        self._offset: tuple[float, float] | None = None
+
+    @property
+    def _tracks(self) -> "list[_Track]":
+        return [self._gyroscope, *([self._accelerometer] if self._accelerometer else [])]
+
+    @property
+    def last(self) -> Query:
+        """A query of the newest time of each sensor."""
+        return [each for track in self._tracks for each in track.last]
+
+    def seek(self, asked: Asked) -> State:
+        """Go to the newest samples, which ``last`` asked for; return the state of the phone."""
+        for track in self._tracks:
+            track.read_s = track.newest(asked.reply)
+        self._session = asked.reply.state.session
+        self.answered_ns = self._begun_ns = self._new_ns = asked.came_ns
+        return asked.reply.state
+
+    def rewind(self) -> None:
+        """Go to the beginning: the buffers are empty."""
+        for track in self._tracks:
+            track.read_s = None
+
+    def query(self, now: int) -> Query:
+        """Return a query of what is new, or of the newest times if there is nothing for long."""
+        self.is_silent = now - self._new_ns > SILENCE
+        if self.is_silent:
+            self._new_ns = now
+            return self.last
+        return [each for track in self._tracks for each in track.query]
+
+    def take(self, asked: Asked) -> list[Sample]:
+        """Return what is new in a reply to ``query``.
+
+        Raises Absent if the phone does not measure, or began anew.
+        """
+        reply = asked.reply
+        self.answered_ns = asked.came_ns
+        is_starting = asked.came_ns - self._begun_ns < SILENCE
+        if reply.state.session != self._session or not (reply.state.measuring or is_starting):
+            raise Absent(_CLEARED)
+        if self.is_silent:
+            if self._gyroscope.is_cleared(reply):
+                raise Absent(_CLEARED)
+            return []
+        if self._accelerometer:
+            self._aligned.hear(self._accelerometer.take(reply))
+        rates = self._gyroscope.take(reply)
+        if rates:
+            self._new_ns = asked.came_ns
+            self._check_clock(rates[-1][0], asked)
+        return [
+            Sample(asked.came_ns, time * 1000, acceleration, rate)
+            for time, rate, acceleration in self._aligned.put(rates)
+        ]
+
+    def _check_clock(self, newest_s: float, asked: Asked) -> None:
+        """Raise Absent if the phone's clock was stopped, or set back.
+
+        Its newest sample was measured before the reply had come, and, if it measures, not long
+        before the request was sent.
+        """
+        newest = newest_s * SECOND
+        lowest, highest = asked.sent_ns - newest, asked.came_ns - newest
+        before = self._offset
+        if before and (lowest > before[1] + JUMP or highest < before[0] - JUMP):
+            raise Absent(_CLEARED)
+        if highest - lowest < JUMP:  # a slow reply says little
+            self._offset = lowest, highest
+
+
+def _outputs(sensor: Input) -> dict[str, str]:
+    """Return the names of a sensor's buffers; none if one of time and axes has no buffer."""
+    names = {component: name for each in sensor.outputs for component, name in each.items()}
+    return names if {"x", "y", "z", "t"} <= set(names) else {}
 
 
 class _Track:
@@ -231,105 +335,6 @@ class _Track:
                 self.read_s = time
                 rows.append((time, (_number(x), _number(y), _number(z))))
         return rows
-
-
-class _Reading:
-    """Reads the phone's buffers, and watches that its clock runs on.
-
-    Args:
-        config: the experiment on the phone. Raises Unusable if it has no gyroscope.
-
-    Attributes:
-        answered_ns: when the last reply had come.
-    """
-
-    def __init__(self, config: Config) -> None:
-        tracks = {each.source: _outputs(each) for each in config.inputs}
-        if not (gyroscope := tracks.get("gyroscope")):
-            raise Unusable(_NO_GYROSCOPE.format(visible(config.title)[:60]))
-        self._gyroscope = _Track(gyroscope)
-        accelerometer = tracks.get("accelerometer")
-        self._accelerometer = _Track(accelerometer) if accelerometer else None
-        self._aligned = Alignment(HOLD_S if accelerometer else 0.0)
-        self._session: str | None = None
-        self.answered_ns = self._begun_ns = self._new_ns = 0
-        self._is_looking = False
-        self._offset: tuple[float, float] | None = None
-
-    @property
-    def _tracks(self) -> list[_Track]:
-        return [self._gyroscope, *([self._accelerometer] if self._accelerometer else [])]
-
-    @property
-    def last(self) -> Query:
-        """A query of the newest time of each sensor."""
-        return [each for track in self._tracks for each in track.last]
-
-    def seek(self, asked: Asked) -> State:
-        """Go to the newest samples, which ``last`` asked for; return the state of the phone."""
-        for track in self._tracks:
-            track.read_s = track.newest(asked.reply)
-        self._session = asked.reply.state.session
-        self.answered_ns = self._begun_ns = self._new_ns = asked.came_ns
-        return asked.reply.state
-
-    def rewind(self) -> None:
-        """Go to the beginning: the buffers are empty."""
-        for track in self._tracks:
-            track.read_s = None
-
-    def query(self, now: int) -> Query:
-        """Return a query of what is new, or of the newest times if there is nothing for long."""
-        self._is_looking = now - self._new_ns > SILENCE
-        if self._is_looking:
-            self._new_ns = now
-            return self.last
-        return [each for track in self._tracks for each in track.query]
-
-    def take(self, asked: Asked) -> list[Sample]:
-        """Return what is new in a reply to ``query``.
-
-        Raises Absent if the phone does not measure, or began anew.
-        """
-        reply = asked.reply
-        self.answered_ns = asked.came_ns
-        is_starting = asked.came_ns - self._begun_ns < SILENCE
-        if reply.state.session != self._session or not (reply.state.measuring or is_starting):
-            raise Absent(_CLEARED)
-        if self._is_looking:
-            if self._gyroscope.is_cleared(reply):
-                raise Absent(_CLEARED)
-            return []
-        if self._accelerometer:
-            self._aligned.hear(self._accelerometer.take(reply))
-        rates = self._gyroscope.take(reply)
-        if rates:
-            self._new_ns = asked.came_ns
-            self._check_clock(rates[-1][0], asked)
-        return [
-            Sample(asked.came_ns, time * 1000, acceleration, rate)
-            for time, rate, acceleration in self._aligned.put(rates)
-        ]
-
-    def _check_clock(self, newest_s: float, asked: Asked) -> None:
-        """Raise Absent if the phone's clock was stopped, or set back.
-
-        Its newest sample was measured before the reply had come, and, if it measures, not long
-        before the request was sent.
-        """
-        newest = newest_s * SECOND
-        lowest, highest = asked.sent_ns - newest, asked.came_ns - newest
-        before = self._offset
-        if before and (lowest > before[1] + JUMP or highest < before[0] - JUMP):
-            raise Absent(_CLEARED)
-        if highest - lowest < JUMP:  # a slow reply says little
-            self._offset = lowest, highest
-
-
-def _outputs(sensor: Input) -> dict[str, str]:
-    """Return the names of a sensor's buffers; none if one of time and axes has no buffer."""
-    names = {component: name for each in sensor.outputs for component, name in each.items()}
-    return names if {"x", "y", "z", "t"} <= set(names) else {}
 
 
 def _number(value: float | None) -> float:

@@ -316,6 +316,15 @@ def test_broken_replies_are_asked_for_again(connect: Callable[..., Bench]) -> No
     assert bench.states == ["attached"]
 
 
+def test_a_gyroscope_that_sends_nothing_is_told(connect: Callable[..., Bench]) -> None:
+    bench = connect()
+    bench.phone.pass_time(1.0)
+    assert "its gyroscope sends nothing" in bench.wait_for("detached").detail
+    bench.measure(100)
+    bench.wait_for("attached")
+    assert bench.states == ["detached", "attached"]
+
+
 def test_what_is_no_number_is_not_a_number(connect: Callable[..., Bench]) -> None:
     bench = connect()
     bench.measure(60)
