@@ -202,10 +202,14 @@ class GuardedSource:
     Args:
         plug_in: the source of the plug-in.
         name: its name, for the reports.
+
+    Attributes:
+        keeps_bias: True if the source says that it cannot take the present rate as zero.
     """
 
     def __init__(self, plug_in: ImuSource, name: str) -> None:
         self.plug_in = plug_in
+        self.keeps_bias = bool(getattr(plug_in, "keeps_bias", False))
         self._name = name
         self._report: Callable[[Status], None] = lambda status: None
 
