@@ -37,8 +37,10 @@ def beside(recording: Path) -> Path:
 
 
 def sha256(path: Path) -> str:
-    """Return the hash of a file. Raises SourceError if it cannot be read."""
+    """Return the hash of a recording. Raises SourceError if it cannot be read."""
     try:
+        if not path.is_file() and path.exists():
+            raise SourceError(f"{path} is not a file: name a recording, FILE.csv or FILE.npz.")
         with path.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except FileNotFoundError:
@@ -72,19 +74,27 @@ def read_labels_of(path: Path, recording: Path, hash: str) -> LabelFile:
     if content.sha256 != hash:
         raise SourceError(
             f"{path} holds the labels of another recording ({content.file}), or {recording} has "
-            "been changed."
+            "been changed: name another file of labels with --labels."
         )
     return content
 
 
-def write_labels(path: Path, content: LabelFile) -> None:
-    """Write labels, in place of earlier ones of the same recording only; until they are complete on
-    the disk, the earlier ones stay.
+def write_labels(path: Path, content: LabelFile, before: LabelFile | None) -> None:
+    """Write labels, in place of those that this program has read or written last only; until they
+    are complete on the disk, the earlier ones stay.
 
-    Raises SourceError if there is any other file, and OSError.
+    Args:
+        path: the file.
+        content: the labels.
+        before: the content of the file, as far as is known; None if there was none.
+
+    Raises SourceError if the file has any other content, and OSError.
     """
-    if os.path.lexists(path):
-        read_labels_of(path, Path(content.file), content.sha256)
+    path = path.resolve()  # so that a symbolic link stays
+    if path.exists() and read_labels(path) != before:
+        raise SourceError(
+            f"{path} was changed by another program meanwhile, so it is not overwritten."
+        )
     new = path.with_name(f"{path.name}.new")
     new.unlink(missing_ok=True)
     write_private(new, msgspec.json.format(msgspec.json.encode(content), indent=1))
