@@ -59,7 +59,8 @@ def read_labels(path: Path) -> LabelFile:
         raise SourceError(f"{path} cannot be read: {error.strerror}.") from error
     except (ValueError, RecursionError) as error:  # of msgspec, or no UTF-8
         raise SourceError(
-            f"{path} holds no labels that `sar-tui detect FILE --correct` has written: {error}."
+            f"{path} holds no labels of `sar-tui detect FILE --correct`, or is damaged: move it "
+            f"away, or name another file ({error})."
         ) from error
     if what := mistake(content.reaches):
         raise SourceError(f"{path} cannot be used: {what}.")
@@ -93,7 +94,8 @@ def write_labels(path: Path, content: LabelFile, before: LabelFile | None) -> No
     path = path.resolve()  # so that a symbolic link stays
     if path.exists() and read_labels(path) != before:
         raise SourceError(
-            f"{path} was changed by another program meanwhile, so it is not overwritten."
+            f"{path} was changed by another program meanwhile, and is not overwritten: move it "
+            "away to save these."
         )
     new = path.with_name(f"{path.name}.new")
     new.unlink(missing_ok=True)

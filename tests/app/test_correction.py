@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from sar_tui.app.correction import screen
 from sar_tui.app.correction.app import CorrectionApp
 from sar_tui.app.correction.dialogs import GoToScreen, UnsavedScreen, seconds_of
-from sar_tui.app.correction.screen import SAVE_AFTER_S
 from sar_tui.inputs.imu import SourceError
 from sar_tui.motion.labels import Correction, Label
 from sar_tui.plugins import DEFAULT_THEME, Catalogue
@@ -36,6 +36,11 @@ def hour() -> Speed:
     )
 
 
+@pytest.fixture(autouse=True)
+def _keys_of_tests_are_not_held(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(screen, "HELD_S", 0.0)
+
+
 class Driver:
     """Presses keys, and reads the screen."""
 
@@ -50,14 +55,13 @@ class Driver:
 
     async def saved(self) -> None:
         """Wait until corrections have been saved, or that has failed."""
-        await asyncio.sleep(2 * SAVE_AFTER_S)
+        await asyncio.sleep(2 * screen.SAVE_AFTER_S)
         await settle(self.app)
 
     @property
     def rows(self) -> list[str]:
         console = Console(width=self.app.size.width, file=io.StringIO(), record=True)
-        screen = self.app.screen
-        console.print(screen._compositor.render_update(full=True))
+        console.print(self.app.screen._compositor.render_update(full=True))
         return [row.rstrip() for row in console.export_text().splitlines()]
 
     @property
@@ -195,6 +199,14 @@ async def test_enter_on_a_dropped_reach_goes_on_and_leaves_it_dropped() -> None:
         await driver.press("enter")
         assert driver.states[:2] == ["dropped", "found"]
         assert "Reach 2 of 360" in driver.text
+
+
+async def test_a_held_key_accepts_one_reach_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    async with opened(Saved()) as driver:
+        monkeypatch.setattr(screen, "HELD_S", 1e6)
+        driver.app.screen._accepted_s = -1e9
+        await driver.press("enter", "enter", "a", "enter")
+        assert driver.states[:3] == ["accepted", "found", "found"]
 
 
 async def test_it_goes_on_where_it_was_left() -> None:

@@ -27,6 +27,10 @@ CURSOR_S, FAR_S = 1.0, 10.0
 """Times by which keys move the cursor."""
 SAVE_AFTER_S = 0.1
 """A correction is saved so soon, together with those that a held key makes until then."""
+HELD_S = 0.15
+"""A key that comes sooner after it has accepted a reach is held: nobody has looked at the next one
+yet.
+"""
 Save = Callable[[Sequence[Label]], None]
 """Stores labels; raises SourceError or OSError if it cannot."""
 
@@ -77,6 +81,7 @@ class CorrectionScreen(DismissedOnce[None]):
         self._zoom = 2
         self._view = (0.0, 1.0)
         self._has_cursor = False
+        self._accepted_s = -HELD_S
         self._saving: Timer | None = None
         self._has_saved, self._why_unsaved = False, ""
 
@@ -280,7 +285,10 @@ class CorrectionScreen(DismissedOnce[None]):
             self.action_next(1)
 
     def action_accept(self) -> None:
-        """Confirm the reach, and show the next one."""
+        """Confirm the reach, and show the next one. A held key confirms only one."""
+        before_s, self._accepted_s = self._accepted_s, self.app.key_seconds
+        if self._accepted_s - before_s < HELD_S:
+            return
         if self._chosen is None:
             self._show(self.app.tr("There is no reach here. I adds one."))
             return
