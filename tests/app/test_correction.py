@@ -128,7 +128,7 @@ async def test_reaches_are_accepted_dropped_moved_added_and_saved() -> None:
         assert "This is no reach." in driver.text
         await driver.press("d", "d", "n")
         assert driver.states[:3] == ["accepted", "dropped", "found"]
-        await driver.press("right_square_bracket", "W", "R", "left_curly_bracket")
+        await driver.press("w", "W", "R", "e")
         moved = driver.correction.labels[2]
         assert moved.state == "moved"
         assert moved.start_s - BEGINS_S == pytest.approx(24.0 + 0.55)
@@ -248,6 +248,7 @@ async def test_what_cannot_be_saved_is_told_and_leaving_asks() -> None:
         assert "No space left on device" in driver.text
         await driver.press("escape")
         assert isinstance(driver.app.screen, UnsavedScreen)
+        assert "No space left on device" in driver.text
         await driver.press("ctrl+q", "ctrl+q", "escape")
         assert not isinstance(driver.app.screen, UnsavedScreen)
         saved.error = SourceError("labels.json was changed by another program meanwhile")
@@ -305,6 +306,8 @@ async def test_keys_and_sentences_fit_in_every_language(language: str) -> None:
         for key in ("a", "d", "i", "e"):
             await driver.press(key)
             assert f"ER {tr('End')}" in driver.rows[-1]
+            assert f"QW {tr('Onset')}" in driver.rows[-1]
+            assert f"F1 {tr('Help')}" in driver.rows[-1]
             assert f"Z {tr('Undo')}" in driver.rows[-1]
             await driver.saved()
             assert driver.rows[0].endswith(tr("saved"))

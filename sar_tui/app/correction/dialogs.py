@@ -59,15 +59,20 @@ class GoToScreen(DismissedOnce[float | None], ModalScreen[float | None]):
 
 
 class UnsavedScreen(DismissedOnce[Answer], ModalScreen[Answer]):
-    """Asks what to do with corrections that could not be saved."""
+    """Asks what to do with corrections that could not be saved, and tells why."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape", "dismiss('go on')", "Go on", id="go-on")
     ]
 
+    def __init__(self, why: str) -> None:
+        super().__init__()
+        self._why = why
+
     def compose(self) -> ComposeResult:
         tr = language_of(self.app)
         menu = OptionList(
+            Option(f"{self._why}\n", disabled=True),
             Option(tr("Save and leave"), id="save"),
             Option(tr("Leave without saving"), id="leave"),
             Option(tr("Go on"), id="go on"),
@@ -76,7 +81,7 @@ class UnsavedScreen(DismissedOnce[Answer], ModalScreen[Answer]):
         )
         menu.border_title = tr("Your corrections are not saved.")
         menu.border_subtitle = tr("arrows to choose, Enter to confirm")
-        menu.highlighted = 0
+        menu.highlighted = 1
         yield menu
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:

@@ -46,10 +46,10 @@ class CorrectionScreen(DismissedOnce[None]):
         Binding("a", "accept", "Accept", key_display="A", id="accept"),
         Binding("d", "drop", "Drop", key_display="D", id="drop"),
         Binding("i", "insert", "Insert", key_display="I", id="insert"),
-        Binding("q,left_square_bracket", "move('start',-1)", "Start", key_display="QW", id="q"),
-        Binding("w,right_square_bracket", "move('start',1)", show=False, id="w"),
-        Binding("e,left_curly_bracket", "move('end',-1)", "End", key_display="ER", id="e"),
-        Binding("r,right_curly_bracket", "move('end',1)", show=False, id="r"),
+        Binding("q", "move('start',-1)", "Onset", key_display="QW", id="q"),
+        Binding("w", "move('start',1)", show=False, id="w"),
+        Binding("e", "move('end',-1)", "End", key_display="ER", id="e"),
+        Binding("r", "move('end',1)", show=False, id="r"),
         Binding("Q", f"move('start',-{STEPS})", show=False, id="q-far"),
         Binding("W", f"move('start',{STEPS})", show=False, id="w-far"),
         Binding("E", f"move('end',-{STEPS})", show=False, id="e-far"),
@@ -97,8 +97,8 @@ class CorrectionScreen(DismissedOnce[None]):
             ),
             tr(
                 "A: it is a reach. D: it is none; D again takes that back. Q and W move its start, "
-                "E and R its end, with Shift ten times as far; [ ] and { } do the same. N and P: "
-                "the next one, the one before. Home and End: first and last."
+                "E and R its end, with Shift ten times as far. N and P: the next one, the one "
+                "before. Home and End: first and last."
             ),
             tr(
                 "A reach that is missing: go there with G and a time, or with comma, full stop, "
@@ -120,7 +120,7 @@ class CorrectionScreen(DismissedOnce[None]):
         yield SpeedChart(self._speed, self._clock, id="chart")
         yield Static("", id="told", classes="needs-a-look", markup=False)
         yield KeyLine()
-        yield KeyFooter(show_command_palette=False, optional=("accept", "insert", "go_to", "help"))
+        yield KeyFooter(show_command_palette=False, optional=("accept", "insert", "go_to", "next(1)", "help"))
 
     def on_mount(self) -> None:
         labels = self._correction.labels
@@ -161,8 +161,9 @@ class CorrectionScreen(DismissedOnce[None]):
 
     def _show(self, told: str = "") -> None:
         """Show what is chosen, and a sentence on the last key; that nothing is saved goes before."""
-        told = self._why_unsaved or told
         tr, chosen = self.app.tr, self._label
+        if self._why_unsaved:
+            told = tr("It is not saved, S tries again: {why}", why=self._why_unsaved)
         sentence, key = _said(chosen, tr)
         if not self._correction.labels:
             sentence = tr("No reach was found in this recording.")
@@ -408,7 +409,7 @@ class CorrectionScreen(DismissedOnce[None]):
             self._save(self._correction.labels)
         except (SourceError, OSError) as error:
             why = getattr(error, "strerror", None) or str(error)
-            self._why_unsaved = tr("It is not saved, S tries again: {why}", why=why)
+            self._why_unsaved = why
             self._show()
             return False
         self._correction.saved()
@@ -429,7 +430,7 @@ class CorrectionScreen(DismissedOnce[None]):
         if not self._correction.is_changed or self.save():
             self.app.exit()
         elif not isinstance(self.app.screen, UnsavedScreen):
-            self.app.push_screen(UnsavedScreen(), self._answered)
+            self.app.push_screen(UnsavedScreen(self._why_unsaved), self._answered)
 
     def _answered(self, answer: Answer | None) -> None:
         if answer == "leave" or (answer == "save" and self.save()):
