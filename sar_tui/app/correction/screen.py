@@ -120,7 +120,9 @@ class CorrectionScreen(DismissedOnce[None]):
         yield SpeedChart(self._speed, self._clock, id="chart")
         yield Static("", id="told", classes="needs-a-look", markup=False)
         yield KeyLine()
-        yield KeyFooter(show_command_palette=False, optional=("accept", "insert", "go_to", "next(1)", "help"))
+        yield KeyFooter(
+            show_command_palette=False, optional=("accept", "insert", "go_to", "next(1)", "help")
+        )
 
     def on_mount(self) -> None:
         labels = self._correction.labels
