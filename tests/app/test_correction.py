@@ -209,6 +209,17 @@ async def test_a_held_key_accepts_one_reach_only(monkeypatch: pytest.MonkeyPatch
         assert driver.states[:3] == ["accepted", "found", "found"]
 
 
+async def test_letters_mean_the_same_with_caps_lock_but_for_those_that_move_edges() -> None:
+    async with opened(Saved()) as driver:
+        await driver.press("A", "D", "N", "P")
+        assert driver.states[:3] == ["accepted", "dropped", "found"]
+        assert "Reach 2 of 360" in driver.text
+        await driver.press("Z", "Z", "U")
+        assert "Unsure 1 of 40" in driver.text
+        await driver.press("G", "escape")
+        assert driver.states[:2] == ["found", "found"]
+
+
 async def test_it_goes_on_where_it_was_left() -> None:
     async with opened(Saved(), looked_at=200) as driver:
         assert "Reach 201 of 360 · 200 looked at" in driver.text
