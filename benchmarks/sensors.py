@@ -24,7 +24,7 @@ import numpy.typing as npt
 from sar_tui.drivers.lsl import library
 from sar_tui.inputs.imu import DEGREE, G
 from sar_tui.inputs.imu_feed import ImuFeed
-from sar_tui.inputs.lines import HEADER
+from sar_tui.inputs.line_format import HEADER
 from sar_tui.inputs.sensor import DRAIN
 from sar_tui.inputs.sources import open_source
 from sar_tui.loop.clock import host_now

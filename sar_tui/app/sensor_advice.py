@@ -29,7 +29,7 @@ _UPRIGHT = math.cos(math.radians(35))
 
 FLAGS = {
     "reversed": "Wrong way out: the sensor is turned round, or it is not the {hand} hand.",
-    "gap": "Samples are missing in it: try another cable or port.",
+    "gap": "Samples are missing in it: try another cable, port or network.",
     "saturated": "It was faster than the sensor can measure: only its times are known.",
     "clipped": "Its fastest part is cut off by the sensor's range: only its times are known.",
     "too_far": "The hand turned farther than it can: the sensor must send rad/s, and seems to "
@@ -107,7 +107,7 @@ def _sensor(watch: SensorWatch, tr: Language) -> Fact:
         "none": f"{tr('No sensor found.')} "
         f"{watch.detail or tr('Plug it in; it is found by itself.')}",
         "attached": tr(_SILENT if _has_cable(watch) else _SILENT_IN_NETWORK),
-        "unplugged": f"{tr('It was unplugged.')} {watch.detail or tr('Plug it in again.')}",
+        "unplugged": f"{tr('It was disconnected.')} {watch.detail or tr('Plug it in again.')}",
         "failed": watch.detail,
         "ended": f"{watch.detail or tr('The recording is over.')} "
         f"{tr('A session plays it from its beginning.')}",
@@ -140,7 +140,7 @@ def _samples(watch: SensorWatch, tr: Language) -> Fact:
     if watch.too_slow:
         return Fact("wrong", title, f"{text}. {tr('That is too few to see a reach.')}")
     if lost + feed.dropped > FEW_LOST * max(1, feed.received):
-        return Fact("wrong", title, f"{text}. {tr('Try another cable or port.')}")
+        return Fact("wrong", title, f"{text}. {tr('Try another cable, port or network.')}")
     if feed.rate_hz >= ENOUGH * nominal:
         return Fact("right", title, text)
     settled = watch.waited > LOOKING
@@ -158,7 +158,10 @@ def _rest(watch: SensorWatch, tr: Language) -> Fact:
     if bias is None:
         return Fact("wait", title, tr("moving") if watch.still_s == 0 else tr("still …"))
     if math.hypot(*bias) > LARGE_BIAS_RAD_S:
-        return Fact("wrong", title, tr("still, but the bias is large: press Z"))
+        large = tr("still, but the bias is large")
+        if not watch.keeps_bias:
+            large = tr("still, but the bias is large: press Z")
+        return Fact("wrong", title, large)
     return Fact("right", title, tr("still"))
 
 

@@ -272,6 +272,11 @@ class SensorWatch:
 
     # --- the test reach
 
+    @property
+    def keeps_bias(self) -> bool:
+        """True if the sensor is known to be none that can take its present rate as zero."""
+        return bool(getattr(self.feed.source, "keeps_bias", False))
+
     def zero(self) -> None:
         """Ask the sensor to take its present rate as zero."""
         self.feed.source.zero()

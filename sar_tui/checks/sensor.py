@@ -126,9 +126,19 @@ class _Trial:
         self.bench.statuses.clear()
         self.feed.start()
 
-    def plug_in(self) -> None:
+    def plug_in(self, times: int = 1) -> None:
+        """Plug the device in, for the first time or again, and receive samples of it."""
         self.bench.plug_in()
         self.until(self.bench.is_heard, "the device was not heard")
+        self.measure(range(COUNT))
+        self.until_state("attached", times)
+        self.until_samples(times * (COUNT - 1))
+
+    def unplug(self) -> Status:
+        """Unplug the device; return the report of that."""
+        before = [status.state for status in self.tap.statuses].count("detached")
+        self.bench.unplug()
+        return self.until_state("detached", before + 1)
 
     def measure(self, numbers: Sequence[int]) -> None:
         for number in numbers:
@@ -200,8 +210,6 @@ def _is_described(bench: SensorBench) -> None:
     with _trial(bench) as trial:
         trial.start()
         trial.plug_in()
-        trial.measure(range(COUNT))
-        trial.until_state("attached")
         trial.tap.zero()
         info = trial.tap.info
         if info is None:
@@ -217,8 +225,6 @@ def _delivers_each_sample(bench: SensorBench) -> None:
     with _trial(bench) as trial:
         trial.start()
         trial.plug_in()
-        trial.measure(range(COUNT))
-        trial.until_samples(COUNT - 1)
         samples = list(trial.tap.samples)
     first = round(samples[0].rate[2] / 0.125)
     for number, sample in enumerate(samples, first):
@@ -235,8 +241,6 @@ def _has_the_clock_of_the_device(bench: SensorBench) -> None:
     with _trial(bench) as trial:
         trial.start()
         trial.plug_in()
-        trial.measure(range(COUNT))
-        trial.until_samples(COUNT - 1)
         samples, ended = list(trial.tap.samples), bench.now()
     step = 1000 / bench.rate_hz
     for before, after in pairwise(samples):
@@ -255,8 +259,6 @@ def _shows_gaps(bench: SensorBench) -> None:
     with _trial(bench) as trial:
         trial.start()
         trial.plug_in()
-        trial.measure(range(COUNT))
-        trial.until_samples(COUNT - 1)
         began = len(trial.tap.samples)
         trial.measure(range(COUNT + _MISSING, 2 * COUNT + _MISSING))
         trial.until_samples(began + COUNT - 1)
@@ -268,8 +270,6 @@ def _shows_saturation(bench: SensorBench) -> None:
     with _trial(bench) as trial:
         trial.start()
         trial.plug_in()
-        trial.measure(range(COUNT))
-        trial.until_state("attached")
         if info := trial.tap.info:
             if not info.rate_range_rad_s:
                 return
@@ -288,12 +288,7 @@ def _is_detached(bench: SensorBench) -> None:
     with _trial(bench) as trial:
         trial.start()
         trial.plug_in()
-        trial.measure(range(COUNT))
-        trial.until_state("attached")
-        trial.until_samples(COUNT - 1)
-        before = [status.state for status in trial.tap.statuses].count("detached")
-        bench.unplug()
-        status = trial.until_state("detached", before + 1)
+        status = trial.unplug()
         _need(bool(status.detail), "It does not say what it waits for after the device was gone.")
         _need(trial.tap.info is None, "It has an info after the device was gone.")
 
@@ -304,13 +299,8 @@ def _is_attached_again(bench: SensorBench) -> None:
     with _trial(bench) as trial:
         trial.start()
         for times in (1, 2):
-            trial.plug_in()
-            trial.measure(range(COUNT))
-            trial.until_state("attached", times)
-            trial.until_samples(times * (COUNT - 1))
-            before = [status.state for status in trial.tap.statuses].count("detached")
-            bench.unplug()
-            trial.until_state("detached", before + 1)
+            trial.plug_in(times)
+            trial.unplug()
         _need(all(a < b for a, b in pairwise(trial.times)), "Its mapped times do not increase.")
 
 
@@ -319,8 +309,6 @@ def _stops(bench: SensorBench) -> None:
         for _ in range(2):
             trial.start()
             trial.plug_in()
-            trial.measure(range(COUNT))
-            trial.until_state("attached")
             trial.tap.stop()
             trial.tap.stop()
             delivered = len(trial.tap.samples), len(trial.tap.statuses)

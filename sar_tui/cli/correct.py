@@ -1,6 +1,7 @@
 """``sar-tui detect --correct`` and ``--labels``: reaches that are corrected by hand."""
 
 import contextlib
+import os
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -9,6 +10,7 @@ import msgspec
 
 from sar_tui.cli.common import Home, console, warn_of_git
 from sar_tui.cli.errors import Refused
+from sar_tui.inputs.imu import SourceError
 from sar_tui.inputs.label_file import (
     LabelFile,
     beside,
@@ -58,7 +60,7 @@ class ByHand:
 
     Raises:
         SourceError: the labels cannot be read, or are another recording's.
-        Refused: another detector found them.
+        Refused: another detector found them, or new ones could not be saved.
     """
 
     samples: "Samples"
@@ -73,20 +75,33 @@ class ByHand:
         may_be_new: bool,
     ) -> None:
         self._file, self._path = file, path or beside(file)
+        self._is_named = path is not None
         self._detector, self._hand = detector, hand
         self._hash = sha256(file)
-        self._labels: tuple[Label, ...] | None = None
+        self._content: LabelFile | None = None
         self._turned: dict[tuple[float, float], float | None] = {}
         self._has_written = False
-        if may_be_new and not self._path.exists():
-            return
+        if may_be_new:
+            self._check_folder()
+            if not os.path.lexists(self._path):
+                return
         content = read_labels_of(self._path, file, self._hash)
         if content.detector != detector:
             raise Refused(
                 f"The reaches in {self._path} were found by another detector: add --detector "
                 f"{content.detector}, or name another file of labels."
             )
-        self._labels = content.reaches
+        self._content = content
+
+    def _check_folder(self) -> None:
+        """Raise Refused if labels cannot be saved, before the work on them begins."""
+        folder = self._path.parent
+        if not folder.is_dir():
+            raise Refused(f"There is no folder {folder} for the labels.")
+        if not os.access(folder, os.W_OK | os.X_OK):
+            raise Refused(
+                f"Nothing can be saved in {folder}: name a file of labels elsewhere, with --labels."
+            )
 
     def keep(self, blocks: "Iterable[Samples]") -> "Iterator[Samples]":
         """Keep the samples that pass."""
@@ -98,7 +113,7 @@ class ByHand:
 
     def measured(self, found: "LongDetection") -> "LongDetection":
         """Return the labelled reaches in place of those that were found."""
-        labels = self._labels or ()
+        labels = self._content.reaches if self._content else ()
         reaches = measured(labels, found.reaches, self.samples, self._detector, self._hand)
         return found._replace(reaches=reaches)
 
@@ -110,7 +125,7 @@ class ByHand:
         from sar_tui.widgets.language import app_texts
         from sar_tui.widgets.speed_chart import Speed
 
-        labels = labelled(found.reaches) if self._labels is None else self._labels
+        labels = self._content.reaches if self._content else labelled(found.reaches)
         correction = Correction(labels, found.begins_s, found.ends_s)
         app = CorrectionApp(
             home.catalogue().theme(DEFAULT_THEME),
@@ -121,6 +136,10 @@ class ByHand:
             self.save,
         )
         code = app.run_here()
+        if correction.is_changed:  # a signal came between a correction and its being saved
+            with contextlib.suppress(SourceError, OSError):
+                self.save(correction.labels)
+                correction.saved()
         if app.has_lost_terminal:
             return code
         out = console(error=True)
@@ -130,7 +149,13 @@ class ByHand:
             out.print("The last corrections were not saved.", markup=False, soft_wrap=True)
         if self._has_written:
             warn_of_git(self._path)
-            out.print(f"The labels are in {self._path}.", markup=False, soft_wrap=True)
+            how = "without" if self._is_named else f"with --labels {self._path} in place of"
+            out.print(
+                f"The labels are in {self._path}. To measure the corrected reaches, give the same "
+                f"command {how} --correct.",
+                markup=False,
+                soft_wrap=True,
+            )
         return code
 
     def save(self, labels: Sequence[Label]) -> None:
@@ -144,8 +169,8 @@ class ByHand:
             detector_version=DETECTORS[self._detector].version,
             reaches=tuple(map(self._with_excursion, labels)),
         )
-        write_labels(self._path, content)
-        self._has_written = True
+        write_labels(self._path, content, self._content)
+        self._content, self._has_written = content, True
 
     def _with_excursion(self, label: Label) -> Label:
         if label.excursion_deg is not None or not label.counts:

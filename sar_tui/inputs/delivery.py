@@ -16,6 +16,8 @@ LOOKED_AT = 50
 _FEWEST = 5
 _USUAL_STEP = 1.5
 """Steps of more than this many medians are left out of the estimate: samples are missing there."""
+COMPLAIN_AGAIN = SECOND
+"""Least time between two reports of an error."""
 RETRY_S = 0.5
 """Time between two attempts to read a device."""
 CLOSE_S = 2.0
@@ -50,6 +52,7 @@ class Delivery:
         self._rate_hz = rate_hz
         self._first: list[Sample] = []
         self._said = ""
+        self._complained_ns = -COMPLAIN_AGAIN
 
     def begin(self, sink: Callable[[Sample], None], on_status: Callable[[Status], None]) -> None:
         """Deliver to a new consumer."""
@@ -61,6 +64,7 @@ class Delivery:
         self.info = None
         self._first.clear()
         self._said = ""
+        self._complained_ns = -COMPLAIN_AGAIN
 
     def put(self, sample: Sample, *, stamped: bool = True) -> None:
         """Deliver a sample. ``stamped``: its time is of the device's clock, not of the host's."""
@@ -88,9 +92,10 @@ class Delivery:
             self.complain(what)
 
     def complain(self, what: str) -> None:
-        """Report an error; once until samples are valid again."""
-        if what != self._said:
-            self._said = what
+        """Report an error; once until samples are valid again, and never soon after another."""
+        now = host_now()
+        if what != self._said and now - self._complained_ns >= COMPLAIN_AGAIN:
+            self._said, self._complained_ns = what, now
             self._report("error", what)
 
     def _rate_seen(self, stamped: bool) -> float | None:
@@ -134,6 +139,9 @@ class ReadSource(ABC):
         delivery: delivers the samples.
         name: name of the thread.
     """
+
+    keeps_bias = True
+    """The device cannot take its present rate as zero."""
 
     def __init__(self, delivery: Delivery, name: str) -> None:
         self.delivery = delivery

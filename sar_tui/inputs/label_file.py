@@ -37,8 +37,10 @@ def beside(recording: Path) -> Path:
 
 
 def sha256(path: Path) -> str:
-    """Return the hash of a file. Raises SourceError if it cannot be read."""
+    """Return the hash of a recording. Raises SourceError if it cannot be read."""
     try:
+        if not path.is_file() and path.exists():
+            raise SourceError(f"{path} is not a file: name a recording, FILE.csv or FILE.npz.")
         with path.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except FileNotFoundError:
@@ -57,7 +59,8 @@ def read_labels(path: Path) -> LabelFile:
         raise SourceError(f"{path} cannot be read: {error.strerror}.") from error
     except (ValueError, RecursionError) as error:  # of msgspec, or no UTF-8
         raise SourceError(
-            f"{path} holds no labels that `sar-tui detect FILE --correct` has written: {error}."
+            f"{path} holds no labels of `sar-tui detect FILE --correct`, or is damaged: move it "
+            f"away, or name another file ({error})."
         ) from error
     if what := mistake(content.reaches):
         raise SourceError(f"{path} cannot be used: {what}.")
@@ -72,19 +75,28 @@ def read_labels_of(path: Path, recording: Path, hash: str) -> LabelFile:
     if content.sha256 != hash:
         raise SourceError(
             f"{path} holds the labels of another recording ({content.file}), or {recording} has "
-            "been changed."
+            "been changed: name another file of labels with --labels."
         )
     return content
 
 
-def write_labels(path: Path, content: LabelFile) -> None:
-    """Write labels, in place of earlier ones of the same recording only; until they are complete on
-    the disk, the earlier ones stay.
+def write_labels(path: Path, content: LabelFile, before: LabelFile | None) -> None:
+    """Write labels, in place of those that this program has read or written last only; until they
+    are complete on the disk, the earlier ones stay.
 
-    Raises SourceError if there is any other file, and OSError.
+    Args:
+        path: the file.
+        content: the labels.
+        before: the content of the file, as far as is known; None if there was none.
+
+    Raises SourceError if the file has any other content, and OSError.
     """
-    if os.path.lexists(path):
-        read_labels_of(path, Path(content.file), content.sha256)
+    path = path.resolve()  # so that a symbolic link stays
+    if path.exists() and read_labels(path) != before:
+        raise SourceError(
+            f"{path} was changed by another program meanwhile, and is not overwritten: move it "
+            "away to save these."
+        )
     new = path.with_name(f"{path.name}.new")
     new.unlink(missing_ok=True)
     write_private(new, msgspec.json.format(msgspec.json.encode(content), indent=1))

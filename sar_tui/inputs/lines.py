@@ -1,50 +1,31 @@
-"""A motion sensor that sends a line of text for each sample: over UDP, or a serial line.
-
-A line is ``time, three rates, three accelerations``, or without the accelerations. A header line,
-``# t=us rate=deg/s acceleration=g``, names the units; it is repeated, as the sensor may have begun
-earlier than its listener.
-"""
+"""A motion sensor that sends a line of text for each sample: over UDP, or a serial line."""
 
 import contextlib
 import errno
-import re
 import socket
 import threading
 from abc import abstractmethod
-from collections.abc import Iterator
 from contextlib import closing
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Literal, Protocol
-from urllib.parse import parse_qsl, urlsplit
-
-import msgspec
+from typing import TYPE_CHECKING, Protocol
 
 from sar_tui.drivers.installation import pip_install_extra
 from sar_tui.drivers.serial_port import open_port, split_port, why_not
 from sar_tui.inputs.delivery import Absent, Delivery, ReadSource, Unusable
-from sar_tui.inputs.imu import ACCELERATION_UNITS, NOTHING, RATE_UNITS, Info, Sample, SourceError
+from sar_tui.inputs.imu import Info, Sample, SourceError
+from sar_tui.inputs.line_format import Lines, Units, units_of
+from sar_tui.inputs.network_address import bracketed, split_address
 from sar_tui.loop.clock import host_now
 from sar_tui.model.language import Sentence
 from sar_tui.model.units import SECOND
-from sar_tui.model.visible_text import visible
 
 if TYPE_CHECKING:
     import serial
 
-HEADER = "# t=us rate=deg/s acceleration=g"
-"""Example of a header."""
 SILENCE = 3 * SECOND
 """A sensor that has sent no line for this long is gone."""
-WITHOUT_UNITS = 200
-"""Lines without a header before it is asked for."""
 
 _READ_S = 0.1
-_LONGEST = 500
-_TIME_MS = {"s": 1000.0, "ms": 1.0, "us": 0.001}
-_WRAPS = (1 << 30, 1 << 32)
-"""Sizes of the counters of boards: ``ticks_us`` of MicroPython, ``micros`` of Arduino."""
-_WRAP_MS = 10_000.0
-"""A step across that is shorter than this."""
 _NO_UDP = (
     'There is no sensor "udp:{address}". Use udp://:PORT or udp://HOST:PORT, such as udp://:5005, '
     "and after it, if no header names the units, ?t=us&rate=deg/s&acceleration=g."
@@ -54,26 +35,7 @@ _NO_SERIAL = (
     "serial:///dev/ttyUSB0@500000, and after it, if no header names the units, "
     "?t=us&rate=deg/s&acceleration=g."
 )
-_NO_LINE = (
-    'This is no line of a time, three rates and three accelerations: "{}". Such lines are left out.'
-)
-_NO_HEADER = (
-    'This header is not valid: "{}". It names the units: t=s, ms or us; rate=rad/s or deg/s; '
-    "acceleration=m/s2 or g."
-)
-_NO_UNITS = (
-    f'The lines do not name their units: send the line "{HEADER}" once a second, or add '
-    "?t=us&rate=deg/s&acceleration=g to the name of the sensor."
-)
 _NOT_RISING = "The times in the lines do not increase, so the sample rate is unknown."
-
-
-class Units(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Units of the numbers in a line."""
-
-    t: Literal["s", "ms", "us"]
-    rate: Literal["rad/s", "deg/s"]
-    acceleration: Literal["m/s2", "g"] = "m/s2"
 
 
 class Line(Protocol):
@@ -121,6 +83,8 @@ class LineSource(ReadSource):
     def _read(self, stopped: threading.Event) -> None:
         waiting = f"Waiting for lines of a sensor on {self.place}."
         with closing(self.open()) as line:
+            if stopped.is_set():
+                return
             self.delivery.wait(waiting)
             lines = Lines(self._units)
             heard_ns = host_now()
@@ -136,96 +100,11 @@ class LineSource(ReadSource):
                         self.delivery.complain(found)
                 if received:
                     heard_ns = came_ns
-                elif self.info and came_ns - heard_ns > SILENCE:
+                elif came_ns - heard_ns > SILENCE:
+                    heard_ns = came_ns
                     self.delivery.wait(waiting)
                     lines = Lines(self._units)
                     line.forget()
-
-
-class Lines:
-    """Reads samples from lines, whatever else they hold.
-
-    Args:
-        units: of the lines; None if a header names them.
-    """
-
-    def __init__(self, units: Units | None = None) -> None:
-        self._units = units
-        self._rest = b""
-        self._unread = 0
-        self._origin: float | None = None
-        self._last = self._wrapped = 0.0
-
-    def take(self, received: bytes, host_ns: int) -> Iterator[Sample | str]:
-        """Yield samples in order, and between them what is wrong, as sentences."""
-        *lines, rest = (self._rest + received).split(b"\n")
-        self._rest = rest if len(rest) <= _LONGEST else b""
-        if not self._rest and rest:
-            lines.append(rest)
-        for line in lines:
-            found = self._line(line.strip(), host_ns)
-            if found:
-                yield found
-
-    def _line(self, line: bytes, host_ns: int) -> Sample | str | None:
-        if line.startswith(b"#"):
-            return self._header(line)
-        if not line:
-            return None
-        try:
-            numbers = [float(each) for each in re.split(rb"[,;\s]+", line)]
-        except ValueError:
-            numbers = []
-        if len(numbers) not in (4, 7) or not abs(numbers[0]) < 1e15:
-            return _NO_LINE.format(_shown(line))
-        if self._units is None:
-            self._unread += 1
-            return _NO_UNITS if self._unread > WITHOUT_UNITS else None
-        by_rate = RATE_UNITS[self._units.rate]
-        by_acceleration = ACCELERATION_UNITS[self._units.acceleration]
-        x, y, z = (by_rate * each for each in numbers[1:4])
-        acceleration = NOTHING
-        if len(numbers) == 7:
-            ax, ay, az = (by_acceleration * each for each in numbers[4:])
-            acceleration = ax, ay, az
-        return Sample(host_ns, self._time_ms(numbers[0], self._units), acceleration, (x, y, z))
-
-    def _header(self, line: bytes) -> str | None:
-        pairs = [each.partition(b"=") for each in line[1:].split()]
-        if not any(sign for _, sign, _ in pairs):
-            return None  # a comment
-        try:
-            named = {name.decode(): value.decode() for name, _, value in pairs}
-            units = msgspec.convert(named, Units)
-        except (UnicodeDecodeError, msgspec.ValidationError):
-            return _NO_HEADER.format(_shown(line))
-        if units != self._units:
-            self._units, self._origin = units, None
-        return None
-
-    def _time_ms(self, time: float, units: Units) -> float:
-        """Return a time in ms since the first one, across an overflow of the board's counter."""
-        in_ms = _TIME_MS[units.t]
-        if self._origin is None:
-            self._origin, self._wrapped = time, 0.0
-        elif time < self._last:
-            for size in _WRAPS:
-                if 0 < (time + size - self._last) * in_ms < _WRAP_MS:
-                    self._wrapped += size
-        self._last = time
-        return (time + self._wrapped - self._origin) * in_ms
-
-
-def _shown(line: bytes) -> str:
-    return visible(line[:60].decode("utf-8", "replace"))
-
-
-def _units(query: str) -> Units | None:
-    """Return the units in an address; None if it names none. Raises ValueError."""
-    if not query:
-        return None
-    options = dict(parse_qsl(query, keep_blank_values=True, strict_parsing=True))
-    return msgspec.convert(options, Units)
 
 
 # --- UDP
@@ -241,26 +120,23 @@ class UdpSource(LineSource):
 
     def __init__(self, address: str) -> None:
         try:
-            parts = urlsplit(address.strip())
-            if (
-                parts.scheme not in ("", "udp")
-                or parts.username
-                or parts.path not in ("", "/")
-                or not parts.port
-            ):
-                raise ValueError
-            units = _units(parts.query)
-            self._host, self._port = parts.hostname or "127.0.0.1", parts.port
-        except ValueError as error:
-            raise SourceError(Sentence(_NO_UDP, address=address)) from error
-        super().__init__(f"udp://{self._host}:{self._port}", units)
+            host, port, query = split_address(address, "udp")
+            units = units_of(query)
+        except ValueError:
+            port = None
+        if not port:
+            raise SourceError(Sentence(_NO_UDP, address=address))
+        self._host, self._port = host or "127.0.0.1", port
+        super().__init__(f"udp://{bracketed(self._host)}:{port}", units)
 
     def open(self) -> Line:
         """Listen on the port. Raises Unusable."""
         try:
-            family, kind, _, _, place = socket.getaddrinfo(
+            found = socket.getaddrinfo(
                 self._host, self._port, type=socket.SOCK_DGRAM, flags=socket.AI_PASSIVE
-            )[0]
+            )
+            # a name may have several addresses; boards send to the one of IPv4
+            family, kind, _, _, place = min(found, key=lambda each: each[0] != socket.AF_INET)
             port = socket.socket(family, kind)
             with contextlib.ExitStack() as unless_bound:
                 unless_bound.callback(port.close)
@@ -269,8 +145,8 @@ class UdpSource(LineSource):
                 unless_bound.pop_all()
         except OSError as error:
             raise Unusable(
-                f"The address {self.place} cannot be listened on ({error.strerror}). Close other "
-                "programs that use it, or name another one."
+                f"{self.place} cannot be listened on ({error.strerror}). Name an address of this "
+                "computer, such as udp://0.0.0.0:5005, and a port that no other program uses."
             ) from error
         return _Datagrams(port)
 
@@ -312,7 +188,7 @@ class SerialSource(LineSource):
     def __init__(self, address: str) -> None:
         place, _, query = address.strip().removeprefix("//").partition("?")
         try:
-            found, units = split_port(place), _units(query)
+            found, units = split_port(place), units_of(query)
         except ValueError:
             found = None
         if not found:
@@ -351,7 +227,7 @@ class _Port:
             received: bytes = self._line.read(max(1, self._line.in_waiting))
         except OSError as error:
             raise Absent(
-                f"The serial port {self._name} is gone ({why_not(error)}): plug the board in again."
+                f"The serial port {self._name} is gone: plug the board in again."
             ) from error
         if not self._is_whole and received:  # the first line may have begun before
             _, end, received = received.partition(b"\n")

@@ -27,8 +27,16 @@ from sar_tui.model.visible_text import visible
 
 LOOK_S = 0.5
 """Time to look for the stream before saying that it is missing."""
+_INFO_S = 2.0
+"""Longest wait for the description of a stream."""
 _PULL_S = 0.1
 _MOST = 1024
+_GAIN, _RATE_GAIN = 0.02, 0.0001
+"""Parts of a deviation by which a stamp, and the time between two, are corrected."""
+_FIRST_DEVIATION_S = 0.01
+_FORGOTTEN = 0.002
+"""Part of the largest deviation that is forgotten with each sample."""
+_RESTART_S = 0.2
 _NO_ADDRESS = (
     'There is no sensor "lsl:{address}". Use lsl://NAME with the name of the stream, and after '
     "it, if its channels do not say which is which, "
@@ -63,7 +71,8 @@ class _Options(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class LslSource(ReadSource):
-    """A stream of LSL as a source of samples. The sender's time stamps are the device's clock.
+    """A stream of LSL as a source of samples. The sender's time stamps are the device's clock:
+    evened out, if the stream has a nominal rate.
 
     Channels are known by their labels (``GyroX``, ``acc_x``, ``wz``) and units, or by the options.
 
@@ -104,23 +113,25 @@ class LslSource(ReadSource):
         if not found:
             raise Absent(waiting)
         with _inlet(pylsl, found[0]) as inlet:
-            columns = Columns(self._stream, *_channels(inlet.info()), self._options)
-            self.delivery.wait(waiting)
-            origin_s = None
-            while not stopped.is_set():
-                try:
-                    chunk, stamps = inlet.pull_chunk(_PULL_S, _MOST)
-                except pylsl.LostError as error:
-                    raise Absent(waiting) from error
-                came_ns = host_now()
+            try:
+                info = inlet.info(_INFO_S)
+                columns = Columns(self._stream, *_channels(info), self._options)
                 if stopped.is_set():
                     return
-                for values, stamp_s in zip(chunk, stamps, strict=True):
-                    origin_s = stamp_s if origin_s is None else origin_s
-                    acceleration, rate = columns.read(values)
-                    self.delivery.put(
-                        Sample(came_ns, (stamp_s - origin_s) * 1000, acceleration, rate)
-                    )
+                self.delivery.wait(waiting)
+                even = EvenStamps(info.nominal_srate())
+                while not stopped.is_set():
+                    # a request for many would wait for all of them
+                    chunk, stamps = inlet.pull_chunk(_PULL_S, 1)
+                    rest, later = inlet.pull_chunk(0.0, _MOST)
+                    came_ns = host_now()
+                    if stopped.is_set():
+                        return
+                    for values, stamp_s in zip(chunk + rest, stamps + later, strict=True):
+                        device_ms = even.ms(stamp_s)
+                        self.delivery.put(Sample(came_ns, device_ms, *columns.read(values)))
+            except RuntimeError as error:  # LSL's own: the stream is lost, or does not answer
+                raise Absent(waiting) from error
 
 
 @contextmanager
@@ -131,6 +142,45 @@ def _inlet(pylsl: Any, stream: Any) -> Iterator[Any]:
         yield inlet
     finally:
         inlet.close_stream()
+
+
+class EvenStamps:
+    """Evens out the time stamps of a stream, in ms since its first.
+
+    Many senders stamp a chunk of samples when it arrives from the sensor, so that the stamps are
+    early and late by some ms, and may go back. Each sample is taken to be due one interval after
+    the one before; its deviation corrects it, and the interval, by a small part (a phase-locked
+    loop of second order). A sample that is later than usual shows that others are missing: its
+    stamp is taken as it is. Stamps that deviate by nothing stay as they are.
+
+    Args:
+        rate_hz: nominal rate of the stream; 0 if it has none: its stamps stay as they are, too.
+    """
+
+    def __init__(self, rate_hz: float) -> None:
+        self._interval_s = 1 / rate_hz if rate_hz > 0 else 0.0
+        self._largest_s = _FIRST_DEVIATION_S
+        self._origin_s: float | None = None
+        self._last_s = 0.0
+
+    def ms(self, stamp_s: float) -> float:
+        """Return the time of the next sample."""
+        if self._origin_s is None:
+            self._origin_s = self._last_s = stamp_s
+        elif self._interval_s:
+            self._last_s = self._evened(stamp_s)
+        else:
+            self._last_s = stamp_s
+        return (self._last_s - self._origin_s) * 1000
+
+    def _evened(self, stamp_s: float) -> float:
+        due_s = self._last_s + self._interval_s
+        deviation_s = stamp_s - due_s
+        if not -_RESTART_S < deviation_s < self._interval_s / 2 + 3 * self._largest_s:
+            return stamp_s
+        self._largest_s = max(abs(deviation_s), (1 - _FORGOTTEN) * self._largest_s)
+        self._interval_s += _RATE_GAIN * deviation_s
+        return due_s + _GAIN * deviation_s
 
 
 class Columns:

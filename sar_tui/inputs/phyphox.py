@@ -1,20 +1,27 @@
 """A phone on the hand: its gyroscope and accelerometer, through the app phyphox (phyphox.org)."""
 
-import http.client
 import math
-import re
+import socket
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, suppress
 from importlib.resources import files
-from typing import Any, NamedTuple, TypeVar
-from urllib.parse import quote, urlsplit
-
-import msgspec
 
 from sar_tui.inputs.delivery import Absent, Delivery, ReadSource, Unusable
 from sar_tui.inputs.imu import NOTHING, Info, Sample, SourceError, Vector
+from sar_tui.inputs.network_address import bracketed, split_address
+from sar_tui.inputs.phyphox_remote import (
+    TRANSPORT_ERRORS,
+    Asked,
+    Config,
+    Connection,
+    Device,
+    Input,
+    Query,
+    Reply,
+    State,
+)
 from sar_tui.loop.clock import host_now
 from sar_tui.model.language import Sentence
 from sar_tui.model.units import MS, SECOND
@@ -27,8 +34,6 @@ TITLE = "sar-tui"
 
 POLL_S = 0.02
 """Pause between two requests; the app asks for 10 ms at least."""
-REPLY_S = 2.0
-"""Longest wait for a reply."""
 GIVE_UP = 3 * SECOND
 """A phone that has not answered for this long is lost. Until then it may catch up: it goes on
 measuring while the network is down.
@@ -40,10 +45,7 @@ JUMP = 250 * MS
 HOLD_S = 0.1
 """Longest time that a sample of the gyroscope waits for the accelerometer, on the phone's clock."""
 
-_MOST_BYTES = 16_000_000
-_LARGEST_RANGE = 10_000.0
 _MOST_HELD = 5000
-_TRANSPORT_ERRORS = (OSError, http.client.HTTPException, msgspec.DecodeError)
 _NO_ADDRESS = (
     'There is no sensor "phyphox:{address}". Use phyphox://HOST or phyphox://HOST:PORT with the '
     "address that the phone shows below the experiment, such as phyphox://192.168.1.20:8080."
@@ -52,9 +54,16 @@ _WAITING = (
     "Waiting for the phone at {}: open the experiment sar-tui in phyphox, choose Allow remote "
     "access in its menu, and keep its screen on."
 )
+_NO_SUCH_NAME = (
+    "The network has no device of the name {}: use the address that the phone shows below the "
+    "experiment, and see that the phone and this computer are in the same network."
+)
 _NO_GYROSCOPE = (
     'The experiment "{}" on the phone does not send the gyroscope with its time. Open the '
     "experiment sar-tui; `sar-tui sensors --phyphox FILE` writes it for the phone."
+)
+_SILENT = (
+    "The phone measures, but its gyroscope sends nothing: see whether phyphox shows its values."
 )
 _TIMED = "The phone is set to a timed run: switch that off in the menu of phyphox."
 _REFUSED = "The phone does not start to measure: see what phyphox shows on its screen."
@@ -62,52 +71,9 @@ _CLEARED = "The phone began anew: its data were cleared, or its measurement was 
 _NOT_RISING = "The time stamps of the phone do not increase, so its sample rate is unknown."
 
 
-_T = TypeVar("_T")
-
-
 def experiment_file() -> bytes:
     """Return our own experiment for the app, which measures with both sensors."""
     return (files(__package__) / "sar-tui.phyphox").read_bytes()
-
-
-class _Buffer(msgspec.Struct, frozen=True):
-    mode: str = msgspec.field(name="updateMode")
-    values: list[float | None] = msgspec.field(name="buffer")
-
-
-class _State(msgspec.Struct, frozen=True):
-    """State of the phone. ``session`` changes with each experiment that is opened."""
-
-    session: str = ""
-    measuring: bool = False
-    timed: bool = msgspec.field(name="timedRun", default=False)
-
-
-class _Reply(msgspec.Struct, frozen=True):
-    buffers: dict[str, _Buffer] = msgspec.field(name="buffer")
-    state: _State = msgspec.field(name="status")
-
-
-class _Input(msgspec.Struct, frozen=True):
-    source: str
-    outputs: list[dict[str, str]] = []
-
-
-class _Config(msgspec.Struct, frozen=True):
-    title: str = ""
-    inputs: list[_Input] = []
-
-
-class _Control(msgspec.Struct, frozen=True):
-    result: bool = False
-
-
-class _Asked(NamedTuple):
-    """A reply, and when its request was sent and its last byte had come (ns, host)."""
-
-    reply: _Reply
-    sent_ns: int
-    came_ns: int
 
 
 class PhyphoxSource(ReadSource):
@@ -125,21 +91,21 @@ class PhyphoxSource(ReadSource):
     """
 
     def __init__(self, address: str, now: Callable[[], int] = host_now) -> None:
-        self._host, port = _parsed(address)
+        try:
+            self._host, port, query = split_address(address, "phyphox")
+        except ValueError:
+            self._host = query = ""
+        if query or not self._host:
+            raise SourceError(Sentence(_NO_ADDRESS, address=address))
         self._ports = deque((port,) if port else PORTS)
         self._now = now
-        self._phone = _Device()
+        self._phone = Device()
         self._has_started_it = False
         super().__init__(Delivery(self._described, _NOT_RISING), "phyphox")
 
-    @property
-    def _place(self) -> str:
-        host = f"[{self._host}]" if ":" in self._host else self._host
-        return f"{host}:{self._ports[0]}"
-
     def _described(self, rate_hz: float, has_acceleration: bool) -> Info:
         return Info(
-            source=f"phyphox://{self._place}",
+            source=f"phyphox://{bracketed(self._host)}:{self._ports[0]}",
             model=self._phone.model,
             rate_hz=rate_hz,
             rate_range_rad_s=self._phone.rate_range,
@@ -148,28 +114,31 @@ class PhyphoxSource(ReadSource):
         )
 
     def _read(self, stopped: threading.Event) -> None:
-        with closing(_Connection(self._host, self._ports[0], self._now)) as phone:
+        with closing(Connection(self._host, self._ports[0], self._now)) as phone:
             try:
-                config = phone.ask("/config", _Config)
+                config = phone.ask("/config", Config)
                 self._phone = phone.device()
                 reading = _Reading(config)
                 self._begin(phone, config, reading)
-            except _TRANSPORT_ERRORS as error:
-                place = self._place
+            except TRANSPORT_ERRORS as error:
                 self._ports.rotate()
-                raise Absent(_WAITING.format(place)) from error
+                raise self._absent(error) from error
             try:
                 while not stopped.wait(POLL_S):
-                    for sample in self._poll(phone, reading):
-                        if not stopped.is_set():
-                            self.delivery.put(sample)
+                    samples = self._poll(phone, reading)
+                    if stopped.is_set():
+                        break
+                    if reading.is_silent and self.info is None:
+                        self.delivery.wait(_SILENT)
+                    for sample in samples:
+                        self.delivery.put(sample)
             finally:
                 if stopped.is_set() and self._has_started_it:
                     self._has_started_it = False
-                    with suppress(*_TRANSPORT_ERRORS):
+                    with suppress(*TRANSPORT_ERRORS):
                         phone.control("stop")
 
-    def _begin(self, phone: "_Connection", config: _Config, reading: "_Reading") -> None:
+    def _begin(self, phone: Connection, config: Config, reading: "_Reading") -> None:
         """Have the phone measure, and go to the newest sample: older ones are not of now."""
         state = reading.seek(phone.get(reading.last))
         if state.measuring:
@@ -183,43 +152,130 @@ class PhyphoxSource(ReadSource):
             raise Unusable(_REFUSED)
         self._has_started_it = True
 
-    def _poll(self, phone: "_Connection", reading: "_Reading") -> list[Sample]:
+    def _poll(self, phone: Connection, reading: "_Reading") -> list[Sample]:
         """Return the samples that are new. A phone that does not answer may catch up for a while.
 
         Raises Absent.
         """
         try:
             asked = phone.get(reading.query(self._now()))
-        except _TRANSPORT_ERRORS as error:
+        except TRANSPORT_ERRORS as error:
             phone.close()
             if self._now() - reading.answered_ns > GIVE_UP:
-                raise Absent(_WAITING.format(self._place)) from error
+                raise self._absent(error) from error
             return []
         return reading.take(asked)
 
-
-def _parsed(address: str) -> tuple[str, int | None]:
-    with suppress(ValueError):
-        parts = urlsplit(address.strip())
-        is_plain = not (parts.username or parts.query or parts.fragment)
-        if (
-            parts.scheme in ("", "phyphox")
-            and is_plain
-            and parts.path in ("", "/")
-            and parts.hostname
-            and re.fullmatch(r"[\w.:-]+", parts.hostname)
-            and parts.port != 0
-        ):
-            return parts.hostname, parts.port
-    raise SourceError(Sentence(_NO_ADDRESS, address=address))
-
-
-# --- what is asked for, and what comes
+    def _absent(self, error: Exception) -> Absent:
+        """Say what is waited for: the same at each port, so that it is said once."""
+        if isinstance(error, socket.gaierror):
+            return Absent(_NO_SUCH_NAME.format(self._host))
+        port = f":{self._ports[0]}" if len(self._ports) == 1 else ""
+        return Absent(_WAITING.format(bracketed(self._host) + port))
 
 
 _Row = tuple[float, Vector]
 """Time in s of the phone's clock, and a value about each axis."""
-Query = list[tuple[str, str]]
+
+
+class _Reading:
+    """Reads the phone's buffers, and watches that its clock runs on.
+
+    Args:
+        config: the experiment on the phone. Raises Unusable if it has no gyroscope.
+
+    Attributes:
+        answered_ns: when the last reply had come.
+        is_silent: True if the last query was one of the newest times, as nothing came for long.
+    """
+
+    def __init__(self, config: Config) -> None:
+        tracks = {each.source: _outputs(each) for each in config.inputs}
+        if not (gyroscope := tracks.get("gyroscope")):
+            raise Unusable(_NO_GYROSCOPE.format(visible(config.title)[:60]))
+        self._gyroscope = _Track(gyroscope)
+        accelerometer = tracks.get("accelerometer")
+        self._accelerometer = _Track(accelerometer) if accelerometer else None
+        self._aligned = Alignment(HOLD_S if accelerometer else 0.0)
+        self._session: str | None = None
+        self.answered_ns = self._begun_ns = self._new_ns = 0
+        self.is_silent = False
+        self._offset: tuple[float, float] | None = None
+
+    @property
+    def _tracks(self) -> "list[_Track]":
+        return [self._gyroscope, *([self._accelerometer] if self._accelerometer else [])]
+
+    @property
+    def last(self) -> Query:
+        """A query of the newest time of each sensor."""
+        return [each for track in self._tracks for each in track.last]
+
+    def seek(self, asked: Asked) -> State:
+        """Go to the newest samples, which ``last`` asked for; return the state of the phone."""
+        for track in self._tracks:
+            track.read_s = track.newest(asked.reply)
+        self._session = asked.reply.state.session
+        self.answered_ns = self._begun_ns = self._new_ns = asked.came_ns
+        return asked.reply.state
+
+    def rewind(self) -> None:
+        """Go to the beginning: the buffers are empty."""
+        for track in self._tracks:
+            track.read_s = None
+
+    def query(self, now: int) -> Query:
+        """Return a query of what is new, or of the newest times if there is nothing for long."""
+        self.is_silent = now - self._new_ns > SILENCE
+        if self.is_silent:
+            self._new_ns = now
+            return self.last
+        return [each for track in self._tracks for each in track.query]
+
+    def take(self, asked: Asked) -> list[Sample]:
+        """Return what is new in a reply to ``query``.
+
+        Raises Absent if the phone does not measure, or began anew.
+        """
+        reply = asked.reply
+        self.answered_ns = asked.came_ns
+        is_starting = asked.came_ns - self._begun_ns < SILENCE
+        if reply.state.session != self._session or not (reply.state.measuring or is_starting):
+            raise Absent(_CLEARED)
+        if self.is_silent:
+            if self._gyroscope.is_cleared(reply):
+                raise Absent(_CLEARED)
+            return []
+        if self._accelerometer:
+            self._aligned.hear(self._accelerometer.take(reply))
+        rates = self._gyroscope.take(reply)
+        if rates:
+            self._new_ns = asked.came_ns
+            self._check_clock(rates[-1][0], asked)
+        return [
+            Sample(asked.came_ns, time * 1000, acceleration, rate)
+            for time, rate, acceleration in self._aligned.put(rates)
+        ]
+
+    def _check_clock(self, newest_s: float, asked: Asked) -> None:
+        """Raise Absent if the phone's clock was stopped, or set back.
+
+        Its newest sample was measured before the reply had come, and, if it measures, not long
+        before the request was sent.
+        """
+        newest = newest_s * SECOND
+        lowest, highest = asked.sent_ns - newest, asked.came_ns - newest
+        before = self._offset
+        if before and (lowest > before[1] + JUMP or highest < before[0] - JUMP):
+            raise Absent(_CLEARED)
+        if highest - lowest < JUMP:  # a slow reply says little
+            self._offset = lowest, highest
+
+
+def _outputs(sensor: Input) -> dict[str, str]:
+    """Return the names of a sensor's buffers; none if one of time and axes has no buffer."""
+    names = {component: name for each in sensor.outputs for component, name in each.items()}
+    return names if {"x", "y", "z", "t"} <= set(names) else {}
 
 
 class _Track:
@@ -252,17 +308,17 @@ class _Track:
         """True if a query has a threshold."""
         return self.read_s is not None and self.read_s > 0
 
-    def newest(self, reply: _Reply) -> float | None:
+    def newest(self, reply: Reply) -> float | None:
         """Return the newest time in a reply; None if the buffer is empty."""
         times = reply.buffers[self.time].values if self.time in reply.buffers else []
         return max((time for time in times if time is not None), default=None)
 
-    def is_cleared(self, reply: _Reply) -> bool:
+    def is_cleared(self, reply: Reply) -> bool:
         """True if the newest time is earlier than what has been read, or there is none."""
         newest = self.newest(reply)
         return self.read_s is not None and (newest is None or newest < self.read_s)
 
-    def take(self, reply: _Reply) -> list[_Row]:
+    def take(self, reply: Reply) -> list[_Row]:
         """Return what is new in a reply. Raises Absent if the buffers have been cleared.
 
         After they were, the app ignores the threshold of the next query and sends them in full.
@@ -279,105 +335,6 @@ class _Track:
                 self.read_s = time
                 rows.append((time, (_number(x), _number(y), _number(z))))
         return rows
-
-
-class _Reading:
-    """Reads the phone's buffers, and watches that its clock runs on.
-
-    Args:
-        config: the experiment on the phone. Raises Unusable if it has no gyroscope.
-
-    Attributes:
-        answered_ns: when the last reply had come.
-    """
-
-    def __init__(self, config: _Config) -> None:
-        tracks = {each.source: _outputs(each) for each in config.inputs}
-        if not (gyroscope := tracks.get("gyroscope")):
-            raise Unusable(_NO_GYROSCOPE.format(visible(config.title)[:60]))
-        self._gyroscope = _Track(gyroscope)
-        accelerometer = tracks.get("accelerometer")
-        self._accelerometer = _Track(accelerometer) if accelerometer else None
-        self._aligned = Alignment(HOLD_S if accelerometer else 0.0)
-        self._session: str | None = None
-        self.answered_ns = self._begun_ns = self._new_ns = 0
-        self._is_looking = False
-        self._offset: tuple[float, float] | None = None
-
-    @property
-    def _tracks(self) -> list[_Track]:
-        return [self._gyroscope, *([self._accelerometer] if self._accelerometer else [])]
-
-    @property
-    def last(self) -> Query:
-        """A query of the newest time of each sensor."""
-        return [each for track in self._tracks for each in track.last]
-
-    def seek(self, asked: _Asked) -> _State:
-        """Go to the newest samples, which ``last`` asked for; return the state of the phone."""
-        for track in self._tracks:
-            track.read_s = track.newest(asked.reply)
-        self._session = asked.reply.state.session
-        self.answered_ns = self._begun_ns = self._new_ns = asked.came_ns
-        return asked.reply.state
-
-    def rewind(self) -> None:
-        """Go to the beginning: the buffers are empty."""
-        for track in self._tracks:
-            track.read_s = None
-
-    def query(self, now: int) -> Query:
-        """Return a query of what is new, or of the newest times if there is nothing for long."""
-        self._is_looking = now - self._new_ns > SILENCE
-        if self._is_looking:
-            self._new_ns = now
-            return self.last
-        return [each for track in self._tracks for each in track.query]
-
-    def take(self, asked: _Asked) -> list[Sample]:
-        """Return what is new in a reply to ``query``.
-
-        Raises Absent if the phone does not measure, or began anew.
-        """
-        reply = asked.reply
-        self.answered_ns = asked.came_ns
-        is_starting = asked.came_ns - self._begun_ns < SILENCE
-        if reply.state.session != self._session or not (reply.state.measuring or is_starting):
-            raise Absent(_CLEARED)
-        if self._is_looking:
-            if self._gyroscope.is_cleared(reply):
-                raise Absent(_CLEARED)
-            return []
-        if self._accelerometer:
-            self._aligned.hear(self._accelerometer.take(reply))
-        rates = self._gyroscope.take(reply)
-        if rates:
-            self._new_ns = asked.came_ns
-            self._check_clock(rates[-1][0], asked)
-        return [
-            Sample(asked.came_ns, time * 1000, acceleration, rate)
-            for time, rate, acceleration in self._aligned.put(rates)
-        ]
-
-    def _check_clock(self, newest_s: float, asked: _Asked) -> None:
-        """Raise Absent if the phone's clock was stopped, or set back.
-
-        Its newest sample was measured before the reply had come, and, if it measures, not long
-        before the request was sent.
-        """
-        newest = newest_s * SECOND
-        lowest, highest = asked.sent_ns - newest, asked.came_ns - newest
-        before = self._offset
-        if before and (lowest > before[1] + JUMP or highest < before[0] - JUMP):
-            raise Absent(_CLEARED)
-        if highest - lowest < JUMP:  # a slow reply says little
-            self._offset = lowest, highest
-
-
-def _outputs(sensor: _Input) -> dict[str, str]:
-    """Return the names of a sensor's buffers; none if one of time and axes has no buffer."""
-    names = {component: name for each in sensor.outputs for component, name in each.items()}
-    return names if {"x", "y", "z", "t"} <= set(names) else {}
 
 
 def _number(value: float | None) -> float:
@@ -433,80 +390,3 @@ class Alignment:
     def _nearest(self, time: float) -> Vector:
         near = [each for each in self._accelerations if abs(each[0] - time) <= self._hold_s]
         return min(near, key=lambda each: abs(each[0] - time))[1] if near else NOTHING
-
-
-# --- the connection
-
-
-class _Device(NamedTuple):
-    """Description of a phone; a range is 0 if unknown."""
-
-    model: str = "phyphox"
-    rate_range: float = 0.0
-    acceleration_range: float = 0.0
-
-
-class _Connection:
-    """Requests to the app, one after the other. A lost connection is made again with the next."""
-
-    def __init__(self, host: str, port: int, now: Callable[[], int]) -> None:
-        self._http = http.client.HTTPConnection(host, port, timeout=REPLY_S)
-        self._now = now
-        self._is_used = False
-
-    def close(self) -> None:
-        """Close the connection."""
-        self._http.close()
-        self._is_used = False
-
-    def get(self, query: Query) -> _Asked:
-        """Ask for buffers. Raises one of the transport's errors."""
-        sent_ns = self._now()
-        asked = "&".join(f"{quote(name)}={quote(value)}" for name, value in query)
-        reply = self.ask(f"/get?{asked}", _Reply)
-        return _Asked(reply, sent_ns, self._came_ns)
-
-    def control(self, command: str) -> bool:
-        """Send a command; return True if it was carried out. Raises one of the transport's
-        errors.
-        """
-        return self.ask(f"/control?cmd={command}", _Control).result
-
-    def device(self) -> _Device:
-        """Return what the phone says of itself: not much, from some."""
-        try:
-            meta = self.ask("/meta", dict[str, Any])
-        except msgspec.DecodeError:
-            return _Device()
-        model = visible(str(meta.get("deviceModel") or ""))[:40]
-        return _Device(
-            f"{model} (phyphox)" if model else "phyphox",
-            _range(meta, "gyroscope"),
-            _range(meta, "accelerometer"),
-        )
-
-    def ask(self, path: str, kind: type[_T]) -> _T:
-        """Return the reply to a request. Raises one of the transport's errors."""
-        try:
-            body = self._body(path)
-        except (http.client.RemoteDisconnected, BrokenPipeError, ConnectionResetError):
-            if not self._is_used:
-                raise
-            self.close()  # the server closed it after an earlier reply
-            body = self._body(path)
-        self._is_used = True
-        return msgspec.json.decode(body, type=kind)
-
-    def _body(self, path: str) -> bytes:
-        self._http.request("GET", path)
-        body = self._http.getresponse().read(_MOST_BYTES)
-        self._came_ns = self._now()
-        return body
-
-
-def _range(meta: Mapping[str, Any], sensor: str) -> float:
-    """Return the largest value of a sensor, which some phones do not tell."""
-    with suppress(AttributeError, TypeError, ValueError):
-        value = float(meta["sensors"][sensor]["Range"])
-        return value if 0 < value < _LARGEST_RANGE else 0.0
-    return 0.0

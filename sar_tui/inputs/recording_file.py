@@ -7,7 +7,8 @@ magnetic field in gauss, both optional.
 import csv
 import zipfile
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
+from itertools import chain, islice
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Literal, NamedTuple, NoReturn
 
@@ -225,13 +226,7 @@ def csv_tables(path: Path) -> Iterator[Table]:
     """
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
-            reader = csv.reader(file)
-            try:
-                yield from _tables(path, reader)
-            except csv.Error as error:
-                raise SourceError(
-                    f"{path}, line {reader.line_num}: this is not CSV: {error}."
-                ) from error
+            yield from _tables(path, file)
     except UnicodeDecodeError as error:
         line = _undecodable_line(path)
         raise SourceError(
@@ -239,45 +234,85 @@ def csv_tables(path: Path) -> Iterator[Table]:
         ) from error
 
 
-def _tables(path: Path, reader: "Reader") -> Iterator[Table]:
-    header: list[str] = []
-    wanted: dict[str, int] = {}
-    rows: list[list[float]] = []
-    lines: list[int] = []
-    for row in reader:
-        if not any(cell.strip() for cell in row):
-            continue
-        if not header:
-            header = [cell.strip() for cell in row]
-            check_names(path, header)
-            wanted = {name: header.index(name) for name in NAMES if name in header}
-            continue
-        if len(row) != len(header):
-            raise SourceError(
-                f"{path}, line {reader.line_num}: {len(row)} values for {len(header)} columns; a "
-                "line needs a value for each column, commas between them, and points in decimals."
-            )
-        try:
-            rows.append([float(row[index]) for index in wanted.values()])
-        except ValueError:
-            _refuse_row(
-                f"{path}, line {reader.line_num}",
-                {name: row[index] for name, index in wanted.items()},
-            )
-        lines.append(reader.line_num)
-        if len(rows) == ROWS:
-            yield _table(path, list(wanted), rows, lines)
-            rows, lines = [], []
-    if not header:
+def _tables(path: Path, file: IO[str]) -> Iterator[Table]:
+    reader = csv.reader(file)
+    with _csv_errors(path, reader):
+        header = next((_stripped(row) for row in reader if any(_stripped(row))), None)
+    if header is None:
         raise SourceError(f"{path} is empty.")
+    check_names(path, header)
+    wanted = {name: header.index(name) for name in NAMES if name in header}
+    before = reader.line_num
+    while lines := list(islice(file, ROWS)):
+        values = _numbers(lines, len(header), list(wanted.values()))
+        if values is None:
+            rest = csv.reader(chain(lines, file))
+            yield from _checked_tables(path, rest, len(header), wanted, before)
+            return
+        numbers = np.arange(before + 1, before + 1 + len(lines))
+        yield _table(path, list(wanted), values, numbers)
+        before += len(lines)
+
+
+def _stripped(row: list[str]) -> list[str]:
+    return [cell.strip() for cell in row]
+
+
+def _numbers(lines: list[str], width: int, columns: list[int]) -> Floats | None:
+    """Return the numbers in some columns of lines; None if a line has another number of columns, or
+    is not as simple as most.
+    """
+    if any(line.count(",") != width - 1 or '"' in line for line in lines):
+        return None
+    try:
+        found: Floats = np.loadtxt(lines, delimiter=",", usecols=columns, ndmin=2, comments=None)
+    except ValueError:
+        return None
+    return found
+
+
+@contextmanager
+def _csv_errors(path: Path, reader: "Reader", before: int = 0) -> Iterator[None]:
+    """Raise SourceError for what is not CSV, in a reader that begins after some lines."""
+    try:
+        yield
+    except csv.Error as error:
+        line = before + reader.line_num
+        raise SourceError(f"{path}, line {line}: this is not CSV: {error}.") from error
+
+
+def _checked_tables(
+    path: Path, reader: "Reader", width: int, wanted: dict[str, int], before: int
+) -> Iterator[Table]:
+    """Yield rows that may be blank, quoted or faulty. Raises SourceError for any fault."""
+    rows: list[list[float]] = []
+    numbers: list[int] = []
+    with _csv_errors(path, reader, before):
+        for row in reader:
+            if not any(cell.strip() for cell in row):
+                continue
+            line = before + reader.line_num
+            if len(row) != width:
+                raise SourceError(
+                    f"{path}, line {line}: {len(row)} values for {width} columns; a line needs a "
+                    "value for each column, commas between them, and points in decimals."
+                )
+            try:
+                rows.append([float(row[index]) for index in wanted.values()])
+            except ValueError:
+                cells = {name: row[index] for name, index in wanted.items()}
+                _refuse_row(f"{path}, line {line}", cells)
+            numbers.append(line)
+            if len(rows) == ROWS:
+                yield _table(path, list(wanted), np.array(rows), np.array(numbers))
+                rows, numbers = [], []
     if rows:
-        yield _table(path, list(wanted), rows, lines)
+        yield _table(path, list(wanted), np.array(rows), np.array(numbers))
 
 
-def _table(path: Path, names: list[str], rows: list[list[float]], lines: list[int]) -> Table:
-    values = np.array(rows, dtype=float)
+def _table(path: Path, names: list[str], values: Floats, numbers: npt.NDArray[np.int64]) -> Table:
     columns = {name: values[:, column] for column, name in enumerate(names)}
-    return Table(path, columns, "line", np.array(lines, dtype=np.int64))
+    return Table(path, columns, "line", numbers)
 
 
 def _refuse_row(where: str, cells: dict[str, str]) -> NoReturn:

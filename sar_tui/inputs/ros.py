@@ -92,6 +92,9 @@ class RosImuSource:
             anything else.
     """
 
+    keeps_bias = True
+    """ROS has no common service to take the present rate as zero."""
+
     def __init__(self, address: str) -> None:
         try:
             self._address = parse(address, _EXAMPLE)
@@ -135,7 +138,7 @@ class RosImuSource:
         self._delivery.forget()
 
     def zero(self) -> None:
-        """Do nothing: ROS has no common service for it."""
+        """Do nothing: the sensor keeps its bias."""
 
     def _begin(self) -> None:
         self._delivery.forget()

@@ -3,25 +3,21 @@
 """
 
 from collections.abc import Callable
+from math import isfinite, nan
+from numbers import Integral, Real
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 from urllib.parse import parse_qsl
 
 import msgspec
 
-from sar_tui.inputs.imu import ImuSource, SourceError
-from sar_tui.loop.clock import Clock
+from sar_tui.inputs.imu import ImuSource, Info, Sample, SourceError, Status, Vector
+from sar_tui.loop.clock import Clock, host_now
+from sar_tui.plugin_calls import PLUGIN_ERRORS
 from sar_tui.plugin_loader import Group
 
 if TYPE_CHECKING:
     from sar_tui.motion.synthesis import SimulatedHand
-from math import isfinite, nan
-from numbers import Integral, Real
-from typing import Any, TypeVar
-
-from sar_tui.inputs.imu import Info, Sample, Status, Vector
-from sar_tui.loop.clock import host_now
-from sar_tui.plugin_calls import PLUGIN_ERRORS
 
 _INSTALLED = Group("sar_tui.inputs", "sensor", SourceError)
 SIMULATED_RATE_HZ = 250.0
@@ -206,10 +202,14 @@ class GuardedSource:
     Args:
         plug_in: the source of the plug-in.
         name: its name, for the reports.
+
+    Attributes:
+        keeps_bias: True if the source says that it cannot take the present rate as zero.
     """
 
     def __init__(self, plug_in: ImuSource, name: str) -> None:
         self.plug_in = plug_in
+        self.keeps_bias = bool(getattr(plug_in, "keeps_bias", False))
         self._name = name
         self._report: Callable[[Status], None] = lambda status: None
 

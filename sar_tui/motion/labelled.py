@@ -10,6 +10,7 @@ from sar_tui.motion.labels import Label
 from sar_tui.motion.measures import measure
 from sar_tui.motion.quaternions import angle, conjugate, integrate, multiply, to_rotation
 from sar_tui.motion.reach import Bounds, Detected, Hand, Reach
+from sar_tui.motion.rest import even
 from sar_tui.motion.samples import Samples, recording
 
 SAME_S = 1e-6
@@ -18,7 +19,8 @@ MOST = 0.5
 """A reach that was found gives the rest at the target of the labelled one if they share this much
 of its time.
 """
-_NO_SAMPLES = "There are no samples at a labelled reach, so it cannot be measured: drop it."
+_OF_OTHER_EDGES = {"gap", "cut", "timed_out", "endless"}
+"""Flags that hold only between the edges which the detector has found."""
 
 
 def measured(
@@ -57,25 +59,39 @@ def measured_by_hand(
 ) -> Reach:
     """Return one labelled reach with its measures. Raises ValueError if there are no samples."""
     at = samples["at"]
-    edges_s = (label.start_s - CONTEXT_S, label.end_s + CONTEXT_S)
-    first, last = np.searchsorted(at, [round(edge_s * 1e9) for edge_s in edges_s]).tolist()
-    if last - first < 2:
-        raise ValueError(_NO_SAMPLES)
+    times_s = (label.start_s - CONTEXT_S, label.start_s, label.end_s, label.end_s + CONTEXT_S)
+    first, start, end, last = np.searchsorted(at, [round(time_s * 1e9) for time_s in times_s])
+    if end - start < 2:
+        raise _no_samples(label)
     origin_ns = int(at[first])
-    window = recording(samples[first:last], origin_ns)
-    detected = DETECTORS[detector].find(window, None, hand, None)
     origin_s = origin_ns / 1e9
-    bounds = _bounds(label.start_s - origin_s, label.end_s - origin_s, detected)
-    bounds = msgspec.structs.replace(bounds, confidence=label.confidence)
+    start_s, end_s = label.start_s - origin_s, label.end_s - origin_s
+    window = recording(samples[first:last], origin_ns)
+    grid = even(window)
+    detected = DETECTORS[detector].find(window, None, hand, grid)
+    bounds = _bounds(start_s, end_s, detected)
+    if bounds is None:
+        raise _no_samples(label)
+    flags = tuple(flag for flag in bounds.flags if flag not in _OF_OTHER_EDGES)
+    if grid.has_hole(start_s, end_s):
+        flags += ("gap",)
+    bounds = msgspec.structs.replace(bounds, confidence=label.confidence, flags=flags)
     (reach,) = measure(detected._replace(reaches=(bounds,)), window)
     return msgspec.structs.replace(
         reach, onset_s=label.start_s, turn_s=reach.turn_s + origin_s, end_s=label.end_s
     )
 
 
-def _bounds(start_s: float, end_s: float, detected: Detected) -> Bounds:
+def _no_samples(label: Label) -> ValueError:
+    return ValueError(
+        f"A reach is labelled from {label.start_s:.2f} to {label.end_s:.2f} s, where there are no "
+        "samples, so it cannot be measured: drop it (--correct)."
+    )
+
+
+def _bounds(start_s: float, end_s: float, detected: Detected) -> Bounds | None:
     """Return a reach between two times: with the target of the one that was found there, else with
-    its turn where the hand is farthest from its start.
+    its turn where the hand is farthest from its start. None if there are no samples.
     """
 
     def shared_s(bounds: Bounds) -> float:
@@ -90,7 +106,7 @@ def _bounds(start_s: float, end_s: float, detected: Detected) -> Bounds:
         return msgspec.structs.replace(likely, onset_s=start_s, end_s=end_s)
     first, last = np.searchsorted(detected.time_s, (start_s, end_s)).tolist()
     if first + 2 > len(detected.time_s):
-        raise ValueError(_NO_SAMPLES)
+        return None
     part = slice(first, max(last, first + 2))
     course = integrate(detected.rate[part], 1.0 / detected.rate_hz)
     turned = multiply(conjugate(course[0]), course)

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import msgspec
 
@@ -18,6 +18,8 @@ SHORTEST_S = 0.2
 """Shortest reach that edges can be moved to."""
 USUAL_S = 2.0
 """Duration of an added reach if no other is known."""
+LATEST_S = 9e9
+"""Times of labels are within so many s of 0, as those of recordings."""
 
 
 class Label(msgspec.Struct, frozen=True, kw_only=True):
@@ -39,6 +41,11 @@ class Label(msgspec.Struct, frozen=True, kw_only=True):
     def reach_time_s(self) -> float:
         """Its duration."""
         return self.end_s - self.start_s
+
+    @property
+    def middle_s(self) -> float:
+        """The middle of its time."""
+        return (self.start_s + self.end_s) / 2
 
     @property
     def counts(self) -> bool:
@@ -74,6 +81,8 @@ def mistake(labels: Sequence[Label]) -> str:
     for number, label in enumerate(labels, 1):
         if not label.start_s < label.end_s:
             return f"reach {number} does not end after its start"
+        if max(-label.start_s, label.end_s) > LATEST_S:
+            return f"reach {number} is at a time that no recording has"
         if (label.was is None) == (label.state == "dropped") or label.was == "dropped":
             return f"what reach {number} was before it was dropped is not clear"
     counting = [label for label in labels if label.counts]
@@ -85,12 +94,19 @@ def mistake(labels: Sequence[Label]) -> str:
     return ""
 
 
+class _Edit(NamedTuple):
+    """The labels before an edit, and the reach that it changed or added."""
+
+    before: tuple[Label, ...]
+    label: Label
+
+
 class Correction:
     """The labels of a recording while they are corrected, in order of time. Those that count never
     overlap.
 
     An edit takes the index of a label, and returns the index that it has afterwards; None if the
-    edit is not possible, and then nothing is changed.
+    edit is not possible, and then nothing is changed. All edits can be taken back.
 
     Args:
         labels: to begin with, in order of time.
@@ -101,6 +117,7 @@ class Correction:
         self.labels = list(labels)
         self.begins_s, self.ends_s = begins_s, ends_s
         self._saved = tuple(self.labels)
+        self._edits: list[_Edit] = []
 
     @property
     def is_changed(self) -> bool:
@@ -114,23 +131,21 @@ class Correction:
     # --- edits
 
     def accept(self, index: int) -> int | None:
-        """Confirm a reach; one that was dropped is taken back."""
+        """Confirm a reach. One that was dropped is taken back, if that is possible."""
         label = self.labels[index]
-        if not label.counts:
-            taken_back = self.drop(index)
-            return None if taken_back is None else self.accept(taken_back)
-        state: State = "accepted" if label.state == "found" else label.state
-        return self._replace(index, state=state)
+        if not label.counts and not self._has_room(index):
+            return None
+        state = label.was or label.state
+        return self._replace(index, state="accepted" if state == "found" else state, was=None)
 
     def drop(self, index: int) -> int | None:
         """Drop a reach, or take that back, which is not possible where another has been added."""
         label = self.labels[index]
         if label.counts:
             return self._replace(index, state="dropped", was=label.state)
-        from_s, to_s = self._room(index)
-        if label.start_s < from_s or label.end_s > to_s:
+        if not self._has_room(index):
             return None
-        return self._replace(index, state=label.was or "found", was=None)
+        return self._replace(index, state=label.was, was=None)
 
     def move(self, index: int, edge: Literal["start", "end"], by_s: float) -> int | None:
         """Move an edge, as far as there is room. The excursion is to be measured again."""
@@ -161,10 +176,28 @@ class Correction:
         start_s = max(from_s, end_s - lasts_s)
         if end_s - start_s < SHORTEST_S:
             return None
-        return self._put(Label(start_s=start_s, end_s=end_s, state="added"))
+        added = Label(start_s=start_s, end_s=end_s, state="added")
+        self._edits.append(_Edit(tuple(self.labels), added))
+        return self._put(added)
+
+    def undo(self) -> Label | None:
+        """Take back the last edit. Returns the reach that it changed, as it is again, or the one
+        that it added, which is gone; None if there is no edit.
+        """
+        if not self._edits:
+            return None
+        before, label = self._edits.pop()
+        self.labels = list(before)
+        return label
 
     def _replace(self, index: int, **changes: object) -> int:
-        return self._put(msgspec.structs.replace(self.labels.pop(index), **changes))
+        label = self.labels[index]
+        changed = msgspec.structs.replace(label, **changes)
+        if changed == label:
+            return index
+        self._edits.append(_Edit(tuple(self.labels), label))
+        del self.labels[index]
+        return self._put(changed)
 
     def _put(self, label: Label) -> int:
         self.labels.append(label)
@@ -175,11 +208,15 @@ class Correction:
         """Return from when to when a reach may last: the end of the one before, and the start of
         the next.
         """
-        middle_s = (self.labels[index].start_s + self.labels[index].end_s) / 2
+        middle_s = self.labels[index].middle_s
         others = [each for at, each in enumerate(self.labels) if at != index and each.counts]
-        before = [each.end_s for each in others if each.start_s + each.end_s <= 2 * middle_s]
-        after = [each.start_s for each in others if each.start_s + each.end_s > 2 * middle_s]
+        before = [each.end_s for each in others if each.middle_s <= middle_s]
+        after = [each.start_s for each in others if each.middle_s > middle_s]
         return max(before, default=self.begins_s), min(after, default=self.ends_s)
+
+    def _has_room(self, index: int) -> bool:
+        label, (from_s, to_s) = self.labels[index], self._room(index)
+        return from_s <= label.start_s and label.end_s <= to_s
 
     # --- ways through them
 

@@ -136,6 +136,7 @@ class _Chart:
     ) -> None:
         self._view, self._columns, self._rows = view, columns, rows
         self._styles, self._tr = styles, tr
+        self._begins_s = float(speed.time_s[0])
         self._heights = mean_speeds(speed, view.from_s, view.to_s, 2 * columns)
         most = float(np.nanmax(self._heights, initial=0.0))
         self._unit = _ROOM * max(most, _FLATTEST_DEG_S) / (4 * rows - 1)
@@ -202,7 +203,7 @@ class _Chart:
         return marks
 
     def times(self, clock: Callable[[float], str]) -> Text:
-        """Return the line of times, with the cursor."""
+        """Return the line of times since the beginning of the recording, with the cursor."""
         view, width = self._view, self._columns + _MARGIN
         per_cell = (view.to_s - view.from_s) / self._columns
         step = next((step for step in _TIME_STEPS if step >= 10 * per_cell), _TIME_STEPS[-1])
@@ -210,9 +211,11 @@ class _Chart:
         free, cursor = _MARGIN, -1
         if view.cursor_s is not None and self._is_seen(view.cursor_s):
             cursor = _MARGIN + self._column(view.cursor_s)
-        for number in range(math.ceil(view.from_s / step), math.floor(view.to_s / step) + 1):
-            label = clock(number * step)
-            first = _MARGIN + self._column(number * step) - len(label) // 2
+        first_number = max(0, math.ceil((view.from_s - self._begins_s) / step))
+        for number in range(first_number, math.floor((view.to_s - self._begins_s) / step) + 1):
+            time_s = self._begins_s + number * step
+            label = clock(time_s)
+            first = _MARGIN + self._column(time_s) - len(label) // 2
             is_free = free <= first and not first <= cursor < first + len(label)
             if is_free and first + len(label) <= width:
                 cells[first : first + len(label)] = label

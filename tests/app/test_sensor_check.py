@@ -240,7 +240,7 @@ async def test_the_states_of_a_sensor_are_told(open_check: OpenCheck) -> None:
         driver.lacks("At rest")
         source.unplug()
         await driver.wait(100)
-        driver.see("! It was unplugged.")
+        driver.see("! It was disconnected.")
         driver.lacks("Samples")
 
 
@@ -324,6 +324,20 @@ async def test_the_bias_is_shown_while_at_rest(open_check: OpenCheck) -> None:
         turning, _, *bias = axis(driver, "z")
         assert "━━━" in turning.split("┼")[1]
         assert bias == ["–", "–"]
+
+
+async def test_a_sensor_that_keeps_its_bias_is_not_said_to_be_zeroed(
+    open_check: OpenCheck, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Plugged, "keeps_bias", True, raising=False)
+    source = Plugged(PROFILES["biased"])
+    async with open_check(source) as driver:
+        await driver.wait(2500)
+        driver.see("still, but the bias is large")
+        driver.lacks("press Z")
+        await driver.press("z")
+        driver.see("This sensor cannot be zeroed")
+    assert source.zeroed == 0
 
 
 # --- how it lies on the hand

@@ -1,5 +1,6 @@
 """``sar-tui detect --labels`` and ``--calibrate-by``: corrected reaches are measured, and limits."""
 
+import os
 from pathlib import Path
 from typing import Any
 
@@ -7,11 +8,15 @@ import msgspec
 import pytest
 
 import sar_tui
+from sar_tui.app.correction.app import CorrectionApp
+from sar_tui.cli.common import Home
 from sar_tui.cli.correct import ByHand
+from sar_tui.cli.errors import Refused
+from sar_tui.inputs.imu import SourceError
 from sar_tui.inputs.label_file import beside, read_labels
 from sar_tui.inputs.recording_file import read_blocks
 from sar_tui.motion.detection import detect_long
-from sar_tui.motion.labels import Correction, labelled
+from sar_tui.motion.labels import Correction, Label, labelled
 from tests.program import Call
 
 SAMPLE = Path(sar_tui.__file__).parent.parent / "data" / "table-4.1.csv"
@@ -96,6 +101,80 @@ def test_labels_of_another_recording_or_detector_are_refused(
         "--detector orientation"
     )
     call("detect", tmp_path / "none.csv", "--labels", labels).refused("There is no file")
+
+
+def test_a_reach_without_samples_is_named_and_one_with_a_hole_is_flagged(
+    call: Call, tmp_path: Path
+) -> None:
+    header, *rows = SAMPLE.read_text().splitlines()
+    times = [float(row.split(",")[0]) for row in rows]
+    middle_s = (times[0] + times[-1]) / 2
+    kept = [row for row, at in zip(rows, times, strict=True) if abs(at - middle_s) > 3]
+    path = tmp_path / "with-a-hole.csv"
+    path.write_text("\n".join((header, *kept)) + "\n")
+
+    def label(from_s: float, to_s: float) -> None:
+        by_hand = ByHand(path, None, "orientation", "right", may_be_new=True)
+        list(by_hand.keep(read_blocks(path)))
+        added = Label(start_s=middle_s + from_s, end_s=middle_s + to_s, state="added")
+        by_hand.save([added])
+
+    label(-1, 1)
+    times_s = f"from {middle_s - 1:.2f} to {middle_s + 1:.2f} s"
+    call("detect", path, "--labels", beside(path)).refused(times_s, "no samples", "drop it")
+    label(-4, -2)
+    assert reaches(call, path, "--labels", beside(path))[0]["flags"] == ["gap"]
+    label(-6, -4)
+    assert reaches(call, path, "--labels", beside(path))[0]["flags"] == []
+
+
+class _Ended(CorrectionApp):
+    """An app that a signal ends right after a correction."""
+
+    def run_here(self) -> int:
+        self._screen._correction.accept(0)
+        self.has_lost_terminal = True
+        return 129
+
+
+def test_a_correction_is_saved_although_a_signal_ends_the_screen(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "labels.json"
+    by_hand = ByHand(SAMPLE, path, "orientation", "right", may_be_new=True)
+    found = detect_long(by_hand.keep(read_blocks(SAMPLE)))
+    monkeypatch.setattr("sar_tui.app.correction.app.CorrectionApp", _Ended)
+    assert by_hand.correct(Home(tmp_path / "data"), found) == 129
+    states = [label.state for label in read_labels(path).reaches]
+    assert states[:2] == ["accepted", "found"]
+
+
+def test_labels_of_two_programs_do_not_replace_each_other(tmp_path: Path) -> None:
+    path = tmp_path / "labels.json"
+    one, two = (ByHand(SAMPLE, path, "orientation", "right", may_be_new=True) for _ in range(2))
+    one.save([])
+    one.save([])
+    with pytest.raises(SourceError, match="changed by another program"):
+        two.save([])
+
+
+def test_where_nothing_can_be_saved_it_is_told_before_the_work(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def open_with(path: Path) -> None:
+        ByHand(SAMPLE, path, "orientation", "right", may_be_new=True)
+
+    with pytest.raises(Refused, match="There is no folder"):
+        open_with(tmp_path / "none" / "labels.json")
+    monkeypatch.setattr("os.access", lambda *_: False)
+    with pytest.raises(Refused, match="Nothing can be saved in"):
+        open_with(tmp_path / "labels.json")
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no named pipes here")
+def test_a_recording_that_is_no_file_is_refused(call: Call, tmp_path: Path, labels: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    call("detect", tmp_path / "pipe", "--labels", labels).refused("is not a file")
 
 
 def test_the_screen_needs_a_terminal(call: Call) -> None:

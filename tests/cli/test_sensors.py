@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sar_tui.app import sensor_examination
+from sar_tui.app.sensor_examination import Examined, examine
 from sar_tui.app.sensor_monitor import SensorWatch
-from sar_tui.cli import sensors
-from sar_tui.cli.sensors import Examined, examine
 from sar_tui.inputs.imu import ImuSource
 from sar_tui.inputs.imu_feed import ImuFeed
+from sar_tui.inputs.lsl import LslSource
 from sar_tui.inputs.phyphox import experiment_file
 from sar_tui.inputs.recorded import RecordedSource
 from sar_tui.inputs.sources import open_source
@@ -34,6 +35,7 @@ def lifted(
     bias: float = 0.0,
     keep: Callable[[int], bool] = lambda n: True,
     acceleration: float = 9.81,
+    turning: float = np.pi / 4,
 ) -> Samples:
     """Return samples of a hand that rests for seven seconds, lifts its fingers and lays them
     down.
@@ -47,8 +49,8 @@ def lifted(
     samples["acceleration"][:, 2] = acceleration
     samples["field"] = np.nan
     moving = (t > 7) & (t < 9)
-    turning = np.pi / 4 * np.sin((t[moving] - 7) * np.pi)  # out by 28.6°, and back
-    samples["rate"][moving, "xyz".index(axis[1])] += (1 if axis[0] == "+" else -1) * turning
+    wave = turning * np.sin((t[moving] - 7) * np.pi)  # out by 28.6°, and back
+    samples["rate"][moving, "xyz".index(axis[1])] += (1 if axis[0] == "+" else -1) * wave
     return samples[[keep(n) for n in range(len(t))]]
 
 
@@ -87,6 +89,9 @@ def test_a_good_sensor_is_fit() -> None:
         (lifted(rate_hz=50), "with care", "fewer than 100 samples"),
         (lifted(rate_hz=15), "not fit", "too few samples a second"),
         (lifted(keep=lambda n: n % 20 > 0), "not fit", "More than 1 % of its samples are missing"),
+        (lifted(acceleration=-9.81), "with care", "z does not point up: the sensor is turned over"),
+        (lifted(acceleration=1.0), "with care", "At rest it measures 1.0 m/s² in place of 9.8"),
+        (lifted(turning=45.0), "not fit", "seems to send deg/s"),
     ],
 )
 def test_a_problem_is_said_and_counts(samples: Samples, verdict: str, said: str) -> None:
@@ -95,10 +100,21 @@ def test_a_problem_is_said_and_counts(samples: Samples, verdict: str, said: str)
     assert said in " ".join(found.problems)
 
 
+def test_a_sensor_that_is_turned_over_is_not_said_to_point_to_the_wrist() -> None:
+    (problem,) = played(lifted("-x", acceleration=-9.81)).problems
+    assert "turned over" in problem
+
+
+def test_a_sensor_that_is_gone_is_told_by_that_alone() -> None:
+    ended = played(lifted()[:600])
+    assert ended.problems == ["The recording is at its end."]
+
+
 def test_a_movement_that_is_not_made_is_said_and_may_be_left_out() -> None:
     still = lifted()
     still["rate"] = 0.0
-    assert played(still).problems == ["The fingers were not lifted, so its axes were not checked."]
+    (problem,) = played(still).problems
+    assert problem.startswith("The fingers were not lifted, so its axes were not checked")
     assert played(still, at_rest=True).problems == []
 
 
@@ -113,20 +129,28 @@ def test_a_hand_that_never_rests_and_a_simulated_one_are_examined() -> None:
 def test_a_sensor_that_is_missing_or_ends_is_not_fit(call: Call, monkeypatch: Patch) -> None:
     ended = played(lifted()[:900])
     assert (ended.verdict, ended.problems[0]) == ("not fit", "The recording is at its end.")
-    monkeypatch.setattr(sensors, "PATIENCE", 50 * MS)
+    monkeypatch.setattr(sensor_examination, "WAIT", 1200 * MS)
     done = call("sensors serial:///dev/nowhere --json")
     assert done.code == 1
-    assert done.json["problems"] == ["Waiting for the serial port /dev/nowhere: plug the board in."]
+    waiting = "Waiting for the serial port /dev/nowhere: plug the board in."
+    assert done.json["problems"] == [f"No sensor was found. {waiting}"]
+    assert waiting in done.err, "it is said while it is waited for"
     assert set(done.json) == {field.name for field in fields(Examined)}
 
 
 def test_a_sensor_is_examined_for_people(call: Call, monkeypatch: Patch) -> None:
-    monkeypatch.setattr(sensors, "REST", SECOND // 5)
+    monkeypatch.setattr(sensor_examination, "REST", SECOND // 5)
     done = call("sensors simulated")
     assert done.code == 0
     for said in ("Sensor   Simulated hand", " a second of 250, 0 of ", "fit for the reaching task"):
         assert said in done.out
     assert "Lay the hand flat" in done.err
+
+
+def test_limits_of_a_sensor_are_told_in_the_verdict(call: Call, monkeypatch: Patch) -> None:
+    monkeypatch.setattr(sensor_examination, "REST", SECOND // 5)
+    done = call("sensors simulated:biased")
+    assert (done.code, "fit for the reaching task, with the limits above" in done.out) == (0, True)
 
 
 def test_the_experiment_for_phyphox_is_written_once(call: Call, tmp_path: Path) -> None:
@@ -146,7 +170,7 @@ class Streams(ModuleType):
             facts = {"name": name, "type": kind, "nominal_srate": 100.0}
             return SimpleNamespace(**{n: lambda v=v: v for n, v in facts.items()})
 
-        return [stream("wrist", "IMU"), stream("sar-tui", "Markers")]
+        return [stream("my wrist?", "IMU"), stream("sar-tui", "Markers")]
 
 
 @pytest.mark.usefixtures("_streams")
@@ -158,10 +182,11 @@ def test_what_is_seen_is_listed_for_people_and_programs(call: Call, monkeypatch:
     assert set(printed) == {"seen", "to_name"}
     assert [each["source"] for each in printed["seen"]][-2:] == [
         "serial:///dev/ttyUSB0",
-        "lsl://wrist",
+        "lsl://my%20wrist%3F",
     ]
+    assert LslSource("//my%20wrist%3F")._stream == "my wrist?"
     assert "phyphox://HOST[:PORT]" in printed["to_name"]
-    call("sensors").shows("serial:///dev/ttyUSB0", "Arduino", "lsl://wrist", "type IMU")
+    call("sensors").shows("serial:///dev/ttyUSB0", "Arduino", "lsl://my%20wrist", "type IMU")
 
 
 @pytest.fixture

@@ -10,7 +10,8 @@ from typing import Any
 from sar_tui.api.testing import SensorBench
 from sar_tui.inputs import lines
 from sar_tui.inputs.imu import DEGREE, G, ImuSource, Vector
-from sar_tui.inputs.lines import HEADER, SerialSource, UdpSource
+from sar_tui.inputs.line_format import HEADER
+from sar_tui.inputs.lines import SerialSource, UdpSource
 from sar_tui.inputs.lsl import LslSource
 from sar_tui.inputs.phidget import PhidgetSource
 from sar_tui.inputs.phyphox import PhyphoxSource
@@ -233,7 +234,7 @@ class LslBench(SensorBench):
         return LslSource(f"//{self._stream}")
 
     def plug_in(self) -> None:
-        self._outlet = outlet(self._stream)
+        self._outlet = outlet(self._stream, rate_hz=self.rate_hz)
 
     def is_heard(self) -> bool:
         return bool(self._outlet.have_consumers())

@@ -129,6 +129,14 @@ def test_a_method_that_raises_is_reported(
     assert status.detail == f"The sensor mine cannot be {what} ({type(error).__name__}: {error})."
 
 
+def test_a_sensor_that_keeps_its_bias_says_so_through_its_guard(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert not GuardedSource(Sensor(), "mine").keeps_bias
+    monkeypatch.setattr(Sensor, "keeps_bias", True, raising=False)
+    assert GuardedSource(Sensor(), "mine").keeps_bias
+
+
 def test_a_good_sensor_passes_unchanged() -> None:
     saturated = Status(state="saturated", at=2 * MS, count=1)
     received, statuses = list[Sample](), list[Status]()

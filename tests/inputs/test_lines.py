@@ -3,7 +3,10 @@
 import math
 import os
 import socket
+import threading
+import time
 from collections.abc import Iterator
+from pathlib import Path
 from random import Random
 
 import pytest
@@ -13,7 +16,9 @@ from hypothesis import strategies as st
 from sar_tui.inputs import delivery, lines
 from sar_tui.inputs.imu import DEGREE, G, Sample, SourceError, Status
 from sar_tui.inputs.imu_feed import ImuFeed
-from sar_tui.inputs.lines import HEADER, Lines, LineSource, SerialSource, UdpSource, Units
+from sar_tui.inputs.line_format import HEADER, WITHOUT_UNITS, Lines, Units
+from sar_tui.inputs.lines import Line as OpenLine
+from sar_tui.inputs.lines import LineSource, SerialSource, UdpSource
 from sar_tui.loop.clock import host_now
 from sar_tui.model.units import SECOND
 from tests.fake_rosbridge import wait_until
@@ -64,6 +69,10 @@ def test_the_counter_of_a_board_may_overflow_and_a_reset_one_begins_anew() -> No
     assert times(1_760_000_000, 1_760_000_001, units=Units(t="s", rate="rad/s")) == [0.0, 1000.0]
 
 
+def test_a_board_may_send_the_time_of_day_in_microseconds() -> None:
+    assert times(1_760_000_000_000_000, 1_760_000_000_005_000) == [0.0, 5.0]
+
+
 @pytest.mark.parametrize(
     ("line", "said"),
     [
@@ -86,7 +95,7 @@ def test_a_broken_line_is_one_sentence_and_the_next_is_read(line: bytes, said: s
 
 
 def test_lines_without_units_ask_for_them() -> None:
-    found = taken(b"1,2,3,4\n" * (lines.WITHOUT_UNITS + 1), units=None)
+    found = taken(b"1,2,3,4\n" * (WITHOUT_UNITS + 1), units=None)
     assert len(found) == 1
     assert HEADER in str(found[0])
 
@@ -209,6 +218,17 @@ def test_lost_and_broken_lines_are_counted_as_missing_samples(board: Board) -> N
     assert (feed.lost, feed.dropped) == (left_out, 0)
 
 
+def test_a_board_that_prints_between_its_samples_does_not_flood_the_reports(
+    udp: Bench, board: Board
+) -> None:
+    began = time.monotonic()
+    board.send(HEADER.encode())
+    for number in range(200):
+        board.send(line(number) + b"temperature %d\n" % number)
+    wait_until(lambda: len(udp.samples) == 200)
+    assert 1 <= udp.states.count("error") <= 2 + time.monotonic() - began
+
+
 def test_a_board_that_falls_silent_is_detached_and_may_be_another_afterwards(
     udp: Bench, board: Board, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -227,12 +247,84 @@ def test_a_board_that_falls_silent_is_detached_and_may_be_another_afterwards(
     other.close()
 
 
+def test_a_stray_datagram_does_not_keep_the_sensor_out(
+    udp: Bench, board: Board, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(lines, "SILENCE", SECOND // 50)
+    stray = Board(board.port)
+    stray.send(b"M-SEARCH * HTTP/1.1")
+    udp.wait_for("error")
+    sent = iter(range(10_000))
+
+    def attached() -> bool:
+        board.send(HEADER.encode() + b"\n" + line(next(sent)))
+        return "attached" in udp.states
+
+    wait_until(attached)
+    stray.close()
+
+
 def test_it_listens_to_this_computer_only_unless_another_address_is_named(port: int) -> None:
-    for address, host in ((f"//:{port}", "127.0.0.1"), (f"//127.0.0.2:{port}", "127.0.0.2")):
+    for address, host in (
+        (f"//:{port}", "127.0.0.1"),
+        (f"//127.0.0.2:{port}", "127.0.0.2"),
+        (f"//localhost:{port}", "127.0.0.1"),
+    ):
         source = UdpSource(address)
         opened = source.open()
         assert opened._port.getsockname()[0] == host  # type: ignore[attr-defined]
         opened.close()
+
+
+def test_of_a_name_with_addresses_of_both_kinds_the_one_of_ipv4_is_listened_on(
+    port: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    places = [(socket.AF_INET6, ("::1", port, 0, 0)), (socket.AF_INET, ("127.0.0.1", port))]
+    found = [(family, socket.SOCK_DGRAM, 17, "", place) for family, place in places]
+    monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: found)
+    opened = UdpSource(f"//board-port:{port}").open()
+    assert opened._port.getsockname() == ("127.0.0.1", port)  # type: ignore[attr-defined]
+    opened.close()
+
+
+def test_an_address_of_another_computer_is_told_to_be_none_of_this_one(port: int) -> None:
+    assert UdpSource(f"//[::1]:{port}").place == f"udp://[::1]:{port}"
+    bench = Bench(UdpSource(f"//192.0.2.1:{port}"))
+    assert "Name an address of this computer" in bench.wait_for("error").detail
+    bench.source.stop()
+
+
+class HangingSource(LineSource):
+    """A source whose connection opens only as a test lets it."""
+
+    def __init__(self) -> None:
+        super().__init__("hanging", US)
+        self.opens = threading.Event()
+        self.closed = threading.Event()
+
+    def open(self) -> OpenLine:
+        self.opens.wait(60)
+        return self
+
+    def read(self) -> bytes:
+        return b""
+
+    def forget(self) -> None: ...
+
+    def close(self) -> None:
+        self.closed.set()
+
+
+def test_a_connection_that_opens_after_the_source_was_stopped_reports_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(delivery, "CLOSE_S", 0.01)
+    source = HangingSource()
+    bench = Bench(source)
+    source.stop()
+    source.opens.set()
+    assert source.closed.wait(60)
+    assert bench.states == []
 
 
 def test_a_port_that_another_program_uses_is_an_error_until_it_is_free(port: int) -> None:
@@ -271,8 +363,10 @@ def test_a_serial_line_is_read_from_its_first_whole_line(cable: Line) -> None:
     assert bench.samples[99].device_ms == 495.0
 
 
-def test_a_board_that_is_unplugged_is_waited_for_and_read_again(cable: Line) -> None:
-    place = f"/tmp/sar-tui-test-{os.getpid()}"
+def test_a_board_that_is_unplugged_is_waited_for_and_read_again(
+    cable: Line, tmp_path: Path
+) -> None:
+    place = str(tmp_path / "board")
     os.symlink(cable.name, place)
     bench = Bench(SerialSource(f"//{place}?t=us&rate=deg/s&acceleration=g"))
     try:
@@ -327,6 +421,7 @@ def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyP
         "//:5005/x",
         "//:5005?t=us",
         "//:5005?baud=9",
+        "//192.168..20:5005",
     ],
 )
 def test_an_invalid_udp_address_is_refused_with_an_example(address: str) -> None:

@@ -1,16 +1,21 @@
 """A stream of LSL as a source: from a real outlet, and what its channels are."""
 
 import os
+import time
 import uuid
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
+from random import Random
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from sar_tui.inputs import delivery, lsl
 from sar_tui.inputs.delivery import Unusable
 from sar_tui.inputs.imu import DEGREE, G, Sample, SourceError, Status
-from sar_tui.inputs.lsl import Columns, LslSource, _Options
+from sar_tui.inputs.lsl import Columns, EvenStamps, LslSource, _Options
 from tests.fake_rosbridge import wait_until
 from tests.outputs.markers.receivers import UdpReceiver
 
@@ -23,11 +28,16 @@ def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(delivery, "RETRY_S", 0.01)
 
 
-def outlet(name: str, labels: Sequence[str] = LABELS, units: Sequence[str] = DEGREES) -> Any:
+def outlet(
+    name: str,
+    labels: Sequence[str] = LABELS,
+    units: Sequence[str] = DEGREES,
+    rate_hz: float = 200.0,
+) -> Any:
     """Return an outlet of a stream, or skip the test if streams cannot be found here."""
     pylsl = pytest.importorskip("pylsl")
     UdpReceiver().close()
-    info = pylsl.StreamInfo(name, "IMU", len(labels), 200.0, pylsl.cf_float32, name)
+    info = pylsl.StreamInfo(name, "IMU", len(labels), rate_hz, pylsl.cf_float32, name)
     channels = info.desc().append_child("channels")
     for label, unit in zip(labels, units, strict=True):
         channel = channels.append_child("channel")
@@ -79,8 +89,76 @@ def test_samples_of_a_stream_come_with_its_stamps_also_when_it_was_lost(
     if is_lost:
         del stream
         wait_until(lambda: states()[-1] == "detached")
+        assert statuses[-1].detail.startswith(f"Waiting for the LSL stream {name}")
         play(outlet(name), 2)
+        assert "error" not in states()
     source.stop()
+
+
+def test_a_sample_is_delivered_when_it_comes(monkeypatch: pytest.MonkeyPatch) -> None:
+    name = f"sar-tui-test-{uuid.uuid4().hex[:8]}"
+    stream = outlet(name)
+    need_streams(name)
+    monkeypatch.setattr(lsl, "LOOK_S", 5.0)
+    monkeypatch.setattr(lsl, "_PULL_S", 2.0)
+    monkeypatch.setattr(delivery, "LOOKED_AT", 5)
+    monkeypatch.setattr(delivery, "CLOSE_S", 20.0)
+    source, samples = LslSource(f"//{name}"), list[Sample]()
+    source.start(samples.append, lambda status: None)
+    wait_until(stream.have_consumers)
+    for number in range(10):
+        stream.push_sample([0.0, 0.0, 1.0, 0.0, 0.0, number], 1000 + number / 200)
+    wait_until(lambda: len(samples) == 10)
+    began = time.monotonic()
+    stream.push_sample([0.0, 0.0, 1.0, 0.0, 0.0, 0.0], 1000.05)
+    wait_until(lambda: len(samples) == 11)
+    assert time.monotonic() - began < 1.5
+    del stream
+    source.stop()
+
+
+# --- stamps of a sender
+
+
+INTERVAL_MS = 5.0
+
+
+def evened(stamps_ms: Iterable[float], rate_hz: float = 200.0) -> list[float]:
+    even = EvenStamps(rate_hz)
+    return [even.ms(1000 + stamp_ms / 1000) for stamp_ms in stamps_ms]
+
+
+def in_chunks(size: int, most_ms: float, interval_ms: float = INTERVAL_MS) -> list[float]:
+    """Return stamps of a sender that stamps each chunk when it arrives: late by up to a time."""
+    random, stamps = Random(5), list[float]()
+    for first in range(0, 3000, size):
+        late_ms = random.uniform(0.0, most_ms)
+        stamps += [n * interval_ms + late_ms for n in range(first, first + size)]
+    return stamps
+
+
+@pytest.mark.parametrize("interval_ms", [INTERVAL_MS, 0.99 * INTERVAL_MS, 1.01 * INTERVAL_MS])
+def test_chunks_that_arrive_early_and_late_become_even(interval_ms: float) -> None:
+    stamps = in_chunks(10, 15.0, interval_ms)
+    assert min(b - a for a, b in pairwise(stamps)) < 0, "they go back"
+    steps = [b - a for a, b in pairwise(evened(stamps))]
+    assert 0.5 * INTERVAL_MS < min(steps) <= max(steps) < 1.5 * INTERVAL_MS
+    error_ms = [even - n * interval_ms for n, even in enumerate(evened(stamps))]
+    assert max(error_ms) - min(error_ms) < 15.0
+
+
+def test_stamps_of_the_sensor_itself_stay_and_missing_samples_are_seen() -> None:
+    stamps = [n * INTERVAL_MS for n in range(1500) if not 700 <= n < 707]
+    for rate_hz in (200.0, 0.0):
+        assert evened(stamps, rate_hz) == pytest.approx(stamps)
+    restarted = [*stamps, *stamps]
+    assert evened(restarted)[len(stamps)] == pytest.approx(0.0)
+
+
+@given(st.lists(st.floats(0, 1e6)))
+def test_a_stream_without_a_nominal_rate_keeps_its_stamps(stamps: list[float]) -> None:
+    first = stamps[0] if stamps else 0.0
+    assert evened(stamps, 0.0) == pytest.approx([each - first for each in stamps], abs=1e-6)
 
 
 @pytest.mark.parametrize(

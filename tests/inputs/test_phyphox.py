@@ -1,6 +1,7 @@
 """A phone with phyphox as a source: every sample once, at its time, whatever happens to the phone."""
 
 import math
+import socket
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from random import Random
@@ -315,6 +316,15 @@ def test_broken_replies_are_asked_for_again(connect: Callable[..., Bench]) -> No
     assert bench.states == ["attached"]
 
 
+def test_a_gyroscope_that_sends_nothing_is_told(connect: Callable[..., Bench]) -> None:
+    bench = connect()
+    bench.phone.pass_time(1.0)
+    assert "its gyroscope sends nothing" in bench.wait_for("detached").detail
+    bench.measure(100)
+    bench.wait_for("attached")
+    assert bench.states == ["detached", "attached"]
+
+
 def test_what_is_no_number_is_not_a_number(connect: Callable[..., Bench]) -> None:
     bench = connect()
     bench.measure(60)
@@ -372,6 +382,41 @@ def test_a_simulated_reach_is_found_at_its_time_despite_a_slow_network() -> None
     assert 0 < late < 40 * MS
 
 
+def test_a_phone_that_is_nowhere_is_waited_for_in_one_sentence_whatever_port_is_tried(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    tried: list[int] = []
+
+    def refused(address: tuple[str, int], *_: object) -> None:
+        tried.append(address[1])
+        raise ConnectionRefusedError
+
+    monkeypatch.setattr(socket, "create_connection", refused)
+    statuses: list[Status] = []
+    source = PhyphoxSource("//192.0.2.20")
+    source.start(lambda sample: None, statuses.append)
+    wait_until(lambda: len(tried) >= 4)
+    source.stop()
+    assert tried[:4] == [8080, 80, 8080, 80]
+    assert [status.state for status in statuses] == ["detached"]
+    assert statuses[0].detail.startswith("Waiting for the phone at 192.0.2.20: open the experiment")
+
+
+def test_a_name_that_the_network_does_not_know_is_told_as_such(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def unknown(*_: object, **__: object) -> None:
+        raise socket.gaierror(-2, "Name or service not known")
+
+    monkeypatch.setattr(socket, "getaddrinfo", unknown)
+    statuses: list[Status] = []
+    source = PhyphoxSource("//my-phone:8080")
+    source.start(lambda sample: None, statuses.append)
+    wait_until(lambda: bool(statuses))
+    source.stop()
+    assert "no device of the name my-phone: use the address" in statuses[0].detail
+
+
 def test_our_own_experiment_measures_with_both_sensors_into_buffers_of_a_few_seconds() -> None:
     root = ElementTree.fromstring(experiment_file())
     assert root.findtext("title") == phyphox.TITLE
@@ -387,7 +432,17 @@ def test_our_own_experiment_measures_with_both_sensors_into_buffers_of_a_few_sec
 
 @pytest.mark.parametrize(
     "address",
-    ["", "//", "192.168.1.20", "//user@host", "//host:0", "//host:port", "//a/b", "//a?b"],
+    [
+        "",
+        "//",
+        "192.168.1.20",
+        "//user@host",
+        "//host:0",
+        "//host:port",
+        "//a/b",
+        "//a?b",
+        "//192.168..20",
+    ],
 )
 def test_an_invalid_address_is_refused_with_an_example(address: str) -> None:
     with pytest.raises(SourceError, match="Use phyphox://HOST"):

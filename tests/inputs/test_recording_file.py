@@ -152,6 +152,19 @@ def test_blocks_are_the_whole_file_as_it_was_written(tmp_path: Path, suffix: str
 
 
 @pytest.mark.usefixtures("in_small_blocks")
+def test_quoted_blank_and_padded_lines_are_read_as_others_are(csv: Callable[..., Path]) -> None:
+    plain = read_recording(csv(HEADER, *ROWS))
+    unusual = list(ROWS)
+    unusual[20] = '"0.20",1,2,3,"20",0.5,-90'
+    unusual[25] = " 0.25 , 1,2,3,2_5,0.5,-90"
+    unusual.insert(30, "")
+    assert read_recording(csv(HEADER, *unusual)).tobytes() == plain.tobytes()
+    unusual[38] = "0.37,1,2"
+    with pytest.raises(SourceError, match="line 40: 3 values for 7 columns"):
+        read_recording(csv(HEADER, *unusual))
+
+
+@pytest.mark.usefixtures("in_small_blocks")
 def test_a_time_that_goes_back_between_two_blocks_is_a_fault(
     csv: Callable[..., Path], npz: Callable[..., Path]
 ) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from sar_tui.drivers import rosbridge
+from sar_tui.inputs import delivery
 from sar_tui.inputs.delivery import LOOKED_AT
 from sar_tui.inputs.imu import Sample, SourceError, Status
 from sar_tui.inputs.ros import RosImuSource
@@ -183,8 +184,9 @@ def test_by_its_covariance_a_sensor_without_an_accelerometer_is_used_and_one_wit
     ],
 )
 def test_messages_that_are_not_imu_are_left_out_and_reported_once_in_a_row(
-    connect: Callable[..., Bench], wrong: Any
+    connect: Callable[..., Bench], wrong: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(delivery, "COMPLAIN_AGAIN", 0)
     bench = connect("?rate=100")
     bench.send()
     for _ in range(3):

@@ -62,6 +62,7 @@ _NONE = (
 _NOT_BOTH = (
     "A sensor is missing, so the session will wait for it. Press Enter again to begin it anyway."
 )
+_KEEPS_BIAS = "This sensor cannot be zeroed: it keeps its bias."
 _NOTHING_TO_ZERO = "There is no sensor to zero. Plug it in first."
 _HELP = (
     "Fasten the sensor to the back of the hand as drawn: y along the fingers, z out of the hand. "
@@ -216,7 +217,9 @@ class SensorCheckScreen(DismissedOnce[bool]):
 
     def action_zero(self) -> None:
         """Take the present rate as zero."""
-        if self.sensor.attached:
+        if self.sensor.keeps_bias:
+            self._set_notice(self.tr(_KEEPS_BIAS), "wrong", ZEROING)
+        elif self.sensor.attached:
             self.sensor.zero()
             self._set_notice(
                 self.tr(_ZEROED_TRUNK if self._is_on_trunk else _ZEROED), "wait", ZEROING
