@@ -137,7 +137,8 @@ def _is_back(turned: Floats, inside: int, shaken: float) -> bool:
     frequencies as rubbing.
     """
     left = min(LEFT_RAD, LEFT_SHARE * float(turned[:inside].max()))
-    return float(turned[inside - 1 :].min()) <= left / max(1.0, shaken) ** SHAKEN_POWER
+    nearest = float(turned[inside - 1 :].min())
+    return nearest * float(max(1.0, shaken) ** SHAKEN_POWER) <= left
 
 
 def _is_calm(

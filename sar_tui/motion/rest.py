@@ -181,7 +181,7 @@ def _agreeing(levels: Floats) -> npt.NDArray[np.int_]:
     of most of them.
     """
     some = levels[:: max(1, len(levels) // 200)]
-    apart = lengths(np.moveaxis([axis[:, None] - axis for axis in some.T], 0, -1))
+    apart = lengths(np.moveaxis(np.array([axis[:, None] - axis for axis in some.T]), 0, -1))
     agreement = (apart < STEADY_RAD_S).sum(axis=1)
     anchor = int(lengths(levels - some[agreement.argmax()]).argmin())
     chosen, each = [anchor], levels.tolist()  # plain numbers: an array of three takes longer
