@@ -140,7 +140,7 @@ class Detector(NamedTuple):
 
 DETECTORS: dict[str, Detector] = {
     "orientation": Detector(
-        "2", orientation.OrientationParameters, orientation.find, is_quiet=True
+        "3", orientation.OrientationParameters, orientation.find, is_quiet=True
     ),
     "single-axis": Detector("2", single_axis.SingleAxisParameters, single_axis.find),
     "fixed-threshold": Detector(

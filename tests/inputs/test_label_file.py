@@ -20,7 +20,7 @@ def content(hash: str = "ab", reaches: tuple[Label, ...] = REACHES) -> LabelFile
         file="hour.csv",
         sha256=hash,
         detector="orientation",
-        detector_version="2",
+        detector_version="3",
         reaches=reaches,
     )
 
