@@ -22,8 +22,8 @@ STEADY_RAD_S = 0.06
 STEP_S = 0.1
 """Time between the starts of two windows."""
 STEADY_HZ, LARGE_RAD_S = 1.0, 0.15
-"""Where a tremor at rest leaves nothing still below ``SLOW_HZ``, the hand rests where it is still
-below the first; sought if the rate above ``SLOW_HZ`` exceeds the second (standard deviation).
+"""Cutoff below which a hand rests that a tremor leaves nothing still below ``SLOW_HZ``; and the
+least standard deviation of the rate above ``SLOW_HZ`` with which such a rest is sought.
 """
 NEARBY_S = 2.0
 """Time on either side over which the bias is averaged."""
