@@ -207,7 +207,10 @@ def test_the_scope_of_a_preset_is_each_setting_but_the_persons(catalogue: Catalo
             " read_aloud switch scan_interval_ms bounce_ms system_keys added_delay_ms"
         ).split()
     )
-    own = "imu imu_b imu_trunk hand hand_b layout choice_set marker_distances_cm respond_with"
+    own = (
+        "imu imu_b imu_trunk hand hand_b layout choice_set marker_distances_cm respond_with "
+        "least_turn_deg"
+    )
     for kind in map(catalogue.task, catalogue.task_names()):
         declared = fields(kind.Parameters)
         names = {field.name for field in declared}

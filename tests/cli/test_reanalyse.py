@@ -63,7 +63,7 @@ def test_the_same_detector_gives_exactly_what_was_recorded_and_changes_nothing(
         assert set(row["flags"]) <= set(trial["timing"]["flags"])
     called = call("reanalyse last")
     called.shows("3 of 3 trials are exactly as recorded.")
-    detector = "orientation (version 2) detector."
+    detector = "orientation (version 3) detector."
     assert called.out.endswith(f"Recorded: {detector} Now: {detector}\n")
     assert stored() == before
 
