@@ -71,7 +71,9 @@ LIMITS: Mapping[str, Limit] = {
     "excursion_deg": Limit(0.2, 0.5, ("forearm-rotation",)),
     "return_error_deg": Limit(0.2, 0.5, ("forearm-rotation",)),
     "inclination_rest_deg": Limit(0.5, 1.0),
-    "inclination_target_deg": Limit(0.5, 1.0, (*STOPPING, "forearm-rotation")),
+    "inclination_target_deg": Limit(
+        0.5, 1.0, ("lift-extend-touch", "submovements", "forearm-rotation")
+    ),
     "straightness": Limit(0.02, 0.05, STOPPING),
     "sparc_out": Limit(0.05, 0.3, STOPPING),
 }
@@ -82,6 +84,8 @@ RATES_HZ = (50.0, 100.0, 250.0, 1000.0)
 NOISES_DEG_S = (0.0, 0.5, 1.0, 2.0)
 JERK_HZ = 100.0
 WAY = ReachShape(out_s=1.0, back_s=1.0, dwell_s=0.3, peak_out=1.5, peak_back=-1.5)
+SHARES = (0.01, 0.02, 0.05)
+"""Shares of its largest rate, at which a way may be taken to begin."""
 SHAKEN_S, TREMOR_HZ, TREMOR_RAD_S = (1.0, 1.5), 5.0, 0.15
 BIASED = ReachShape(out_s=0.85, back_s=0.85, dwell_s=0.3, peak_out=1.5, peak_back=-1.5)
 _WAYS = ("out", "back")
@@ -101,7 +105,7 @@ def measure(quick: bool, measured: Callable[[], None]) -> dict[str, Any]:
     """Return all figures; ``measured`` is called after each kind of reach and each recording."""
     kinds = {}
     for kind in KINDS:
-        kinds[kind] = errors_of(kind, 10 if quick else REACHES)
+        kinds[kind] = errors_of(kind, 8 if quick else REACHES)
         measured()
     noisy = {
         (noise_deg_s, rate_hz): smoothness(rate_hz, noise_deg_s, 2 if quick else 20)
@@ -115,6 +119,9 @@ def measure(quick: bool, measured: Callable[[], None]) -> dict[str, Any]:
     figures = {
         "kinds": {kind: _by_measure(errors) for kind, errors in kinds.items()},
         "exact": exactness(kinds),
+        "begins_ms": {
+            f"{share:.0%}": 500.0 * (1.0 - math.sqrt(1.0 - math.sqrt(share))) for share in SHARES
+        },
         "noise": [
             {"noise_deg_s": noise_deg_s, "rate_hz": rate_hz, "sparc": found[0], "ldlj": found[1]}
             for (noise_deg_s, rate_hz), found in noisy.items()
@@ -125,19 +132,16 @@ def measure(quick: bool, measured: Callable[[], None]) -> dict[str, Any]:
         "people": distribution(reaches),
         "monalysa": beside_monalysa(reaches),
     }
-    return figures | {"checks": _checks(figures)}
+    return figures | {"checks": _checks(figures, quick)}
 
 
-def _checks(figures: Mapping[str, Any]) -> dict[str, bool]:
-    """Return whether the errors are within their limits, by name."""
+def _checks(figures: Mapping[str, Any], quick: bool) -> dict[str, bool]:
+    """Return whether the errors are within their limits, by name; without 95 % of few reaches."""
     exact, kinds, theirs = figures["exact"], figures["kinds"].values(), figures["monalysa"]
     sparcs = [each["sparc"] for each in figures["noise"]]
     found = {
         "measures: median errors of every kind are within their limits": all(
             exact[name]["median"] <= limit.median for name, limit in LIMITS.items()
-        ),
-        "measures: 95 % of errors are within theirs, exceptions aside": all(
-            exact[name]["most"] <= limit.most for name, limit in LIMITS.items()
         ),
         f"measures: the trunk's excursion is off by at most {LARGEST_TRUNK_DEG:g}°": all(
             each["trunk_deg"] <= LARGEST_TRUNK_DEG for each in kinds
@@ -149,6 +153,10 @@ def _checks(figures: Mapping[str, Any]) -> dict[str, bool]:
             max(figures["biased_deg"].values()) <= LARGEST_BIASED_DEG
         ),
     }
+    if not quick:
+        found["measures: 95 % of errors are within theirs, exceptions aside"] = all(
+            exact[name]["most"] <= limit.most for name, limit in LIMITS.items()
+        )
     for name in ("sparc", "ldlj"):
         same = f"measures: {name.upper()} differs from monalysa's by at most {LARGEST_DIFFERENCE:g}"
         found[same] = theirs[name]["most"] <= LARGEST_DIFFERENCE
@@ -166,8 +174,8 @@ def steps(quick: bool) -> int:
 def errors_of(kind: str, reaches: int) -> dict[str, list[float]]:
     """Return the sizes of the errors of each measure, of the reaches of a kind that are found.
 
-    With ``other_stop``: 1 for a reach whose turn is not in the true rest at the target, otherwise
-    0. With ``steady_rad_s``: not an error, but `tremor_action_rad_s` without noise and tremor.
+    With ``other_stop_deg``: the error of the excursion of each reach whose turn is not in the true
+    rest at the target. With ``steady_rad_s``: not an error, but `tremor_action_rad_s` without noise and tremor.
     """
     errors: dict[str, list[float]] = defaultdict(list)
     for seed in range(reaches):
@@ -190,7 +198,8 @@ def errors_of(kind: str, reaches: int) -> dict[str, list[float]]:
                 errors[name].append(abs(value - truth))
         (times,) = made.times
         early_s, late_s = times.arrival_s - reach.turn_s, reach.turn_s - times.departure_s
-        errors["other_stop"].append(float(max(early_s, late_s) > TURN_WITHIN_S))
+        if max(early_s, late_s) > TURN_WITHIN_S:
+            errors["other_stop_deg"].append(errors["excursion_deg"][-1])
     return errors
 
 
@@ -201,13 +210,13 @@ def _trunk(made: SimulatedReaches, reach: Reach) -> float | None:
 
 def _by_measure(errors: Errors) -> dict[str, Any]:
     """Return the figures of a kind of reach."""
-    steady = errors["steady_rad_s"]
+    found = len(errors["excursion_deg"])
     return {name: _percentiles(errors[name], 50, 95) for name in LIMITS} | {
-        "found": len(errors["excursion_deg"]),
-        "other_stop": sum(errors["other_stop"]) / len(errors["other_stop"]),
-        "trunks": len(errors["trunk_deg"]),
+        "found": found,
+        "other_stop": len(errors["other_stop_deg"]) / found,
+        "other_stop_deg": max(errors["other_stop_deg"], default=None),
         "trunk_deg": max(errors["trunk_deg"]),
-        "steady_rad_s": _percentiles(steady, 50, 100) if steady else None,
+        "steady_rad_s": _percentiles(errors["steady_rad_s"], 50, 100),
     }
 
 
@@ -353,10 +362,10 @@ def distribution(reaches: Sequence[Labelled]) -> dict[str, dict[str, Any]]:
     found: dict[str, dict[str, Any]] = {}
     for manner in dict.fromkeys(each.manner for each in reaches):
         own = [fields(each.reach) for each in reaches if each.manner == manner]
-        found[manner] = {"reaches": len(own)} | {
-            name: _percentiles([each[name] for each in own if each[name] is not None], 25, 50, 75)
-            for name in PEOPLE
-        }
+        found[manner] = {"reaches": len(own)}
+        for name in PEOPLE:
+            known = np.array([each[name] for each in own], dtype=float)
+            found[manner][name] = _percentiles(known[~np.isnan(known)], 25, 50, 75)
     return found
 
 
@@ -395,7 +404,7 @@ def beside_monalysa(reaches: Sequence[Labelled]) -> dict[str, Any]:
 # --- figures
 
 
-def _percentiles(values: Sequence[float], *shares: float) -> list[float]:
+def _percentiles(values: Sequence[float] | Floats, *shares: float) -> list[float]:
     found: list[float] = np.percentile(values, shares).tolist()
     return found
 

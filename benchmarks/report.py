@@ -351,8 +351,9 @@ def _simulated_measures(measures: Results) -> dict[str, Rows]:
             kind,
             str(each["found"]),
             f"{each['other_stop']:.0%}",
+            "" if each["other_stop_deg"] is None else f"{each['other_stop_deg']:.1f}",
             f"{each['trunk_deg']:.1f}",
-            _several(each["steady_rad_s"] or (), ".3f"),
+            _several(each["steady_rad_s"], ".3f"),
         ]
         for kind, each in kinds.items()
     ]
@@ -363,10 +364,14 @@ def _simulated_measures(measures: Results) -> dict[str, Rows]:
         noisy.setdefault(each["noise_deg_s"], []).append(smooth)
     return errors | {
         "Errors over all kinds": [["measure", "median, at most", "95 % within"], *exact],
-        "Another stop taken for the target; largest error of the trunk's excursion; "
-        "tremor_action_rad_s of a steady hand (median, largest)": [
-            ["kind", "found", "other stop", "trunk (°)", "steady (rad/s)"],
+        "Another stop taken for the target, and the excursion's largest error then (°); largest "
+        "error of the trunk's excursion (°); tremor_action_rad_s of a steady hand (median, largest)": [
+            ["kind", "found", "other stop", "excursion", "trunk", "steady (rad/s)"],
             *others,
+        ],
+        "A minimum-jerk way of 1 s: its onset before a share of its peak (ms)": [
+            ["share", *measures["begins_ms"]],
+            ["before", *(f"{before:.0f}" for before in measures["begins_ms"].values())],
         ],
         "SPARC, LDLJ of a minimum-jerk way of 1 s": [
             ["noise (°/s)", *(f"{rate_hz:.0f} samples/s" for rate_hz in rates)],
