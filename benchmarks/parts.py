@@ -11,6 +11,7 @@ from benchmarks import (
     flood,
     frames,
     many_sessions,
+    measures,
     merge,
     motion,
     operator,
@@ -136,6 +137,12 @@ def _reaches(extent: Extent) -> Any:
     )
 
 
+def _measures(extent: Extent) -> Any:
+    return measures.measure(
+        extent.quick, extent.progress("movement measures", measures.steps(extent.quick))
+    )
+
+
 PARTS: Mapping[str, Callable[[Extent], Any]] = {
     "response": _response,
     "frames": _frames,
@@ -148,6 +155,7 @@ PARTS: Mapping[str, Callable[[Extent], Any]] = {
     "merge": _merge,
     "motion": _motion,
     "reaches": _reaches,
+    "measures": _measures,
     "sensor": _sensor,
     "sensors": _sensors,
     "agent": _agent,

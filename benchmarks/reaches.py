@@ -178,7 +178,7 @@ def _calibrated(name: str) -> Callable[[Recording], list[Times]]:
         known = [
             reach
             for reach in detect(recording)
-            if any(_is_same((reach.onset_s, reach.end_s), label) for label in first)
+            if any(is_same((reach.onset_s, reach.end_s), label) for label in first)
         ]
         return [
             (reach.onset_s, reach.end_s) for reach in detect(recording, OURS, calibrated(known))
@@ -234,7 +234,7 @@ def in_the_open(
         from_s = _ends(reaches[0])[0] - AROUND_S / 2 if skipped else part.from_s
         skipped = 0
         inside = [times for times in found if from_s <= sum(times) / 2 <= part.to_s]
-        pairs = [(times, label) for label in reaches for times in inside if _is_same(times, label)]
+        pairs = [(times, label) for label in reaches for times in inside if is_same(times, label)]
         known = {times for times, _ in pairs}
         false = [
             times
@@ -254,9 +254,9 @@ def in_windows(name: str, detector: str, ends: Ends = "still") -> Iterator[Kind]
     recording = read_exercise(name)
     for part in labels(name):
         pairs = []
-        for label, window in _windows(part):
+        for label, window in windows(part):
             times = _in_window(recording, detector, window, ends)
-            if times and _is_same(times, label):
+            if times and is_same(times, label):
                 pairs.append((times, label))
         yield Kind(
             _kind(name, part.manner), detector, len(part.reaches), len(pairs), 0, 0.0,
@@ -337,7 +337,7 @@ class Asked(NamedTuple):
     to_s: float
 
 
-def _windows(part: LabelledSet) -> Iterator[tuple[Label, Asked]]:
+def windows(part: LabelledSet) -> Iterator[tuple[Label, Asked]]:
     """Yield each labelled reach, and a window around it that holds nothing of its neighbours."""
     for index, label in enumerate(part.reaches):
         onset_s, end_s = _ends(label)
@@ -388,7 +388,7 @@ class Unsure(NamedTuple):
 def _unsure(exercises: Sequence[str]) -> Unsure:
     """Count the labelled reaches that a session would not score."""
     asked = ((name, window) for name in exercises for part in labels(name)
-             for _, window in _windows(part))  # fmt: skip
+             for _, window in windows(part))  # fmt: skip
     return _counted(_finding(read_exercise(name), OURS, window) for name, window in asked)
 
 
@@ -482,7 +482,8 @@ def overlap(one: Times, other: Times) -> float:
     return shared_s / max(one[1] - one[0], other[1] - other[0])
 
 
-def _is_same(times: Times, label: Label) -> bool:
+def is_same(times: Times, label: Label) -> bool:
+    """Return True if a reach that was found is the labelled one."""
     return overlap(times, _ends(label)) >= SHARED
 
 

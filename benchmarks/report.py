@@ -2,7 +2,7 @@
 
 import os
 import platform
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -62,6 +62,7 @@ def checks(results: Results) -> dict[str, bool]:
         "merge",
         "motion",
         "reaches",
+        "measures",
         "sensor",
         "sensors",
         "agent",
@@ -289,6 +290,148 @@ def _found(figures: Results) -> list[str]:
     ]
 
 
+_MEASURES = {
+    "excursion_deg": ("excursion", ".1f"),
+    "return_error_deg": ("return error", ".1f"),
+    "inclination_rest_deg": ("inclination, rest", ".1f"),
+    "inclination_target_deg": ("at the marker", ".1f"),
+    "straightness": ("straightness", ".3f"),
+    "sparc_out": ("SPARC", ".3f"),
+}
+_OF_PEOPLE = {
+    "sparc": ("SPARC", ".2f"),
+    "ldlj_out": ("LDLJ out", ".1f"),
+    "ldlj_back": ("LDLJ back", ".1f"),
+    "straightness": ("straightness", ".2f"),
+    "excursion_deg": ("excursion (°)", ".0f"),
+    "reach_time_ms": ("time (ms)", ".0f"),
+    "time_to_peak_ms": ("to peak (ms)", ".0f"),
+    "movement_units": ("movement units", ".0f"),
+}
+_BESIDE = {
+    "sparc": "SPARC as stored",
+    "ldlj": "LDLJ of the speed at 100 samples/s",
+    "ldlj, spline": "LDLJ as stored, theirs at 100 samples/s",
+    "ldlj, recorded rate": "LDLJ as stored, theirs at the recorded rate",
+}
+
+
+def _measures(measures: Results) -> dict[str, Rows]:
+    return _simulated_measures(measures) | _measures_of_people(measures)
+
+
+def _simulated_measures(measures: Results) -> dict[str, Rows]:
+    kinds = measures["kinds"]
+    *angles, _, _ = _MEASURES
+    errors = {
+        title: [
+            ["kind", *(_MEASURES[name][0] for name in names)],
+            *(
+                [kind, *(_several(each[name], _MEASURES[name][1]) for name in names)]
+                for kind, each in kinds.items()
+            ),
+        ]
+        for title, names in (
+            ("Errors of angles in simulated reaches: median, 95 % (°)", angles),
+            (
+                "Errors of path and smoothness in these: median, 95 %",
+                [name for name in _MEASURES if name not in angles],
+            ),
+        )
+    }
+    exact = []
+    for name, (label, form) in _MEASURES.items():
+        each = measures["exact"][name]
+        exact.append([label, f"{each['median']:{form}}", f"{each['most']:{form}}"])
+        exact += [
+            [f"  except {kind}", "", f"{most:{form}}"] for kind, most in each["except"].items()
+        ]
+    others = [
+        [
+            kind,
+            str(each["found"]),
+            f"{each['other_stop']:.0%}",
+            "" if each["other_stop_deg"] is None else f"{each['other_stop_deg']:.1f}",
+            f"{each['trunk_deg']:.1f}",
+            _several(each["steady_rad_s"], ".3f"),
+        ]
+        for kind, each in kinds.items()
+    ]
+    rates = sorted({each["rate_hz"] for each in measures["noise"]})
+    noisy: dict[float, list[str]] = {}
+    for each in measures["noise"]:
+        smooth = f"{each['sparc']:.3f}, {each['ldlj']:.2f}"
+        noisy.setdefault(each["noise_deg_s"], []).append(smooth)
+    return errors | {
+        "Errors over all kinds": [["measure", "median, at most", "95 % within"], *exact],
+        "Another stop taken for the target, and the excursion's largest error then (°); largest "
+        "error of the trunk's excursion (°); tremor_action_rad_s of a steady hand (median, largest)": [
+            ["kind", "found", "other stop", "excursion", "trunk", "steady (rad/s)"],
+            *others,
+        ],
+        "A minimum-jerk way of 1 s: its onset before a share of its peak (ms)": [
+            ["share", *measures["begins_ms"]],
+            ["before", *(f"{before:.0f}" for before in measures["begins_ms"].values())],
+        ],
+        "SPARC, LDLJ of a minimum-jerk way of 1 s": [
+            ["noise (°/s)", *(f"{rate_hz:.0f} samples/s" for rate_hz in rates)],
+            *([f"{noise_deg_s:g}", *cells] for noise_deg_s, cells in noisy.items()),
+        ],
+        "Minimum-jerk ways by their boundaries: least, largest": [
+            ["boundaries", "SPARC", "LDLJ"],
+            *(
+                [name, _several(each["sparc"], ".3f"), _several(each["ldlj"], ".2f")]
+                for name, each in measures["smooth"].items()
+            ),
+        ],
+        "tremor_index of a minimum-jerk reach of 2 rad/s": [
+            ["takes (s)", "without tremor", "with 0.15 rad/s at 5 Hz"],
+            *(
+                [f"{each['takes_s']:g}", f"{each['without']:.3f}", f"{each['with']:.3f}"]
+                for each in measures["tremor"]
+            ),
+        ],
+        "Largest error of a reach of 2 s with a bias of 1 °/s (°)": [
+            ["detector", *(_MEASURES[name][0] for name in measures["biased_deg"])],
+            ["fixed-threshold", *(f"{most:.1f}" for most in measures["biased_deg"].values())],
+        ],
+    }
+
+
+def _measures_of_people(measures: Results) -> dict[str, Rows]:
+    people = measures["people"]
+    return {
+        "Reaches of people by manner: median (quartiles)": [
+            ["measure", *(f"{manner}, {each['reaches']}" for manner, each in people.items())],
+            *(
+                [label, *(_quartiles(each[name], form) for each in people.values())]
+                for name, (label, form) in _OF_PEOPLE.items()
+            ),
+        ],
+        "Their difference from monalysa (none: it has no such measure)": [
+            ["measure", "ways", "median", "largest"],
+            *(
+                [
+                    label,
+                    str(measures["monalysa"][name]["ways"]),
+                    *(f"{measures['monalysa'][name][figure]:.3f}" for figure in ("median", "most")),
+                ]
+                for name, label in _BESIDE.items()
+            ),
+            ["straightness, times", "", "none", "none"],
+        ],
+    }
+
+
+def _several(values: Sequence[float], form: str) -> str:
+    return ", ".join(f"{value:{form}}" for value in values)
+
+
+def _quartiles(quartiles: Sequence[float], form: str) -> str:
+    low, median, high = (f"{value:{form}}" for value in quartiles)
+    return f"{median} ({low}…{high})"
+
+
 def _sensor(sensor: Results) -> dict[str, Rows]:
     return {
         "A motion sensor's stream, with the session on the screen": [
@@ -394,6 +537,7 @@ _TABLES: Mapping[str, Callable[[Results], dict[str, Rows]]] = {
     "merge": _merge,
     "motion": _motion,
     "reaches": _reaches,
+    "measures": _measures,
     "sensor": _sensor,
     "sensors": _sensors,
     "agent": _agent,

@@ -5,59 +5,36 @@ tremor.
 import math
 
 import msgspec
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.motion.body_model import Site
+from benchmarks.measures import smoothness
+from benchmarks.true_measures import (
+    Z,
+    at_true_times,
+    bounds_of,
+    measured_between,
+    true_measures,
+    true_trunk_excursion_deg,
+)
 from sar_tui.motion.detection import detect
 from sar_tui.motion.imperfections import PERFECT, StrappedSensor
-from sar_tui.motion.measures import measure
-from sar_tui.motion.quaternions import angle, conjugate, multiply
-from sar_tui.motion.reach import Bounds, Detected, Reach
+from sar_tui.motion.reach import Bounds, Reach
 from sar_tui.motion.reach_kinds import KINDS
-from sar_tui.motion.rest import even, find_rest
-from sar_tui.motion.samples import Floats, Recording
+from sar_tui.motion.samples import Recording
 from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, Profile, ReachShape, TableRow, simulate
 from sar_tui.motion.trajectories import PLACEMENTS, SimulatedReaches, simulate_reaches
 from sar_tui.perception.reach import trunk_excursion_deg
-from tests.claims.measures import true_measures
 from tests.examples import examples, first
 
 ONE_AXIS = ReachShape(out_s=1.0, back_s=1.0, dwell_s=0.3, peak_out=1.5, peak_back=-1.5)
-Z = (0.0, 0.0, 1.0)
 LARGEST_ERRORS = {"excursion_deg": 0.5, "straightness": 0.06, "return_error_deg": 0.5}
 LARGEST_ERRORS |= {"inclination_rest_deg": 1.2, "inclination_target_deg": 1.2}
 
 
-def bounds_of(shape: ReachShape, onset_s: float = 2.0) -> Bounds:
-    """The true boundaries of a reach about z."""
-    arrival_s, end_s = onset_s + shape.out_s, onset_s + shape.duration_s
-    departure_s = arrival_s + shape.dwell_s
-    return Bounds(
-        onset_s=onset_s, arrival_s=arrival_s, departure_s=departure_s, end_s=end_s, axis=Z
-    )
-
-
-def found_at(recording: Recording, bounds: Bounds, *, by_norm: bool = True) -> Detected:
-    """A detector's result with these boundaries, with bias and tremor from the rest."""
-    grid = even(recording)
-    rest = find_rest(grid.rate, grid.rate_hz, 1.0)
-    return Detected(
-        grid.time_s, grid.rate - rest.bias, grid.rate_hz, (bounds,), rest.tremor_hz, by_norm
-    )
-
-
 def measured(recording: Recording, bounds: Bounds | None = None, *, by_norm: bool = True) -> Reach:
-    found = found_at(recording, bounds or bounds_of(ONE_AXIS), by_norm=by_norm)
-    (reach,) = measure(found, recording)
-    return reach
-
-
-def at_true_times(simulated: SimulatedReaches) -> Reach:
-    (times,) = simulated.times
-    return measured(simulated.recording, Bounds(**times._asdict(), axis=Z))
+    return measured_between(recording, bounds or bounds_of(ONE_AXIS), by_norm=by_norm)
 
 
 @pytest.mark.parametrize("kind", first(3, list(KINDS)))
@@ -190,23 +167,6 @@ def test_tremor_in_movement_alone_is_measured_and_not_removed() -> None:
 # --- smoothness and the sensor
 
 
-def smoothness(rate_hz: float, noise_deg_s: float) -> tuple[float, float]:
-    """SPARC and LDLJ of the same slow way out, mean of five recordings that begin between two
-    samples.
-    """
-    profile = Profile(noise_rad_s=math.radians(noise_deg_s))
-    ways = []
-    for seed in range(5):
-        onset_s = 2.0 + (seed + 0.5) / 5 / rate_hz
-        recording = simulate(
-            [ONE_AXIS], profile, rate_hz=rate_hz, rest_s=onset_s, seed=seed
-        ).recording
-        reach = measured(recording, bounds_of(ONE_AXIS, onset_s))
-        ways.append((reach.sparc_out, reach.ldlj_out))
-    means: Floats = np.array(ways, dtype=float).mean(axis=0)
-    return float(means[0]), float(means[1])
-
-
 @pytest.mark.slow
 def test_sparc_depends_on_neither_rate_nor_noise_and_ldlj_on_both() -> None:
     expected = {
@@ -214,7 +174,10 @@ def test_sparc_depends_on_neither_rate_nor_noise_and_ldlj_on_both() -> None:
         1.0: pytest.approx([-6.7, -6.8, -6.2, -5.6], abs=0.3),
     }
     for noise_deg_s, ldlj in expected.items():
-        found = [smoothness(rate_hz, noise_deg_s) for rate_hz in (50.0, 100.0, 250.0, 1000.0)]
+        found = [
+            smoothness(rate_hz, noise_deg_s, recordings=5)
+            for rate_hz in (50.0, 100.0, 250.0, 1000.0)
+        ]
         assert [sparc for sparc, _ in found] == pytest.approx([-1.405] * 4, abs=0.01)
         assert [each for _, each in found] == ldlj
 
@@ -228,18 +191,12 @@ def lean(seed: int, placement: int = 0) -> tuple[SimulatedReaches, Recording]:
     return made, made.sternum
 
 
-def true_excursion_deg(made: SimulatedReaches) -> float:
-    time_s = np.linspace(*made.truth[0], 1000)
-    orientation: Floats = made.movement.pose(Site("sternum"), time_s).orientation
-    return math.degrees(float(angle(multiply(conjugate(orientation[:1]), orientation)).max()))
-
-
 @pytest.mark.parametrize("placement", range(len(PLACEMENTS)))
 def test_a_lean_is_measured_within_two_degrees_wherever_the_sensor_sits(placement: int) -> None:
     for seed in range(5):
         made, sternum = lean(seed, placement)
         excursion = trunk_excursion_deg(sternum, *made.truth[0])
-        assert excursion == pytest.approx(true_excursion_deg(made), abs=2.0)
+        assert excursion == pytest.approx(true_trunk_excursion_deg(made), abs=2.0)
 
 
 def test_a_sensor_lost_within_the_reach_or_never_at_rest_gives_no_excursion() -> None:
