@@ -165,6 +165,8 @@ def _body(
     values = [value for value in (*metrics, *goals, *beside) if value is not None]
     low, high = _limits(values)
     plt.ylim(low, high, yside="left")
+    if not values:  # plotext draws no axes without data
+        plt.scatter([1], [low], marker=" ")
     for goal, alike in groupby(enumerate(goals, start=1), key=lambda item: item[1]):
         same = [attempt for attempt, _ in alike]
         if goal is None:

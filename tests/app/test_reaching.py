@@ -224,6 +224,27 @@ async def test_a_mark_is_replaced_by_pressing_twice(at_the_table: OpenSession) -
         assert not driver.sees("Marked"), "also after the last attempt, a removed mark disappears"
 
 
+async def test_a_result_disappears_with_the_mark_that_it_followed_from(
+    at_the_table: OpenSession,
+) -> None:
+    async with at_the_table(imu="simulated:kind=trunk-lean", least_confidence=1.0) as driver:
+        await to_start(driver)
+        await reach(driver)
+        not_clearly = "I did not see that one clearly, so it does not count."
+        driver.see(not_clearly, "Unsure, not scored")
+        for _ in range(2):
+            await driver.wait(300)
+            await driver.press("f6")
+            driver.see("Marked: Whole reach · Attempt 1 of 2 · level 1")
+            driver.lacks(not_clearly)
+            said = driver.app.screen.stage.agent.words
+            assert said
+            await driver.wait(300)
+            await driver.press("f6")
+            driver.see(not_clearly, "Unsure, not scored", "Attempt 2 of 2 · level 1")
+            driver.lacks(said, "G O A L")
+
+
 async def test_the_marks_are_in_the_help_and_the_changes_not_in_the_footer(
     table: AppDriver,
 ) -> None:

@@ -166,6 +166,11 @@ def test_one_attempt_is_enough_and_none_is_told_in_a_sentence() -> None:
     assert figure(levels=[], metrics=[]) == "There are no attempts to show yet."
 
 
+def test_attempts_without_any_result_or_goal_have_axes() -> None:
+    drawn = figure(levels=[1, 1], metrics=[None, None], goals=[None, None])
+    assert drawn.count("×") == 3, "one in the legend, and one for each attempt"
+
+
 def test_there_is_a_number_at_an_axis_however_few_fit() -> None:
     assert round_numbers(0.05, 4.75, 2) == [2, 4]
     assert round_numbers(0.0, 1.0, 2) == [0.0, 0.5]

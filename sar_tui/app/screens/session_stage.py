@@ -258,6 +258,7 @@ class SessionStage(Vertical):
     def begin_attempt(self, started: AttemptStarted) -> None:
         """Forget the results before it, and note its goal."""
         self._forget_results()
+        self._ended_position = ""
         self._goal = self.waiting.goal if self.waiting else ""
 
     def progress(self, done: int) -> None:
@@ -273,7 +274,10 @@ class SessionStage(Vertical):
     def end_attempt(self, ended: AttemptEnded) -> None:
         """Show the number of attempts done, and keep which attempt it was."""
         self._show_attempts(ended.attempt)
-        self._ended_position = self._position
+        if self._ended_position and ended.metric is None:  # a mark has taken its result away
+            self._forget_results()
+            self.agent.clear("listening")
+        self._ended_position = self._ended_position or self._position
 
     def feedback_given(self, feedback: Feedback) -> None:
         """Show the result beside its goal, with the words that tell it."""
