@@ -205,7 +205,7 @@ def reach_test_text(test: ReachTest, hand: Hand, tr: Language = ENGLISH) -> list
         case "reach":
             return [("wait", tr("Now reach out, come back, and rest."))]
         case "lost":
-            return [("wrong", tr("There is no sensor to test. Plug it in, then press T."))]
+            return [("wrong", tr("There is no sensor to test. Plug it in, and try again."))]
     return finding_text(test.finding, hand, tr) if test.finding else []
 
 

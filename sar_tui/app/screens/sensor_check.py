@@ -69,8 +69,8 @@ _HELP = (
     "Lay the hand flat and still: z points up, and the bias of each axis is shown.",
     "Zero removes that bias, if the sensor can. A test shows what a session would measure: "
     "rest, reach out and back, and rest. It is not stored.",
-    "Calibrate measures three reaches of this person: a movement that turns the hand less than a "
-    "third of the smallest is no reach from then on. Do it again when the person reaches farther.",
+    "Calibrate measures three reaches of this person to the nearest marker: a movement that turns "
+    "the hand less than a third of the smallest is no reach from then on. Do it again when the person reaches farther.",
     "The session may begin at any time; without a sensor it waits for one.",
 )
 _HELP_WITH_TRUNK = (
