@@ -209,19 +209,26 @@ def reach_test_text(test: ReachTest, hand: Hand, tr: Language = ENGLISH) -> list
     return finding_text(test.finding, hand, tr) if test.finding else []
 
 
-def calibration_text(
-    made: Calibration, test: ReachTest, hand: Hand, who: str, tr: Language = ENGLISH
-) -> list[tuple[Mark, str]]:
-    """Return what a calibration asks for, or its result: first why the last reach was not used."""
+def calibrated_text(made: Calibration, who: str, tr: Language = ENGLISH) -> str:
+    """Return the result of a calibration, and how to keep or forget it."""
     angles = ", ".join(f"{degrees:.0f}°" for degrees in made.turned_deg)
     turned = tr("The reaches turned the hand by {turned}.", turned=angles)
-    if made.is_over:
-        least = f"{made.least_turn_deg:.0f}"
-        kept = tr("From {least}° on it is a reach. Enter: keep that for {who}, and begin.")
-        return [("right", f"{turned} {kept.format(least=least, who=who)}")]
-    said: list[tuple[Mark, str]] = [("right", turned)] if made.turned_deg else []
+    kept = tr(
+        "From {least}° on it is a reach. Enter keeps that for {who} and begins, Esc forgets it."
+    )
+    return f"{turned} {kept.format(least=f'{made.least_turn_deg:.0f}', who=who)}"
+
+
+def calibration_text(
+    made: Calibration, test: ReachTest, hand: Hand, tr: Language = ENGLISH
+) -> list[tuple[Mark, str]]:
+    """Return what a calibration asks for: first why the last reach was not used."""
+    said: list[tuple[Mark, str]] = []
     if made.refused:
         said = finding_text(made.refused, hand, tr)[-1:]
+    elif made.turned_deg:
+        turned = ", ".join(f"{degrees:.0f}°" for degrees in made.turned_deg)
+        said = [("right", tr("Turned so far: {turned}.", turned=turned))]
     number = tr("Reach {number} of {count}.", number=len(made.turned_deg) + 1, count=CALIBRATING)
     asked = reach_test_text(test, hand, tr)
     return [*said, *((mark, f"{number} {text}") for mark, text in asked)]

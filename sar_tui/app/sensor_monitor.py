@@ -38,7 +38,7 @@ CALIBRATING = 3
 """Number of reaches by which a person's least turn is estimated."""
 LEAST_TURN_DEG = 3.0
 """Smallest estimate: less is the unrest of a hand."""
-USABLE = frozenset(("disagree", "low_rate", "no_rest"))
+USABLE = frozenset(("disagree", "low_rate", "no_rest", "reversed"))
 """Flags of a reach whose turn is right all the same."""
 RECENT = 5 * SECOND
 """Time for which trouble is shown."""
@@ -120,6 +120,7 @@ class SensorWatch:
             sent.
         test: the test reach, once there was one.
         calibration: by some test reaches, if it was begun; None after a single test.
+        calibrated: the last calibration that was finished, and not forgotten.
         least_confidence: a test reach of which the detector is less sure is flagged ``unsure``.
         before: model and serial number of the sensor that the participant wore last time; None if
             there was none.
@@ -135,6 +136,7 @@ class SensorWatch:
         self.saturated = self.unmeasured = 0
         self.test: ReachTest | None = None
         self.calibration: Calibration | None = None
+        self.calibrated: Calibration | None = None
         self.least_confidence = 0.0
         self.before: tuple[str, str] | None = None
         self._now = now
@@ -291,6 +293,10 @@ class SensorWatch:
         self.calibration = Calibration()
         self._begin_reach()
 
+    def forget_calibration(self) -> None:
+        """Forget the calibration that is under way, and a finished one."""
+        self.calibration = self.calibrated = self.test = None
+
     def _begin_reach(self) -> None:
         self.test = ReachTest(self._now())
         if not self.attached:
@@ -343,5 +349,7 @@ class SensorWatch:
         test.step = "done"
         if self.calibration:
             self.calibration.add(found)
-            if not self.calibration.is_over:
+            if self.calibration.is_over:
+                self.calibrated = self.calibration
+            else:
                 self._begin_reach()

@@ -35,7 +35,7 @@ _EASIER = {
 }
 
 
-_UNSURE = "I did not see that one clearly, so it does not count."
+_UNSURE = "I did not see that one clearly, so it does not count. That is all right."
 
 
 class Scores:

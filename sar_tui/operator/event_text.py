@@ -293,9 +293,14 @@ def _text(
 def _unsure(trial: TrialEnded, tr: Language) -> str:
     confidence = trial.details.get("confidence")
     if not isinstance(confidence, int | float):
-        return tr("Trial {number} is unsure: it is not scored without a mark.", number=trial.trial)
+        return tr(
+            "Attempt {attempt}, trial {number} is unsure: it is not scored without a mark.",
+            attempt=trial.attempt,
+            number=trial.trial,
+        )
     return tr(
-        "Trial {number} is unsure ({share} %): it is not scored without a mark.",
+        "Attempt {attempt}, trial {number} is unsure ({share} %): it is not scored without a mark.",
+        attempt=trial.attempt,
         number=trial.trial,
         share=f"{100 * confidence:.0f}",
     )

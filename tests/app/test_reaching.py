@@ -230,7 +230,7 @@ async def test_a_result_disappears_with_the_mark_that_it_followed_from(
     async with at_the_table(imu="simulated:kind=trunk-lean", least_confidence=1.0) as driver:
         await to_start(driver)
         await reach(driver)
-        not_clearly = "I did not see that one clearly, so it does not count."
+        not_clearly = "I did not see that one clearly, so it does not count. That is all right."
         driver.see(not_clearly, "Unsure, not scored")
         for _ in range(2):
             await driver.wait(300)

@@ -414,7 +414,11 @@ async def test_three_reaches_set_the_persons_least_turn(open_check: OpenCheck, d
         driver.see("Reach 1 of 3. Rest the hand")
         await calibrate(driver, source, 1.5, 1.2, 1.8)
         driver.see("The reaches turned the hand by 32°, 26°, 38°.", "From 9° on it is a reach.")
-        driver.see("Enter: keep that for P01")
+        driver.see("Enter keeps that for P01")
+        await driver.press("t")
+        driver.see("Rest the hand at the start")
+        await calibrate(driver, source, 1.5)
+        driver.see("Reach ", "From 9° on it is a reach.")
         await driver.press("enter")
         await driver.wait(200)
         assert driver.session.task.parameters.least_turn_deg == 9
@@ -436,8 +440,9 @@ async def test_a_doubtful_reach_does_not_calibrate(open_check: OpenCheck) -> Non
         await driver.wait(9000)
         driver.see("! It may have been another movement")
         driver.see("Reach 2 of 3.")
-        await driver.press("t")
+        await driver.press("escape")
         driver.lacks("Reach 2 of 3.")
+        driver.see("C: calibrate by three.")
 
 
 async def test_saturation_is_not_attributed_to_the_cable(open_check: OpenCheck) -> None:

@@ -18,6 +18,7 @@ from sar_tui.app.sensor_advice import (
     MARKS,
     Fact,
     Mark,
+    calibrated_text,
     calibration_text,
     facts,
     reach_test_text,
@@ -259,8 +260,7 @@ class SensorCheckScreen(DismissedOnce[bool]):
     @property
     def calibration(self) -> Calibration | None:
         """A calibration of the hand's sensor that is over; None without one."""
-        made = self.sensors[0].calibration
-        return made if made and made.is_over else None
+        return self.sensors[0].calibrated
 
     @property
     def _is_on_trunk(self) -> bool:
@@ -289,7 +289,11 @@ class SensorCheckScreen(DismissedOnce[bool]):
             self._show()
 
     def action_leave(self) -> None:
-        """Go back without a session."""
+        """Forget a calibration, or else go back without a session."""
+        if self.sensor.calibration or self.sensor.calibrated:
+            self.sensor.forget_calibration()
+            self._show()
+            return
         self._stop_looking()
         self.dismiss(False)
 
@@ -358,11 +362,14 @@ class SensorCheckScreen(DismissedOnce[bool]):
         if words and self._clock.now() < until:
             return [(mark, words)]
         test, hand = self.sensor.test, self.sensor.hand
-        if test and self.sensor.calibration:
-            who = self._plan.participant
-            return calibration_text(self.sensor.calibration, test, hand, who, self.tr)
-        if test:
-            return reach_test_text(test, hand, self.tr)
+        made, done = self.sensor.calibration, self.sensor.calibrated
+        if test and made and not made.is_over:
+            return calibration_text(made, test, hand, self.tr)
+        said = reach_test_text(test, hand, self.tr) if test and not made else []
+        if done and not (test and test.is_running):
+            said.append(("right", calibrated_text(done, self._plan.participant, self.tr)))
+        if said:
+            return said
         idle = _IDLE_FIRST if self._unseen else _IDLE_PERSON if self._can_calibrate else _IDLE
         idle = self.tr(_IDLE_TRUNK if self._is_on_trunk else idle)
         return [("wait", idle)] if self.sensor.attached and not self.app.switch else []

@@ -12,7 +12,7 @@ from tests.tasks.reaching.reaching_driver import REACH_OUT, ReachingDriver
 
 SHORT_OF_HOME = replace(REACH_OUT, peak_back=-0.85)
 """The hand comes back by little more than half of the way, and stays there."""
-NOT_CLEARLY = "I did not see that one clearly, so it does not count."
+NOT_CLEARLY = "I did not see that one clearly, so it does not count. That is all right."
 
 
 @pytest.fixture
@@ -112,7 +112,8 @@ def test_the_operator_sees_it_until_it_is_marked(driver: ReachingDriver) -> None
     state = SessionState().receive((Frame(1, 0, TRIAL, trial),))
     percent = round(100 * confidence(trial))
     assert (
-        state.log[-1].text == f"Trial 1 is unsure ({percent} %): it is not scored without a mark."
+        state.log[-1].text
+        == f"Attempt 1, trial 1 is unsure ({percent} %): it is not scored without a mark."
     )
     assert responses(state.seat("A").trials, 40)[0][0].startswith("?")
     state = state.receive((Frame(2, 0, MARKED, driver.last(MARKED)),))
