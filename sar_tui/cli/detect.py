@@ -208,6 +208,10 @@ def detect(
     else:
         by = f"by the {detector} detector{', corrected by hand' if labels else ''}"
         _print(found, by, one_way)
+        if person:
+            turned = math.degrees(person.least_rad)
+            limits = f"By this person's reaches: {turned:.0f}° or more, {person.longest_s:.1f} s or less."
+            console().print(limits, markup=False, soft_wrap=True)
     if not found.reaches and units.rate == "deg/s" and speed.largest_rad_s < _HARDLY_MOVING_RAD_S:
         largest = f"{math.degrees(speed.largest_rad_s):.2g}"
         console(error=True).print(_SLOW.format(largest=largest), markup=False, soft_wrap=True)

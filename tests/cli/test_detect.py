@@ -186,6 +186,8 @@ def test_the_first_reaches_of_a_person_leave_out_movements_that_are_much_smaller
 ) -> None:
     found = reaches(call, SAMPLE)
     assert reaches(call, SAMPLE, "--calibrate", "3") == found
+    says = "By this person's reaches: 8° or more, 4.2 s or less."
+    assert says in call("detect", SAMPLE, "--calibrate", "3").out
     one = next(reach for reach in found if reach["excursion_deg"] > 60)
     own = [row for row in recorded if one["onset_s"] - 1.0 < row["t"] < one["end_s"] + 1.0]
     lasts_s = own[-1]["t"] - own[0]["t"] + 0.008
