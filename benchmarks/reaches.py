@@ -33,6 +33,7 @@ from benchmarks.real_recordings import (
     read_daily_life,
     read_exercise,
 )
+from sar_tui.model.trial_types import UNSURE
 from sar_tui.motion import quaternions
 from sar_tui.motion.analysis import AnalysisParameters, Finding, Window, analyse
 from sar_tui.motion.arrays import lengths
@@ -54,6 +55,7 @@ SHARED = 0.5
 CALIBRATING = 3
 KNOWN_SHARE, OPEN_SHARE, MOST_FALSE = 0.95, 0.9, 0.5
 MOST_END_MS, MOST_TRUE_END_MS = 200.0, 80.0
+LEAST_CONFIDENCE: float = Catalogue().task("reaching").Parameters().least_confidence  # type: ignore[attr-defined]
 AROUND_S = 2.0
 BEFORE_S, ASKED_S = 3.0, 8.0
 WATCH_HZ, WATCH_COUNT = 50.0, 20
@@ -372,7 +374,11 @@ def _finding(recording: Recording, detector: str, asked: Asked, ends: Ends = "st
     )
     # as in a session: it begins at home
     orientation = OrientationParameters(home_s=0.0, ends=ends)
-    parameters = AnalysisParameters(detector=detector, orientation=orientation)  # type: ignore[arg-type]
+    parameters = AnalysisParameters(
+        detector=detector,  # type: ignore[arg-type]
+        orientation=orientation,
+        least_confidence=LEAST_CONFIDENCE,
+    )
     return analyse(samples, window, parameters)
 
 
@@ -406,9 +412,8 @@ def _unsure_in_daily_life(daily: Sequence[str]) -> Unsure:
 
 
 def _counted(findings: Iterable[Finding]) -> Unsure:
-    confidences = [found.details["confidence"] for found in findings if found.onset_ns is not None]
-    limit = Catalogue().task("reaching").Parameters().least_confidence  # type: ignore[attr-defined]
-    return Unsure(len(confidences), sum(each < limit for each in confidences))
+    flags = [found.flags for found in findings if found.onset_ns is not None]
+    return Unsure(len(flags), sum(UNSURE in each for each in flags))
 
 
 def _simulated(kind: str, detector: str, people: int) -> Kind:

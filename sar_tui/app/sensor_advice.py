@@ -46,9 +46,6 @@ FLAGS = {
 }
 """Problems of a test reach, and what to do, by flag."""
 
-_NOT_SURE = (
-    "That may have been another movement: rest, reach out, come back to where you were, and rest."
-)
 NO_REACH = "No reach out and back was seen. Is the sensor on the hand that reaches?"
 INVALID = {
     "samples": "Too few samples came to see a reach.",

@@ -7,12 +7,9 @@ from collections import deque
 from collections.abc import Callable
 from typing import Literal
 
-import msgspec
-
 from sar_tui.inputs.imu import Status, Vector
 from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.model.language import Sentence
-from sar_tui.model.trial_types import UNSURE
 from sar_tui.model.units import MS, SECOND
 from sar_tui.motion.analysis import AnalysisParameters, Finding, Window, analyse
 from sar_tui.motion.detection import LEAST_SHARE
@@ -119,8 +116,8 @@ class SensorWatch:
         saturated: number of samples beyond its range; ``unmeasured``: those of them that were not
             sent.
         test: the test reach, once there was one.
-        calibration: by some test reaches, if it was begun; None after a single test.
-        calibrated: the last calibration that was finished, and not forgotten.
+        calibration: by some test reaches, while it is under way.
+        calibrated: the last one that was finished, and not forgotten.
         least_confidence: a test reach of which the detector is less sure is flagged ``unsure``.
         before: model and serial number of the sensor that the participant wore last time; None if
             there was none.
@@ -337,11 +334,8 @@ class SensorWatch:
             to_ns=self._now() + 1,
             flags=tuple(test.flags),
         )
-        found = analyse(samples, window, AnalysisParameters(hand=self.hand))
-        confidence = found.details.get("confidence")
-        if isinstance(confidence, float) and confidence < self.least_confidence:
-            found = msgspec.structs.replace(found, flags=(*found.flags, UNSURE))
-        test.finding = found
+        parameters = AnalysisParameters(hand=self.hand, least_confidence=self.least_confidence)
+        test.finding = found = analyse(samples, window, parameters)
         if found.onset_ns is not None and found.end_ns is not None:
             test.trace = trace_of(
                 samples, found.onset_ns, found.end_ns, found.details, "test reach"
@@ -350,6 +344,6 @@ class SensorWatch:
         if self.calibration:
             self.calibration.add(found)
             if self.calibration.is_over:
-                self.calibrated = self.calibration
+                self.calibrated, self.calibration = self.calibration, None
             else:
                 self._begin_reach()

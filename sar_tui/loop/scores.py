@@ -33,8 +33,6 @@ _EASIER = {
     "target": "It gets a little easier now.",
     "sequence": "Your plan goes on: a little easier now.",
 }
-
-
 _UNSURE = "I did not see that one clearly, so it does not count. That is all right."
 
 
@@ -199,8 +197,9 @@ class Scores:
         for message in marks.messages(*last, self._last_results.mark, correct):
             self._node.emit(MARKED, message)
         request = m.UnsaidFeedbackRequest(attempt=last[0])
-        was_unsure = self._attempts.is_unsure
-        unsaid = results if was_unsure else self._node.ask(UNSAID_FEEDBACK, request).seats
+        unsaid = self._node.ask(UNSAID_FEEDBACK, request).seats
+        if self._attempts.is_unsure:  # there was no feedback
+            unsaid = tuple(results)
         before = self._attempts.state
         scored = self._attempts.amend(results, unsaid)
         if scored is None:

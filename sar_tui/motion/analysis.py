@@ -6,6 +6,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from sar_tui.model.trial_types import UNSURE
 from sar_tui.motion.arrays import lengths
 from sar_tui.motion.detection import DETECTORS, find
 from sar_tui.motion.detector_names import COLUMN_NAMES, DetectorName
@@ -33,7 +34,8 @@ SATURATED_NS = 300_000_000
 _TIMES = {"reach_time_ms", "out_ms", "back_ms", "dwell_ms", "turn_after_ms"}
 _ROUNDED = (
     "excursion_deg", "straightness", "return_error_deg", "inclination_rest_deg",
-    "inclination_target_deg", "tremor_rest_hz", "tremor_rest_rad_s", "tremor_action_rad_s", "confidence",
+    "inclination_target_deg", "tremor_rest_hz", "tremor_rest_rad_s", "tremor_action_rad_s",
+    "confidence",
 )  # fmt: skip
 DISAGREEMENT = 0.2
 """Difference of two detectors' times, as a share of the longer one, from which a reach's time is
@@ -44,13 +46,17 @@ FEWEST = 10
 
 
 class AnalysisParameters(msgspec.Struct, frozen=True, kw_only=True):
-    """Settings of the analysis: the detector that counts, the hand, and each detector's parameters."""
+    """Settings of the analysis: the detector that counts, the hand, and each detector's parameters.
+
+    ``least_confidence``: a reach of which the detector is less sure is flagged ``unsure``.
+    """
 
     detector: DetectorName = "orientation"
     hand: Hand = "right"
     orientation: OrientationParameters = OrientationParameters()
     single_axis: SingleAxisParameters = SingleAxisParameters()
     fixed_threshold: FixedThresholdParameters = FixedThresholdParameters()
+    least_confidence: float = 0.0
 
     @property
     def each(self) -> dict[DetectorName, msgspec.Struct]:
@@ -155,6 +161,7 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
         "several": known["reaches"] != 1,
         "disagree": _disagree(times_ms, parameters.detector),
         "too_far": too_far,
+        UNSURE: reach.confidence is not None and reach.confidence < parameters.least_confidence,
     }
     flags = tuple(
         dict.fromkeys(

@@ -4,7 +4,6 @@ import math
 from typing import TYPE_CHECKING, Any, Literal
 
 from sar_tui.api.task import (
-    UNSURE,
     Act,
     Again,
     Axis,
@@ -145,6 +144,7 @@ class ReachingTask(Task):
         return AnalysisParameters(
             detector=self.parameters.detector,
             hand=self.parameters.hand,
+            least_confidence=self.parameters.least_confidence,
             orientation=OrientationParameters(
                 least_rad=least_rad,
                 dwell_s=LONGEST_DWELL_S,
@@ -272,7 +272,6 @@ class ReachingTask(Task):
             )
         value = percept.details["reach_time_ms"]
         leaned = self._leaned(percept)
-        warnings = ((LEANED, leaned), (UNSURE, self._is_unsure(percept)))
         return Result(
             correct=True,
             response="reach",
@@ -280,15 +279,9 @@ class ReachingTask(Task):
             response_at=percept.end,
             value=float(value) if isinstance(value, int | float) else None,
             details=details,
-            flags=(*percept.flags, *(flag for flag, holds in warnings if holds)),
+            flags=(*percept.flags, LEANED) if leaned else percept.flags,
             correction=self.tr(_LEANED) if leaned else "",
         )
-
-    def _is_unsure(self, reach: ReachPerceived) -> bool:
-        """Return True if it may have been another movement, as far as the detector tells."""
-        confidence = reach.details.get("confidence")
-        limit = self.parameters.least_confidence
-        return isinstance(confidence, int | float) and confidence < limit
 
     def _leaned(self, reach: ReachPerceived) -> bool:
         """Return True if the trunk turned farther than the therapist allows, as far as its sensor

@@ -71,7 +71,8 @@ _HELP = (
     "Zero removes that bias, if the sensor can. A test shows what a session would measure: "
     "rest, reach out and back, and rest. It is not stored.",
     "Calibrate measures three reaches of this person to the nearest marker: a movement that turns "
-    "the hand less than a third of the smallest is no reach from then on. Do it again when the person reaches farther.",
+    "the hand less than a third of the smallest is no reach from then on. Do it again when the "
+    "person reaches farther.",
     "The session may begin at any time; without a sensor it waits for one.",
 )
 _HELP_WITH_TRUNK = (
@@ -362,12 +363,11 @@ class SensorCheckScreen(DismissedOnce[bool]):
         if words and self._clock.now() < until:
             return [(mark, words)]
         test, hand = self.sensor.test, self.sensor.hand
-        made, done = self.sensor.calibration, self.sensor.calibrated
-        if test and made and not made.is_over:
-            return calibration_text(made, test, hand, self.tr)
-        said = reach_test_text(test, hand, self.tr) if test and not made else []
-        if done and not (test and test.is_running):
-            said.append(("right", calibrated_text(done, self._plan.participant, self.tr)))
+        if test and self.sensor.calibration:
+            return calibration_text(self.sensor.calibration, test, hand, self.tr)
+        said = reach_test_text(test, hand, self.tr) if test else []
+        if (made := self.sensor.calibrated) and not (test and test.is_running):
+            said.append(("right", calibrated_text(made, self._plan.participant, self.tr)))
         if said:
             return said
         idle = _IDLE_FIRST if self._unseen else _IDLE_PERSON if self._can_calibrate else _IDLE
