@@ -55,6 +55,7 @@ _FLAGS = {
     "samples": "too few samples to find anything in",
     "rate": "too few samples a second to find anything in",
     "analysis": "the detector failed",
+    "unsure": "it may have been another movement",
     "disagree": "two detectors differ in its time by more than 20 %, so it is doubtful",
     "several": "there was more than one reach, and this is the largest",
 }

@@ -143,11 +143,12 @@ def reanalyse(
                 "none of its trials has samples of a motion sensor."
             )
         measured = _StoredSamples.of(database, found["id"])
+        least_confidence = found["parameters"].get("least_confidence", 0.0)
     rows: list[Row] = []
     with progress_line("Analysing") as show:
         for row in stored_trials:
             show("Analysing", len(rows), len(stored_trials))
-            rows.append(_reanalyse(measured, _trial(row, detector)))
+            rows.append(_reanalyse(measured, _trial(row, detector, least_confidence)))
     if as_json:
         names = dict.fromkeys(row["details"]["detector"] for row in rows)
         print_json({"session": found["id"], "detector": ", ".join(names), "trials": rows})
@@ -159,7 +160,7 @@ def _has_window(row: Row) -> bool:
     return all(row["details"].get(name) is not None for name in _WINDOW)
 
 
-def _trial(row: Row, detector: DetectorName | None) -> _Trial:
+def _trial(row: Row, detector: DetectorName | None, least_confidence: float) -> _Trial:
     """Return how to analyse a trial: as recorded, or by the given detector. Raises Refused."""
     import msgspec
 
@@ -167,7 +168,11 @@ def _trial(row: Row, detector: DetectorName | None) -> _Trial:
 
     details = row["details"]
     name = detector or details["detector"]
-    asked = {"detector": name, "hand": details["hand"]}
+    asked = {
+        "detector": name,
+        "hand": details["hand"],
+        "least_confidence": least_confidence,
+    }
     try:
         if not detector:
             asked[name.replace("-", "_")] = msgspec.json.decode(details["detector_parameters"])

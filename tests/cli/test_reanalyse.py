@@ -83,6 +83,14 @@ def test_the_results_are_the_same_for_any_settings(call: Call, settings: str) ->
     assert any(row["reach_time_ms"] for row in trials)
 
 
+def test_a_reach_that_was_not_sure_is_not_sure_again(call: Call) -> None:
+    call(f"{SIMULATE} --set least_confidence=1")
+    then = ["unsure" in trial["timing"]["flags"] for trial in recorded(call, "last")]
+    now = ["unsure" in row["flags"] for row in call("reanalyse last --json").json["trials"]]
+    assert then == now
+    assert any(now)
+
+
 def test_another_detector_can_be_asked_for(call: Call) -> None:
     call(SIMULATE)
     printed = call("reanalyse last --detector fixed-threshold --json").json
