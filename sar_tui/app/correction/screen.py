@@ -292,29 +292,26 @@ class CorrectionScreen(DismissedOnce[None]):
         before_s, self._accepted_s = self._accepted_s, self.app.key_seconds
         if self._accepted_s - before_s < HELD_S:
             return
-        if self._chosen is None:
-            self._show(self.app.tr("There is no reach here. I adds one."))
-            return
-        index = self._correction.accept(self._chosen)
-        if index is None:
-            self._show(self.app.tr("It overlaps another reach: drop that one first."))
-            return
-        self._chosen = index
-        self._changed()
-        self.action_next(1)
+        if self._decided(self._correction.accept):
+            self.action_next(1)
 
     def action_drop(self) -> None:
         """Drop the reach, or take that back."""
+        if self._decided(self._correction.drop):
+            self._show()
+
+    def _decided(self, decide: Callable[[int], int | None]) -> bool:
+        """Accept or drop the reach, and return True; say why if that is not possible."""
         if self._chosen is None:
             self._show(self.app.tr("There is no reach here. I adds one."))
-            return
-        index = self._correction.drop(self._chosen)
+            return False
+        index = decide(self._chosen)
         if index is None:
             self._show(self.app.tr("It overlaps another reach: drop that one first."))
-            return
+            return False
         self._chosen = index
         self._changed()
-        self._show()
+        return True
 
     def action_insert(self) -> None:
         """Add a reach at the cursor."""
