@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from benchmarks.lsl_here import ON_THIS_MACHINE
 from sar_tui.drivers.lsl import library
 from sar_tui.inputs.imu import DEGREE, G
 from sar_tui.inputs.imu_feed import ImuFeed
@@ -43,13 +44,6 @@ _PATIENCE_S = 60.0
 _STEP = 0.01
 """Unit in which a sample's angular rate holds its number, in rad/s."""
 _ROW = 1000
-_LSL_ON_THIS_MACHINE = """[ports]
-IPv6 = disable
-[multicast]
-ResolveScope = machine
-[lab]
-KnownPeers = {127.0.0.1}
-"""
 
 
 def seconds(minutes: float | None, quick: bool) -> float:
@@ -60,7 +54,7 @@ def seconds(minutes: float | None, quick: bool) -> float:
 def measure(duration_s: float, folder: Path, on_second: Callable[[], None]) -> dict[str, Any]:
     """Measure all interfaces at once, and check that every sample arrived once, and in order."""
     configuration = folder / "lsl_api.cfg"
-    configuration.write_text(_LSL_ON_THIS_MACHINE)
+    configuration.write_text(ON_THIS_MACHINE)
     environment = os.environ | {"LSLAPICFG": str(configuration)}
     with ExitStack() as stack:
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from benchmarks.lsl_here import ON_THIS_MACHINE
 from sar_tui.cli.common import Home
 from sar_tui.cli.doctor.data_in_git import examine_data_in_git
 from sar_tui.cli.doctor.finding import Machine
@@ -35,13 +36,6 @@ _HOME = pytest.StashKey[tempfile.TemporaryDirectory[str]]()
 
 _MEMORY = Path("/dev/shm")
 _ENOUGH = 2**30
-_LSL_ON_THIS_MACHINE = """[ports]
-IPv6 = disable
-[multicast]
-ResolveScope = machine
-[lab]
-KnownPeers = {127.0.0.1}
-"""
 _GARBAGE = 200_000
 """New objects until the next collection."""
 
@@ -65,7 +59,7 @@ def pytest_configure(config: pytest.Config) -> None:
     os.environ["XDG_CONFIG_HOME"] = f"{home.name}/config"
     os.environ["XDG_DATA_HOME"] = f"{home.name}/share"
     os.environ["LSLAPICFG"] = f"{home.name}/lsl_api.cfg"
-    Path(os.environ["LSLAPICFG"]).write_text(_LSL_ON_THIS_MACHINE, encoding="utf-8")
+    Path(os.environ["LSLAPICFG"]).write_text(ON_THIS_MACHINE, encoding="utf-8")
     os.environ["SAR_TUI_DATA"] = f"{home.name}/data"
 
 
