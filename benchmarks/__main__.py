@@ -1,5 +1,5 @@
-"""Run the benchmarks, print the results, and store them in ``benchmarks/results/``. Exit with 1 if
-a check fails.
+"""Run the benchmarks, print each part's tables as soon as it is measured, and store all of them in
+``benchmarks/results/``. Exit with 1 if a check fails.
 """
 
 import argparse
@@ -8,6 +8,7 @@ import json
 import re
 import sys
 import tempfile
+import time
 from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
@@ -65,12 +66,15 @@ def main() -> int:
 
         extent = Extent(Path(folder), progress, given.quick, given.trials, given.minutes)
         for part in parts:
+            began = time.monotonic()
             try:
                 results[part] = PARTS[part](extent)
             except Exception as error:  # the others are measured, and kept, all the same
                 failed[part] = f"{type(error).__name__}: {error}"
-    for title, rows in report.tables(results).items():
-        console.print(report.drawn(title, rows))
+                continue
+            for title, rows in report.tables({part: results[part]}).items():
+                console.print(report.drawn(title, rows))
+            console.print(f"{part} took {time.monotonic() - began:.0f} s.\n", highlight=False)
     for part, why in failed.items():
         console.print(f"{part} was not measured. {why}", markup=False)
     if not given.quick and not given.parts:

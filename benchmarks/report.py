@@ -52,22 +52,7 @@ def _processor() -> str:
 def checks(results: Results) -> dict[str, bool]:
     """Return all checks by name; True if one passed."""
     found: dict[str, bool] = {}
-    for name in (
-        "response",
-        "frames",
-        "commands",
-        "flood",
-        "sessions",
-        "export",
-        "merge",
-        "motion",
-        "reaches",
-        "measures",
-        "sensor",
-        "sensors",
-        "agent",
-        "operator",
-    ):
+    for name in _TABLES:
         found |= results.get(name, {}).get("checks", {})
     return found
 
