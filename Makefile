@@ -25,7 +25,7 @@ define install
 endef
 
 .venv/program: pyproject.toml
-	$(call install,link$(comma)serve,under a minute)
+	$(call install,link$(comma)serve$(comma)letterbox,under a minute)
 
 .venv/ready: pyproject.toml
 	$(call install,dev,about two minutes)

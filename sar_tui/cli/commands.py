@@ -61,6 +61,7 @@ COMMANDS = {
     "markers": "markers:markers",
     "agent": "wizard:agent",
     "link": "link:app",
+    "letterbox": "letterbox:app",
     "study": "study:app",
     "report": "report:app",
     "programme": "programme:app",
@@ -126,6 +127,14 @@ def _print_version(wanted: bool) -> None:
     if wanted:
         print(f"sar-tui {__version__}")
         raise typer.Exit
+
+
+def _trains_at_home(home: Home) -> str | None:
+    """Return the code of the person who trains at home with this data folder, if one does."""
+    from sar_tui.letterbox.identity import read
+
+    me = read(home.folder)
+    return me.participant if me is not None and me.is_home else None
 
 
 def _checked_patient(
@@ -199,6 +208,7 @@ def open_app(
                 raise Refused(why)
     else:
         catalogue = home.catalogue()
+        patient = patient if patient is not None else _trains_at_home(home)
         as_lines = is_plain(plain) and patient is not None
         if protocol is not None and patient is not None:
             raise Refused("A participant alone has no operator's panel: leave out --protocol.")

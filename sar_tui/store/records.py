@@ -149,7 +149,7 @@ def add(
 def _new_id(db: sqlite3.Connection) -> str:
     """Return an id that no record has."""
     while True:
-        id = secrets.token_hex(3)
+        id = secrets.token_hex(5)
         if not db.execute("SELECT 1 FROM records WHERE id=?", (id,)).fetchone():
             return id
 

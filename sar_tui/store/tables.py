@@ -1723,6 +1723,260 @@ PEOPLE_EVENTS = Table(
     indexes=("CREATE INDEX idx_people_events_participant ON people_events (participant)",),
 )
 
+CORRESPONDENTS = Table(
+    "correspondents",
+    "A computer with which this one exchanges [sealed letters](train-at-home.md): at a clinic one "
+    "at home, at home the clinic's",
+    key=("id",),
+    since=202,
+    columns=(
+        Column("id", "string", "Random text.", privacy="inner", form="id", sql="NOT NULL"),
+        Column(
+            "participant",
+            "string",
+            "Code of the person who trains at home.",
+            privacy="code",
+            exported=False,
+            form="code",
+            sql="NOT NULL",
+        ),
+        Column(
+            "number",
+            "integer",
+            "At a clinic, number of the person's computer, from 1.",
+            privacy="inner",
+            sql="NOT NULL DEFAULT 1",
+        ),
+        Column(
+            "state",
+            "string",
+            "Invited, not heard of yet; joined; revoked; declined: its invitation was used or too "
+            "old.",
+            levels=("invited", "joined", "revoked", "declined"),
+            privacy="inner",
+            form="word",
+            sql="NOT NULL",
+        ),
+        Column(
+            "verify_key",
+            "blob",
+            "Public key of its signatures (Ed25519); missing: not known yet.",
+            privacy="inner",
+        ),
+        Column(
+            "seal_key",
+            "blob",
+            "Public key to which letters for it are sealed (Curve25519); missing: not known yet.",
+            privacy="inner",
+        ),
+        Column(
+            "invitation",
+            "string",
+            "SHA-256 of the secret in the invitation.",
+            privacy="inner",
+            sql="NOT NULL DEFAULT ''",
+        ),
+        Column(
+            "invited_at",
+            "datetime",
+            "When it was invited, UTC.",
+            privacy="inner",
+            form="date",
+            sql="NOT NULL",
+        ),
+        Column(
+            "expires_at",
+            "datetime",
+            "Until when the invitation can be used, UTC.",
+            privacy="inner",
+            form="date",
+            sql="NOT NULL",
+        ),
+        Column(
+            "heard_at",
+            "datetime",
+            "When a letter from it was taken last, UTC; empty: never.",
+            privacy="inner",
+            form="date",
+            sql="NOT NULL DEFAULT ''",
+        ),
+        Column(
+            "least_number",
+            "integer",
+            "Least number of the next letter to it.",
+            privacy="inner",
+            sql="NOT NULL DEFAULT 1",
+        ),
+        Column(
+            "owes_answer",
+            "integer",
+            "1 if it waits to hear what has arrived here, or was looked at.",
+            privacy="inner",
+            sql="NOT NULL DEFAULT 0",
+        ),
+        Column(
+            "wanted",
+            "json",
+            "Numbers of its letters that it has to write again.",
+            privacy="inner",
+            sql="NOT NULL DEFAULT '[]'",
+        ),
+        Column(
+            "device",
+            "json",
+            "The computer, as it described itself in its last letter.",
+            privacy="inner",
+            sql="NOT NULL DEFAULT '{}'",
+        ),
+        Column(
+            "notice",
+            "string",
+            "What it has to be told in one last letter: `used` or `expired`; empty: nothing.",
+            privacy="inner",
+            form="word",
+            sql="NOT NULL DEFAULT ''",
+        ),
+    ),
+)
+
+LETTERS = Table(
+    "letters",
+    "A sealed letter to or from a correspondent",
+    key=("correspondent", "direction", "number"),
+    since=202,
+    more="Rows are kept; what was sealed is removed when the other side has it.",
+    columns=(
+        Column(
+            "correspondent",
+            "string",
+            "Id of the correspondent.",
+            privacy="inner",
+            form="id",
+            sql="NOT NULL",
+        ),
+        Column(
+            "direction",
+            "string",
+            "To the correspondent (out), or from it (in).",
+            levels=("out", "in"),
+            privacy="inner",
+            form="word",
+            sql="NOT NULL",
+        ),
+        Column(
+            "number",
+            "integer",
+            "From 1, in the order in which they were written.",
+            privacy="inner",
+            sql="NOT NULL",
+        ),
+        Column(
+            "state",
+            "string",
+            "Out: sent; acknowledged by the other side; void, as another one says the same. In: "
+            "taken, or refused.",
+            levels=("sent", "acknowledged", "void", "taken", "refused"),
+            privacy="inner",
+            form="word",
+            sql="NOT NULL",
+        ),
+        Column(
+            "at",
+            "datetime",
+            "When it was written or taken here, UTC.",
+            privacy="inner",
+            form="date",
+            sql="NOT NULL",
+        ),
+        Column(
+            "put_at",
+            "datetime",
+            "When it was put into the letterbox last, UTC; empty: not yet, or it came from there.",
+            privacy="inner",
+            form="date",
+            sql="NOT NULL DEFAULT ''",
+        ),
+        Column(
+            "seen_at",
+            "datetime",
+            "When a person looked at what it brought, UTC; empty: not yet.",
+            privacy="inner",
+            form="date",
+            sql="NOT NULL DEFAULT ''",
+        ),
+        Column(
+            "file",
+            "string",
+            "Name of its file in the letterbox.",
+            privacy="inner",
+            sql="NOT NULL",
+        ),
+        Column(
+            "digest",
+            "string",
+            "SHA-256: of one from here as it was sealed, of one from elsewhere as it was opened.",
+            privacy="inner",
+            sql="NOT NULL",
+        ),
+        Column(
+            "sealed",
+            "blob",
+            "The letter as it was sealed, until the other side has it.",
+            privacy="inner",
+        ),
+        Column(
+            "contents",
+            "json",
+            "What it brings: by table the rows, each with what it was like.",
+            privacy="inner",
+            sql="NOT NULL DEFAULT '{}'",
+        ),
+        Column(
+            "reason",
+            "string",
+            "Why it was refused.",
+            privacy="inner",
+            form="reason",
+            sql="NOT NULL DEFAULT ''",
+        ),
+    ),
+)
+
+LETTER_FILES = Table(
+    "letter_files",
+    "A file in the letterbox that was looked at and need not be opened again",
+    key=("name",),
+    since=202,
+    columns=(
+        Column("name", "string", "Its name.", privacy="inner", sql="NOT NULL"),
+        Column("size", "integer", "Its size.", unit="bytes", privacy="inner", sql="NOT NULL"),
+        Column(
+            "changed_ns",
+            "integer",
+            "When it was written last, of the computer's clock.",
+            unit="ns",
+            privacy="inner",
+            sql="NOT NULL",
+        ),
+        Column(
+            "refused",
+            "string",
+            "Why it was refused; empty: it was taken, or is for another computer.",
+            privacy="inner",
+            form="reason",
+            sql="NOT NULL DEFAULT ''",
+        ),
+        Column(
+            "at",
+            "datetime",
+            "When it was looked at, UTC.",
+            privacy="inner",
+            form="date",
+            sql="NOT NULL",
+        ),
+    ),
+)
+
 TABLES = {
     table.name: table
     for table in (
@@ -1749,6 +2003,9 @@ TABLES = {
         CONFLICTS,
         ANSWERS,
         LOG_HASHES,
+        CORRESPONDENTS,
+        LETTERS,
+        LETTER_FILES,
     )
 }
 """All tables, in the order in which they are created."""

@@ -78,6 +78,7 @@ def merge(
     *,
     site: str = "",
     one_site: bool = False,
+    check_letter: Callable[[sqlite3.Connection], None] | None = None,
     start: Start,
 ) -> Merged:
     """Bring what another database has into that of a data folder, in one transaction. The other one
@@ -89,6 +90,9 @@ def merge(
         same: codes of the same person, such as "P01@BERN=P01".
         site: code of the other one's site, if it has none.
         one_site: both databases are of one site, so that the same code is the same person.
+        check_letter: the other database came in a sealed letter. The function is called with it
+            attached as ``other``, and raises StoreError if the letter's writer could not have
+            written it. No backup is made: a letter only adds rows of one person.
         start: begins a step.
 
     Raises:
@@ -105,7 +109,7 @@ def merge(
             )
         pairs = {parse_same(text, own) for text in same}
         if other is None:
-            return _changed(db, folder, lambda: _note(db, own, pairs))
+            return _changed(db, folder, lambda: _note(db, own, pairs), backs_up=True)
         with copied(other, folder, start("Reading")) as source:
             rights = keep_rights(db, source.copy, own, site, pairs)
             db.execute("ATTACH ? AS other", (str(source.copy),))
@@ -113,11 +117,24 @@ def merge(
                 db.execute("PRAGMA other.journal_mode=OFF")
                 db.execute("PRAGMA other.synchronous=OFF")
                 _check_no_demonstration(db, other)
+                if check_letter is not None:
+                    check_letter(db)
                 site = _site_of_other(db, own, other, site and sites.check_site(site), one_site)
+                is_letter = check_letter is not None
                 result = _changed(
                     db,
                     folder,
-                    lambda: _merge(db, own, site, pairs, source.running, rights, start("Merging")),
+                    lambda: _merge(
+                        db,
+                        own,
+                        site,
+                        pairs,
+                        source.running,
+                        rights,
+                        start("Merging"),
+                        is_letter=is_letter,
+                    ),
+                    backs_up=not is_letter,
                 )
             finally:
                 db.execute("DETACH other")
@@ -194,14 +211,16 @@ def _site_of_other(
     return site
 
 
-def _changed(db: sqlite3.Connection, folder: Path, work: Callable[[], Merged]) -> Merged:
-    """Do what changes the database in one transaction, after a backup; if there was nothing to do,
-    nothing changes.
+def _changed(
+    db: sqlite3.Connection, folder: Path, work: Callable[[], Merged], *, backs_up: bool
+) -> Merged:
+    """Do what changes the database in one transaction, after a backup if ``backs_up``; if there was
+    nothing to do, nothing changes.
     """
     _check_nothing_runs(db, folder)
     with _undone_unless_changed(db) as changes:
         result = work()
-        if changes(result):
+        if changes(result) and backs_up:
             make_private(folder / FOLDER)
             path = unused(
                 folder / FOLDER / f"sar-tui-before-merge-{datetime.now(UTC):%Y%m%dT%H%M%SZ}.db"
@@ -266,6 +285,8 @@ def _merge(
     running: Iterable[str],
     rights: Rights,
     progress: Callable[[int, int], None],
+    *,
+    is_letter: bool,
 ) -> Merged:
     before = set(conflicts.listing(db))
     theirs, refused = stored_pairs(db, "other"), list[str]()
@@ -284,7 +305,7 @@ def _merge(
     records = {"same_people": renamed, **merge_records(db, people)}
     records["people_events"] += len(erased)
     if sessions.added or sessions.updated:
-        put_in_order(db)
+        put_in_order(db, sessions.added if is_letter else ())
     aside = conflicts.listing(db)
     return Merged(
         site=own,
@@ -303,21 +324,28 @@ def _merge(
 # --- the order of sessions: one's own as they were stored, others between them by time
 
 
-def put_in_order(db: sqlite3.Connection) -> None:
+_BY_LETTER = """
+SELECT session.key FROM main.letters, json_each(letters.contents, '$.sessions') AS session
+WHERE direction='in'"""
+"""The sessions that sealed letters brought, which arrive in any order."""
+
+
+def put_in_order(db: sqlite3.Connection, arrived: Iterable[str] = ()) -> None:
     """Renumber the rows of sessions and seats, so that lists and reports have the sessions in their
     order.
 
-    A session of this site that seems to have begun before an earlier one, as the clock was set
-    back, stays after it.
+    A session that was recorded here and seems to have begun before an earlier one, as the clock was
+    set back, stays after it. ``arrived``: sessions that a letter brings now.
     """
+    elsewhere = {id for (id,) in db.execute(_BY_LETTER)}.union(arrived)
     stored = db.execute("SELECT id, site, started_at FROM main.sessions ORDER BY rowid").fetchall()
     latest, began = "", {}
-    for id, site, started_at in stored:
-        if not site:
+    is_own = {id: not site and id not in elsewhere for id, site, _ in stored}
+    for id, _, started_at in stored:
+        if is_own[id]:
             latest = max(latest, started_at)
-        began[id] = started_at if site else latest
+        began[id] = latest if is_own[id] else started_at
     place = {id: number for number, (id, *_) in enumerate(stored)}
-    is_own = {id: not site for id, site, _ in stored}
     wanted = sorted(
         began, key=lambda id: (began[id], *((0, place[id], "") if is_own[id] else (1, 0, id)))
     )

@@ -1,0 +1,591 @@
+"""Takes the letters that lie in the letterbox, and writes those that are due.
+
+Each step is one transaction, and can be done twice: a program that is killed anywhere goes on where
+it was. A letter is stored here, with its number, before it is put into the letterbox, and is put
+there again until the other side says that it has it.
+"""
+
+import contextlib
+import hashlib
+import platform
+import sqlite3
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import closing
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import msgspec
+
+import sar_tui
+from sar_tui.drivers.files import write_private
+from sar_tui.letterbox import contents as rows_of
+from sar_tui.letterbox import correspondents as stored
+from sar_tui.letterbox.contents import Contents, Role
+from sar_tui.letterbox.correspondents import Correspondent, Sent, ranges, utc_now, within
+from sar_tui.letterbox.folder import Letterbox, LetterFile, new_name
+from sar_tui.letterbox.identity import Identity, require
+from sar_tui.letterbox.sealing import (
+    Damaged,
+    Forged,
+    Letter,
+    Opened,
+    open_letter,
+    seal,
+    unpacked,
+)
+from sar_tui.store.database import StoreError, connect, transaction
+from sar_tui.store.locks import Held, hold, is_held
+from sar_tui.store.merge.merge import merge
+
+PUT_AGAIN_AFTER = timedelta(days=2)
+"""A letter of which the other side does not say that it has it is put into the letterbox again
+after this time, under another name: a synchronisation program may have lost it.
+"""
+_LOCK = "exchange"
+
+
+class Exchanged(msgspec.Struct, frozen=True, kw_only=True):
+    """Result of an exchange.
+
+    Attributes:
+        taken: sentences on what arrived, by the name of the correspondent.
+        written: number of letters that were written. ``again``: that were put there again.
+        doubled: number of letters that had been taken before.
+        refused: sentences on files that were refused now.
+        troubles: why something has to wait.
+        changed: participants of whom something new is in the database.
+    """
+
+    taken: list[tuple[str, int]] = []
+    written: int = 0
+    again: int = 0
+    doubled: int = 0
+    refused: list[str] = []
+    troubles: list[str] = []
+    changed: list[str] = []
+
+
+class Busy(StoreError):
+    """Another program exchanges letters in this data folder now."""
+
+
+def exchange(data: Path) -> Exchanged:
+    """Take the letters that have arrived, and write those that are due.
+
+    Raises:
+        StoreError: there is no letterbox, it cannot be reached, or nothing can be stored here.
+        Busy: another program does so now.
+    """
+    identity = require(data)
+    try:
+        held = hold(data, "letterbox", _LOCK)
+    except Held:
+        raise Busy("Letters are being exchanged already.", temporary=True) from None
+    try:
+        box = Letterbox(Path(identity.folder))
+        box.remove_unfinished()
+        with closing(connect(data)) as db:
+            return _Exchange(data, identity, box, db).run()
+    finally:
+        held.release()
+
+
+class _Arrived(NamedTuple):
+    """A letter that was opened, of a correspondent who is known."""
+
+    file: LetterFile
+    opened: Opened
+    sender: Correspondent
+
+
+class _Exchange:
+    """One exchange, with the database open and the letterbox at hand."""
+
+    def __init__(
+        self, data: Path, identity: Identity, box: Letterbox, db: sqlite3.Connection
+    ) -> None:
+        self._data = data
+        self._identity = identity
+        self._box = box
+        self._db = db
+        self._taken: dict[str, int] = {}
+        self._changed: set[str] = set()
+        self._refused: list[str] = []
+        self._troubles: list[str] = []
+        self._doubled = 0
+        self._written = 0
+        self._again = 0
+
+    def run(self) -> Exchanged:
+        """Take, then write."""
+        for arrived in self._open_files():
+            self._take(arrived)
+        for correspondent in stored.correspondents(self._db):
+            with self._told():
+                self._write_to(correspondent)
+        for correspondent in stored.correspondents(self._db):
+            self._put(correspondent)
+        return Exchanged(
+            taken=sorted(self._taken.items()),
+            written=self._written,
+            again=self._again,
+            doubled=self._doubled,
+            refused=self._refused,
+            troubles=self._troubles,
+            changed=sorted(self._changed),
+        )
+
+    @contextlib.contextmanager
+    def _told(self) -> Iterator[None]:
+        """Keep the reason why something must wait, and go on with the rest."""
+        try:
+            yield
+        except StoreError as error:
+            if str(error) not in self._troubles:
+                self._troubles.append(str(error))
+
+    # --- opening files
+
+    def _open_files(self) -> list[_Arrived]:
+        """Open the files that were not looked at yet, and return the letters from those who are
+        known, in the order of their numbers.
+        """
+        there = list(self._box.files())
+        looked_at = {
+            name: (size, changed_ns)
+            for name, size, changed_ns in self._db.execute(
+                "SELECT name, size, changed_ns FROM letter_files"
+            )
+        }
+        with transaction(self._db) as db:
+            gone = [(name,) for name in looked_at.keys() - {file.name for file in there}]
+            db.executemany("DELETE FROM letter_files WHERE name=?", gone)
+        own = {
+            digest
+            for (digest,) in self._db.execute("SELECT digest FROM letters WHERE direction='out'")
+        }
+        found = []
+        for file in there:
+            if looked_at.get(file.name) == (file.size, file.changed_ns):
+                continue
+            arrived = self._open(file, own)
+            if arrived is not None:
+                found.append(arrived)
+        return sorted(found, key=lambda one: (one.sender.id, one.opened.letter.number))
+
+    def _open(self, file: LetterFile, own: set[str]) -> _Arrived | None:
+        sealed = self._box.read(file)
+        if sealed is None:
+            return None  # it may be complete the next time
+        if hashlib.sha256(sealed).hexdigest() in own:
+            self._looked_at(file)
+            return None
+        try:
+            opened = open_letter(sealed, self._identity.keys)
+            sender = self._sender(opened)
+        except Damaged:
+            # at home, a letter of the clinic to another home; it may also be half-written
+            is_told = not self._identity.is_home
+            self._looked_at(
+                file, "It cannot be opened: it is not complete, or was changed." if is_told else ""
+            )
+            return None
+        except Forged as error:
+            self._looked_at(file, f"It was refused: {error}.")
+            return None
+        return _Arrived(file, opened, sender)
+
+    def _looked_at(self, file: LetterFile, refused: str = "") -> None:
+        """Note that a file need not be opened again."""
+        with transaction(self._db) as db:
+            self._note(db, file, refused)
+
+    def _note(self, db: sqlite3.Connection, file: LetterFile, refused: str = "") -> None:
+        db.execute(
+            "INSERT OR REPLACE INTO letter_files (name, size, changed_ns, refused, at) VALUES "
+            "(?,?,?,?,?)",
+            (*file, refused, utc_now()),
+        )
+        if refused:
+            self._refused.append(f"{file.name}: {refused}")
+
+    def _sender(self, opened: Opened) -> Correspondent:
+        """Return the correspondent who signed a letter. Raises Forged: nobody who is known did, or
+        may.
+        """
+        for one in stored.correspondents(self._db):
+            if one.verify_key == opened.writer:
+                if one.state == "revoked":
+                    raise Forged(f"the computer of {one.name} that wrote it was revoked")
+                if one.state == "declined" and not self._identity.is_home:
+                    raise Forged(f"the invitation of {one.name} by which it came was not valid")
+                return one
+        if self._identity.is_home or not opened.letter.secret:
+            raise Forged("nobody who is known here wrote it")
+        return self._admit(opened)
+
+    def _admit(self, opened: Opened) -> Correspondent:
+        """Return the correspondent whose invitation a letter brings, who has joined then."""
+        secret = hashlib.sha256(opened.letter.secret).hexdigest()
+        seal_key = opened.letter.device.get("seal_key")
+        if not isinstance(seal_key, bytes) or len(seal_key) != 32:
+            raise Forged("it has no key to write back to")
+        for one in stored.correspondents(self._db):
+            if one.invitation != secret:
+                continue
+            notice = _objection(one)
+            keys: dict[str, Any] = {"verify_key": opened.writer, "seal_key": seal_key}
+            with transaction(self._db) as db:
+                if not notice:
+                    stored.change(db, one.id, state="joined", owes_answer=1, **keys)
+                    return msgspec.structs.replace(one, state="joined", **keys)
+                if one.state != "revoked":  # the other home has to be told
+                    told = msgspec.structs.replace(
+                        one, id=_new_id(), state="declined", invitation="", notice=notice, **keys
+                    )
+                    stored.add(db, told)
+            raise Forged(f"the invitation of {one.name} {_OBJECTIONS[notice]}")
+        raise Forged("nobody who is known here wrote it")
+
+    # --- taking a letter
+
+    def _take(self, arrived: _Arrived) -> None:
+        """Bring what a letter says into the database."""
+        file, (letter, _, digest), sender = arrived
+        known = {one.number: one for one in stored.letters(self._db, sender.id, "in")}
+        if (before := known.get(letter.number)) is not None:
+            self._take_again(arrived, before)
+            return
+        contents: Contents = {}
+        reason = ""
+        if letter.rows:
+            try:
+                contents = self._merge(sender, letter)
+            except Forged as error:
+                reason = str(error)
+            except StoreError as error:
+                if not error.bad_input:
+                    with self._told():
+                        raise
+                    return  # it is taken the next time
+                reason = str(error)
+        with transaction(self._db) as db:
+            self._note(
+                db, file, f"Letter {letter.number} of {sender.name} was refused: {reason}."
+                if reason else "",
+            )  # fmt: skip
+            stored.add_letter(
+                db,
+                sender.id,
+                "in",
+                number=letter.number,
+                state="refused" if reason else "taken",
+                file=file.name,
+                digest=digest,
+                contents=contents,
+                reason=reason[:500],
+            )
+            changes: dict[str, Any] = {"heard_at": utc_now()}
+            if contents or letter.secret:
+                changes["owes_answer"] = 1
+            if letter.device:
+                changes["device"] = _shown_device(letter)
+            if letter.notice and self._identity.is_home:
+                changes["state"] = "revoked" if letter.notice == "revoked" else "declined"
+            stored.change(db, sender.id, **changes)
+            self._read_answers(db, sender, letter)
+        if not reason:
+            self._taken[sender.name] = self._taken.get(sender.name, 0) + 1
+            if contents:
+                self._changed.add(sender.participant)
+
+    def _take_again(self, arrived: _Arrived, before: Sent) -> None:
+        """Take a letter whose number was taken before: the same one is passed over; another one is
+        refused, and asked for under another number.
+        """
+        file, (letter, _, digest), sender = arrived
+        if digest == before.digest:
+            self._doubled += 1
+            self._looked_at(file)
+            return
+        with transaction(self._db) as db:
+            self._note(
+                db,
+                file,
+                f"Letter {letter.number} of {sender.name} was refused: another one of this number "
+                "has come before. The computer may have gone back to an earlier state; it is asked "
+                "to write again.",
+            )
+            (row,) = db.execute(
+                "SELECT wanted FROM correspondents WHERE id=?", (sender.id,)
+            ).fetchone()
+            wanted = {*msgspec.json.decode(row), letter.number}
+            stored.change(db, sender.id, wanted=sorted(wanted), owes_answer=1)
+
+    def _merge(self, sender: Correspondent, letter: Letter) -> Contents:
+        """Merge the rows of a letter, and return what they were.
+
+        Raises:
+            Forged: they are no database.
+            StoreError: they cannot be merged, or not now.
+        """
+        contents: Contents = {}
+        writer: Role = "clinic" if self._identity.is_home else "home"
+
+        def check(db: sqlite3.Connection) -> None:
+            rows_of.check_rows(db, sender.participant, writer)
+            found = rows_of.of_person(db, sender.participant, "other")
+            contents.update({table: rows for table, rows in found.items() if rows})
+
+        database = unpacked(letter.rows)
+        with tempfile.TemporaryDirectory(prefix=".letter-", dir=self._data) as place:
+            path = Path(place) / "letter.db"
+            try:
+                write_private(path, database)
+            except OSError as error:
+                raise StoreError(
+                    f"A letter cannot be taken now: {error.strerror}.", temporary=True
+                ) from error
+            try:
+                merge(
+                    self._data,
+                    path,
+                    one_site=True,
+                    check_letter=check,
+                    start=lambda step: lambda done, total: None,
+                )
+            except StoreError as error:
+                if not error.bad_input:
+                    raise
+                why = str(error).replace(str(path), "Its database")
+                raise StoreError(why.removesuffix("."), bad_input=True) from error
+        return contents
+
+    def _read_answers(self, db: sqlite3.Connection, sender: Correspondent, letter: Letter) -> None:
+        """Note what the other side says of the letters from here."""
+        out = {one.number: one for one in stored.letters(db, sender.id, "out")}
+        highest = max(out, default=0)
+        arrived = [number for number in out if within(number, letter.taken)]
+        farther = max((last for _, last in letter.taken), default=0)
+        again = [number for number in letter.wanted if number in out]
+        if farther > highest:
+            # The other side has more than was written here: this is an earlier state, from a
+            # backup. What was written since then has numbers that were used before.
+            again += [one.number for one in out.values() if one.state == "sent"]
+            stored.change(db, sender.id, least_number=farther + 1)
+        for number in again:
+            if out[number].state != "void":
+                stored.set_state(db, sender.id, [number], "void", before=out[number].state)
+        lost = [
+            number
+            for number, one in out.items()
+            if one.state == "sent" and number < farther and number not in arrived
+        ]
+        db.executemany(
+            "UPDATE letters SET put_at='' WHERE correspondent=? AND direction='out' AND number=?",
+            [(sender.id, number) for number in lost],
+        )
+        kept = [number for number in arrived if number not in again]
+        stored.set_state(db, sender.id, kept, "acknowledged", before="sent")
+        db.executemany(
+            "UPDATE letters SET seen_at=? WHERE correspondent=? AND direction='out' AND number=? "
+            "AND seen_at=''",
+            [(utc_now(), sender.id, number) for number in out if within(number, letter.seen)],
+        )
+
+    # --- writing letters
+
+    def _write_to(self, reader: Correspondent) -> None:
+        """Store the letters that are due to a correspondent."""
+        if reader.notice or (reader.state == "revoked" and not self._identity.is_home):
+            self._write_notice(reader)
+            return
+        if reader.state != "joined":
+            return
+        self._forget_erased(reader)
+        written = [one for one in stored.letters(self._db, reader.id, "out") if one.state != "void"]
+        taken = stored.letters(self._db, reader.id, "in")
+        is_first = not any(one.contents for one in written)
+        known = rows_of.known_to(stored.contents_in_order(self._db, reader.id))
+        running = [
+            id
+            for (id,) in self._db.execute("SELECT id FROM sessions WHERE status='running'")
+            if is_held(self._data, "session", id)
+        ]
+        is_joining = self._identity.is_home and not written
+        due: list[Contents] = list(
+            rows_of.news(
+                self._db,
+                reader.participant,
+                known,
+                writer=self._identity.role,
+                running=running,
+                is_first=is_first,
+            )
+        )
+        if not due and (reader.owes_answer or is_joining):
+            due = [{}]
+        for contents in due:
+            self._store_letter(reader, contents, taken, is_joining=is_joining)
+
+    def _forget_erased(self, reader: Correspondent) -> None:
+        """Take back what is on its way of a person who was erased meanwhile."""
+        erased = "SELECT 1 FROM people_events WHERE participant=? AND event='erased'"
+        if not self._db.execute(erased, (reader.participant,)).fetchone():
+            return
+        numbers = [
+            one.number
+            for one in stored.letters(self._db, reader.id, "out")
+            if one.contents.keys() - {"people_events"}
+        ]
+        with transaction(self._db) as db:
+            stored.set_state(db, reader.id, numbers, "void", before="sent")
+
+    def _store_letter(
+        self,
+        reader: Correspondent,
+        contents: Contents,
+        taken: list[Sent],
+        *,
+        is_joining: bool = False,
+        notice: str = "",
+    ) -> None:
+        rows = b"" if notice else rows_of.pack(self._data, reader.participant, contents)
+        keys = self._identity.keys
+        device: dict[str, Any] = _device() if self._identity.is_home else {}
+        if self._identity.is_home:
+            device["seal_key"] = keys.public.seal
+        with transaction(self._db) as db:
+            number = _next_number(db, reader)
+            letter = Letter(
+                reader=reader.keys.seal,
+                number=number,
+                written_at=utc_now(),
+                taken=ranges(one.number for one in taken),
+                seen=ranges(one.number for one in taken if one.seen_at),
+                wanted=reader.wanted,
+                secret=b"" if reader.heard_at else self._identity.secret,
+                notice=notice,
+                device=device,
+                rows=rows,
+            )
+            sealed = seal(letter, keys)
+            stored.add_letter(
+                db,
+                reader.id,
+                "out",
+                number=number,
+                state="sent",
+                file=new_name(),
+                digest=hashlib.sha256(sealed).hexdigest(),
+                sealed=sealed,
+                contents=contents,
+            )
+            stored.change(db, reader.id, owes_answer=0, wanted=[], notice="")
+        self._written += 1
+
+    def _write_notice(self, reader: Correspondent) -> None:
+        """Take the letters to a computer that was revoked or declined out of the letterbox, and
+        tell it once.
+        """
+        letters = stored.letters(self._db, reader.id, "out")
+        told = reader.notice or "revoked"
+        is_told = any(told in one.contents for one in letters)
+        if is_told or reader.verify_key is None:
+            return
+        for one in letters:
+            self._box.remove(one.file)
+        with transaction(self._db) as db:
+            stored.set_state(db, reader.id, [one.number for one in letters], "void", before="sent")
+        taken = stored.letters(self._db, reader.id, "in")
+        self._store_letter(reader, {told: {}}, taken, notice=told)
+
+    # --- the letterbox
+
+    def _put(self, reader: Correspondent) -> None:
+        """Put the letters into the letterbox that are not there, and take out those that have
+        arrived.
+        """
+        for one in stored.letters(self._db, reader.id, "out"):
+            if one.state != "sent":
+                self._box.remove(one.file)
+            elif not self._box.has(one.file, one.size or 0) or _is_due_again(one):
+                with self._told():
+                    self._put_letter(reader, one)
+
+    def _put_letter(self, reader: Correspondent, one: Sent) -> None:
+        """Put a letter into the letterbox; one that did not arrive, under another name."""
+        file = one.file
+        if _is_due_again(one):
+            file = new_name()
+            self._again += one.put_at != "" or self._box.has(one.file, one.size or 0)
+        (sealed,) = self._db.execute(
+            "SELECT sealed FROM letters WHERE correspondent=? AND direction='out' AND number=?",
+            (reader.id, one.number),
+        ).fetchone()
+        self._box.put(file, sealed)
+        with transaction(self._db) as db:
+            db.execute(
+                "UPDATE letters SET file=?, put_at=? WHERE correspondent=? AND direction='out' AND "
+                "number=?",
+                (file, utc_now(), reader.id, one.number),
+            )
+        if file != one.file:
+            self._box.remove(one.file)
+
+
+_OBJECTIONS = {
+    "used": "was used by another computer before",
+    "expired": "is too old",
+    "revoked": "was revoked",
+}
+
+
+def _objection(invited: Correspondent) -> str:
+    """Return why an invitation cannot be used; empty if it can."""
+    if invited.state != "invited":
+        return "revoked" if invited.state == "revoked" else "used"
+    is_late = datetime.now(UTC) > datetime.fromisoformat(invited.expires_at)
+    return "expired" if is_late else ""
+
+
+def _next_number(db: sqlite3.Connection, reader: Correspondent) -> int:
+    (highest, least) = db.execute(
+        "SELECT (SELECT max(number) FROM letters WHERE correspondent=correspondents.id AND "
+        "direction='out'), least_number FROM correspondents WHERE id=?",
+        (reader.id,),
+    ).fetchone()
+    return int(max((highest or 0) + 1, least))
+
+
+def _is_due_again(letter: Sent) -> bool:
+    """Return True if a letter was not put yet, was missed by its reader, or was put long ago."""
+    if not letter.put_at:
+        return True
+    age = datetime.now(UTC) - datetime.fromisoformat(letter.put_at)
+    return not -PUT_AGAIN_AFTER < age < PUT_AGAIN_AFTER
+
+
+def _device() -> dict[str, Any]:
+    """Return what helps to understand the data of this computer."""
+    return {
+        "sar_tui": sar_tui.__version__,
+        "system": platform.system(),
+        "processor": platform.machine(),
+        "python": ".".join(map(str, sys.version_info[:3])),
+    }
+
+
+def _shown_device(letter: Letter) -> dict[str, str]:
+    """Return the description of a home's computer as it is stored, with its clock."""
+    known = {name: str(value)[:60] for name, value in letter.device.items() if name in _device()}
+    return {**known, "written_at": letter.written_at[:40]}
+
+
+def _new_id() -> str:
+    import secrets
+
+    return secrets.token_hex(8)

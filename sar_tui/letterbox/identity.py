@@ -1,0 +1,104 @@
+"""Who a data folder is in a letterbox, a clinic or a home, with its secret keys: a file of its own.
+
+The keys are not in the database, so that no backup and no merge takes them elsewhere.
+"""
+
+import os
+import secrets
+from pathlib import Path
+from typing import Literal
+
+import msgspec
+
+from sar_tui.drivers.files import make_private, write_private
+from sar_tui.letterbox.sealing import Keys
+from sar_tui.model.language import Sentence
+from sar_tui.store.database import StoreError
+
+FILE = "letterbox.json"
+"""Name of the file in the data folder; mode 0600."""
+
+
+class Identity(msgspec.Struct, frozen=True, kw_only=True):
+    """Who writes letters here.
+
+    Attributes:
+        role: a clinic, or a home.
+        clinic: name of the clinic, for people.
+        folder: the letterbox, an absolute path.
+        keys: of this computer.
+        participant: at home, who trains here; else empty.
+        secret: at home, of the invitation; else empty.
+    """
+
+    role: Literal["clinic", "home"]
+    clinic: str
+    folder: str
+    keys: Keys
+    participant: str = ""
+    secret: bytes = b""
+
+    @property
+    def is_home(self) -> bool:
+        """True if one person trains here."""
+        return self.role == "home"
+
+
+def read(data: Path) -> Identity | None:
+    """Return who a data folder is; None if it has no letterbox.
+
+    Raises:
+        StoreError: the file cannot be read.
+    """
+    path = data / FILE
+    try:
+        return msgspec.json.decode(path.read_bytes(), type=Identity)
+    except FileNotFoundError:
+        return None
+    except (OSError, msgspec.MsgspecError, UnicodeDecodeError) as error:
+        raise StoreError(
+            Sentence("{path} cannot be read: no letter can be opened here.", path=str(path))
+        ) from error
+
+
+def require(data: Path) -> Identity:
+    """Return who a data folder is. Raises StoreError: it has no letterbox, or cannot be read."""
+    found = read(data)
+    if found is None:
+        raise StoreError(
+            "There is no letterbox here. At the clinic: sar-tui letterbox new --clinic NAME. At "
+            "home: sar-tui letterbox join FILE.",
+            bad_input=True,
+        )
+    return found
+
+
+def write(data: Path, identity: Identity) -> None:
+    """Store who a data folder is, in place of what was there. Raises StoreError."""
+    path = data / FILE
+    new = path.with_name(f".{FILE}.{secrets.token_hex(4)}")
+    try:
+        make_private(data)
+        try:
+            write_private(new, msgspec.json.encode(identity))
+            sync_file(new)
+            os.replace(new, path)
+            sync_file(data)
+        finally:
+            new.unlink(missing_ok=True)
+    except OSError as error:
+        raise StoreError(
+            Sentence("{path} cannot be written ({why}).", path=str(path), why=error.strerror)
+        ) from error
+
+
+def sync_file(path: Path) -> None:
+    """Bring a file, or the names in a folder, to the disk; where folders cannot be, nothing."""
+    try:
+        number = os.open(path, os.O_RDONLY)
+    except PermissionError:
+        return  # a folder, on Windows
+    try:
+        os.fsync(number)
+    finally:
+        os.close(number)
