@@ -3,10 +3,11 @@
 They are a database of one person, which is merged like any other (`store.merge`).
 """
 
+import shutil
 import sqlite3
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import closing
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Literal
 from urllib.parse import quote
@@ -16,6 +17,7 @@ import msgspec
 from sar_tui.letterbox.sealing import packed
 from sar_tui.store import schema, sites
 from sar_tui.store.database import FILE, StoreError, create_file
+from sar_tui.store.locks import Held, hold
 from sar_tui.store.tables import SESSION_TABLES, TABLES
 
 Role = Literal["clinic", "home"]
@@ -120,6 +122,33 @@ def known_to(rows: Iterable[Contents]) -> Contents:
 # --- the database of a letter
 
 
+WORK = ".letter-"
+"""Beginning of the names of folders in a data folder in which letters are packed and unpacked."""
+
+
+class Busy(StoreError):
+    """Another program exchanges letters in this data folder now."""
+
+
+@contextmanager
+def alone(data: Path) -> Iterator[None]:
+    """Be the only program that packs and unpacks letters in a data folder; remove what one that was
+    killed has left. Raises Busy.
+    """
+    try:
+        held = hold(data, "letterbox", "letters")
+    except Held:
+        raise Busy(
+            "Letters are being exchanged already. Try again in a moment.", temporary=True
+        ) from None
+    try:
+        for left in data.glob(f"{WORK}*"):
+            shutil.rmtree(left, ignore_errors=True)
+        yield
+    finally:
+        held.release()
+
+
 def pack(data: Path, participant: str, contents: Contents) -> bytes:
     """Return the rows of a letter as a packed database; empty if there are none.
 
@@ -128,7 +157,7 @@ def pack(data: Path, participant: str, contents: Contents) -> bytes:
     """
     if not any(contents.get(table) for table in _OWN):
         return b""
-    with tempfile.TemporaryDirectory(prefix=".letter-", dir=data) as place:
+    with tempfile.TemporaryDirectory(prefix=WORK, dir=data) as place:
         path = Path(place) / "letter.db"
         create_file(path)
         with closing(

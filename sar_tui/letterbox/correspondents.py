@@ -134,7 +134,7 @@ def contents_in_order(db: sqlite3.Connection, id: str) -> list[Contents]:
 
 def add_letter(db: sqlite3.Connection, id: str, direction: Direction, **values: Any) -> None:
     """Store a letter, in a transaction of the caller."""
-    store(db, LETTERS, correspondent=id, direction=direction, at=utc_now(), **values)
+    store(db, LETTERS, correspondent=id, direction=direction, **values)
 
 
 def set_state(

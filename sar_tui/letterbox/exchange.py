@@ -11,7 +11,7 @@ import platform
 import sqlite3
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -23,8 +23,8 @@ import sar_tui
 from sar_tui.drivers.files import write_private
 from sar_tui.letterbox import contents as rows_of
 from sar_tui.letterbox import correspondents as stored
-from sar_tui.letterbox.contents import Contents, Role
-from sar_tui.letterbox.correspondents import Correspondent, Sent, ranges, utc_now, within
+from sar_tui.letterbox.contents import Contents, Role, alone
+from sar_tui.letterbox.correspondents import Correspondent, Sent, ranges, within
 from sar_tui.letterbox.folder import Letterbox, LetterFile, new_name
 from sar_tui.letterbox.identity import Identity, require
 from sar_tui.letterbox.sealing import (
@@ -37,14 +37,13 @@ from sar_tui.letterbox.sealing import (
     unpacked,
 )
 from sar_tui.store.database import StoreError, connect, transaction
-from sar_tui.store.locks import Held, hold, is_held
+from sar_tui.store.locks import is_held
 from sar_tui.store.merge.merge import merge
 
 PUT_AGAIN_AFTER = timedelta(days=2)
 """A letter of which the other side does not say that it has it is put into the letterbox again
 after this time, under another name: a synchronisation program may have lost it.
 """
-_LOCK = "exchange"
 
 
 class Exchanged(msgspec.Struct, frozen=True, kw_only=True):
@@ -68,29 +67,23 @@ class Exchanged(msgspec.Struct, frozen=True, kw_only=True):
     changed: list[str] = []
 
 
-class Busy(StoreError):
-    """Another program exchanges letters in this data folder now."""
-
-
-def exchange(data: Path) -> Exchanged:
+def exchange(data: Path, now: Callable[[], datetime] = lambda: datetime.now(UTC)) -> Exchanged:
     """Take the letters that have arrived, and write those that are due.
+
+    Args:
+        data: the data folder.
+        now: the time, UTC.
 
     Raises:
         StoreError: there is no letterbox, it cannot be reached, or nothing can be stored here.
         Busy: another program does so now.
     """
     identity = require(data)
-    try:
-        held = hold(data, "letterbox", _LOCK)
-    except Held:
-        raise Busy("Letters are being exchanged already.", temporary=True) from None
-    try:
+    with alone(data):
         box = Letterbox(Path(identity.folder))
         box.remove_unfinished()
         with closing(connect(data)) as db:
-            return _Exchange(data, identity, box, db).run()
-    finally:
-        held.release()
+            return _Exchange(data, identity, box, db, now).run()
 
 
 class _Arrived(NamedTuple):
@@ -105,12 +98,18 @@ class _Exchange:
     """One exchange, with the database open and the letterbox at hand."""
 
     def __init__(
-        self, data: Path, identity: Identity, box: Letterbox, db: sqlite3.Connection
+        self,
+        data: Path,
+        identity: Identity,
+        box: Letterbox,
+        db: sqlite3.Connection,
+        now: Callable[[], datetime],
     ) -> None:
         self._data = data
         self._identity = identity
         self._box = box
         self._db = db
+        self._now = now
         self._taken: dict[str, int] = {}
         self._changed: set[str] = set()
         self._refused: list[str] = []
@@ -146,6 +145,9 @@ class _Exchange:
         except StoreError as error:
             if str(error) not in self._troubles:
                 self._troubles.append(str(error))
+
+    def _at(self) -> str:
+        return self._now().isoformat(timespec="seconds")
 
     # --- opening files
 
@@ -207,7 +209,7 @@ class _Exchange:
         db.execute(
             "INSERT OR REPLACE INTO letter_files (name, size, changed_ns, refused, at) VALUES "
             "(?,?,?,?,?)",
-            (*file, refused, utc_now()),
+            (*file, refused, self._at()),
         )
         if refused:
             self._refused.append(f"{file.name}: {refused}")
@@ -236,7 +238,7 @@ class _Exchange:
         for one in stored.correspondents(self._db):
             if one.invitation != secret:
                 continue
-            notice = _objection(one)
+            notice = _objection(one, self._now())
             keys: dict[str, Any] = {"verify_key": opened.writer, "seal_key": seal_key}
             with transaction(self._db) as db:
                 if not notice:
@@ -283,12 +285,13 @@ class _Exchange:
                 "in",
                 number=letter.number,
                 state="refused" if reason else "taken",
+                at=self._at(),
                 file=file.name,
                 digest=digest,
                 contents=contents,
                 reason=reason[:500],
             )
-            changes: dict[str, Any] = {"heard_at": utc_now()}
+            changes: dict[str, Any] = {"heard_at": self._at()}
             if contents or letter.secret:
                 changes["owes_answer"] = 1
             if letter.device:
@@ -341,7 +344,7 @@ class _Exchange:
             contents.update({table: rows for table, rows in found.items() if rows})
 
         database = unpacked(letter.rows)
-        with tempfile.TemporaryDirectory(prefix=".letter-", dir=self._data) as place:
+        with tempfile.TemporaryDirectory(prefix=rows_of.WORK, dir=self._data) as place:
             path = Path(place) / "letter.db"
             try:
                 write_private(path, database)
@@ -393,7 +396,7 @@ class _Exchange:
         db.executemany(
             "UPDATE letters SET seen_at=? WHERE correspondent=? AND direction='out' AND number=? "
             "AND seen_at=''",
-            [(utc_now(), sender.id, number) for number in out if within(number, letter.seen)],
+            [(self._at(), sender.id, number) for number in out if within(number, letter.seen)],
         )
 
     # --- writing letters
@@ -463,7 +466,7 @@ class _Exchange:
             letter = Letter(
                 reader=reader.keys.seal,
                 number=number,
-                written_at=utc_now(),
+                written_at=self._at(),
                 taken=ranges(one.number for one in taken),
                 seen=ranges(one.number for one in taken if one.seen_at),
                 wanted=reader.wanted,
@@ -479,6 +482,7 @@ class _Exchange:
                 "out",
                 number=number,
                 state="sent",
+                at=self._at(),
                 file=new_name(),
                 digest=hashlib.sha256(sealed).hexdigest(),
                 sealed=sealed,
@@ -512,14 +516,26 @@ class _Exchange:
         for one in stored.letters(self._db, reader.id, "out"):
             if one.state != "sent":
                 self._box.remove(one.file)
-            elif not self._box.has(one.file, one.size or 0) or _is_due_again(one):
+            elif not self._box.has(one.file, one.size or 0) or self._is_due_again(reader, one):
                 with self._told():
                     self._put_letter(reader, one)
+
+    def _is_due_again(self, reader: Correspondent, letter: Sent) -> bool:
+        """Return True if a letter was not put yet, was missed by its reader, or was put long ago.
+
+        One that only answers is not put again: the next one answers all, too.
+        """
+        if not letter.put_at:
+            return True
+        if reader.heard_at and not letter.contents:
+            return False
+        age = self._now() - datetime.fromisoformat(letter.put_at)
+        return not -PUT_AGAIN_AFTER < age < PUT_AGAIN_AFTER
 
     def _put_letter(self, reader: Correspondent, one: Sent) -> None:
         """Put a letter into the letterbox; one that did not arrive, under another name."""
         file = one.file
-        if _is_due_again(one):
+        if self._is_due_again(reader, one):
             file = new_name()
             self._again += one.put_at != "" or self._box.has(one.file, one.size or 0)
         (sealed,) = self._db.execute(
@@ -531,7 +547,7 @@ class _Exchange:
             db.execute(
                 "UPDATE letters SET file=?, put_at=? WHERE correspondent=? AND direction='out' AND "
                 "number=?",
-                (file, utc_now(), reader.id, one.number),
+                (file, self._at(), reader.id, one.number),
             )
         if file != one.file:
             self._box.remove(one.file)
@@ -544,11 +560,11 @@ _OBJECTIONS = {
 }
 
 
-def _objection(invited: Correspondent) -> str:
+def _objection(invited: Correspondent, now: datetime) -> str:
     """Return why an invitation cannot be used; empty if it can."""
     if invited.state != "invited":
         return "revoked" if invited.state == "revoked" else "used"
-    is_late = datetime.now(UTC) > datetime.fromisoformat(invited.expires_at)
+    is_late = now > datetime.fromisoformat(invited.expires_at)
     return "expired" if is_late else ""
 
 
@@ -559,14 +575,6 @@ def _next_number(db: sqlite3.Connection, reader: Correspondent) -> int:
         (reader.id,),
     ).fetchone()
     return int(max((highest or 0) + 1, least))
-
-
-def _is_due_again(letter: Sent) -> bool:
-    """Return True if a letter was not put yet, was missed by its reader, or was put long ago."""
-    if not letter.put_at:
-        return True
-    age = datetime.now(UTC) - datetime.fromisoformat(letter.put_at)
-    return not -PUT_AGAIN_AFTER < age < PUT_AGAIN_AFTER
 
 
 def _device() -> dict[str, Any]:

@@ -115,7 +115,7 @@ def invite(
     """
     me = _clinic(data)
     now = now or datetime.now(UTC)
-    with closing(connect(data)) as db:
+    with rows_of.alone(data), closing(connect(data)) as db:
         code = check_known(db, check_own(participant))
         check_may_record(db, [code])
         if not programmes.tasks(db, code):
@@ -294,7 +294,8 @@ def join(data: Path, sealed: bytes, code: str, path: Path, now: datetime | None 
         me = _new_home(data, before, invitation, path)
     with closing(connect(data)) as db:
         _check_is_free(db, data, invitation)
-    _store(data, invitation)
+    with rows_of.alone(data):
+        _store(data, invitation)
     identity.write(data, me)  # from here on the person has joined
     return Joined(invitation.clinic, invitation.participant, path)
 
@@ -395,7 +396,7 @@ def _store(data: Path, invitation: Invitation) -> None:
                     ),
                 )
     _store_passphrase(data, invitation.passphrase)
-    with tempfile.TemporaryDirectory(prefix=".letter-", dir=data) as place:
+    with tempfile.TemporaryDirectory(prefix=rows_of.WORK, dir=data) as place:
         path = Path(place) / "invitation.db"
         write_private(path, sealing.unpacked(invitation.rows))
         merge(

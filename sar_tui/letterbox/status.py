@@ -56,7 +56,7 @@ def homes(db: sqlite3.Connection) -> list[Home]:
 
 def _home(db: sqlite3.Connection, one: Correspondent) -> Home:
     arrived = stored.letters(db, one.id, "in")
-    waiting = [each for each in stored.letters(db, one.id, "out") if each.state == "sent"]
+    waiting = _on_the_way(stored.letters(db, one.id, "out"))
     refused = db.execute(
         "SELECT number, reason FROM letters WHERE correspondent=? AND state='refused' ORDER BY "
         "number",
@@ -76,6 +76,11 @@ def _home(db: sqlite3.Connection, one: Correspondent) -> Home:
         clock=_clock(one),
         device={name: str(value) for name, value in one.device.items()},
     )
+
+
+def _on_the_way(letters: list[stored.Sent]) -> list[stored.Sent]:
+    """Return the letters that bring something and that the other side has not acknowledged."""
+    return [each for each in letters if each.state == "sent" and each.contents]
 
 
 def _clock(one: Correspondent) -> str:
@@ -119,7 +124,7 @@ def clinic(db: sqlite3.Connection) -> Clinic | None:
         return None
     one = max(known, key=lambda each: (each.state == "joined", each.invited_at))
     out = stored.letters(db, one.id, "out")
-    waiting = [each for each in out if each.state == "sent"]
+    waiting = _on_the_way(out)
     numbers = [each.number for each in stored.letters(db, one.id, "in")]
     return Clinic(
         participant=one.participant,
