@@ -1,4 +1,4 @@
-"""Rows of a letter: what one side has of a person and the other lacks, and what a letter may change.
+"""Rows of a letter: those that one side has of a person and the other lacks, and what they may change.
 
 They are a database of one person, which is merged like any other (`store.merge`).
 """
@@ -272,7 +272,7 @@ _FOREIGN: Mapping[str, str] = {
     "(SELECT value FROM json_each(:kinds)) AND NOT EXISTS (SELECT 1 FROM main.records AS here "
     "WHERE here.id=there.id AND here.version=there.version AND here.content=there.content)",
 }
-"""What a letter must not have, in words, and the query of it."""
+"""Rows that a letter must not have, in words, and the query of each."""
 _FOREIGN_OF_HOME = ("it has a record that only a clinic writes",)
 
 

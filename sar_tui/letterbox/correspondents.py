@@ -1,4 +1,4 @@
-"""What is stored of the other computers and of the letters to and from them."""
+"""Stored facts of the other computers, and of the letters to and from them."""
 
 import sqlite3
 from collections.abc import Iterable, Sequence

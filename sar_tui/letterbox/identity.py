@@ -1,4 +1,4 @@
-"""Who a data folder is in a letterbox, a clinic or a home, with its secret keys: a file of its own.
+"""The part of a data folder in a letterbox, a clinic or a home, with its secret keys, in a file.
 
 The keys are not in the database, so that no backup and no merge takes them elsewhere.
 """
@@ -20,7 +20,7 @@ FILE = "letterbox.json"
 
 
 class Identity(msgspec.Struct, frozen=True, kw_only=True):
-    """Who writes letters here.
+    """The side of a data folder, and its keys.
 
     Attributes:
         role: a clinic, or a home.

@@ -1,4 +1,4 @@
-"""What a clinic writes to a person at home: records of theirs, which the next letter brings."""
+"""Messages, training days and requests of a clinic to a person at home, as records of theirs."""
 
 import sqlite3
 from datetime import datetime

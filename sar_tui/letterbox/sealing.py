@@ -14,6 +14,7 @@ from typing import Any, Final, NamedTuple
 
 import msgspec
 
+from sar_tui.drivers.installation import pip_install_extra
 from sar_tui.model.language import Sentence
 from sar_tui.store.database import StoreError
 
@@ -43,7 +44,7 @@ class Forged(Exception):
 
 
 class Letter(msgspec.Struct, frozen=True, kw_only=True):
-    """What a sealed letter says.
+    """The content of a sealed letter.
 
     Attributes:
         reader: public key to which it is sealed.
@@ -180,7 +181,7 @@ def _padded(signed: bytes) -> bytes:
 
 
 class Invitation(msgspec.Struct, frozen=True, kw_only=True):
-    """What a home needs to write to its clinic.
+    """All that a home needs to write to its clinic.
 
     Attributes:
         clinic: name of the clinic, for people. ``site``: its code.
@@ -332,4 +333,6 @@ def _nacl() -> Any:
 
 
 def _missing() -> StoreError:
-    return StoreError("Sealed letters need PyNaCl: pip install 'sar-tui[letterbox]'.")
+    return StoreError(
+        f"Sealed letters need packages that are not installed here: {pip_install_extra('letterbox')}"
+    )

@@ -1,4 +1,4 @@
-"""What a clinic knows of its homes, and a home of its clinic, by the letters that have arrived."""
+"""State of the homes at a clinic, and of the clinic at a home, by the letters that have arrived."""
 
 import sqlite3
 from datetime import date, datetime, timedelta
