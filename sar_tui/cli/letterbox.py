@@ -178,12 +178,10 @@ def _write(home: Home, participant: str, write: Any, as_json: bool) -> None:
     """Store what a clinic writes to a person, and send it."""
     from sar_tui.drivers.login_name import login_name
     from sar_tui.letterbox.exchange import exchange
-    from sar_tui.letterbox.letterbox import need_home
-    from sar_tui.store.participants import check_known, check_own
+    from sar_tui.letterbox.letterbox import find_home
 
     with home.writable_database() as database:
-        code = check_known(database, check_own(participant))
-        need_home(home.folder, database, code)
+        code = find_home(home.folder, database, participant)
         record = write(database, code, login_name())
     done = exchange(home.folder)
     if as_json:

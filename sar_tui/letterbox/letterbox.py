@@ -218,18 +218,21 @@ def revoke(data: Path, name: str) -> list[Correspondent]:
     return homes
 
 
-def need_home(data: Path, db: sqlite3.Connection, participant: str) -> None:
-    """Raise StoreError unless a participant of this clinic trains at home."""
+def find_home(data: Path, db: sqlite3.Connection, participant: str) -> str:
+    """Return the code, as it is stored, of a participant who trains at home. Raises StoreError: this
+    is no clinic, or they do not.
+    """
     _clinic(data)
+    code = check_known(db, check_own(participant))
     if not any(
-        one.participant == participant and one.state in ("invited", "joined")
+        one.participant == code and one.state in ("invited", "joined")
         for one in stored.correspondents(db)
     ):
         raise StoreError(
-            f"{participant} does not train at home. Invite them first: sar-tui letterbox invite "
-            f"{participant}",
+            f"{code} does not train at home. Invite them first: sar-tui letterbox invite {code}",
             bad_input=True,
         )
+    return code
 
 
 def _clinic(data: Path) -> Identity:

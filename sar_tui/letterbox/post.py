@@ -56,7 +56,7 @@ def request_form(
     """Ask a person to fill in a form at home. Raises StoreError: it cannot be filled in."""
     kind = records.kind_of(form)
     if kind.form is None:
-        raise StoreError(f"{form} is no form. sar-tui record forms lists them.", bad_input=True)
+        raise StoreError(f"{form} is no form. sar-tui record kinds lists them.", bad_input=True)
     if kind.why_unusable:
         raise StoreError(kind.why_unusable, bad_input=True)
     return _add(db, REQUEST, participant, {"form": kind.name}, author, now)
