@@ -432,7 +432,8 @@ class _Exchange:
         if not due and (reader.owes_answer or is_joining):
             due = [{}]
         for contents in due:
-            self._store_letter(reader, contents, taken, is_joining=is_joining)
+            with self._told():  # one that is too large does not hold up the others
+                self._store_letter(reader, contents, taken)
 
     def _forget_erased(self, reader: Correspondent) -> None:
         """Take back what is on its way of a person who was erased meanwhile."""
@@ -453,7 +454,6 @@ class _Exchange:
         contents: Contents,
         taken: list[Sent],
         *,
-        is_joining: bool = False,
         notice: str = "",
     ) -> None:
         rows = b"" if notice else rows_of.pack(self._data, reader.participant, contents)

@@ -24,6 +24,8 @@ LARGEST_FILE: Final = _SIZES[-1] + 48
 """Bytes of the largest sealed letter: of its padded content, and of the seal."""
 _INVITATION_SIZE: Final = 2**16
 LARGEST_INVITATION: Final = 4 * _INVITATION_SIZE
+_HIGHEST = 2**31
+"""The highest number of a letter."""
 _MOST_ROWS = 2**30
 """Bytes of an unpacked database of a letter."""
 _LETTER, _INVITATION = b"sar-tui letter 1\n", b"sar-tui invitation 1\n"
@@ -148,8 +150,13 @@ def open_letter(sealed: bytes, reader: Keys) -> Opened:
         raise Forged("it has not the form of a letter") from None
     if letter.reader != bytes(secret.public_key):
         raise Forged("it was written to another computer")
-    if not 0 < letter.number < 2**53:
-        raise Forged("its number is wrong")
+    numbers = (
+        letter.number,
+        *letter.wanted,
+        *(n for r in (*letter.taken, *letter.seen) for n in r),
+    )
+    if not all(0 < number <= _HIGHEST for number in numbers):
+        raise Forged("a number in it is wrong")
     return Opened(letter, writer, hashlib.sha256(content).hexdigest())
 
 

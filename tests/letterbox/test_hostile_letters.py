@@ -301,6 +301,38 @@ def test_rows_that_cannot_be_unpacked_or_are_too_large_are_refused(
     assert "larger than any session" in refused
 
 
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"taken": ((1, 2**63),)},
+        {"seen": ((-1, 5),)},
+        {"wanted": (2**64 - 1,)},
+        {"number": 0},
+        {"number": 2**63 - 1},
+    ],
+)
+def test_numbers_that_no_letter_has_are_refused(
+    changes: dict[str, Any], clinic: Clinic, home: Home
+) -> None:
+    before = contents(clinic)
+    put(clinic, identity.require(home.data).keys, **changes)
+    assert "a number in it is wrong" in "".join(clinic.exchange().refused)
+    assert contents(clinic) == before
+
+
+def test_a_home_that_claims_letters_that_were_never_written_harms_only_itself(
+    clinic: Clinic, home: Home, tmp_path: Path
+) -> None:
+    other = clinic.home("P08", tmp_path / "other")
+    settle(other, clinic, home)
+    put(clinic, identity.require(home.data).keys, taken=((1, 2**31),))
+    clinic.exchange()
+    clinic.record("message-home", "P08", text="to P08")
+    clinic.record("message-home", "P07", text="to P07")
+    settle(clinic, other)
+    assert other.query("SELECT count(*) FROM records") == [(1,)]
+
+
 def test_one_homes_keys_open_only_its_own_letters(
     clinic: Clinic, home: Home, tmp_path: Path
 ) -> None:
