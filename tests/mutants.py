@@ -111,6 +111,17 @@ MUTANTS = (
         "export",
     ),
     Mutant("A formula in a text leaves as one", "return f\"'{shown}\" if _FORMULA.match(value) and not _NUMBER.fullmatch(value) else shown", "return shown", "export"),
+    # --- letters
+    Mutant("A letter to another reader is believed", "    if letter.reader != bytes(secret.public_key):", "    if False:", "letterbox"),
+    Mutant("A letter of a number that was taken is taken again", "        if (before := known.get(letter.number)) is not None:", "        if (before := known.get(-1)) is not None:", "letterbox"),
+    Mutant("A home may change a session of another person", '"FROM other.sessions AS there WHERE EXISTS "', '"FROM other.sessions AS there WHERE 0 AND EXISTS "', "letterbox"),
+    Mutant("A letter that was lost is not put there again", "\"UPDATE letters SET put_at='' WHERE", "\"UPDATE letters SET put_at=put_at WHERE", "letterbox"),
+    Mutant("A letter that nobody acknowledges is never put there again", "        return not -PUT_AGAIN_AFTER < age < PUT_AGAIN_AFTER", "        return False", "letterbox"),
+    Mutant("A revoked home is believed", 'if one.state == "revoked":\n                    raise Forged', 'if one.state == "nothing":\n                    raise Forged', "letterbox"),
+    Mutant("An invitation is valid for ever", 'return "expired" if is_late else ""', 'return ""', "letterbox"),
+    Mutant("A letter is not padded", "sodium_pad(signed, size)", "sodium_pad(signed, 16)", "letterbox"),
+    Mutant("Sessions of letters stay in the order of their arrival", "put_in_order(db, sessions.added if is_letter else ())", "put_in_order(db)", "letterbox"),
+    Mutant("An earlier state writes under numbers that were used", "stored.change(db, sender.id, least_number=farther + 1)", "pass", "letterbox"),
 )  # fmt: skip
 
 

@@ -36,7 +36,7 @@ _OWN = {
     "max(seq) FROM {schema}.messages WHERE session_number=(SELECT number FROM "
     "{schema}.session_numbers WHERE id=sessions.id)), 0) FROM {schema}.sessions WHERE site='' AND "
     "mode<>'demonstration' AND id IN (SELECT session FROM {schema}.seats GROUP BY session HAVING "
-    "min(participant)=? AND max(participant)=?1) ORDER BY rowid",
+    "count(*)=1 AND min(participant)=?) ORDER BY rowid",
     "records": "SELECT id || ' ' || version, coalesce(session, '') FROM {schema}.records WHERE "
     "site='' AND participant=? ORDER BY rowid",
     "programmes": "SELECT task || ' ' || version, '' FROM {schema}.programmes WHERE site='' AND "

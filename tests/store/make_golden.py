@@ -11,6 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from sar_tui import __version__
+from sar_tui.letterbox import letterbox
+from sar_tui.letterbox.exchange import exchange
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.node import Node
 from sar_tui.loop.topics import COMMAND, NOTE_ADDED
@@ -23,6 +25,7 @@ from sar_tui.simulation.operator import PROFILES, SimulatedOperator
 from sar_tui.store import exports, people_events, programmes, sites
 from sar_tui.store.database import FILE, connect, transaction
 from sar_tui.store.merge import conflicts
+from sar_tui.store.passphrase import Passphrase
 from sar_tui.store.tables import PROGRAMMES
 from sar_tui.study import ledger
 from sar_tui.study.plan import parse_plan
@@ -66,6 +69,7 @@ def make(folder: Path) -> None:
         with transaction(database) as connection:
             connection.execute("INSERT INTO same_people VALUES ('P01@BERN', 'P02')")
             _contradict(connection)
+    _write_letters(folder)
 
 
 def _contradict(connection: sqlite3.Connection) -> None:
@@ -76,6 +80,18 @@ def _contradict(connection: sqlite3.Connection) -> None:
     other |= {"participant": "P01@ZURICH", "reason": "Longer.", "site": "ZURICH"}
     content = {"programmes": [other]}
     conflicts.keep(connection, "main", "programme", conflicts.key_of("programme", content), content)
+
+
+def _write_letters(folder: Path) -> None:
+    """Exchange letters with a home of P01."""
+    with tempfile.TemporaryDirectory() as elsewhere:
+        box, home = Path(elsewhere) / "box", Path(elsewhere) / "home"
+        letterbox.new(folder, "Zürich", box)
+        Passphrase(folder).set("kornblume")
+        invited = letterbox.invite(folder, "P01")
+        letterbox.join(home, invited.file.read_bytes(), invited.code, box)
+        exchange(home)
+        exchange(folder)
 
 
 def _play_sessions(folder: Path) -> None:

@@ -180,7 +180,7 @@ def test_the_newest_are_read_from_the_log(
 # --- undone
 
 
-def stopped(db: sqlite3.Connection) -> None:
+def stopped(*_: object) -> None:
     raise KeyboardInterrupt("stopped")
 
 
@@ -227,7 +227,7 @@ import os, signal, sys
 from pathlib import Path
 from sar_tui.store.merge import merge
 
-merge.put_in_order = lambda db: os.kill(os.getpid(), signal.SIGKILL)
+merge.put_in_order = lambda *_: os.kill(os.getpid(), signal.SIGKILL)
 merge.merge(Path(sys.argv[1]), Path(sys.argv[2]), start=lambda step: lambda done, total: None)
 """
 
