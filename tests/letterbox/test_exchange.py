@@ -133,6 +133,17 @@ def test_a_session_that_went_on_after_it_was_sent_is_sent_again(clinic: Clinic, 
     assert rows(clinic, "P07") == rows(home, "P07")
 
 
+def test_a_session_that_arrives_late_stands_where_it_belongs(clinic: Clinic, home: Home) -> None:
+    settle(home, clinic)
+    home.clock.true += timedelta(days=1)
+    clinic.clock.true += timedelta(days=2)
+    at_home = home.train_today()
+    at_clinic = clinic.train("P07", seed=2)
+    settle(home, clinic)
+    for each in (clinic, home):
+        assert each.query("SELECT id FROM sessions ORDER BY rowid") == [(at_home,), (at_clinic,)]
+
+
 def test_letters_of_a_revoked_home_are_refused_and_it_is_told(clinic: Clinic, home: Home) -> None:
     settle(home, clinic)
     letterbox.revoke(clinic.data, "p07")
@@ -181,10 +192,13 @@ def test_a_lost_letter_is_named_and_written_again(clinic: Clinic, home: Home) ->
     (lost,) = home.query(_ON_THE_WAY)
     home.train_today(seed=2)
     home.exchange()
-    (clinic.box / lost[1]).unlink()
+    not_brought = (clinic.box / lost[1]).rename(clinic.box / ".of the home alone")
     clinic.exchange()
     with closing(connect(clinic.data)) as db:
         assert status.homes(db)[0].missing == (lost[0],)
+    not_brought.rename(home.box / lost[1])
+    assert home.exchange().again == 1
+    assert not (home.box / lost[1]).exists()  # it has another name
     settle(home, clinic)
     with closing(connect(clinic.data)) as db:
         assert status.homes(db)[0].missing == ()
@@ -225,6 +239,8 @@ def test_a_home_that_goes_back_to_an_earlier_state_loses_nothing(
     there = {id for (id,) in clinic.query("SELECT id FROM sessions")}
     assert {second, third} < there
     assert len(there) == 3
+    refused = clinic.query("SELECT count(*) FROM letter_files WHERE refused<>''")
+    assert refused <= [(2,)]  # before the home heard of it
 
 
 def test_what_was_erased_at_the_clinic_is_erased_at_home(clinic: Clinic, home: Home) -> None:
