@@ -230,6 +230,7 @@ class SessionStart:
     ) -> None:
         """Open a session on a screen of its own."""
         app = self._app
+        app.await_letters()
         if not isinstance(what, str) and not what.id:
             what = msgspec.structs.replace(what, id=sessions.new_id())
         try:

@@ -46,6 +46,7 @@ class QuestionScreen(DismissedOnce[Result]):
 
     Args:
         interview: what is asked.
+        classes: for the style sheet.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -54,8 +55,8 @@ class QuestionScreen(DismissedOnce[Result]):
     ]
     AUTO_FOCUS = ""
 
-    def __init__(self, interview: Interview[Result]) -> None:
-        super().__init__(classes="-form" if interview.title else None)
+    def __init__(self, interview: Interview[Result], *, classes: str = "") -> None:
+        super().__init__(classes=classes or ("-form" if interview.title else None))
         self._interview, self.tr = interview, interview.tr
         self._page = interview.page()
         self._marked: Entry | None = None
