@@ -338,14 +338,19 @@ class SarTui(BaseApp):
         """Show what has come, and say what went wrong."""
         if self.open_session is not None:
             return
-        failed = isinstance(done, StoreError)
-        for text in [done] if failed else [*done.refused, *done.troubles]:
-            said = in_language(text, self.tr)
-            if said not in self._told_of_letters:
-                self._told_of_letters.add(said)
-                self._tell(said, severity="warning", timeout=30)
-        if not failed and done.taken and (came := getattr(self.screen, "letters_came", None)):
+        if isinstance(done, StoreError):
+            self._tell_of_letters(in_language(done, self.tr))
+            return
+        for text in (*done.refused, *done.troubles):
+            self._tell_of_letters(text)
+        if done.taken and (came := getattr(self.screen, "letters_came", None)):
             came()
+
+    def _tell_of_letters(self, text: str) -> None:
+        """Tell the therapist once."""
+        if text not in self._told_of_letters:
+            self._told_of_letters.add(text)
+            self._tell(text, severity="warning", timeout=30)
 
     # --- the beginning of a session
 

@@ -35,7 +35,7 @@ class Letters:
         clinic: name of the clinic; empty without a role.
     """
 
-    def __init__(self, folder: Path, done: "Callable[[Exchanged | StoreError], None]") -> None:
+    def __init__(self, folder: Path, done: "Callable[[Exchanged | StoreError], object]") -> None:
         self._folder = folder
         self._done = done
         self._lock = threading.Lock()
@@ -53,6 +53,13 @@ class Letters:
             return read(self._folder)
         except StoreError:  # the first exchange says why
             return None
+
+    def check_programme(self) -> None:
+        """Raise StoreError at home: what a person trains there is changed at the clinic."""
+        if self.role == "home":
+            from sar_tui.letterbox.identity import check_programme
+
+            check_programme(self._folder)
 
     def begin(self) -> None:
         """Begin an exchange; if one is under way, another one follows it."""

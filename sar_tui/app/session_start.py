@@ -191,6 +191,7 @@ class SessionStart:
         )
         database, code, task = self._app.database, plan.participant, plan.task.name
         try:
+            self._app.letters.check_programme()
             last = programmes.newest(database, code, task)
             saved = programmes.save(
                 database,
@@ -202,7 +203,7 @@ class SessionStart:
                 reason=f"Calibrated by reaches that turned the hand by {turned}.",
             )
         except StoreError as error:
-            self._app.notify(in_language(error, self._app.tr), severity="warning", timeout=15)
+            self._app.patient_mode.note_trouble(in_language(error, self._app.tr))
             return plan
         return msgspec.structs.replace(plan, programme=saved.version)
 

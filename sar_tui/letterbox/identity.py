@@ -73,6 +73,15 @@ def require(data: Path) -> Identity:
     return found
 
 
+def check_programme(data: Path) -> None:
+    """Raise StoreError at home: what a person trains there is changed at the clinic."""
+    found = read(data)
+    if found is not None and found.is_home:
+        raise StoreError(
+            Sentence("The programme comes from the clinic: change it there."), bad_input=True
+        )
+
+
 def write(data: Path, identity: Identity) -> None:
     """Store who a data folder is, in place of what was there. Raises StoreError."""
     path = data / FILE

@@ -136,7 +136,7 @@ def read_day(
     folder: Path,
     today: date,
     tr: Language,
-    homes: "Mapping[str, Homes]" = {},
+    homes: Mapping[str, "Homes"] = {},
 ) -> Day:
     """Return the day: the people of this site, and what is to be said of them; ``homes``: of those
     who train at home, by participant.

@@ -6,7 +6,6 @@ from datetime import UTC, date, datetime
 
 import msgspec
 
-from sar_tui.app.home.words import day_words
 from sar_tui.letterbox import status
 from sar_tui.letterbox.status import Home
 from sar_tui.model.language import Language
@@ -78,7 +77,7 @@ def _heard_words(heard: datetime | None, today: date, tr: Language) -> str:
     if days <= 0:
         return tr("heard today {clock}", clock=f"{heard:%H:%M}")
     if days == 1:
-        return tr("heard {day}", day=day_words(heard.date(), today, tr))
+        return tr("heard yesterday")
     return tr("not heard for {days} days", days=days)
 
 

@@ -712,6 +712,7 @@ class Starting:
         from sar_tui.drivers.login_name import login_name
         from sar_tui.store import programmes
 
+        self._screen.app.letters.check_programme()
         changed = programmes.Programme(saved.parameters, theme)
         reason = f"Theme {theme} was chosen on the first screen."
         return programmes.save(

@@ -1,6 +1,6 @@
 """The dialog in which a therapist writes to a person who trains at home."""
 
-from datetime import UTC, datetime
+from datetime import UTC, date, datetime
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from textual import on
@@ -10,7 +10,7 @@ from textual.containers import Vertical
 from textual.screen import ModalScreen
 from textual.widgets import Input, Static
 
-from sar_tui.app.home.words import day_words
+from sar_tui.app.home.words import DAYS, day_words
 from sar_tui.drivers.login_name import login_name
 from sar_tui.letterbox import post, status
 from sar_tui.letterbox.status import LastMessage
@@ -21,7 +21,8 @@ from sar_tui.tui.dismissed_once import DismissedOnce
 if TYPE_CHECKING:
     from sar_tui.model.language import Language
 
-_PLACEHOLDER = "mon wed fri"
+_TOO_LONG = 120
+"""Characters of the last message that are shown."""
 
 
 class MessageScreen(DismissedOnce[bool], ModalScreen[bool]):
@@ -46,7 +47,9 @@ class MessageScreen(DismissedOnce[bool], ModalScreen[bool]):
 
     def compose(self) -> ComposeResult:
         tr: Language = self.app.tr
-        self._days = " ".join(status.training_days(self.app.database, self._participant))
+        planned = status.training_days(self.app.database, self._participant)
+        self._days = " ".join(tr(DAYS[status.DAYS.index(day)]) for day in planned)
+        example = ", ".join(tr(DAYS[day]) for day in (0, 2, 4))
         last = status.last_message(self.app.database, self._participant)
         with Vertical(classes="dialog"):
             yield Static(
@@ -57,8 +60,8 @@ class MessageScreen(DismissedOnce[bool], ModalScreen[bool]):
                    count=post.LONGEST_MESSAGE), markup=False,
             )  # fmt: skip
             yield Input(max_length=post.LONGEST_MESSAGE, id="message")
-            yield Static(tr("Days of training, such as mon wed fri:"), markup=False)
-            yield Input(self._days, placeholder=_PLACEHOLDER, id="days", compact=True)
+            yield Static(tr("Days of training, such as {days}:", days=example), markup=False)
+            yield Input(self._days, id="days", compact=True)
             yield Static("", id="problem", markup=False)
             if last:
                 said = _last_words(last, self.app.today(), tr)
@@ -68,15 +71,17 @@ class MessageScreen(DismissedOnce[bool], ModalScreen[bool]):
     @on(Input.Submitted)
     def _send(self) -> None:
         text = self.query_one("#message", Input).value.strip()
-        days = self.query_one("#days", Input).value.replace(",", " ").casefold().split()
-        are_new = bool(days) and days != self._days.split()
+        days = self.query_one("#days", Input).value.replace(",", " ")
+        are_new = bool(days.strip()) and days.split() != self._days.split()
         if not text and not are_new:
             self.query_one("#problem", Static).update(self.app.tr("Write a message first."))
             return
         database, author = self.app.database, login_name()
         try:
             if are_new:  # first: a mistake there must not send the message
-                post.plan_days(database, self._participant, days, author=author)
+                named = in_english(days.split(), self.app.tr)
+                post.plan_days(database, self._participant, named, author=author)
+                self._days = days
             if text:
                 post.write_message(database, self._participant, text, author=author)
         except StoreError as error:
@@ -85,19 +90,26 @@ class MessageScreen(DismissedOnce[bool], ModalScreen[bool]):
         self.dismiss(True)
 
 
-def _last_words(last: LastMessage, today: Any, tr: "Language") -> str:
+def in_english(days: list[str], tr: "Language") -> list[str]:
+    """Return days of the week as they are stored, of those that are named in a language."""
+    known = {tr(name).casefold(): day for name, day in zip(DAYS, status.DAYS, strict=True)}
+    return [known.get(day.casefold().strip("."), day) for day in days]
+
+
+def _last_words(last: LastMessage, today: date, tr: "Language") -> str:
     """Return the last message, and what became of it."""
     written = _local(last.written_at)
     if last.read_at:
         read = _local(last.read_at)
-        became = tr("Read, as heard {day} {clock}.", day=day_words(read.date(), today, tr),
-                    clock=f"{read:%H:%M}")  # fmt: skip
+        became = tr("They have read it: heard {day} {clock}.",
+                    day=day_words(read.date(), today, tr), clock=f"{read:%H:%M}")  # fmt: skip
     elif last.has_arrived:
         became = tr("It has arrived, and is not read yet.")
     else:
         became = tr("It has not arrived yet.")
     day = day_words(written.date(), today, tr)
-    head = tr("The last one, {day}: {text}", day=day, text=f"“{last.text}”")
+    text = last.text if len(last.text) <= _TOO_LONG else f"{last.text[:_TOO_LONG]}…"
+    head = tr("The last one, {day}: {text}", day=day, text=f"“{text}”")
     return f"{head}\n{became}"
 
 

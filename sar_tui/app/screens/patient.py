@@ -126,9 +126,7 @@ class PatientScreen(Screen[None]):
         names = before
         if self._from_clinic:
             names = exercises(app.database, app.folder, app.catalogue, self._participant)
-        self._exercises = day_plan(
-            app.database, app.folder, self._participant, names, app.today()
-        )
+        self._exercises = day_plan(app.database, app.folder, self._participant, names, app.today())
         if not self._has_begun or names != before:
             self._at, self._has_begun = self._open_from(0), True
 
