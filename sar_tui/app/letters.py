@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
+from sar_tui.letterbox import FILE
 from sar_tui.store.database import StoreError
 
 if TYPE_CHECKING:  # loaded if there is a letterbox
@@ -15,8 +16,6 @@ LAST_SECONDS = 2.0
 """Longest wait for the exchange when a program ends. What is not sent then is sent the next time."""
 AWAITED_SECONDS = 2.0
 """Longest wait for an exchange that is under way when a session begins."""
-_IDENTITY = "letterbox.json"
-"""Name of the file without which nothing of this is loaded: `letterbox.identity.FILE`."""
 
 
 class Letters:
@@ -41,7 +40,7 @@ class Letters:
         self._lock = threading.Lock()
         self._thread: threading.Thread | None = None
         self._is_due = False
-        self._has_letterbox = (folder / _IDENTITY).exists()
+        self._has_letterbox = (folder / FILE).exists()
         found = self._identity() if self._has_letterbox else None
         self.role: Literal["", "clinic", "home"] = found.role if found else ""
         self.clinic = found.clinic if found else ""

@@ -11,12 +11,10 @@ from typing import Literal
 import msgspec
 
 from sar_tui.drivers.files import make_private, write_private
+from sar_tui.letterbox import FILE
 from sar_tui.letterbox.sealing import Keys
 from sar_tui.model.language import Sentence
 from sar_tui.store.database import StoreError
-
-FILE = "letterbox.json"
-"""Name of the file in the data folder; mode 0600."""
 
 
 class Identity(msgspec.Struct, frozen=True, kw_only=True):
