@@ -1,5 +1,5 @@
-"""What a clinic says to a person who trains at home: messages, a form to fill in, and what it has seen
-of their training.
+"""Messages of a clinic to a person who trains at home, a form that it asks for, and the training that
+it has seen.
 """
 
 import sqlite3
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from sar_tui.store.records import Record
 
 NOT_RECEIVED = "Your results do not reach your therapist. Please call them."
-"""What the participant reads if the clinic takes no letters from here."""
+"""Read by the participant if the clinic takes no letters from here."""
 NOT_RECEIVED_WHY = "The clinic takes no letters from this computer. Ask it for a new invitation."
-"""What the therapist reads."""
+"""Read by the therapist."""
 _WEEKDAYS = ("Monday", "Tuesday", "Wednesday", "Thursday", "Friday", "Saturday", "Sunday")
 _WEEK = timedelta(days=7)
 
@@ -89,7 +89,7 @@ class Notices:
 
 
 class FromClinic:
-    """What has come from the clinic for a person, and what they have read of it since the program
+    """Messages and wishes of the clinic for a person, and those that they have read since the program
     began.
 
     Args:

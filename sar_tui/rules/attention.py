@@ -89,7 +89,7 @@ class Event(msgspec.Struct, frozen=True):
 
 
 class AtHome(msgspec.Struct, frozen=True):
-    """What is known of a person's computer at home, by its letters.
+    """The state of a person's computer at home, by its letters.
 
     Attributes:
         heard: the day of the last letter from it; None before the first.

@@ -1,4 +1,4 @@
-"""What the first screen says of people who train at home, by the letters from their computers."""
+"""Words of the first screen on people who train at home, by the letters from their computers."""
 
 import sqlite3
 from collections.abc import Sequence
@@ -32,7 +32,7 @@ class Homes(msgspec.Struct, frozen=True):
 
     @property
     def facts(self) -> AtHome:
-        """What a reason to look may be found in."""
+        """The facts in which a reason to look may be found."""
         refused = [_local(each.refused_at) for each in self._joined if each.refused_at]
         return AtHome(
             heard=self._heard.date() if self._heard else None,
