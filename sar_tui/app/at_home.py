@@ -22,6 +22,8 @@ NOT_RECEIVED = "Your results do not reach your therapist. Please call them."
 NOT_RECEIVED_WHY = "The clinic takes no letters from this computer. Ask it for a new invitation."
 """Read by the therapist."""
 _WEEKDAYS = ("Monday", "Tuesday", "Wednesday", "Thursday", "Friday", "Saturday", "Sunday")
+_PLAIN = str.maketrans("–—“”„‘’", '--"""\'\'')
+"""Characters that have a large shape, for those that have none."""
 _WEEK = timedelta(days=7)
 
 
@@ -125,10 +127,8 @@ class FromClinic:
             tr("A message from your therapist"),
             tr("Press Enter when you have read it."),
         )
-        pages = [
-            Page(str(each.content.get("text", "")), (), press, instruction=instruction)
-            for each in messages
-        ]
+        texts = [str(each.content.get("text", "")).translate(_PLAIN) for each in messages]
+        pages = [Page(text, (), press, instruction=instruction) for text in texts]
         return Notices(self._clinic, pages, tr, (Choice(tr("I have read it"), ("enter",)),))
 
     def mark_read(self, messages: "Sequence[Record]") -> None:

@@ -417,7 +417,7 @@ class PatientScreen(Screen[None]):
             app.patient_mode.note_trouble(in_language(error, app.tr))
 
     def _show_messages(self, clinic: "FromClinic", messages: "list[Record]") -> None:
-        from sar_tui.app.screens.questions import QuestionScreen
+        from sar_tui.app.screens.questions import LetterScreen
 
         def read(_: bool | None) -> None:
             self._is_reading = False
@@ -431,12 +431,10 @@ class PatientScreen(Screen[None]):
             self.call_after_refresh(self._show_what_came)
 
         self._is_reading = True
-        self.app.push_screen(
-            QuestionScreen(clinic.show(messages, self.tr), classes="-letter"), read
-        )
+        self.app.push_screen(LetterScreen(clinic.show(messages, self.tr)), read)
 
     def _offer_form(self, clinic: "FromClinic", kind: "Kind") -> None:
-        from sar_tui.app.screens.questions import QuestionScreen
+        from sar_tui.app.screens.questions import LetterScreen
 
         def answered(wants: bool | None) -> None:
             self._is_reading = False
@@ -452,4 +450,4 @@ class PatientScreen(Screen[None]):
             self.app.exchange_letters()
 
         self._is_reading = True
-        self.app.push_screen(QuestionScreen(clinic.offer(self.tr), classes="-letter"), answered)
+        self.app.push_screen(LetterScreen(clinic.offer(self.tr)), answered)

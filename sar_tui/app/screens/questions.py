@@ -19,7 +19,7 @@ from sar_tui.model.step import Entry
 from sar_tui.model.theme import Theme
 from sar_tui.rules.scanning import Choice
 from sar_tui.tui.dismissed_once import DismissedOnce
-from sar_tui.tui.heading import ROOMY, Heading, most_rows
+from sar_tui.tui.heading import ROOMY, Heading, in_blocks, is_roomy, most_rows
 from sar_tui.tui.key_line import KeyLine
 from sar_tui.tui.language import translated as translated_keys
 from sar_tui.widgets.answer_options import options_text, rows_of_chosen, with_chosen
@@ -37,6 +37,8 @@ _CAN_WAIT = ("given", "instruction")
 """Parts that leave their room to a question that would not fit, in this order."""
 _TALL = 46
 """Least rows of a window in which two blank rows are between the parts, unless it is a form."""
+_BESIDE_LETTER = 14
+"""Rows of all else beside the words of a letter."""
 _PASSED_ON = frozenset(("backspace", "escape", "f1", "question_mark", "ctrl+p", "ctrl+q"))
 """Keys that are bound, here or in the app."""
 
@@ -46,7 +48,6 @@ class QuestionScreen(DismissedOnce[Result]):
 
     Args:
         interview: what is asked.
-        classes: for the style sheet.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -55,8 +56,8 @@ class QuestionScreen(DismissedOnce[Result]):
     ]
     AUTO_FOCUS = ""
 
-    def __init__(self, interview: Interview[Result], *, classes: str = "") -> None:
-        super().__init__(classes=classes or ("-form" if interview.title else None))
+    def __init__(self, interview: Interview[Result]) -> None:
+        super().__init__(classes="-form" if interview.title else None)
         self._interview, self.tr = interview, interview.tr
         self._page = interview.page()
         self._marked: Entry | None = None
@@ -179,7 +180,7 @@ class QuestionScreen(DismissedOnce[Result]):
             self._put("where", page.where)
         self._put("who", page.who)
         self._put("instruction", page.instruction)
-        self.query_one("#question", Heading).show(page.text, most_rows(app.size))
+        self.query_one("#question", Heading).show(page.text, self._largest)
         self._put("hint", page.hint)
         if step is None:
             self._put("options", " ".join(page.said).replace(". ", ".\n"))
@@ -194,6 +195,11 @@ class QuestionScreen(DismissedOnce[Result]):
         self.refresh_bindings()
         app.look_for_choices()
         app.aloud.read(self, interview.place)
+
+    @property
+    def _largest(self) -> int:
+        """The most rows of the question."""
+        return most_rows(self.app.size)
 
     @property
     def _columns(self) -> int:
@@ -245,6 +251,20 @@ class QuestionScreen(DismissedOnce[Result]):
         part = self.query_one(f"#{name}", Static)
         part.update(text)
         part.display = bool(text)
+
+
+class LetterScreen(QuestionScreen[bool]):
+    """Shows words that were written to the participant, as large as the window allows."""
+
+    def _show(self) -> None:
+        text, size = self._interview.page().text, self.app.size
+        drawn = in_blocks(text, self._columns, self._largest) if is_roomy(*size) else []
+        self.set_class(bool(drawn), "-blocks")
+        super()._show()
+
+    @property
+    def _largest(self) -> int:
+        return max(most_rows(self.app.size), self.app.size.height - _BESIDE_LETTER)
 
 
 def _listening(theme: Theme) -> str:
