@@ -57,8 +57,9 @@ class Pair(msgspec.Struct, frozen=True):
         self.at_clinic(lambda db: post.request_form(db, "P01", form, author="Ana", now=now))
 
     def set_programme(self, task: str = "keyboard", **parameters: object) -> None:
-        """Save a programme at the clinic, and send it."""
-        self.at_clinic(lambda db: _save(db, "P01", task, SHORT | parameters))
+        """Save a programme at the clinic, and send it; of the keyboard task a short one."""
+        values = (SHORT if task == "keyboard" else {}) | parameters
+        self.at_clinic(lambda db: _save(db, "P01", task, values))
 
 
 def exchanged(data: Path) -> Exchanged:

@@ -57,6 +57,8 @@ if TYPE_CHECKING:  # loaded with a session, so that the first screen is there so
 
 _LATEST_S = 1.0
 """Seconds after which the home screen is filled, whether its frame is known to be shown or not."""
+_LETTERS_SECONDS = 600.0
+"""Letters are exchanged at this interval, too, for an app that is left open."""
 _KEY_NAMES = {"escape": "Esc", "question_mark": "?", "slash": "/"}
 
 
@@ -206,8 +208,10 @@ class SarTui(BaseApp):
         elif self._begin is not None:
             self.begin_session(self._begin)
         self._has_begun = True
-        if not self.is_for_one_session:
-            self.exchange_letters()
+        if self._first_patient:
+            self.call_after_refresh(self.exchange_letters)
+        if self.letters.role:
+            self.set_interval(_LETTERS_SECONDS, self.exchange_letters)
         cover_if_too_small(self, self.size)
 
     def on_ready(self) -> None:
@@ -227,6 +231,7 @@ class SarTui(BaseApp):
         assert isinstance(home, HomeScreen)
         await home.fill()
         end_loading()
+        self.exchange_letters()
         for event in waiting:
             await self.on_event(event)
 

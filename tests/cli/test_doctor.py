@@ -27,6 +27,7 @@ from sar_tui.drivers import phidget as driver
 from sar_tui.drivers.installation import pip_install, pip_install_extra
 from sar_tui.inputs import phidget
 from sar_tui.inputs.imu import Info, Status
+from sar_tui.letterbox.exchange import exchange
 from sar_tui.letterbox.letterbox import revoke
 from sar_tui.link.authority import FOLDER, Authority
 from sar_tui.link.discovery import JoinableSession, announce
@@ -465,13 +466,14 @@ def test_a_letterbox_is_looked_at_from_both_sides(
     exchanged(pair.home)
     check(look(pair.home), "care", "1 missing", "They are asked for again.")
     revoke(pair.clinic, "P01")
-    pair.exchange()
+    for data in (pair.clinic, pair.home):
+        exchange(data)
     check(look(pair.home), "care", "takes no letters from here", "Ask it for a new invitation.")
-    for place in ("importlib.util.find_spec", "sar_tui.cli.doctor.letterbox.find_spec"):
-        monkeypatch.setattr(place, lambda _: None)
-    check(look(pair.home), "bad", "PyNaCl is not installed", pip_install_extra("letterbox"))
-    check(look(here.home.folder), "ok", "not installed. ", pip_install_extra("letterbox"))
-    monkeypatch.undo()
+    how = pip_install_extra("letterbox")
+    with monkeypatch.context() as patch:
+        patch.setattr("sar_tui.cli.doctor.letterbox.find_spec", lambda _: None)
+        check(look(pair.home), "bad", "PyNaCl is not installed", how)
+        check(look(here.home.folder), "ok", "not installed. ", how)
     shutil.rmtree(pair.box)
     check(look(pair.clinic), "care", "cannot be used")
     (pair.home / "letterbox.json").write_text("{")

@@ -396,9 +396,13 @@ class PatientScreen(Screen[None]):
             self.app.patient_mode.note_trouble(in_language(error, self.app.tr))
 
     def letters_came(self) -> None:
-        """Show what has changed."""
-        if self.app.patient:
-            self.show_exercise()
+        """Show what has changed; the button that is chosen stays."""
+        if not self.app.patient:
+            return
+        chosen = self.focused
+        self.show_exercise()
+        if chosen is not None and chosen.display:
+            chosen.focus()
 
     def _show_what_came(self) -> None:
         """Show messages that nobody has read, then offer the form that the clinic asks for, unless
