@@ -128,7 +128,7 @@ async def test_the_longest_message_is_on_the_screen_in_ones_own_language(
 async def test_with_one_switch_messages_are_read_and_a_form_is_put_off(
     pair: Pair, at_home: AtHome
 ) -> None:
-    pair.set_programme(switch="one")
+    pair.set_programme("gonogo", switch="one")
     pair.write("Well done!")
     pair.ask("SUS")
     async with at_home() as driver:
@@ -296,9 +296,9 @@ async def test_a_new_programme_takes_effect_at_the_next_start(pair: Pair, at_hom
 async def test_nothing_is_exchanged_during_a_session_and_what_is_due_is_sent_at_the_end(
     pair: Pair, at_home: AtHome
 ) -> None:
-    pair.write("Not now.")
     async with at_home() as driver:
         await driver.press("enter")
+        pair.write("Not now.")
         await driver.answer(await driver.to_first_prompt())
         before = stored(pair.home, "SELECT count(*) FROM letters")
         driver.app.exchange_letters()

@@ -42,7 +42,7 @@ def test_messages_a_form_and_a_session_go_to_the_clinic_and_back(pair: Pair) -> 
         terminal.settle(silence_ms=600)
         terminal.confirm()
         answer("Press Enter to finish.", "enter")
-        answer("That was everything. Well done!", "f12")
+        answer("You can rest now.", "f12")
         answer("Please enter the passphrase.", *RIGHT, "enter")
         assert terminal.wait() == 0
         found = lines(terminal)

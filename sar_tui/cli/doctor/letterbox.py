@@ -68,7 +68,9 @@ def _home(me: "Identity", clinic: "Clinic | None") -> Finding:
     found = f"{me.participant} trains at home for {me.clinic}, in {me.folder}"
     if clinic is None or not clinic.heard_at:
         return ok(f"{found}; nothing was heard of the clinic yet")
-    found = f"{found}; heard of the clinic on {clinic.heard_at[:10]}, {clinic.waiting} on the way"
+    found = f"{found}; heard of the clinic on {clinic.heard_at[:10]}"
+    if clinic.waiting:
+        found = f"{found}; letters that it has not acknowledged yet: {clinic.waiting}"
     if clinic.state != "joined":
         return care(
             f"{found}; the clinic takes no letters from here", "Ask it for a new invitation."
