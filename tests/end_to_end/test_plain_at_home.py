@@ -48,7 +48,6 @@ def test_messages_a_form_and_a_session_go_to_the_clinic_and_back(pair: Pair) -> 
         found = lines(terminal)
     assert in_order(
         found,
-        "Klinik Bern",
         "1 of 2",
         "A message from your therapist",
         "The first.",

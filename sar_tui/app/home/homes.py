@@ -42,6 +42,8 @@ class Homes(msgspec.Struct, frozen=True):
 
     def shortly(self, today: date, tr: Language) -> str:
         """Return what is said in the list: "At home: heard today 14:02"."""
+        if not self._joined:
+            return self._states(today, tr)[0]
         return tr("At home: {state}", state=self._states(today, tr)[0])
 
     def in_full(self, today: date, tr: Language) -> str:

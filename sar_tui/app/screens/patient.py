@@ -438,7 +438,7 @@ class PatientScreen(Screen[None]):
         self.app.push_screen(LetterScreen(clinic.show(messages, self.tr)), read)
 
     def _offer_form(self, clinic: "FromClinic", kind: "Kind") -> None:
-        from sar_tui.app.screens.questions import LetterScreen
+        from sar_tui.app.screens.questions import QuestionScreen
 
         def answered(wants: bool | None) -> None:
             self._is_reading = False
@@ -454,4 +454,4 @@ class PatientScreen(Screen[None]):
             self.app.exchange_letters()
 
         self._is_reading = True
-        self.app.push_screen(LetterScreen(clinic.offer(self.tr)), answered)
+        self.app.push_screen(QuestionScreen(clinic.offer(self.tr)), answered)

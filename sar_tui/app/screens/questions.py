@@ -37,6 +37,8 @@ _CAN_WAIT = ("given", "instruction")
 """Parts that leave their room to a question that would not fit, in this order."""
 _TALL = 46
 """Least rows of a window in which two blank rows are between the parts, unless it is a form."""
+_WIDEST = 72
+"""Most columns of the words of a letter."""
 _BESIDE_LETTER = 14
 """Rows of all else beside the words of a letter."""
 _PASSED_ON = frozenset(("backspace", "escape", "f1", "question_mark", "ctrl+p", "ctrl+q"))
@@ -259,7 +261,8 @@ class LetterScreen(QuestionScreen[bool]):
     def _show(self) -> None:
         text, size = self._interview.page().text, self.app.size
         drawn = in_blocks(text, self._columns, self._largest) if is_roomy(*size) else []
-        self.set_class(bool(drawn), "-blocks")
+        beside = 0 if drawn else max(0, (self._columns - _WIDEST) // 2)
+        self.query_one("#question").styles.padding = (0, beside)
         super()._show()
 
     @property
