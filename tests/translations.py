@@ -89,6 +89,7 @@ def rooms(catalogue: Catalogue) -> Iterator[Room]:
     shown = shown.union(*(_about(catalogue.theme_folder(name)) for name in catalogue.theme_names()))
     # errors that therapists read
     shown |= said_in("app", "store", "runs", "inputs", "outputs", "study")
+    shown |= said_in("letterbox/folder.py", "letterbox/identity.py")
     rules = _rules()
     app = Room(app.folder, app.needed | shown, app.used | shown, translated_in(rules))
     # what participants read is in a file of its own, so that a theme's author sees only that

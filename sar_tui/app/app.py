@@ -19,6 +19,7 @@ from textual.screen import Screen
 from textual.widget import Widget
 
 from sar_tui.app.leaving import UNSAVED, Leaving
+from sar_tui.app.letters import AWAITED_SECONDS, Letters
 from sar_tui.app.patient_mode import PatientMode
 from sar_tui.app.read_aloud import REPEAT_KEY, ReadAloud
 from sar_tui.app.screen_keys import ScreenKeys
@@ -43,6 +44,7 @@ if TYPE_CHECKING:  # loaded with a session, so that the first screen is there so
     from sar_tui.app.screens.session import SessionScreen
     from sar_tui.app.session_start import SessionStart
     from sar_tui.app.switch import Switch
+    from sar_tui.letterbox.exchange import Exchanged
     from sar_tui.link.broker_process import BrokerProcess
     from sar_tui.loop.clock import Clock
     from sar_tui.model.protocol import WizardProtocol
@@ -55,6 +57,8 @@ if TYPE_CHECKING:  # loaded with a session, so that the first screen is there so
 
 _LATEST_S = 1.0
 """Seconds after which the home screen is filled, whether its frame is known to be shown or not."""
+_LETTERS_SECONDS = 600.0
+"""Letters are exchanged at this interval, too, for an app that is left open."""
 _KEY_NAMES = {"escape": "Esc", "question_mark": "?", "slash": "/"}
 
 
@@ -81,6 +85,7 @@ class SarTui(BaseApp):
         start: the last start of a session.
         live: the last session that was begun.
         leaving: ends the app.
+        letters: exchanges letters, if there is a letterbox.
         aloud: reads the participant's screens aloud.
         screen_keys: judges which keys reach a screen.
         switch: of the participant; None if there is none.
@@ -134,6 +139,7 @@ class SarTui(BaseApp):
         self.database = connect(folder)
         self.patient_mode = PatientMode(self, patient)
         self.leaving = Leaving(self)
+        self.letters = Letters(folder, lambda done: self.call_later(self._letters_came, done))
         self.aloud = ReadAloud(self, clock)
         self.start: SessionStart | None = None
         self.live: LiveSession | None = None
@@ -145,6 +151,7 @@ class SarTui(BaseApp):
         self._clock = clock
         self._link = link
         self._markers = markers
+        self._told_of_letters: set[str] = set()
         self._is_asking = False
         self._has_begun = False
         # input that waits until the home screen is filled; None from then on
@@ -201,6 +208,10 @@ class SarTui(BaseApp):
         elif self._begin is not None:
             self.begin_session(self._begin)
         self._has_begun = True
+        if self._first_patient:
+            self.call_after_refresh(self.exchange_letters)
+        if self.letters.role:
+            self.set_interval(_LETTERS_SECONDS, self.exchange_letters)
         cover_if_too_small(self, self.size)
 
     def on_ready(self) -> None:
@@ -220,6 +231,7 @@ class SarTui(BaseApp):
         assert isinstance(home, HomeScreen)
         await home.fill()
         end_loading()
+        self.exchange_letters()
         for event in waiting:
             await self.on_event(event)
 
@@ -314,6 +326,37 @@ class SarTui(BaseApp):
         else:
             self.notify(text, **how)
 
+    # --- letters
+
+    def exchange_letters(self) -> None:
+        """Take letters, and send those that are due, unless a session is under way: nothing else
+        may use the computer then.
+        """
+        if self.open_session is None:
+            self.letters.begin()
+
+    def await_letters(self) -> None:
+        """Wait a moment for an exchange that is under way, because a session begins."""
+        self.letters.wait(AWAITED_SECONDS)
+
+    def _letters_came(self, done: "Exchanged | StoreError") -> None:
+        """Show what has come, and say what went wrong."""
+        if self.open_session is not None:
+            return
+        if isinstance(done, StoreError):
+            self._tell_of_letters(in_language(done, self.tr))
+            return
+        for text in (*done.refused, *done.troubles):
+            self._tell_of_letters(text)
+        if done.taken and (came := getattr(self.screen, "letters_came", None)):
+            came()
+
+    def _tell_of_letters(self, text: str) -> None:
+        """Tell the therapist once."""
+        if text not in self._told_of_letters:
+            self._told_of_letters.add(text)
+            self._tell(text, severity="warning", timeout=30)
+
     # --- the beginning of a session
 
     def begin_session(self, what: "Plan | str") -> None:
@@ -404,7 +447,7 @@ class SarTui(BaseApp):
         tr = form_language(parameters.language, theme.texts)
 
         def tell(text: str) -> None:
-            self.notify(text, severity="error", timeout=30)
+            self._tell(text, severity="error", timeout=30)
 
         interview = FormInterview(kind, answers, tr, tell)
         self.clear_notifications()
@@ -480,6 +523,7 @@ class SarTui(BaseApp):
         failed.
         """
         self.close_session()
+        self.exchange_letters()
         self.themes.look_for_edits(True)
         live = self.live
         assert live
@@ -494,6 +538,7 @@ class SarTui(BaseApp):
             self._return_from(live)
             for text in wellbeing.warnings(self, list(live.codes.values()), self.tr):
                 self._tell(text, severity="warning", timeout=60)
+            self.exchange_letters()
 
         self.check_database()
         self._is_asking = True
@@ -698,6 +743,7 @@ def run_app(
     for line in app.leaving.lines(code):
         with contextlib.suppress(OSError):  # the terminal may be gone
             print(line, file=sys.stderr)
+    app.letters.finish()
     return code
 
 

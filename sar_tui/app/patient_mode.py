@@ -14,6 +14,7 @@ from sar_tui.store.passphrase import Passphrase
 
 if TYPE_CHECKING:
     from sar_tui.app.app import SarTui
+    from sar_tui.app.at_home import FromClinic
     from sar_tui.app.screens.patient import PatientScreen
 
 _HELD_BACK = ("SIGTSTP", "SIGQUIT")
@@ -59,8 +60,17 @@ class PatientMode:
         self._hold(participant)
         self.hold_signals()
         self._app.clear_notifications()
-        self._screen = PatientScreen(participant, found)
+        self._screen = PatientScreen(participant, found, self._from_clinic(participant))
         await self._app.push_screen(self._screen)
+
+    def _from_clinic(self, participant: str) -> "FromClinic | None":
+        """Return what comes from the clinic; None if this is no home."""
+        letters = self._app.letters
+        if letters.role != "home":
+            return None
+        from sar_tui.app.at_home import FromClinic
+
+        return FromClinic(self._app, participant, letters)
 
     def exercises_of(self, participant: str) -> list[str]:
         """Return the participant's exercises. Raises StoreError if there is none, or no passphrase

@@ -22,9 +22,10 @@ from textual.message import Message
 
 from sar_tui.app import wellbeing
 from sar_tui.app.command_line import command_line
-from sar_tui.app.forms import FormInterview, begin_form, form_language
+from sar_tui.app.forms import FormInterview, access_settings, begin_form, form_language
 from sar_tui.app.interview import Interview
 from sar_tui.app.leaving import lines_about
+from sar_tui.app.letters import AWAITED_SECONDS, Letters
 from sar_tui.app.live import LAST_WRITE_SECONDS, LiveSession, link_of
 from sar_tui.app.plain_terminal import PlainTerminal
 from sar_tui.app.prompt_needs import PROMPTS, prompts_of, refusal
@@ -66,8 +67,9 @@ from sar_tui.model.results_for_people import meeting_text
 from sar_tui.model.spoken_text import sentences
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import SECOND
-from sar_tui.plugins import Catalogue
+from sar_tui.plugins import Catalogue, PluginError
 from sar_tui.records.kind import Kind
+from sar_tui.rules.declaration import ParameterError
 from sar_tui.runs.plan import EnoughToday, Plan, set_up
 from sar_tui.runs.plugin_watchdog import PluginWatchdog
 from sar_tui.store import records, sessions
@@ -82,6 +84,8 @@ from sar_tui.tui.terminal_input import PasteDropped, UnreadableInput
 from sar_tui.widgets.task_view import TaskView, view_of
 
 if TYPE_CHECKING:
+    from sar_tui.app.at_home import FromClinic
+    from sar_tui.letterbox.exchange import Exchanged
     from sar_tui.link.broker_process import BrokerProcess
 
 Result = TypeVar("Result")
@@ -151,6 +155,7 @@ class PlainApp:
         self.folder, self.catalogue, self.patient = folder, catalogue, patient
         self._link, self._markers = link, markers
         self.database = connect(folder)
+        self.letters = Letters(folder, self._letters_came)
         self.screen_keys = ScreenKeys(lambda: host_now() / SECOND)
         self.what_next = ""
         self._items: asyncio.Queue[Item] = asyncio.Queue()
@@ -341,6 +346,7 @@ class PlainApp:
                 if not (may_begin := await self._may_begin(what)):
                     self._must_rest = may_begin is False
                     return
+        self.letters.wait(AWAITED_SECONDS)
         with contextlib.ExitStack() as stack:
             link = self._link or stack.enter_context(link_of(what, self.database, self.folder))
             live, stage = self._open(what, link)
@@ -349,6 +355,7 @@ class PlainApp:
                     codes = list(live.codes.values())
                     records.attach(self.database, live.run.id, codes, asked_since)
             await self._play(live, stage)
+        self.letters.begin()
         if live.asks_after and not self._failure:
             await self.ask(wellbeing.ask_after(self, live))
         self._must_rest = live.session.ended and wellbeing.had_better_rest(self, live)
@@ -439,9 +446,13 @@ class PlainApp:
             unfinished,
         )
 
-        names = exercises(self.database, self.folder, self.catalogue, self.patient)
-        skipped: set[str] = set()
+        clinic, skipped = self._from_clinic(), set[str]()
+        self.letters.begin()
+        self.letters.wait(AWAITED_SECONDS)  # what comes now is told first
         while True:
+            if clinic:
+                await self._read_letters(clinic)
+            names = exercises(self.database, self.folder, self.catalogue, self.patient)
             today = date.today()
             day = day_plan(self.database, self.folder, self.patient, names, today)
             to_do = [one for one in day if not (one.is_done or one.name in skipped)]
@@ -472,6 +483,46 @@ class PlainApp:
             except (*PLAN_ERRORS, LinkError) as error:
                 self.notify(str(error))
                 self.say(self._tr("This does not work now. Please call your therapist."))
+
+    def _from_clinic(self) -> "FromClinic | None":
+        """Return what comes from the clinic; None if this is no home."""
+        if self.letters.role != "home":
+            return None
+        from sar_tui.app.at_home import FromClinic
+
+        return FromClinic(self, self.patient, self.letters)
+
+    async def _read_letters(self, clinic: "FromClinic") -> None:
+        """Tell messages that nobody has read, offer the form that the clinic asks for, and tell
+        what it has seen.
+        """
+        from sar_tui.app.at_home import NOT_RECEIVED, NOT_RECEIVED_WHY
+
+        parameters, _ = access_settings(self.database, self.patient)
+        self._tr = tr = app_language(parameters.language)
+        try:
+            while messages := clinic.unread():
+                await self.ask(clinic.show(messages, tr))
+                clinic.mark_read(messages)
+                self.letters.begin()
+            if kind := clinic.form():
+                clinic.put_off(kind)  # also if it is left before its end
+                if await self.ask(clinic.offer(tr)):
+                    await self.fill_form(kind, Occasion(self.patient))
+                    self.letters.begin()
+            if clinic.is_refused:
+                self.notify(NOT_RECEIVED_WHY)
+                self.tell(clinic, [tr(NOT_RECEIVED)])
+            else:
+                self.tell(clinic, clinic.lines(date.today(), tr))
+        except (StoreError, PluginError, ParameterError) as error:
+            self.notify(str(error))
+
+    def _letters_came(self, done: "Exchanged | StoreError") -> None:
+        """Keep what went wrong for the therapist. Called from another thread."""
+        found = [str(done)] if isinstance(done, StoreError) else [*done.refused, *done.troubles]
+        if self._open_session is None:
+            self._troubles += [text for text in found if text not in self._troubles]
 
     async def _rest(self, *texts: str) -> None:
         """Let the participant rest until a key is pressed."""
@@ -525,6 +576,7 @@ class PlainApp:
                 self.database.close()
                 if code != _HANG_UP:
                     self._say_what_became()
+        self.letters.finish()
         live = self._live
         return code or int(bool(self._failure or (live and (live.unsaved or live.rescued))))
 

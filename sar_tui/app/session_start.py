@@ -191,6 +191,7 @@ class SessionStart:
         )
         database, code, task = self._app.database, plan.participant, plan.task.name
         try:
+            self._app.letters.check_programme()
             last = programmes.newest(database, code, task)
             saved = programmes.save(
                 database,
@@ -202,7 +203,7 @@ class SessionStart:
                 reason=f"Calibrated by reaches that turned the hand by {turned}.",
             )
         except StoreError as error:
-            self._app.notify(in_language(error, self._app.tr), severity="warning", timeout=15)
+            self._app.patient_mode.note_trouble(in_language(error, self._app.tr))
             return plan
         return msgspec.structs.replace(plan, programme=saved.version)
 
@@ -230,6 +231,7 @@ class SessionStart:
     ) -> None:
         """Open a session on a screen of its own."""
         app = self._app
+        app.await_letters()
         if not isinstance(what, str) and not what.id:
             what = msgspec.structs.replace(what, id=sessions.new_id())
         try:

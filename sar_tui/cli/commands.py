@@ -131,6 +131,10 @@ def _print_version(wanted: bool) -> None:
 
 def _trains_at_home(home: Home) -> str | None:
     """Return the code of the person who trains at home with this data folder, if one does."""
+    from sar_tui.letterbox import FILE
+
+    if not (home.folder / FILE).exists():
+        return None
     from sar_tui.letterbox.identity import read
 
     me = read(home.folder)

@@ -280,6 +280,7 @@ def import_programme(
 
     from sar_tui.cli.common import checked_settings
     from sar_tui.drivers.login_name import login_name
+    from sar_tui.letterbox.identity import check_programme
     from sar_tui.rules.parameters import build, changed, usable
     from sar_tui.runs.plan import make_plan
     from sar_tui.runs.programme_file import applied, find, not_applied
@@ -292,6 +293,7 @@ def import_programme(
         )
     if not reason.strip():
         raise Refused('Say why the programme changes: --reason "Reached the goal four times".')
+    check_programme(home.folder)
     catalogue = home.catalogue()
     kind = catalogue.task(task)
     code = participants.check_own(participant)

@@ -11,12 +11,10 @@ from typing import Literal
 import msgspec
 
 from sar_tui.drivers.files import make_private, write_private
+from sar_tui.letterbox import FILE
 from sar_tui.letterbox.sealing import Keys
 from sar_tui.model.language import Sentence
 from sar_tui.store.database import StoreError
-
-FILE = "letterbox.json"
-"""Name of the file in the data folder; mode 0600."""
 
 
 class Identity(msgspec.Struct, frozen=True, kw_only=True):
@@ -71,6 +69,15 @@ def require(data: Path) -> Identity:
             bad_input=True,
         )
     return found
+
+
+def check_programme(data: Path) -> None:
+    """Raise StoreError at home: what a person trains there is changed at the clinic."""
+    found = read(data)
+    if found is not None and found.is_home:
+        raise StoreError(
+            Sentence("The programme comes from the clinic: change it there."), bad_input=True
+        )
 
 
 def write(data: Path, identity: Identity) -> None:

@@ -30,7 +30,8 @@ class Home(msgspec.Struct, frozen=True, kw_only=True):
         missing: numbers of letters that it has written and that have not arrived.
         waiting: number of letters to it that it has not acknowledged yet. ``since``: when the oldest
             of them was written, UTC.
-        refused: sentences on its letters that were refused.
+        refused: sentences on its letters that were refused. ``refused_at``: when the last of them
+            was, UTC; empty if none was.
         clock: why its clock seems to be wrong: ``ahead``, ``behind``, or empty.
         device: the computer, as it described itself.
     """
@@ -45,6 +46,7 @@ class Home(msgspec.Struct, frozen=True, kw_only=True):
     waiting: int
     since: str
     refused: tuple[str, ...]
+    refused_at: str
     clock: str
     device: dict[str, str]
 
@@ -58,7 +60,7 @@ def _home(db: sqlite3.Connection, one: Correspondent) -> Home:
     arrived = stored.letters(db, one.id, "in")
     waiting = _on_the_way(stored.letters(db, one.id, "out"))
     refused = db.execute(
-        "SELECT number, reason FROM letters WHERE correspondent=? AND state='refused' ORDER BY "
+        "SELECT number, reason, at FROM letters WHERE correspondent=? AND state='refused' ORDER BY "
         "number",
         (one.id,),
     ).fetchall()
@@ -72,7 +74,8 @@ def _home(db: sqlite3.Connection, one: Correspondent) -> Home:
         missing=tuple(missing([each.number for each in arrived])),
         waiting=len(waiting),
         since=min((each.at for each in waiting), default=""),
-        refused=tuple(f"Letter {number}: {reason}." for number, reason in refused),
+        refused=tuple(f"Letter {number}: {reason}." for number, reason, _ in refused),
+        refused_at=max((at for *_, at in refused), default=""),
         clock=_clock(one),
         device={name: str(value) for name, value in one.device.items()},
     )
@@ -92,6 +95,43 @@ def _clock(one: Correspondent) -> str:
         return "behind" if written < invited - _CLOCK_TOLERANCE else ""
     except (ValueError, TypeError):
         return ""
+
+
+class LastMessage(msgspec.Struct, frozen=True, kw_only=True):
+    """The newest message to a person at home.
+
+    Attributes:
+        text: what it says.
+        written_at: UTC.
+        has_arrived: a computer of the person has taken it.
+        read_at: when it was heard that the person has read it, UTC; empty: not yet.
+    """
+
+    text: str
+    written_at: str
+    has_arrived: bool
+    read_at: str
+
+
+def last_message(db: sqlite3.Connection, participant: str) -> LastMessage | None:
+    """Return the newest message to a person; None if there is none."""
+    written = _of_kind(db, participant, "message-home")
+    if not written:
+        return None
+    key = f"{written[-1].id} {written[-1].version}"
+    letters = [
+        letter
+        for one in stored.correspondents(db)
+        if one.participant == participant
+        for letter in stored.letters(db, one.id, "out")
+        if key in letter.contents.get("records", ())
+    ]
+    return LastMessage(
+        text=str(written[-1].content.get("text", "")),
+        written_at=written[-1].recorded_at,
+        has_arrived=any(letter.state == "acknowledged" for letter in letters),
+        read_at=max((letter.seen_at for letter in letters), default=""),
+    )
 
 
 class Clinic(msgspec.Struct, frozen=True, kw_only=True):

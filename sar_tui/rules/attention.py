@@ -25,7 +25,7 @@ level is stuck.
 
 ReasonKind = Literal[
     "pain", "pain rose", "event without outcome", "event", "new pain", "worse pain", "tired",
-    "stuck", "mistake", "interrupted",
+    "letter refused", "letters missing", "not heard", "stuck", "mistake", "interrupted",
 ]  # fmt: skip
 """Reasons why a person needs a look, the most urgent first."""
 _URGENCY = {kind: place for place, kind in enumerate(get_args(ReasonKind))}
@@ -40,7 +40,7 @@ class Reason(msgspec.Struct, frozen=True):
     Attributes:
         kind: of the reason.
         day: of what happened; None if it is of several sessions.
-        value: the pain, the level, or the number of events.
+        value: the pain, the level, or the number of events, of letters, or of days.
         limit: the limit that the pain is above, or the pain before the session that it rose from.
         word: the severity of an event, or the task whose level is stuck.
     """
@@ -88,6 +88,20 @@ class Event(msgspec.Struct, frozen=True):
     has_outcome: bool
 
 
+class AtHome(msgspec.Struct, frozen=True):
+    """The state of a person's computer at home, by its letters.
+
+    Attributes:
+        heard: the day of the last letter from it; None before the first.
+        missing: number of letters that it has written and that have not arrived.
+        refused: the day on which a letter from it was refused; None if none was.
+    """
+
+    heard: date | None = None
+    missing: int = 0
+    refused: date | None = None
+
+
 class Course(msgspec.Struct, frozen=True):
     """All of a person's course that these rules look at.
 
@@ -97,6 +111,7 @@ class Course(msgspec.Struct, frozen=True):
         events: adverse events.
         programmes: the newest version of each task's programme, by the name of the task.
         due: the day from which a visit is due; None if none is planned, or it is later.
+        at_home: of who trains at home; None of all others.
     """
 
     sessions: Sequence[PastSession] = ()
@@ -104,6 +119,7 @@ class Course(msgspec.Struct, frozen=True):
     events: Sequence[Event] = ()
     programmes: Mapping[str, int] = {}
     due: date | None = None
+    at_home: AtHome | None = None
 
     @property
     def last(self) -> date | None:
@@ -122,6 +138,8 @@ def reasons(course: Course, today: date) -> tuple[Reason, ...]:
     - Pain above the limit, or that rose as much as the limits forbid, this week: the worst of it.
     - An adverse event this week, or earlier without an outcome.
     - What `tell_therapist` tells of several sessions, if the last of them was this week.
+    - A letter from home that was refused this week, letters that are missing, and that none has
+      come for a week.
     - A level that is stuck: see `stuck_level`.
     - A session by mistake, or one that was interrupted, this week, and no later session.
     """
@@ -129,6 +147,7 @@ def reasons(course: Course, today: date) -> tuple[Reason, ...]:
         *_pains(course.rated, today),
         *_events(course.events, today),
         *_symptoms(course.rated, today),
+        *_letters(course.at_home, today),
         *_stuck(course, today),
         *_unfinished(course.sessions, today),
     ]
@@ -220,6 +239,17 @@ def _symptoms(rated: Sequence[Rated], today: date) -> Iterator[Reason]:
     told = tell_therapist([each.ratings for each in rated])
     kinds: tuple[ReasonKind, ...] = ("new pain", "worse pain", "tired")
     yield from (Reason(kind) for kind in kinds if kind in told)
+
+
+def _letters(home: AtHome | None, today: date) -> Iterator[Reason]:
+    if home is None:
+        return
+    if home.refused is not None and is_this_week(home.refused, today):
+        yield Reason("letter refused", home.refused)
+    if home.missing:
+        yield Reason("letters missing", value=home.missing)
+    if home.heard is not None and not is_this_week(home.heard, today):
+        yield Reason("not heard", home.heard, value=(today - home.heard).days)
 
 
 def _stuck(course: Course, today: date) -> Iterator[Reason]:

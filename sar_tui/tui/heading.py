@@ -22,6 +22,7 @@ TALL = 40
 _HEIGHTS = (8, ONE_LINE)
 """Rows of a letter in whole blocks and in half blocks; a letter in whole blocks is twice as wide."""
 _MOST_LINES = 2
+"""Lines of a sentence; of one in half blocks that may take the whole screen, as many as it takes."""
 _FIGURES = re.compile(r"\d+(?:[.,]\d+)?(?: \w+ \d+)?")
 """A number, or two with a word between them: ``9 of 10``."""
 
@@ -39,7 +40,7 @@ def most_rows(size: Size) -> int:
 def in_blocks(text: str, columns: int, rows: int) -> list[str]:
     """Return the lines of a text drawn in block letters; none if there is no room for it.
 
-    It may be broken between words once.
+    It may be broken between words once; in half blocks, as often as there is room.
 
     Args:
         text: the text; nothing is drawn of one with characters that have no large shape.
@@ -53,7 +54,8 @@ def in_blocks(text: str, columns: int, rows: int) -> list[str]:
     for height in _HEIGHTS:
         gap = 2 if height == _HEIGHTS[0] else 1
         lines = _even(list(_wrapped(text, (columns + gap) // (_LETTER * gap))))
-        if lines and len(lines) <= _MOST_LINES and len(lines) * (height + 1) - 1 <= rows:
+        fitting = (rows + 1) // (height + 1)
+        if lines and len(lines) <= (fitting if gap == 1 else min(fitting, _MOST_LINES)):
             drawn = [draw(line, columns, height) for line in lines]
             if all(len(letters) == height for letters in drawn):
                 rows_of_lines = (row for letters in drawn for row in (*_block(letters), ""))

@@ -7,6 +7,7 @@ import sys
 import tempfile
 from collections import namedtuple
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from socket import socket
@@ -21,20 +22,27 @@ from sar_tui.cli.doctor import command, devices, machine
 from sar_tui.cli.doctor import devices as link
 from sar_tui.cli.doctor.command import Check, examine
 from sar_tui.cli.doctor.finding import Finding, Machine, ok
+from sar_tui.cli.doctor.letterbox import letterbox
 from sar_tui.drivers import phidget as driver
 from sar_tui.drivers.installation import pip_install, pip_install_extra
 from sar_tui.inputs import phidget
 from sar_tui.inputs.imu import Info, Status
+from sar_tui.letterbox.exchange import exchange
+from sar_tui.letterbox.letterbox import revoke
 from sar_tui.link.authority import FOLDER, Authority
 from sar_tui.link.discovery import JoinableSession, announce
 from sar_tui.link.zenoh_settings import Guest, parse_endpoint
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.outputs.sound.protocol import Examined
+from sar_tui.store.database import connect
+from tests.home_and_clinic import Pair, _joined, exchanged, pair
 from tests.needs_speech import needs_speech
 from tests.outputs.servo_fixtures import UNSUPPORTED, FakeServo
 from tests.outputs.voice_fixtures import ENGINE, NOBODY, program_with
 from tests.plugged_in import offer
 from tests.program import Call
+
+__all__ = ["_joined", "pair"]
 
 NOW = datetime.now(UTC)
 Patch = pytest.MonkeyPatch
@@ -435,3 +443,37 @@ def test_invitations_that_are_valid_expire_are_readable_by_others_or_damaged(
     keys.chmod(0o700)
     (keys / "invitations.json").write_text("{")
     assert link.invitations(here).state == "bad"
+
+
+def test_a_letterbox_is_looked_at_from_both_sides(
+    here: Machine, pair: Pair, monkeypatch: Patch
+) -> None:
+    def look(data: Path) -> Finding:
+        return letterbox(Machine(Home(data), here.voice))
+
+    check(look(here.home.folder), "ok", "none: nobody trains at home")
+    check(look(pair.clinic), "ok", "the clinic Klinik Bern, in ")
+    check(look(pair.clinic), "ok", "homes: 1 joined, 0 invited")
+    check(look(pair.home), "ok", "P01 trains at home for Klinik Bern, in ")
+    for number in (1, 2):
+        pair.write(f"Message {number}.")
+    with closing(connect(pair.clinic)) as database:
+        (lost,) = database.execute(
+            "SELECT file FROM letters WHERE direction='out' ORDER BY number DESC LIMIT 1 OFFSET 1"
+        ).fetchone()
+    (pair.box / lost).unlink()
+    exchanged(pair.home)
+    check(look(pair.home), "care", "1 missing", "They are asked for again.")
+    revoke(pair.clinic, "P01")
+    for data in (pair.clinic, pair.home):
+        exchange(data)
+    check(look(pair.home), "care", "takes no letters from here", "Ask it for a new invitation.")
+    how = pip_install_extra("letterbox")
+    with monkeypatch.context() as patch:
+        patch.setattr("sar_tui.cli.doctor.letterbox.find_spec", lambda _: None)
+        check(look(pair.home), "bad", "PyNaCl is not installed", how)
+        check(look(here.home.folder), "ok", "not installed. ", how)
+    shutil.rmtree(pair.box)
+    check(look(pair.clinic), "care", "cannot be used")
+    (pair.home / "letterbox.json").write_text("{")
+    check(look(pair.home), "bad", "cannot be read")

@@ -45,7 +45,9 @@ async def test_the_key_is_in_the_row_above_the_footer() -> None:
 def test_a_long_sentence_is_broken_between_words_and_a_longer_one_is_not_drawn() -> None:
     assert len(in_blocks("How much pain do you have?", 160, 12)) == 9, "two lines of four rows"
     assert in_blocks("How much pain do you have?", 160, 8) == []
-    assert in_blocks("A sentence that goes on and on, and then on, and on again", 160, 20) == []
+    long = "A sentence that goes on and on, and then on, and on again"
+    assert in_blocks(long, 160, 9) == []
+    assert len(in_blocks(long, 160, 20)) == 19, "four lines of four rows"
 
 
 def test_a_text_without_large_letters_is_not_drawn() -> None:

@@ -61,6 +61,7 @@ class ParticipantCard(Vertical):
     _is_open = False
     _tells = False
     _is_in_study = False
+    _is_at_home = False
     _found: "CardContents | None" = None
 
     async def open(self) -> None:
@@ -73,6 +74,7 @@ class ParticipantCard(Vertical):
             return
         yield Static("", id="told", markup=False)
         yield Static("", id="study", markup=False)
+        yield Static("", id="at-home", markup=False)
         with Container(id="choices"):
             for name in ("task", "theme"):
                 with Horizontal(classes="row"):
@@ -105,18 +107,21 @@ class ParticipantCard(Vertical):
         look: Sequence[str],
         offer: str,
         study: str,
+        at_home: str = "",
     ) -> None:
         """Show the card of a participant; ``look``: why they need a look today, a sentence each;
-        ``study``: what is due in a study.
+        ``study``: what is due in a study; ``at_home``: what is known of their computer at home.
         """
         self.border_title = f"{participant} · {title}"
         self._found = found
         texts = {"progress": found.progress, "last": found.last}
         told = look or found.told
-        self._write(texts | {"told": "\n".join(told), "offer": offer, "study": study})
+        beside = {"offer": offer, "study": study, "at-home": at_home}
+        self._write(texts | {"told": "\n".join(told)} | beside)
         for name, text in texts.items():
             self.query_one(f"#{name}-row").display = bool(text)
         self._tells, self._is_in_study = bool(told), bool(study)
+        self._is_at_home = bool(at_home)
         self.query_one("#offer").display = bool(offer)
         without = "" if found.last else self.app.tr("No session yet. START begins the first one.")
         self.query_one(SessionChart).show(found.chart, without)
@@ -156,6 +161,7 @@ class ParticipantCard(Vertical):
             self.query_one(name).display = shows
         self.query_one("#told").display = shows and self._tells
         self.query_one("#study").display = shows and self._is_in_study
+        self.query_one("#at-home").display = shows and self._is_at_home
         self.query_one("#welcome").display = not shows
 
     def _write(self, texts: dict[str, Any]) -> None:

@@ -1,12 +1,14 @@
 """Reads what the first screen shows of a participant."""
 
 import sqlite3
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import date
 from pathlib import Path
 from statistics import fmean
+from typing import TYPE_CHECKING
 
 import msgspec
+from msgspec.structs import replace
 
 from sar_tui.app.home import words
 from sar_tui.app.home.chart import Chart, charted
@@ -41,6 +43,9 @@ from sar_tui.store import (
 from sar_tui.store.records import Record
 from sar_tui.store.training_days import trained_at
 from sar_tui.store.wellbeing import PAIN, TIREDNESS
+
+if TYPE_CHECKING:  # loaded if there is a letterbox
+    from sar_tui.app.home.homes import Homes
 
 _LISTED = 30
 _MODES = {"simulated": "simulated", "replayed": "replayed"}
@@ -126,10 +131,24 @@ def _programme(
     )
 
 
-def read_day(database: sqlite3.Connection, folder: Path, today: date, tr: Language) -> Day:
-    """Return the day: the people of this site, and what is to be said of them."""
-    people = courses.read_people(database, folder, today)
-    return day_of(people, participants.last_used(database), today, tr)
+def read_day(
+    database: sqlite3.Connection,
+    folder: Path,
+    today: date,
+    tr: Language,
+    homes: Mapping[str, "Homes"] = {},
+) -> Day:
+    """Return the day: the people of this site, and what is to be said of them; ``homes``: of those
+    who train at home, by participant.
+    """
+    people = [
+        replace(each, course=replace(each.course, at_home=homes[each.code].facts))
+        if each.code in homes
+        else each
+        for each in courses.read_people(database, folder, today)
+    ]
+    said = {code: own.shortly(today, tr) for code, own in homes.items()}
+    return day_of(people, participants.last_used(database), today, tr, said)
 
 
 class Listed(msgspec.Struct, frozen=True):

@@ -3,7 +3,7 @@
 Each text is a whole sentence with slots, so that it can be translated.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import date
 from typing import Literal
 
@@ -43,6 +43,9 @@ _REASONS: dict[ReasonKind, str] = {
     "new pain": "new pain",
     "worse pain": "more pain",
     "tired": "very tired",
+    "letter refused": "a letter was refused",
+    "letters missing": "1 letter missing",
+    "not heard": "not heard for {value} days",
     "stuck": "no change for 3 sessions",
     "mistake": "begun by mistake",
     "interrupted": "interrupted",
@@ -51,8 +54,9 @@ _REASONS: dict[ReasonKind, str] = {
 _SEVERAL: dict[ReasonKind, str] = {
     "event": "{value} adverse events",
     "event without outcome": "{value} open adverse events",
+    "letters missing": "{value} letters missing",
 }
-"""The reasons for more than one event."""
+"""The reasons for more than one event or letter."""
 _SENTENCES: dict[ReasonKind, str] = {
     "pain": "Pain {value} {day}, limit {limit}.",
     "pain rose": "Pain from {limit} to {value} {day}.",
@@ -61,6 +65,9 @@ _SENTENCES: dict[ReasonKind, str] = {
     "new pain": "Pain in the last 4 sessions, none before.",
     "worse pain": "More pain in the last 4 sessions than before.",
     "tired": "Very tired after the last 2 sessions.",
+    "letter refused": "A letter from home was refused {day}: `sar-tui letterbox list` says why.",
+    "letters missing": "1 letter from home is missing: it is asked for again.",
+    "not heard": "Nothing was heard from home for {value} days.",
     "stuck": "No change for 3 sessions: level {value}.",
     "mistake": "Begun by mistake {day}.",
 }
@@ -68,8 +75,10 @@ _SENTENCES: dict[ReasonKind, str] = {
 _SEVERAL_SENTENCES: dict[ReasonKind, str] = {
     "event": "{value} adverse events this week.",
     "event without outcome": "{value} adverse events without an outcome.",
+    "letters missing": "{value} letters from home are missing: they are asked for again.",
 }
-"""The sentences for more than one event."""
+"""The sentences for more than one event or letter."""
+_OF_LETTERS = ("letter refused", "letters missing", "not heard")
 _SEVERITIES = {
     "mild": "mild",
     "moderate": "moderate",
@@ -113,7 +122,13 @@ def heading(part: Part, tr: Language) -> str:
     return tr(HEADINGS[part])
 
 
-def day_of(people: Sequence[Person], last: str | None, today: date, tr: Language) -> Day:
+def day_of(
+    people: Sequence[Person],
+    last: str | None,
+    today: date,
+    tr: Language,
+    at_home: Mapping[str, str] = {},
+) -> Day:
     """Return the day.
 
     Args:
@@ -122,6 +137,7 @@ def day_of(people: Sequence[Person], last: str | None, today: date, tr: Language
             may well go on.
         today: the date.
         tr: the language.
+        at_home: what is said of the computers of those who train at home, by participant.
     """
     found = []
     for place, person in enumerate(people):
@@ -129,7 +145,7 @@ def day_of(people: Sequence[Person], last: str | None, today: date, tr: Language
         part: Part = section(person.course, why, today)
         if person.code == last and part not in ("look", "due"):
             part = "last"
-        entry = _entry(person, part, why, today, tr)
+        entry = _entry(person, part, why, today, tr, at_home.get(person.code, ""))
         found.append((_order(person, part, why), place, entry))
     entries = [entry for *_, entry in sorted(found, key=lambda one: one[:2])]
     return Day(_sentence(people, entries, tr), entries)
@@ -145,7 +161,9 @@ def _order(person: Person, part: Part, why: Sequence[Reason]) -> tuple[float, ..
     return (place,)
 
 
-def _entry(person: Person, part: Part, why: Sequence[Reason], today: date, tr: Language) -> Entry:
+def _entry(
+    person: Person, part: Part, why: Sequence[Reason], today: date, tr: Language, at_home: str
+) -> Entry:
     course = person.course
     said, look = [], []
     for reason in why:
@@ -162,6 +180,8 @@ def _entry(person: Person, part: Part, why: Sequence[Reason], today: date, tr: L
     pain = worst_pain(course.rated, today)
     if pain and not why:
         said.append(tr("pain {pain}/10 this week", pain=pain))
+    if at_home and not any(reason.kind in _OF_LETTERS for reason in why):
+        said.append(at_home)
     text = " · ".join(said)
     return Entry(
         person.code, part, f"{text[:1].upper()}{text[1:]}", _trained(person, today, tr), look

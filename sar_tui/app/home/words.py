@@ -13,7 +13,8 @@ if TYPE_CHECKING:  # the empty screen is shown before it is loaded
     from sar_tui.progress.lines import SessionResults
     from sar_tui.reports.progress import LineProgress
 
-_DAYS = ("Mon", "Tue", "Wed", "Thu", "Fri", "Sat", "Sun")
+DAYS = ("Mon", "Tue", "Wed", "Thu", "Fri", "Sat", "Sun")
+"""Days of the week."""
 _MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
 
 
@@ -47,7 +48,7 @@ def day_words(day: date, today: date, tr: Language) -> str:
 
 def weekday_words(day: date, tr: Language) -> str:
     """Return a date with its weekday: "Tue 17 Nov"."""
-    weekday, month = tr(_DAYS[day.weekday()]), tr(_MONTHS[day.month - 1])
+    weekday, month = tr(DAYS[day.weekday()]), tr(_MONTHS[day.month - 1])
     return tr("{weekday} {day} {month}", weekday=weekday, day=day.day, month=month)
 
 

@@ -31,6 +31,7 @@ from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.lists import OptionList, PickList
 
 if TYPE_CHECKING:
+    from sar_tui.app.home.homes import Homes
     from sar_tui.loop.task import Task
     from sar_tui.store.programmes import Programme
 
@@ -55,6 +56,7 @@ class HomeScreen(Screen[None]):
         Binding("f4", "progress", "Progress", id="progress"),
         Binding("f6", "sessions", "Sessions", id="sessions"),
         Binding("f7", "study", "Study", id="study"),
+        Binding("f8", "message", "Message", id="message"),
         Binding("f12", "patient_mode", "Patient mode", id="patient-mode"),
         Binding("f3", "operate", "Operator's panel", id="operate"),
         Binding("plus", "new_participant", "New participant", show=False, id="new-participant"),
@@ -71,6 +73,7 @@ class HomeScreen(Screen[None]):
         self._is_filled = False
         self._can_operate = False
         self._studies: list[str] = []
+        self._homes: dict[str, Homes] = {}
         self._day: date | None = None
         self._sentence = ""
         self._who: str | None = None
@@ -93,6 +96,16 @@ class HomeScreen(Screen[None]):
                 "with an interrupted session, Del dismisses it. + adds a person."
             ),
             *((tr("F7 shows the study: who is due, and what comes next."),) * bool(self._studies)),
+            *(
+                (
+                    tr(
+                        "People who train at home also need a look if letters from there are "
+                        "missing or were refused, or if none came for a week. F8 writes a message "
+                        "to the chosen one, and sets their days of training."
+                    ),
+                )
+                * bool(self._homes)
+            ),
         )
         return "\n\n".join(paragraphs) + "\n"
 
@@ -130,6 +143,7 @@ class HomeScreen(Screen[None]):
         self._tasks.choose(_FIRST_TASK)
         self._list_participants(chosen)
         self._look_again()
+        self._note_look(self._who)
         self.app.tell_troubles()
 
     def on_mount(self) -> None:
@@ -140,6 +154,7 @@ class HomeScreen(Screen[None]):
         if self._is_filled:
             self.refresh_contents()
             self._look_again()
+            self._note_look(self._who)
         if self.focused is None:
             self._participants.focus()
 
@@ -155,13 +170,15 @@ class HomeScreen(Screen[None]):
         self._studies = studies.names(self.app.database)
         chosen = chosen or self._participants.chosen or participants.last_used(self.app.database)
         self._day = self.app.today()
-        day = read_day(self.app.database, self.app.folder, self._day, self.app.tr)
+        self._read_homes()
+        day = read_day(self.app.database, self.app.folder, self._day, self.app.tr, self._homes)
         self._participants.fill(day.entries, chosen)
         self._show_title(self._day)
         self._sentence = day.sentence
         self.set_class(not day.entries, "-empty")
         self._show_sentence()
         self._show_participant(anew=True)
+        self.refresh_bindings()
 
     def _show_sentence(self) -> None:
         """Show the sentence of the day; as large as there is room for, if nobody is listed."""
@@ -233,6 +250,7 @@ class HomeScreen(Screen[None]):
             look=entry.look if entry else (),
             offer=offer_words(*offer, today, tr) if offer else "",
             study=self._study_words(who),
+            at_home=self._homes[who].in_full(today, tr) if who in self._homes else "",
         )
         self._choose_saved_theme(who, name)
 
@@ -270,8 +288,13 @@ class HomeScreen(Screen[None]):
 
     @on(OptionList.OptionHighlighted, "#participant")
     def _participant_chosen(self) -> None:
+        before = self._who
         self._show_participant()
         self._show_key()
+        if self._who != before:
+            self._note_look(before)
+            self._note_look(self._who)
+            self.refresh_bindings()
 
     @on(OptionList.OptionHighlighted, "#task")
     def _task_chosen(self) -> None:
@@ -324,6 +347,8 @@ class HomeScreen(Screen[None]):
             return self._can_operate
         if action == "study":
             return bool(self._studies)
+        if action == "message":
+            return self._who in self._homes
         if action == "sessions" and self.focused is not None and self.focused.id == "recent":
             return False
         return super().check_action(action, parameters)
@@ -368,6 +393,7 @@ class HomeScreen(Screen[None]):
             ("progress", tr("Progress"), tr("How the chosen person has done over weeks")),
             ("sessions", tr("Sessions"), tr("Those of the chosen person: look, go on, dismiss")),
             ("study", tr("Study"), tr("Who is due in a study, and what comes next")),
+            ("message", tr("Message"), tr("To the chosen person, who trains at home")),
             ("patient_mode", tr("Patient mode"), tr("Let the chosen person train alone")),
             ("operate", tr("Operator's panel"), tr("Join a session that is under way")),
         ):
@@ -462,6 +488,17 @@ class HomeScreen(Screen[None]):
         if chosen := self._participant_and_task():
             self.app.push_screen(ProgressScreen(*chosen))
 
+    def action_message(self) -> None:
+        """Write a message to the chosen participant, who trains at home."""
+        from sar_tui.app.screens.message_home import MessageScreen
+
+        def written(is_written: bool | None) -> None:
+            if is_written:
+                self.app.exchange_letters()
+
+        if self._who:
+            self.app.push_screen(MessageScreen(self._who), written)
+
     def _participant_and_task(self) -> "tuple[str, type[Task]] | None":
         who, name = self._participants.code, self._tasks.chosen
         if not who or not name:
@@ -473,6 +510,39 @@ class HomeScreen(Screen[None]):
         except PluginError as error:  # it was removed or edited meanwhile
             self.notify(in_language(error, self.app.tr), severity="warning", timeout=15)
             return None
+
+    # --- people who train at home
+
+    def _read_homes(self) -> None:
+        """Read what is known of the computers at home, if this is a clinic that has some."""
+        if self.app.letters.role != "clinic":
+            return
+        from sar_tui.app.home.homes import read_homes
+
+        self._homes = read_homes(self.app.database)
+
+    def letters_came(self) -> None:
+        """Show what has come. Nobody may be here to look at it."""
+        if self._is_filled:
+            self.refresh_contents()
+
+    def _note_look(self, who: str | None) -> None:
+        """Note that a therapist looks at a person's card, so that their computer at home can say
+        so.
+        """
+        if who not in self._homes:
+            return
+        from sar_tui.letterbox import correspondents
+        from sar_tui.store.database import transaction
+
+        try:
+            with transaction(self.app.database) as database:
+                is_news = correspondents.mark_seen(database, who)
+        except StoreError as error:
+            self.notify(in_language(error, self.app.tr), severity="warning", timeout=15)
+            return
+        if is_news:
+            self.app.exchange_letters()
 
     # --- while nobody presses a key: another day, and the operator's panel of a session to join
 
@@ -642,6 +712,7 @@ class Starting:
         from sar_tui.drivers.login_name import login_name
         from sar_tui.store import programmes
 
+        self._screen.app.letters.check_programme()
         changed = programmes.Programme(saved.parameters, theme)
         reason = f"Theme {theme} was chosen on the first screen."
         return programmes.save(

@@ -15,15 +15,26 @@ from sar_tui.model.language import Language, in_language, language
 from sar_tui.model.spoken_text import sentences
 from sar_tui.plugins import PluginError, task_folder
 from sar_tui.rules.scanning import Choice
-from sar_tui.runs.patient_plan import PLAN_ERRORS, Exercise, day_plan, plan_exercise, unfinished
+from sar_tui.runs.patient_plan import (
+    PLAN_ERRORS,
+    Exercise,
+    day_plan,
+    exercises,
+    plan_exercise,
+    unfinished,
+)
 from sar_tui.store.database import StoreError
+from sar_tui.store.forms import Occasion
 from sar_tui.tui.gc_control import end_loading
 from sar_tui.tui.heading import Heading, most_rows
 from sar_tui.tui.key_line import KeyLine
 from sar_tui.tui.language import app_language, planned_language
 
 if TYPE_CHECKING:
+    from sar_tui.app.at_home import FromClinic
+    from sar_tui.records.kind import Kind
     from sar_tui.runs.plan import Plan
+    from sar_tui.store.records import Record
 
 _GREETINGS = ((12, "Good morning"), (18, "Good afternoon"), (24, "Good evening"))
 """Greetings, each with the hour until which it is said."""
@@ -38,6 +49,7 @@ class PatientScreen(Screen[None]):
     Args:
         participant: the code.
         exercises: names of the tasks, in order.
+        from_clinic: what comes from the clinic; None if the participant does not train at home.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -48,9 +60,14 @@ class PatientScreen(Screen[None]):
 
     app: Any
 
-    def __init__(self, participant: str, exercises: list[str]) -> None:
+    def __init__(
+        self, participant: str, exercises: list[str], from_clinic: "FromClinic | None" = None
+    ) -> None:
         super().__init__()
         self._participant = participant
+        self._from_clinic = from_clinic
+        self._is_reading = False
+        """A message, or a form, is on top of this screen."""
         self._exercises = [Exercise(name) for name in exercises]
         self._at = 0
         self._has_begun = False
@@ -87,6 +104,7 @@ class PatientScreen(Screen[None]):
             yield Static("", id="trouble", classes="body", markup=False)
             yield Center(Button("", id="go", variant="primary"))
             yield Center(Button("", id="skip", compact=True))
+            yield Static("", id="clinic", classes="small", markup=False)
         yield KeyLine(grows=True)
 
     def on_mount(self) -> None:
@@ -103,12 +121,13 @@ class PatientScreen(Screen[None]):
     # --- where in the plan of the day one is
 
     def _read_day(self) -> None:
-        """Read what is done today; begin with what is not."""
-        names = [exercise.name for exercise in self._exercises]
-        self._exercises = day_plan(
-            self.app.database, self.app.folder, self._participant, names, self.app.today()
-        )
-        if not self._has_begun:
+        """Read what is done today; begin with what is not, also after the programme has changed."""
+        app, before = self.app, [exercise.name for exercise in self._exercises]
+        names = before
+        if self._from_clinic:
+            names = exercises(app.database, app.folder, app.catalogue, self._participant)
+        self._exercises = day_plan(app.database, app.folder, self._participant, names, app.today())
+        if not self._has_begun or names != before:
             self._at, self._has_begun = self._open_from(0), True
 
     def _open_from(self, index: int) -> int:
@@ -172,6 +191,8 @@ class PatientScreen(Screen[None]):
             self._plan, trouble = None, True
             self.app.patient_mode.note_trouble(in_language(error, self.app.tr))
         self._write(trouble=trouble)
+        if self._from_clinic:
+            self.call_after_refresh(self._show_what_came)
 
     def on_resize(self) -> None:
         heading = self.query_one("#hello", Heading)
@@ -194,7 +215,10 @@ class PatientScreen(Screen[None]):
             "#trouble": tr("This does not work now. Please call your therapist.")
             if trouble
             else "",
+            "#clinic": "",
         }
+        if self._from_clinic:
+            self._add_from_clinic(texts, self._from_clinic)
         for name, text in texts.items():
             part = self.query_one(name, Static)
             part.update(text)
@@ -217,7 +241,8 @@ class PatientScreen(Screen[None]):
     def sentences(self) -> list[str]:
         """The screen in sentences; of its buttons the one that is chosen."""
         shown = (
-            self.query_one(f"#{name}", Static) for name in ("where", "day", "exercise", "trouble")
+            self.query_one(f"#{name}", Static)
+            for name in ("where", "day", "exercise", "trouble", "clinic")
         )
         texts = [str(part.content) for part in shown if part.display]
         day = [_GAP.sub(", ", text.replace(_NEXT, "").replace(_DONE, "")) for text in texts]
@@ -354,3 +379,79 @@ class PatientScreen(Screen[None]):
     def _skip(self) -> None:
         self._go_on()
         self.show_exercise()
+
+    # --- what comes from the clinic
+
+    def _add_from_clinic(self, texts: dict[str, str], clinic: "FromClinic") -> None:
+        """Add what the clinic has seen, and that its letters do not go through."""
+        from sar_tui.app.at_home import NOT_RECEIVED, NOT_RECEIVED_WHY
+
+        try:
+            if clinic.is_refused:
+                self.app.patient_mode.note_trouble(self.app.tr(NOT_RECEIVED_WHY))
+                texts["#trouble"] = texts["#trouble"] or self.tr(NOT_RECEIVED)
+            else:
+                texts["#clinic"] = "\n".join(clinic.lines(self.app.today(), self.tr))
+        except StoreError as error:
+            self.app.patient_mode.note_trouble(in_language(error, self.app.tr))
+
+    def letters_came(self) -> None:
+        """Show what has changed; the button that is chosen stays."""
+        if not self.app.patient:
+            return
+        chosen = self.focused
+        self.show_exercise()
+        if chosen is not None and chosen.display:
+            chosen.focus()
+
+    def _show_what_came(self) -> None:
+        """Show messages that nobody has read, then offer the form that the clinic asks for, unless
+        something else is under way.
+        """
+        app, clinic = self.app, self._from_clinic
+        is_free = app.patient and self.is_current and app.open_session is None
+        if clinic is None or self._is_reading or not is_free:
+            return
+        try:
+            if messages := clinic.unread():
+                self._show_messages(clinic, messages)
+            elif kind := clinic.form():
+                self._offer_form(clinic, kind)
+        except StoreError as error:
+            app.patient_mode.note_trouble(in_language(error, app.tr))
+
+    def _show_messages(self, clinic: "FromClinic", messages: "list[Record]") -> None:
+        from sar_tui.app.screens.questions import LetterScreen
+
+        def read(_: bool | None) -> None:
+            self._is_reading = False
+            if not self.app.patient:  # the therapist has closed it
+                return
+            try:
+                clinic.mark_read(messages)
+            except StoreError as error:
+                self.app.patient_mode.note_trouble(in_language(error, self.app.tr))
+            self.app.exchange_letters()
+            self.call_after_refresh(self._show_what_came)
+
+        self._is_reading = True
+        self.app.push_screen(LetterScreen(clinic.show(messages, self.tr)), read)
+
+    def _offer_form(self, clinic: "FromClinic", kind: "Kind") -> None:
+        from sar_tui.app.screens.questions import QuestionScreen
+
+        def answered(wants: bool | None) -> None:
+            self._is_reading = False
+            clinic.put_off(kind)  # also if it is left before its end
+            if not (wants and self.app.patient):
+                return
+            try:
+                self.app.fill_form(kind, Occasion(self._participant), filled)
+            except PLAN_ERRORS as error:
+                self.app.patient_mode.note_trouble(in_language(error, self.app.tr))
+
+        def filled(_: object) -> None:
+            self.app.exchange_letters()
+
+        self._is_reading = True
+        self.app.push_screen(QuestionScreen(clinic.offer(self.tr)), answered)

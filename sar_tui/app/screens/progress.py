@@ -659,7 +659,7 @@ def _can_be_added(kind: Kind) -> bool:
     """Return True if a therapist enters such records, or if it is a form that can be filled in."""
     if kind.form:
         return not kind.why_unusable
-    return kind.entered_by == "therapist"
+    return kind.entered_by == "therapist" and kind.group != "home"
 
 
 _OF_CHARTS = {

@@ -19,7 +19,7 @@ from sar_tui.model.step import Entry
 from sar_tui.model.theme import Theme
 from sar_tui.rules.scanning import Choice
 from sar_tui.tui.dismissed_once import DismissedOnce
-from sar_tui.tui.heading import ROOMY, Heading, most_rows
+from sar_tui.tui.heading import ROOMY, Heading, in_blocks, is_roomy, most_rows
 from sar_tui.tui.key_line import KeyLine
 from sar_tui.tui.language import translated as translated_keys
 from sar_tui.widgets.answer_options import options_text, rows_of_chosen, with_chosen
@@ -37,6 +37,10 @@ _CAN_WAIT = ("given", "instruction")
 """Parts that leave their room to a question that would not fit, in this order."""
 _TALL = 46
 """Least rows of a window in which two blank rows are between the parts, unless it is a form."""
+_WIDEST = 72
+"""Most columns of the words of a letter."""
+_BESIDE_LETTER = 14
+"""Rows of all else beside the words of a letter."""
 _PASSED_ON = frozenset(("backspace", "escape", "f1", "question_mark", "ctrl+p", "ctrl+q"))
 """Keys that are bound, here or in the app."""
 
@@ -178,7 +182,7 @@ class QuestionScreen(DismissedOnce[Result]):
             self._put("where", page.where)
         self._put("who", page.who)
         self._put("instruction", page.instruction)
-        self.query_one("#question", Heading).show(page.text, most_rows(app.size))
+        self.query_one("#question", Heading).show(page.text, self._largest)
         self._put("hint", page.hint)
         if step is None:
             self._put("options", " ".join(page.said).replace(". ", ".\n"))
@@ -193,6 +197,11 @@ class QuestionScreen(DismissedOnce[Result]):
         self.refresh_bindings()
         app.look_for_choices()
         app.aloud.read(self, interview.place)
+
+    @property
+    def _largest(self) -> int:
+        """The most rows of the question."""
+        return most_rows(self.app.size)
 
     @property
     def _columns(self) -> int:
@@ -244,6 +253,21 @@ class QuestionScreen(DismissedOnce[Result]):
         part = self.query_one(f"#{name}", Static)
         part.update(text)
         part.display = bool(text)
+
+
+class LetterScreen(QuestionScreen[bool]):
+    """Shows words that were written to the participant, as large as the window allows."""
+
+    def _show(self) -> None:
+        text, size = self._interview.page().text, self.app.size
+        drawn = in_blocks(text, self._columns, self._largest) if is_roomy(*size) else []
+        beside = 0 if drawn else max(0, (self._columns - _WIDEST) // 2)
+        self.query_one("#question").styles.padding = (0, beside)
+        super()._show()
+
+    @property
+    def _largest(self) -> int:
+        return max(most_rows(self.app.size), self.app.size.height - _BESIDE_LETTER)
 
 
 def _listening(theme: Theme) -> str:

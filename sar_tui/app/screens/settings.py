@@ -255,6 +255,7 @@ class SettingsScreen(DismissedOnce[None]):
         await self._show_group(0)
         await self._check()
         self._tell_strange_values()
+        self._is_of_clinic()
         if unsaved := self._unsaved():
             self.app.clear_notifications()  # that they were not saved
             back = self.tr("Back, and not saved: {names}.", names=self._named(unsaved))
@@ -716,6 +717,8 @@ class SettingsScreen(DismissedOnce[None]):
         if not made:
             self._show_key()  # which says that everything is saved
             return
+        if self._is_of_clinic():
+            return
 
         async def answered(given: Reason | None) -> None:
             if given:
@@ -725,6 +728,15 @@ class SettingsScreen(DismissedOnce[None]):
         warning, self._warning = self._warning, ""
         asked = SaveReasonScreen(made, login_name(), warning, self.tr, what)
         self.app.push_screen(asked, answered)
+
+    def _is_of_clinic(self) -> bool:
+        """Return True, and say so, if the programme is changed at the clinic only."""
+        try:
+            self.app.letters.check_programme()
+        except StoreError as error:
+            self.notify(in_language(error, self.tr), severity="warning", timeout=15)
+            return True
+        return False
 
     async def _save(self, wanted: Programme, reason: str, author: str) -> None:
         try:
@@ -737,6 +749,7 @@ class SettingsScreen(DismissedOnce[None]):
                 author=author,
                 reason=reason,
             )
+            self.app.exchange_letters()
         except programmes.Superseded as error:
             self._warning = in_language(error, self.tr)
             mine = self._unsaved()

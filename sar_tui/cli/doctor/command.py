@@ -44,6 +44,7 @@ def checks() -> Sequence[Check]:
     from sar_tui.cli.doctor import devices, machine
     from sar_tui.cli.doctor import devices as link
     from sar_tui.cli.doctor.data_in_git import examine_data_in_git
+    from sar_tui.cli.doctor.letterbox import letterbox
     from sar_tui.cli.doctor.system_keys import system_keys
 
     return (
@@ -68,6 +69,7 @@ def checks() -> Sequence[Check]:
         Check("Operator here", link.operator_here),
         Check("Invitations", link.invitations),
         Check("Browser", link.browser),
+        Check("Letterbox", letterbox),
         Check("Data", machine.database),
         Check("Saved data", machine.saved_data),
         Check("Data and git", examine_data_in_git, waits=True),

@@ -7,7 +7,14 @@ import pytest
 
 from sar_tui.app.home.day import Day, Entry, day_of
 from sar_tui.model.language import Language
-from sar_tui.rules.attention import STUCK_SESSIONS, Course, Event, PastSession, Rated
+from sar_tui.rules.attention import (
+    STUCK_SESSIONS,
+    AtHome,
+    Course,
+    Event,
+    PastSession,
+    Rated,
+)
 from sar_tui.rules.wellbeing import SessionRatings
 from sar_tui.store.courses import DayTotal, Person
 
@@ -157,3 +164,23 @@ def test_it_is_said_why_a_person_is_there_and_when_they_trained(
 def test_an_interrupted_session_is_left_to_the_card() -> None:
     found = only(person("P01", sessions=[PastSession(TODAY, "keyboard", "interrupted")]))
     assert (found.why, found.look) == ("Interrupted", [])
+
+
+def test_letters_from_home_that_are_missing_or_refused_or_late_need_a_look() -> None:
+    late = only(person("P01", at_home=AtHome(heard=ago(7))))
+    assert (late.part, late.why) == ("look", "Not heard for 7 days")
+    assert list(late.look) == ["Nothing was heard from home for 7 days."]
+    many = AtHome(heard=TODAY, missing=2, refused=ago(1))
+    worse = only(person("P01", at_home=many))
+    assert worse.why == "A letter was refused · 2 letters missing"
+    assert worse.look[0].startswith("A letter from home was refused yesterday: ")
+    for fine in (AtHome(), AtHome(heard=ago(6), refused=ago(8))):
+        assert only(person("P01", at_home=fine)).part != "look"
+
+
+def test_the_state_of_a_home_is_said_unless_it_is_the_reason() -> None:
+    said = {"P01": "At home: heard yesterday"}
+    found = day_of([person("P01", at_home=AtHome(heard=ago(1)))], None, TODAY, Language(), said)
+    assert found.entries[0].why == "At home: heard yesterday"
+    found = day_of([person("P01", at_home=AtHome(missing=1))], None, TODAY, Language(), said)
+    assert found.entries[0].why == "1 letter missing"
