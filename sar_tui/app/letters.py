@@ -98,7 +98,8 @@ class Letters:
 
     def _exchange(self) -> "Exchanged | StoreError | None":
         """Return what an exchange did; None if another program makes one now."""
-        from sar_tui.letterbox.exchange import Busy, exchange
+        from sar_tui.letterbox.contents import Busy
+        from sar_tui.letterbox.exchange import exchange
 
         try:
             return exchange(self._folder)
