@@ -174,6 +174,17 @@ class Robot(Output):
 
     _link: Link | None = None
 
+    @property
+    def is_ready(self) -> bool:
+        """True once the robot is connected, and requests are sent at once."""
+        ready_at = self._ready_at if self._link else None
+        return ready_at is not None and self.clock.now() >= ready_at
+
+    @property
+    def absence(self) -> str:
+        """Why the robot is not connected, as a sentence."""
+        return (self._link.problem if self._link else "") or self._not_connected
+
     def open(self, theme: Theme, clock: Clock, report: Callable[[Report], None]) -> None:
         """Connect in the background. Requests in the first moments wait for the connection."""
         self.close()
@@ -365,7 +376,7 @@ class Robot(Output):
                         request, now + request.answer, partial(self._overdue, link, request)
                     )
                 else:
-                    self._end(request, "failed", now, link.problem or self._not_connected)
+                    self._end(request, "failed", now, self.absence)
 
     def _is_to_wait(self, link: Link, now: int) -> bool:
         if self._ready_at is None:

@@ -268,3 +268,27 @@ def test_an_invalid_address_is_refused_with_an_example() -> None:
     for text in [*of_no_host, "ros://robot:99999", "ros://me:secret@robot", "ros://robot?a"]:
         with pytest.raises(AddressError, match="Use ros://HOST"):
             parse(text, "ros", 9090, "ros://HOST")
+
+
+def test_a_goal_gives_feedback_and_a_result_and_is_cancelled_by_another_connection(
+    call: Callable[[int], Caller],
+) -> None:
+    with ros_bridge("slow") as server:
+        first, other = call(server.port), call(server.port)
+        heard: list[Any] = []
+        wait_until(lambda: first.bridge.is_connected and other.bridge.is_connected)
+        assert first.bridge.send_goal(
+            "g1",
+            "/skill/say",
+            "communication_skills/action/Say",
+            {"input": "Hello."},
+            lambda: heard.append("begun"),
+            lambda status, values: heard.append((status, values["result"]["error_code"])),
+        )
+        wait_until(lambda: heard == ["begun"])
+        assert other.bridge.cancel_goal("g1", "/skill/say")
+        wait_until(lambda: heard == ["begun", (5, 125)])
+        answers: list[Any] = []
+        assert first.bridge.call_service("s1", "/rosapi/action_servers", answers.append)
+        wait_until(lambda: answers)
+        assert "/skill/say" in answers[0]["action_servers"]

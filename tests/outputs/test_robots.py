@@ -163,7 +163,7 @@ def test_a_robot_that_is_not_there_fails_after_a_while(bench: Any) -> None:
 @pytest.mark.parametrize("bench", [ros4hri_bench, furhat_bench])
 def test_a_gesture_that_the_robot_lacks_is_skipped_and_reported(bench: Any) -> None:
     options = "?nod=somersault" if bench is ros4hri_bench else "&nod="
-    with bench(options=options) as (rig, robot):
+    with bench(options=options) as (rig, _):
         for action in ("a", "b"):
             assert end(rig, "gesture", action, "nod") == ["started", "done"]
             assert rig.detail(action, "gesture").startswith("This robot has no ")
