@@ -60,6 +60,10 @@ class Options(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     """The address has no options."""
 
 
+class Unanswered(OutputError):
+    """The daemon did not answer a request: the robot is lost, until it answers again."""
+
+
 class Job:
     """A request that a thread carries out, and whether it is to stop."""
 
@@ -85,6 +89,7 @@ class Daemon:
         self._voice = Voice(how)
         self._body: queue.SimpleQueue[Job | None] = queue.SimpleQueue()
         self._mouth: queue.SimpleQueue[Job | None] = queue.SimpleQueue()
+        self._file = f"sar-tui-{secrets.token_hex(4)}.wav"  # every sound takes its place
         self._jobs: list[Job] = []
         self._threads: list[threading.Thread] = []
 
@@ -141,39 +146,57 @@ class Daemon:
     def _watch(self) -> None:
         """Ask again and again whether the daemon is there."""
         while not self._closed.is_set():
-            try:
-                status = self._ask("GET", "/api/daemon/status")
-            except OutputError:
-                status = None
-            was_there = self.is_connected
-            self._status = status if status and status.get("state") == "running" else None
-            if was_there != self.is_connected and not self._closed.is_set():
-                if was_there:
-                    self._drop()
-                self._changed()
+            status = self._running_status()
+            if self.is_connected and status is None:
+                self._lose()
+            elif status is not None:
+                was_there, self._status = self.is_connected, status
+                if not was_there:
+                    self._tell_change()
             self._closed.wait(WATCH_S if self.is_connected else WATCH_S / 4)
 
-    def _drop(self) -> None:
+    def _running_status(self) -> dict[str, Any] | None:
+        """Return the daemon's status; None if it does not answer, or the robot is not ready."""
+        try:
+            status = self._ask("GET", "/api/daemon/status")
+        except OutputError:
+            return None
+        is_ready = isinstance(status, dict) and status.get("state") == "running"
+        return status if is_ready else None
+
+    def _lose(self) -> None:
+        """End all jobs: the output fails them."""
+        self._status = None
         for job in list(self._jobs):
             job.stopped.set()
+        self._tell_change()
+
+    def _tell_change(self) -> None:
+        if not self._closed.is_set():
+            self._changed()
 
     def _work(self, jobs: "queue.SimpleQueue[Job | None]", do: Callable[[Job], None]) -> None:
         """Carry out one job after another."""
         if jobs is self._mouth:
             self._voice.prepare()
         while job := jobs.get():
-            state, detail = "done", ""
             try:
                 do(job)
-                state = "aborted" if job.stopped.is_set() else "done"
+            except Unanswered:
+                self._lose()
             except OutputError as error:
-                state, detail = "failed", str(error)
-            except Exception as error:
-                state, detail = "failed", f"The robot's answer could not be understood ({error})."
+                self._answer(job, "failed", str(error))
+            except (KeyError, TypeError) as error:
+                why = f"The robot's answer could not be understood ({plain(error)})."
+                self._answer(job, "failed", why)
+            else:
+                self._answer(job, "aborted" if job.stopped.is_set() else "done")
             self._jobs.remove(job)
-            self._answer(job, state, detail)
         if jobs is self._mouth:
             self._voice.end()
+            if self.is_connected:
+                with suppress(OutputError):
+                    self._ask("DELETE", f"/api/media/sounds/{self._file}")
 
     def _move(self, job: Job) -> None:
         """Go from pose to pose; stop the movement under way if the job is stopped."""
@@ -197,16 +220,13 @@ class Daemon:
         if made is None:
             return
         sound, seconds = made
-        name = f"sar-tui-{secrets.token_hex(4)}.wav"
-        self._upload(name, sound)
+        self._upload(self._file, sound)
         if job.stopped.is_set():
             return
-        self._ask("POST", "/api/media/play_sound", {"file": name})
+        self._ask("POST", "/api/media/play_sound", {"file": self._file})
         self._answer(job, "started")
         if job.stopped.wait(seconds):
             self._ask("POST", "/api/media/stop_sound")
-        with suppress(OutputError):
-            self._ask("DELETE", f"/api/media/sounds/{name}")
 
     def _stop_all(self) -> None:
         """Stop what this program has lost sight of, too."""
@@ -262,9 +282,7 @@ class Daemon:
                 raise OutputError(f"The robot refused {path} ({response.status}: {plain(why)}).")
             return json.loads(text)
         except (OSError, http.client.HTTPException) as error:
-            raise OutputError(
-                f"The robot at {self._address} did not answer {path} ({plain(error)})."
-            ) from error
+            raise Unanswered(f"{path}: {plain(error)}") from error
         except ValueError as error:
             raise OutputError(f"The robot's answer to {path} could not be understood.") from error
         finally:

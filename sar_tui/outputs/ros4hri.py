@@ -51,6 +51,8 @@ _SUCCEEDED, _CANCELED = 4, 5
 """Of ``action_msgs/GoalStatus``."""
 _INTERRUPTED, _CANCELLED = 4, 125
 """Error codes of ``std_skills/Result``: by another skill, by the one who asked for it."""
+LEARN = 300 * MS
+"""Pause after connecting, in which it is learned which skills there are."""
 LOOK = 400 * MS
 """Time after which a look is done; its goal may go on, to follow the point."""
 CANCEL_AGAIN = (20 * MS, 60 * MS, 250 * MS)
@@ -265,6 +267,7 @@ class Ros4Hri(Robot):
     """
 
     name = "ros4hri"
+    settle = LEARN
 
     def __init__(self, address: str) -> None:
         self._address, self._options = read_address(address, "ros4hri", PORT, Options, _EXAMPLE)

@@ -36,8 +36,10 @@ def connected(
 def is_ready(rig: RosRig) -> bool:
     """Return True if the output knows that the robot is connected, and what it can do."""
     output: Any = rig.output
-    learned = not isinstance(output, Ros4Hri) or output._link._servers
-    return output._ready_at is not None and bool(learned)
+    if output._ready_at is None or (isinstance(output, Ros4Hri) and not output._link._servers):
+        return False
+    rig.clock.advance(max(0, output._ready_at - rig.clock.now()))
+    return True
 
 
 def ros4hri_bench(
