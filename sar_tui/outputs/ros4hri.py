@@ -183,7 +183,8 @@ class Skills:
         self._servers = list(answer.get("action_servers", ()))
 
     def _begun(self, goal: _Goal) -> None:
-        self._heard(Answer("started", goal.request.id, goal.request.part))
+        if goal.request.started is None:
+            self._heard(Answer("started", goal.request.id, goal.request.part))
 
     def _ended(self, goal: _Goal, status: int, values: Any) -> None:
         self._open.pop(goal.id, None)
