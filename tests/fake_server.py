@@ -93,14 +93,20 @@ class FakeServer:
         self.port = self._server.sockets[0].getsockname()[1]
 
     async def _shut(self) -> None:
-        for task in self._tasks:
-            task.cancel()
+        await self._cancel_tasks()
         if self._server is not None:
             for client in list(self._clients):
                 client.transport.abort()
             self._server.close()
             await self._server.wait_closed()
             self._server = None
+        await self._cancel_tasks()  # those of messages that had come before
+
+    async def _cancel_tasks(self) -> None:
+        tasks = list(self._tasks)
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
 
     async def _attend(self, client: ServerConnection) -> None:
         self.connections += 1

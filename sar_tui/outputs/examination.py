@@ -114,7 +114,7 @@ class _Trial:
             tell(f"It says: {what.say}")
             said = await self._try("say", what.say)
             found = msgspec.structs.replace(found, said=said)
-            stops = "say" if said.state == "done" else stops
+            stops = stops if said.started_ms is None else "say"
         if what.gesture and "gesture" in output.can:
             tell(f"It moves: {what.gesture}")
             found = msgspec.structs.replace(found, moved=await self._try("gesture", what.gesture))

@@ -41,11 +41,13 @@ def test_a_robot_that_is_only_looked_for_neither_speaks_nor_moves(call: Call) ->
         assert not bridge.data("/sar_tui/speech")
 
 
-def test_a_robot_that_does_not_stop_fails(call: Call) -> None:
+def test_a_robot_that_does_not_stop_fails(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(robot, "LONGEST", 0)
     with furhat("deaf") as server:
         called = call("robots", f"furhat://{server.host}", "--say", "Hello.", "--gesture", "")
         assert called.code == 1
-        assert "did not" in called.out
+        assert "did not report that it was done" in called.out
+        assert "The stop was not confirmed." in called.out
 
 
 def test_absent_robots_are_told_with_what_to_do(

@@ -65,7 +65,7 @@ def furhat_bench(
 def reachy_bench(
     manner: Any = "obliging", pace: float = 1.0
 ) -> AbstractContextManager[tuple[RosRig, FakeReachy]]:
-    return connected(FakeReachy(manner, pace), Reachy, "say", "gesture", "gaze")
+    return connected(FakeReachy(manner, pace), Reachy, "gesture", "gaze", "say")
 
 
 @contextmanager

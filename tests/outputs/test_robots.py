@@ -252,6 +252,7 @@ def test_a_furhat_receives_speech_gesture_and_place_to_look_at() -> None:
         end(rig, "gesture", what="nod")
         for where in ("right", "ahead"):
             end(rig, "gaze", where, where)
+        wait_until(lambda: robot.events("attend.user"))
         (said,), (moved,) = robot.events("speak.text"), robot.events("gesture.start")
         assert (said["text"], said["abort"]) == ("Well done.", False)
         assert (moved["name"], moved["monitor"]) == ("Nod", True)
