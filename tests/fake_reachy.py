@@ -1,9 +1,9 @@
 """A fake Reachy Mini: the part of its daemon's HTTP interface that sar-tui uses.
 
 It answers as the daemon of reachy-mini 1.13.0 does (Apache-2.0, github.com/pollen-robotics/
-reachy_mini, src/reachy_mini/daemon/app/routers/move.py and media.py, and backend/abstract.py): a
-movement that is asked for while another one is under way is ignored and ends at once; to stop one
-that has ended is an internal error; a sound is played without an answer when it ends.
+reachy_mini, src/reachy_mini/daemon/app/routers/move.py and media.py), with which it was compared:
+two movements may be under way at the same time; to stop one that has ended is an internal error; a
+sound is played without an answer when it ends.
 """
 
 import json
@@ -155,11 +155,10 @@ class FakeReachy:
         return status, answer
 
     def _goto(self, what: Any) -> tuple[int, Any]:
-        if not what["duration"] > 0 or set(what["head_pose"]) - _POSE or len(what["antennas"]) != 2:
+        if set(what["head_pose"]) - _POSE or len(what["antennas"]) != 2:
             return 422, {"detail": "Unprocessable"}
         uuid = str(uuid4())
-        if not self.running():
-            self._moves[uuid] = time.monotonic() + what["duration"] * self.pace
+        self._moves[uuid] = time.monotonic() + what["duration"] * self.pace
         return 200, {"uuid": uuid}
 
     def _upload(self, body: bytes) -> tuple[int, Any]:

@@ -43,7 +43,7 @@ class Stopped(msgspec.Struct, frozen=True):
 
 
 class Examined(msgspec.Struct, frozen=True):
-    """What was found out about a robot. ``None``: it was not tried.
+    """The findings about a robot. ``None``: it was not tried.
 
     Attributes:
         address: its address.
@@ -65,7 +65,7 @@ class Examined(msgspec.Struct, frozen=True):
 
 
 class What(NamedTuple):
-    """What to have a robot do: a sentence and a gesture, or neither to see whether it is there."""
+    """A sentence and a gesture to try; neither, to see only whether the robot is there."""
 
     say: str = ""
     gesture: str = ""

@@ -45,7 +45,7 @@ _AWAY = {
     "up": (0.0, 0.4),
     "down": (0.0, -0.4),
 }
-"""Where it looks, 1 m away, to the participant's right (which is the robot's left) and up (m)."""
+"""Point to look at, 1 m away: to the participant's right, which is the robot's left, and up (m)."""
 _UNSTOPPABLE = "Furhat does not stop a gesture: it ends by itself, within a second or two."
 _EXAMPLE = (
     "furhat://HOST or furhat://HOST:PORT; after a question mark, joined by &, there may be "

@@ -75,8 +75,8 @@ class Job:
 class Daemon:
     """The connection: requests to the daemon, and two threads that carry out what it is to do.
 
-    The daemon does one movement at a time, and ignores others meanwhile; so gestures and looks
-    share a thread. Sounds have the other one.
+    The daemon carries out two movements at the same time, which pull the head to and fro; so
+    gestures and looks share a thread. Sounds have the other one.
     """
 
     problem = ""
@@ -91,6 +91,7 @@ class Daemon:
         self._mouth: queue.SimpleQueue[Job | None] = queue.SimpleQueue()
         self._file = f"sar-tui-{secrets.token_hex(4)}.wav"  # every sound takes its place
         self._jobs: list[Job] = []
+        self._was_lost = False
         self._threads: list[threading.Thread] = []
 
     @property
@@ -123,11 +124,14 @@ class Daemon:
         return True
 
     def stop(self, id: str) -> bool:
-        """Stop the jobs of this id; everything that the robot does if it is empty."""
+        """Stop the jobs of this id; if it is empty all, and what goes on since the robot was
+        lost.
+        """
         for job in list(self._jobs):
             if id in ("", job.request.id):
                 job.stopped.set()
-        if not id and self.is_connected:
+        if self._was_lost and not id and self.is_connected:
+            self._was_lost = False
             self._start(self._stop_all)
         return self.is_connected
 
@@ -167,6 +171,7 @@ class Daemon:
     def _lose(self) -> None:
         """End all jobs: the output fails them."""
         self._status = None
+        self._was_lost = True
         for job in list(self._jobs):
             job.stopped.set()
         self._tell_change()

@@ -158,9 +158,9 @@ class Robot(Output):
 
     can = frozenset[ActionPart]({"say", "gesture", "gaze"})
     place: str
-    """Where it is, for sentences: ``192.0.2.7, port 9090``."""
+    """Its place in sentences: ``192.0.2.7, port 9090``."""
     missing: str
-    """What is not there without a connection, and what to do, as a sentence."""
+    """Clause that says, without a connection, what is not there, and what to do."""
     settle: ClassVar[int] = 0
     """Pause after connecting before anything is sent, in ns."""
     confirm: ClassVar[int] = CONFIRM

@@ -46,9 +46,9 @@ SKILLS: Mapping[ActionPart, Skill] = {
     "gaze": Skill("/skill/look_at", "interaction_skills/action/LookAt"),
 }
 PRIORITY = 128
-"""Of ``std_skills/Meta``: normal."""
+"""Normal priority of ``std_skills/Meta``."""
 _SUCCEEDED, _CANCELED = 4, 5
-"""Of ``action_msgs/GoalStatus``."""
+"""Statuses of ``action_msgs/GoalStatus``."""
 _INTERRUPTED, _CANCELLED = 4, 125
 """Error codes of ``std_skills/Result``: by another skill, by the one who asked for it."""
 LEARN = 300 * MS
