@@ -106,14 +106,13 @@ class Bridge:
                 fields. Neither is called after the connection was lost.
         """
         goal = {"op": "send_action_goal", "id": id, "action": action, "action_type": type}
-        goal |= {"args": args, "feedback": True}  # type: ignore[dict-item]
 
         def receive(result: Mapping[str, Any]) -> None:
             on_result(result["status"].value, result["values"])
 
         return self._ask(
             "send_ros_action_goal",
-            goal,
+            goal | {"args": args, "feedback": True},
             self._unless_closed(receive),
             self._unless_closed(lambda _: on_feedback()),
             self._unless_closed(receive),

@@ -12,6 +12,7 @@ from typing import Any
 
 from sar_tui.drivers.address import Address
 from sar_tui.drivers.installation import pip_install_extra
+from sar_tui.model.messages import PartState
 from sar_tui.model.units import SECOND
 from sar_tui.outputs.output import OutputError
 from sar_tui.outputs.robot import (
@@ -135,9 +136,9 @@ class Events:
             return False
         return True
 
-    def _over(self, id: str, state: str, detail: str = "") -> None:
+    def _over(self, id: str, state: PartState, detail: str = "") -> None:
         if request := self._open.pop(id, None):
-            self._heard(Answer(state, request.id, request.part, detail))  # type: ignore[arg-type]
+            self._heard(Answer(state, request.id, request.part, detail))
 
     # --- on the connection's thread
 

@@ -20,7 +20,7 @@ import msgspec
 
 from sar_tui.drivers.address import Address
 from sar_tui.model.gesture import Gesture, Pose
-from sar_tui.model.messages import ActionPart
+from sar_tui.model.messages import ActionPart, PartState
 from sar_tui.model.units import SECOND
 from sar_tui.outputs.output import OutputError
 from sar_tui.outputs.robot import Answer, Changed, Heard, Link, Request, Robot, plain, read_address
@@ -251,10 +251,10 @@ class Daemon:
             if self._is_running(uuid):
                 raise
 
-    def _answer(self, job: Job, state: str, detail: str = "") -> None:
+    def _answer(self, job: Job, state: PartState, detail: str = "") -> None:
         if not self._closed.is_set():
             request = job.request
-            self._heard(Answer(state, request.id, request.part, detail))  # type: ignore[arg-type]
+            self._heard(Answer(state, request.id, request.part, detail))
 
     # --- the daemon
 
