@@ -22,6 +22,8 @@ FORMS = (
 )
 """The forms of addresses, and what they are for."""
 _KINDS = tuple(form.partition(":")[0] for form, _ in FORMS)
+_GESTURES = {"servo": "wave"}
+"""Gestures to try where there may be no neck: one servo is an arm."""
 _REMEMBERED = 200
 """The sessions in which addresses are looked for."""
 
@@ -39,7 +41,10 @@ def robots(
     gesture: Annotated[
         str | None,
         typer.Option(
-            "--gesture", metavar="NAME", show_default=False, help="The gesture it makes: nod."
+            "--gesture",
+            metavar="NAME",
+            show_default=False,
+            help="The gesture it makes, such as nod.",
         ),
     ] = None,
     quiet: Annotated[
@@ -61,7 +66,10 @@ def robots(
     if quiet and (say is not None or gesture is not None):
         raise Refused("--quiet goes without --say and --gesture.")
     words = "Hello. I am here." if say is None else say
-    what = What() if quiet else What(words, "nod" if gesture is None else gesture)
+    if quiet and _kind(address) == "servo":
+        raise Refused("Servos are seen when they move, or by `sar-tui doctor`: leave out --quiet.")
+    move = gesture if gesture is not None else _GESTURES.get(_kind(address), "nod")
+    what = What() if quiet else What(words, move)
     tell = console(error=True)
     (found,) = _examined(home, [address], what, lambda text: tell.print(text, markup=False))
     if as_json:
@@ -104,7 +112,7 @@ def _remembered(home: Home) -> list[str]:
         address
         for row in rows
         for address in row["parameters"].get("outputs", ())
-        if _kind(address) in _KINDS
+        if _kind(address) in _KINDS and _kind(address) != "servo"
     ]
     return list(dict.fromkeys(addresses))
 

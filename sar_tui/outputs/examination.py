@@ -51,7 +51,8 @@ class Examined(msgspec.Struct, frozen=True):
         connected_ms: time until it was; None if it was not.
         said: the sentence.
         moved: the gesture.
-        stopped: the stop of another sentence, or of another gesture if it does not speak.
+        stopped: the stop of another sentence, or of another gesture if it does not speak; also None
+            if that ended before.
         problems: what is wrong, one sentence each.
     """
 
@@ -117,7 +118,10 @@ class _Trial:
             stops = stops if said.started_ms is None else "say"
         if what.gesture and "gesture" in output.can:
             tell(f"It moves: {what.gesture}")
-            found = msgspec.structs.replace(found, moved=await self._try("gesture", what.gesture))
+            moved = await self._try("gesture", what.gesture)
+            found = msgspec.structs.replace(found, moved=moved)
+            if moved.state == "failed" and not isinstance(output, Robot):  # no connection to ask
+                return Examined(address, False, moved=moved, problems=_problems(found))
         if what.say or what.gesture:
             tell("It begins again, and is stopped.")
             again = " ".join([what.say] * 3) if stops == "say" else what.gesture
@@ -134,11 +138,13 @@ class _Trial:
         at = None if started is None else (started.at - asked) / MS
         return Tried(end.state, at, (end.at - asked) / MS, end.detail)
 
-    async def _stop(self, part: ActionPart, what: str) -> Stopped:
-        """Request a part, and stop it when it is under way."""
+    async def _stop(self, part: ActionPart, what: str) -> Stopped | None:
+        """Request a part, and stop it when it is under way; None if it ended before."""
         self._request("stop", part, what)
         await self._until(lambda: bool(self._start("stop") or self._end("stop")), _SILENT_S)
         await asyncio.sleep(_BEFORE_STOP_S)
+        if self._end("stop"):
+            return None
         asked = self._clock.now()
         try:
             self._output.stop()
@@ -148,8 +154,6 @@ class _Trial:
         end = self._end("stop")
         if end is None:
             return Stopped(None, "It did not report the end.")
-        if end.at < asked:
-            return Stopped(None, end.detail or "It had ended before it could be stopped.")
         is_confirmed = end.state in ("done", "aborted") and not end.detail
         return Stopped((end.at - asked) / MS if is_confirmed else None, end.detail)
 

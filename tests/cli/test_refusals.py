@@ -90,6 +90,7 @@ robots speech -> speech is not a robot. Use one of: ros4hri://HOST
 robots '' -> An empty address is not a robot.
 robots furhat:// -> Use furhat://HOST or furhat://HOST:PORT
 robots furhat://robot --gesture somersault -> There is no gesture somersault. Choose one of: nod,
+robots servo --quiet -> leave out --quiet.
 robots reachy://robot --quiet --say Hello -> --quiet goes without --say and --gesture.
 run keyboard -p P01 --outputs screen,furhat://robot?keyfile=x -> keyfile
 run keyboard -p P01 --markers mqtt://broker -> use lsl, udp://HOST:PORT or serial:PORT

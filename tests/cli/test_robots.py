@@ -50,6 +50,21 @@ def test_a_robot_that_does_not_stop_fails(call: Call, monkeypatch: pytest.Monkey
         assert "The stop was not confirmed." in called.out
 
 
+def test_servos_are_there_if_they_move(call: Call) -> None:
+    called = call("robots servo --json")
+    assert called.code == 1
+    assert called.json["reachable"] is False
+    assert called.json["moved"]["state"] == "failed"
+
+
+def test_what_ends_by_itself_is_not_stopped(call: Call) -> None:
+    with furhat("obliging", 0.05) as server:
+        called = call("robots", f"furhat://{server.host}", "--say", "", "--gesture", "wave")
+        assert called.code == 0
+        assert "no gesture for wave" in called.out
+        assert "Stop" not in called.out
+
+
 def test_absent_robots_are_told_with_what_to_do(
     call: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
