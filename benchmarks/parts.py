@@ -18,6 +18,7 @@ from benchmarks import (
     paint,
     reaches,
     response,
+    robots,
     sensor,
     sensors,
     simulate,
@@ -104,6 +105,12 @@ def _agent(extent: Extent) -> Any:
     return agent.measure(stops, extent.trials, extent.folder, stopped, spoken)
 
 
+def _robots(extent: Extent) -> Any:
+    repeats = 2 if extent.quick else 20
+    tried = extent.progress("stops of robots", robots.names() * repeats)
+    return robots.measure(repeats, tried)
+
+
 def _operator(extent: Extent) -> Any:
     acts = 10 if extent.quick else 200
     acted = extent.progress("keys of an operator", 2 * acts)
@@ -159,6 +166,7 @@ PARTS: Mapping[str, Callable[[Extent], Any]] = {
     "sensor": _sensor,
     "sensors": _sensors,
     "agent": _agent,
+    "robots": _robots,
     "operator": _operator,
 }
 """Each part by its name: measures it, and returns its figures."""

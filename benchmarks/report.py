@@ -493,6 +493,16 @@ def _agent(agent: Results) -> dict[str, Rows]:
     }
 
 
+def _robots(robots: Results) -> dict[str, Rows]:
+    figures = ("first_word_ms", "first_word_max_ms", "stop_ms", "stop_max_ms")
+    rows = [
+        [name, str(found["n"]), *(f"{found[each]:.1f}" for each in figures)]
+        for name, found in robots["robots"].items()
+    ]
+    head = ["robot", "times", "first word, median", "worst", "stop, median", "worst"]
+    return {"Request to first word, and stop to the robot's confirmation (ms)": [head, *rows]}
+
+
 def _operator(operator: Results) -> dict[str, Rows]:
     return {
         "Operator's key to participant's screen (ms)": [
@@ -526,6 +536,7 @@ _TABLES: Mapping[str, Callable[[Results], dict[str, Rows]]] = {
     "sensor": _sensor,
     "sensors": _sensors,
     "agent": _agent,
+    "robots": _robots,
     "operator": _operator,
 }
 

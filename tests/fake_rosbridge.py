@@ -2,28 +2,33 @@
 
 It implements the part of the rosbridge v2 protocol that sar-tui uses, as RobotWebTools documents it
 (github.com/RobotWebTools/rosbridge_suite, ROSBRIDGE_PROTOCOL.md): advertise, unadvertise, publish,
-subscribe, unsubscribe, set_level and status, each a JSON object with an ``op``, in a WebSocket's
-text frame.
+subscribe, unsubscribe, set_level, status, call_service, send_action_goal and cancel_action_goal, each
+a JSON object with an ``op``, in a WebSocket's text frame. Actions are answered as
+rosbridge_library/capabilities/send_action_goal.py does: a goal is known by its id to every
+connection, and to cancel one that is not accepted yet has no effect. The results are those of
+ROS4HRI skills (github.com/ros4hri: std_skills/Result).
 """
 
 import asyncio
 import importlib
 import json
 import sys
-import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import Any, Literal
 
 import pytest
-from websockets.asyncio.server import ServerConnection, serve
-from websockets.exceptions import ConnectionClosed
+from websockets.asyncio.server import ServerConnection
 
-DEADLINE_S = 60.0
-"""Time to wait for another thread before a test fails."""
+from tests.fake_server import DEADLINE_S, FakeServer
+
 REPORT = "/sar_tui/report"
 PARTS = {"speech": "say", "gesture": "gesture", "gaze": "gaze"}
+SKILLS = ("/skill/say", "/skill/replay_motion", "/skill/look_at")
+MOTIONS = ("wave", "nod", "bow")
+ACCEPTED_S = 0.005
+"""Time until a robot has accepted a goal; it cannot be cancelled before."""
 KNOWN_TYPES = ("std_msgs/String", "sensor_msgs/Imu")
 Manner = Literal["obliging", "silent", "slow", "failing", "muddled", "breaking off", "terse"]
 
@@ -47,9 +52,8 @@ def wait_until(happened: Callable[[], Any], what: str = "it") -> None:
         time.sleep(0.002)
 
 
-class RosBridge:
-    """A rosbridge server with a robot. Its port stays the same when it stops listening and starts
-    again.
+class RosBridge(FakeServer):
+    """A rosbridge server with a robot.
 
     Args:
         manner: how the robot reacts to a request. ``obliging``: starts and completes it.
@@ -58,66 +62,31 @@ class RosBridge:
             ``terse``: as ``obliging``, but without the id and the part in its reports. All but
             ``silent`` report what a stop aborted.
         lasts_s: time that an obliging robot takes for a part.
-
-    Attributes:
-        received: every message of a client, in order.
-        connections: number of connections so far.
+        skills: the actions that the robot has.
+        one_at_a_time: take up the messages of a connection only when its goal has ended, as
+            rosbridge does by default up to 2.1.0.
     """
 
-    def __init__(self, manner: Manner = "obliging", lasts_s: float = 0.0) -> None:
+    def __init__(
+        self,
+        manner: Manner = "obliging",
+        lasts_s: float = 0.0,
+        skills: Sequence[str] = SKILLS,
+        one_at_a_time: bool = False,
+    ) -> None:
+        super().__init__()
         self.manner: Manner = manner
         self.lasts_s = lasts_s
-        self.port = 0
-        self.received: list[dict[str, Any]] = []
-        self.connections = 0
-        self._clients: dict[ServerConnection, tuple[dict[str, str], set[str]]] = {}
+        self.skills = skills
+        self.one_at_a_time = one_at_a_time
+        self._topics: dict[ServerConnection, tuple[dict[str, str], set[str]]] = {}
         self._under_way: list[dict[str, str]] = []
         self._endings: set[asyncio.Task[None]] = set()
-        self._loop = asyncio.new_event_loop()
-        self._server: Any = None
-        self._thread = threading.Thread(
-            target=self._loop.run_forever, name="rosbridge server", daemon=True
-        )
-        self._thread.start()
-        self._thawed = threading.Event()
-        self._thawed.set()
-
-    @property
-    def host(self) -> str:
-        return f"127.0.0.1:{self.port}"
-
-    def arrive(self) -> None:
-        """Start to listen for connections."""
-        self._do(self._listen())
-
-    def leave(self) -> None:
-        """Cut every connection, and refuse new ones."""
-        self._do(self._shut())
-
-    def freeze(self) -> None:
-        """Hang as if the cable was pulled: connections stay open without data."""
-        self._thawed.clear()
-        self._loop.call_soon_threadsafe(self._thawed.wait)
-
-    def thaw(self) -> None:
-        """Continue after hanging."""
-        self._thawed.set()
-
-    def close(self) -> None:
-        """Stop for good."""
-        self.thaw()
-        self.leave()
-        self._loop.call_soon_threadsafe(self._loop.stop)
-        self._thread.join(DEADLINE_S)
-        self._loop.close()
+        self._goals: dict[str, asyncio.Event] = {}
 
     def publish(self, topic: str, message: Any) -> None:
         """Send a message to all subscribers."""
         self._do(self._publish(topic, message))
-
-    def send(self, text: str) -> None:
-        """Send raw data to all connections."""
-        self._do(self._send(text))
 
     def data(self, topic: str) -> list[str]:
         """Return the messages received on a topic of ``std_msgs/String``."""
@@ -131,43 +100,24 @@ class RosBridge:
         """Return the topics of the requests for an operation."""
         return [said["topic"] for said in list(self.received) if said["op"] == op]
 
-    def has_clients(self) -> bool:
-        """True if there is a connection."""
-        return bool(self._clients)
-
     def has_subscriber(self, topic: str) -> bool:
         """Return True if a topic has a subscriber."""
-        return any(topic in subscribed for _, subscribed in list(self._clients.values()))
+        return any(topic in subscribed for _, subscribed in list(self._topics.values()))
 
-    def _do(self, work: Any) -> None:
-        asyncio.run_coroutine_threadsafe(work, self._loop).result(DEADLINE_S)
+    def goals(self, skill: str) -> list[dict[str, Any]]:
+        """Return the goals that a skill has received."""
+        name = f"/skill/{skill}"
+        return [
+            said["args"]
+            for said in list(self.received)
+            if said["op"] == "send_action_goal" and said["action"] == name
+        ]
 
-    async def _listen(self) -> None:
-        self._server = await serve(self._attend, "127.0.0.1", self.port)
-        self.port = self._server.sockets[0].getsockname()[1]
+    def left(self, client: ServerConnection) -> None:
+        self._topics.pop(client, None)
 
-    async def _shut(self) -> None:
-        for ending in self._endings:
-            ending.cancel()
-        if self._server is not None:
-            for client in list(self._clients):
-                client.transport.abort()
-            self._server.close()
-            await self._server.wait_closed()
-            self._server = None
-
-    async def _attend(self, client: ServerConnection) -> None:
-        self.connections += 1
-        self._clients[client] = ({}, set())
-        with suppress(ConnectionClosed):
-            async for frame in client:
-                said = json.loads(frame)
-                self.received.append(said)
-                await self._answer(client, said)
-        del self._clients[client]
-
-    async def _answer(self, client: ServerConnection, said: dict[str, Any]) -> None:
-        advertised, subscribed = self._clients[client]
+    async def answer(self, client: ServerConnection, said: dict[str, Any]) -> None:
+        advertised, subscribed = self._topics.setdefault(client, ({}, set()))
         match said:
             case {"op": "advertise", "topic": topic, "type": kind} if kind in KNOWN_TYPES:
                 advertised[topic] = kind
@@ -183,9 +133,26 @@ class RosBridge:
                 topic in advertised
             ):
                 await self._robot(topic.rpartition("/")[2], data)
+            case {"op": "call_service" | "send_action_goal" | "cancel_action_goal"}:
+                await self._skill(client, said)
             case _:
                 words = f"{said.get('op')}: refused"
                 await client.send(json.dumps({"op": "status", "level": "error", "msg": words}))
+
+    async def _skill(self, client: ServerConnection, said: dict[str, Any]) -> None:
+        match said:
+            case {"op": "call_service", "service": "/rosapi/action_servers", "id": id}:
+                answer = {"op": "service_response", "id": id, "result": True}
+                answer |= {"service": said["service"], "values": {"action_servers": self.skills}}
+                await self.tell(client, answer)
+            case {"op": "send_action_goal", "id": id, "action": name, "args": dict(args)}:
+                if name in self.skills:  # rosbridge waits for ever for one that is not there
+                    goal = self.do_later(self._pursue(client, id, name, args))
+                    if self.one_at_a_time:
+                        await asyncio.wait({goal})
+            case {"op": "cancel_action_goal", "id": id}:
+                if (cancelled := self._goals.get(id)) and self.manner != "silent":
+                    cancelled.set()
 
     async def _robot(self, what: str, data: str) -> None:
         """Act as a robot with a speech, a gesture, a gaze and a stop topic, and report."""
@@ -220,7 +187,7 @@ class RosBridge:
                 return
             self._under_way.append(names)
             if self.manner in ("obliging", "terse"):
-                ending = self._loop.create_task(self._finish(names))
+                ending = self.do_later(self._finish(names))
                 self._endings.add(ending)
                 ending.add_done_callback(self._endings.discard)
 
@@ -235,14 +202,38 @@ class RosBridge:
         )
 
     async def _publish(self, topic: str, message: Any) -> None:
-        for client, (_, subscribed) in list(self._clients.items()):
+        for client, (_, subscribed) in list(self._topics.items()):
             if topic in subscribed:
-                with suppress(ConnectionClosed):  # The client may be disconnecting.
-                    await client.send(json.dumps({"op": "publish", "topic": topic, "msg": message}))
+                await self.tell(client, {"op": "publish", "topic": topic, "msg": message})
 
-    async def _send(self, text: str) -> None:
-        for client in list(self._clients):
-            await client.send(text)
+    async def _pursue(
+        self, client: ServerConnection, id: str, name: str, args: dict[str, Any]
+    ) -> None:
+        """Act as the server of a skill: accept the goal, give feedback, and a result."""
+        await asyncio.sleep(ACCEPTED_S)
+        cancelled = self._goals[id] = asyncio.Event()
+        about = {"action": name, "id": id}
+        if self.manner not in ("silent", "terse", "failing", "muddled"):
+            values = {"feedback": {"data_str": ""}}
+            await self.tell(client, {"op": "action_feedback", "values": values} | about)
+        status, code, words, more = 4, 0, "", {}
+        if name == "/skill/replay_motion" and args["name"] not in MOTIONS:
+            status, code, more = 6, 22, {"available_motions": list(MOTIONS)}
+        elif self.manner == "failing":
+            status, code, words = 6, 5, "My arm is\x1b[2J stuck."
+        elif self.manner == "breaking off":
+            status, code, words = 6, 4, "Somebody came too near."
+        else:
+            waits = self.lasts_s if self.manner in ("obliging", "terse", "muddled") else None
+            with suppress(TimeoutError):
+                await asyncio.wait_for(cancelled.wait(), waits)
+                status, code = 5, 125
+        self._goals.pop(id, None)
+        result = {"result": {"error_code": code, "error_msg": words}} | more
+        if self.manner == "muddled":
+            result = {"result": "tea"}
+        answer = {"op": "action_result", "values": result, "status": status, "result": True}
+        await self.tell(client, answer | about)
 
 
 @contextmanager

@@ -58,6 +58,7 @@ COMMANDS = {
     "doctor": "doctor.command:doctor",
     "timing": "timing:timing",
     "sensors": "sensors:sensors",
+    "robots": "robots:robots",
     "markers": "markers:markers",
     "agent": "wizard:agent",
     "link": "link:app",

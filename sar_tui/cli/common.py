@@ -130,8 +130,8 @@ Outputs = Annotated[
         "--outputs",
         metavar="NAME,NAME",
         show_default=False,
-        help="The agent's outputs: screen, speech, tones, servo, ros://HOST; the same as --set "
-        "outputs=….",
+        help="The agent's outputs: screen, speech, tones, servo, and robots, which `sar-tui robots` "
+        "lists; the same as --set outputs=….",
     ),
 ]
 Plain = Annotated[

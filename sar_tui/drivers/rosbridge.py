@@ -1,14 +1,13 @@
 """A connection to a ROS system through the rosbridge protocol, with automatic reconnection."""
 
 import logging
-import re
 import threading
 from collections.abc import Callable, Mapping
-from typing import Annotated, Any, NamedTuple
-from urllib.parse import parse_qsl, urlsplit
+from typing import Annotated, Any
 
 from msgspec import Meta
 
+from sar_tui.drivers.address import Address
 from sar_tui.drivers.installation import pip_install_extra
 
 PORT = 9090
@@ -28,42 +27,6 @@ _STARTING = threading.Lock()
 """Held while roslibpy starts its event loop: a second thread would find the loop missing, and never
 connect.
 """
-
-
-class AddressError(ValueError):
-    """An address is invalid. The message is one or two clear sentences."""
-
-
-class Address(NamedTuple):
-    """Address of a bridge. Each user of it defines the ``path`` and the ``options``."""
-
-    host: str
-    port: int
-    path: str
-    options: dict[str, str]
-
-    def __str__(self) -> str:
-        return f"{self.host}, port {self.port}"
-
-
-def parse(address: str, example: str) -> Address:
-    """Parse ``ros://HOST[:PORT][/PATH][?NAME=VALUE&…]``, with or without its ``ros:``.
-
-    Raises AddressError, with ``example``.
-    """
-    try:
-        parts = urlsplit(address.strip())
-        options = dict(
-            parse_qsl(parts.query, keep_blank_values=True, strict_parsing=bool(parts.query))
-        )
-        known = parts.scheme in ("", "ros") and not parts.username and not parts.fragment
-        if known and parts.hostname and re.fullmatch(r"[\w.:-]+", parts.hostname):
-            return Address(
-                parts.hostname, PORT if parts.port is None else parts.port, parts.path, options
-            )
-    except ValueError:
-        pass
-    raise AddressError(f'The address "{address}" is not valid. Use {example}.')
 
 
 class Bridge:
@@ -120,9 +83,62 @@ class Bridge:
         """Send a message to an advertised topic. Returns False without a connection. May be called
         from any thread.
         """
+        return self._ask("send_ros_message", {"op": "publish", "topic": topic, "msg": message})
+
+    def send_goal(
+        self,
+        id: str,
+        action: str,
+        type: str,
+        args: Mapping[str, Any],
+        on_feedback: Callable[[], None],
+        on_result: Callable[[int, Any], None],
+    ) -> bool:
+        """Send a goal to an action of ROS 2. Returns False without a connection. May be called from
+        any thread.
+
+        Args:
+            id: identifies the goal; `cancel_goal` takes it.
+            action, type: the action's name and type.
+            args: the goal's fields. An object, as rosbridge's tests have it; its text says a list.
+            on_feedback: called when the action reports anything before its result.
+            on_result: called with the final status (of ``action_msgs/GoalStatus``) and the result's
+                fields. Neither is called after the connection was lost.
+        """
+        goal = {"op": "send_action_goal", "id": id, "action": action, "action_type": type}
+
+        def receive(result: Mapping[str, Any]) -> None:
+            on_result(result["status"].value, result["values"])
+
+        return self._ask(
+            "send_ros_action_goal",
+            goal | {"args": args, "feedback": True},
+            self._unless_closed(receive),
+            self._unless_closed(lambda _: on_feedback()),
+            self._unless_closed(receive),
+        )
+
+    def cancel_goal(self, id: str, action: str) -> bool:
+        """Cancel a goal, which this connection or another one has sent. Its result says when it has
+        ended. Returns False without a connection.
+        """
+        goal = {"op": "cancel_action_goal", "id": id, "action": action}
+        return self._ask("send_ros_message", goal)
+
+    def call_service(self, id: str, service: str, on_answer: Callable[[Any], None]) -> bool:
+        """Call a service that takes nothing. It may never answer. Returns False without a
+        connection.
+        """
+        call = {"op": "call_service", "id": id, "service": service}
+        answer = self._unless_closed(on_answer)
+        return self._ask("send_ros_service_request", call, answer, lambda _: None)
+
+    def _ask(
+        self, method: str, message: Mapping[str, Any], *callbacks: Callable[..., None]
+    ) -> bool:
         connection = self._connection
         if connection is not None:
-            connection.send_ros_message({"op": "publish", "topic": topic, "msg": message})
+            getattr(connection, method)(message, *callbacks)
         return connection is not None
 
     def close(self) -> None:
@@ -150,9 +166,8 @@ class Bridge:
             self._refuse(f"The connection to ROS cannot be made: {error}")
         else:
             _silence("roslibpy", "autobahn")
-            host = f"[{self._address.host}]" if ":" in self._address.host else self._address.host
             with _STARTING:
-                factory = make(make.create_url(host, self._address.port))
+                factory = make(f"ws://{self._address.netloc}")
             factory.initialDelay, factory.maxDelay = FIRST_RETRY_S, LONGEST_RETRY_S
             factory.setProtocolOptions(autoPingInterval=PING_S, autoPingTimeout=PING_S)
             factory.on("ready", self._on_ready)

@@ -7,7 +7,8 @@ from typing import Annotated, Any
 import msgspec
 from msgspec import Meta
 
-from sar_tui.drivers.rosbridge import AddressError, Bridge, TopicName, parse
+from sar_tui.drivers.address import AddressError, parse
+from sar_tui.drivers.rosbridge import PORT, Bridge, TopicName
 from sar_tui.inputs.delivery import Delivery
 from sar_tui.inputs.imu import NOTHING, Info, Sample, SourceError, Status, Vector
 from sar_tui.loop.clock import host_now
@@ -97,7 +98,7 @@ class RosImuSource:
 
     def __init__(self, address: str) -> None:
         try:
-            self._address = parse(address, _EXAMPLE)
+            self._address = parse(address, "ros", PORT, _EXAMPLE)
             self._topic: str = msgspec.convert(self._address.path, TopicName)
             rate_hz = msgspec.convert(self._address.options, _Options, strict=False).rate
         except AddressError as error:

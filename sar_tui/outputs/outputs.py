@@ -66,6 +66,8 @@ def open_outputs(addresses: Sequence[str], speech: str, theme: Theme) -> list[Ou
     - ``tones``, ``tones:go+end+success``: short tones, to the same place;
     - ``servo``, ``servo:SERIAL?...``: gestures by RC servos on a Phidget controller;
     - ``ros://HOST:PORT...``: a robot on a ROS system, over rosbridge;
+    - ``ros4hri://HOST:PORT...``: one with ROS4HRI skills, over rosbridge;
+    - ``furhat://HOST:PORT...``, ``reachy://HOST:PORT``: a Furhat, a Reachy Mini;
     - any other: the entry point of that name, called with the text after the colon.
 
     Raises:
@@ -186,9 +188,30 @@ def _ros(text: str, _: "Sound") -> Output:
     return Ros(text)
 
 
+def _ros4hri(text: str, _: "Sound") -> Output:
+    from sar_tui.outputs.ros4hri import Ros4Hri
+
+    return Ros4Hri(text)
+
+
+def _furhat(text: str, _: "Sound") -> Output:
+    from sar_tui.outputs.furhat import Furhat
+
+    return Furhat(text)
+
+
+def _reachy(text: str, _: "Sound") -> Output:
+    from sar_tui.outputs.reachy import Reachy
+
+    return Reachy(text)
+
+
 _SHIPPED: dict[str, Callable[[str, "Sound"], Output]] = {
     "speech": _speech,
     "tones": _tones,
     "servo": _servo,
     "ros": _ros,
+    "ros4hri": _ros4hri,
+    "furhat": _furhat,
+    "reachy": _reachy,
 }

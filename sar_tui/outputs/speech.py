@@ -36,10 +36,10 @@ class Speech(Output):
 
     def apply_theme(self, theme: Theme) -> None:
         super().apply_theme(theme)
-        self._sound.get_ready("say", self._voicing)
+        self._sound.get_ready("say", voicing(theme))
 
     def say(self, action: str, text: str) -> None:
-        text, problem = _speakable(text), ""
+        text, problem = speakable(text), ""
         if not text:
             problem = "There is nothing to say: the text is empty."
         elif len(text) > LONGEST:
@@ -47,23 +47,13 @@ class Speech(Output):
                 "",
                 f"The text is too long to be spoken: {len(text)} characters, of at most {LONGEST}.",
             )
-        self._sound.say(action, text, self._voicing, problem)
+        self._sound.say(action, text, voicing(self.theme), problem)
 
     def stop(self, action: str = "") -> None:
         self._sound.stop("say", action)
 
     def close(self) -> None:
         self._sound.leave("say")
-
-    @property
-    def _voicing(self) -> Voicing:
-        voice, language = self.theme.voice, self.theme.language
-        return Voicing(
-            language.lower().replace("_", "-"),
-            voice.names.get(language, ""),
-            voice.rate_in(language),
-            voice.volume,
-        )
 
 
 class Tones(Output):
@@ -99,6 +89,17 @@ class Tones(Output):
         self._sound.leave("tone")
 
 
-def _speakable(text: str) -> str:
+def voicing(theme: Theme) -> Voicing:
+    """Return the voice of a theme in its language."""
+    voice, language = theme.voice, theme.language
+    return Voicing(
+        language.lower().replace("_", "-"),
+        voice.names.get(language, ""),
+        voice.rate_in(language),
+        voice.volume,
+    )
+
+
+def speakable(text: str) -> str:
     """Return a text without control characters and lone surrogates."""
     return " ".join(_CONTROL.sub(" ", text.encode("utf-8", "replace").decode()).split())

@@ -425,7 +425,8 @@ class TaskParameters(Settings, frozen=True, kw_only=True):
         tuple[str, ...],
         _agent(
             "Outputs",
-            help="Where the agent appears, speaks and moves: screen, speech, tones, servo, ros://HOST.",
+            help="Where the agent appears, speaks and moves: screen, speech, tones, servo, or a robot "
+            "(ros://HOST, furhat://HOST and others).",
             max_length=8,
             personal=True,
         ),

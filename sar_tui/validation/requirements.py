@@ -351,7 +351,8 @@ def _embodiment(evidence: Evidence) -> Sequence[Claim]:
 def _missing_outputs() -> list[str]:
     from sar_tui.outputs.outputs import output_names
 
-    return sorted({"screen", "speech", "tones", "servo", "ros"} - set(output_names()))
+    robots = {"ros", "ros4hri", "furhat", "reachy"}
+    return sorted(({"screen", "speech", "tones", "servo"} | robots) - set(output_names()))
 
 
 def _modularity(evidence: Evidence) -> Sequence[Claim]:

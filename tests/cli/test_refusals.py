@@ -85,6 +85,14 @@ simulate keyboard --user poor --outputs servo:not-a-number -> servo
 simulate keyboard --user poor --speech nowhere -> nowhere
 simulate keyboard --user poor --speech file: -> file:
 simulate keyboard --user poor --language English -> Language takes a code in lower case
+robots --say Hello -> Name the robot: sar-tui robots ADDRESS.
+robots speech -> speech is not a robot. Use one of: ros4hri://HOST
+robots '' -> An empty address is not a robot.
+robots furhat:// -> Use furhat://HOST or furhat://HOST:PORT
+robots furhat://robot --gesture somersault -> There is no gesture somersault. Choose one of: nod,
+robots servo --quiet -> leave out --quiet.
+robots reachy://robot --quiet --say Hello -> --quiet goes without --say and --gesture.
+run keyboard -p P01 --outputs screen,furhat://robot?keyfile=x -> keyfile
 run keyboard -p P01 --markers mqtt://broker -> use lsl, udp://HOST:PORT or serial:PORT
 --markers lsl sessions -> --markers goes after the command
 --sync-flash sessions -> --sync-flash goes after the command

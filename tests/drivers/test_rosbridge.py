@@ -11,7 +11,8 @@ from typing import Any
 import pytest
 
 from sar_tui.drivers import rosbridge
-from sar_tui.drivers.rosbridge import Address, AddressError, Bridge, parse
+from sar_tui.drivers.address import Address, AddressError, parse
+from sar_tui.drivers.rosbridge import Bridge
 from tests.fake_rosbridge import RosBridge, ros_bridge, wait_until
 
 STRING = "std_msgs/String"
@@ -198,7 +199,8 @@ def test_a_transport_that_cannot_be_activated_is_reported(monkeypatch: pytest.Mo
 
 PROGRAM = """
 import sys, time
-from sar_tui.drivers.rosbridge import Address, Bridge
+from sar_tui.drivers.address import Address
+from sar_tui.drivers.rosbridge import Bridge
 received, lost = [], []
 bridge = Bridge(Address("127.0.0.1", int(sys.argv[1]), "", {}), {"/out": "std_msgs/String"},
                 {"/in": ("std_msgs/String", received.append)}, lambda: lost.append(not bridge.is_connected))
@@ -258,11 +260,35 @@ def test_no_websocket_module_is_loaded_before_a_connection_is_opened() -> None:
     ],
 )
 def test_an_address_is_parsed(text: str, expected: Address) -> None:
-    assert parse(text, "ros://HOST") == expected
+    assert parse(text, "ros", 9090, "ros://HOST") == expected
 
 
 def test_an_invalid_address_is_refused_with_an_example() -> None:
     of_no_host = ["", "robot", "http://robot", "ros://", "ros://a b"]
     for text in [*of_no_host, "ros://robot:99999", "ros://me:secret@robot", "ros://robot?a"]:
         with pytest.raises(AddressError, match="Use ros://HOST"):
-            parse(text, "ros://HOST")
+            parse(text, "ros", 9090, "ros://HOST")
+
+
+def test_a_goal_gives_feedback_and_a_result_and_is_cancelled_by_another_connection(
+    call: Callable[[int], Caller],
+) -> None:
+    with ros_bridge("slow") as server:
+        first, other = call(server.port), call(server.port)
+        heard: list[Any] = []
+        wait_until(lambda: first.bridge.is_connected and other.bridge.is_connected)
+        assert first.bridge.send_goal(
+            "g1",
+            "/skill/say",
+            "communication_skills/action/Say",
+            {"input": "Hello."},
+            lambda: heard.append("begun"),
+            lambda status, values: heard.append((status, values["result"]["error_code"])),
+        )
+        wait_until(lambda: heard == ["begun"])
+        assert other.bridge.cancel_goal("g1", "/skill/say")
+        wait_until(lambda: heard == ["begun", (5, 125)])
+        answers: list[Any] = []
+        assert first.bridge.call_service("s1", "/rosapi/action_servers", answers.append)
+        wait_until(lambda: answers)
+        assert "/skill/say" in answers[0]["action_servers"]

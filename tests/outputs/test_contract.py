@@ -16,6 +16,7 @@ from sar_tui.outputs.sound.mixer import Sound
 from sar_tui.outputs.speech import Speech, Tones
 from tests.needs_speech import needs_speech
 from tests.outputs.contract import CHECKS, Rig, rig_of
+from tests.outputs.robot_fixtures import furhat_bench, only_rig, reachy_bench, ros4hri_bench
 from tests.outputs.ros_fixtures import ros_rig
 from tests.outputs.servo_fixtures import servo_rig
 from tests.outputs.voice_fixtures import BEEPS, NOBODY, program_with
@@ -58,6 +59,9 @@ class _Announced(DrawnAgent):
 
 RIGS: dict[str, Callable[[], AbstractContextManager[Rig]]] = {
     "ros": ros_rig,
+    "ros4hri": lambda: only_rig(ros4hri_bench()),
+    "furhat": lambda: only_rig(furhat_bench()),
+    "reachy": lambda: only_rig(reachy_bench()),
     "screen": lambda: rig_of(_Announced(RecordingStage()), "gesture"),
     "servo": servo_rig,
     "speech": lambda: rig_of(Speech(Sound()), "say"),
@@ -84,7 +88,7 @@ QUICK = (
 def cases() -> Iterator[object]:
     for name in RIGS:
         for check in CHECKS:
-            marks = [needs_speech] if name.startswith("speech") else []
+            marks = [needs_speech] if name.startswith(("speech", "reachy")) else []
             if name in IN_REAL_TIME and check.__name__ not in QUICK:
                 marks.append(pytest.mark.slow)
             yield pytest.param(name, check, marks=marks, id=f"{name}-{check.__name__}")

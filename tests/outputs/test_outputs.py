@@ -64,6 +64,9 @@ def test_each_output_is_made_with_its_abilities_and_the_screen_by_others() -> No
     for address, name, abilities in (
         ("servo", "servo", {"gesture"}),
         ("ros://localhost:9090", "ros", {"say", "gesture"}),
+        ("ros4hri://localhost", "ros4hri", {"say", "gesture", "gaze"}),
+        ("furhat://localhost?wave=Wink", "furhat", {"say", "gesture", "gaze"}),
+        ("reachy://localhost:8000", "reachy", {"say", "gesture", "gaze"}),
     ):
         ((output, can),) = made(address)
         assert output == name
@@ -103,6 +106,10 @@ def test_tones_precede_speech_in_any_order_of_names() -> None:
         ("screen:big", 'it was given "big"'),
         *((address, "") for address in ("servo:?joint=", "servo:x")),
         *((address, "") for address in ("ros", "ros:", "ros://", "ros://host:port")),
+        *((f"{name}://", f"Use {name}://HOST") for name in ("ros4hri", "furhat", "reachy")),
+        ("reachy://robot?wave=hello", "wave"),
+        ("furhat://robot?sing=la", "sing"),
+        ("ros4hri://robot?eyes=tall", "eyes"),
     ],
 )
 def test_an_invalid_address_is_reported_in_a_sentence(addresses: str, says: str) -> None:
@@ -124,7 +131,9 @@ def test_the_destination_of_speech_must_exist(tmp_path: Path) -> None:
 
 def test_an_output_of_a_plug_in_is_made_with_its_options(plug_in: PlugIn) -> None:
     plug_in("lamp", FakeOutput)
-    assert output_names() == ["lamp", "ros", "screen", "servo", "speech", "tones"]
+    assert output_names() == [
+        *("furhat", "lamp", "reachy", "ros", "ros4hri", "screen", "servo", "speech", "tones")
+    ]
     (node,) = open_outputs(["lamp:red:3"], "sound", PLAIN_THEME)
     assert node.name == "red:3"
 

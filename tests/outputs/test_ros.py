@@ -15,7 +15,8 @@ from sar_tui.drivers import rosbridge
 from sar_tui.model.units import MS, SECOND
 from sar_tui.outputs.node import STOP_TIMEOUT
 from sar_tui.outputs.output import OutputError
-from sar_tui.outputs.ros import ANSWER, CONFIRM, LONGEST, PATIENCE, SETTLE, Ros, Topics, read_report
+from sar_tui.outputs.robot import ANSWER, LONGEST, PATIENCE
+from sar_tui.outputs.ros import CONFIRM, SETTLE, Ros, Topics, read_report
 from tests.fake_rosbridge import Manner, RosBridge, hide_roslibpy, ros_bridge, wait_until
 from tests.outputs.contract import THEME, Rig
 from tests.outputs.ros_fixtures import BenchClock, RosRig, is_ready, robot_bench
@@ -277,10 +278,10 @@ def test_what_is_lost_with_the_bridge_fails_and_the_robot_is_stopped_first_when_
 def test_a_stop_that_cannot_be_sent_as_the_connection_breaks_has_failed() -> None:
     with robot_bench("slow") as (rig, robot):
         begin(rig)
-        bridge = cast(Ros, rig.output)._bridge
-        assert bridge
+        link = cast(Ros, rig.output)._link
+        assert link
         robot.leave()
-        wait_until(lambda: not bridge.is_connected)  # and the output has not been informed yet
+        wait_until(lambda: not link.is_connected)  # and the output has not been informed yet
         rig.output.stop()
         assert rig.states("a", "gesture") == ["started", "failed"]
         assert rig.detail("a", "gesture").startswith("The robot could not be asked to stop. ")

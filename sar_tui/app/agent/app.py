@@ -145,7 +145,7 @@ FRESH = 3 * SECOND
 """Actions older than this are shown as text, but no longer spoken or gestured: the view has just
 joined.
 """
-_VOICES = frozenset(("speech", "ros"))
+_VOICES = frozenset(("speech", "ros", "ros4hri", "furhat", "reachy"))
 """Outputs that speak by themselves, and report when."""
 
 

@@ -109,7 +109,7 @@ _OUTPUT_COLUMNS = (
     ),
     Column(
         "output",
-        "Kind of the output: screen, speech, tones, servo, ros.",
+        "Kind of the output: screen, speech, tones, servo, or a robot: ros, ros4hri, furhat, reachy.",
         "string",
         treatment="open",
     ),
