@@ -9,6 +9,7 @@ import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from pathlib import Path
+from types import MappingProxyType
 from typing import Literal
 from urllib.parse import quote
 
@@ -18,6 +19,7 @@ from sar_tui.letterbox.sealing import packed
 from sar_tui.store import schema, sites
 from sar_tui.store.database import FILE, StoreError, create_file
 from sar_tui.store.locks import Held, hold
+from sar_tui.store.merge.ownership import leave_out
 from sar_tui.store.tables import SESSION_TABLES, TABLES
 
 Role = Literal["clinic", "home"]
@@ -80,14 +82,11 @@ def news(
         running: sessions that are not finished.
         is_first: the other side has joined since: a clinic sends only the newest sessions.
     """
+    there = of_person(db, participant)
     found = {
-        table: {
-            key: like
-            for key, like in rows.items()
-            if known.get(table, {}).get(key) != like
-            and (writer == "clinic" or table not in OF_CLINIC)
-        }
-        for table, rows in of_person(db, participant).items()
+        table: {key: like for key, like in rows.items() if known.get(table, {}).get(key) != like}
+        for table, rows in there.items()
+        if writer == "clinic" or table not in OF_CLINIC
     }
     skipped = set(running)
     sessions = [(id, like) for id, like in found.pop("sessions").items() if id not in skipped]
@@ -95,19 +94,40 @@ def news(
     if is_first and writer == "clinic":
         older = dict(sessions[:-_NEWEST])
         sessions = sessions[-_NEWEST:]
+    # a record of a session waits for it; one of a session that is never sent is not sent either
+    never = older.keys() | known.get(NOT_SENT, {}).keys() | skipped
+    at_reader = {*known.get("sessions", ()), *(id for id, _ in sessions)} - never
+    records = {
+        key: session
+        for key, session in found.pop("records").items()
+        if not session or session in at_reader
+    }
     rest = {table: rows for table, rows in found.items() if rows}
     if older:  # said to be known, so that they are not sent later
         rest[NOT_SENT] = older
     step = _AT_ONCE if is_first else 1
     for start in range(0, max(len(sessions), 1), step):
         some = dict(sessions[start : start + step])
-        contents = {**({"sessions": some} if some else {}), **(rest if not start else {})}
+        of_later = {id for id, _ in sessions[start + step :]}
+        its = {key: session for key, session in records.items() if session not in of_later}
+        records = {key: session for key, session in records.items() if key not in its}
+        parts = {"sessions": some, "records": its, **(rest if not start else {})}
+        contents = {table: rows for table, rows in parts.items() if rows}
         if contents:
             yield contents
 
 
 NOT_SENT = "older sessions"
 """In the place of a table: sessions that the other side does not get, and are not news either."""
+
+
+def elsewhere(contents: Contents) -> dict[str, str]:
+    """Return the session of each record of a letter whose session is not in it."""
+    return {
+        key: session
+        for key, session in contents.get("records", {}).items()
+        if session and session not in contents.get("sessions", {})
+    }
 
 
 def known_to(rows: Iterable[Contents]) -> Contents:
@@ -149,6 +169,21 @@ def alone(data: Path) -> Iterator[None]:
         held.release()
 
 
+@contextmanager
+def work_folder(data: Path) -> Iterator[Path]:
+    """Give a private folder in a data folder, and remove it afterwards. Raises StoreError."""
+    try:
+        place = tempfile.mkdtemp(prefix=WORK, dir=data)
+    except OSError as error:
+        raise StoreError(
+            f"Nothing can be written to {data} ({error.strerror}).", temporary=True
+        ) from error
+    try:
+        yield Path(place)
+    finally:
+        shutil.rmtree(place, ignore_errors=True)
+
+
 def pack(data: Path, participant: str, contents: Contents) -> bytes:
     """Return the rows of a letter as a packed database; empty if there are none.
 
@@ -157,8 +192,18 @@ def pack(data: Path, participant: str, contents: Contents) -> bytes:
     """
     if not any(contents.get(table) for table in _OWN):
         return b""
-    with tempfile.TemporaryDirectory(prefix=WORK, dir=data) as place:
-        path = Path(place) / "letter.db"
+    try:
+        return _packed(data, participant, contents)
+    except (OSError, sqlite3.Error) as error:
+        raise StoreError(
+            f"A letter cannot be written now: {getattr(error, 'strerror', None) or error}.",
+            temporary=True,
+        ) from error
+
+
+def _packed(data: Path, participant: str, contents: Contents) -> bytes:
+    with work_folder(data) as place:
+        path = place / "letter.db"
         create_file(path)
         with closing(
             sqlite3.connect(f"file:{quote(str(path))}", uri=True, isolation_level=None)
@@ -176,6 +221,9 @@ def pack(data: Path, participant: str, contents: Contents) -> bytes:
                     f"{condition} {'' if TABLES[table].options else 'ORDER BY rowid'}",
                     {"keys": msgspec.json.encode(keys).decode(), "who": participant},
                 )
+            db.execute(
+                "UPDATE records SET session=NULL WHERE session NOT IN (SELECT id FROM sessions)"
+            )
             db.execute("COMMIT")
             db.execute("DETACH own")
         return packed(path.read_bytes())
@@ -205,16 +253,24 @@ def _selected(contents: Contents) -> Iterator[tuple[str, str, list[str]]]:
 # --- what a letter may change
 
 
-def check_rows(db: sqlite3.Connection, participant: str, writer: Role) -> None:
+def check_rows(
+    db: sqlite3.Connection,
+    participant: str,
+    writer: Role,
+    sessions: Mapping[str, str] = MappingProxyType({}),
+) -> None:
     """Check the database of a letter, attached as ``other``: it touches only its own person.
+
+    Sessions that were moved to another person here are taken out of it.
 
     Args:
         db: this database, with the other one attached.
         participant: the person of whom the letter's writer may say something.
         writer: the side that signed the letter.
+        sessions: the session of each record whose session is not in the letter.
 
     Raises:
-        StoreError: it holds something else.
+        StoreError: it holds something else; or, if that is temporary, a session must come first.
     """
     allowed = {*_OF_PERSON, *_OF_SESSIONS, "topics", "site"}
     if writer == "clinic":
@@ -224,6 +280,12 @@ def check_rows(db: sqlite3.Connection, participant: str, writer: Role) -> None:
             raise _refused(f"it has rows of {table}")
     if db.execute("SELECT code FROM other.site").fetchall() != [(sites.own(db),)]:
         raise _refused("it is of another site")
+    for table in sorted(allowed):
+        unnamed = " OR ".join(f'"{name}" IS NULL' for name in TABLES[table].key) or "0"
+        if db.execute(f"SELECT 1 FROM other.{table} WHERE {unnamed} LIMIT 1").fetchone():
+            raise _refused(f"it has {table} without a name")
+    _leave_out_moved(db, participant)
+    _name_sessions(db, participant, sessions)
     given = {"who": participant, "kinds": msgspec.json.encode(KINDS_OF_CLINIC).decode()}
     for what, query in _FOREIGN.items():
         if writer == "clinic" and what in _FOREIGN_OF_HOME:
@@ -235,16 +297,51 @@ def check_rows(db: sqlite3.Connection, participant: str, writer: Role) -> None:
             raise _refused(f"it has {table} of another site")
 
 
+def _leave_out_moved(db: sqlite3.Connection, participant: str) -> None:
+    """Take out sessions that a letter of this person has brought before, and that were moved to
+    another person since.
+    """
+    moved = db.execute(
+        f"SELECT there.id FROM other.sessions AS there WHERE EXISTS {_SAT.format(session='there.id')}"
+        " AND EXISTS (SELECT 1 FROM main.letters JOIN main.correspondents AS writer ON "
+        "writer.id=correspondent, json_each(contents, '$.sessions') AS brought WHERE "
+        "writer.participant=:who AND brought.key=there.id)",
+        {"who": participant},
+    ).fetchall()
+    leave_out(db, [id for (id,) in moved])
+
+
+def _name_sessions(db: sqlite3.Connection, participant: str, sessions: Mapping[str, str]) -> None:
+    """Give records of sessions that are not in the letter their session."""
+    for key, session in sessions.items():
+        id, _, version = key.rpartition(" ")
+        row = db.execute(
+            "SELECT max(participant IS :who) FROM main.seats WHERE session=:session",
+            {"who": participant, "session": session},
+        ).fetchone()
+        if row[0] is None:
+            raise StoreError(
+                f"A letter of {participant} waits for a session that has not arrived yet.",
+                temporary=True,
+            )
+        if not row[0]:  # moved to another person meanwhile
+            db.execute("DELETE FROM other.records WHERE id=? AND version=?", (id, version))
+            continue
+        db.execute(
+            "UPDATE other.records SET session=? WHERE id=? AND version=?", (session, id, version)
+        )
+
+
 _OF_PERSON = ("participants", "records")
 _OF_SESSIONS = ("sessions", "session_numbers", "messages", *SESSION_TABLES)
 _SAT = (
     "(SELECT 1 FROM main.seats AS sat WHERE sat.session={session} AND sat.participant IS NOT :who)"
 )
 _FOREIGN: Mapping[str, str] = {
-    "it has another person": "FROM other.participants WHERE code<>:who",
+    "it has another person": "FROM other.participants WHERE code IS NOT :who",
     "it has a session of another person": "FROM other.seats WHERE participant IS NOT :who",
-    "it has a session without a person": "FROM other.sessions WHERE id NOT IN (SELECT session "
-    "FROM other.seats)",
+    "it has a session without a person": "FROM other.sessions WHERE NOT EXISTS (SELECT 1 FROM "
+    "other.seats WHERE session=sessions.id)",
     "it has rows of a session that it does not bring": " UNION ALL SELECT 1 ".join(
         [
             "FROM other.session_numbers WHERE id NOT IN (SELECT id FROM other.sessions)",
@@ -264,16 +361,29 @@ _FOREIGN: Mapping[str, str] = {
     "it would change a record of another person": "FROM other.records AS there JOIN main.records "
     "AS here USING (id) WHERE here.participant IS NOT :who",
     "it has a record of a session that is not the person's": "FROM other.records AS there WHERE "
-    "session NOTNULL AND session NOT IN (SELECT id FROM other.sessions) AND NOT EXISTS (SELECT 1 "
-    "FROM main.seats AS sat WHERE sat.session=there.session AND sat.participant=:who)",
+    "session NOTNULL AND NOT EXISTS (SELECT 1 FROM other.sessions WHERE id=there.session) AND NOT "
+    "EXISTS (SELECT 1 FROM main.seats AS sat WHERE sat.session=there.session AND "
+    "sat.participant=:who)",
+    "it has a version that is none": "FROM (SELECT version FROM other.records UNION ALL SELECT "
+    "version FROM other.programmes) WHERE typeof(version)<>'integer' OR version NOT BETWEEN 1 AND "
+    "1000000",
     "it has a programme of another person": "FROM other.programmes WHERE participant IS NOT :who",
     "it has an event of another person": "FROM other.people_events WHERE participant IS NOT :who",
+    "it would change a record of the clinic": "FROM other.records AS there JOIN main.records AS here "
+    "USING (id) WHERE NOT EXISTS (SELECT 1 FROM main.letters JOIN main.correspondents ON "
+    "correspondents.id=correspondent, json_each(contents, '$.records') AS brought WHERE direction='in' "
+    "AND correspondents.participant=:who AND brought.key LIKE there.id || ' %') AND NOT EXISTS (SELECT 1 FROM "
+    "main.records AS same WHERE same.id=there.id AND same.version=there.version AND "
+    "same.kind=there.kind AND same.content=there.content AND same.recorded_at=there.recorded_at)",
     "it has a record that only a clinic writes": "FROM other.records AS there WHERE kind IN "
     "(SELECT value FROM json_each(:kinds)) AND NOT EXISTS (SELECT 1 FROM main.records AS here "
     "WHERE here.id=there.id AND here.version=there.version AND here.content=there.content)",
 }
 """Rows that a letter must not have, in words, and the query of each."""
-_FOREIGN_OF_HOME = ("it has a record that only a clinic writes",)
+_FOREIGN_OF_HOME = (
+    "it has a record that only a clinic writes",
+    "it would change a record of the clinic",
+)
 
 
 def _refused(what: str) -> StoreError:

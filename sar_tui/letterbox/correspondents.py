@@ -1,20 +1,19 @@
 """Stored facts of the other computers, and of the letters to and from them."""
 
 import sqlite3
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator
 from datetime import UTC, datetime
 from typing import Any, Literal
 
 import msgspec
 
 from sar_tui.letterbox.contents import Contents
-from sar_tui.letterbox.sealing import PublicKeys
+from sar_tui.letterbox.sealing import PublicKeys, Ranges
 from sar_tui.store.database import StoreError, read_json, store
 from sar_tui.store.tables import CORRESPONDENTS, LETTERS
 
 State = Literal["invited", "joined", "revoked", "declined"]
 Direction = Literal["out", "in"]
-Ranges = tuple[tuple[int, int], ...]
 
 
 class Correspondent(msgspec.Struct, frozen=True, kw_only=True):
@@ -33,6 +32,7 @@ class Correspondent(msgspec.Struct, frozen=True, kw_only=True):
     least_number: int = 1
     owes_answer: int = 0
     wanted: tuple[int, ...] = ()
+    void: Ranges = ()
     device: dict[str, Any] = {}
     notice: str = ""
 
@@ -81,7 +81,7 @@ def correspondents(db: sqlite3.Connection) -> list[Correspondent]:
 
 
 def _correspondent(row: dict[str, Any]) -> Correspondent:
-    row["wanted"], row["device"] = tuple(read_json(row["wanted"])), read_json(row["device"])
+    row |= {name: read_json(row[name]) for name in ("wanted", "void", "device")}
     try:
         return msgspec.convert(row, Correspondent)
     except msgspec.ValidationError as error:
@@ -184,7 +184,20 @@ def within(number: int, given: Ranges) -> bool:
     return any(first <= number <= last for first, last in given)
 
 
-def missing(numbers: Sequence[int]) -> list[int]:
-    """Return the numbers from 1 to the largest that are not there."""
-    there = set(numbers)
-    return [number for number in range(1, max(numbers, default=0)) if number not in there]
+def missing(numbers: Iterable[int], void: Ranges = ()) -> list[int]:
+    """Return the numbers from 1 to the largest that are not there and not void; the first 1000."""
+    found: list[int] = []
+    last = 0
+    for first, end in ranges([*numbers, *_numbers(void)]):
+        found += range(last + 1, min(first, last + 1 + _MOST_MISSING - len(found)))
+        last = end
+    return found
+
+
+_MOST_MISSING = 1000
+
+
+def _numbers(given: Ranges) -> Iterator[int]:
+    """Yield the numbers of ranges, at most some thousands."""
+    for first, last in given:
+        yield from range(first, min(last, first + 10_000) + 1)

@@ -10,7 +10,6 @@ import hashlib
 import platform
 import sqlite3
 import sys
-import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from datetime import UTC, datetime, timedelta
@@ -20,7 +19,6 @@ from typing import Any, NamedTuple
 import msgspec
 
 import sar_tui
-from sar_tui.drivers.files import write_private
 from sar_tui.letterbox import contents as rows_of
 from sar_tui.letterbox import correspondents as stored
 from sar_tui.letterbox.contents import Contents, Role, alone
@@ -34,12 +32,18 @@ from sar_tui.letterbox.sealing import (
     Opened,
     open_letter,
     seal,
-    unpacked,
+    unpack,
 )
 from sar_tui.store.database import StoreError, connect, transaction
 from sar_tui.store.locks import is_held
 from sar_tui.store.merge.merge import merge
+from sar_tui.store.sessions import is_demonstration
+from sar_tui.store.tables import VERSION
 
+_UNFINISHED_FOR = timedelta(hours=1)
+"""A file that is half-written for this time is nobody's any more."""
+_MOST_AHEAD = 10_000
+"""Numbers by which a letter may be ahead of those that have arrived."""
 PUT_AGAIN_AFTER = timedelta(days=2)
 """A letter of which the other side does not say that it has it is put into the letterbox again
 after this time, under another name: a synchronisation program may have lost it.
@@ -81,7 +85,7 @@ def exchange(data: Path, now: Callable[[], datetime] = lambda: datetime.now(UTC)
     identity = require(data)
     with alone(data):
         box = Letterbox(Path(identity.folder))
-        box.remove_unfinished()
+        box.remove_unfinished(before=(now() - _UNFINISHED_FOR).timestamp())
         with closing(connect(data)) as db:
             return _Exchange(data, identity, box, db, now).run()
 
@@ -121,7 +125,8 @@ class _Exchange:
     def run(self) -> Exchanged:
         """Take, then write."""
         for arrived in self._open_files():
-            self._take(arrived)
+            with self._told():
+                self._take(arrived)
         for correspondent in stored.correspondents(self._db):
             with self._told():
                 self._write_to(correspondent)
@@ -143,8 +148,13 @@ class _Exchange:
         try:
             yield
         except StoreError as error:
-            if str(error) not in self._troubles:
-                self._troubles.append(str(error))
+            self._tell(str(error))
+        except Exception as error:  # no letter of one may hold up those of others
+            self._tell(f"A letter cannot be handled ({type(error).__name__}: {error}).")
+
+    def _tell(self, trouble: str) -> None:
+        if trouble not in self._troubles:
+            self._troubles.append(trouble)
 
     def _at(self) -> str:
         return self._now().isoformat(timespec="seconds")
@@ -173,19 +183,18 @@ class _Exchange:
         for file in there:
             if looked_at.get(file.name) == (file.size, file.changed_ns):
                 continue
-            arrived = self._open(file, own)
-            if arrived is not None:
-                found.append(arrived)
+            with self._told():
+                if (arrived := self._open(file, own)) is not None:
+                    found.append(arrived)
         return sorted(found, key=lambda one: (one.sender.id, one.opened.letter.number))
 
     def _open(self, file: LetterFile, own: set[str]) -> _Arrived | None:
-        sealed = self._box.read(file)
-        if sealed is None:
-            return None  # it may be complete the next time
-        if hashlib.sha256(sealed).hexdigest() in own:
-            self._looked_at(file)
-            return None
         try:
+            if (sealed := self._box.read(file)) is None:
+                return None
+            if hashlib.sha256(sealed).hexdigest() in own:
+                self._looked_at(file)
+                return None
             opened = open_letter(sealed, self._identity.keys)
             sender = self._sender(opened)
         except Damaged:
@@ -218,13 +227,13 @@ class _Exchange:
         """Return the correspondent who signed a letter. Raises Forged: nobody who is known did, or
         may.
         """
-        for one in stored.correspondents(self._db):
-            if one.verify_key == opened.writer:
-                if one.state == "revoked":
-                    raise Forged(f"the computer of {one.name} that wrote it was revoked")
-                if one.state == "declined" and not self._identity.is_home:
-                    raise Forged(f"the invitation of {one.name} by which it came was not valid")
-                return one
+        known = [one for one in stored.correspondents(self._db) if one.verify_key == opened.writer]
+        for one in sorted(known, key=lambda each: each.state != "joined"):
+            if one.state == "revoked":
+                raise Forged(f"the computer of {one.name} that wrote it was revoked")
+            if one.state == "declined" and not self._identity.is_home:
+                raise Forged(f"the invitation of {one.name} by which it came was not valid")
+            return one
         if self._identity.is_home or not opened.letter.secret:
             raise Forged("nobody who is known here wrote it")
         return self._admit(opened)
@@ -232,25 +241,27 @@ class _Exchange:
     def _admit(self, opened: Opened) -> Correspondent:
         """Return the correspondent whose invitation a letter brings, who has joined then."""
         secret = hashlib.sha256(opened.letter.secret).hexdigest()
-        seal_key = opened.letter.device.get("seal_key")
-        if not isinstance(seal_key, bytes) or len(seal_key) != 32:
-            raise Forged("it has no key to write back to")
-        for one in stored.correspondents(self._db):
-            if one.invitation != secret:
-                continue
-            notice = _objection(one, self._now())
-            keys: dict[str, Any] = {"verify_key": opened.writer, "seal_key": seal_key}
-            with transaction(self._db) as db:
-                if not notice:
-                    stored.change(db, one.id, state="joined", owes_answer=1, **keys)
-                    return msgspec.structs.replace(one, state="joined", **keys)
-                if one.state != "revoked":  # the other home has to be told
-                    told = msgspec.structs.replace(
-                        one, id=_new_id(), state="declined", invitation="", notice=notice, **keys
-                    )
-                    stored.add(db, told)
-            raise Forged(f"the invitation of {one.name} {_OBJECTIONS[notice]}")
-        raise Forged("nobody who is known here wrote it")
+        seal_key = opened.letter.seal_key
+        try:
+            seal(Letter(reader=seal_key, number=1, written_at=""), self._identity.keys)
+        except StoreError:
+            raise Forged("its key to write back to is wrong") from None
+        keys: dict[str, Any] = {"verify_key": opened.writer, "seal_key": seal_key}
+        with transaction(self._db) as db:
+            invited = [one for one in stored.correspondents(db) if one.invitation == secret]
+            if not invited:
+                raise Forged("nobody who is known here wrote it")
+            one = next((each for each in invited if each.state != "declined"), invited[0])
+            objection = _objection(one, self._now())
+            if not objection:
+                stored.change(db, one.id, state="joined", owes_answer=1, **keys)
+                return msgspec.structs.replace(one, state="joined", **keys)
+            if len(invited) == 1:  # the other computer is told, once
+                told = msgspec.structs.replace(
+                    one, id=_new_id(), state="declined", notice=objection, **keys
+                )
+                stored.add(db, told)
+        raise Forged(f"the invitation of {one.name} {_OBJECTIONS[objection]}")
 
     # --- taking a letter
 
@@ -261,6 +272,9 @@ class _Exchange:
         if (before := known.get(letter.number)) is not None:
             self._take_again(arrived, before)
             return
+        if letter.number > max(known, default=0) + _MOST_AHEAD:
+            self._looked_at(file, f"It was refused: its number {letter.number} is too high.")
+            return
         contents: Contents = {}
         reason = ""
         if letter.rows:
@@ -270,9 +284,7 @@ class _Exchange:
                 reason = str(error)
             except StoreError as error:
                 if not error.bad_input:
-                    with self._told():
-                        raise
-                    return  # it is taken the next time
+                    raise  # it is taken the next time
                 reason = str(error)
         with transaction(self._db) as db:
             self._note(
@@ -292,14 +304,16 @@ class _Exchange:
                 reason=reason[:500],
             )
             changes: dict[str, Any] = {"heard_at": self._at()}
-            if contents or letter.secret:
+            if letter.rows or not known:
                 changes["owes_answer"] = 1
             if letter.device:
                 changes["device"] = _shown_device(letter)
+            if letter.void:
+                changes["void"] = letter.void
             if letter.notice and self._identity.is_home:
                 changes["state"] = "revoked" if letter.notice == "revoked" else "declined"
             stored.change(db, sender.id, **changes)
-            self._read_answers(db, sender, letter)
+            self._read_answers(db, sender, letter, is_newest=letter.number > max(known, default=0))
         if not reason:
             self._taken[sender.name] = self._taken.get(sender.name, 0) + 1
             if contents:
@@ -312,15 +326,18 @@ class _Exchange:
         file, (letter, _, digest), sender = arrived
         if digest == before.digest:
             self._doubled += 1
-            self._looked_at(file)
+            with transaction(self._db) as db:
+                self._note(db, file)
+                if letter.rows:  # the answer may have been lost
+                    stored.change(db, sender.id, owes_answer=1)
             return
         with transaction(self._db) as db:
             self._note(
                 db,
                 file,
                 f"Letter {letter.number} of {sender.name} was refused: another one of this number "
-                "has come before. The computer may have gone back to an earlier state; it is asked "
-                "to write again.",
+                "has come before. The computer has gone back to an earlier state, or two computers "
+                "have copies of one data folder. It is asked to write again.",
             )
             (row,) = db.execute(
                 "SELECT wanted FROM correspondents WHERE id=?", (sender.id,)
@@ -337,21 +354,21 @@ class _Exchange:
         """
         contents: Contents = {}
         writer: Role = "clinic" if self._identity.is_home else "home"
+        if letter.version > VERSION:
+            raise StoreError(
+                f"Letters of {sender.name} are of a newer sar-tui: update it here.", temporary=True
+            )
+        if is_demonstration(self._db):
+            raise StoreError("This data folder holds a demonstration: no letters are taken.")
 
         def check(db: sqlite3.Connection) -> None:
-            rows_of.check_rows(db, sender.participant, writer)
+            rows_of.check_rows(db, sender.participant, writer, letter.sessions)
             found = rows_of.of_person(db, sender.participant, "other")
             contents.update({table: rows for table, rows in found.items() if rows})
 
-        database = unpacked(letter.rows)
-        with tempfile.TemporaryDirectory(prefix=rows_of.WORK, dir=self._data) as place:
-            path = Path(place) / "letter.db"
-            try:
-                write_private(path, database)
-            except OSError as error:
-                raise StoreError(
-                    f"A letter cannot be taken now: {error.strerror}.", temporary=True
-                ) from error
+        with rows_of.work_folder(self._data) as place:
+            path = place / "letter.db"
+            unpack(letter.rows, path)
             try:
                 merge(
                     self._data,
@@ -365,34 +382,46 @@ class _Exchange:
                     raise
                 why = str(error).replace(str(path), "Its database")
                 raise StoreError(why.removesuffix("."), bad_input=True) from error
+            except (OSError, sqlite3.OperationalError) as error:  # the disk's, not the letter's
+                raise StoreError(f"A letter cannot be taken now: {error}.") from error
+            except Exception as error:
+                raise Forged(f"its rows cannot be read ({type(error).__name__})") from error
         return contents
 
-    def _read_answers(self, db: sqlite3.Connection, sender: Correspondent, letter: Letter) -> None:
+    def _read_answers(
+        self, db: sqlite3.Connection, sender: Correspondent, letter: Letter, *, is_newest: bool
+    ) -> None:
         """Note what the other side says of the letters from here."""
         out = {one.number: one for one in stored.letters(db, sender.id, "out")}
-        highest = max(out, default=0)
-        arrived = [number for number in out if within(number, letter.taken)]
         farther = max((last for _, last in letter.taken), default=0)
-        again = [number for number in letter.wanted if number in out]
-        if farther > highest:
+        void = {number for number in letter.wanted if number in out}
+        if max(out, default=0) < farther <= max(out, default=0) + _MOST_AHEAD:
             # The other side has more than was written here: this is an earlier state, from a
             # backup. What was written since then has numbers that were used before.
-            again += [one.number for one in out.values() if one.state == "sent"]
+            void |= {number for number, one in out.items() if one.state == "sent"}
             stored.change(db, sender.id, least_number=farther + 1)
-        for number in again:
+        missed = {
+            number
+            for number in out
+            if number < farther
+            and not within(number, letter.taken)
+            and not within(number, letter.refused)
+        }
+        if is_newest:
+            # The other side has lost what it had: it is an earlier state of it. An older letter may
+            # say so of what it had not taken yet.
+            void |= {number for number in missed if out[number].state == "acknowledged"}
+        for number in void:
             if out[number].state != "void":
                 stored.set_state(db, sender.id, [number], "void", before=out[number].state)
-        lost = [
-            number
-            for number, one in out.items()
-            if one.state == "sent" and number < farther and number not in arrived
-        ]
         db.executemany(
-            "UPDATE letters SET put_at='' WHERE correspondent=? AND direction='out' AND number=?",
-            [(sender.id, number) for number in lost],
+            "UPDATE letters SET put_at='' WHERE correspondent=? AND direction='out' AND number=? "
+            "AND state='sent'",
+            [(sender.id, number) for number in missed],
         )
-        kept = [number for number in arrived if number not in again]
-        stored.set_state(db, sender.id, kept, "acknowledged", before="sent")
+        for state, given in (("acknowledged", letter.taken), ("refused", letter.refused)):
+            told = [number for number in out if within(number, given) and number not in void]
+            stored.set_state(db, sender.id, told, state, before="sent")
         db.executemany(
             "UPDATE letters SET seen_at=? WHERE correspondent=? AND direction='out' AND number=? "
             "AND seen_at=''",
@@ -458,21 +487,27 @@ class _Exchange:
     ) -> None:
         rows = b"" if notice else rows_of.pack(self._data, reader.participant, contents)
         keys = self._identity.keys
-        device: dict[str, Any] = _device() if self._identity.is_home else {}
-        if self._identity.is_home:
-            device["seal_key"] = keys.public.seal
         with transaction(self._db) as db:
             number = _next_number(db, reader)
             letter = Letter(
                 reader=reader.keys.seal,
                 number=number,
                 written_at=self._at(),
-                taken=ranges(one.number for one in taken),
+                version=VERSION,
+                taken=ranges(one.number for one in taken if one.state == "taken"),
+                refused=ranges(one.number for one in taken if one.state == "refused"),
+                void=ranges(
+                    one.number
+                    for one in stored.letters(db, reader.id, "out")
+                    if one.state == "void"
+                ),
                 seen=ranges(one.number for one in taken if one.seen_at),
                 wanted=reader.wanted,
-                secret=b"" if reader.heard_at else self._identity.secret,
+                secret=self._identity.secret,
+                sessions=rows_of.elsewhere(contents),
                 notice=notice,
-                device=device,
+                seal_key=keys.public.seal if self._identity.is_home else b"",
+                device=_device() if self._identity.is_home else {},
                 rows=rows,
             )
             sealed = seal(letter, keys)
@@ -515,7 +550,7 @@ class _Exchange:
         """
         for one in stored.letters(self._db, reader.id, "out"):
             if one.state != "sent":
-                self._box.remove(one.file)
+                self._remove(reader, one)
             elif not self._box.has(one.file, one.size or 0) or self._is_due_again(reader, one):
                 with self._told():
                     self._put_letter(reader, one)
@@ -532,25 +567,35 @@ class _Exchange:
         age = self._now() - datetime.fromisoformat(letter.put_at)
         return not -PUT_AGAIN_AFTER < age < PUT_AGAIN_AFTER
 
+    def _remove(self, reader: Correspondent, one: Sent) -> None:
+        """Take a letter out of the letterbox whose file is of no use any more."""
+        if one.file:
+            self._box.remove(one.file)
+            self._name(reader, one, "")
+
     def _put_letter(self, reader: Correspondent, one: Sent) -> None:
         """Put a letter into the letterbox; one that did not arrive, under another name."""
         file = one.file
-        if self._is_due_again(reader, one):
+        if one.put_at or self._box.has(one.file, one.size or 0):
             file = new_name()
-            self._again += one.put_at != "" or self._box.has(one.file, one.size or 0)
+            self._box.remove(one.file)
+            self._name(reader, one, file, put_at=one.put_at)
+            self._again += 1
         (sealed,) = self._db.execute(
             "SELECT sealed FROM letters WHERE correspondent=? AND direction='out' AND number=?",
             (reader.id, one.number),
         ).fetchone()
         self._box.put(file, sealed)
+        self._name(reader, one, file, put_at=self._at())
+
+    def _name(self, reader: Correspondent, one: Sent, file: str, put_at: str = "") -> None:
+        """Store the name of a letter's file."""
         with transaction(self._db) as db:
             db.execute(
                 "UPDATE letters SET file=?, put_at=? WHERE correspondent=? AND direction='out' AND "
                 "number=?",
-                (file, self._at(), reader.id, one.number),
+                (file, put_at, reader.id, one.number),
             )
-        if file != one.file:
-            self._box.remove(one.file)
 
 
 _OBJECTIONS = {
@@ -577,7 +622,7 @@ def _next_number(db: sqlite3.Connection, reader: Correspondent) -> int:
     return int(max((highest or 0) + 1, least))
 
 
-def _device() -> dict[str, Any]:
+def _device() -> dict[str, str]:
     """Return what helps to understand the data of this computer."""
     return {
         "sar_tui": sar_tui.__version__,

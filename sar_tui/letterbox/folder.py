@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sar_tui.drivers.files import write_private
-from sar_tui.letterbox.identity import sync_file
-from sar_tui.letterbox.sealing import LARGEST_FILE
+from sar_tui.letterbox.identity import sync_file, sync_folder
+from sar_tui.letterbox.sealing import LARGEST_FILE, Damaged
 from sar_tui.model.language import Sentence
 from sar_tui.store.database import StoreError
 
@@ -94,16 +94,28 @@ class Letterbox:
                     yield LetterFile(entry.name, facts.st_size, facts.st_mtime_ns)
 
     def read(self, file: LetterFile) -> bytes | None:
-        """Return the bytes of a file; None if it cannot be read now, or is too large for a
-        letter.
+        """Return the bytes of a file; None if it is gone.
+
+        Raises:
+            Damaged: it is too large for a letter.
+            StoreError: it cannot be read.
         """
         if file.size > LARGEST_FILE:
-            return None
+            raise Damaged
         try:
             with open(self.path / file.name, "rb") as opened:
                 return opened.read(LARGEST_FILE + 1)
-        except OSError:
+        except FileNotFoundError:
             return None
+        except OSError as error:
+            raise StoreError(
+                Sentence(
+                    "{file} in the letterbox cannot be read ({why}). Does it belong to another user?",
+                    file=file.name,
+                    why=error.strerror,
+                ),
+                temporary=True,
+            ) from error
 
     def has(self, name: str, size: int) -> bool:
         """Return True if there is a file of a name and size."""
@@ -121,7 +133,7 @@ class Letterbox:
                 write_private(unfinished, sealed)
                 sync_file(unfinished)
                 os.replace(unfinished, self.path / name)
-                sync_file(self.path)
+                sync_folder(self.path)
             finally:
                 unfinished.unlink(missing_ok=True)
         except OSError as error:
@@ -132,11 +144,14 @@ class Letterbox:
         with contextlib.suppress(OSError):
             (self.path / name).unlink()
 
-    def remove_unfinished(self) -> None:
-        """Remove files of a program that ended while it wrote them."""
+    def remove_unfinished(self, before: float) -> None:
+        """Remove what programs that ended have left half-written; not what another computer writes
+        now. ``before``: Unix time in seconds.
+        """
         for path in self.path.glob(f".*{_UNFINISHED}"):
             with contextlib.suppress(OSError):
-                path.unlink()
+                if path.stat().st_mtime < before:
+                    path.unlink()
 
 
 def new_name(ending: str = LETTER) -> str:

@@ -3,6 +3,7 @@
 The keys are not in the database, so that no backup and no merge takes them elsewhere.
 """
 
+import contextlib
 import os
 import secrets
 from pathlib import Path
@@ -43,7 +44,7 @@ class Identity(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def read(data: Path) -> Identity | None:
-    """Return who a data folder is; None if it has no letterbox.
+    """Return the side of a data folder; None if it has no letterbox.
 
     Raises:
         StoreError: the file cannot be read.
@@ -60,7 +61,7 @@ def read(data: Path) -> Identity | None:
 
 
 def require(data: Path) -> Identity:
-    """Return who a data folder is. Raises StoreError: it has no letterbox, or cannot be read."""
+    """Return the side of a data folder. Raises StoreError: it has no letterbox, or cannot be read."""
     found = read(data)
     if found is None:
         raise StoreError(
@@ -81,7 +82,7 @@ def check_programme(data: Path) -> None:
 
 
 def write(data: Path, identity: Identity) -> None:
-    """Store who a data folder is, in place of what was there. Raises StoreError."""
+    """Store the side of a data folder, in place of what was there. Raises StoreError."""
     path = data / FILE
     new = path.with_name(f".{FILE}.{secrets.token_hex(4)}")
     try:
@@ -90,7 +91,7 @@ def write(data: Path, identity: Identity) -> None:
             write_private(new, msgspec.json.encode(identity))
             sync_file(new)
             os.replace(new, path)
-            sync_file(data)
+            sync_folder(data)
         finally:
             new.unlink(missing_ok=True)
     except OSError as error:
@@ -100,12 +101,18 @@ def write(data: Path, identity: Identity) -> None:
 
 
 def sync_file(path: Path) -> None:
-    """Bring a file, or the names in a folder, to the disk; where folders cannot be, nothing."""
-    try:
+    """Bring a file to the disk. Raises OSError."""
+    with open(path, "rb+") as file:
+        os.fsync(file.fileno())
+
+
+def sync_folder(path: Path) -> None:
+    """Bring the names in a folder to the disk, where a system and its mount can."""
+    if os.name != "posix":
+        return
+    with contextlib.suppress(OSError):
         number = os.open(path, os.O_RDONLY)
-    except PermissionError:
-        return  # a folder, on Windows
-    try:
-        os.fsync(number)
-    finally:
-        os.close(number)
+        try:
+            os.fsync(number)
+        finally:
+            os.close(number)

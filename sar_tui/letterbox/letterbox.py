@@ -4,7 +4,6 @@ import hashlib
 import os
 import secrets
 import sqlite3
-import tempfile
 import unicodedata
 from contextlib import closing
 from datetime import UTC, datetime, timedelta
@@ -399,9 +398,9 @@ def _store(data: Path, invitation: Invitation) -> None:
                     ),
                 )
     _store_passphrase(data, invitation.passphrase)
-    with tempfile.TemporaryDirectory(prefix=rows_of.WORK, dir=data) as place:
-        path = Path(place) / "invitation.db"
-        write_private(path, sealing.unpacked(invitation.rows))
+    with rows_of.work_folder(data) as place:
+        path = place / "invitation.db"
+        sealing.unpack(invitation.rows, path)
         merge(
             data,
             path,

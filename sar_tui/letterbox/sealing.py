@@ -10,10 +10,12 @@ An invitation is sealed by a code of eight words, which is told by another way t
 import hashlib
 import secrets
 import zlib
+from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 import msgspec
 
+from sar_tui.drivers.files import write_private
 from sar_tui.drivers.installation import pip_install_extra
 from sar_tui.model.language import Sentence
 from sar_tui.store.database import StoreError
@@ -26,8 +28,12 @@ _INVITATION_SIZE: Final = 2**16
 LARGEST_INVITATION: Final = 4 * _INVITATION_SIZE
 _HIGHEST = 2**31
 """The highest number of a letter."""
-_MOST_ROWS = 2**30
+_MOST_NUMBERS = 10_000
+"""Numbers that a letter names at most."""
+_MOST_ROWS = 2**29
 """Bytes of an unpacked database of a letter."""
+_AT_ONCE = 2**20
+"""Bytes that are unpacked at once."""
 _LETTER, _INVITATION = b"sar-tui letter 1\n", b"sar-tui invitation 1\n"
 """First bytes of what is signed, and of an invitation's file: what it is, and its format."""
 CODE_WORDS: Final = 8
@@ -44,6 +50,9 @@ class Forged(Exception):
 
 # --- letters
 
+Ranges = tuple[tuple[int, int], ...]
+"""Numbers, as the first and the last of each range."""
+
 
 class Letter(msgspec.Struct, frozen=True, kw_only=True):
     """The content of a sealed letter.
@@ -52,25 +61,35 @@ class Letter(msgspec.Struct, frozen=True, kw_only=True):
         reader: public key to which it is sealed.
         number: 1, 2, …, of all letters from this writer to this reader.
         written_at: UTC, by the writer's clock.
+        version: of the data in ``rows`` (`store.tables.VERSION`).
         taken: ranges of numbers of the reader's letters that have arrived, first and last.
+        refused: ranges of numbers of those that were refused.
+        void: ranges of numbers of the writer's letters that never come.
         seen: ranges of numbers of the reader's letters that a person has looked at.
         wanted: numbers of the reader's letters that it has to write again.
         secret: of the invitation, in the first letter from a home; else empty.
         notice: why no further letter will come: ``used`` or ``expired``, of the invitation, or
             ``revoked``; else empty.
+        seal_key: of a home, the key to which letters for it are sealed; else empty.
         device: of a home's computer, what helps to understand its data.
+        sessions: the session of each record whose session is not among the rows.
         rows: a database of what is new, packed with zlib; empty: nothing is.
     """
 
     reader: bytes
     number: int
     written_at: str
-    taken: tuple[tuple[int, int], ...] = ()
-    seen: tuple[tuple[int, int], ...] = ()
+    version: int = 0
+    taken: Ranges = ()
+    refused: Ranges = ()
+    void: Ranges = ()
+    seen: Ranges = ()
     wanted: tuple[int, ...] = ()
     secret: bytes = b""
     notice: str = ""
-    device: dict[str, Any] = {}
+    seal_key: bytes = b""
+    device: dict[str, str] = {}
+    sessions: dict[str, str] = {}
     rows: bytes = b""
 
 
@@ -119,7 +138,10 @@ def seal(letter: Letter, writer: Keys) -> bytes:
     signer = nacl.signing.SigningKey(writer.sign)
     signed = bytes(signer.sign(_LETTER + bytes(signer.verify_key) + msgspec.msgpack.encode(letter)))
     padded = _padded(signed)
-    return bytes(nacl.public.SealedBox(nacl.public.PublicKey(letter.reader)).encrypt(padded))
+    try:
+        return bytes(nacl.public.SealedBox(nacl.public.PublicKey(letter.reader)).encrypt(padded))
+    except (nacl.exceptions.CryptoError, ValueError, TypeError) as error:
+        raise StoreError("A letter cannot be sealed: the key of its reader is wrong.") from error
 
 
 def open_letter(sealed: bytes, reader: Keys) -> Opened:
@@ -146,16 +168,13 @@ def open_letter(sealed: bytes, reader: Keys) -> Opened:
         raise Forged("it is of a version of sar-tui that is not known here")
     try:
         letter = msgspec.msgpack.decode(content[len(_LETTER) + len(writer) :], type=Letter)
-    except (msgspec.MsgspecError, UnicodeDecodeError):
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
         raise Forged("it has not the form of a letter") from None
     if letter.reader != bytes(secret.public_key):
         raise Forged("it was written to another computer")
-    numbers = (
-        letter.number,
-        *letter.wanted,
-        *(n for r in (*letter.taken, *letter.seen) for n in r),
-    )
-    if not all(0 < number <= _HIGHEST for number in numbers):
+    ranges = (*letter.taken, *letter.refused, *letter.void, *letter.seen)
+    numbers = (letter.number, *letter.wanted, *(number for each in ranges for number in each))
+    if len(numbers) > _MOST_NUMBERS or not all(0 < number <= _HIGHEST for number in numbers):
         raise Forged("a number in it is wrong")
     return Opened(letter, writer, hashlib.sha256(content).hexdigest())
 
@@ -165,16 +184,22 @@ def packed(database: bytes) -> bytes:
     return zlib.compress(database)
 
 
-def unpacked(rows: bytes) -> bytes:
-    """Return the bytes of the database of a letter. Raises Forged."""
-    unpacking = zlib.decompressobj()
-    try:
-        database = unpacking.decompress(rows, _MOST_ROWS)
-    except zlib.error:
-        raise Forged("its rows cannot be unpacked") from None
-    if not unpacking.eof:
-        raise Forged("its rows are larger than any session")
-    return database
+def unpack(rows: bytes, path: Path) -> None:
+    """Write the database of a letter into a new file. Raises Forged, OSError."""
+    unpacking, left, size = zlib.decompressobj(), rows, 0
+    write_private(path, b"")
+    with open(path, "wb") as file:
+        while not unpacking.eof:
+            try:
+                some = unpacking.decompress(left, _AT_ONCE)
+            except zlib.error:
+                raise Forged("its rows cannot be unpacked") from None
+            left, size = unpacking.unconsumed_tail, size + len(some)
+            if size > _MOST_ROWS:
+                raise Forged("its rows are larger than any session")
+            if not some and not left and not unpacking.eof:
+                raise Forged("its rows cannot be unpacked")
+            file.write(some)
 
 
 def _padded(signed: bytes) -> bytes:

@@ -71,7 +71,7 @@ def _home(db: sqlite3.Connection, one: Correspondent) -> Home:
         invited_at=one.invited_at,
         expires_at=one.expires_at,
         heard_at=one.heard_at,
-        missing=tuple(missing([each.number for each in arrived])),
+        missing=tuple(missing((each.number for each in arrived), one.void)),
         waiting=len(waiting),
         since=min((each.at for each in waiting), default=""),
         refused=tuple(f"Letter {number}: {reason}." for number, reason, _ in refused),
@@ -143,6 +143,7 @@ class Clinic(msgspec.Struct, frozen=True, kw_only=True):
         waiting: number of letters to it that it has not acknowledged yet. ``since``: when the oldest
             of them was written, UTC.
         missing: numbers of letters that it has written and that have not arrived.
+        refused: number of letters to it that it has refused.
         arrived, seen: local day of the newest session that has arrived there, and that a person has
             looked at there; None if there is none.
     """
@@ -153,6 +154,7 @@ class Clinic(msgspec.Struct, frozen=True, kw_only=True):
     waiting: int
     since: str
     missing: tuple[int, ...]
+    refused: int
     arrived: date | None
     seen: date | None
 
@@ -165,14 +167,15 @@ def clinic(db: sqlite3.Connection) -> Clinic | None:
     one = max(known, key=lambda each: (each.state == "joined", each.invited_at))
     out = stored.letters(db, one.id, "out")
     waiting = _on_the_way(out)
-    numbers = [each.number for each in stored.letters(db, one.id, "in")]
+    arrived = stored.letters(db, one.id, "in")
     return Clinic(
         participant=one.participant,
         state=one.state,
         heard_at=one.heard_at,
         waiting=len(waiting),
         since=min((each.at for each in waiting), default=""),
-        missing=tuple(missing(numbers)),
+        missing=tuple(missing((each.number for each in arrived), one.void)),
+        refused=sum(each.state == "refused" for each in out),
         arrived=_newest(db, [each for each in out if each.state == "acknowledged"]),
         seen=_newest(db, [each for each in out if each.seen_at]),
     )
@@ -224,10 +227,16 @@ def requested_form(db: sqlite3.Connection, participant: str) -> str:
             return ""
     except KindError:
         return ""
+    # by the clock here: that of the clinic may be another one
+    row = db.execute(
+        "SELECT max(at) FROM letters, json_each(contents, '$.records') WHERE direction='in' AND key=?",
+        (f"{asked[-1].id} {asked[-1].version}",),
+    ).fetchone()
+    came_at = row[0] or asked[-1].recorded_at
     answered = [
         each
         for each in records.listing(db, participant=participant, kinds=[name])
-        if each.recorded_at > asked[-1].recorded_at and each.content.get("status") == "complete"
+        if each.recorded_at > came_at and each.content.get("status") == "complete"
     ]
     return "" if answered else name
 

@@ -365,6 +365,10 @@ def _rename_rest(db: sqlite3.Connection, person: _Person, code: str, new: str) -
         " WHERE participant=? AND site=?",
         (new, code, person.site),
     ).rowcount
+    db.execute(
+        "UPDATE correspondents SET participant=?, state='revoked', device='{}' WHERE participant=?",
+        (new, code),
+    )  # what a computer at home still writes would have the old code
     row = db.execute("SELECT created_at, site FROM participants WHERE code=?", (code,)).fetchone()
     if row is not None:
         db.execute("DELETE FROM participants WHERE code=?", (code,))

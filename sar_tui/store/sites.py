@@ -77,4 +77,6 @@ def _known_outside(db: sqlite3.Connection) -> str:
         return "data of other sites was merged into it"
     if db.execute("SELECT 1 FROM exports WHERE site='' AND format='parquet' LIMIT 1").fetchone():
         return "data was exported under this code"
+    if db.execute("SELECT 1 FROM correspondents LIMIT 1").fetchone():
+        return "people who train at home know the clinic by it"
     return ""

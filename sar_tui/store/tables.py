@@ -1822,6 +1822,13 @@ CORRESPONDENTS = Table(
             sql="NOT NULL DEFAULT '[]'",
         ),
         Column(
+            "void",
+            "json",
+            "Ranges of numbers of its letters that never come.",
+            privacy="inner",
+            sql="NOT NULL DEFAULT '[]'",
+        ),
+        Column(
             "device",
             "json",
             "The computer, as it described itself in its last letter.",
@@ -1873,8 +1880,8 @@ LETTERS = Table(
         Column(
             "state",
             "string",
-            "Out: sent; acknowledged by the other side; void, as another one says the same. In: "
-            "taken, or refused.",
+            "Out: sent; acknowledged by the other side, or refused there; void, as another one says "
+            "the same. In: taken, or refused.",
             levels=("sent", "acknowledged", "void", "taken", "refused"),
             privacy="inner",
             form="word",

@@ -3,6 +3,7 @@
 import hashlib
 import random
 import sqlite3
+import zlib
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -117,7 +118,7 @@ def put(clinic: Clinic, writer: Keys, **changes: Any) -> None:
 def test_a_letter_of_a_stranger_is_refused(clinic: Clinic, home: Home) -> None:
     before = contents(clinic)
     put(clinic, Keys.new())
-    put(clinic, Keys.new(), secret=b"guessed" * 4, device={"seal_key": bytes(32)})
+    put(clinic, Keys.new(), secret=b"guessed" * 4, seal_key=Keys.new().public.seal)
     refused = clinic.exchange().refused
     assert ["nobody who is known here wrote it" in one for one in refused] == [True, True]
     assert contents(clinic) == before
@@ -151,7 +152,8 @@ def test_a_replayed_letter_changes_nothing(clinic: Clinic, home: Home) -> None:
     (clinic.box / "second.letter").write_bytes(sealed)
     done = clinic.exchange()
     assert (done.taken, done.doubled) == ([], 1)
-    assert contents(clinic) == before
+    answered = {"letters": "", "correspondents": ""}
+    assert {**contents(clinic), **answered} == {**before, **answered}
 
 
 def test_another_letter_with_a_number_that_was_used_is_refused_and_asked_for_again(
@@ -178,7 +180,7 @@ def database_of(home: Home) -> bytes:
     with closing(connect(home.data)) as db:
         own = of_person(db, "P07")
     del own["programmes"], own["people_events"]
-    return sealing.unpacked(pack(home.data, "P07", own))
+    return zlib.decompress(pack(home.data, "P07", own))
 
 
 @pytest.mark.parametrize(
@@ -234,9 +236,8 @@ def test_a_home_cannot_write_what_is_not_its_own(
             check_rows(db, "P07", "home")
     put(clinic, identity.require(home.data).keys, rows=sealing.packed(place.read_bytes()))
     assert len(clinic.exchange().refused) == 1
-    assert {**contents(clinic), "letters": "", "correspondents": ""} == {
-        **before, "letters": "", "correspondents": ""
-    }  # fmt: skip
+    answered = {"letters": "", "correspondents": ""}
+    assert {**contents(clinic), **answered} == {**before, **answered}
 
 
 def test_a_home_cannot_change_the_session_or_record_of_another_person(
@@ -351,7 +352,7 @@ def test_one_homes_keys_open_only_its_own_letters(
         except sealing.Damaged:
             closed += 1
         else:
-            read.append(sealing.unpacked(opened.letter.rows) if opened.letter.rows else b"")
+            read.append(zlib.decompress(opened.letter.rows) if opened.letter.rows else b"")
     assert read
     assert closed > len(read)  # its own letters to the clinic stay closed, too
     assert any(b"to P07" in each for each in read)
