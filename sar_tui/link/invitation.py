@@ -1,4 +1,5 @@
-"""Invitations: files that let a person on another machine watch or operate a session.
+"""Invitations: files that let a person on another machine watch or operate a session, or a home
+dial out to the clinic's router.
 
 The file contains the private key of the guest's certificate. Anyone who has the file can join as
 that operator or observer until it expires or is revoked.
@@ -13,8 +14,13 @@ import msgspec
 
 from sar_tui.drivers.files import write_private
 from sar_tui.link.errors import LinkError, need_packages
-from sar_tui.link.zenoh_settings import Credentials, Endpoint, Guest, parse_endpoint
-from sar_tui.model.messages import Role
+from sar_tui.link.zenoh_settings import (
+    Credentials,
+    Endpoint,
+    Guest,
+    InvitedAs,
+    parse_endpoint,
+)
 
 FORMAT = "sar-tui invitation"
 VERSION = 1
@@ -29,15 +35,17 @@ class Invitation(msgspec.Struct, frozen=True, kw_only=True):
     """Contents of an invitation.
 
     ``link``: the id of the host's link; ``endpoints``: the host's addresses, to be tried in order;
-    ``expires``: of the certificate.
+    ``expires``: of the certificate. ``router``: they are the addresses of a router, through which
+    operators and observers visit homes.
     """
 
-    role: Role
+    role: InvitedAs
     name: Annotated[str, msgspec.Meta(pattern=NAME)]
     link: Annotated[str, msgspec.Meta(pattern=r"^[0-9a-f]{8,32}\Z")]
     endpoints: Annotated[tuple[str, ...], msgspec.Meta(min_length=1, max_length=8)]
     expires: datetime
     credentials: Credentials
+    router: bool = False
 
     @property
     def guest(self) -> Guest:
@@ -127,7 +135,7 @@ def _decoded(content: bytes, path: Path) -> Invitation:
                 "on this machine."
             )
         role = plain.get("role")
-        if isinstance(role, str) and role not in get_args(Role):
+        if isinstance(role, str) and role not in get_args(InvitedAs):
             raise LinkError(
                 f"The invitation {path} is for the role {role!r}, which this sar-tui does not know."
             )

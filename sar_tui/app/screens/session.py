@@ -130,6 +130,7 @@ class SessionScreen(DismissedOnce[None]):
         bus.subscribe(topics.SESSION_ENDED, self._session_ended)
         bus.subscribe(topics.ACTING, self._agent_acted)
         bus.subscribe(topics.MARKERS, self._markers_changed)
+        bus.subscribe(topics.PRESENCE, lambda _: self.stage.visitors_changed())
         if self.app.sync_flash:
             from sar_tui.app.screens.sync_signal import SyncScreen
 
