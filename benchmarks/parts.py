@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 from benchmarks import (
     agent,
     commands,
+    dial_out,
     export,
     flood,
     frames,
@@ -111,6 +112,15 @@ def _operator(extent: Extent) -> Any:
     return operator.measure(acts, extent.trials, extent.folder, acted, attended)
 
 
+def _dial_out(extent: Extent) -> Any:
+    acts = 10 if extent.quick else 100
+    acted = extent.progress("acts of a visitor", acts * len(dial_out.LINES))
+    visited = extent.progress(
+        "reaction times beside a visitor", dial_out.programs() * extent.trials
+    )
+    return dial_out.measure(acts, extent.trials, extent.folder, acted, visited)
+
+
 def _export(extent: Extent) -> Any:
     trials, samples = (20_000, 50_000) if extent.quick else (1_000_000, 3_600_000)
     return export.measure(
@@ -160,5 +170,6 @@ PARTS: Mapping[str, Callable[[Extent], Any]] = {
     "sensors": _sensors,
     "agent": _agent,
     "operator": _operator,
+    "dial_out": _dial_out,
 }
 """Each part by its name: measures it, and returns its figures."""

@@ -32,7 +32,7 @@ class WaitingText(NamedTuple):
         return sentences(self.headline, *((self.text,) if self.said is None else self.said))
 
 
-def waiting_text(  # noqa: PLR0911
+def waiting_text(  # noqa: PLR0911, PLR0912
     waiting: Waiting,
     task: Task,
     *,
