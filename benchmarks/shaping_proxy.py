@@ -7,6 +7,7 @@ again.
 """
 
 import asyncio
+import contextlib
 import sys
 from typing import NamedTuple
 
@@ -48,10 +49,8 @@ async def _pass_on(reader: asyncio.StreamReader, writer: asyncio.StreamWriter, l
     except OSError:
         pass
     passing.put_nowait((line.due(loop.time()), b""))
-    try:
+    with contextlib.suppress(OSError):
         await delivering
-    except OSError:
-        pass
     writer.close()
 
 
