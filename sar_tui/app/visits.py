@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from sar_tui.link.errors import LinkError
-from sar_tui.link.visits import is_home
-from sar_tui.link.visits import open_visits as dial_out
+from sar_tui.link.invitation import home_file
 
 if TYPE_CHECKING:
     from sar_tui.link.broker_process import BrokerProcess
@@ -43,9 +42,11 @@ def open_visits(
     """
     with contextlib.ExitStack() as stack:
         link = None
-        if is_home(folder) and may_be_visited(database, settings, participants, study):
+        if home_file(folder).is_file() and may_be_visited(database, settings, participants, study):
+            from sar_tui.link import visits
+
             try:
-                link = stack.enter_context(dial_out(folder, lost_ms))
+                link = stack.enter_context(visits.open_visits(folder, lost_ms))
             except LinkError as error:
                 warn(str(error))
         yield link

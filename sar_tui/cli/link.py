@@ -334,7 +334,7 @@ def dial_out(
     it says whether sessions dial out.
     """
     from sar_tui.link import visits
-    from sar_tui.link.invitation import read
+    from sar_tui.link.invitation import home_file, read
 
     if remove and file is not None:
         raise Refused("Give a FILE to keep, or --remove, not both.")
@@ -343,8 +343,8 @@ def dial_out(
         kept = visits.keep_home(home.folder, file)
     elif remove:
         visits.remove_home(home.folder)
-    elif visits.is_home(home.folder):
-        kept = read(visits.home_file(home.folder))
+    elif home_file(home.folder).is_file():
+        kept = read(home_file(home.folder))
     if as_json:
         print_json(
             {

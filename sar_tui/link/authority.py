@@ -18,7 +18,7 @@ import msgspec
 
 from sar_tui.drivers.files import make_private
 from sar_tui.link.errors import LinkError, need_packages
-from sar_tui.link.invitation import Invitation, check_name
+from sar_tui.link.invitation import FOLDER, Invitation, check_name
 from sar_tui.link.zenoh_settings import (
     Credentials,
     Endpoint,
@@ -31,7 +31,6 @@ from sar_tui.link.zenoh_settings import (
 if TYPE_CHECKING:
     from sar_tui.link import certificates
 
-FOLDER = "link"
 MAX_DAYS = 366
 _AUTHORITY_DAYS = 20 * 365
 _HOST_DAYS = 366

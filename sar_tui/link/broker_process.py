@@ -250,6 +250,8 @@ class BrokerProcess:
         """See `Channel`."""
         child = self._child
         timeout_s = max(_SILENCE_TIMEOUT_S, self._setup.lost_after / SECOND)
+        if not self._opened.is_set():  # it is still loading
+            timeout_s = _START_TIMEOUT_S
         if child and time.monotonic() - self._last_event_at > timeout_s:
             self._last_event_at = time.monotonic()
             threading.Thread(target=child.kill, daemon=True).start()

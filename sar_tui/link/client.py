@@ -329,6 +329,7 @@ class _Client:
         rejoins: bool,
     ) -> None:
         self.name, self.role, self._rejoins = name, role, rejoins
+        self._is_visit = target.is_visit
         self._listener, self._loop = listener, loop
         self._id = secrets.token_hex(8)
         self._clock = RemoteClock()
@@ -434,6 +435,8 @@ class _Client:
         self._is_admitted, self._number = False, None
         if self._connection.state in ("connected", "lost"):
             self._set_connection(Connection("lost", why))
+        elif self._is_visit and self._connection.state == "connecting":
+            self._set_connection(Connection("connecting", NOBODY_THERE))
 
     def _set_connection(self, connection: Connection) -> None:
         if connection != self._connection:

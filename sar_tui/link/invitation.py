@@ -27,6 +27,8 @@ VERSION = 1
 SUFFIX = ".sar-link"
 MAX_FILE_BYTES = 64 * 1024
 """An invitation has about 2,500 bytes."""
+FOLDER = "link"
+"""Folder of the link's files in a data folder."""
 NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,31}\Z"
 """Pattern of a guest's name, which is used in keys, certificates and file names."""
 
@@ -70,6 +72,13 @@ def file_name(guest: Guest) -> str:
     return f"{guest.role}-{guest.name}{SUFFIX}"
 
 
+def home_file(data: Path) -> Path:
+    """Return the path of a home's invitation in its data folder; there is one if its sessions dial
+    out.
+    """
+    return data / FOLDER / f"home{SUFFIX}"
+
+
 def write(invitation: Invitation, path: Path) -> None:
     """Write the file, readable only by this user.
 
@@ -86,8 +95,14 @@ def write(invitation: Invitation, path: Path) -> None:
         raise LinkError(f"{path} cannot be created: {error.strerror}.") from None
 
 
-def read(path: Path, now: datetime | None = None) -> Invitation:
+def read(path: Path, now: datetime | None = None, *, is_known: bool = False) -> Invitation:
     """Read an invitation and check that it is intact and has not expired.
+
+    Args:
+        path: of the file.
+        now: the time.
+        is_known: the certificate was checked before, and is not again: loading what that needs
+            takes a moment.
 
     Raises:
         LinkError: the file is missing, not an invitation, damaged, of a newer version, for an
@@ -95,11 +110,13 @@ def read(path: Path, now: datetime | None = None) -> Invitation:
     """
     invitation = _decoded(_content(path), path)
     need_packages()
-    from sar_tui.link import certificates
-
     try:
         _ = invitation.where
-        expires = certificates.expiry(invitation.credentials, str(invitation.guest))
+        expires = invitation.expires
+        if not is_known:
+            from sar_tui.link import certificates
+
+            expires = certificates.expiry(invitation.credentials, str(invitation.guest))
     except (ValueError, LinkError):
         raise _damaged(path) from None
     if expires <= (now or datetime.now(UTC)):

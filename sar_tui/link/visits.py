@@ -14,15 +14,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sar_tui.drivers.files import make_private
-from sar_tui.link.authority import FOLDER
 from sar_tui.link.broker_process import BrokerProcess
 from sar_tui.link.errors import LinkError, need_packages
-from sar_tui.link.invitation import Invitation, read, write
+from sar_tui.link.invitation import Invitation, home_file, read, write
 from sar_tui.link.protocol import Setup
 from sar_tui.link.zenoh_settings import LinkKeys, config, home_link, network_settings
 from sar_tui.model.units import MS
 
-_FILE = "home.sar-link"
 _RETRY_S = 2.0
 
 
@@ -34,16 +32,6 @@ class HomeVisit(NamedTuple):
 
 
 # --- at home
-
-
-def home_file(data: Path) -> Path:
-    """Return the path of a home's invitation in its data folder."""
-    return data / FOLDER / _FILE
-
-
-def is_home(data: Path) -> bool:
-    """Return True if sessions of a data folder dial out."""
-    return home_file(data).is_file()
 
 
 def keep_home(data: Path, file: Path) -> Invitation:
@@ -91,7 +79,7 @@ def open_visits(data: Path, lost_ms: int) -> Iterator[BrokerProcess]:
         LinkError: the invitation cannot be used, or the process cannot be started.
     """
     need_packages()
-    invitation = read(home_file(data))
+    invitation = read(home_file(data), is_known=True)
     dials = tuple(
         network_settings(where, invitation.credentials, through_router=True)
         for where in invitation.where

@@ -271,6 +271,8 @@ class SessionScript:
                 case m.KeyPerceived(key="enter", repeat=False):
                     return True
                 case TimeUp("continue") if phase is Phase.READY:
+                    if self.status.asking:  # the agent spoke until now
+                        raise Pause(VISIT_ASKED)
                     return was_entered_before
                 case event:
                     may_await_decision = isinstance(event, m.AgentActing)

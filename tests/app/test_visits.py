@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 from msgspec.structs import replace
 
-from sar_tui.app import visits
 from sar_tui.app.visits import may_be_visited
 from sar_tui.link.broker_process import OutgoingBatch, OutgoingSnapshot
 from sar_tui.link.errors import LinkError
+from sar_tui.link.invitation import home_file
 from sar_tui.link.protocol import Admit, Deny, PeerJoined, PeerLeft, VisitAsked
 from sar_tui.store import passphrase
 from sar_tui.store.database import connect
@@ -173,10 +173,11 @@ class Dialled:
 
 
 @pytest.fixture
-def dialled(channel: VisitChannel, monkeypatch: pytest.MonkeyPatch) -> Dialled:
+def dialled(data: Path, channel: VisitChannel, monkeypatch: pytest.MonkeyPatch) -> Dialled:
+    home_file(data).parent.mkdir()
+    home_file(data).touch()
     made = Dialled(channel)
-    monkeypatch.setattr(visits, "is_home", lambda folder: True)
-    monkeypatch.setattr(visits, "dial_out", made.open)
+    monkeypatch.setattr("sar_tui.link.visits.open_visits", made.open)
     return made
 
 
