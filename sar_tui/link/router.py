@@ -88,6 +88,7 @@ class _Refusals:
     def __init__(self, report: Report) -> None:
         self._report = report
         self._throttle: ReportThrottle[tuple[str, str, str]] = ReportThrottle(_QUIET)
+        self._guests: tuple[str, ...] = ()
         self._log = RefusalLog(())
 
     def start(self) -> None:
@@ -103,7 +104,7 @@ class _Refusals:
 
     def begin(self, guests: tuple[str, ...]) -> None:
         """Forget earlier connections: these guests may connect from now on."""
-        self._log = RefusalLog(guests)
+        self._guests, self._log = guests, RefusalLog(guests)
 
     def _read(self, log: int) -> None:
         with os.fdopen(log, encoding="utf-8", errors="replace") as lines:
@@ -112,6 +113,8 @@ class _Refusals:
                     self._tell(refusal)
 
     def _tell(self, refusal: Refusal) -> None:
+        if refusal.what == "message" and refusal.guest not in self._guests:
+            return  # its connection was reported
         key = (refusal.guest, refusal.what, refusal.why)
         if count := self._throttle.add(key, host_now()):
             whose = f" of {refusal.guest}" if refusal.guest else ""

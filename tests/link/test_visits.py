@@ -94,6 +94,7 @@ class Decider(Node):
     """Publishes what the participant decides, which is derived from a key."""
 
     name = "decider"
+    emits = (VISIT_DECIDED,)
 
     def attach(self, bus: Bus) -> None:
         super().attach(bus)
@@ -394,10 +395,11 @@ def hears(session: zenoh.Session, key: str) -> list[str]:
 
 def test_a_home_reaches_its_own_keys_only(clinic: Clinic) -> None:
     own, other = clinic.keys("p01"), clinic.keys("p02")
-    with routing(clinic), dialling(clinic.p01, clinic.p02, clinic.anna) as [p01, p02, anna]:
+    invited = clinic.p01, clinic.p01, clinic.p02, clinic.anna
+    with routing(clinic), dialling(*invited) as [p01, spy, p02, anna]:
         for_anna = hears(anna, other.reply(ANNA)), hears(anna, own.reply(ANNA))
-        spied = [hears(p01, key) for key in (other.act("*"), other.ping("*"), other.reply("*"))]
-        spied += [hears(p01, key) for key in (other.all, "**", "sar-tui/**")]
+        spied = [hears(spy, key) for key in (other.act("*"), other.ping("*"), other.reply("*"))]
+        spied += [hears(spy, key) for key in (other.all, "**", "sar-tui/**")]
         heard = hears(p02, other.act("*"))
         forged = other.reply(ANNA), other.act(ANNA), other.broadcast, own.act(ANNA)
 
@@ -417,11 +419,12 @@ def test_a_home_reaches_its_own_keys_only(clinic: Clinic) -> None:
 
 def test_a_visitor_acts_and_listens_under_their_own_name_only(clinic: Clinic) -> None:
     keys = clinic.keys("p01")
-    with routing(clinic), dialling(clinic.p01, clinic.anna, clinic.eve) as [p01, anna, eve]:
+    invited = clinic.p01, clinic.anna, clinic.eve, clinic.eve
+    with routing(clinic), dialling(*invited) as [p01, anna, eve, spy]:
         at_p01 = hears(p01, keys.act("*")), hears(p01, keys.ping("*"))
         for_anna = hears(anna, keys.reply(ANNA))
-        spied = [hears(eve, key) for key in (keys.reply(ANNA), keys.reply("*"), keys.all, "**")]
-        spied += [hears(eve, key) for key in (keys.broadcast, keys.act(ANNA))]
+        spied = [hears(spy, key) for key in (keys.reply(ANNA), keys.reply("*"), keys.all, "**")]
+        spied += [hears(spy, key) for key in (keys.broadcast, keys.act(ANNA))]
 
         def speak() -> bool:
             for forged in (keys.act(ANNA), keys.ping(ANNA), keys.reply(ANNA), keys.broadcast):

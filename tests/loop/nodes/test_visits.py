@@ -59,6 +59,7 @@ def test_before_the_session_the_question_is_put_at_once_and_the_session_goes_on_
     answer(driver, key)
     assert decided(driver) == [(outcome, (ANNA,))]
     assert driver.waiting.stage == "instructions"
+    assert driver.difference() is None
 
 
 def test_a_key_that_was_under_way_does_not_answer(driver: LoopDriver) -> None:
