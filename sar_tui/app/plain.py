@@ -823,7 +823,9 @@ class PlainStage:
             if key.key in ("enter", "space"):
                 self.is_left = not session.awaits_operator  # who may still veto the goodbye
                 self._app.say("" if self.is_left else tr("One moment…"))
-        elif key.key == "escape" and waiting.reason != "visit":
+        elif key.key == "escape" and waiting.reason == "visit":
+            self._live.operate(SessionCommand(command="dismiss"))
+        elif key.key == "escape":
             if waiting.what == "sensor" or waiting.stage not in ("paused", "ended"):
                 self._live.operate(SessionCommand(command="pause"))
         elif key.key in self._live.undo_keys("participant"):

@@ -22,7 +22,6 @@ from sar_tui.loop.session_phase import (
     ENTER_RESUMES,
     IN_TRIAL,
     VISIT_ASKED,
-    VISIT_KEYS,
     Phase,
     waiting_message,
 )
@@ -93,7 +92,7 @@ class Resume(NamedTuple):
 
 
 class Withdrawn(NamedTuple):
-    """Somebody does not ask to watch any longer."""
+    """Somebody does not ask to watch any longer, or the participant has declined."""
 
 
 # --- interruptions
@@ -563,8 +562,8 @@ class SessionScript:
                 self.announce(Phase.PAUSED)
                 continue
             if status.reason == VISIT_ASKED:
-                if isinstance(event, m.KeyPerceived):
-                    self._answer_visit(event.key)
+                if isinstance(event, m.KeyPerceived) and event.key == "enter":
+                    self.decide_visit("agreed")
                 resumes = not status.asking and interrupted is None
                 if not status.asking and interrupted is not None:
                     status.pause_reason, interrupted = interrupted, None
@@ -589,14 +588,6 @@ class SessionScript:
             case m.SensorChanged():
                 return self.status.pause_reason == "sensor"
         return isinstance(event, Resume)
-
-    def _answer_visit(self, key: str) -> None:
-        """Answer the question whether somebody may watch, if the key is one of its keys."""
-        match VISIT_KEYS.get(key):
-            case "agreed":
-                self.decide_visit("agreed")
-            case "declined":
-                self.decide_visit("declined")
 
     def decide_visit(self, outcome: Literal["agreed", "declined", "ended"]) -> None:
         """Publish what the participant decided: for those who ask, or for the rest of this run."""

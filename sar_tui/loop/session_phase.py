@@ -45,8 +45,6 @@ resume.
 """
 VISIT_ASKED = "visit"
 """Reason of a pause in which the participant is asked whether somebody may watch."""
-VISIT_KEYS = {"enter": "agreed", "escape": "declined"}
-"""Keys that answer this question."""
 ASKABLE = {Phase.INSTRUCTIONS, Phase.READY, Phase.REST}
 """Phases that this question may interrupt."""
 ASKABLE_PAUSES = ("", "tired", "interrupted")

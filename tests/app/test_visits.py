@@ -14,12 +14,14 @@ from sar_tui.link.broker_process import OutgoingBatch, OutgoingSnapshot
 from sar_tui.link.errors import LinkError
 from sar_tui.link.invitation import home_file
 from sar_tui.link.protocol import Admit, Deny, PeerJoined, PeerLeft, VisitAsked
+from sar_tui.plugins import Catalogue
+from sar_tui.runs.plan import make_plan
 from sar_tui.store import passphrase
 from sar_tui.store.database import connect
 from sar_tui.store.passphrase import Passphrase
 from sar_tui.study import ledger
 from sar_tui.study.plan import parse_plan
-from tests.app.app_driver import AppDriver, OpenApp, OpenSession, known
+from tests.app.app_driver import AppDriver, OpenApp, OpenSession, known, open_app
 from tests.app.test_switch import OneSwitch
 from tests.link.test_node import ANNA, FakeChannel
 from tests.study.plans import TWO_GROUPS
@@ -77,9 +79,9 @@ async def test_enter_lets_the_therapist_watch_and_a_sign_says_so_until_they_leav
         assert [each["state"] for each in driver.messages("operator/presence")] == [
             "joined", "baton", "lost"
         ]  # fmt: skip
-        assert driver.messages("operator/visit") == [{"actor": ANNA, "state": "asked"}]
-        decided = driver.messages("event_handler/visit")
-        assert decided == [{"outcome": "agreed", "peers": [ANNA]}]
+        (asking,), (decided,) = map(driver.messages, ("operator/visit", "event_handler/visit"))
+        assert (asking["actor"], asking["state"]) == (ANNA, "asked")
+        assert (decided["outcome"], decided["peers"]) == ("agreed", [ANNA])
 
 
 async def test_escape_lets_nobody_watch_and_the_session_is_as_any_other(
@@ -124,9 +126,10 @@ async def test_the_participant_ends_a_visit_in_a_pause(
 
 @pytest.mark.parametrize(("choice", "outcome"), [("Yes", "agreed"), ("Not today", "declined")])
 async def test_a_switch_answers_the_question(
-    open_session: OpenSession, channel: VisitChannel, choice: str, outcome: str
+    data: Path, catalogue: Catalogue, channel: VisitChannel, choice: str, outcome: str
 ) -> None:
-    async with open_session(link=channel, switch="one") as driver:
+    plan = make_plan(catalogue, "gonogo", ["P01"], {"switch": "one"}, seed=7)
+    async with open_app(data, catalogue, plan, link=channel) as driver:
         await asked(driver, channel)
         await OneSwitch(driver).choose(choice)
         await driver.wait(100)
@@ -174,7 +177,7 @@ class Dialled:
 
 @pytest.fixture
 def dialled(data: Path, channel: VisitChannel, monkeypatch: pytest.MonkeyPatch) -> Dialled:
-    home_file(data).parent.mkdir()
+    home_file(data).parent.mkdir(parents=True)
     home_file(data).touch()
     made = Dialled(channel)
     monkeypatch.setattr("sar_tui.link.visits.open_visits", made.open)

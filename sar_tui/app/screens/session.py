@@ -360,6 +360,9 @@ class _Keys:
             if not screen.app.screen_keys.is_repeat:
                 self._press_mark(event.key, waiting)
             return
+        if event.key == "escape" and waiting.reason == "visit":
+            self._live.operate(SessionCommand(command="dismiss"))
+            return
         at = self._live.stamp(event.time)
         stalled = gc.is_stalled(round(at * SECOND))
         self._live.keyboard.pressed(event.key, event.character, at, gc.lag, stalled)

@@ -409,6 +409,8 @@ class SessionStage(Vertical):
             self.agent.ask(self.tr("Please let go of the keys for a moment."))
         elif text is not None:
             self._show_text(waiting, text)
+            if waiting.reason == "visit":
+                self.app.screen_keys.changed(self.screen)
         elif waiting.stage == "trial" and (entered or self.shown != "prompt"):
             self._show_trials(waiting.trial - 1)
             self.show_position(waiting)

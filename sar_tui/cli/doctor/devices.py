@@ -280,8 +280,8 @@ def invitations(here: Machine) -> Finding:
     private.
     """
     from sar_tui.link.authority import Authority
-    from sar_tui.link.invitation import FOLDER
     from sar_tui.link.errors import LinkError
+    from sar_tui.link.invitation import FOLDER
 
     folder = here.home.folder
     if not Authority.exists(folder):

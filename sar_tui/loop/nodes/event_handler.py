@@ -331,10 +331,13 @@ class EventHandler(TimedNode):
             self._ask_for_visit()
 
     def _end_visit(self, actor: str) -> _Result:
-        """End a visit, on behalf of the participant."""
+        """Decline or end a visit, on behalf of the participant."""
         if actor != "participant":
             return "refused", "Only the participant can end a visit."
-        self.session.decide_visit("ended")
+        is_asked = self.status.reason == VISIT_ASKED
+        self.session.decide_visit("declined" if is_asked else "ended")
+        if is_asked:
+            self._hear(Withdrawn())
         return _DONE
 
     @on(COMMAND)

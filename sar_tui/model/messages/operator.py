@@ -50,8 +50,8 @@ class SessionCommand(OperatorAct, frozen=True, kw_only=True):
     ``repeat`` (this prompt), ``level`` (sets it to ``value``), ``hold`` (attempts leave the level
     as it is), ``release`` (they change it again), ``mark`` (the current trial, else the last),
     ``undo`` (the actor's last act, see `loop.undo`), ``stop`` (everything the agent says and does;
-    ``at`` is the time stamp of the key), ``dismiss`` (the participant ends a visit, see
-    `VisitDecided`). ``reason``:
+    ``at`` is the time stamp of the key), ``dismiss`` (the participant declines or ends a
+    visit, see `VisitDecided`). ``reason``:
     for a pause, how the participant is: ``tired``, ``pain``, ``finished``, or empty; for a mark,
     its name (see `trial_types.Mark`); for ``skip``, ``rest`` if a rest that must be taken is to be
     ended, ``attempt`` if the attempt that is under way or comes next is to be left out, ``step`` if

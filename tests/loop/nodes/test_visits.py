@@ -37,7 +37,10 @@ def ask(driver: LoopDriver, who: str = ANNA, state: Any = "asked") -> None:
 def answer(driver: LoopDriver, key: str) -> None:
     """Press a key once the question was read."""
     driver.wait(1500)
-    driver.strike(key)
+    if key == "escape":
+        driver.operate("dismiss")
+    else:
+        driver.strike(key)
 
 
 def is_asked(driver: LoopDriver) -> bool:
