@@ -23,6 +23,7 @@ import msgspec
 
 from sar_tui.drivers import child_process
 from sar_tui.link import protocol
+from sar_tui.link.admission import DECLINED, VISIT_ENDED
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.errors import LinkError, need_packages
 from sar_tui.link.invitation import Invitation
@@ -473,7 +474,10 @@ class _Client:
         self._is_admitted = not pong.refusal
         if pong.refusal:
             self._number = None
-            self._set_connection(Connection("connecting", pong.refusal))
+            is_final = self._is_visit and pong.refusal in (DECLINED, VISIT_ENDED)
+            self._set_connection(Connection("ended" if is_final else "connecting", pong.refusal))
+            if is_final:
+                self.close()
             return
         self._clock.update(pong)
         if self._number is not None and pong.number > self._number:

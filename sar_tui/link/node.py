@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import msgspec
 
 from sar_tui.link import protocol
-from sar_tui.link.admission import ReportThrottle, role_of
+from sar_tui.link.admission import DECLINED, VISIT_ENDED, ReportThrottle, role_of
 from sar_tui.link.broker_process import (
     BrokerEnded,
     Channel,
@@ -72,8 +72,6 @@ MAX_PROMPT_DELAY = 500 * MS
 """Nothing is sent while a prompt is on its way to the screen, but no longer than this."""
 MAX_ACT_AGE = 60 * SECOND
 """Older stamps of acts are moved up to this age, as they must be wrong."""
-DECLINED = "They would rather not be watched today."
-VISIT_ENDED = "They have ended the visit."
 _CHECK_INTERVAL = SECOND
 _MAX_ANSWERS = 5_000
 """Number of acts of a peer whose answers are remembered: those of minutes, even in a flood."""

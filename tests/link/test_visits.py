@@ -15,13 +15,12 @@ import pytest
 import zenoh
 
 from sar_tui.link import client
-from sar_tui.link.admission import ASKING
+from sar_tui.link.admission import ASKING, DECLINED, VISIT_ENDED
 from sar_tui.link.authority import Authority
 from sar_tui.link.client import NOBODY_THERE, NOT_ADMITTED_BY_ROUTER, probe
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.errors import LinkError
 from sar_tui.link.invitation import Invitation, home_file, write
-from sar_tui.link.node import DECLINED, VISIT_ENDED
 from sar_tui.link.peer import Connection, Welcome
 from sar_tui.link.router import settings_of
 from sar_tui.link.visits import HomeFinder, HomeVisit, keep_home, open_visits, remove_home
