@@ -406,13 +406,13 @@ class PlainApp:
                 self.later(functools.partial(stage.ask_in_pause, advice))
 
         live.session.bus.subscribe(topics.STEP_ENDED, step_ended)
-        live.session.bus.subscribe(topics.PRESENCE, lambda _: stage.visitors_changed())
         assert isinstance(live.clock, LiveClock)
         running = asyncio.get_running_loop().create_task(live.clock.run())
         running.add_done_callback(self._stopped)
         writing = threading.Thread(target=live.store, name="storage", daemon=True)
         writing.start()
         live.begin_loop(broken)
+        live.session.bus.subscribe(topics.PRESENCE, lambda _: stage.visitors_changed())
         try:
             while not stage.is_left:
                 stage.pressed(await self.key(stage))
