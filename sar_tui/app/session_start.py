@@ -254,7 +254,11 @@ class SessionStart:
             self._refuse(in_language(explain(error), self._app.tr))
             return
         self.feeds = ()
-        live.trouble = " ".join(troubles)
+        if app.patient:
+            for text in troubles:
+                app.patient_mode.note_trouble(text)
+        else:
+            live.trouble = " ".join(troubles)
         if self._asked_since:
             codes = list(live.codes.values())
             with contextlib.suppress(StoreError):  # they stay with the participant

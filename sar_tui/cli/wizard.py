@@ -54,6 +54,7 @@ Link = Annotated[
 
 _PRACTISE = "practise"
 """In place of a session's id: play a recorded one. No id begins with it."""
+_ONE_SESSION = "An invitation is for one session: leave out SESSION and --wait."
 _NAME = "agent"
 """Name of the view in the session's log; the process id is appended, as there can be several."""
 
@@ -234,10 +235,12 @@ def session_to_show(
     if link is not None:
         from sar_tui.link.invitation import read
 
+        if wait:
+            raise Refused(_ONE_SESSION)
         need_packages()
         invitation = read(link)
-        if wait or (session and not invitation.router):
-            raise Refused("An invitation is for one session: leave out SESSION and --wait.")
+        if session and not invitation.router:
+            raise Refused(_ONE_SESSION)
         is_choice = invitation.router and session is None and invitation.role != "home"
         where = invitation if is_choice else session_to_join(session, link, data)
         if observe and invitation.role == "operator":
@@ -292,8 +295,10 @@ def session_to_join(session: str | None, link: Path | None, data: Path) -> "Wher
         return invitation
     if not session:
         raise Refused(f"{link} leads to a router. Name the home to visit, as SESSION.")
+    from sar_tui.link.invitation import check_name
     from sar_tui.link.visits import HomeVisit
 
+    check_name(session)
     return HomeVisit(invitation, session)
 
 

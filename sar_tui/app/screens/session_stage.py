@@ -303,7 +303,11 @@ class SessionStage(Vertical):
         decide on feedback, the participant sees the words that they decided on.
         """
         parameters = self._staged.session.task.parameters
-        is_decided = parameters.operator_joins or parameters.operator_feedback != "autonomous"
+        is_decided = (
+            bool(self._visitors)
+            or parameters.operator_joins
+            or parameters.operator_feedback != "autonomous"
+        )
         self.agent.leave_out(self._result_phrases if is_shown and not is_decided else ())
 
     def _forget_results(self) -> None:
