@@ -60,6 +60,7 @@ LINES = (
 """The stall is the retransmission time-out of a new connection (RFC 6298), every 5 s."""
 ALONE = msgspec.structs.replace(SAR_TUI, name="without a visitor")
 _ASKED, _ENTER, _PRESENCE = "not today", "Press Enter", "operator/presence"
+_IN_CONTROL = "You have control"
 _TIMEOUT_S = 30.0
 
 
@@ -251,6 +252,7 @@ def _acts(
             participant.confirm()
             log.wait(participant, lambda: log.messages(_PRESENCE), "the visitor to join")
             participant.wait_for(_ENTER, since=asked)
+            operator.wait_for(_IN_CONTROL)
             for number in range(count):
                 done.append(_say(participant, operator, f"Number{number}a, and on we go."))
                 on_act()
