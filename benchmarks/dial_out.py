@@ -9,7 +9,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from statistics import median, quantiles
 from typing import Any, NamedTuple
@@ -138,13 +138,13 @@ class _Clinic(contextlib.ExitStack):
         self.operator = folder / "operator.sar-link"
         here = Endpoint("127.0.0.1", router)
         write(authority.invite(Guest("bench", "operator"), [here], 1, router=True), self.operator)
-        self.lines: Mapping[Line, Path] = {}
+        self.lines: dict[Line, Path] = {}
         commands = []
         for number, line in enumerate(LINES):
             port, file = _free_port(), folder / f"home-{number}.sar-link"
             there = [Endpoint("127.0.0.1", port)]
             write(authority.invite(Guest(f"home{number}", "home"), there, 1), file)
-            self.lines |= {line: file}  # type: ignore[operator]
+            self.lines[line] = file
             shape = line.round_trip_ms, line.stall_ms, line.every_ms
             commands.append(["benchmarks.shaping_proxy", *map(str, (port, router, *shape))])
         listen = ["link", "router", "--listen", f"127.0.0.1:{router}", "--data", str(folder)]
