@@ -113,12 +113,11 @@ def _operator(extent: Extent) -> Any:
 
 
 def _dial_out(extent: Extent) -> Any:
-    acts = 10 if extent.quick else 100
+    acts = 10 if extent.quick else 40
+    trials = extent.asked_trials or min(extent.trials, 100)
     acted = extent.progress("acts of a visitor", acts * len(dial_out.LINES))
-    visited = extent.progress(
-        "reaction times beside a visitor", dial_out.programs() * extent.trials
-    )
-    return dial_out.measure(acts, extent.trials, extent.folder, acted, visited)
+    visited = extent.progress("reaction times beside a visitor", dial_out.programs() * trials)
+    return dial_out.measure(acts, trials, extent.folder, acted, visited)
 
 
 def _export(extent: Extent) -> Any:
