@@ -61,6 +61,7 @@ LINES = (
 ALONE = msgspec.structs.replace(SAR_TUI, name="without a visitor")
 _ASKED, _ENTER, _PRESENCE = "not today", "Press Enter", "operator/presence"
 _IN_CONTROL = "You have control"
+_BETWEEN_ACTS_MS = 330
 _TIMEOUT_S = 30.0
 
 
@@ -256,6 +257,7 @@ def _acts(
             for number in range(count):
                 done.append(_say(participant, operator, f"Number{number}a, and on we go."))
                 on_act()
+                _read_for(participant, _BETWEEN_ACTS_MS)  # so that stalls meet some of them
         for key in LEAVE_KEYS:
             participant.confirm(key)
         participant.wait()
