@@ -56,7 +56,7 @@ def test_a_therapist_watches_and_speaks_after_a_yes_until_the_participant_ends_i
         assert b"Keyboard" not in panel.output
         answer(session, "enter")
         session.wait_for("Your therapist is watching")
-        panel.wait_for("Keyboard reaction")
+        panel.wait_for("You have control")
         panel.press("t")
         panel.wait_for("Say:")
         for letter in "Hello from here":
