@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 from benchmarks import (
     agent,
     commands,
+    dial_out,
     export,
     flood,
     frames,
@@ -118,6 +119,14 @@ def _operator(extent: Extent) -> Any:
     return operator.measure(acts, extent.trials, extent.folder, acted, attended)
 
 
+def _dial_out(extent: Extent) -> Any:
+    acts = 10 if extent.quick else 40
+    trials = extent.asked_trials or min(extent.trials, 100)
+    acted = extent.progress("acts of a visitor", acts * len(dial_out.LINES))
+    visited = extent.progress("reaction times beside a visitor", dial_out.programs() * trials)
+    return dial_out.measure(acts, trials, extent.folder, acted, visited)
+
+
 def _export(extent: Extent) -> Any:
     trials, samples = (20_000, 50_000) if extent.quick else (1_000_000, 3_600_000)
     return export.measure(
@@ -168,5 +177,6 @@ PARTS: Mapping[str, Callable[[Extent], Any]] = {
     "agent": _agent,
     "robots": _robots,
     "operator": _operator,
+    "dial_out": _dial_out,
 }
 """Each part by its name: measures it, and returns its figures."""

@@ -520,6 +520,23 @@ def _operator(operator: Results) -> dict[str, Rows]:
     }
 
 
+def _dial_out(visit: Results) -> dict[str, Rows]:
+    return {
+        "Visitor's key to participant's screen, by what the line adds (ms)": [
+            ["line", "acts", "median", "p95", "worst"],
+            *(
+                [
+                    name,
+                    str(figures["n"]),
+                    *(f"{figures[each]:.1f}" for each in ("median_ms", "p95_ms", "max_ms")),
+                ]
+                for name, figures in visit["acts"].items()
+            ),
+        ],
+        "Recorded minus true reaction time (ms), beside a visitor": _errors(visit["programs"]),
+    }
+
+
 _TABLES: Mapping[str, Callable[[Results], dict[str, Rows]]] = {
     "response": _response,
     "frames": _frames,
@@ -538,6 +555,7 @@ _TABLES: Mapping[str, Callable[[Results], dict[str, Rows]]] = {
     "agent": _agent,
     "robots": _robots,
     "operator": _operator,
+    "dial_out": _dial_out,
 }
 
 

@@ -43,7 +43,8 @@ __all__ = [  # noqa: RUF022  in groups
     "SESSION", "THEME", "KEY", "SWITCH", "PASTE", "UNREADABLE", "FOCUS", "SHOWN",
     "TRIAL_FEEDBACK_SHOWN", "TONE_BEGAN", "IMU", "SENSOR", "TRUNK_IMU", "TRUNK_SENSOR",
     "TIMER", "COMMAND", "SETTING", "DECISION", "REMARK", "MODE", "PROPOSAL_SEEN",
-    "NOTE_ADDED", "PROTOCOL", "PROTOCOL_TICKED", "REASON", "PRESENCE", "REFUSED", "REPORT",
+    "NOTE_ADDED", "PROTOCOL", "PROTOCOL_TICKED", "REASON", "PRESENCE", "VISIT", "REFUSED",
+    "REPORT",
     "OUTPUT", "STOPPED", "MARKERS", "SYNC", "STORED", "STORAGE", "RECORD_CHANGED", "ERASED",
     # topics of what follows from them
     "FAULT", "PERCEIVED", "REACH", "WAITING", "ATTEMPT_STARTED", "CUE", "PROMPT", "FRAME",
@@ -52,6 +53,7 @@ __all__ = [  # noqa: RUF022  in groups
     "PROPOSED",
     "PENDING_APPROVAL", "ARBITER_STATE", "FILLER_DUE", "LEVEL_DECIDED", "LATE_DECISION",
     "DECIDED", "ACTION", "DROPPED", "HALT", "ACTING", "PROTOCOL_DUE", "ANSWERED",
+    "VISIT_DECIDED",
     # services
     "RECALL", "LEVEL_REQUEST", "UNSAID_FEEDBACK",
     # messages
@@ -70,7 +72,8 @@ __all__ = [  # noqa: RUF022  in groups
     "SwitchPressed", "SyncSignal", "TakenBack", "TakenBackKind", "TextPerceived", "ThemeApplied",
     "TimerFired", "Timing", "ToneBegan", "ToneDue",
     "TonesAhead", "TrialEnded", "TrialFeedback", "TrialFeedbackShown", "TrialMarked", "Typed",
-    "UnsaidFeedback", "UnsaidFeedbackRequest", "Utterance", "Waiting",
+    "UnsaidFeedback", "UnsaidFeedbackRequest", "Utterance", "VisitDecided", "VisitRequested",
+    "Waiting",
     # values of their fields
     "ActOutcome", "ActionPart", "ControlledKind", "Degree", "Form", "Ground", "Json", "Kind",
     "Mode", "Outcome", "PartState", "Policy", "Reference", "Role", "SensorState", "Valence",

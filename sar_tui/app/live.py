@@ -3,12 +3,12 @@
 import asyncio
 import contextlib
 import secrets
-import sqlite3
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
+import msgspec
 from msgspec.structs import replace
 
 from sar_tui.app.guarded_view import GuardedView
@@ -19,10 +19,11 @@ from sar_tui.loop.clock import Clock, LiveClock
 from sar_tui.loop.node import Node
 from sar_tui.loop.session import Session
 from sar_tui.loop.task import Task
-from sar_tui.loop.topics import COMMAND, MARKERS, RECALL, SYNC, TONE_BEGAN
+from sar_tui.loop.topics import COMMAND, MARKERS, PRESENCE, RECALL, SYNC, TONE_BEGAN
 from sar_tui.model.messages import (
     Fault,
     MarkersChanged,
+    OperatorChanged,
     Recall,
     SessionCommand,
     SyncSignal,
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
     from sar_tui.link.broker_process import BrokerProcess
     from sar_tui.link.node import LinkNode
     from sar_tui.outputs.markers.node import MarkerNode
+    from sar_tui.store.database import StoreConnection
 
 _NOT_MARKED = "The session was started by mistake, but it could not be marked as such, and counts."
 LAST_WRITE_SECONDS = 5.0
@@ -66,8 +68,9 @@ class LiveSession:
     Attributes:
         markers: sends markers; None if nobody asked for them.
         study: name of the study that the session belongs to; empty if it is of none.
-        trouble: says to the therapist why markers are lost or tones not heard, until somebody was
-            told; else empty.
+        trouble: says to the therapist why markers are lost, tones not heard or visits not possible,
+            until somebody was told; else empty.
+        visitors: names of those who watch, after the participant has agreed to it.
     """
 
     def __init__(
@@ -102,6 +105,8 @@ class LiveSession:
         self._closed = False
         self.is_mistake = False
         self.study = ""
+        self.visitors: tuple[str, ...] = ()
+        self._had_visitor = False
 
     def open(self, stage: "Stage", what: Plan | str, progress: Progress | None = None) -> None:
         """Open a new session (a plan) or an interrupted one (its id). Raises like `runs.run.start`
@@ -168,8 +173,14 @@ class LiveSession:
 
     @property
     def can_be_joined(self) -> bool:
-        """True if operators can join, or may have joined, through a link."""
-        return self._link is not None
+        """True if operators can join, or may have joined, through a link; in a visit, if somebody
+        has.
+        """
+        return self._link is not None and (not self._link.is_visit or self._had_visitor)
+
+    def _presence_changed(self, change: OperatorChanged) -> None:
+        self.visitors = tuple(change.peers)
+        self._had_visitor |= bool(self.visitors)
 
     def _linked(self) -> "list[LinkNode]":
         """Return the node of the link, if there is a link."""
@@ -216,6 +227,8 @@ class LiveSession:
         self.run.session.bus.subscribe(FAULT, faulted)
         self.run.session.bus.subscribe(MARKERS, self._markers_changed)
         self.run.session.bus.subscribe(TONE_BEGAN, self._tone_began)
+        if self._link and self._link.is_visit:
+            self.run.session.bus.subscribe(PRESENCE, self._presence_changed)
         self.clock.call_soon(self.run.begin)
 
     def _markers_changed(self, change: MarkersChanged) -> None:
@@ -391,16 +404,20 @@ class LiveSession:
 
 @contextlib.contextmanager
 def link_of(
-    what: Plan | str, database: sqlite3.Connection, folder: Path
+    what: Plan | str,
+    database: "StoreConnection",
+    folder: Path,
+    warn: Callable[[str], object] = lambda why: None,
 ) -> Iterator["BrokerProcess | None"]:
-    """Open the link of a session for the duration of the block, if its settings let operators join;
-    else give None.
+    """Open the link of a session for the duration of the block, if its settings let operators join,
+    or this is a home that dials out; else give None.
 
-    It listens on this machine only, as with ``sar-tui run --operator``.
+    It listens on this machine only, as with ``sar-tui run --operator``; or nowhere.
 
     Args:
         what: the plan of a new session, which has an id; or the id of an interrupted one.
         database, folder: where that session is.
+        warn: told why nobody can visit this home, although it dials out.
 
     Raises:
         StoreError: there is no such session.
@@ -408,15 +425,21 @@ def link_of(
     """
     if isinstance(what, Plan):
         session, task, can_join = what.id, what.task.name, what.parameters.operator_joins
-        codes = what.participants
+        codes, settings = what.participants, msgspec.to_builtins(what.parameters)
         lost_ms = what.parameters.operator_lost_ms
+        study = what.study.study if what.study else ""
     else:
         row, default = sessions.find(database, folder, what), TaskParameters()
         session, task, codes = row["id"], row["task"], sessions.codes(row)
-        can_join = row["parameters"].get("operator_joins", default.operator_joins)
-        lost_ms = row["parameters"].get("operator_lost_ms", default.operator_lost_ms)
+        settings = row["parameters"]
+        can_join = settings.get("operator_joins", default.operator_joins)
+        lost_ms = settings.get("operator_lost_ms", default.operator_lost_ms)
+        study = str(row["study"]["study"]) if row["study"] else ""
     if not can_join:
-        yield None
+        from sar_tui.app.visits import open_visits
+
+        with open_visits(folder, database, settings, codes, study, lost_ms, warn) as link:
+            yield link
         return
     from sar_tui.link.listening import ListenOptions, open_link
 

@@ -34,6 +34,7 @@ from sar_tui.app.screens.pause import act_of, pause_choices, pause_words
 from sar_tui.app.screens.summary import ending as end_of_session
 from sar_tui.app.screens.summary import facts
 from sar_tui.app.screens.waiting_text import (
+    WATCHED,
     decline_text,
     help_text,
     key_name,
@@ -348,7 +349,8 @@ class PlainApp:
                     return
         self.letters.wait(AWAITED_SECONDS)
         with contextlib.ExitStack() as stack:
-            link = self._link or stack.enter_context(link_of(what, self.database, self.folder))
+            opened = link_of(what, self.database, self.folder, self.notify)
+            link = self._link or stack.enter_context(opened)
             live, stage = self._open(what, link)
             if asked_since:
                 with contextlib.suppress(StoreError):  # they stay with the participant
@@ -417,6 +419,7 @@ class PlainApp:
         writing = threading.Thread(target=live.store, name="storage", daemon=True)
         writing.start()
         live.begin_loop(broken)
+        live.session.bus.subscribe(topics.PRESENCE, lambda _: stage.visitors_changed())
         try:
             while not stage.is_left:
                 stage.pressed(await self.key(stage))
@@ -655,6 +658,7 @@ class PlainStage:
         self._typed = self._warned_of = ""
         self._choices: dict[str, str] = {}
         self._choice = ""
+        self._is_visited = False
 
     @functools.cached_property
     def tr(self) -> Language:
@@ -740,6 +744,7 @@ class PlainStage:
         before, self.waiting = self.waiting, waiting
         if waiting.what == "response":
             self.gc.begin_trial()
+        self._tell_visitors()
         if self._choices:
             self._choices, self._choice = {}, ""
         if waiting.stage != "trial" and (trouble := self._live.trouble) not in (
@@ -755,6 +760,21 @@ class PlainStage:
             self._app.tell(_place(waiting), [let_go])
         elif waiting.what not in ("foreperiod", "response", "result", "agent", "quiet"):
             self._tell_wait(waiting)
+
+    def visitors_changed(self) -> None:
+        """Tell that somebody watches from now on, or does not any longer; the choices in a pause
+        change with it.
+        """
+        self._tell_visitors()
+        if self._choices and self.waiting:
+            self._open_menu(self.waiting)
+
+    def _tell_visitors(self) -> None:
+        is_visited = bool(self._live.visitors)
+        if is_visited != self._is_visited and not self.is_in_trial:
+            self._is_visited = is_visited
+            left = "Your therapist is not watching any longer."
+            self._app.say(self.tr(WATCHED if is_visited else left) + "." * is_visited)
 
     def _tell_wait(self, waiting: Waiting) -> None:
         session, tr = self._live.session, self.tr
@@ -794,6 +814,7 @@ class PlainStage:
             tr,
             can_skip=bool(self._app.patient) and session.can_skip_attempt,
             may_be_mistake=reason == "finished" and self._live.in_first_attempt,
+            is_visited=bool(self._live.visitors),
         )
         found.pop("therapist", None)
         self._choices = {str(number): choice for number, choice in enumerate(found, 1)}
@@ -854,6 +875,8 @@ class PlainStage:
             if key.key in ("enter", "space"):
                 self.is_left = not session.awaits_operator  # who may still veto the goodbye
                 self._app.say("" if self.is_left else tr("One moment…"))
+        elif key.key == "escape" and waiting.reason == "visit":
+            self._live.operate(SessionCommand(command="dismiss"))
         elif key.key == "escape":
             if waiting.what == "sensor" or waiting.stage not in ("paused", "ended"):
                 self._live.operate(SessionCommand(command="pause"))

@@ -234,9 +234,10 @@ class SessionStart:
         app.await_letters()
         if not isinstance(what, str) and not what.id:
             what = msgspec.structs.replace(what, id=sessions.new_id())
+        troubles: list[str] = []
         try:
             link = self._link or self._own_link.enter_context(
-                link_of(what, app.database, app.folder)
+                link_of(what, app.database, app.folder, troubles.append)
             )
             refuse = functools.partial(refusal, no_color=app.no_color)
             live = LiveSession(
@@ -255,6 +256,11 @@ class SessionStart:
             self._refuse(in_language(explain(error), self._app.tr))
             return
         self.feeds = ()
+        if app.patient:
+            for text in troubles:
+                app.patient_mode.note_trouble(text)
+        else:
+            live.trouble = " ".join(troubles)
         if self._asked_since:
             codes = list(live.codes.values())
             with contextlib.suppress(StoreError):  # they stay with the participant

@@ -16,8 +16,8 @@ from sar_tui.cli.errors import Refused
 if TYPE_CHECKING:
     import asyncio
 
+    from sar_tui.link.client import Where
     from sar_tui.link.discovery import JoinableSession
-    from sar_tui.link.invitation import Invitation
     from sar_tui.link.peer import Peer, PeerListener
     from sar_tui.model.messages import Role
     from sar_tui.model.protocol import WizardProtocol
@@ -26,14 +26,17 @@ if TYPE_CHECKING:
 Joined = Annotated[
     str | None,
     typer.Argument(
-        metavar="SESSION", help="The session's id, or its beginning.", show_default=False
+        metavar="SESSION",
+        help="The session's id, or its beginning; through a router, the home.",
+        show_default=False,
     ),
 ]
 JoinedOrPractise = Annotated[
     str | None,
     typer.Argument(
         metavar="[SESSION|practise]",
-        help="The session's id, or its beginning; practise: play a recorded session.",
+        help="The session's id, or its beginning; through a router, the home; practise: play a "
+        "recorded session.",
         show_default=False,
     ),
 ]
@@ -44,13 +47,14 @@ Link = Annotated[
         parser=named_path,
         metavar="FILE",
         show_default=False,
-        help="Invitation to a session on another machine.",
+        help="Invitation to a session on another machine, or to homes through a router.",
     ),
 ]
 
 
 _PRACTISE = "practise"
 """In place of a session's id: play a recorded one. No id begins with it."""
+_ONE_SESSION = "An invitation is for one session: leave out SESSION and --wait."
 _NAME = "agent"
 """Name of the view in the session's log; the process id is appended, as there can be several."""
 
@@ -101,8 +105,9 @@ def wizard(
 ) -> None:
     """Open the operator's panel: watch a session and control it; or practise on a recorded one.
 
-    The session runs in another terminal with --operator, or on another machine with --listen. F1
-    shows all keys. Practice writes nothing into the recorded session.
+    The session runs in another terminal with --operator, on another machine with --listen, or at
+    home, where the participant is asked first. F1 shows all keys. Practice writes nothing into the
+    recorded session.
     """
     if session == _PRACTISE:
         if link or observe or wait:
@@ -216,8 +221,9 @@ def read_protocol(path: Path) -> "WizardProtocol":
 
 def session_to_show(
     session: str | None, link: Path | None, data: Path, *, wait: bool, observe: bool
-) -> "JoinableSession | Invitation | None":
-    """Return the session of a data folder to join, or None if the user must choose one or wait.
+) -> "Where | None":
+    """Return the session of a data folder to join, or None if the user must choose one or wait. Of
+    an invitation to a router without a SESSION, return the invitation: the user chooses a home.
 
     Raises:
         Refused: there is no such session.
@@ -227,10 +233,17 @@ def session_to_show(
     from sar_tui.link.errors import need_packages
 
     if link is not None:
-        if session or wait:
-            raise Refused("An invitation is for one session: leave out SESSION and --wait.")
-        where = session_to_join(None, link, data)
-        if observe and getattr(where, "role", None) == "operator":
+        from sar_tui.link.invitation import read
+
+        if wait:
+            raise Refused(_ONE_SESSION)
+        need_packages()
+        invitation = read(link)
+        if session and not invitation.router:
+            raise Refused(_ONE_SESSION)
+        is_choice = invitation.router and session is None and invitation.role != "home"
+        where = invitation if is_choice else session_to_join(session, link, data)
+        if observe and invitation.role == "operator":
             raise Refused(
                 f"{link} invites an operator, who can act. To only watch, ask for an observer's "
                 "invitation."
@@ -261,11 +274,9 @@ def name_at_session(name: str | None, link: Path | None, *, observe: bool) -> st
     return name
 
 
-def session_to_join(
-    session: str | None, link: Path | None, data: Path
-) -> "JoinableSession | Invitation":
+def session_to_join(session: str | None, link: Path | None, data: Path) -> "Where":
     """Return the session of a data folder given by its id or the start of it, the only one there,
-    or an invitation's.
+    or an invitation's; of an invitation to a router, that of a home.
 
     Raises:
         Refused: there is no such session, or there are several.
@@ -275,7 +286,20 @@ def session_to_join(
     from sar_tui.link.invitation import read
 
     need_packages()
-    return _one(data, session) if link is None else read(link)
+    if link is None:
+        return _one(data, session)
+    invitation = read(link)
+    if invitation.role == "home":
+        raise Refused(f"{link} is for a home, and no panel can use it: sar-tui link home {link}")
+    if not invitation.router:
+        return invitation
+    if not session:
+        raise Refused(f"{link} leads to a router. Name the home to visit, as SESSION.")
+    from sar_tui.link.invitation import check_name
+    from sar_tui.link.visits import HomeVisit
+
+    check_name(session)
+    return HomeVisit(invitation, session)
 
 
 def _one(data: Path, session: str | None) -> "JoinableSession":

@@ -10,7 +10,7 @@ from typing import Any, Generic, Literal, TypeVar
 import msgspec
 
 from sar_tui.link import protocol
-from sar_tui.link.presence import Presence, needs_control
+from sar_tui.link.presence import MAX_PEERS, Presence, needs_control
 from sar_tui.link.protocol import (
     ActReceived,
     AnswersRequested,
@@ -23,6 +23,7 @@ from sar_tui.link.protocol import (
     RequestRefused,
     SessionMessage,
     SnapshotRequested,
+    VisitAsked,
 )
 from sar_tui.model.messages import ActAnswered, Role
 from sar_tui.model.units import SECOND
@@ -103,6 +104,10 @@ _TOO_LONG = f"It is longer than {protocol.MAX_ACT_BYTES} bytes."
 _OBSERVER = "An observer can only stop the agent."
 _TAKEN = "This name is in use. Choose another one, or wait until its owner has left."
 _FULL = "Too many people are already connected to this session."
+DECLINED = "They would rather not be watched today."
+VISIT_ENDED = "They have ended the visit."
+_NOT_AGREED = "The participant has not agreed to this visit."
+ASKING = "They are asked on their screen whether you may watch."
 _UNATTENDED = "The terminal of this panel does not answer."
 _NEVER_ANSWERED = "the terminal answers no queries."
 _RELAYED = "tmux, screen, Zellij or mosh answers for the terminal."
@@ -113,6 +118,59 @@ def role_of(name: str) -> Role | None:
     if not _NAME.fullmatch(name):
         return None
     return "operator" if name.startswith("operator.") else "observer"
+
+
+class Consent:
+    """Those whom the participant lets watch. Everybody else is told only that they are asked, or
+    why not.
+
+    Args:
+        forget_after: silence (ns) after which somebody does not ask any longer.
+    """
+
+    def __init__(self, forget_after: int) -> None:
+        self._forget_after = forget_after
+        self._agreed: set[str] = set()
+        self._asking: dict[str, int] = {}
+        self._refusal = ""
+
+    def admit(self, name: str) -> None:
+        """Let somebody watch."""
+        self._agreed.add(name)
+        self._asking.pop(name, None)
+
+    def deny(self, why: str) -> None:
+        """Let nobody watch, for this reason."""
+        self._agreed.clear()
+        self._asking.clear()
+        self._refusal = why
+
+    def has_agreed(self, name: str) -> bool:
+        """Return True if somebody may watch."""
+        return name in self._agreed
+
+    def ask(self, name: str, now: int) -> tuple[str, bool]:
+        """Note that somebody wants to watch. Return what they are told, and True if the participant
+        has to be asked.
+        """
+        if self._refusal:
+            return self._refusal, False
+        if name not in self._asking and len(self._asking) >= MAX_PEERS:
+            return _FULL, False
+        is_new = name not in self._asking
+        self._asking[name] = now
+        return ASKING, is_new
+
+    def withdraw(self, name: str) -> bool:
+        """Note that somebody does not want to watch any longer; False if they did not ask."""
+        return self._asking.pop(name, None) is not None
+
+    def expire(self, now: int) -> list[str]:
+        """Return those who have fallen silent before they were answered, and forget them."""
+        silent = [name for name, at in self._asking.items() if now - at > self._forget_after]
+        for name in silent:
+            del self._asking[name]
+        return silent
 
 
 class Admission:
@@ -126,6 +184,7 @@ class Admission:
         notify: sends an event to the program.
         answer: sends a message to a peer.
         clock_id: id of the session's clock, see `remote_clock.clock_id`.
+        is_visit: True if nobody is admitted before the participant agrees, see `admit`.
 
     Attributes:
         number: number of the last batch that was sent to all peers.
@@ -137,7 +196,10 @@ class Admission:
         notify: Callable[[BrokerEvent], object],
         answer: Callable[[str, SessionMessage], object],
         clock_id: str,
+        *,
+        is_visit: bool = False,
     ) -> None:
+        self._consent = Consent(lost_after) if is_visit else None
         self._notify, self._answer, self._clock_id = notify, answer, clock_id
         self._lock = threading.RLock()
         self._presence = Presence(lost_after)
@@ -145,6 +207,42 @@ class Admission:
         self._buckets: dict[tuple[_Limited, str], TokenBucket] = {}
         self._refused: ReportThrottle[tuple[str, str, str]] = ReportThrottle(max_keys=_MAX_REFUSALS)
         self.number = 0
+
+    @property
+    def present(self) -> list[str]:
+        """Names of those who are admitted and present."""
+        with self._lock:
+            return self._presence.names
+
+    def admit(self, name: str) -> None:
+        """Let somebody watch whom the participant agreed to."""
+        with self._lock:
+            if self._consent:
+                self._consent.admit(name)
+
+    def deny(self, why: str) -> None:
+        """Let nobody watch any longer, for this reason."""
+        with self._lock:
+            if self._consent:
+                self._consent.deny(why)
+                for name in self._presence.names:
+                    self._presence.leave(name)
+                    self._notify(PeerLeft(name, "left", why))
+
+    def _must_ask(self, name: str, now: int, *, is_leaving: bool) -> str:
+        """Return what somebody is told whom the participant has not agreed to; empty if they have,
+        or need not. Ask the participant, if they were not yet.
+        """
+        if self._consent is None or self._consent.has_agreed(name):
+            return ""
+        if is_leaving:
+            if self._consent.withdraw(name):
+                self._notify(VisitAsked(name, withdrawn=True))
+            return ASKING
+        told, is_new = self._consent.ask(name, now)
+        if is_new:
+            self._notify(VisitAsked(name))
+        return told
 
     def receive_ping(self, name: str, payload: bytes, now: int) -> None:
         """Handle a heartbeat received at ``now`` (ns, the session's clock)."""
@@ -156,6 +254,9 @@ class Admission:
                 ping = self._decode(name, payload, protocol.Ping)
             except ProtocolError as error:
                 self.refuse(name, "a heartbeat", str(error), now)
+                return
+            if told := self._must_ask(name, now, is_leaving=ping.is_leaving):
+                self._answer(name, Pong(ping.sent_at, 0, "", 0, ping.client_id, told))
                 return
             if ping.is_leaving:
                 self._answer(
@@ -187,6 +288,8 @@ class Admission:
                     what = act.topic
                 if is_too_fast:
                     raise ProtocolError(_TOO_FAST)
+                if self._consent and not self._consent.has_agreed(name):
+                    raise ProtocolError(_NOT_AGREED)
                 takes_control = act.topic == protocol.TAKE_CONTROL
                 is_for_all = not takes_control and not needs_control(
                     protocol.decode_act(act.topic, act.message)
@@ -197,6 +300,8 @@ class Admission:
                     raise ProtocolError(refusal)
             except ProtocolError as error:
                 self.refuse(name, what, str(error), now)
+                if self._consent and not self._consent.has_agreed(name):
+                    return
                 # the panel asks for what a flood leaves unanswered
                 if id and self._bucket("answer", name).take(now):
                     refused = ActAnswered(
@@ -234,6 +339,8 @@ class Admission:
                     self._notify(
                         PeerUnproven(name, _RELAYED if doubt == "relayed" else _NEVER_ANSWERED)
                     )
+            for name in self._consent.expire(now) if self._consent else ():
+                self._notify(VisitAsked(name, withdrawn=True))
             for (name, what, why), count in self._refused.due(now):
                 self._notify(RequestRefused(name, what, why, count))
 

@@ -18,14 +18,19 @@ import msgspec
 
 from sar_tui.drivers.files import make_private
 from sar_tui.link.errors import LinkError, need_packages
-from sar_tui.link.invitation import Invitation, check_name
-from sar_tui.link.zenoh_settings import Credentials, Endpoint, Guest, TlsFiles, parse_endpoint
-from sar_tui.model.messages import Role
+from sar_tui.link.invitation import FOLDER, Invitation, check_name
+from sar_tui.link.zenoh_settings import (
+    Credentials,
+    Endpoint,
+    Guest,
+    InvitedAs,
+    TlsFiles,
+    parse_endpoint,
+)
 
 if TYPE_CHECKING:
     from sar_tui.link import certificates
 
-FOLDER = "link"
 MAX_DAYS = 366
 _AUTHORITY_DAYS = 20 * 365
 _HOST_DAYS = 366
@@ -41,7 +46,7 @@ class IssuedInvitation(msgspec.Struct, frozen=True, kw_only=True):
     """
 
     name: str
-    role: Role
+    role: InvitedAs
     endpoints: tuple[str, ...]
     fingerprint: str
     issued: datetime
@@ -118,12 +123,19 @@ class Authority:
         return tuple(issued.guest for issued in self.invitations if issued.state(at) == "good")
 
     def invite(
-        self, guest: Guest, where: Sequence[Endpoint], days: int, now: datetime | None = None
+        self,
+        guest: Guest,
+        where: Sequence[Endpoint],
+        days: int,
+        now: datetime | None = None,
+        *,
+        router: bool = False,
     ) -> Invitation:
         """Issue a certificate for a guest and register it.
 
         Args:
             days: its validity in days, 1 to 366.
+            router: the endpoints are those of the clinic's router; always so for a home.
 
         Raises:
             LinkError: the name is invalid or taken, or an endpoint cannot be used. A revoked name
@@ -167,6 +179,7 @@ class Authority:
             link=register.link,
             endpoints=issued.endpoints,
             expires=expires,
+            router=router or guest.role == "home",
             credentials=Credentials(own.certificate, pair.certificate, pair.key),
         )
 

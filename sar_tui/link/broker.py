@@ -6,10 +6,12 @@ program was killed.
 """
 
 import contextlib
+import itertools
 import math
 import os
 import queue
 import threading
+import time
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -18,8 +20,10 @@ from sar_tui.link import protocol
 from sar_tui.link.admission import Admission
 from sar_tui.link.peer import MotionTrace
 from sar_tui.link.protocol import (
+    Admit,
     BrokerCommand,
     BrokerEvent,
+    Deny,
     ProtocolError,
     Publish,
     SendTo,
@@ -41,10 +45,13 @@ _TICK_S = 0.05
 _HEARTBEAT = 500 * MS
 _MAX_QUEUED = 500
 _CLOSE_TIMEOUT_S = 0.5
+_DIAL_AGAIN_S = 2.0
+_ALL = ""
+"""In place of a key: to all peers."""
 
 
 class _OutgoingMessage(NamedTuple):
-    """Payload for a key; ``number`` if it is a batch."""
+    """Payload for a key, or for ``_ALL``; ``number`` if it is a batch."""
 
     key: str
     payload: bytes
@@ -63,7 +70,11 @@ class Broker:
         self._events_lock = threading.Lock()
         self._keys = LinkKeys(setup.link)
         self._outbox: queue.Queue[_OutgoingMessage | None] = queue.Queue(_MAX_QUEUED)
-        self._admission = Admission(setup.lost_after, self.notify, self._answer, clock_id())
+        self._is_visit = setup.is_visit
+        self._zenoh: zenoh.Session | None = None
+        self._admission = Admission(
+            setup.lost_after, self.notify, self._answer, clock_id(), is_visit=setup.is_visit
+        )
         self._downsampler: Downsampler | None = None
         self._downsampler_lock = threading.Lock()
         self._sender = threading.Thread(target=self._send, name="link sender", daemon=True)
@@ -76,24 +87,47 @@ class Broker:
                 data = data[os.write(self._events, data) :]
 
     def open(self, setup: Setup) -> None:
-        """Listen. Raises LinkError, or ZError with Zenoh's own reason."""
+        """Listen, or begin to dial out. Raises LinkError, or ZError with Zenoh's own reason."""
         import zenoh
 
-        if setup.guests is not None:
-            _start_log(setup.guests, self._admission)
-        self._zenoh = zenoh.open(config(setup.settings))
+        if setup.is_visit:
+            threading.Thread(
+                target=self._dial, args=(setup,), name="link dial", daemon=True
+            ).start()
+        else:
+            if setup.guests is not None:
+                _start_log(setup.guests, self._admission)
+            self._serve(zenoh.open(config(setup.settings)))
+        self._sender.start()
+
+    def _dial(self, setup: Setup) -> None:
+        """Connect to a router, by its addresses in turn, until one answers; from then on Zenoh
+        reconnects by itself.
+        """
+        import zenoh
+
+        for settings in itertools.cycle(setup.dials):
+            with contextlib.suppress(zenoh.ZError):
+                self._serve(zenoh.open(config(settings)))
+                return
+            time.sleep(_DIAL_AGAIN_S)
+
+    def _serve(self, session: "zenoh.Session") -> None:
+        """Listen to peers, and let them see that there is a session."""
+        import zenoh
+
+        self._zenoh = session
         keys, subscribers = self._keys, []
         for key, receive in (
             (keys.act("*"), self._admission.receive_act),
             (keys.ping("*"), self._admission.receive_ping),
         ):
             handler = zenoh.handlers.Callback(self._receiver(receive), indirect=False)
-            subscribers.append(self._zenoh.declare_subscriber(key, handler))
-        liveliness = self._zenoh.liveliness()
+            subscribers.append(session.declare_subscriber(key, handler))
+        liveliness = session.liveliness()
         handler = zenoh.handlers.Callback(self._liveliness_changed, indirect=False)
         subscribers.append(liveliness.declare_subscriber(keys.ping("*"), handler))
         self._declared = (*subscribers, liveliness.declare_token(keys.broadcast))
-        self._sender.start()
 
     def _receiver(self, receive: Any) -> Any:
         """Return a callback for Zenoh's samples."""
@@ -115,11 +149,13 @@ class Broker:
         """Execute a command of the program."""
         match command:
             case Publish():
-                self._outbox.put(
-                    _OutgoingMessage(self._keys.broadcast, command.payload, command.number)
-                )
+                self._outbox.put(_OutgoingMessage(_ALL, command.payload, command.number))
             case SendTo():
                 self._outbox.put(_OutgoingMessage(self._keys.reply(command.name), command.payload))
+            case Admit():
+                self._admission.admit(command.name)
+            case Deny():
+                self._admission.deny(command.why)
             case SensorSamples():
                 with self._downsampler_lock:
                     self._downsampler = self._downsampler or Downsampler()
@@ -133,6 +169,8 @@ class Broker:
         with contextlib.suppress(queue.Full):
             self._outbox.put(None, timeout=_CLOSE_TIMEOUT_S)
         self._sender.join(_CLOSE_TIMEOUT_S)
+        if self._zenoh is None:
+            return
         closing = threading.Thread(target=self._zenoh.close, daemon=True)
         closing.start()
         closing.join(_CLOSE_TIMEOUT_S)
@@ -167,19 +205,29 @@ class Broker:
         """
         if number:
             self._admission.number = number
-        with contextlib.suppress(zenoh.ZError):
-            self._zenoh.put(
-                key, payload, congestion_control=zenoh.CongestionControl.DROP, express=True
-            )
+        if self._zenoh is None:
+            return
+        for each in (key,) if key else self._keys_of_all:
+            with contextlib.suppress(zenoh.ZError):
+                self._zenoh.put(
+                    each, payload, congestion_control=zenoh.CongestionControl.DROP, express=True
+                )
+
+    @property
+    def _keys_of_all(self) -> list[str]:
+        """The keys by which all peers are reached: in a visit, those of the ones who were agreed
+        to, as anybody at the clinic could listen to another.
+        """
+        if not self._is_visit:
+            return [self._keys.broadcast]
+        return [self._keys.reply(name) for name in self._admission.present]
 
     def _put_traces(self, zenoh: Any, now: int) -> None:
         if self._downsampler:
             with self._downsampler_lock:
                 traces = self._downsampler.due(now)
             if traces:
-                self._put(
-                    zenoh, self._keys.broadcast, protocol.encode(protocol.MotionTraces(traces))
-                )
+                self._put(zenoh, _ALL, protocol.encode(protocol.MotionTraces(traces)))
 
 
 def _read_log(log: int, guests: tuple[str, ...], admission: Admission) -> None:

@@ -14,9 +14,11 @@ from sar_tui.link import protocol
 from sar_tui.link.errors import LinkError
 from sar_tui.link.peer import Welcome
 from sar_tui.link.protocol import (
+    Admit,
     BrokerCommand,
     BrokerEvent,
     BrokerStarted,
+    Deny,
     Heartbeat,
     ProtocolError,
     Setup,
@@ -83,12 +85,17 @@ class BrokerEnded(NamedTuple):
     is_final: bool = False
 
 
-Outgoing = OutgoingBatch | OutgoingSnapshot | OutgoingSamples | OutgoingAnswers
+Outgoing = OutgoingBatch | OutgoingSnapshot | OutgoingSamples | OutgoingAnswers | Admit | Deny
 BrokerListener = Callable[[BrokerEvent | BrokerEnded], object]
 
 
 class Channel(Protocol):
-    """Connection of a node to the broker process."""
+    """Connection of a node to the broker process.
+
+    ``is_visit``: see `protocol.Setup`.
+    """
+
+    is_visit: bool
 
     def listen(self, listener: BrokerListener) -> None:
         """Call ``listener`` on any thread with each event, and first with those that came
@@ -192,6 +199,7 @@ class BrokerProcess:
 
     def __init__(self, setup: Setup, program: Sequence[str] = PROGRAM) -> None:
         self.link = setup.link
+        self.is_visit = setup.is_visit
         self._setup, self._program = setup, program
         self._lock = threading.RLock()
         self._listener: BrokerListener | None = None
@@ -209,13 +217,17 @@ class BrokerProcess:
         return self._child.pid if self._child else None
 
     def open(self) -> None:
-        """Start the process. Raises LinkError if it cannot listen as configured."""
+        """Start the process. Raises LinkError if it cannot listen as configured. One that dials out
+        is not waited for: the router may be away.
+        """
         try:
             self._start()
         except OSError as error:
             raise LinkError(
                 f"The link's process cannot be started: {error.strerror or error}."
             ) from error
+        if self.is_visit:
+            return
         if not self._opened.wait(_START_TIMEOUT_S):
             self._error = _SILENT.format(_START_TIMEOUT_S)
         if self._error:
@@ -238,6 +250,8 @@ class BrokerProcess:
         """See `Channel`."""
         child = self._child
         timeout_s = max(_SILENCE_TIMEOUT_S, self._setup.lost_after / SECOND)
+        if not self._opened.is_set():  # it is still loading
+            timeout_s = _START_TIMEOUT_S
         if child and time.monotonic() - self._last_event_at > timeout_s:
             self._last_event_at = time.monotonic()
             threading.Thread(target=child.kill, daemon=True).start()

@@ -23,6 +23,7 @@ import msgspec
 
 from sar_tui.drivers import child_process
 from sar_tui.link import protocol
+from sar_tui.link.admission import DECLINED, VISIT_ENDED
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.errors import LinkError, need_packages
 from sar_tui.link.invitation import Invitation
@@ -40,7 +41,14 @@ from sar_tui.link.protocol import (
 )
 from sar_tui.link.refusals import GUEST_LOG, log_environment, why_not_connected
 from sar_tui.link.remote_clock import RemoteClock
-from sar_tui.link.zenoh_settings import LinkKeys, config, network_settings, socket_settings
+from sar_tui.link.visits import HomeVisit
+from sar_tui.link.zenoh_settings import (
+    LinkKeys,
+    config,
+    home_link,
+    network_settings,
+    socket_settings,
+)
 from sar_tui.loop.bus import Topic
 from sar_tui.loop.clock import host_now
 from sar_tui.loop.topics import ALL, ANSWERED
@@ -68,24 +76,36 @@ Received = SessionMessage | Connection
 class ConnectionTarget(NamedTuple):
     """A session to connect to: its link's id, and Zenoh settings for each address to try.
 
-    ``socket``: if it is on this machine.
+    ``socket``: if it is on this machine. ``is_visit``: it is at home, through a router.
     """
 
     link: str
     settings: tuple[str, ...]
     socket: Path | None = None
+    is_visit: bool = False
 
 
-def connection_target(where: JoinableSession | Invitation) -> ConnectionTarget:
+Where = JoinableSession | Invitation | HomeVisit
+"""A session: on this machine, at the address of an invitation, or at home."""
+
+
+def connection_target(where: Where) -> ConnectionTarget:
     """Return how to connect to a session. Raises LinkError if the link's packages are not
     installed.
     """
     need_packages()
     if isinstance(where, JoinableSession):
         return ConnectionTarget(where.link, (socket_settings(where.socket),), where.socket)
-    return ConnectionTarget(
-        where.link, tuple(network_settings(place, where.credentials) for place in where.where)
+    if isinstance(where, Invitation):
+        return ConnectionTarget(
+            where.link, tuple(network_settings(place, where.credentials) for place in where.where)
+        )
+    invitation = where.invitation
+    settings = tuple(
+        network_settings(place, invitation.credentials, through_router=True)
+        for place in invitation.where
     )
+    return ConnectionTarget(home_link(invitation.link, where.home), settings, is_visit=True)
 
 
 class Transport:
@@ -180,7 +200,7 @@ class Transport:
             return _NO_SESSION
 
         try:
-            probe(settings, self._target.link)
+            probe(settings, self._target.link, through_router=self._target.is_visit)
         except LinkError as error:
             return str(error)
         return ""
@@ -192,9 +212,10 @@ class Transport:
         import zenoh
 
         keys, name = self._keys, self._name
+        heard = [keys.reply(name)] if self._target.is_visit else [keys.broadcast, keys.reply(name)]
         declared: list[Any] = [
             session.declare_subscriber(key, zenoh.handlers.Callback(self._received, indirect=False))
-            for key in (keys.broadcast, keys.reply(name))
+            for key in heard
         ]
         declared.append(session.liveliness().declare_token(keys.ping(name)))
         handler = zenoh.handlers.Callback(self._liveliness_changed, indirect=False)
@@ -204,9 +225,7 @@ class Transport:
         report_at = time.monotonic() + _ADMISSION_TIMEOUT_S
         while (message := self._outbox.get()) is not None:
             if not self._is_admitted and time.monotonic() > report_at:
-                self._on_receive(
-                    Connection("connecting", _NO_SESSION if self._target.socket else NOT_ADMITTED)
-                )
+                self._on_receive(Connection("connecting", self._why_not_admitted))
                 report_at += _PROBE_INTERVAL_S
             with contextlib.suppress(zenoh.ZError):
                 session.put(
@@ -214,6 +233,12 @@ class Transport:
                 )
         # before the token is dropped, which looks like a lost connection
         self._acknowledged.wait(_GOODBYE_TIMEOUT_S)
+
+    @property
+    def _why_not_admitted(self) -> str:
+        if self._target.is_visit:
+            return NOBODY_THERE
+        return _NO_SESSION if self._target.socket else NOT_ADMITTED
 
     def _received(self, sample: "zenoh.Sample") -> None:
         # of a newer version, or damaged: batch numbers show what is missing
@@ -246,13 +271,13 @@ _OVER = "The session is over."
 
 
 def connect(
-    where: JoinableSession | Invitation,
+    where: Where,
     name: str,
     role: Role,
     listener: PeerListener,
     loop: asyncio.AbstractEventLoop,
 ) -> Peer:
-    """Join a session, on this machine (see ``discovery.live_sessions``) or by invitation.
+    """Join a session, on this machine (see ``discovery.live_sessions``), by invitation, or at home.
 
     Args:
         where: the session.
@@ -265,8 +290,11 @@ def connect(
     Raises:
         LinkError: the link's packages are not installed.
     """
-    if isinstance(where, Invitation):
-        name, role = where.name, where.role
+    if not isinstance(where, JoinableSession):
+        invitation = where if isinstance(where, Invitation) else where.invitation
+        if invitation.role == "home":
+            raise LinkError(IS_FOR_A_HOME)
+        name, role = invitation.name, invitation.role
     rejoins = isinstance(where, JoinableSession)
     return _Client(
         connection_target(where),
@@ -302,6 +330,7 @@ class _Client:
         rejoins: bool,
     ) -> None:
         self.name, self.role, self._rejoins = name, role, rejoins
+        self._is_visit = target.is_visit
         self._listener, self._loop = listener, loop
         self._id = secrets.token_hex(8)
         self._clock = RemoteClock()
@@ -407,6 +436,8 @@ class _Client:
         self._is_admitted, self._number = False, None
         if self._connection.state in ("connected", "lost"):
             self._set_connection(Connection("lost", why))
+        elif self._is_visit and self._connection.state == "connecting":
+            self._set_connection(Connection("connecting", NOBODY_THERE))
 
     def _set_connection(self, connection: Connection) -> None:
         if connection != self._connection:
@@ -443,7 +474,10 @@ class _Client:
         self._is_admitted = not pong.refusal
         if pong.refusal:
             self._number = None
-            self._set_connection(Connection("connecting", pong.refusal))
+            is_final = self._is_visit and pong.refusal in (DECLINED, VISIT_ENDED)
+            self._set_connection(Connection("ended" if is_final else "connecting", pong.refusal))
+            if is_final:
+                self.close()
             return
         self._clock.update(pong)
         if self._number is not None and pong.number > self._number:
@@ -496,6 +530,17 @@ class _Client:
 _TIMEOUT_S = 10.0
 _ANSWER_TIMEOUT_S = 2.0
 _CONNECTED, _ADMITTED = "connected", "admitted"
+_SILENT_SESSION = "The session there does not answer."
+_SILENT_ROUTER = "The router there does not answer."
+NOBODY_THERE = (
+    "Nobody is training there now. If somebody is, this invitation was revoked: ask for a new one."
+)
+IS_FOR_A_HOME = (
+    "This invitation is for a home, and no panel can use it. Keep it there: sar-tui link home FILE"
+)
+NOT_ADMITTED_BY_ROUTER = (
+    "The router there does not accept this invitation: it was revoked. Ask for a new one."
+)
 NOT_ADMITTED = (
     "The session there does not accept this invitation: it was revoked, or made after that "
     "session began. Ask for a "
@@ -503,8 +548,14 @@ NOT_ADMITTED = (
 )
 
 
-def probe(settings: str, link: str) -> None:
+def probe(settings: str, link: str, guest: str = "", *, through_router: bool = False) -> None:
     """Connect once to a link with a guest's Zenoh settings. Takes up to ten seconds.
+
+    Args:
+        settings, link: of the link.
+        guest: name of the guest; see whether a router lets them in, whether or not anybody else is
+            there.
+        through_router: the link is through a router.
 
     Raises:
         LinkError: the session does not admit the guest; the message says why, as far as is known.
@@ -520,39 +571,49 @@ def probe(settings: str, link: str) -> None:
         errors="replace",
     ) as child:
         try:
-            log, _ = child.communicate(f"{link}\n{settings}", timeout=_TIMEOUT_S)
+            log, _ = child.communicate(f"{link}\n{guest}\n{settings}", timeout=_TIMEOUT_S)
         except subprocess.TimeoutExpired:
             child.kill()
-            raise LinkError("The session there does not answer.") from None
+            is_router = through_router or bool(guest)
+            raise LinkError(_SILENT_ROUTER if is_router else _SILENT_SESSION) from None
     lines = log.splitlines()
     if _ADMITTED in lines:
         return
-    raise LinkError(NOT_ADMITTED if _CONNECTED in lines else why_not_connected(log))
+    if _CONNECTED in lines:
+        if guest:
+            raise LinkError(NOT_ADMITTED_BY_ROUTER)
+        raise LinkError(NOBODY_THERE if through_router else NOT_ADMITTED)
+    raise LinkError(why_not_connected(log, to_router=through_router or bool(guest)))
 
 
 def main() -> None:
-    """Run the child: reads the link's id and settings from standard input, prints Zenoh's log and
-    the outcome.
+    """Run the child: reads the link's id, the guest or an empty line, and settings from standard
+    input, prints Zenoh's log and the outcome.
     """
     import zenoh
 
     from sar_tui.link.zenoh_settings import LinkKeys, config
 
-    link = sys.stdin.readline().strip()
+    link, guest = (sys.stdin.readline().strip() for _ in range(2))
+    settings = sys.stdin.read()
+    keys = LinkKeys(link)
     zenoh.init_log_from_env_or(GUEST_LOG)
-    try:
-        session = zenoh.open(config(sys.stdin.read()))
-    except zenoh.ZError:
-        return
-    with session:
+    with contextlib.ExitStack() as stack:
+        try:
+            session = stack.enter_context(zenoh.open(config(settings)))
+            key = keys.broadcast
+            if guest:  # another connection must see what this one announces
+                key = keys.ping(guest)
+                announcing = stack.enter_context(zenoh.open(config(settings)))
+                token = announcing.liveliness().declare_token(key)
+        except zenoh.ZError:
+            return
         print(_CONNECTED, flush=True)
-        if any(
-            reply.ok
-            for reply in session.liveliness().get(
-                LinkKeys(link).broadcast, timeout=_ANSWER_TIMEOUT_S
-            )
-        ):
+        found = session.liveliness().get(key, timeout=_ANSWER_TIMEOUT_S)
+        if any(reply.ok for reply in found):
             print(_ADMITTED, flush=True)
+        if guest:
+            token.undeclare()  # type: ignore[no-untyped-call]
 
 
 if __name__ == "__main__":

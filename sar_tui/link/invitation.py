@@ -1,4 +1,5 @@
-"""Invitations: files that let a person on another machine watch or operate a session.
+"""Invitations: files that let a person on another machine watch or operate a session, or a home
+dial out to the clinic's router.
 
 The file contains the private key of the guest's certificate. Anyone who has the file can join as
 that operator or observer until it expires or is revoked.
@@ -13,14 +14,21 @@ import msgspec
 
 from sar_tui.drivers.files import write_private
 from sar_tui.link.errors import LinkError, need_packages
-from sar_tui.link.zenoh_settings import Credentials, Endpoint, Guest, parse_endpoint
-from sar_tui.model.messages import Role
+from sar_tui.link.zenoh_settings import (
+    Credentials,
+    Endpoint,
+    Guest,
+    InvitedAs,
+    parse_endpoint,
+)
 
 FORMAT = "sar-tui invitation"
 VERSION = 1
 SUFFIX = ".sar-link"
 MAX_FILE_BYTES = 64 * 1024
 """An invitation has about 2,500 bytes."""
+FOLDER = "link"
+"""Folder of the link's files in a data folder."""
 NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,31}\Z"
 """Pattern of a guest's name, which is used in keys, certificates and file names."""
 
@@ -29,15 +37,17 @@ class Invitation(msgspec.Struct, frozen=True, kw_only=True):
     """Contents of an invitation.
 
     ``link``: the id of the host's link; ``endpoints``: the host's addresses, to be tried in order;
-    ``expires``: of the certificate.
+    ``expires``: of the certificate. ``router``: they are the addresses of a router, through which
+    operators and observers visit homes.
     """
 
-    role: Role
+    role: InvitedAs
     name: Annotated[str, msgspec.Meta(pattern=NAME)]
     link: Annotated[str, msgspec.Meta(pattern=r"^[0-9a-f]{8,32}\Z")]
     endpoints: Annotated[tuple[str, ...], msgspec.Meta(min_length=1, max_length=8)]
     expires: datetime
     credentials: Credentials
+    router: bool = False
 
     @property
     def guest(self) -> Guest:
@@ -62,6 +72,13 @@ def file_name(guest: Guest) -> str:
     return f"{guest.role}-{guest.name}{SUFFIX}"
 
 
+def home_file(data: Path) -> Path:
+    """Return the path of a home's invitation in its data folder; there is one if its sessions dial
+    out.
+    """
+    return data / FOLDER / f"home{SUFFIX}"
+
+
 def write(invitation: Invitation, path: Path) -> None:
     """Write the file, readable only by this user.
 
@@ -78,8 +95,14 @@ def write(invitation: Invitation, path: Path) -> None:
         raise LinkError(f"{path} cannot be created: {error.strerror}.") from None
 
 
-def read(path: Path, now: datetime | None = None) -> Invitation:
+def read(path: Path, now: datetime | None = None, *, is_known: bool = False) -> Invitation:
     """Read an invitation and check that it is intact and has not expired.
+
+    Args:
+        path: of the file.
+        now: the time.
+        is_known: the certificate was checked before, and is not again: loading what that needs
+            takes a moment.
 
     Raises:
         LinkError: the file is missing, not an invitation, damaged, of a newer version, for an
@@ -87,11 +110,13 @@ def read(path: Path, now: datetime | None = None) -> Invitation:
     """
     invitation = _decoded(_content(path), path)
     need_packages()
-    from sar_tui.link import certificates
-
     try:
         _ = invitation.where
-        expires = certificates.expiry(invitation.credentials, str(invitation.guest))
+        expires = invitation.expires
+        if not is_known:
+            from sar_tui.link import certificates
+
+            expires = certificates.expiry(invitation.credentials, str(invitation.guest))
     except (ValueError, LinkError):
         raise _damaged(path) from None
     if expires <= (now or datetime.now(UTC)):
@@ -127,7 +152,7 @@ def _decoded(content: bytes, path: Path) -> Invitation:
                 "on this machine."
             )
         role = plain.get("role")
-        if isinstance(role, str) and role not in get_args(Role):
+        if isinstance(role, str) and role not in get_args(InvitedAs):
             raise LinkError(
                 f"The invitation {path} is for the role {role!r}, which this sar-tui does not know."
             )

@@ -73,7 +73,7 @@ def open_link(
         authority = Authority.open(data)
         files = authority.host_files(ends)
         link = authority.link
-    guests = authority.guests() if authority else ()
+    guests = [guest for guest in (authority.guests() if authority else ()) if guest.role != "home"]
     with contextlib.ExitStack() as stack:
         socket = None
         if listening.operator:
@@ -93,18 +93,15 @@ def open_link(
         try:
             broker.open()
         except LinkError as error:
-            raise LinkError(_explain(str(error), ends)) from error
+            raise LinkError(why_not_listening(str(error), ends)) from error
         stack.callback(broker.close)
         yield broker
 
 
-def _explain(error: str, ends: Sequence[Endpoint]) -> str:
-    """Return why the link cannot listen, from Zenoh's error."""
+def why_not_listening(error: str, ends: Sequence[Endpoint], what: str = "The session") -> str:
+    """Return why the session, or something else, cannot listen, from Zenoh's error."""
     if ends:
         for part, explanation in _EXPLANATIONS:
             if re.search(part, error, re.IGNORECASE):
-                return (
-                    f"The session cannot listen on {ends[0]}. "
-                    f"{explanation.format(host=ends[0].host)}"
-                )
+                return f"{what} cannot listen on {ends[0]}. {explanation.format(host=ends[0].host)}"
     return f"The link cannot be opened. {error}"

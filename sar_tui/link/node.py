@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import msgspec
 
 from sar_tui.link import protocol
-from sar_tui.link.admission import ReportThrottle, role_of
+from sar_tui.link.admission import DECLINED, VISIT_ENDED, ReportThrottle, role_of
 from sar_tui.link.broker_process import (
     BrokerEnded,
     Channel,
@@ -24,14 +24,17 @@ from sar_tui.link.peer import Welcome
 from sar_tui.link.presence import ControlLock, needs_control
 from sar_tui.link.protocol import (
     ActReceived,
+    Admit,
     AnswersRequested,
     BrokerEvent,
+    Deny,
     PeerJoined,
     PeerLeft,
     PeerUnproven,
     ProtocolError,
     RequestRefused,
     SnapshotRequested,
+    VisitAsked,
 )
 from sar_tui.loop import topics as t
 from sar_tui.loop.bus import Bus, Record, Topic
@@ -55,6 +58,8 @@ from sar_tui.loop.topics import (
     REMARK,
     SHOWN,
     TRIAL,
+    VISIT,
+    VISIT_DECIDED,
     VOIDED,
 )
 from sar_tui.model import messages as m
@@ -99,12 +104,17 @@ class LinkNode(Node):
         REASON,
         PRESENCE,
         REFUSED,
+        VISIT,
     )
 
     def __init__(self, channel: Channel) -> None:
         super().__init__()
         self.trial_mark: Callable[[], TrialMark] = TrialMark
         self._channel = channel
+        self._agreed: set[str] = set()
+        """Those whom the participant lets watch, if it is a visit."""
+        self._asking: set[str] = set()
+        self._visit_refusal = ""
         self._feed = SessionFeed()
         self._control = ControlLock()
         self._run = secrets.token_hex(8)
@@ -135,11 +145,13 @@ class LinkNode(Node):
 
     # --- from the broker process
 
-    def receive(self, event: BrokerEvent | BrokerEnded) -> None:
+    def receive(self, event: BrokerEvent | BrokerEnded) -> None:  # noqa: PLR0912
         """Handle an event of the broker process, on the bus' own thread."""
         if self._is_detached:
             return
         match event:
+            case VisitAsked(name=name, withdrawn=is_withdrawn):
+                self._visit_asked(name, is_withdrawn=is_withdrawn)
             case PeerJoined(name=name):
                 self._peer_joined(name)
             case PeerLeft(name=name, state=state, detail=detail):
@@ -163,9 +175,41 @@ class LinkNode(Node):
                 if is_final:
                     self._refuse("link", "the link", detail)
 
+    def _visit_asked(self, name: str, *, is_withdrawn: bool) -> None:
+        """Ask the participant whether somebody may watch, unless they have answered: the broker
+        process, which was started again, may not know.
+        """
+        if name in self._agreed:
+            self._channel.send(Admit(name))
+        elif self._visit_refusal:
+            self._channel.send(Deny(self._visit_refusal))
+        elif is_withdrawn == (name in self._asking):
+            self._asking ^= {name}
+            state: Any = "withdrawn" if is_withdrawn else "asked"
+            self.emit(VISIT, m.VisitRequested(actor=name, state=state))
+
+    @on(VISIT_DECIDED)
+    def visit_decided(self, decided: m.VisitDecided) -> None:
+        """Let those watch whom the participant agreed to, or nobody."""
+        if not self._channel.is_visit:
+            return
+        self._asking.clear()
+        if decided.outcome == "agreed":
+            for name in decided.peers:
+                self._agreed.add(name)
+                self._channel.send(Admit(name))
+            return
+        self._agreed.clear()
+        self._visit_refusal = DECLINED if decided.outcome == "declined" else VISIT_ENDED
+        for name in list(self._control.peers):
+            self._peer_left(name, "left", VISIT_ENDED)
+        self._channel.send(Deny(self._visit_refusal))
+
     def _peer_joined(self, name: str) -> None:
         role = role_of(name)
         if role is None or name in self._control.peers:
+            return
+        if self._channel.is_visit and name not in self._agreed:
             return
         holder = self._control.holder
         self._control.join(name, role)
@@ -365,7 +409,7 @@ SENT: tuple[Topic[Any], ...] = (
     t.OUTPUT, t.REPORT, t.STOPPED, t.MARKERS,
     # what operators did, so that each sees the outcome and what the others do
     t.COMMAND, t.SETTING, t.DECISION, t.REMARK, t.MODE, t.PROPOSAL_SEEN, t.NOTE_ADDED, t.PRESENCE, t.REFUSED,
-    t.PROTOCOL, t.PROTOCOL_DUE, t.PROTOCOL_TICKED, t.REASON, t.ANSWERED,
+    t.PROTOCOL, t.PROTOCOL_DUE, t.PROTOCOL_TICKED, t.REASON, t.ANSWERED, t.VISIT, t.VISIT_DECIDED,
 )  # fmt: skip
 """Faults are not sent: their tracebacks reveal details of the machine, and WAITING says that a
 session is broken.

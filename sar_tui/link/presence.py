@@ -49,6 +49,11 @@ class Presence:
         self._lost_after = lost_after
         self._peers: dict[str, _Present] = {}
 
+    @property
+    def names(self) -> list[str]:
+        """Names of the peers at the link."""
+        return list(self._peers)
+
     def is_present(self, name: str, client_id: str) -> bool:
         """Return whether this very program is at the link."""
         return name in self._peers and self._peers[name].client_id == client_id

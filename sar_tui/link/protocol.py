@@ -179,13 +179,21 @@ class Setup(_LinkMessage, frozen=True):
 
     ``settings``: from ``zenoh_settings.host_settings``. ``link``: its id. ``lost_after``: silence
     (ns) after which a peer is lost. ``guests``: those admitted over the network; None if it does
-    not listen there.
+    not listen there. ``dials``: settings to connect with, in turn, if it is a visit: the broker
+    does not listen, but connects to a router, again and again; and the participant is asked before
+    anybody is admitted.
     """
 
     settings: str
     link: str
     lost_after: int
     guests: tuple[str, ...] | None = None
+    dials: tuple[str, ...] = ()
+
+    @property
+    def is_visit(self) -> bool:
+        """True if it connects to a router."""
+        return bool(self.dials)
 
 
 class Publish(_LinkMessage, frozen=True):
@@ -209,7 +217,21 @@ class SensorSamples(_LinkMessage, frozen=True):
     samples: bytes
 
 
-BrokerCommand = Setup | Publish | SendTo | SensorSamples
+class Admit(_LinkMessage, frozen=True):
+    """The participant lets somebody watch, by the name, from now on."""
+
+    name: str
+
+
+class Deny(_LinkMessage, frozen=True):
+    """The participant lets nobody watch, for the reason in ``why``, which those who ask are told;
+    those who watch are no longer sent anything.
+    """
+
+    why: str
+
+
+BrokerCommand = Setup | Publish | SendTo | SensorSamples | Admit | Deny
 
 
 # --- from the broker to its program
@@ -244,6 +266,13 @@ class PeerUnproven(_LinkMessage, frozen=True):
 
     name: str
     detail: str
+
+
+class VisitAsked(_LinkMessage, frozen=True):
+    """Somebody asks to watch a session at home; ``withdrawn``: they do not any longer."""
+
+    name: str
+    withdrawn: bool = False
 
 
 class SnapshotRequested(_LinkMessage, frozen=True):
@@ -283,6 +312,7 @@ BrokerEvent = (
     | PeerJoined
     | PeerLeft
     | PeerUnproven
+    | VisitAsked
     | SnapshotRequested
     | ActReceived
     | AnswersRequested

@@ -89,6 +89,7 @@ _CERTIFICATE = (
     ("corrupt message", "it does not speak TLS"),
     ("handshake eof", "it closed the connection before it identified itself"),
 )
+_NO_LISTENER = "Nothing listens there. Is a session running, with --listen and that port?"
 _NOT_CONNECTED = (
     ("alert: CertificateExpired", "The invitation has expired. Ask for a new one."),
     (
@@ -110,7 +111,7 @@ _NOT_CONNECTED = (
     ("invalid peer certificate", "The host there is not the one that made this invitation."),
     (
         "Connection refused",
-        "Nothing listens there. Is a session running, with --listen and that port?",
+        _NO_LISTENER,
     ),
     ("failed to lookup address", "There is no computer of that name on the network."),
 )
@@ -183,7 +184,7 @@ class RefusalLog:
         )
 
 
-def why_not_connected(log: str) -> str:
+def why_not_connected(log: str, *, to_router: bool = False) -> str:
     """Return why a guest could not connect, from the log of that attempt, in one or two sentences
     for the guest.
     """
@@ -192,7 +193,11 @@ def why_not_connected(log: str) -> str:
         for line in log.splitlines()
         if "Unable to connect to " in line and " any of " not in line
     ]
-    return _first(_NOT_CONNECTED, attempts[-1] if attempts else "") or _UNREACHABLE
+    why = _first(_NOT_CONNECTED, attempts[-1] if attempts else "") or _UNREACHABLE
+    if to_router:
+        why = "Nothing listens there. Is the router running?" if why == _NO_LISTENER else why
+        why = why.replace("session", "router")
+    return why
 
 
 def _describe(key: str) -> str:

@@ -11,22 +11,25 @@ import ipaddress
 import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import msgspec
 
 from sar_tui.link.errors import LinkError, no_packages
-from sar_tui.model.messages import Role
 
 if TYPE_CHECKING:
     import zenoh
 
+InvitedAs = Literal["operator", "observer", "home"]
+"""A role at a session; or ``home``: the participant's computer, which dials out to a router."""
 PORT = 7447
 """Default port, the one registered for Zenoh."""
 LEASE_MS = 1000
 """Silence after which Zenoh drops a connection, to open a new one. It does not decide that an
 operator is lost.
 """
+VISIT_LEASE_MS = 5000
+"""The same over a router, where a packet may take long."""
 RETRY_MS = (250, 1000)
 """Shortest and longest delay before a peer reconnects; it doubles each time."""
 MAX_MESSAGE_BYTES = 4 * 2**20
@@ -39,10 +42,10 @@ _HOST = re.compile(r"[A-Za-z0-9]([A-Za-z0-9.-]*[A-Za-z0-9])?")
 
 
 class Guest(NamedTuple):
-    """Invited operator or observer."""
+    """Invited operator or observer, or home."""
 
     name: str
-    role: Role
+    role: InvitedAs
 
     def __str__(self) -> str:
         """Return the name used in keys and as the certificate's common name: ``operator.op1``."""
@@ -50,7 +53,11 @@ class Guest(NamedTuple):
 
 
 class LinkKeys(NamedTuple):
-    """Zenoh key expressions of a link."""
+    """Zenoh key expressions of a link.
+
+    ``link``: its id; through a router, that of the clinic and the name of a home, or ``*`` for all
+    homes: see `home_link`.
+    """
 
     link: str
 
@@ -75,6 +82,11 @@ class LinkKeys(NamedTuple):
     def reply(self, peer: str) -> str:
         """From the session to one peer."""
         return f"sar-tui/{self.link}/back/{peer}"
+
+
+def home_link(link: str, home: str) -> str:
+    """Return the id of the link of a home, through the router of the clinic whose link this is."""
+    return f"{link}/{home}"
 
 
 class Endpoint(NamedTuple):
@@ -181,14 +193,46 @@ def host_settings(
     if listen:
         if files is None:
             raise ValueError("listening on the network needs certificates")
-        settings["transport"]["link"]["tls"] = {
-            "enable_mtls": True,
-            "root_ca_certificate": str(files.authority),
-            "listen_certificate": str(files.certificate),
-            "listen_private_key": str(files.key),
-            "close_link_on_expiration": True,
-        }
+        settings["transport"]["link"]["tls"] = _listening(files)
     return msgspec.json.encode(settings).decode()
+
+
+def router_settings(
+    link: str, listen: Sequence[Endpoint], files: TlsFiles, guests: Iterable[Guest]
+) -> dict[str, Any]:
+    """Return the settings of the clinic's router, for zenoh and for ``zenohd``.
+
+    A home reaches its own keys only. An operator or observer reaches what is for them among the
+    keys of each home, and acts under their own name.
+
+    Args:
+        link: the id of the clinic's link.
+        listen: where the router listens, with TLS.
+        files: its certificate; whoever has none of that authority is rejected.
+        guests: homes, operators and observers.
+    """
+    settings = _common("router", VISIT_LEASE_MS)
+    settings["listen"] = {"endpoints": [end.locator for end in listen], "exit_on_failure": True}
+    settings["transport"]["link"]["protocols"] = ["tls"]
+    settings["transport"]["link"]["tls"] = _listening(files)
+    access = _Access()
+    for guest in guests:
+        if guest.role == "home":
+            _let_home_in(access, LinkKeys(home_link(_key_part(link), _key_part(guest.name))), guest)
+        else:
+            _let_visitor_in(access, LinkKeys(home_link(_key_part(link), "*")), guest)
+    settings["access_control"] = access.settings
+    return settings
+
+
+def _listening(files: TlsFiles) -> dict[str, Any]:
+    return {
+        "enable_mtls": True,
+        "root_ca_certificate": str(files.authority),
+        "listen_certificate": str(files.certificate),
+        "listen_private_key": str(files.key),
+        "close_link_on_expiration": True,
+    }
 
 
 def socket_settings(socket: Path) -> str:
@@ -196,9 +240,11 @@ def socket_settings(socket: Path) -> str:
     return _client(f"unixsock-stream/{socket}", {})
 
 
-def network_settings(where: Endpoint, credentials: Credentials) -> str:
-    """Return the settings of a peer on another machine, as JSON. They contain its private key: keep
-    them out of logs.
+def network_settings(
+    where: Endpoint, credentials: Credentials, *, through_router: bool = False
+) -> str:
+    """Return the settings of a peer on another machine, or of a home, as JSON. They contain its
+    private key: keep them out of logs.
 
     The host's certificate must be issued by our authority for a host and name the host that was
     asked for, so that no other peer can pose as the host.
@@ -213,6 +259,7 @@ def network_settings(where: Endpoint, credentials: Credentials) -> str:
             "connect_private_key_base64": _base64(credentials.key),
             "close_link_on_expiration": True,
         },
+        VISIT_LEASE_MS if through_router else LEASE_MS,
     )
 
 
@@ -225,11 +272,11 @@ def config(settings: str) -> "zenoh.Config":
     return zenoh.Config.from_json5(settings)
 
 
-def _client(locator: str, tls: dict[str, Any]) -> str:
+def _client(locator: str, tls: dict[str, Any], lease_ms: int = LEASE_MS) -> str:
     """Return settings that fail at once if the first attempt does, but reconnect for ever after
     that.
     """
-    settings = _common("client")
+    settings = _common("client", lease_ms)
     first, longest = RETRY_MS
     settings["connect"] = {
         "endpoints": [locator],
@@ -242,7 +289,7 @@ def _client(locator: str, tls: dict[str, Any]) -> str:
     return msgspec.json.encode(settings).decode()
 
 
-def _common(mode: str) -> dict[str, Any]:
+def _common(mode: str, lease_ms: int = LEASE_MS) -> dict[str, Any]:
     return {
         "mode": mode,
         "listen": {"endpoints": []},
@@ -255,7 +302,7 @@ def _common(mode: str) -> dict[str, Any]:
         "transport": {
             "link": {
                 "protocols": ["tls", "unixsock-stream"],
-                "tx": {"lease": LEASE_MS, "keep_alive": 4},
+                "tx": {"lease": lease_ms, "keep_alive": 4},
                 "rx": {"max_message_size": MAX_MESSAGE_BYTES},
             },
             "shared_memory": {"enabled": False},
@@ -270,6 +317,79 @@ _WATCH = ["declare_liveliness_subscriber", "liveliness_query"]
 _IN, _OUT = ["ingress"], ["egress"]
 
 
+class _Access:
+    """Zenoh's access control: rules, and who they are for. What no rule allows is denied."""
+
+    def __init__(self) -> None:
+        self.settings: dict[str, Any] = {
+            "enabled": True,
+            "default_permission": "deny",
+            "rules": [],
+            "subjects": [],
+            "policies": [],
+        }
+        self._known: set[str] = set()
+
+    def allow(self, rule: str, messages: list[str], flows: list[str], where: list[str]) -> str:
+        """Add a rule, unless there is one of this name; return its name."""
+        if rule not in self._known:
+            self._known.add(rule)
+            made = {"messages": messages, "flows": flows, "key_exprs": where}
+            self.settings["rules"].append({"id": rule, "permission": "allow", **made})
+        return rule
+
+    def grant(self, subject: dict[str, Any], rules: list[str]) -> None:
+        """Let rules apply to somebody."""
+        self.settings["subjects"].append(subject)
+        self.settings["policies"].append({"rules": rules, "subjects": [subject["id"]]})
+
+    def grant_guest(self, name: str, rules: list[str]) -> None:
+        """Let rules apply to whoever has a certificate of this name."""
+        self.grant({"id": name, "cert_common_names": [name], "link_protocols": ["tls"]}, rules)
+
+
+def _let_home_in(access: _Access, keys: LinkKeys, home: Guest) -> None:
+    """Let a home announce its session, and reach those who visit it, each by a key of their own."""
+    name = _key_part(str(home))
+    visitors = [keys.act("*"), keys.ping("*")]
+    access.grant_guest(
+        name,
+        [
+            access.allow(f"{name} announces itself", _ANNOUNCE, _IN, [keys.broadcast]),
+            access.allow(f"{name} listens", _SUBSCRIBE, _IN, visitors),
+            access.allow(f"{name} watches for visitors", _WATCH, _IN, [keys.ping("*")]),
+            access.allow(f"{name} receives", _PUBLISH, _OUT, visitors),
+            access.allow(f"{name} sees visitors", _ANNOUNCE, _OUT, [keys.ping("*")]),
+            access.allow(f"{name} sends", _PUBLISH, _IN, [keys.reply("*")]),
+            access.allow(f"{name} sees who listens", _SUBSCRIBE, _OUT, [keys.reply("*")]),
+            access.allow(f"{name} checks itself", _ANNOUNCE, _IN, [keys.ping(name)]),
+        ],
+    )
+
+
+def _let_visitor_in(access: _Access, keys: LinkKeys, guest: Guest) -> None:
+    """Let an operator or observer see which homes are there, and visit each under their own
+    name.
+    """
+    name = _key_part(str(guest))
+    own = [keys.act(name), keys.ping(name)]
+    homes = [keys.broadcast]
+    access.grant_guest(
+        name,
+        [
+            access.allow("visitors watch for homes", _WATCH, _IN, homes),
+            access.allow("visitors see homes", _ANNOUNCE, _OUT, homes),
+            access.allow(f"{name} sends", _PUBLISH, _IN, own),
+            access.allow(f"{name} sees who listens", _SUBSCRIBE, _OUT, own),
+            access.allow(f"{name} listens", _SUBSCRIBE, _IN, [keys.reply(name)]),
+            access.allow(f"{name} receives", _PUBLISH, _OUT, [keys.reply(name)]),
+            access.allow(f"{name} announces itself", _ANNOUNCE, _IN, [keys.ping(name)]),
+            access.allow(f"{name} checks itself", _WATCH, _IN, [keys.ping(name)]),
+            access.allow(f"{name} sees itself", _ANNOUNCE, _OUT, [keys.ping(name)]),
+        ],
+    )
+
+
 def _access(keys: LinkKeys, guests: list[Guest]) -> dict[str, Any]:
     """Return Zenoh's access control. Everything that no rule allows is denied: deletions, queries,
     others' acts.
@@ -280,28 +400,10 @@ def _access(keys: LinkKeys, guests: list[Guest]) -> dict[str, Any]:
     A key expression must lie completely within a rule's keys: a wildcard that reaches further is
     denied.
     """
-    rules: list[dict[str, Any]] = []
-    subjects: list[dict[str, Any]] = []
-    policies: list[dict[str, Any]] = []
-
-    def allow(rule: str, messages: list[str], flows: list[str], where: list[str]) -> str:
-        rules.append(
-            {
-                "id": rule,
-                "permission": "allow",
-                "messages": messages,
-                "flows": flows,
-                "key_exprs": where,
-            }
-        )
-        return rule
-
-    def policy(subject: dict[str, Any], allowed: list[str]) -> None:
-        subjects.append(subject)
-        policies.append({"rules": allowed, "subjects": [subject["id"]]})
-
+    access = _Access()
+    allow = access.allow
     both = _IN + _OUT
-    policy(
+    access.grant(
         {"id": "same user", "link_protocols": ["unixsock-stream"]},
         [allow("same user", _PUBLISH + _SUBSCRIBE + _ANNOUNCE + _WATCH, both, [keys.all])],
     )
@@ -315,8 +417,8 @@ def _access(keys: LinkKeys, guests: list[Guest]) -> dict[str, Any]:
         name = _key_part(str(guest))
         sends = [keys.ping(name), keys.act(name)]
         receives = [keys.broadcast, keys.reply(name)]
-        policy(
-            {"id": name, "cert_common_names": [name], "link_protocols": ["tls"]},
+        access.grant_guest(
+            name,
             [
                 *shared,
                 allow(f"{name} sends", _PUBLISH, _IN, sends),
@@ -325,13 +427,7 @@ def _access(keys: LinkKeys, guests: list[Guest]) -> dict[str, Any]:
                 allow(f"{name} announces itself", _ANNOUNCE, _IN, [keys.ping(name)]),
             ],
         )
-    return {
-        "enabled": True,
-        "default_permission": "deny",
-        "rules": rules,
-        "subjects": subjects,
-        "policies": policies,
-    }
+    return access.settings
 
 
 def _key_part(text: str) -> str:

@@ -18,7 +18,13 @@ from sar_tui.loop.clock import STALLED
 from sar_tui.loop.dose import DoseCount
 from sar_tui.loop.node import TimedNode
 from sar_tui.loop.scores import Scores
-from sar_tui.loop.session_phase import ENTER_RESUMES, IN_TRIAL, Phase, waiting_message
+from sar_tui.loop.session_phase import (
+    ENTER_RESUMES,
+    IN_TRIAL,
+    VISIT_ASKED,
+    Phase,
+    waiting_message,
+)
 from sar_tui.loop.status import Status
 from sar_tui.loop.steps import Ended, Steps, is_refusal
 from sar_tui.loop.task import Task
@@ -34,6 +40,7 @@ from sar_tui.loop.topics import (
     TRIAL,
     TRIAL_FEEDBACK,
     TYPED,
+    VISIT_DECIDED,
     VOIDED,
     WAITING,
 )
@@ -82,6 +89,10 @@ class Decided(NamedTuple):
 
 class Resume(NamedTuple):
     """The pause is to end."""
+
+
+class Withdrawn(NamedTuple):
+    """Somebody does not ask to watch any longer, or the participant has declined."""
 
 
 # --- interruptions
@@ -259,6 +270,8 @@ class SessionScript:
                 case m.KeyPerceived(key="enter", repeat=False):
                     return True
                 case TimeUp("continue") if phase is Phase.READY:
+                    if self.status.asking:  # the agent spoke until now
+                        raise Pause(VISIT_ASKED)
                     return was_entered_before
                 case event:
                     may_await_decision = isinstance(event, m.AgentActing)
@@ -538,21 +551,25 @@ class SessionScript:
         status = self.status
         self.node.cancel_timers()
         status.paused_from, status.pause_reason = status.phase, reason
+        interrupted: str | None = None  # by the question whether somebody may watch
         self.announce(Phase.PAUSED)
         while True:
             try:
-                event = yield (Resume, m.KeyPerceived, m.SensorChanged)
+                event = yield (Resume, m.KeyPerceived, m.SensorChanged, Withdrawn)
             except Pause as another:
+                interrupted = status.pause_reason if another.reason == VISIT_ASKED else None
                 status.pause_reason = another.reason
                 self.announce(Phase.PAUSED)
                 continue
-            match event:
-                case m.KeyPerceived(key=key):
-                    resumes = key == "enter" and status.reason in ENTER_RESUMES
-                case m.SensorChanged():
-                    resumes = status.pause_reason == "sensor"
-                case _:
-                    resumes = True
+            if status.reason == VISIT_ASKED:
+                if isinstance(event, m.KeyPerceived) and event.key == "enter":
+                    self.decide_visit("agreed")
+                resumes = not status.asking and interrupted is None
+                if not status.asking and interrupted is not None:
+                    status.pause_reason, interrupted = interrupted, None
+                    self.announce(Phase.PAUSED)
+            else:
+                resumes = self._ends_pause(event)
             if not resumes:
                 continue
             if status.blockers.is_sensor_lost and self.needs_sensor:
@@ -562,6 +579,22 @@ class SessionScript:
             else:
                 return
             self.announce(Phase.PAUSED)
+
+    def _ends_pause(self, event: object) -> bool:
+        """Return True if an event ends the pause, unless something blocks the session."""
+        match event:
+            case m.KeyPerceived(key=key):
+                return key == "enter" and self.status.reason in ENTER_RESUMES
+            case m.SensorChanged():
+                return self.status.pause_reason == "sensor"
+        return isinstance(event, Resume)
+
+    def decide_visit(self, outcome: Literal["agreed", "declined", "ended"]) -> None:
+        """Publish what the participant decided: for those who ask, or for the rest of this run."""
+        status = self.status
+        peers, status.asking = tuple(status.asking), []
+        status.are_visits_over |= outcome != "agreed"
+        self.node.emit(VISIT_DECIDED, m.VisitDecided(outcome=outcome, peers=peers))
 
     @property
     def needs_sensor(self) -> bool:

@@ -43,6 +43,12 @@ PAUSES: dict[str, str] = {"interrupted": "enter", "restored": "enter", "sensor":
 """Events that end a pause, by its reason; a pause for any other reason ends with a command to
 resume.
 """
+VISIT_ASKED = "visit"
+"""Reason of a pause in which the participant is asked whether somebody may watch."""
+ASKABLE = {Phase.INSTRUCTIONS, Phase.READY, Phase.REST}
+"""Phases that this question may interrupt."""
+ASKABLE_PAUSES = ("", "tired", "interrupted")
+"""Reasons of pauses that it may interrupt."""
 LEFT = "left"
 """Reason of a pause in which the session was left on purpose: a later run begins as after an
 interruption.

@@ -1,6 +1,14 @@
 """Facts that hold whatever the session waits for: its phase, the disk, sensors, agent, keys."""
 
-from sar_tui.loop.session_phase import IN_TRIAL, LEFT, PAUSES, Phase
+from sar_tui.loop.session_phase import (
+    ASKABLE,
+    ASKABLE_PAUSES,
+    IN_TRIAL,
+    LEFT,
+    PAUSES,
+    VISIT_ASKED,
+    Phase,
+)
 from sar_tui.loop.task import Task
 from sar_tui.model.messages import KeyPerceived, SensorChanged, StorageChanged
 from sar_tui.model.units import MS, SECOND
@@ -17,6 +25,8 @@ class Status:
         focused: True while the terminal has the focus.
         is_agent_acting: True while the agent speaks or moves.
         awaits_operator: True while a proposal with a deadline is pending.
+        asking: names of those who ask to watch, and to whom the participant has not answered.
+        are_visits_over: True once the participant declined or ended a visit.
         last_trial: attempt and number of the last trial that was done.
         stored: the same of the last trial that is on disk.
     """
@@ -28,6 +38,8 @@ class Status:
         self.focused = True
         self.is_agent_acting = False
         self.awaits_operator = False
+        self.asking: list[str] = []
+        self.are_visits_over = False
         self.last_trial = (0, 0)
         self.stored = (0, 0)
         self.blockers = Blockers(task.sensor_seats(task.parameters))
@@ -38,6 +50,8 @@ class Status:
         self.focused = True
         self.is_agent_acting = False
         self.awaits_operator = False
+        self.asking = []
+        self.are_visits_over = False
         self.stored = self.last_trial
         self.blockers.reset()
         self.keys.begin_run()
@@ -70,7 +84,18 @@ class Status:
     @property
     def is_paused_by_person(self) -> bool:
         """True in a pause that only a command ends, unless it was made to leave the session."""
-        return self.phase is Phase.PAUSED and self.pause_reason not in (*PAUSES, LEFT)
+        return self.phase is Phase.PAUSED and self.pause_reason not in (*PAUSES, LEFT, VISIT_ASKED)
+
+    @property
+    def must_ask(self) -> bool:
+        """True if the participant is to be asked now whether somebody may watch: no response is
+        awaited, and the agent is still.
+        """
+        if not self.asking or self.is_agent_acting or self.awaits_operator:
+            return False
+        if self.phase is Phase.PAUSED:
+            return self.reason in ASKABLE_PAUSES
+        return self.phase in ASKABLE
 
     @property
     def reason(self) -> str:

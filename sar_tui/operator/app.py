@@ -19,10 +19,11 @@ from textual.widgets.option_list import Option
 import sar_tui.loop
 from sar_tui.drivers.login_name import login_name
 from sar_tui.link import discovery
-from sar_tui.link.client import connect
+from sar_tui.link.client import Where, connect
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.errors import LinkError
 from sar_tui.link.invitation import Invitation
+from sar_tui.link.visits import HomeFinder, HomeVisit
 from sar_tui.model.language import Language, language
 from sar_tui.model.messages import Role
 from sar_tui.model.protocol import WizardProtocol
@@ -48,7 +49,7 @@ class WizardApp(BaseApp):
         folder: the data folder, whose sessions can be joined; holds the operator's own file.
         name: the operator's or observer's name.
         role: operator or observer.
-        where: the session; if None, the user chooses one.
+        where: the session; if None, the user chooses one; if an invitation to a router, a home.
         waits: join the first session that appears, if there is none yet.
         protocol: the operator's, if there is one.
     """
@@ -62,7 +63,7 @@ class WizardApp(BaseApp):
         folder: Path,
         name: str,
         role: Role = "operator",
-        where: JoinableSession | Invitation | None = None,
+        where: Where | None = None,
         *,
         waits: bool = False,
         protocol: WizardProtocol | None = None,
@@ -80,12 +81,14 @@ class WizardApp(BaseApp):
 
     def begin(self) -> None:
         """Show the panel of the session, or the choice of one."""
-        if self._where:
+        if isinstance(self._where, Invitation) and self._where.router:
+            self.push_screen(HomesScreen(self._where, self.tr), self._join)
+        elif self._where:
             self._join(self._where)
         else:
             self.push_screen(ChooseScreen(self._folder, self.tr, waits=self._waits), self._join)
 
-    def _join(self, where: JoinableSession | Invitation | None) -> None:
+    def _join(self, where: Where | None) -> None:
         if where is None:
             self.exit(return_code=0)
             return
@@ -96,7 +99,7 @@ class WizardApp(BaseApp):
         self.failure = why or ""
         self.exit(return_code=int(bool(why)))
 
-    def make_panel(self, where: JoinableSession | Invitation) -> PanelScreen:
+    def make_panel(self, where: Where) -> PanelScreen:
         """Return the panel of a session."""
         return panel(
             where,
@@ -131,7 +134,7 @@ def own_name() -> str:
 
 
 def panel(
-    where: JoinableSession | Invitation,
+    where: Where,
     name: str,
     role: Role,
     theme: Theme,
@@ -234,6 +237,78 @@ class ChooseScreen(Screen[JoinableSession | None]):
     @on(OptionList.OptionSelected, "#box")
     def _selected(self, event: OptionList.OptionSelected) -> None:
         self.dismiss(self._found[event.option.id or ""])
+
+    def action_leave(self) -> None:
+        self.dismiss(None)
+
+
+class HomesScreen(Screen[HomeVisit | None]):
+    """List of the homes where somebody is training, through a router.
+
+    Args:
+        invitation: of the operator or observer.
+        tr: language of the panel.
+    """
+
+    CSS = """
+    HomesScreen { align: center middle; }
+    HomesScreen #box { width: 70; height: auto; max-height: 80%; border: round $accent; padding: 0 1; }
+    HomesScreen #hint { width: 70; height: auto; margin: 1 0; color: $text-muted; }
+    """
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "leave", "Back")]
+
+    app: Any
+
+    def __init__(self, invitation: Invitation, tr: Language) -> None:
+        super().__init__()
+        self.tr = tr
+        self._invitation = invitation
+        self._finder = HomeFinder(invitation, self._changed)
+        self._homes: tuple[str, ...] = ()
+
+    @property
+    def help_text(self) -> str:
+        """Explanation of this screen in the help."""
+        return f"{self.tr('The homes where somebody is training now. They are asked first.')}\n"
+
+    def compose(self) -> ComposeResult:
+        box = OptionList(id="box", markup=False)
+        box.border_title = self.tr("Homes where somebody is training")
+        yield box
+        yield Static("", id="hint", markup=False)
+        yield KeyFooter()
+
+    def on_mount(self) -> None:
+        self._finder.open()
+        self.show()
+
+    def on_unmount(self) -> None:
+        self._finder.close()
+
+    def _changed(self) -> None:
+        """Called on the finder's threads."""
+        with contextlib.suppress(RuntimeError):  # the app is closed
+            self.app.call_later(self.show)
+
+    def show(self) -> None:
+        """Show the homes that are there, or why there are none."""
+        box, tr, homes = self.query_one("#box", OptionList), self.tr, self._finder.homes
+        if homes != self._homes:
+            before = self._homes[box.highlighted] if box.highlighted is not None else ""
+            self._homes = homes
+            box.clear_options()
+            box.add_options([Option(home, id=home) for home in homes])
+            if homes:
+                box.highlighted = homes.index(before) if before in homes else 0
+                box.focus()
+        box.display = bool(homes)
+        nobody = f"{tr('Nobody is training at home now.')}\n\n{tr('Waiting for one …')}"
+        hint = tr("Enter asks them whether you may watch.") if homes else nobody
+        self.query_one("#hint", Static).update(tr(self._finder.why) if self._finder.why else hint)
+
+    @on(OptionList.OptionSelected, "#box")
+    def _selected(self, event: OptionList.OptionSelected) -> None:
+        self.dismiss(HomeVisit(self._invitation, event.option.id or ""))
 
     def action_leave(self) -> None:
         self.dismiss(None)

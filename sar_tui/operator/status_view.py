@@ -37,6 +37,7 @@ _REASONS = {
     "interrupted": "interrupted",
     "storage": "the disk",
     "held": "a key is held",
+    "visit": "asked about a visit",
 }
 _LINK = {"connecting": "connecting", "lost": "connection lost", "ended": "no connection"}
 _WITHOUT_OPERATOR = {

@@ -97,3 +97,34 @@ def test_check_against_a_running_session(call: Call, data: Path) -> None:
         checked = call("link check operator-anna.sar-link --json")
     assert checked.code == 0
     assert checked.json["endpoints"] == [{"endpoint": str(where), "error": ""}]
+
+
+def test_a_home_is_invited_and_keeps_its_invitation(call: Call, here: Path) -> None:
+    invited(call, name="p01", role="home").shows(
+        "sar-tui link home home-p01.sar-link", "sar-tui link router --listen tls/0.0.0.0:7447"
+    )
+    home = f"--data {here}/home"
+    call(f"link home {home}").shows("No session of this data folder dials out")
+    call(f"link home home-p01.sar-link {home}").shows(
+        "lab-pc.local:7447", "Delete home-p01.sar-link"
+    )
+    printed = call(f"link home --json {home}").json
+    assert (printed["dials_out"], printed["name"]) == (True, "p01")
+    call(f"link home home-p01.sar-link --remove {home}").refused("not both")
+    call(f"link home --remove {home}").shows("No session of this data folder dials out")
+    assert call(f"link home --json {home}").json["dials_out"] is False
+
+
+def test_an_invitation_of_the_wrong_kind_is_refused(call: Call) -> None:
+    invited(call, "--router")
+    invited(call, name="p01", role="home")
+    call("link home operator-anna.sar-link").refused("invites an operator")
+    call("wizard --link home-p01.sar-link").refused("is for a home")
+    call("agent --link operator-anna.sar-link").refused("Name the home to visit")
+    call("wizard p/1 --link operator-anna.sar-link").refused("cannot be a guest's name")
+    invited(call, name="ben")
+    call("wizard p01 --link operator-ben.sar-link").refused("leave out SESSION and --wait")
+
+
+def test_a_router_needs_somebody_who_is_invited(call: Call) -> None:
+    call("link router --listen tls/127.0.0.1").refused("Nobody has been invited")

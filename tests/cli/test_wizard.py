@@ -34,7 +34,7 @@ def live(monkeypatch: pytest.MonkeyPatch, *sessions: JoinableSession) -> None:
         ("agent", [], "`sar-tui run keyboard -p P01 --operator`"),
         ("wizard x", [ONE], "begins with x"),
         ("wizard --link gone.sar-link", [], "There is no file gone.sar-link."),
-        ("wizard abc1 --link file", [ONE], "leave out SESSION and --wait"),
+        ("wizard --wait --link file", [ONE], "leave out SESSION and --wait"),
         ("wizard --name two,words", [ONE], "'two,words' is not a valid name"),
         ("wizard", [ONE], "needs a real terminal"),
         ("agent", [ONE], "needs a real terminal"),

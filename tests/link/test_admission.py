@@ -6,7 +6,7 @@ import msgspec
 import pytest
 
 from sar_tui.link import protocol
-from sar_tui.link.admission import Admission, ReportThrottle, TokenBucket
+from sar_tui.link.admission import ASKING, Admission, ReportThrottle, TokenBucket
 from sar_tui.link.presence import FIRST_ANSWER_WITHIN, MAX_PEERS
 from sar_tui.link.protocol import (
     ActReceived,
@@ -20,6 +20,7 @@ from sar_tui.link.protocol import (
     RequestRefused,
     SessionMessage,
     SnapshotRequested,
+    VisitAsked,
 )
 from sar_tui.loop.topics import COMMAND, NOTE_ADDED
 from sar_tui.model import messages as m
@@ -37,11 +38,15 @@ def raw(message: Message) -> msgspec.Raw:
 class Bench:
     """Admission that records its events and answers."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, is_visit: bool = False) -> None:
         self.events: list[BrokerEvent] = []
         self.answers: list[tuple[str, SessionMessage]] = []
         self.admission = Admission(
-            2 * SECOND, self.events.append, lambda *answer: self.answers.append(answer), "here"
+            2 * SECOND,
+            self.events.append,
+            lambda *answer: self.answers.append(answer),
+            "here",
+            is_visit=is_visit,
         )
 
     def ping(self, name: str, now: int, client_id: str = "1", **how: Any) -> None:
@@ -355,3 +360,56 @@ def test_events_beyond_the_maximum_wait_until_others_are_forgotten() -> None:
     assert [throttle.add(thing, 0) for thing in range(1000)] == [1, 1, 1] + [0] * 997
     assert throttle.due(SECOND) == []
     assert throttle.add(999, SECOND) == 1
+
+
+# --- a visit
+
+
+def test_before_the_participant_agrees_a_visitor_is_told_that_they_are_asked_and_nothing_else() -> (
+    None
+):
+    bench = Bench(is_visit=True)
+    bench.ping(ANNA, SECOND, wants_snapshot=True)
+    bench.ping(ANNA, 2 * SECOND, wants_snapshot=True, unanswered=("ab",))
+    bench.act(ANNA, 2 * SECOND, id="ab")
+    assert bench.answers == [(ANNA, Pong(77, 0, "", 0, "1", ASKING))] * 2
+    asked, refused = bench.take()
+    assert asked == VisitAsked(ANNA)
+    assert isinstance(refused, RequestRefused)
+    assert bench.admission.present == []
+    bench.admission.admit(ANNA)
+    bench.ping(ANNA, 3 * SECOND, wants_snapshot=True)
+    bench.act(ANNA, 3 * SECOND)
+    joined, requested, act = bench.take()
+    assert (joined, requested) == (PeerJoined(ANNA), SnapshotRequested(ANNA))
+    assert isinstance(act, ActReceived)
+    assert bench.admission.present == [ANNA]
+
+
+def test_each_visitor_needs_a_yes_and_a_no_is_for_all_also_for_those_who_are_there() -> None:
+    bench = Bench(is_visit=True)
+    bench.admission.admit(ANNA)
+    bench.ping(ANNA, 0)
+    bench.ping(BEN, 0)
+    assert bench.take() == [PeerJoined(ANNA), VisitAsked(BEN)]
+    bench.admission.deny("Not today.")
+    assert bench.take() == [PeerLeft(ANNA, "left", "Not today.")]
+    for name in (ANNA, BEN, OLAF):
+        bench.ping(name, SECOND)
+        assert bench.refusal() == "Not today."
+    assert bench.take() == []
+
+
+def test_who_leaves_or_falls_silent_before_the_answer_does_not_ask_any_longer() -> None:
+    bench = Bench(is_visit=True)
+    bench.ping(ANNA, 0)
+    bench.ping(BEN, 0)
+    bench.ping(ANNA, SECOND, is_leaving=True)
+    bench.admission.tick(2 * SECOND)
+    bench.admission.tick(2 * SECOND + 1)
+    asked = [VisitAsked(ANNA), VisitAsked(BEN)]
+    assert bench.take() == [
+        *asked, VisitAsked(ANNA, withdrawn=True), VisitAsked(BEN, withdrawn=True)
+    ]  # fmt: skip
+    bench.ping(BEN, 3 * SECOND)
+    assert bench.take() == [VisitAsked(BEN)]

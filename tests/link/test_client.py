@@ -123,7 +123,9 @@ def batch(number: int) -> Batch:
 @pytest.fixture
 async def panel(monkeypatch: pytest.MonkeyPatch) -> Any:
     monkeypatch.setattr(client, "Transport", FakeTransport)
-    monkeypatch.setattr(client, "connection_target", lambda where: where)
+    monkeypatch.setattr(
+        client, "connection_target", lambda where: client.ConnectionTarget(where.link, ())
+    )
     panel = Panel()
     host_now = client.host_now
     monkeypatch.setattr(client, "host_now", lambda: host_now() + panel.hours * 3600 * SECOND)
@@ -285,7 +287,9 @@ async def test_by_invitation_a_session_that_is_over_is_not_rejoined(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr(client, "Transport", FakeTransport)
-    monkeypatch.setattr(client, "connection_target", lambda where: where)
+    monkeypatch.setattr(
+        client, "connection_target", lambda where: client.ConnectionTarget(where.link, ())
+    )
     invitation = Authority.open_or_create(tmp_path).invite(
         Guest("anna", "operator"), [Endpoint("127.0.0.1", 7447)], 30
     )

@@ -83,7 +83,8 @@ class FakeChannel:
 
     link = "link"
 
-    def __init__(self) -> None:
+    def __init__(self, *, is_visit: bool = False) -> None:
+        self.is_visit = is_visit
         self.sent: list[Outgoing] = []
         self.is_full = False
         self.checks = 0

@@ -1,7 +1,8 @@
 """Choice of a session, and its panel."""
 
 import re
-from datetime import datetime
+from collections.abc import Callable
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +13,13 @@ from sar_tui.app.screens import home
 from sar_tui.link import discovery as link_folder
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.errors import LinkError
-from sar_tui.link.invitation import NAME
+from sar_tui.link.invitation import NAME, Invitation
 from sar_tui.link.peer import PeerListener
+from sar_tui.link.visits import HomeVisit
+from sar_tui.link.zenoh_settings import Credentials
 from sar_tui.model.protocol import WizardProtocol
 from sar_tui.operator import app as operator_app
-from sar_tui.operator.app import HOW_TO_START, ChooseScreen, WizardApp, own_name
+from sar_tui.operator.app import HOW_TO_START, ChooseScreen, HomesScreen, WizardApp, own_name
 from sar_tui.operator.screen import PanelScreen
 from sar_tui.plugins import Catalogue
 from sar_tui.widgets.lists import OptionList
@@ -159,3 +162,73 @@ def test_a_login_name_becomes_a_valid_name(login: str, monkeypatch: pytest.Monke
     for name in ("USER", "LNAME", "USERNAME"):
         monkeypatch.delenv(name, raising=False)
     assert re.fullmatch(NAME, own_name())
+
+
+# --- homes
+
+
+INVITED = Invitation(
+    role="operator",
+    name="anna",
+    link="0123456789ab",
+    endpoints=("visits.clinic.example",),
+    expires=datetime(2030, 1, 1, tzinfo=UTC),
+    credentials=Credentials("", "", ""),
+    router=True,
+)
+
+
+class FakeFinder:
+    """Finds the homes that a test names."""
+
+    made: list["FakeFinder"] = []
+
+    def __init__(self, invitation: Invitation, on_change: Callable[[], object]) -> None:
+        self.homes: tuple[str, ...] = ()
+        self.why = ""
+        self.is_open = False
+        self._on_change = on_change
+        self.made.append(self)
+
+    def open(self) -> None:
+        self.is_open = True
+
+    def close(self) -> None:
+        self.is_open = False
+
+    def find(self, *homes: str, why: str = "") -> None:
+        self.homes, self.why = homes, why
+        self._on_change()
+
+
+@pytest.fixture
+def finders(monkeypatch: pytest.MonkeyPatch) -> list[FakeFinder]:
+    monkeypatch.setattr(FakeFinder, "made", [])
+    monkeypatch.setattr(operator_app, "HomeFinder", FakeFinder)
+    return FakeFinder.made
+
+
+async def test_an_invitation_to_a_router_leads_to_the_home_that_is_chosen(
+    catalogue: Catalogue, tmp_path: Path, joined: list[Any], finders: list[FakeFinder]
+) -> None:
+    app = WizardApp(catalogue.theme("calm"), tmp_path, "me", where=INVITED)
+    async with app.run_test() as pilot:
+        await pilot.pause()
+        (finder,) = finders
+        assert isinstance(app.screen, HomesScreen)
+        hint, box = app.screen.query_one("#hint"), app.screen.query_one("#box", OptionList)
+        assert "Nobody is training at home now." in str(hint.render())
+        finder.find(why="Nothing listens there. Is the router running?")
+        await pilot.pause()
+        assert "Is the router running?" in str(hint.render())
+        finder.find("p01", "p03")
+        await pilot.pause()
+        await pilot.press("down")
+        finder.find("p01", "p02", "p03")
+        await pilot.pause()
+        assert box.highlighted == 2, "the mark stays on the home"
+        await pilot.press("enter")
+        await pilot.pause()
+        assert isinstance(app.screen, PanelScreen)
+        assert not finder.is_open
+    assert joined == [(HomeVisit(INVITED, "p03"), "me", "operator")]

@@ -26,9 +26,9 @@ _WORDS = {
     ),
 }
 _CHOICES = {
-    "": ("go on", "tired", "pain", "skip", "finished", "therapist"),
-    "tired": ("go on", "pain", "skip", "finished", "therapist"),
-    "pain": ("go on", "finished", "therapist"),
+    "": ("go on", "tired", "pain", "skip", "dismiss", "finished", "therapist"),
+    "tired": ("go on", "pain", "skip", "dismiss", "finished", "therapist"),
+    "pain": ("go on", "dismiss", "finished", "therapist"),
     "finished": ("go on", "end", "mistake"),
 }
 _LABELS = {
@@ -36,6 +36,7 @@ _LABELS = {
     "tired": "I am tired",
     "pain": "I am in pain",
     "skip": "Skip this attempt",
+    "dismiss": "End the visit",
     "finished": "I am finished",
     "end": "Yes, end the session",
     "mistake": "It was started by mistake",
@@ -50,10 +51,17 @@ def pause_words(reason: str, tr: Language) -> tuple[str, str]:
 
 
 def pause_choices(
-    reason: str, tr: Language, *, can_skip: bool = False, may_be_mistake: bool = False
+    reason: str,
+    tr: Language,
+    *,
+    can_skip: bool = False,
+    may_be_mistake: bool = False,
+    is_visited: bool = False,
 ) -> dict[str, str]:
-    """Return the choices in a pause for ``reason`` with their labels."""
-    offers = {"skip": can_skip, "mistake": may_be_mistake}
+    """Return the choices in a pause for ``reason`` with their labels. ``is_visited``: somebody
+    watches.
+    """
+    offers = {"skip": can_skip, "mistake": may_be_mistake, "dismiss": is_visited}
     found = _CHOICES.get(reason, _CHOICES[""])
     return {choice: tr(_LABELS[choice]) for choice in found if offers.get(choice, True)}
 
@@ -63,6 +71,8 @@ def act_of(choice: str) -> SessionCommand:
     match choice:
         case "go on":
             return SessionCommand(command="resume")
+        case "dismiss":
+            return SessionCommand(command="dismiss")
         case "skip":
             return SessionCommand(command="skip", reason="attempt")
         case "end":
@@ -87,11 +97,18 @@ class PauseMenu(OptionList):
     class TherapistAsked(Message):
         """The therapist wants to change something."""
 
-    def open(self, reason: str, *, can_skip: bool = False, may_be_mistake: bool = False) -> None:
+    def open(
+        self,
+        reason: str,
+        *,
+        can_skip: bool = False,
+        may_be_mistake: bool = False,
+        is_visited: bool = False,
+    ) -> None:
         """Show the choices after a pause for ``reason``.
 
         ``can_skip``: the attempt may be left out. ``may_be_mistake``: the session may have been
-        started by mistake.
+        started by mistake. ``is_visited``: somebody watches.
         """
         tr = language_of(self.app)
         self.border_title, words = pause_words(reason, tr)
@@ -100,7 +117,9 @@ class PauseMenu(OptionList):
             self.border_subtitle = switch.how_to_choose
         self.clear_options()
         self.add_option(Option(f"{words}\n", disabled=True))
-        choices = pause_choices(reason, tr, can_skip=can_skip, may_be_mistake=may_be_mistake)
+        choices = pause_choices(
+            reason, tr, can_skip=can_skip, may_be_mistake=may_be_mistake, is_visited=is_visited
+        )
         self.add_options([Option(label, id=choice) for choice, label in choices.items()])
         self.highlighted = 1
 

@@ -130,6 +130,7 @@ class SessionScreen(DismissedOnce[None]):
         bus.subscribe(topics.SESSION_ENDED, self._session_ended)
         bus.subscribe(topics.ACTING, self._agent_acted)
         bus.subscribe(topics.MARKERS, self._markers_changed)
+        bus.subscribe(topics.PRESENCE, lambda _: self.stage.visitors_changed())
         if self.app.sync_flash:
             from sar_tui.app.screens.sync_signal import SyncScreen
 
@@ -358,6 +359,9 @@ class _Keys:
         if event.key in stage.marks:
             if not screen.app.screen_keys.is_repeat:
                 self._press_mark(event.key, waiting)
+            return
+        if event.key == "escape" and waiting.reason == "visit":
+            self._live.operate(SessionCommand(command="dismiss"))
             return
         at = self._live.stamp(event.time)
         stalled = gc.is_stalled(round(at * SECOND))

@@ -19,6 +19,7 @@ from sar_tui.app.screens.message_panel import MessagePanel
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.summary import Summary
 from sar_tui.app.screens.waiting_text import (
+    WATCHED,
     WaitingText,
     decline_text,
     key_name,
@@ -115,6 +116,7 @@ class SessionStage(Vertical):
         self._asked = ""
         self._marked: Entry | None = None
         self._countdown: Handle | None = None
+        self._visit_words = ""
 
     @functools.cached_property
     def tr(self) -> Language:
@@ -149,6 +151,7 @@ class SessionStage(Vertical):
             codes = ", ".join(self._staged.codes.values())
             yield Static(f"{self.tr(session.task.title)} · {codes}", id="task", markup=False)
             yield self.agent.notice
+            yield Static("", id="visit", markup=False)
             yield Static("", id="where", markup=False)
         yield Static("", id="above")
         with ContentSwitcher(initial="message", id="stage"):
@@ -300,7 +303,11 @@ class SessionStage(Vertical):
         decide on feedback, the participant sees the words that they decided on.
         """
         parameters = self._staged.session.task.parameters
-        is_decided = parameters.operator_joins or parameters.operator_feedback != "autonomous"
+        is_decided = (
+            bool(self._visitors)
+            or parameters.operator_joins
+            or parameters.operator_feedback != "autonomous"
+        )
         self.agent.leave_out(self._result_phrases if is_shown and not is_decided else ())
 
     def _forget_results(self) -> None:
@@ -321,8 +328,8 @@ class SessionStage(Vertical):
             self.show_position(waiting)
         if waiting.what == "foreperiod" and before is not None and before.reason == "held":
             self.agent.clear("listening")
-        is_awaited = waiting.stage == "trial" and waiting.what in AWAITED
-        self.agent.let_move(not is_awaited)
+        self.agent.let_move(not self._is_awaited)
+        self._show_visitors()
         if before is not None and before.what == "result" and waiting.what != "response":
             # the next prompt, where no wait precedes it, has replaced the answer
             self._prompt.clear()
@@ -332,6 +339,33 @@ class SessionStage(Vertical):
             self._show_wait(waiting, entered=before is None or before.stage != waiting.stage)
         self._look_for_choices()
         self.read_aloud()
+
+    @property
+    def _is_awaited(self) -> bool:
+        """True in a trial in which a response is awaited, so that nothing may be drawn."""
+        waiting = self.waiting
+        return waiting is not None and waiting.stage == "trial" and waiting.what in AWAITED
+
+    @property
+    def _visitors(self) -> tuple[str, ...]:
+        return self._reported_to.visitors if self._reported_to else ()
+
+    def visitors_changed(self) -> None:
+        """Show the sign that somebody watches, or remove it; the choices in a pause change with
+        it.
+        """
+        self._show_visitors()
+        if self.shown == "menu" and self.waiting:
+            self._show_wait(self.waiting, entered=False)
+
+    def _show_visitors(self) -> None:
+        """Draw the sign, if it has changed. While a response is awaited it waits for the next
+        wait.
+        """
+        words = f"● {self.tr(WATCHED)}" if self._visitors else ""
+        if not self._is_awaited and words != self._visit_words:
+            self._visit_words = words
+            self.query_one("#visit", Static).update(words)
 
     def _look_for_choices(self) -> None:
         """Let a switch choose from what can be done now."""
@@ -379,6 +413,8 @@ class SessionStage(Vertical):
             self.agent.ask(self.tr("Please let go of the keys for a moment."))
         elif text is not None:
             self._show_text(waiting, text)
+            if waiting.reason == "visit":
+                self.app.screen_keys.changed(self.screen)
         elif waiting.stage == "trial" and (entered or self.shown != "prompt"):
             self._show_trials(waiting.trial - 1)
             self.show_position(waiting)
@@ -390,7 +426,12 @@ class SessionStage(Vertical):
             self._show_trials(waiting.trial - 1)
             can_skip = bool(self.app.patient) and self._staged.session.can_skip_attempt
             may_be_mistake = waiting.reason == "finished" and not any(self._attempts())
-            self.menu.open(waiting.reason, can_skip=can_skip, may_be_mistake=may_be_mistake)
+            self.menu.open(
+                waiting.reason,
+                can_skip=can_skip,
+                may_be_mistake=may_be_mistake,
+                is_visited=bool(self._visitors),
+            )
             self._switch_to("menu")
             self.app.screen_keys.changed(self.screen)
 

@@ -12,7 +12,7 @@ START_ROUNDS = 6
 """Intervals for which the start of a trial is marked, before a pause is offered: it comes often."""
 
 
-def session_choices(
+def session_choices(  # noqa: PLR0911
     waiting: Waiting, start_key: str, tr: Language, *, can_undo: bool, can_pause: bool
 ) -> tuple[Choice, ...]:
     """Return what can be done while a session waits; nothing in a trial, or if it waits for
@@ -23,6 +23,8 @@ def session_choices(
     go_on = Choice(tr("Go on"), ("enter",))
     undo = (Choice(tr("Take back"), ("ctrl+z",)),) if can_undo else ()
     pause = (Choice(tr("Pause"), ("escape",)),) if can_pause else ()
+    if waiting.reason == "visit":
+        return (Choice(tr("Yes"), ("enter",)), Choice(tr("Not today"), ("escape",)))
     match waiting.what:
         case "nothing":
             return (Choice(tr("Finish"), ("enter",)),)

@@ -12,6 +12,9 @@ from sar_tui.model.units import SECOND
 from sar_tui.tui.language import session_language
 from sar_tui.widgets.answer_options import SMALLEST_SCALE, options_text
 
+WATCHED = "Your therapist is watching"
+"""Sign that is visible while somebody watches."""
+
 
 class WaitingText(NamedTuple):
     """Headline, text, and the key to press (empty if no key helps). ``said``: sentences that tell
@@ -29,7 +32,7 @@ class WaitingText(NamedTuple):
         return sentences(self.headline, *((self.text,) if self.said is None else self.said))
 
 
-def waiting_text(  # noqa: PLR0911
+def waiting_text(  # noqa: PLR0911, PLR0912
     waiting: Waiting,
     task: Task,
     *,
@@ -72,6 +75,8 @@ def waiting_text(  # noqa: PLR0911
             if waiting.notice:
                 return WaitingText(tr("Once more"), f"{waiting.notice}\n\n{waiting.goal}", press)
             return WaitingText(tr("Ready?"), waiting.goal, press)
+        case "paused" if waiting.reason == "visit":
+            return _asked_for_visit(tr)
         case "paused":
             return _paused(waiting, task, tr, is_recording_over)
         case "broken":
@@ -167,6 +172,15 @@ def _paused(
                 "",
             )
     return None
+
+
+def _asked_for_visit(tr: Language) -> WaitingText:
+    what = tr("They see what you do here, and can change the training.")
+    return WaitingText(
+        tr("Your therapist would like to watch this training"),
+        f"{what}\n{tr('You can end this in every pause.')}",
+        tr("Enter: yes. Esc: not today."),
+    )
 
 
 def _no_space(detail: str, tr: Language) -> WaitingText:

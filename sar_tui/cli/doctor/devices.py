@@ -279,8 +279,9 @@ def invitations(here: Machine) -> Finding:
     """Check the invitations to a data folder's sessions, their expiry, and whether its keys are
     private.
     """
-    from sar_tui.link.authority import FOLDER, Authority
+    from sar_tui.link.authority import Authority
     from sar_tui.link.errors import LinkError
+    from sar_tui.link.invitation import FOLDER
 
     folder = here.home.folder
     if not Authority.exists(folder):

@@ -22,8 +22,17 @@ from sar_tui.loop.script import (
     SkipAttempt,
     TakeBack,
     TimeUp,
+    Withdrawn,
 )
-from sar_tui.loop.session_phase import IN_TRIAL, OVER, REQUEST_KEY, REQUESTABLE, Phase, text_of
+from sar_tui.loop.session_phase import (
+    IN_TRIAL,
+    OVER,
+    REQUEST_KEY,
+    REQUESTABLE,
+    VISIT_ASKED,
+    Phase,
+    text_of,
+)
 from sar_tui.loop.task import Task
 from sar_tui.loop.topics import (
     ACTING,
@@ -64,6 +73,8 @@ from sar_tui.loop.topics import (
     TYPED,
     UNREADABLE,
     UNSAID_FEEDBACK,
+    VISIT,
+    VISIT_DECIDED,
     VOIDED,
     WAITING,
 )
@@ -114,6 +125,7 @@ class EventHandler(TimedNode):
         STEP_ENDED,
         SESSION_ENDED,
         ANSWERED,
+        VISIT_DECIDED,
     )
     asks = (LEVEL_REQUEST, UNSAID_FEEDBACK)
 
@@ -157,6 +169,12 @@ class EventHandler(TimedNode):
         except StopIteration:
             return
         self._script = script
+        self._ask_for_visit()
+
+    def _ask_for_visit(self) -> None:
+        """Ask the participant whether somebody may watch, if this is a moment for it."""
+        if self._script and self.status.must_ask:
+            self._interrupt(Pause(VISIT_ASKED))
 
     def _end_result(self) -> None:
         """Go on at once if the answer to a trial is shown: that trial is over."""
@@ -241,6 +259,7 @@ class EventHandler(TimedNode):
         self._hear(agent)
         if was_awaited and not agent.awaits_operator:
             self._hear(Decided())
+        self._ask_for_visit()
 
     @on(PASTE)
     def pasted(self, paste: m.Pasted) -> None:
@@ -299,6 +318,28 @@ class EventHandler(TimedNode):
         elif status.blockers.is_sensor_lost and self.session.needs_sensor:
             self._interrupt(Pause("sensor"))
 
+    @on(VISIT)
+    def visit_requested(self, request: m.VisitRequested) -> None:
+        """Note who asks to watch; the participant is asked as soon as there is a moment for it."""
+        asking = self.status.asking
+        if request.state == "withdrawn":
+            if request.actor in asking:
+                asking.remove(request.actor)
+                self._hear(Withdrawn())
+        elif not self.status.are_visits_over and self.status.phase not in OVER:
+            asking.append(request.actor)
+            self._ask_for_visit()
+
+    def _end_visit(self, actor: str) -> _Result:
+        """Decline or end a visit, on behalf of the participant."""
+        if actor != "participant":
+            return "refused", "Only the participant can end a visit."
+        is_asked = self.status.reason == VISIT_ASKED
+        self.session.decide_visit("declined" if is_asked else "ended")
+        if is_asked:
+            self._hear(Withdrawn())
+        return _DONE
+
     @on(COMMAND)
     def command_received(self, act: m.SessionCommand) -> None:
         """Carry out a command, and answer it. The arbiter stops the agent."""
@@ -331,11 +372,15 @@ class EventHandler(TimedNode):
                 return self._mark(act)
             case "undo":
                 return self._undo(act.actor)
+            case "dismiss":
+                return self._end_visit(act.actor)
         return _DONE
 
     def _resume(self) -> _Result:
         if self.status.phase is not Phase.PAUSED:
             return "late", "The session is not paused."
+        if self.status.reason == VISIT_ASKED:
+            return "refused", "The participant is asked whether somebody may watch."
         self._hear(Resume())
         if self.status.phase is Phase.PAUSED:
             return "refused", "The sensor sends no data."

@@ -141,7 +141,8 @@ class Waiting(Message, frozen=True, kw_only=True):
     participant first: a new level, a trial to repeat, a limit. ``why``: why level or goal have
     changed, or the last attempt does not count, for the participant. ``reason``, in a pause: how
     the participant is (see `SessionCommand`), ``interrupted`` (the program had ended), ``storage``
-    (writing fails; also at the end), ``restored`` (writing works again), ``sensor`` (no data);
+    (writing fails; also at the end), ``restored`` (writing works again), ``sensor`` (no data),
+    ``visit`` (the participant is asked whether somebody may watch, see `VisitRequested`);
     while it waits for quiet: ``held`` (a key is held down). ``detail``: the error of disk or
     sensor, for the experimenter. ``ask``: the key that requests feedback on the last attempt, if
     there is some. ``until``: when a rest is over, or the attempt begins by itself (ns).

@@ -26,6 +26,8 @@ __all__ = [
     "Remark",
     "SessionCommand",
     "SettingChanged",
+    "VisitDecided",
+    "VisitRequested",
 ]
 
 
@@ -48,7 +50,8 @@ class SessionCommand(OperatorAct, frozen=True, kw_only=True):
     ``repeat`` (this prompt), ``level`` (sets it to ``value``), ``hold`` (attempts leave the level
     as it is), ``release`` (they change it again), ``mark`` (the current trial, else the last),
     ``undo`` (the actor's last act, see `loop.undo`), ``stop`` (everything the agent says and does;
-    ``at`` is the time stamp of the key). ``reason``:
+    ``at`` is the time stamp of the key), ``dismiss`` (the participant declines or ends a
+    visit, see `VisitDecided`). ``reason``:
     for a pause, how the participant is: ``tired``, ``pain``, ``finished``, or empty; for a mark,
     its name (see `trial_types.Mark`); for ``skip``, ``rest`` if a rest that must be taken is to be
     ended, ``attempt`` if the attempt that is under way or comes next is to be left out, ``step`` if
@@ -67,6 +70,7 @@ class SessionCommand(OperatorAct, frozen=True, kw_only=True):
         "mark",
         "undo",
         "stop",
+        "dismiss",
     ]
     actor: str = "participant"
     reason: str = ""
@@ -220,6 +224,28 @@ class OperatorChanged(Message, frozen=True, kw_only=True):
     holder: str = ""
     detail: str = ""
     peers: dict[str, Role] = {}
+
+
+class VisitRequested(Message, frozen=True, kw_only=True):
+    """Somebody at the clinic asks to watch a session at home, or no longer does (``withdrawn``).
+
+    ``actor``: who asks. The participant is asked as soon as no response is awaited, see
+    `VisitDecided`; whoever may watch joins by `OperatorChanged`.
+    """
+
+    actor: str
+    state: Literal["asked", "withdrawn"]
+
+
+class VisitDecided(Message, frozen=True, kw_only=True):
+    """The participant decided about visits to this session (derived).
+
+    ``agreed``: those who asked (``peers``) may watch. ``declined``: nobody may, in this run of the
+    session. ``ended``: those who watch may not any longer, and nobody else may.
+    """
+
+    outcome: Literal["agreed", "declined", "ended"]
+    peers: tuple[str, ...] = ()
 
 
 class PeerRequestRefused(Message, frozen=True, kw_only=True):
