@@ -77,20 +77,21 @@ def main() -> int:
             console.print(f"{part} took {time.monotonic() - began:.0f} s.\n", highlight=False)
     for part, why in failed.items():
         console.print(f"{part} was not measured. {why}", markup=False)
+    text = json.dumps(results, indent=1, default=lambda value: value.item())  # of numpy
     if not given.quick and not given.parts:
-        console.print(f"Stored in benchmarks/results/{_keep(results, now)}.")
+        console.print(f"Stored in benchmarks/results/{_keep(results, text, now)}.")
     return 0 if all(report.checks(results).values()) and not failed else 1
 
 
-def _keep(results: report.Results, now: datetime) -> str:
-    """Write the results and the page, and return the file's name."""
+def _keep(results: report.Results, text: str, now: datetime) -> str:
+    """Write the results, with their JSON, and the page; return the file's name."""
     own = results["machine"]
     named = re.sub(
         r"[^a-z0-9]+", "-", f"{own['system']} {own['architecture']} {own['cores']} cores".lower()
     )
     name = f"{now:%Y-%m-%d}-{named}.json"
     RESULTS.mkdir(exist_ok=True)
-    (RESULTS / name).write_text(json.dumps(results, indent=1) + "\n")
+    (RESULTS / name).write_text(f"{text}\n")
     (RESULTS / "latest.md").write_text(report.page(results))
     return name
 
