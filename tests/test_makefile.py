@@ -42,7 +42,11 @@ def test_each_target_installs_what_it_needs_and_is_not_yet_there(checkout: Path)
             found.append(after.partition("]")[0] if is_installed else "")
         return found
 
-    assert installs("run", "demo", "test") == ["link,serve", "link,serve", "dev"]
+    assert installs("run", "demo", "test") == [
+        "link,serve,letterbox",
+        "link,serve,letterbox",
+        "dev",
+    ]
     (checkout / ".venv").mkdir()
     (checkout / ".venv" / "program").touch()
     assert installs("run", "demo", "lint") == ["", "", "dev"]

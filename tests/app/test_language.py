@@ -12,6 +12,8 @@ import pytest
 
 import sar_tui.app
 import sar_tui.loop
+from sar_tui.app.at_home import NOT_RECEIVED, NOT_RECEIVED_WHY
+from sar_tui.app.screens.waiting_text import WATCHED
 from sar_tui.app.wellbeing_interview import QUESTIONS
 from sar_tui.model.language import BUNDLED, language, read_words
 from sar_tui.plugins import Catalogue, task_folder
@@ -49,7 +51,7 @@ def test_every_text_of_the_app_is_translated_and_no_translation_is_obsolete(
     steps = QUESTIONS.values()
     answers = {NOT_SAID, *chain.from_iterable((step.text, *step.labels) for step in steps)}
     participants, app = islice(rooms(catalogue), 2)
-    texts = app.needed | {"START", *MARKERS, *answers}
+    texts = app.needed | {"START", *MARKERS, NOT_RECEIVED, NOT_RECEIVED_WHY, WATCHED, *answers}
     for code in LANGUAGES:
         files = [folder / f"words.{code}.toml" for folder in (APP, APP / "therapist")]
         written = set[str]().union(*map(read_words, files))
