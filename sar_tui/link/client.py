@@ -529,6 +529,7 @@ class _Client:
 
 _TIMEOUT_S = 10.0
 _ANSWER_TIMEOUT_S = 2.0
+_LOOK_AGAIN_S = 0.1
 _CONNECTED, _ADMITTED = "connected", "admitted"
 _SILENT_SESSION = "The session there does not answer."
 _SILENT_ROUTER = "The router there does not answer."
@@ -609,11 +610,20 @@ def main() -> None:
         except zenoh.ZError:
             return
         print(_CONNECTED, flush=True)
-        found = session.liveliness().get(key, timeout=_ANSWER_TIMEOUT_S)
-        if any(reply.ok for reply in found):
+        latest = time.monotonic() + _ANSWER_TIMEOUT_S
+        while not (is_there := _is_announced(session, key)) and guest:
+            if time.monotonic() > latest:
+                break
+            time.sleep(_LOOK_AGAIN_S)  # what is announced takes a moment to reach the router
+        if is_there:
             print(_ADMITTED, flush=True)
         if guest:
             token.undeclare()  # type: ignore[no-untyped-call]
+
+
+def _is_announced(session: Any, key: str) -> bool:
+    found = session.liveliness().get(key, timeout=_ANSWER_TIMEOUT_S)
+    return any(reply.ok for reply in found)
 
 
 if __name__ == "__main__":
