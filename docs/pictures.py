@@ -166,6 +166,7 @@ class _Channel:
     """Stands in for the broker process, and keeps what is sent to it."""
 
     link = "picture"
+    is_visit = False
     listener: BrokerListener
 
     def __init__(self) -> None:

@@ -391,6 +391,11 @@ def _print_clinic(clinic: str, found: "Clinic | None", *, as_json: bool) -> None
             f"{_count(found.waiting, 'letter is', 'letters are')} on the way, the oldest since "
             f"{found.since[:10]}."
         )
+    if found.refused:
+        said.append(
+            f"! The clinic has refused {_count(found.refused, 'letter', 'letters')}. Call your "
+            "therapist: letterbox list there says why."
+        )
     if found.missing:
         said.append(f"! Letters of the clinic are missing: {', '.join(map(str, found.missing))}.")
     console().print("\n".join(said), soft_wrap=True)

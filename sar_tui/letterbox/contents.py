@@ -24,7 +24,7 @@ from sar_tui.store.tables import SESSION_TABLES, TABLES
 
 Role = Literal["clinic", "home"]
 Contents = dict[str, dict[str, str]]
-"""By table the key of each row in words, with what the row was like when it was sent."""
+"""By table the key of each row in words, with a fingerprint of the row when it was sent."""
 OF_CLINIC = ("programmes", "people_events")
 """Tables that only a clinic writes."""
 KINDS_OF_CLINIC = ("message-home", "training-days", "report-request")
@@ -46,7 +46,7 @@ _OWN = {
     "people_events": "SELECT id, '' FROM {schema}.people_events WHERE site='' AND participant=? "
     "ORDER BY at, id",
 }
-"""Query of the rows of a person: the key in words, and what the row is like."""
+"""Query of the rows of a person: the key in words, and a fingerprint of the row."""
 _KEYS = {
     "sessions": "id",
     "records": "id || ' ' || version",
@@ -84,12 +84,18 @@ def news(
     """
     there = of_person(db, participant)
     found = {
-        table: {key: like for key, like in rows.items() if known.get(table, {}).get(key) != like}
+        table: {
+            key: fingerprint
+            for key, fingerprint in rows.items()
+            if known.get(table, {}).get(key) != fingerprint
+        }
         for table, rows in there.items()
         if writer == "clinic" or table not in OF_CLINIC
     }
     skipped = set(running)
-    sessions = [(id, like) for id, like in found.pop("sessions").items() if id not in skipped]
+    sessions = [
+        (id, fingerprint) for id, fingerprint in found.pop("sessions").items() if id not in skipped
+    ]
     older: dict[str, str] = {}
     if is_first and writer == "clinic":
         older = dict(sessions[:-_NEWEST])
