@@ -57,7 +57,7 @@ if TYPE_CHECKING:  # loaded with a session, so that the first screen is there so
 
 _LATEST_S = 1.0
 """Seconds after which the home screen is filled, whether its frame is known to be shown or not."""
-_LETTERS_SECONDS = 600.0
+_LETTERS_SECONDS = 60.0
 """Letters are exchanged at this interval, too, for an app that is left open."""
 _KEY_NAMES = {"escape": "Esc", "question_mark": "?", "slash": "/"}
 

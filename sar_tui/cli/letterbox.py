@@ -63,6 +63,7 @@ def new_letterbox(
 ) -> None:
     """Make a letterbox at the clinic, or move to another folder. Default: ~/sar-tui-letterbox."""
     from sar_tui.letterbox.letterbox import new
+    from sar_tui.store.passphrase import Passphrase
 
     made = new(home.folder, clinic, folder)
     if as_json:
@@ -74,6 +75,14 @@ def new_letterbox(
         "Then invite: sar-tui letterbox invite CODE",
         soft_wrap=True,
     )
+    _tell_folder(home)
+    if not Passphrase(home.folder).is_set:
+        console().print("Before that, set your passphrase: sar-tui passphrase", soft_wrap=True)
+
+
+def _tell_folder(home: Home) -> None:
+    """Say where the data is: an app that is opened with another folder knows nothing of it."""
+    console().print(f"The data is in {home.folder.absolute()}", soft_wrap=True)
 
 
 @app.command()
@@ -201,12 +210,15 @@ def revoke(
             metavar="NAME", help="The person, or P07/2 of several computers.", show_default=False
         ),
     ],
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask.")] = False,
     as_json: AsJson = False,
 ) -> None:
     """Take no more letters from a home, such as one whose computer was stolen."""
     from sar_tui.letterbox.exchange import exchange
     from sar_tui.letterbox.letterbox import revoke as revoke_home
 
+    if not yes and is_interactive():
+        typer.confirm(f"No more letters from the computer of {name}?", abort=True, err=True)
     revoked = revoke_home(home.folder, name)
     done = exchange(home.folder)
     if as_json:
@@ -246,7 +258,6 @@ def join(
     from sar_tui.letterbox.folder import LETTER, README, Letterbox
     from sar_tui.letterbox.letterbox import join as join_clinic
     from sar_tui.letterbox.letterbox import read_invitation
-    from sar_tui.letterbox.sealing import check_code
 
     sealed = read_invitation(file)
     place = folder or file.absolute().parent
@@ -255,7 +266,7 @@ def join(
             f"{place} is no letterbox. Name the folder that is shared with the clinic: --folder DIR."
         )
     Letterbox(place)
-    joined = join_clinic(home.folder, sealed, check_code(_ask_code()), place)
+    joined = join_clinic(home.folder, sealed, _ask_code(), place)
     if file.absolute().parent == joined.folder.absolute():
         Letterbox(joined.folder).remove(file.name)
     done = exchange(home.folder)
@@ -273,17 +284,30 @@ def join(
         "To train: sar-tui",
         soft_wrap=True,
     )
+    _tell_folder(home)
     _tell_troubles(done)
 
 
+_TRIES = 5
+"""Times that the eight words are asked for."""
+
+
 def _ask_code() -> str:
-    """Return the eight words, typed or from standard input."""
+    """Return the eight words, typed or from standard input. Raises Refused, StoreError."""
+    from sar_tui.letterbox.sealing import check_code
+    from sar_tui.store.database import StoreError
+
     if not is_interactive():
         if not (line := sys.stdin.readline()):
             raise Refused("Give the eight words on standard input, as one line.")
-        return line
+        return check_code(line)
     print("The eight words that your therapist tells you (of each, 4 letters are enough):")
-    return input("> ")
+    for _ in range(_TRIES - 1):
+        try:
+            return check_code(input("> "))
+        except StoreError as error:
+            print(error)
+    return check_code(input("> "))
 
 
 # --- on both sides

@@ -140,6 +140,8 @@ def unfinished(
     last = next((row for row in rows if row["task"] == task and counts(row)), None)
     if last is None or last["status"] != "interrupted" or last["partner"] or last["site"]:
         return None
+    if sessions.came_by_letter(database, last["id"]):
+        return None
     age = now() - datetime.fromisoformat(last["started_at"])
     return str(last["id"]) if timedelta(0) <= age < RESUMED_WITHIN else None
 

@@ -289,7 +289,7 @@ def find_resumable(database: sqlite3.Connection, folder: Path, name: str) -> ses
 
     Raises:
         StoreError: there is no such session, or it is live, or it has ended, or it is of another
-            site; part of it was erased, or somebody has withdrawn.
+            site or computer; part of it was erased, or somebody has withdrawn.
     """
     row = sessions.find(database, folder, name)
     if files := rescue_files(folder, row["id"]):
@@ -301,6 +301,14 @@ def find_resumable(database: sqlite3.Connection, folder: Path, name: str) -> ses
     if row["site"]:
         raise StoreError(
             f"The session {row['id']} is of {row['site']}: it can be resumed only there.",
+            bad_input=True,
+        )
+    if row["status"] == "interrupted" and sessions.came_by_letter(database, row["id"]):
+        raise StoreError(
+            Sentence(
+                "The session {session} was begun on another computer, and goes on only there.",
+                session=row["id"],
+            ),
             bad_input=True,
         )
     if row["status"] != "interrupted" or not is_personal(row["mode"]):

@@ -322,8 +322,19 @@ def latest_interrupted(db: sqlite3.Connection, folder: Path) -> Row | None:
     unfinished = f"{COUNTS} AND site='' AND status IN ('running', 'interrupted')"
     rows = _query(db, f"{_LISTED} WHERE {unfinished}{_NEWEST_FIRST}", {"limit": -1})
     interrupted = (row for row in rows if _with_status(row, folder)["status"] == "interrupted")
-    row = next(interrupted, None)
+    row = next((row for row in interrupted if not came_by_letter(db, row["id"])), None)
     return _typed("sessions", row) if row else None
+
+
+def came_by_letter(db: sqlite3.Connection, session: str) -> bool:
+    """Return True if a sealed letter brought a session: another computer of this site has it, and
+    goes on with it.
+    """
+    brought = (
+        "SELECT 1 FROM letters, json_each(contents, '$.sessions') AS session WHERE "
+        "direction='in' AND session.key=? LIMIT 1"
+    )
+    return db.execute(brought, (session,)).fetchone() is not None
 
 
 def operators(db: sqlite3.Connection, session: str | None = None) -> dict[str, list[str]]:

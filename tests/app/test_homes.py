@@ -53,6 +53,16 @@ async def test_who_trains_at_home_is_told_in_the_list_and_on_the_card(
     clinic.see("P02 Invited, not joined yet", "At home: invited, not joined yet", "F8 Message")
 
 
+async def test_a_revoked_home_is_named_and_cannot_be_written_to(
+    clinic: AppDriver, pair: Pair
+) -> None:
+    letterbox.revoke(pair.clinic, "P01")
+    clinic.app.screen.refresh_contents()  # type: ignore[attr-defined]
+    await clinic.settle()
+    clinic.see("At home: revoked")
+    clinic.lacks("F8 Message")
+
+
 async def test_the_card_that_was_looked_at_is_told_to_the_home(
     clinic: AppDriver, pair: Pair, catalogue: Catalogue
 ) -> None:

@@ -66,6 +66,25 @@ def test_from_an_invitation_to_the_first_session_at_the_clinic(
     assert (home["name"], home["state"], home["missing"]) == ("P07", "joined", [])
 
 
+def test_the_words_are_asked_for_again_until_they_are_right(
+    call: Call, invited: tuple[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file, code = invited
+    typed = iter(["one two", "", code])
+    monkeypatch.setattr("builtins.input", lambda _: next(typed))
+    monkeypatch.setattr("sar_tui.cli.letterbox.is_interactive", lambda: True)
+    call("letterbox join", file, *HOME).shows("The code has 8 words; these are 2.", "Welcome.")
+
+
+def test_revoking_is_asked_about(
+    call: Call, typed: Call, invited: tuple[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sar_tui.cli.letterbox.is_interactive", lambda: True)
+    assert typed("n", "letterbox revoke P07").code != 0
+    assert call("letterbox list --json").json["homes"][0]["state"] == "invited"
+    call("letterbox revoke P07 --yes").shows("P07 is revoked")
+
+
 def test_a_revoked_home_is_named(
     call: Call, typed: Call, invited: tuple[str, str], clinic: Path
 ) -> None:

@@ -56,12 +56,26 @@ class Computer:
         with closing(connect(self.data)) as db:
             return db.execute(sql, values).fetchall()
 
-    def train(self, code: str, seed: int = 1, task: str = "keyboard", **settings: Any) -> str:
-        """Play a session by the newest programme, and return its id."""
+    def train(
+        self,
+        code: str,
+        seed: int = 1,
+        task: str = "keyboard",
+        leave_after: int = 0,
+        **settings: Any,
+    ) -> str:
+        """Play a session by the newest programme, or some attempts of it; return its id."""
         with closing(connect(self.data)) as db:
             saved = programmes.newest(db, code, task)
         plan = make_plan(catalogue(), task, [code], settings, saved=saved, seed=seed)
-        return simulate(plan, PEOPLE["average"], self.data, catalogue(), began=self.clock())
+        return simulate(
+            plan,
+            PEOPLE["average"],
+            self.data,
+            catalogue(),
+            began=self.clock(),
+            leave_after=leave_after,
+        )
 
     def record(self, kind: str, code: str, **values: Any) -> str:
         """Enter a record of a person, and return its id."""

@@ -373,3 +373,23 @@ def test_a_form_that_was_filled_in_is_not_asked_again_by_a_clock_that_is_wrong(
             db, kind, "P07", "", given, now=home.clock() + timedelta(minutes=5), is_new=False
         )
         assert status.requested_form(db, "P07") == ""
+
+
+def test_a_session_that_was_interrupted_at_home_goes_on_only_there(
+    clinic: Clinic, home: Home
+) -> None:
+    from sar_tui.runs.patient_plan import unfinished
+    from sar_tui.runs.run import find_resumable
+    from sar_tui.store.database import StoreError
+    from sar_tui.store.sessions import latest_interrupted
+
+    session = home.train_today(attempts=2, leave_after=1)
+    settle(home, clinic)
+    with closing(connect(clinic.data)) as db:
+        with pytest.raises(StoreError, match="begun on another computer"):
+            find_resumable(db, clinic.data, session)
+        assert latest_interrupted(db, clinic.data) is None
+        assert unfinished(db, clinic.data, "P07", "keyboard", clinic.clock) is None
+    with closing(connect(home.data)) as db:
+        assert find_resumable(db, home.data, session)["id"] == session
+        assert unfinished(db, home.data, "P07", "keyboard", home.clock) == session

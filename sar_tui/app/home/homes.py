@@ -13,13 +13,18 @@ from sar_tui.rules.attention import AtHome
 
 
 class Homes(msgspec.Struct, frozen=True):
-    """The computers of a person that are invited or have joined; at least one."""
+    """The computers of a person that are invited, have joined or were revoked; at least one."""
 
     computers: Sequence[Home]
 
     @property
     def _joined(self) -> list[Home]:
         return [each for each in self.computers if each.state == "joined"]
+
+    @property
+    def can_be_written_to(self) -> bool:
+        """True unless all of them were revoked."""
+        return any(each.state != "revoked" for each in self.computers)
 
     @property
     def _heard(self) -> datetime | None:
@@ -42,7 +47,7 @@ class Homes(msgspec.Struct, frozen=True):
 
     def shortly(self, today: date, tr: Language) -> str:
         """Return what is said in the list: "At home: heard today 14:02"."""
-        if not self._joined:
+        if not self._joined and self.computers[-1].state == "invited":
             return self._states(today, tr)[0]
         return tr("At home: {state}", state=self._states(today, tr)[0])
 
@@ -52,7 +57,8 @@ class Homes(msgspec.Struct, frozen=True):
 
     def _states(self, today: date, tr: Language) -> list[str]:
         if not self._joined:
-            return [tr("invited, not joined yet")]
+            is_revoked = self.computers[-1].state == "revoked"
+            return [tr("revoked") if is_revoked else tr("invited, not joined yet")]
         said = []
         if any(each.clock for each in self._joined):
             said.append(tr("the clock there is wrong"))
@@ -67,7 +73,7 @@ def read_homes(database: sqlite3.Connection) -> dict[str, Homes]:
     """Return the people who train at home, or are invited to, by their codes."""
     found: dict[str, list[Home]] = {}
     for home in status.homes(database):
-        if home.state in ("invited", "joined"):
+        if home.state in ("invited", "joined", "revoked"):
             found.setdefault(home.participant, []).append(home)
     return {code: Homes(computers) for code, computers in found.items()}
 

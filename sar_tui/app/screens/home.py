@@ -348,7 +348,7 @@ class HomeScreen(Screen[None]):
         if action == "study":
             return bool(self._studies)
         if action == "message":
-            return self._who in self._homes
+            return self._who in self._homes and self._homes[self._who].can_be_written_to
         if action == "sessions" and self.focused is not None and self.focused.id == "recent":
             return False
         return super().check_action(action, parameters)

@@ -274,7 +274,8 @@ class PatientScreen(Screen[None]):
         if self._rest == "pain":
             return f"{tr(TELL_OF_PAIN)}\n{tr(ALONE)}"
         if self._rest or self._present is None:
-            return tr("You can rest now.")
+            rest = tr("You can rest now.")
+            return f"{rest}\n{tr('You can close this window.')}" if self._from_clinic else rest
         if len(self._exercises) > 1:
             return self._together()
         parts = [tr(self._plan.task.title)] if self._plan else []
