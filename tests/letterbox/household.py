@@ -10,8 +10,11 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from sar_tui.letterbox import letterbox
+from msgspec.structs import replace
+
+from sar_tui.letterbox import identity, letterbox, sealing
 from sar_tui.letterbox.exchange import Exchanged, exchange
+from sar_tui.letterbox.sealing import Keys, Letter
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
@@ -256,3 +259,11 @@ def settle(*computers: Computer) -> None:
         if not any(one.taken or one.written for one in done):
             return
     raise AssertionError(done)
+
+
+def put(clinic: Clinic, writer: Keys, **changes: Any) -> None:
+    """Put a letter to the clinic into the letterbox that somebody wrote with their keys."""
+    me = identity.require(clinic.data)
+    letter = Letter(reader=me.keys.public.seal, number=99, written_at="2026-09-07T08:00:00+00:00")
+    sealed = sealing.seal(replace(letter, **changes), writer)
+    (clinic.box / f"{random.randbytes(8).hex()}.letter").write_bytes(sealed)

@@ -15,11 +15,6 @@ from tests.letterbox.household import Clinic, Home, copy_of, rows, settle
 
 
 @pytest.fixture
-def clinic(tmp_path: Path) -> Clinic:
-    return Clinic(tmp_path / "clinic", "P07", "P08")
-
-
-@pytest.fixture
 def home(clinic: Clinic, tmp_path: Path) -> Home:
     return clinic.home("P07", tmp_path / "home")
 

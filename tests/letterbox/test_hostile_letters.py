@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from msgspec.structs import replace
 
 from sar_tui.letterbox import identity, sealing
 from sar_tui.letterbox.contents import check_rows, of_person, pack
@@ -17,19 +16,7 @@ from sar_tui.letterbox.correspondents import correspondents
 from sar_tui.letterbox.sealing import Keys, Letter
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.tables import SESSION_TABLES, TABLES
-from tests.letterbox.household import Clinic, Home, rows, settle
-
-
-@pytest.fixture
-def clinic(tmp_path: Path) -> Clinic:
-    return Clinic(tmp_path / "clinic", "P07", "P08")
-
-
-@pytest.fixture
-def home(clinic: Clinic, tmp_path: Path) -> Home:
-    found = clinic.home("P07", tmp_path / "home")
-    settle(found, clinic)
-    return found
+from tests.letterbox.household import Clinic, Home, put, rows, settle
 
 
 def contents(clinic: Clinic) -> dict[str, str]:
@@ -105,14 +92,6 @@ def _changed(letters: list[bytes], luck: random.Random) -> bytes:
 
 
 # --- letters by somebody with keys
-
-
-def put(clinic: Clinic, writer: Keys, **changes: Any) -> None:
-    """Put a letter to the clinic into the letterbox that somebody wrote with their keys."""
-    me = identity.require(clinic.data)
-    letter = Letter(reader=me.keys.public.seal, number=99, written_at="2026-09-07T08:00:00+00:00")
-    sealed = sealing.seal(replace(letter, **changes), writer)
-    (clinic.box / f"{random.randbytes(8).hex()}.letter").write_bytes(sealed)
 
 
 def test_a_letter_of_a_stranger_is_refused(clinic: Clinic, home: Home) -> None:

@@ -7,27 +7,14 @@ from contextlib import closing
 from datetime import timedelta
 from pathlib import Path
 
-import msgspec
 import pytest
 
 from sar_tui.letterbox import exchange as exchange_module
 from sar_tui.letterbox import identity, letterbox, sealing, status
 from sar_tui.letterbox.correspondents import correspondents
-from sar_tui.letterbox.sealing import Keys, Letter
+from sar_tui.letterbox.sealing import Keys
 from sar_tui.store.database import connect
-from tests.letterbox.household import Clinic, Computer, Home, copy_of, rows, settle
-
-
-@pytest.fixture
-def clinic(tmp_path: Path) -> Clinic:
-    return Clinic(tmp_path / "clinic", "P07", "P08")
-
-
-@pytest.fixture
-def home(clinic: Clinic, tmp_path: Path) -> Home:
-    found = clinic.home("P07", tmp_path / "home")
-    settle(found, clinic)
-    return found
+from tests.letterbox.household import Clinic, Computer, Home, copy_of, put, rows, settle
 
 
 def rate(home: Computer, session: str | None, code: str = "P07") -> None:
@@ -210,13 +197,6 @@ def test_a_letter_whose_number_is_too_high_is_refused(clinic: Clinic, home: Home
     put(clinic, identity.require(home.data).keys, number=2**31)
     assert "too high" in "".join(clinic.exchange().refused)
     assert missing(clinic) == ()
-
-
-def put(clinic: Clinic, writer: Keys, **changes: object) -> None:
-    me = identity.require(clinic.data)
-    letter = Letter(reader=me.keys.public.seal, number=99, written_at="2026-09-07T08:00:00+00:00")
-    sealed = sealing.seal(msgspec.structs.replace(letter, **changes), writer)
-    (clinic.box / "0.letter").write_bytes(sealed)
 
 
 def test_a_letter_that_is_nested_without_end_holds_up_nobody(clinic: Clinic, home: Home) -> None:
