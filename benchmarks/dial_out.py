@@ -9,7 +9,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from statistics import median, quantiles
 from typing import Any, NamedTuple
@@ -62,15 +62,23 @@ ALONE = msgspec.structs.replace(SAR_TUI, name="without a visitor")
 _ASKED, _ENTER, _PRESENCE = "not today", "Press Enter", "operator/presence"
 _IN_CONTROL = "You have control"
 _BETWEEN_ACTS_MS = 330
+_LEAST_OF_BLOCK = 5
+"""Reaction times in a block, so that few of them do not take many sessions."""
 _TIMEOUT_S = 30.0
 
 
 def measure(
-    acts: int, trials: int, folder: Path, on_act: Callable[[], None], on_press: Callable[[], None]
+    lines: Sequence[Line],
+    acts: int,
+    trials: int,
+    folder: Path,
+    on_act: Callable[[], None],
+    on_press: Callable[[], None],
 ) -> Any:
     """Measure latencies and reaction times over each line, and check the reaction times.
 
     Args:
+        lines: those to measure.
         acts: number of acts over each line.
         trials: number of reaction times with a visitor over each line, and without one.
         folder: to write to.
@@ -79,14 +87,15 @@ def measure(
     Raises:
         NoAnswer, Mismatch, NoPrompt: a program did not respond as expected.
     """
-    with _Clinic(folder / "clinic") as clinic:
+    with _Clinic(folder / "clinic", lines) as clinic:
         latencies = {
             line.name: _acts(acts, clinic, place, folder / f"acts-{number}", on_act)
             for number, (line, place) in enumerate(clinic.lines.items())
         }
         visited = [_visited(clinic, line, place) for line, place in clinic.lines.items()]
         programs = (ALONE, *visited)
-        measured = take_turns(programs, trials, BLOCKS, folder, lambda name: on_press())
+        blocks = min(BLOCKS, max(1, trials // _LEAST_OF_BLOCK))
+        measured = take_turns(programs, trials, blocks, folder, lambda name: on_press())
     errors = {name: [trial.error_ms for trial in done] for name, done in measured.items()}
     figures = {name: error_statistics(of_program) for name, of_program in errors.items()}
     alone = figures[ALONE.name]
@@ -104,11 +113,6 @@ def measure(
             ),
         },
     }
-
-
-def programs() -> int:
-    """Return the number of programs whose reaction times are measured."""
-    return 1 + len(LINES)
 
 
 def _summary(values: list[float]) -> dict[str, float]:
@@ -132,7 +136,7 @@ class _Clinic(contextlib.ExitStack):
         lines: the home's invitation over each line, by the line.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, lines: Sequence[Line]) -> None:
         super().__init__()
         router = _free_port()
         authority = Authority.open_or_create(folder)
@@ -141,7 +145,7 @@ class _Clinic(contextlib.ExitStack):
         write(authority.invite(Guest("bench", "operator"), [here], 1, router=True), self.operator)
         self.lines: dict[Line, Path] = {}
         commands = []
-        for number, line in enumerate(LINES):
+        for number, line in enumerate(lines):
             port, file = _free_port(), folder / f"home-{number}.sar-link"
             there = [Endpoint("127.0.0.1", port)]
             write(authority.invite(Guest(f"home{number}", "home"), there, 1), file)

@@ -120,11 +120,11 @@ def _operator(extent: Extent) -> Any:
 
 
 def _dial_out(extent: Extent) -> Any:
-    acts = 10 if extent.quick else 40
+    lines, acts = (dial_out.LINES[:1], 3) if extent.quick else (dial_out.LINES, 40)
     trials = extent.asked_trials or min(extent.trials, 100)
-    acted = extent.progress("acts of a visitor", acts * len(dial_out.LINES))
-    visited = extent.progress("reaction times beside a visitor", dial_out.programs() * trials)
-    return dial_out.measure(acts, trials, extent.folder, acted, visited)
+    acted = extent.progress("acts of a visitor", acts * len(lines))
+    visited = extent.progress("reaction times beside a visitor", (1 + len(lines)) * trials)
+    return dial_out.measure(lines, acts, trials, extent.folder, acted, visited)
 
 
 def _export(extent: Extent) -> Any:
